@@ -1,0 +1,41 @@
+#pragma once
+// SHA-256 of streams and files (OpenSSL). About 1 GB/s where the processor has SHA instructions.
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "hil/base/result.h"
+
+namespace forcegate {
+
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  Sha256(Sha256&&) noexcept;
+  Sha256& operator=(Sha256&&) noexcept;
+
+  void update(const void* data, std::size_t size);
+  template <class T>
+  void update(std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    update(values.data(), values.size_bytes());
+  }
+  void update(std::string_view text) { update(text.data(), text.size()); }
+
+  /// 64 lower-case hex digits; the object then starts anew.
+  std::string hex();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+std::string sha256_hex(std::string_view bytes);
+Result<std::string> sha256_file(const std::filesystem::path& path);
+
+}  // namespace forcegate

@@ -1,0 +1,63 @@
+#include "hil/base/units.h"
+
+#include <array>
+
+namespace forcegate {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+struct Row {
+  const char* symbol;
+  const char* canonical;
+  const char* quantity;
+  double factor;
+  double offset;
+};
+
+constexpr std::array kTable = {
+    Row{"s", "s", "time", 1, 0},          Row{"ms", "s", "time", 1e-3, 0},
+    Row{"us", "s", "time", 1e-6, 0},      Row{"ns", "s", "time", 1e-9, 0},
+    Row{"min", "s", "time", 60, 0},       Row{"h", "s", "time", 3600, 0},
+    Row{"N", "N", "force", 1, 0},         Row{"mN", "N", "force", 1e-3, 0},
+    Row{"kN", "N", "force", 1e3, 0},      Row{"gf", "N", "force", 9.80665e-3, 0},
+    Row{"kgf", "N", "force", 9.80665, 0}, Row{"lbf", "N", "force", 4.4482216152605, 0},
+    Row{"V", "V", "voltage", 1, 0},       Row{"mV", "V", "voltage", 1e-3, 0},
+    Row{"uV", "V", "voltage", 1e-6, 0},   Row{"counts", "counts", "code", 1, 0},
+    Row{"lsb", "counts", "code", 1, 0},   Row{"rad", "rad", "angle", 1, 0},
+    Row{"deg", "rad", "angle", kPi / 180, 0},  Row{"rev", "rad", "angle", 2 * kPi, 0},
+    Row{"C", "C", "temperature", 1, 0},   Row{"degC", "C", "temperature", 1, 0},
+    Row{"K", "C", "temperature", 1, -273.15},
+    Row{"degF", "C", "temperature", 5.0 / 9.0, -160.0 / 9.0},
+    Row{"F", "F", "capacitance", 1, 0},   Row{"nF", "F", "capacitance", 1e-9, 0},
+    Row{"pF", "F", "capacitance", 1e-12, 0},   Row{"uF", "F", "capacitance", 1e-6, 0},
+    Row{"Hz", "Hz", "frequency", 1, 0},   Row{"kHz", "Hz", "frequency", 1e3, 0},
+    Row{"m", "m", "length", 1, 0},        Row{"mm", "m", "length", 1e-3, 0},
+    Row{"um", "m", "length", 1e-6, 0},    Row{"ohm", "ohm", "resistance", 1, 0},
+    Row{"kohm", "ohm", "resistance", 1e3, 0},  Row{"Mohm", "ohm", "resistance", 1e6, 0},
+    Row{"S", "S", "conductance", 1, 0},   Row{"mS", "S", "conductance", 1e-3, 0},
+    Row{"uS", "S", "conductance", 1e-6, 0},    Row{"Pa", "Pa", "pressure", 1, 0},
+    Row{"kPa", "Pa", "pressure", 1e3, 0}, Row{"MPa", "Pa", "pressure", 1e6, 0},
+    Row{"bar", "Pa", "pressure", 1e5, 0}, Row{"pct", "1", "ratio", 1e-2, 0},
+    Row{"A", "A", "current", 1, 0},       Row{"mA", "A", "current", 1e-3, 0},
+    Row{"uA", "A", "current", 1e-6, 0},
+};
+
+}  // namespace
+
+std::optional<Unit> find_unit(std::string_view symbol) {
+  for (const Row& row : kTable)
+    if (symbol == row.symbol)
+      return Unit{row.symbol, row.canonical, row.quantity, row.factor, row.offset};
+  return std::nullopt;
+}
+
+std::optional<NamedColumn> split_unit_suffix(std::string_view column) {
+  const std::size_t at = column.rfind('_');
+  if (at == std::string_view::npos || at == 0) return std::nullopt;
+  const auto unit = find_unit(column.substr(at + 1));
+  if (!unit) return std::nullopt;
+  return NamedColumn{std::string(column.substr(0, at)), *unit};
+}
+
+}  // namespace forcegate

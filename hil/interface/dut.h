@@ -1,0 +1,82 @@
+#pragma once
+// The device under test: a firmware image in one of its lanes. The lane hides how the image runs
+// (shared object, QEMU with semihosting, QEMU with the link protocol, a board on a serial port).
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/base/registry.h"
+#include "hil/base/result.h"
+#include "hil/interface/calibration.h"
+
+namespace forcegate {
+
+/// Flags of one output sample.
+enum DutFlag : std::uint8_t {
+  kDutExcited = 1 << 0,    ///< the firmware has detected cyclic loading
+  kDutLearning = 1 << 1,   ///< start window still open: f_min and A not yet frozen
+  kDutHeld = 1 << 2,       ///< static hold: no amplification
+  kDutInputRail = 1 << 3,  ///< input code at the first or last code
+  kDutOutputClamped = 1 << 4,
+};
+
+struct DutSession {
+  std::filesystem::path image;
+  std::uint32_t nonce = 0;  ///< derived from (seed, image hash, case); the image must echo it
+  double rate_Hz = 1000.0;
+  Calibration calibration;
+};
+
+struct DutInfo {
+  int protocol_major = 0, protocol_minor = 0;
+  std::string board;         ///< "native", "mps2-an386", "lm3s6965evb" ...
+  std::string build_id;      ///< 40 hex digits of the image
+  std::string algorithm_id;  ///< "lebosse-eq7/1": decides whether an oracle exists
+  std::uint32_t nonce = 0;
+  int adc_bits = 0;
+  double rate_Hz = 0.0;
+};
+
+/// What the link noticed over a record. All zero on a sound one.
+struct DutCounters {
+  std::uint64_t samples = 0;
+  std::uint64_t frames_dropped = 0;
+  std::uint64_t frames_bad = 0;
+  std::uint64_t indices_lost = 0;
+  std::uint64_t overruns = 0;
+  std::uint64_t naks = 0;
+};
+
+class Dut {
+ public:
+  virtual ~Dut() = default;
+
+  /// Starts the image, shakes hands, sends CAL, resets its state. Refuses a wrong nonce, an unknown
+  /// protocol major or a calibration that is not echoed.
+  virtual Result<DutInfo> open(const DutSession& session) = 0;
+
+  /// Feeds n raw codes, first_index counted from the start of the record, and returns n forces and
+  /// flags. Any fault of the image (crash, hang, wrong index) is ErrorCode::firmware.
+  virtual Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
+                               std::span<float> force_N, std::span<std::uint8_t> flags) = 0;
+
+  /// Ends the record; the image may be opened again.
+  virtual Result<DutCounters> close() = 0;
+};
+
+struct LaneKind {
+  std::string name;  ///< "native", "block", "uart"
+  std::string doc;
+  /// Images this lane can run, judged by content ("ELF 64-bit shared object", "ARM, semihosting").
+  std::function<bool(const std::filesystem::path& image)> accepts;
+  std::function<Result<std::unique_ptr<Dut>>(const std::map<std::string, std::string>& options)> make;
+};
+
+}  // namespace forcegate

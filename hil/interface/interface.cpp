@@ -1,0 +1,124 @@
+#include <cmath>
+
+#include "hil/base/text.h"
+#include "hil/interface/check.h"
+#include "hil/interface/run_result.h"
+
+namespace forcegate {
+
+std::string_view to_string(CalibrationLevel level) {
+  switch (level) {
+    case CalibrationLevel::nominal: return "nominal";
+    case CalibrationLevel::statical: return "static";
+    case CalibrationLevel::identified: return "identified";
+  }
+  return "nominal";
+}
+
+std::string_view to_string(Verdict v) {
+  switch (v) {
+    case Verdict::pass: return "pass";
+    case Verdict::marginal: return "marginal";
+    case Verdict::fail: return "fail";
+    case Verdict::inconclusive: return "inconclusive";
+    case Verdict::rig_error: return "rig_error";
+    case Verdict::not_run: return "not_run";
+    case Verdict::waived: return "waived";
+  }
+  return "not_run";
+}
+
+std::string_view to_string(DecisionKind d) {
+  switch (d) {
+    case DecisionKind::accept: return "ACCEPT";
+    case DecisionKind::reject: return "REJECT";
+    case DecisionKind::no_decision: return "NO-DECISION";
+  }
+  return "NO-DECISION";
+}
+
+std::string_view to_string(Blame b) {
+  switch (b) {
+    case Blame::none: return "none";
+    case Blame::firmware: return "firmware";
+    case Blame::sensor: return "sensor";
+    case Blame::rig: return "rig";
+    case Blame::reference: return "reference";
+    case Blame::link: return "link";
+    case Blame::calibration: return "calibration";
+    case Blame::user: return "user";
+    case Blame::harness: return "harness";
+  }
+  return "harness";
+}
+
+Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
+  const StimulusKind* kind = Registry<StimulusKind>::instance().find(spec.name);
+  if (kind == nullptr) {
+    const auto names = Registry<StimulusKind>::instance().names();
+    const std::string near = nearest_name(spec.name, names);
+    return fail(ErrorCode::usage, "there is no stimulus named '" + printable_utf8(spec.name) + "'", {},
+                near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
+  }
+  std::vector<std::string> known;
+  for (const StimulusParameter& p : kind->parameters) known.push_back(p.name);
+  const auto refuse_unknown = [&](const std::string& name) -> Result<void> {
+    for (const std::string& k : known)
+      if (k == name) return {};
+    const std::string near = nearest_name(name, known);
+    return fail(ErrorCode::usage, "stimulus '" + spec.name + "' has no parameter '" + printable_utf8(name) + "'",
+                {}, near.empty() ? "it has: " + join(known, ", ") : "did you mean '" + near + "'?");
+  };
+  for (const auto& [name, value] : spec.numbers) FORCEGATE_CHECK_OK(refuse_unknown(name));
+  for (const auto& [name, value] : spec.lists) FORCEGATE_CHECK_OK(refuse_unknown(name));
+  for (const auto& [name, value] : spec.texts) FORCEGATE_CHECK_OK(refuse_unknown(name));
+  for (const StimulusParameter& p : kind->parameters) {
+    const auto range_error = [&](double v) {
+      return fail(ErrorCode::usage,
+                  "stimulus '" + spec.name + "': " + p.name + " = " + shortest(v) + " is out of range", {},
+                  "give a value from " + shortest(p.minimum) + " to " + shortest(p.maximum) + " " + p.unit);
+    };
+    const auto missing = [&] {
+      return fail(ErrorCode::usage, "stimulus '" + spec.name + "' needs " + p.name, {}, p.doc);
+    };
+    if (p.is_text) {
+      if (!spec.texts.contains(p.name)) {
+        if (std::isnan(p.fallback)) return missing();
+        spec.texts[p.name] = "";
+      }
+    } else if (p.is_list) {
+      if (const auto n = spec.numbers.find(p.name); n != spec.numbers.end()) {
+        spec.lists[p.name] = {n->second};  // a single number is a list of one
+        spec.numbers.erase(n);
+      }
+      if (!spec.lists.contains(p.name)) {
+        if (std::isnan(p.fallback)) return missing();
+        spec.lists[p.name] = {};
+      }
+      for (const double v : spec.lists[p.name])
+        if (!(v >= p.minimum && v <= p.maximum)) return range_error(v);
+    } else {
+      const auto [at, added] = spec.numbers.try_emplace(p.name, p.fallback);
+      if (std::isnan(at->second)) {
+        if (added) return missing();
+        return range_error(at->second);
+      }
+      if (!(at->second >= p.minimum && at->second <= p.maximum)) return range_error(at->second);
+    }
+  }
+  return kind->make(spec);
+}
+
+Result<std::unique_ptr<Rig>> make_rig(const std::string& name,
+                                      const std::map<std::string, std::string>& options) {
+  const RigKind* kind = Registry<RigKind>::instance().find(name);
+  if (kind == nullptr) {
+    const auto names = Registry<RigKind>::instance().names();
+    const std::string near = nearest_name(name, names);
+    return fail(ErrorCode::usage, "there is no rig named '" + printable_utf8(name) + "'", {},
+                near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
+  }
+  return kind->make(options);
+}
+
+}  // namespace forcegate

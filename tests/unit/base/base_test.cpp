@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "hil/base/digest.h"
+#include "hil/base/portable_math.h"
+#include "hil/base/rng.h"
+#include "hil/base/text.h"
+#include "hil/base/units.h"
+
+namespace forcegate {
+namespace {
+
+TEST(PortableMath, AgreesWithTheLibraryToItsStatedError) {
+  Rng rng(7);
+  for (int i = 0; i < 200000; ++i) {
+    const double x = rng.uniform(-1e4, 1e4);
+    EXPECT_NEAR(portable::sin(x), std::sin(x), 2e-15);
+    EXPECT_NEAR(portable::cos(x), std::cos(x), 2e-15);
+    const double e = rng.uniform(-700, 700);
+    EXPECT_NEAR(portable::exp(e) / std::exp(e), 1.0, 1e-15);
+    const double l = std::exp(rng.uniform(-50, 50));
+    EXPECT_NEAR(portable::log(l), std::log(l), 1e-15 * std::max(1.0, std::fabs(std::log(l))));
+  }
+  EXPECT_EQ(portable::exp(-1000), 0.0);
+  EXPECT_TRUE(std::isinf(portable::exp(1000)));
+  EXPECT_TRUE(std::isnan(portable::log(-1)));
+}
+
+TEST(Rng, NormalHasTheMomentsAndTailsOfAGaussian) {
+  Rng rng(1, "moments");
+  const int n = 2000000;
+  double s1 = 0, s2 = 0, s4 = 0;
+  int beyond3 = 0;
+  for (int i = 0; i < n; ++i) {
+    const double v = rng.normal();
+    s1 += v;
+    s2 += v * v;
+    s4 += v * v * v * v;
+    beyond3 += std::fabs(v) > 3.0;
+  }
+  EXPECT_NEAR(s1 / n, 0.0, 4.0 / std::sqrt(n));
+  EXPECT_NEAR(s2 / n, 1.0, 0.006);
+  EXPECT_NEAR(s4 / n, 3.0, 0.04);
+  EXPECT_NEAR(beyond3 / double(n), 0.0026998, 0.00015);
+}
+
+TEST(Rng, StreamsOfOneSeedDiffer) {
+  EXPECT_NE(Rng(1, "a").next(), Rng(1, "b").next());
+  EXPECT_EQ(Rng(1, "a").next(), Rng(1, "a").next());
+}
+
+TEST(Text, ControlBytesAndBrokenUtf8NeverPass) {
+  EXPECT_EQ(printable_utf8("a\x01" "b"), "a\xEF\xBF\xBD" "b");
+  EXPECT_EQ(printable_utf8("\xC3\xA9\n"), "\xC3\xA9\n");
+  EXPECT_EQ(printable_utf8("\xC3("), "\xEF\xBF\xBD(");
+  EXPECT_EQ(printable_utf8("\xED\xA0\x80").find("\xED\xA0"), std::string::npos);
+}
+
+TEST(Text, UncertaintyInParenthesesFollowsTheDigitRule) {
+  EXPECT_EQ(with_uncertainty(4.5213, 0.3), "4.5(3)");
+  EXPECT_EQ(with_uncertainty(4.5213, 0.12), "4.52(12)");
+  EXPECT_EQ(with_uncertainty(4.5213, 0.0996), "4.52(10)");
+  EXPECT_EQ(with_uncertainty(4.5, 0.0), "4.5");
+  EXPECT_EQ(with_uncertainty(1234.0, 30.0), "1230(30)");
+}
+
+TEST(Text, ATypingMistakeIsSuggestedAndNonsenseIsNot) {
+  const std::vector<std::string> names{"sine", "multisine", "chirp"};
+  EXPECT_EQ(nearest_name("sien", names), "sine");
+  EXPECT_EQ(nearest_name("qqqqqqq", names), "");
+}
+
+TEST(Units, SuffixGivesFactorToTheCanonicalUnit) {
+  const auto c = split_unit_suffix("F_ref_mN");
+  ASSERT_TRUE(c);
+  EXPECT_EQ(c->name, "F_ref");
+  EXPECT_EQ(c->unit.canonical, "N");
+  EXPECT_DOUBLE_EQ(c->unit.factor, 1e-3);
+  EXPECT_FALSE(split_unit_suffix("F_ref"));
+  EXPECT_NEAR(find_unit("degF")->factor * 212 + find_unit("degF")->offset, 100.0, 1e-12);
+}
+
+TEST(Digest, MatchesThePublishedTestVector) {
+  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+}  // namespace
+}  // namespace forcegate
