@@ -1,0 +1,58 @@
+#pragma once
+// A campaign: records of one sensor on one bench, as docs/campaign.md describes the files.
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/base/result.h"
+#include "hil/trace/trace.h"
+
+namespace forcegate {
+
+/// What the bench declares about itself. NaN / 0 = not said. Declared resolution, noise and range are what
+/// an instrument is allowed to do; they are never a finding.
+struct BenchFacts {
+  double spring_N_per_mm = kMissing;
+  double voltage_min_V = kMissing, voltage_max_V = kMissing;
+  double force_min_N = kMissing, force_max_N = kMissing;
+  double reference_resolution_N = kMissing, reference_noise_N = kMissing;
+  int adc_bits = 0;
+  std::string law;
+};
+
+enum class RecordRole { fit, heldout };
+
+/// One record. Every optional is empty when campaign.json does not say it; then the reader of the value estimates
+/// it from the samples and says so.
+struct Record {
+  std::string name;              ///< file stem
+  std::string kind;              ///< ramp, staircase, steps, hold, rest, sine, multisine, sweep, prbs, switch ...; "" unknown
+  RecordRole role = RecordRole::fit;
+  bool role_given = false;
+  Trace trace;                   ///< channels named F_ref, U, theta, temp, C, F_cmd, F_dut, drive, ... (canonical units)
+  std::optional<double> rate_Hz, start_s, rest_before_s, excitation_start_s, f_min_Hz, A_N, m_N, drive_V, eccentricity_mm, preload_mm;
+  std::optional<bool> dynamic;
+};
+
+struct Campaign {
+  std::string name;
+  std::string sensor;
+  std::filesystem::path folder;
+  BenchFacts bench;
+  std::vector<Record> records;
+  std::vector<std::string> notes;  ///< what was estimated, converted, skipped; one sentence each
+};
+
+struct CampaignOptions {
+  std::map<std::string, std::string> column_map;  ///< foreign column name -> "F_ref_N" form
+  double assumed_rate_Hz = 0.0;                   ///< for files without a clock; 0 = refuse unless declared
+};
+
+/// `path`: folder with or without campaign.json, campaign.json itself, one CSV, or one HDF5 run of ours.
+/// Errors name file, line and column.
+Result<Campaign> read_campaign(const std::filesystem::path& path, const CampaignOptions& options = {});
+
+}  // namespace forcegate
