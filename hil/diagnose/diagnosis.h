@@ -1,0 +1,142 @@
+#pragma once
+// The answer to "which physical effect is missing?": a value that reporters render and that holds no logic.
+// Errors are RMS over the held-out records, each record weighing the same. "Adapted" figures let the record's own
+// repeatability (gain, offset, decay rate and depth, within the spread estimated from the campaign) follow the data;
+// "plain" figures predict the record from the others alone.
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace forcegate {
+
+enum class Verdict { none, known, unknown };
+std::string to_string(Verdict verdict);
+
+struct FoundParameter {
+  std::string name;
+  double value = 0.0;
+  double u = 0.0;      ///< standard uncertainty, k = 1
+  std::string unit;
+};
+
+/// Another effect whose signature on these records is nearly the same (|cos| of the signatures after what the base
+/// law and the repeatability explain is projected off).
+struct LookAlike {
+  std::string effect;
+  double cosine = 0.0;
+  std::string separates;  ///< the stimulus that settles it
+};
+
+/// x-y data of one evidence picture; `before` and `after` are residuals of the model without and with the effect.
+struct EvidenceSeries {
+  std::string record;
+  std::string title;          ///< "residual against force, coloured by direction"
+  std::string x_name, x_unit; ///< "force", "N"
+  std::string y_unit;         ///< "V"
+  std::vector<double> x, before, after, colour;  ///< colour: sign of dF/dt, or empty
+};
+
+struct Finding {
+  std::string effect;
+  std::string side;           ///< sensor, rig, reference, instrument
+  double probability = 0.0;   ///< >= 0.5 is a claim
+  std::vector<FoundParameter> parameters;
+  double error_before = 0.0, error_after = 0.0;  ///< held-out, adapted, in `unit`
+  std::string unit = "V";
+  std::vector<LookAlike> confounded_with;
+  std::string evidence;       ///< one sentence a person understands
+  std::string form;           ///< which form of the effect was fitted
+  double effect_rms = 0.0;    ///< RMS of what the effect adds, same unit
+  int records_improved = 0, records_excited = 0;
+  std::vector<EvidenceSeries> series;
+  bool side_witnessed = true; ///< false: no third channel could tell sensor from reference; said in `evidence`
+};
+
+/// One row of the ranking: every effect of the library that the data can excite.
+struct RankedEffect {
+  std::string effect, side, form;
+  double score = 0.0;         ///< log evidence over the base model, natural units, on effective samples
+  double alone = 0.0;         ///< share of the explainable residual energy it takes away alone
+  double unique = 0.0;        ///< share that only it takes away, given the other findings
+  double probability = 0.0;
+  double null_score = 0.0;    ///< largest score expected from this family on sign-flipped blocks (95 %)
+  std::string note;           ///< "not excited", "wrong sign", "needs temperature" ...
+};
+
+struct ErrorPair {
+  double before = 0.0, after = 0.0;
+  std::string unit;
+};
+
+struct RecordError {
+  std::string record, kind;
+  bool heldout = false;
+  double before = 0.0, after = 0.0;              ///< adapted
+  double plain_before = 0.0, plain_after = 0.0;
+  double floor = 0.0;                            ///< noise of this record's residual
+  double explainable = 0.0;                      ///< share of the squared residual above the floor
+};
+
+/// Residual against one coordinate: cell means with block standard errors; empty cells have n = 0.
+struct MapCell {
+  double x = 0.0, mean = 0.0, standard_error = 0.0;
+  int n = 0;                  ///< rows
+  int blocks = 0;
+};
+struct ResidualMap {
+  std::string coordinate;     ///< "force", "rate", "force while unloading", "time since change" ...
+  std::string group;          ///< time, force, rate, frequency, history, temperature, angle
+  std::string unit;
+  double share = 0.0;         ///< cross-fitted share of residual variance, may be < 0
+  std::vector<MapCell> cells;
+  std::string sentence;       ///< "+12 mV while unloading above 3 N"
+};
+
+struct ExperimentSegment {
+  std::string name;           ///< "triangle at three rates"
+  std::string stimulus;       ///< name in stimuli/
+  std::map<std::string, double> numbers;
+  double minutes = 0.0;
+  std::string separates;      ///< "hysteresis / lag"
+  double cosine_before = 0.0, cosine_after = 0.0;
+  double odds_before = 1.0, odds_after = 1.0;    ///< expected odds of the better rival
+};
+struct NextExperiment {
+  std::vector<ExperimentSegment> segments;
+  double minutes = 0.0;
+  std::string sentence;
+};
+
+struct Repeatability {        ///< spread between records, estimated from the campaign
+  double gain = 0.0, offset_V = 0.0, log_b = 0.0, log_q = 0.0;
+};
+
+struct Diagnosis {
+  std::string campaign;
+  std::string model;
+  Verdict verdict = Verdict::none;
+  bool residual_unknown = false;
+  std::vector<Finding> findings;          ///< claims first, then weaker ones
+  std::vector<std::string> depends_on;    ///< at most three groups
+  double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< adapted, V
+  double plain_before = 0.0, plain_after = 0.0;
+  std::string unit = "V";
+  std::map<std::string, ErrorPair> errors;  ///< "F" when the rig side is at fault, "U_plain" always
+  std::vector<RecordError> records;
+  std::vector<ResidualMap> maps;          ///< residual of the base model, largest share first
+  std::vector<ResidualMap> maps_after;
+  std::vector<RankedEffect> ranking;
+  std::vector<EvidenceSeries> overlays;   ///< measured and modelled U of every record, thinned
+  Repeatability repeatability;
+  double expected_false = 0.0;            ///< expected number of false effects at the threshold used, from sign flips
+  NextExperiment next_experiment;
+  std::vector<std::string> notes;
+  double force_range_N = 0.0, voltage_range_V = 0.0;
+};
+
+/// The JSON of docs/campaign.md, schema 1.
+std::string to_json(const Diagnosis& diagnosis);
+
+}  // namespace forcegate
