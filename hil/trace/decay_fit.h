@@ -10,14 +10,17 @@ namespace forcegate {
 
 struct DecayParameters {
   double a_V = 0, b_per_s = 0, c_V = 0;
-  double u_a_V = 0, u_b_per_s = 0, u_c_V = 0;  ///< standard errors, from block residuals (autocorrelation allowed for)
-  double rmse_V = 0;                           ///< eq. (8)
+  /// Standard errors: the larger of the ordinary one and the one from sums of scores over at most 30 blocks of
+  /// neighbouring maxima, which allows for autocorrelated residuals.
+  double u_a_V = 0, u_b_per_s = 0, u_c_V = 0;
+  double rmse_V = 0;  ///< eq. (8)
   int n = 0;
 };
 
 /// t_s from the start of the excitation, maxima in volts, at least 6 points, b searched over
-/// [1e-5, 1] 1/s on a logarithmic grid (variable projection), then refined. Error (parse) when the
-/// maxima do not determine a decay: fewer than 6, not finite, or spanning less than 1/10 of the found 1/b.
+/// [1e-5, 1] 1/s on a logarithmic grid (variable projection: a and c are linear once b is given), then refined.
+/// a may be negative (maxima that rise). Error (parse) when the maxima do not determine a decay: fewer than 6, not
+/// finite, all equal, best b at an end of its range, or spanning less than 1/10 of the found 1/b.
 Result<DecayParameters> fit_decay(std::span<const double> t_s, std::span<const double> maxima_V, double u_min_V);
 
 }  // namespace forcegate

@@ -2,7 +2,6 @@
 // Turning points of a cyclic record, and their pairing between channels. The one definition of the
 // mean relative error of extrema (Lebosse 2011, eq. 9) and of the RMSE of the maxima (eq. 8).
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -13,25 +12,31 @@ namespace forcegate {
 enum class Turn : std::uint8_t { maximum, minimum };
 
 struct Extremum {
-  double t_s = 0.0;
+  double t_s = 0.0;  ///< middle of the span over which the extreme value was attained (centre of a plateau)
   double value = 0.0;
   Turn turn = Turn::maximum;
 };
 
 /// Streaming zigzag detector: a turning point is confirmed once the signal has come back by more than
-/// `prominence` (same unit as the signal). O(1) a sample, no allocation after construction.
-/// NaN samples are skipped and counted by the caller.
+/// `prominence` (same unit as the signal) after having moved towards it by more than `prominence`; the first
+/// and the last sample of a record are therefore never turning points. O(1) a sample, no allocation.
+/// Non-finite samples are skipped; the caller counts them.
 class TurningPoints {
  public:
   explicit TurningPoints(double prominence) : prominence_(prominence) {}
-  /// True when this sample confirms a turning point, which is then in last().
+  /// True when this sample confirms a turning point, which is then in last(). Maxima and minima alternate.
   bool push(double t_s, double value);
   const Extremum& last() const { return last_; }
 
  private:
+  struct Candidate {
+    double value = 0.0, first_s = 0.0, last_s = 0.0;
+  };
+  Extremum confirmed(const Candidate& candidate, Turn turn) const;
+
   double prominence_;
   int direction_ = 0;  // 0 unknown, +1 rising, -1 falling
-  Extremum high_{}, low_{};
+  Candidate high_{}, low_{};
   bool started_ = false;
   Extremum last_{};
 };
@@ -46,10 +51,13 @@ struct PairedExtremum {
   std::vector<double> at_s;       ///< when each follower had it
 };
 
-/// Pairs followers' extrema with the guide's while the record streams past. Memory is that of one
-/// guide cycle, whatever the record's length. The value of a noisy follower is the mean of the samples
-/// within +-`half_width` samples of its extremum, so that the noise does not bias it (a maximum of n noisy samples
-/// is too high by 2-3 standard deviations).
+/// Pairs followers' extrema with the guide's while the record streams past. The value of a follower is the
+/// extremum of its moving mean over 2 half_width + 1 samples, because the extremum of n noisy samples lies 2-3
+/// standard deviations too far out; choose half_width well below an eighth of the shortest cycle. The guide's own
+/// value is not averaged: give the quietest channel (the set-point) as guide. Non-finite follower samples are left
+/// out of the means. Memory is bounded whatever the record's length: older samples are kept as spans of at most
+/// 1/256 of their age, so a window's border is exact to 1/256 of a cycle. The first window is cut at the start of
+/// the record.
 class ExtremaPairer {
  public:
   struct Options {
@@ -79,7 +87,9 @@ class ExtremaPairer {
 };
 
 /// Mean of |actual - expected| / |expected| over the items (eq. 9, in 1, not %), with its standard
-/// error over items and the largest. Items with |expected| < floor are left out and counted.
+/// error over items (NaN below two items) and the largest. Items with |expected| < floor are left out of these
+/// and counted; items that are not finite on either side are left out of everything and counted. Without any
+/// item the means are NaN, never 0.
 struct RelativeError {
   double mean = 0.0, standard_error = 0.0, largest = 0.0;
   double mean_absolute = 0.0;   ///< mean |actual - expected| over all finite items, the signal's unit
@@ -88,7 +98,7 @@ struct RelativeError {
 RelativeError mean_relative_error(std::span<const double> actual, std::span<const double> expected,
                                   double floor);
 
-/// Root mean square of measured - model over the items (eq. 8).
+/// Root mean square of measured - model over the items that are finite on both sides (eq. 8); NaN without any.
 double root_mean_square_error(std::span<const double> measured, std::span<const double> model);
 
 }  // namespace forcegate

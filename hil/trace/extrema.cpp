@@ -1,0 +1,104 @@
+#include "hil/trace/extrema.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace forcegate {
+
+Extremum TurningPoints::confirmed(const Candidate& candidate, Turn turn) const {
+  return {0.5 * (candidate.first_s + candidate.last_s), candidate.value, turn};
+}
+
+bool TurningPoints::push(double t_s, double value) {
+  if (!std::isfinite(value)) return false;
+  if (!started_) {
+    started_ = true;
+    high_ = low_ = {value, t_s, t_s};
+    return false;
+  }
+  if (direction_ >= 0) {
+    if (value > high_.value)
+      high_ = {value, t_s, t_s};
+    else if (value == high_.value)
+      high_.last_s = t_s;
+  }
+  if (direction_ <= 0) {
+    if (value < low_.value)
+      low_ = {value, t_s, t_s};
+    else if (value == low_.value)
+      low_.last_s = t_s;
+  }
+  if (direction_ >= 0 && high_.value - value > prominence_) {
+    const bool turned = direction_ > 0;
+    if (turned) last_ = confirmed(high_, Turn::maximum);
+    direction_ = -1;
+    low_ = {value, t_s, t_s};
+    return turned;
+  }
+  if (direction_ <= 0 && value - low_.value > prominence_) {
+    const bool turned = direction_ < 0;
+    if (turned) last_ = confirmed(low_, Turn::minimum);
+    direction_ = 1;
+    high_ = {value, t_s, t_s};
+    return turned;
+  }
+  return false;
+}
+
+RelativeError mean_relative_error(std::span<const double> actual, std::span<const double> expected,
+                                  double floor) {
+  assert(actual.size() == expected.size());
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  RelativeError out;
+  double sum = 0.0, sum_absolute = 0.0;
+  std::size_t finite = 0;
+  const auto relative = [&](std::size_t i) { return std::fabs(actual[i] - expected[i]) / std::fabs(expected[i]); };
+  const auto usable = [&](std::size_t i) {
+    return std::isfinite(actual[i]) && std::isfinite(expected[i]) && std::fabs(expected[i]) >= floor &&
+           expected[i] != 0.0;
+  };
+  for (std::size_t i = 0; i < actual.size(); ++i) {
+    if (!std::isfinite(actual[i]) || !std::isfinite(expected[i])) {
+      ++out.not_finite;
+      continue;
+    }
+    ++finite;
+    sum_absolute += std::fabs(actual[i] - expected[i]);
+    if (!usable(i)) {
+      ++out.left_out;
+      continue;
+    }
+    ++out.n;
+    sum += relative(i);
+    out.largest = std::max(out.largest, relative(i));
+  }
+  out.mean_absolute = finite > 0 ? sum_absolute / static_cast<double>(finite) : kNone;
+  if (out.n == 0) {
+    out.mean = out.standard_error = out.largest = kNone;
+    return out;
+  }
+  const double n = static_cast<double>(out.n);
+  out.mean = sum / n;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < actual.size(); ++i)
+    if (usable(i)) squares += (relative(i) - out.mean) * (relative(i) - out.mean);
+  out.standard_error = out.n > 1 ? std::sqrt(squares / (n - 1.0) / n) : kNone;
+  return out;
+}
+
+double root_mean_square_error(std::span<const double> measured, std::span<const double> model) {
+  assert(measured.size() == model.size());
+  double squares = 0.0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const double difference = measured[i] - model[i];
+    if (!std::isfinite(difference)) continue;
+    squares += difference * difference;
+    ++n;
+  }
+  return n > 0 ? std::sqrt(squares / static_cast<double>(n)) : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace forcegate
