@@ -1,0 +1,231 @@
+#include "rigs/emulated/emulated_rig.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "hil/base/text.h"
+
+namespace forcegate::emulated {
+namespace {
+
+constexpr double kForceMax_N = 5.5;
+constexpr double kUsualStop_N = 5.0;
+constexpr double kHeadroom_N = 0.25;
+constexpr double kTick_s = 0.01;
+constexpr double kUsualLoss = 0.7;  // share y that 20 min of cycling leave
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+}  // namespace
+
+EmulatedRig::EmulatedRig(const EmulatedOptions& options)
+    : options_(options),
+      step_s_(1.0 / options.rate_Hz),
+      samples_per_tick_(static_cast<std::int64_t>(options.rate_Hz * kTick_s + 0.5)) {
+  geometry_.spring_N_per_mm = spring_.stiffness_N_per_mm;
+  geometry_.eccentricity_mm = wheel_.eccentricity_mm();
+  geometry_.velocity_max_rad_per_s = VelocityMotor::Parameters{}.velocity_max_rad_per_s;
+}
+
+RigInfo EmulatedRig::info() const {
+  RigInfo info;
+  info.name = "emulated";
+  info.id = options_.sensor == SensorType::fsr ? "emulated-fsr" : "emulated-flexiforce";
+  info.version = "1";
+  info.rate_Hz = options_.rate_Hz;
+  info.adc_bits = options_.adc_bits;
+  info.v_range_V = 10.0;
+  info.force_max_N = kForceMax_N;
+  info.reference_resolution_N = AtiNano17::Parameters{}.resolution_N;
+  info.reference_noise_N = AtiNano17::Parameters{}.noise_N;
+  info.reference_u_rel = 0.005;
+  info.geometry = geometry_;
+  info.can_move = true;
+  info.emulated = true;
+  info.details["sensor"] = options_.sensor == SensorType::fsr ? "Interlink FSR (emulated)"
+                                                               : "Tekscan FlexiForce A201 (emulated)";
+  info.details["nominal_gain_N_per_V"] = shortest(kNominalGain_N_per_V);
+  info.details["nominal_offset_N"] = shortest(kNominalOffset_N);
+  return info;
+}
+
+Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
+  begun_ = false;
+  FORCEGATE_TRY(const Specimen specimen, find_specimen(options_.sensor, request.specimen));
+  FORCEGATE_TRY(faults_, parse_faults(request.faults));
+  if (!(request.duration_s > 0.0 && request.duration_s < 1e7))
+    return fail(ErrorCode::config, "a record of " + shortest(request.duration_s) + " s cannot be made");
+  if (!(request.force_low_N >= 0.0 && request.force_low_N <= request.force_high_N &&
+        request.force_high_N <= kForceMax_N))
+    return fail(ErrorCode::config,
+                "the emulated rig cannot apply " + shortest(request.force_low_N) + " to " +
+                    shortest(request.force_high_N) + " N",
+                {}, "its range is 0 to 5.5 N");
+
+  const double stop_N = std::min(kForceMax_N, std::max(kUsualStop_N, request.force_high_N + kHeadroom_N));
+  wheel_.set_eccentricity_mm(0.5 * stop_N / spring_.stiffness_N_per_mm);
+  geometry_.eccentricity_mm = wheel_.eccentricity_mm();
+  geometry_.preload_mm = spring_.preload_mm;
+
+  const double theta = wheel_.angle_rad(request.force_low_N / spring_.stiffness_N_per_mm);
+  motor_.begin({}, step_s_, theta);
+  force_N_ = spring_.force_N(wheel_.travel_mm(theta));
+
+  AtiNano17::Parameters ati;
+  Converter::Parameters converter;
+  converter.bits = options_.adc_bits;
+  if (!options_.noise) ati.noise_N = converter.noise_V = 0.0;
+  ati.overload_N = std::min(ati.overload_N, faults_.reference_saturated_N);
+  ati_.begin(ati, step_s_, force_N_);
+  ati_.set_offset_N(faults_.reference_offset_N);
+  converter_.begin(converter);
+
+  film_parameters_ =
+      draw_session(options_.sensor, specimen, request.seed, request.session, options_.session_spread);
+  const std::uint64_t record_seed =
+      mix_seed(mix_seed(request.seed, "record/" + request.specimen), std::to_string(request.session));
+  film_.begin(film_parameters_, step_s_, force_N_, kUsualLoss, request.rest_before_s, record_seed);
+  noise_ = Rng(record_seed, "noise");
+  loss_ = Rng(record_seed, "sample_loss");
+
+  index_ = 0;
+  end_ = static_cast<std::int64_t>(std::min(request.duration_s, faults_.truncated_s) * options_.rate_Hz + 0.5);
+  reading_N_ = force_N_;
+  is_frozen_ = false;
+  last_code_ = 0;
+  begun_ = true;
+  return {};
+}
+
+Result<void> EmulatedRig::command_velocity(double rad_per_s) {
+  if (!begun_) return fail(ErrorCode::internal, "the emulated rig got a command before a record began");
+  if (!std::isfinite(rad_per_s)) return fail(ErrorCode::device, "the motor refuses a velocity that is no number");
+  motor_.command(rad_per_s);
+  return {};
+}
+
+Result<std::size_t> EmulatedRig::run(std::size_t n, RigBlock& out, std::size_t at) {
+  if (!begun_) return fail(ErrorCode::internal, "the emulated rig was run before a record began");
+  const auto left = static_cast<std::size_t>(std::max<std::int64_t>(0, end_ - index_));
+  n = std::min(n, left);
+  for (std::size_t done = 0; done < n;) {
+    const auto to_tick = static_cast<std::size_t>(samples_per_tick_ - index_ % samples_per_tick_);
+    const std::size_t chunk = std::min(n - done, to_tick);
+    run_to_tick(chunk, out, at + done);
+    if (index_ % samples_per_tick_ == 0) film_.tick(kTick_s, force_N_);
+    done += chunk;
+  }
+  if (faults_.touches_rows()) spoil_rows(n, out, at);
+  return n;
+}
+
+void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
+  if (static_cast<double>(index_) * step_s_ >= faults_.motor_stalled_s) motor_.stall();
+  const int last_code = converter_.last_code();
+  for (std::size_t i = at; i < at + n; ++i, ++index_) {
+    const double theta = motor_.step();
+    const double force = spring_.force_N(wheel_.travel_mm(theta));
+    const double voltage = film_.step(force);
+    const double reading = ati_.read(force, noise_.normal());
+    const std::uint16_t code = converter_.convert(voltage, noise_.normal());
+    std::uint16_t status = 0;
+    if (ati_.saturated()) status |= kRigReferenceSaturated;
+    if (motor_.at_stop()) status |= kRigTravelStop;
+    if (motor_.following_error()) status |= kRigMotorFault;
+    if (code == 0 || code == last_code) status |= kRigAdcRail;
+    out.t_s[i] = static_cast<double>(index_) * step_s_;
+    out.force_ref_N[i] = static_cast<float>(reading);
+    out.adc[i] = code;
+    out.theta_rad[i] = static_cast<float>(theta);
+    out.status[i] = status;
+    force_N_ = force;
+    reading_N_ = reading;
+  }
+}
+
+void EmulatedRig::spoil_rows(std::size_t n, RigBlock& out, std::size_t at) {
+  for (std::size_t i = at; i < at + n; ++i) {
+    if (out.t_s[i] >= faults_.sensor_unplugged_s) {
+      out.adc[i] = 0;
+      out.status[i] |= kRigAdcRail;
+    }
+    if (faults_.adc_stuck_bit >= 0) {
+      const int bit = 1 << faults_.adc_stuck_bit;
+      out.adc[i] = static_cast<std::uint16_t>((out.adc[i] | bit) & converter_.last_code());
+    }
+    if (out.t_s[i] >= faults_.reference_frozen_s) {
+      if (!is_frozen_) frozen_N_ = out.force_ref_N[i];
+      is_frozen_ = true;
+      out.force_ref_N[i] = frozen_N_;
+      reading_N_ = static_cast<double>(frozen_N_);
+    }
+    if (faults_.sample_loss > 0.0 && loss_.uniform() < faults_.sample_loss) {
+      out.force_ref_N[i] = out.theta_rad[i] = kNaN;
+      out.adc[i] = last_code_;
+      out.status[i] |= kRigSampleLost;
+    } else {
+      last_code_ = out.adc[i];
+    }
+  }
+}
+
+void EmulatedRig::park() noexcept {
+  motor_.command(0.0);
+  begun_ = false;
+}
+
+namespace {
+
+Result<double> number_option(const std::string& name, const std::string& text, double low, double high) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= low && value <= high))
+    return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) + "' is not a number from " +
+                                       shortest(low) + " to " + shortest(high));
+  return value;
+}
+
+Result<bool> switch_option(const std::string& name, const std::string& text) {
+  if (text == "on" || text == "true" || text == "1") return true;
+  if (text == "off" || text == "false" || text == "0") return false;
+  return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) + "' is neither on nor off");
+}
+
+Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::string>& texts) {
+  static const std::vector<std::string> kKnown{"adc_bits", "noise", "rate_Hz", "sensor", "session_spread"};
+  EmulatedOptions options;
+  for (const auto& [name, text] : texts) {
+    if (name == "sensor") {
+      if (text != "flexiforce" && text != "fsr")
+        return fail(ErrorCode::config, "the emulated rig has no sensor '" + printable_utf8(text) + "'", {},
+                    "use flexiforce or fsr");
+      options.sensor = text == "fsr" ? SensorType::fsr : SensorType::flexiforce;
+    } else if (name == "adc_bits") {
+      FORCEGATE_TRY(const double bits, number_option(name, text, 8, 16));
+      options.adc_bits = static_cast<int>(bits);
+    } else if (name == "rate_Hz") {
+      FORCEGATE_TRY(options.rate_Hz, number_option(name, text, 100, 10000));
+      if (std::fmod(options.rate_Hz, 100.0) != 0.0)
+        return fail(ErrorCode::config, "rig option rate_Hz must be a multiple of 100");
+    } else if (name == "session_spread") {
+      FORCEGATE_TRY(options.session_spread, switch_option(name, text));
+    } else if (name == "noise") {
+      FORCEGATE_TRY(options.noise, switch_option(name, text));
+    } else {
+      const std::string near = nearest_name(name, kKnown);
+      return fail(ErrorCode::config, "the emulated rig has no option '" + printable_utf8(name) + "'", {},
+                  near.empty() ? "it has: " + join(kKnown, ", ") : "did you mean '" + near + "'?");
+    }
+  }
+  return std::unique_ptr<Rig>(std::make_unique<EmulatedRig>(options));
+}
+
+const Registration<RigKind> kRegistered{
+    {"emulated",
+     "The bench of Lebosse 2011 in virtual time. Options: sensor=flexiforce|fsr, adc_bits=8..16, rate_Hz, "
+     "session_spread=on|off, noise=on|off",
+     make_emulated}};
+
+}  // namespace
+}  // namespace forcegate::emulated

@@ -1,0 +1,76 @@
+#pragma once
+// The bench of Lebosse 2011 (II-B) in virtual time: motor -> eccentric wheel -> trolley and spring -> film and
+// reference cell -> converter, one row per sample. Every random number comes from the record's seed; two
+// records of one request have the same bits on any machine and in any thread.
+//
+// Geometry: the wheel reaches 5 N at the end of its half turn (more when the profile needs more, at most
+// 5.5 N), no preload. A record starts at rest with the wheel at the angle of force_low_N.
+// The column setpoint_N belongs to whoever commands the wheel: run() leaves it as it is.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "hil/base/rng.h"
+#include "hil/interface/rig.h"
+#include "rigs/emulated/ati_nano17.h"
+#include "rigs/emulated/converter.h"
+#include "rigs/emulated/faults.h"
+#include "rigs/emulated/film.h"
+#include "rigs/emulated/motor.h"
+#include "rigs/emulated/population.h"
+#include "rigs/emulated/spring.h"
+#include "rigs/emulated/wheel.h"
+
+namespace forcegate::emulated {
+
+struct EmulatedOptions {
+  SensorType sensor = SensorType::flexiforce;
+  int adc_bits = 16;
+  double rate_Hz = 1000.0;     ///< a multiple of 100
+  bool session_spread = true;  ///< false: nominal G and F0
+  bool noise = true;
+};
+
+class EmulatedRig final : public Rig {
+ public:
+  explicit EmulatedRig(const EmulatedOptions& options);
+
+  RigInfo info() const override;
+  Result<void> begin(const RigRecordRequest& request) override;
+  Result<void> command_velocity(double rad_per_s) override;
+  Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t at) override;
+  double theta_rad() const override { return motor_.theta_rad(); }
+  double force_ref_N() const override { return reading_N_; }
+  void park() noexcept override;
+
+  /// The truth, for tests and studies of the rig itself; the gate never sees it.
+  const Film& film() const { return film_; }
+  const FilmParameters& film_parameters() const { return film_parameters_; }
+
+ private:
+  void run_to_tick(std::size_t n, RigBlock& out, std::size_t at);
+  void spoil_rows(std::size_t n, RigBlock& out, std::size_t at);
+
+  EmulatedOptions options_;
+  double step_s_;
+  std::int64_t samples_per_tick_;
+  bool begun_ = false;
+  Faults faults_;
+  std::int64_t index_ = 0, end_ = 0;
+  double reading_N_ = 0.0, force_N_ = 0.0;
+  float frozen_N_ = 0.0F;
+  std::uint16_t last_code_ = 0;
+  bool is_frozen_ = false;
+  RigGeometry geometry_;
+  VelocityMotor motor_;
+  EccentricWheel wheel_;
+  Spring spring_;
+  AtiNano17 ati_;
+  Converter converter_;
+  Film film_;
+  FilmParameters film_parameters_;
+  Rng noise_{0}, loss_{0};
+};
+
+}  // namespace forcegate::emulated
