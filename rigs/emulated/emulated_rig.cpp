@@ -113,7 +113,7 @@ Result<std::size_t> EmulatedRig::run(std::size_t n, RigBlock& out, std::size_t a
     const auto to_tick = static_cast<std::size_t>(samples_per_tick_ - index_ % samples_per_tick_);
     const std::size_t chunk = std::min(n - done, to_tick);
     run_to_tick(chunk, out, at + done);
-    if (index_ % samples_per_tick_ == 0) film_.tick(kTick_s, force_N_);
+    if (index_ % samples_per_tick_ == 0) film_.tick(kTick_s);
     done += chunk;
   }
   if (faults_.touches_rows()) spoil_rows(n, out, at);

@@ -37,28 +37,30 @@ class Film {
   void begin(const FilmParameters& p, double step_s, double force_N, double lost, double rest_before_s,
              std::uint64_t seed) {
     p_ = p;
-    memory_.begin(p.loading, step_s, force_N, lost, rest_before_s);
     play_ = force_N;
     creep_ = wander_ = 0.0;
     rng_ = Rng(seed, "film_wander");
     follow_ = 1.0 - portable::exp(-step_s / p.lag_s);
     per_gain_ = 1.0 / p.gain_N_per_V;
     bend_ = 4.0 * p.curvature / p.full_scale_N;
-    voltage_ = target(force_N);
+    film_N_ = static_force_N(force_N);
+    memory_.begin(p.loading, step_s, film_N_, lost, rest_before_s);
+    voltage_ = target_V();
   }
 
-  /// Every sample.
+  /// Every sample: volts before the converter's rails and noise.
   double step(double force_N) {
-    memory_.push(force_N);
-    voltage_ += follow_ * (target(force_N) - voltage_);
+    film_N_ = static_force_N(force_N);
+    memory_.push(film_N_);
+    voltage_ += follow_ * (target_V() - voltage_);
     return voltage_;
   }
 
   /// Every 10 ms.
-  void tick(double dt_s, double force_N) {
-    memory_.tick(dt_s, force_N);
+  void tick(double dt_s) {
+    memory_.tick(dt_s, film_N_);
     // Cycling shakes creep out: with it the minima would not stay where the paper sees them.
-    const double driving_N = force_N * (1.0 - memory_.expression());
+    const double driving_N = film_N_ * (1.0 - memory_.expression());
     creep_ += dt_s / p_.creep_s * (p_.creep_share * driving_N - creep_);
     if (p_.wander > 0.0) {
       const double decay = dt_s / p_.wander_s;
@@ -69,18 +71,22 @@ class Film {
   const LoadingMemory& memory() const { return memory_; }
 
  private:
-  double target(double force_N) {
+  /// Force that the contacts carry: hysteresis and curvature. The loading memory works on this one, for what
+  /// is lost loses its hysteresis too.
+  double static_force_N(double force_N) {
     const double r = p_.play_half_width_N;
     play_ = play_ < force_N - r ? force_N - r : (play_ > force_N + r ? force_N + r : play_);
-    const double film_N = force_N + p_.play_share * (play_ - force_N) + bend_ * force_N * (p_.full_scale_N - force_N) +
-                          memory_.apply(force_N) - force_N + creep_ +
-                          wander_ * (force_N - memory_.envelope_low_N());
-    return (film_N - p_.offset_N) * per_gain_;
+    return force_N + p_.play_share * (play_ - force_N) + bend_ * force_N * (p_.full_scale_N - force_N);
+  }
+
+  double target_V() const {
+    const double wander_N = wander_ * (film_N_ - memory_.envelope_low_N());
+    return (memory_.apply(film_N_) + creep_ + wander_N - p_.offset_N) * per_gain_;
   }
 
   FilmParameters p_;
   LoadingMemory memory_;
-  double play_ = 0, creep_ = 0, wander_ = 0, follow_ = 1, per_gain_ = 2, bend_ = 0, voltage_ = 0;
+  double film_N_ = 0, play_ = 0, creep_ = 0, wander_ = 0, follow_ = 1, per_gain_ = 2, bend_ = 0, voltage_ = 0;
   Rng rng_{0};
 };
 

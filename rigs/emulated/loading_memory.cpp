@@ -90,7 +90,7 @@ void LoadingMemory::tick(double dt_s, double force_N) {
     const double pause_s = std::max(half_cycle_s_, seconds(index_ - last_turn_at_));
     const double slow = pause_s / p_.slow_half_cycle_s;
     const double slow2 = slow * slow;
-    activity_ = 1.0 / (1.0 + slow2 * slow2 * slow2);
+    activity_ = 1.0 / (1.0 + slow2 * slow2 * slow2 * slow2);
   }
   const double release = swing_N > 0.0 ? std::clamp((hi_ - force_N) / swing_N, 0.0, 1.0) : 1.0;
 

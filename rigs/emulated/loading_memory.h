@@ -38,7 +38,7 @@ struct LoadingParameters {
   double residue = 0.094;               ///< relative drop of the static output per unit of y
   double bump = 0.45;                   ///< largest share of the loss undone by a change of rhythm
   double bump_fade_s = 20.0;
-  double slow_half_cycle_s = 17.0;      ///< half-cycles longer than this are quasi-static
+  double slow_half_cycle_s = 20.0;      ///< half-cycles longer than this are quasi-static
   double envelope_s = 300.0;            ///< memory of the envelope while cycling
   double recovery_s[3] = {90.0, 700.0, 2200.0};
   double share[3] = {0.3, 0.4, 0.3};
