@@ -101,6 +101,19 @@ Normal normal_equations(const std::vector<double>& t, std::span<const double> y,
   return out;
 }
 
+/// 1 + 2 sum of the autocorrelations of the residuals up to the first that is not positive: by how much fewer
+/// independent maxima there are than maxima.
+double correlation_time(const std::vector<double>& residual, double sum_of_squares) {
+  double time = 1.0;
+  for (std::size_t lag = 1; sum_of_squares > 0.0 && lag <= residual.size() / 4; ++lag) {
+    double product = 0.0;
+    for (std::size_t i = lag; i < residual.size(); ++i) product += residual[i] * residual[i - lag];
+    if (product <= 0.0) break;
+    time += 2.0 * product / sum_of_squares;
+  }
+  return time;
+}
+
 Unexpected undetermined(std::string why, std::string hint) {
   return fail(ErrorCode::parse, "the maxima do not determine a decay: " + why, {}, std::move(hint));
 }
@@ -160,31 +173,23 @@ Result<DecayParameters> fit_decay(std::span<const double> t_s, std::span<const d
 
   const Eigen::Matrix3d inverse = at.jj.inverse();
   if (!inverse.allFinite() || p[0] == 0.0) return undetermined("a, b and c cannot be told apart", "");
-  const std::size_t blocks = std::min<std::size_t>(n, 30);
+  std::vector<double> residual(n);
+  const std::size_t blocks = std::min<std::size_t>(n, 20);
   Eigen::Matrix3d meat = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < blocks; ++k) {
     Eigen::Vector3d score = Eigen::Vector3d::Zero();
     for (std::size_t i = k * n / blocks; i < (k + 1) * n / blocks; ++i) {
       const double e = portable::exp(-b * problem.t()[i]);
-      score += jacobian_row(p, problem.t()[i], e) * (maxima_V[i] - p[2] - p[0] * e);
+      residual[i] = maxima_V[i] - p[2] - p[0] * e;
+      score += jacobian_row(p, problem.t()[i], e) * residual[i];
     }
     meat += score * score.transpose();
   }
   const double block_count = static_cast<double>(blocks), count = static_cast<double>(n);
   const Eigen::Matrix3d from_blocks = inverse * meat * inverse * (block_count / (block_count - 3.0));
-  const Eigen::Matrix3d ordinary = inverse * (at.sum_of_squares / (count - 3.0));
-  Eigen::Matrix3d covariance = from_blocks;
-  for (int i = 0; i < 3; ++i)
-    if (ordinary(i, i) > from_blocks(i, i)) {
-      // scaling rows and columns keeps the correlations
-      const double scale = from_blocks(i, i) > 0.0 ? std::sqrt(ordinary(i, i) / from_blocks(i, i)) : 0.0;
-      if (scale == 0.0) {
-        covariance = ordinary;
-        break;
-      }
-      covariance.row(i) *= scale;
-      covariance.col(i) *= scale;
-    }
+  const Eigen::Matrix3d ordinary =
+      inverse * (at.sum_of_squares / (count - 3.0) * correlation_time(residual, at.sum_of_squares));
+  const Eigen::Matrix3d& covariance = from_blocks(1, 1) > ordinary(1, 1) ? from_blocks : ordinary;
 
   DecayParameters out;
   const double first_s = *std::min_element(t_s.begin(), t_s.end());

@@ -10,8 +10,9 @@ namespace forcegate {
 
 struct DecayParameters {
   double a_V = 0, b_per_s = 0, c_V = 0;
-  /// Standard errors: the larger of the ordinary one and the one from sums of scores over at most 30 blocks of
-  /// neighbouring maxima, which allows for autocorrelated residuals.
+  /// Standard errors that allow for autocorrelated residuals (maxima in the order of time): of the ordinary ones
+  /// times the square root of the residuals' correlation time, and those from sums of scores over at most 20 blocks
+  /// of neighbouring maxima, the set with the larger error of b.
   double u_a_V = 0, u_b_per_s = 0, u_c_V = 0;
   double rmse_V = 0;  ///< eq. (8)
   int n = 0;

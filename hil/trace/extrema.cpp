@@ -7,46 +7,6 @@
 
 namespace forcegate {
 
-Extremum TurningPoints::confirmed(const Candidate& candidate, Turn turn) const {
-  return {0.5 * (candidate.first_s + candidate.last_s), candidate.value, turn};
-}
-
-bool TurningPoints::push(double t_s, double value) {
-  if (!std::isfinite(value)) return false;
-  if (!started_) {
-    started_ = true;
-    high_ = low_ = {value, t_s, t_s};
-    return false;
-  }
-  if (direction_ >= 0) {
-    if (value > high_.value)
-      high_ = {value, t_s, t_s};
-    else if (value == high_.value)
-      high_.last_s = t_s;
-  }
-  if (direction_ <= 0) {
-    if (value < low_.value)
-      low_ = {value, t_s, t_s};
-    else if (value == low_.value)
-      low_.last_s = t_s;
-  }
-  if (direction_ >= 0 && high_.value - value > prominence_) {
-    const bool turned = direction_ > 0;
-    if (turned) last_ = confirmed(high_, Turn::maximum);
-    direction_ = -1;
-    low_ = {value, t_s, t_s};
-    return turned;
-  }
-  if (direction_ <= 0 && value - low_.value > prominence_) {
-    const bool turned = direction_ < 0;
-    if (turned) last_ = confirmed(low_, Turn::minimum);
-    direction_ = 1;
-    high_ = {value, t_s, t_s};
-    return turned;
-  }
-  return false;
-}
-
 RelativeError mean_relative_error(std::span<const double> actual, std::span<const double> expected,
                                   double floor) {
   assert(actual.size() == expected.size());

@@ -2,6 +2,7 @@
 // Turning points of a cyclic record, and their pairing between channels. The one definition of the
 // mean relative error of extrema (Lebosse 2011, eq. 9) and of the RMSE of the maxima (eq. 8).
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -32,7 +33,9 @@ class TurningPoints {
   struct Candidate {
     double value = 0.0, first_s = 0.0, last_s = 0.0;
   };
-  Extremum confirmed(const Candidate& candidate, Turn turn) const;
+  static Extremum confirmed(const Candidate& candidate, Turn turn) {
+    return {0.5 * (candidate.first_s + candidate.last_s), candidate.value, turn};
+  }
 
   double prominence_;
   int direction_ = 0;  // 0 unknown, +1 rising, -1 falling
@@ -40,6 +43,42 @@ class TurningPoints {
   bool started_ = false;
   Extremum last_{};
 };
+
+inline bool TurningPoints::push(double t_s, double value) {
+  if (!std::isfinite(value)) return false;
+  if (!started_) {
+    started_ = true;
+    high_ = low_ = {value, t_s, t_s};
+    return false;
+  }
+  if (direction_ >= 0) {
+    if (value > high_.value)
+      high_ = {value, t_s, t_s};
+    else if (value == high_.value)
+      high_.last_s = t_s;
+  }
+  if (direction_ <= 0) {
+    if (value < low_.value)
+      low_ = {value, t_s, t_s};
+    else if (value == low_.value)
+      low_.last_s = t_s;
+  }
+  if (direction_ >= 0 && high_.value - value > prominence_) {
+    const bool turned = direction_ > 0;
+    if (turned) last_ = confirmed(high_, Turn::maximum);
+    direction_ = -1;
+    low_ = {value, t_s, t_s};
+    return turned;
+  }
+  if (direction_ <= 0 && value - low_.value > prominence_) {
+    const bool turned = direction_ < 0;
+    if (turned) last_ = confirmed(low_, Turn::minimum);
+    direction_ = 1;
+    high_ = {value, t_s, t_s};
+    return turned;
+  }
+  return false;
+}
 
 /// One turning point of the guide channel and what the other channels did in its half-cycle window
 /// (from the middle of the preceding half-cycle to the middle of the following one, shifted by `lag`).
@@ -55,8 +94,8 @@ struct PairedExtremum {
 /// extremum of its moving mean over 2 half_width + 1 samples, because the extremum of n noisy samples lies 2-3
 /// standard deviations too far out; choose half_width well below an eighth of the shortest cycle. The guide's own
 /// value is not averaged: give the quietest channel (the set-point) as guide. Non-finite follower samples are left
-/// out of the means. Memory is bounded whatever the record's length: older samples are kept as spans of at most
-/// 1/256 of their age, so a window's border is exact to 1/256 of a cycle. The first window is cut at the start of
+/// out of the means. Memory is bounded whatever the record's length: samples older than
+/// 65536 are kept as spans of at most 1/256 of their age, so the border of a very long window is exact to 1/256. The first window is cut at the start of
 /// the record.
 class ExtremaPairer {
  public:

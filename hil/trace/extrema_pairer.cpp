@@ -9,53 +9,40 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Samples are looked after in groups of this many, counted from the start of the record, so that the result does
+// not depend on the size of the caller's blocks.
+constexpr std::size_t kGroup = 256;
+// Above the limit, half of it is condensed to spans; older spans are joined up to 1/256 of their age.
+constexpr std::size_t kFullRateLimit = 65536;
+constexpr std::size_t kFirstSpan = 128;
 constexpr std::uint64_t kSpansPerAge = 256;
 
-/// Extremes of one follower over one span of samples.
-struct Extremes {
-  double high = -kInfinity, high_s = kNone;
-  double low = kInfinity, low_s = kNone;
+/// Extreme of one follower in one direction, with the span over which it was attained.
+struct Extreme {
+  double value = -kInfinity, first_s = kNone, last_s = kNone;
 
-  void add(double value, double t_s) {  // a NaN compares false and is left out
-    if (value > high) high = value, high_s = t_s;
-    if (value < low) low = value, low_s = t_s;
+  void add(const Extreme& later) {
+    if (later.value > value)
+      *this = later;
+    else if (later.value == value)
+      last_s = later.last_s;
   }
+};
+
+struct Extremes {
+  Extreme high, low;  ///< low holds the negated values, so that both are maxima
+
   void add(const Extremes& later) {
-    if (later.high > high) high = later.high, high_s = later.high_s;
-    if (later.low < low) low = later.low, low_s = later.low_s;
+    high.add(later.high);
+    low.add(later.low);
   }
 };
 
 struct Span {
   double first_s = 0.0, last_s = 0.0;
   std::uint64_t end = 0;  ///< sample number one past its last
-  std::uint32_t n = 0;
-};
-
-/// Moving mean over the last `width` samples of one channel, non-finite ones left out. The sum is made anew once a
-/// turn of the ring, so that rounding cannot accumulate.
-class MovingMean {
- public:
-  explicit MovingMean(std::size_t width) : ring_(width, kNone) {}
-
-  double push(double value) {
-    double& slot = ring_[at_];
-    if (std::isfinite(slot)) sum_ -= slot, --count_;
-    slot = value;
-    if (std::isfinite(value)) sum_ += value, ++count_;
-    if (++at_ == ring_.size()) {
-      at_ = 0;
-      sum_ = 0.0;
-      for (const double kept : ring_)
-        if (std::isfinite(kept)) sum_ += kept;
-    }
-    return count_ > 0 ? sum_ / static_cast<double>(count_) : kNone;
-  }
-
- private:
-  std::vector<double> ring_;
-  std::size_t at_ = 0, count_ = 0;
-  double sum_ = 0.0;
+  std::uint64_t n = 0;
 };
 
 struct Window {
@@ -63,61 +50,166 @@ struct Window {
   double from_s = 0.0, to_s = kInfinity;
 };
 
+/// Largest of sign * x; NaN compares false and is left out. Four lanes, because a max waits for its predecessor.
+double largest(const double* x, std::size_t n, double sign) {
+  double lane[4] = {-kInfinity, -kInfinity, -kInfinity, -kInfinity};
+  std::size_t i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (std::size_t k = 0; k < 4; ++k) lane[k] = sign * x[i + k] > lane[k] ? sign * x[i + k] : lane[k];
+  for (; i < n; ++i) lane[0] = sign * x[i] > lane[0] ? sign * x[i] : lane[0];
+  return std::max(std::max(lane[0], lane[1]), std::max(lane[2], lane[3]));
+}
+
+Extreme extreme(const double* x, const double* t_s, std::size_t n, double sign) {
+  Extreme e;
+  e.value = largest(x, n, sign);
+  if (!std::isfinite(e.value)) return {};
+  std::size_t first = 0, last = n - 1;
+  while (sign * x[first] != e.value) ++first;
+  while (sign * x[last] != e.value) --last;
+  e.first_s = t_s[first];
+  e.last_s = t_s[last];
+  return e;
+}
+
 }  // namespace
 
 struct ExtremaPairer::Impl {
   explicit Impl(const Options& o)
-      : options(o), turning(o.prominence), means(o.followers, MovingMean(2 * width_of(o) + 1)),
-        instants(width_of(o) + 1, 0.0), smooth(o.followers), open(o.followers) {}
-
-  static std::size_t width_of(const Options& o) { return static_cast<std::size_t>(std::max(0, o.half_width)); }
+      : options(o), half_width(static_cast<std::size_t>(std::max(0, o.half_width))), turning(o.prominence),
+        x(o.followers) {}
 
   void push(double t_s, double guide, const double* followers) {
-    if (pushed == 0) record_start_s = t_s;
-    if (options.half_width <= 0) {
-      store(t_s, followers);
-    } else {
-      // the mean of 2 h + 1 samples belongs to the instant h samples ago
-      const std::size_t h = width_of(options);
-      instants[instant_at] = t_s;
-      instant_at = instant_at == h ? 0 : instant_at + 1;
-      for (std::size_t k = 0; k < smooth.size(); ++k) smooth[k] = means[k].push(followers[k]);
-      if (pushed >= h) store(instants[instant_at], smooth.data());
-    }
-    ++pushed;
-    last_s = t_s;
+    t.push_back(t_s);
+    for (std::size_t k = 0; k < x.size(); ++k) x[k].push_back(followers[k]);
     if (turning.push(t_s, guide)) turned(turning.last());
-    if (ready_s < stored_s) emit_ready();
+    if ((base + t.size()) % kGroup == 0) look_after();
   }
 
-  void store(double t_s, const double* values) {
-    if (open_span.n == 0) {
-      open_span.first_s = t_s;
-      std::fill(open.begin(), open.end(), Extremes{});
+  void push(std::span<const double> t_s, std::span<const float> guide, std::span<const float* const> followers) {
+    for (std::size_t at = 0; at < t_s.size();) {
+      const std::size_t n = std::min(t_s.size() - at, kGroup - static_cast<std::size_t>((base + t.size()) % kGroup));
+      t.insert(t.end(), t_s.begin() + static_cast<std::ptrdiff_t>(at), t_s.begin() + static_cast<std::ptrdiff_t>(at + n));
+      for (std::size_t k = 0; k < x.size(); ++k) x[k].insert(x[k].end(), followers[k] + at, followers[k] + at + n);
+      for (std::size_t i = at; i < at + n; ++i)
+        if (turning.push(t_s[i], guide[i])) turned(turning.last());
+      at += n;
+      if ((base + t.size()) % kGroup == 0) look_after();
     }
-    open_span.last_s = t_s;
-    open_span.end = ++stored;
-    ++open_span.n;
-    stored_s = t_s;
-    for (std::size_t k = 0; k < open.size(); ++k) open[k].add(values[k], t_s);
-    if (open_span.n >= span_target) close_span();
   }
 
-  void close_span() {
-    if (open_span.n == 0) return;
-    spans.push_back(open_span);
-    extremes.insert(extremes.end(), open.begin(), open.end());
-    open_span.n = 0;
-    if (spans.size() >= merge_at) merge_old();
+  void turned(const Extremum& turn) {
+    Window window{turn, record_start_s(), kInfinity};
+    if (has_previous) {
+      const double middle_s = 0.5 * (previous.t_s + turn.t_s) + options.lag_s;
+      window.from_s = middle_s;
+      waiting.back().to_s = middle_s;
+      if (first_open) {
+        waiting.back().from_s =
+            std::max(record_start_s(), previous.t_s + options.lag_s - 0.5 * (turn.t_s - previous.t_s));
+        first_open = false;
+      }
+    }
+    waiting.push_back(window);
+    previous = turn;
+    has_previous = true;
   }
 
-  /// Joins neighbours whose common length stays below 1/256 of their age.
-  void merge_old() {
-    const std::size_t followers = open.size();
+  double record_start_s() const { return base == 0 && !t.empty() ? t.front() : start_s; }
+
+  void look_after() {
+    if (base == 0) start_s = t.front();
+    const double complete_s = t.size() > half_width ? t[t.size() - 1 - half_width] : -kInfinity;
+    std::size_t done = 0;
+    while (done < waiting.size() && waiting[done].to_s < complete_s) emit(waiting[done++]);
+    if (done > 0) {
+      waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(done));
+      forget_before(waiting.front().from_s);  // the youngest window always stays open
+    }
+    if (t.size() > kFullRateLimit) condense();
+  }
+
+  void forget_before(double from_s) {
+    const auto old = std::find_if(spans.begin(), spans.end(), [&](const Span& s) { return s.last_s >= from_s; });
+    const auto n = old - spans.begin();
+    spans.erase(spans.begin(), old);
+    extremes.erase(extremes.begin(), extremes.begin() + n * static_cast<std::ptrdiff_t>(x.size()));
+    const auto at = static_cast<std::size_t>(std::lower_bound(t.begin(), t.end(), from_s) - t.begin());
+    if (at > half_width) drop(at - half_width);
+  }
+
+  void drop(std::size_t n) {
+    const auto count = static_cast<std::ptrdiff_t>(n);
+    t.erase(t.begin(), t.begin() + count);
+    for (auto& column : x) column.erase(column.begin(), column.begin() + count);
+    base += n;
+    kept_before = kept_before > n ? kept_before - n : 0;
+  }
+
+  /// Moving means that belong to samples [from, to) of one follower; the neighbours beyond the ends of what is kept
+  /// do not exist. Points into the column itself when there is nothing to average.
+  const double* smooth(std::size_t k, std::size_t from, std::size_t to) {
+    if (half_width == 0) return x[k].data() + from;
+    const std::size_t first = from > half_width ? from - half_width : 0;
+    const std::size_t last = std::min(t.size(), to + half_width);
+    const double* column = x[k].data() + first;
+    prefix.resize(last - first + 1);
+    smoothed.resize(to - from);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < last - first; ++i) {
+      prefix[i] = sum;
+      sum += column[i];
+    }
+    prefix[last - first] = sum;
+    const bool all_finite = std::isfinite(sum);
+    const double* column_0 = x[k].data();
+    const auto mean_at = [&](std::size_t i) {
+      const std::size_t a = i > half_width ? i - half_width : 0, b = std::min(t.size(), i + half_width + 1);
+      if (all_finite) return (prefix[b - first] - prefix[a - first]) / static_cast<double>(b - a);
+      double finite_sum = 0.0;
+      std::size_t count = 0;
+      for (std::size_t j = a; j < b; ++j)
+        if (std::isfinite(column_0[j])) finite_sum += column_0[j], ++count;
+      return count > 0 ? finite_sum / static_cast<double>(count) : kNone;
+    };
+    const std::size_t inner = std::min(to, std::max(from, half_width));
+    const std::size_t inner_end = std::max(inner, std::min(to, t.size() - std::min(t.size(), half_width)));
+    for (std::size_t i = from; i < inner; ++i) smoothed[i - from] = mean_at(i);
+    if (all_finite) {
+      const double* low = prefix.data() + (inner - std::min(inner, half_width) - first);
+      const double* high = low + 2 * half_width + 1;
+      const double scale = 1.0 / static_cast<double>(2 * half_width + 1);
+      for (std::size_t i = inner; i < inner_end; ++i) smoothed[i - from] = (high[i - inner] - low[i - inner]) * scale;
+    } else {
+      for (std::size_t i = inner; i < inner_end; ++i) smoothed[i - from] = mean_at(i);
+    }
+    for (std::size_t i = inner_end; i < to; ++i) smoothed[i - from] = mean_at(i);
+    return smoothed.data();
+  }
+
+  void condense() {
+    const std::size_t n = kFullRateLimit / 2 + kept_before;
+    for (std::size_t from = kept_before; from < n; from += kFirstSpan) {
+      const std::size_t to = std::min(n, from + kFirstSpan);
+      spans.push_back({t[from], t[to - 1], base + to, to - from});
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const double* values = smooth(k, from, to);
+        extremes.push_back(
+            {extreme(values, &t[from], to - from, 1.0), extreme(values, &t[from], to - from, -1.0)});
+      }
+    }
+    // the last half_width condensed samples stay as neighbours of the next
+    drop(n - half_width);
+    kept_before = half_width;
+    join_old_spans();
+  }
+
+  void join_old_spans() {
+    const std::size_t followers = x.size();
+    const std::uint64_t now = base + t.size();
     std::size_t to = 0;
-    for (std::size_t from = head; from < spans.size(); ++from) {
-      const bool join = to > 0 && (spans[to - 1].n + spans[from].n) * kSpansPerAge <= stored - spans[from].end;
-      if (join) {
+    for (std::size_t from = 0; from < spans.size(); ++from) {
+      if (to > 0 && (spans[to - 1].n + spans[from].n) * kSpansPerAge <= now - spans[from].end) {
         spans[to - 1].last_s = spans[from].last_s;
         spans[to - 1].end = spans[from].end;
         spans[to - 1].n += spans[from].n;
@@ -131,97 +223,62 @@ struct ExtremaPairer::Impl {
     }
     spans.resize(to);
     extremes.resize(to * followers);
-    head = 0;
-    merge_at = std::max<std::size_t>(1024, 2 * to);
-  }
-
-  void turned(const Extremum& turn) {
-    Window window{turn, record_start_s, kInfinity};
-    if (has_previous) {
-      const double middle_s = 0.5 * (previous.t_s + turn.t_s) + options.lag_s;
-      window.from_s = middle_s;
-      waiting.back().to_s = middle_s;
-      if (waiting.size() == 1 && first_open) {
-        waiting.back().from_s =
-            std::max(record_start_s, previous.t_s + options.lag_s - 0.5 * (turn.t_s - previous.t_s));
-        first_open = false;
-      }
-      const std::uint64_t half_cycle = pushed - previous_at;
-      span_target = 1;
-      while (2 * span_target * 128 <= half_cycle) span_target *= 2;
-    }
-    waiting.push_back(window);
-    previous = turn;
-    previous_at = pushed;
-    has_previous = true;
-    ready_s = waiting.front().to_s;
-  }
-
-  void emit_ready() {
-    while (!waiting.empty() && waiting.front().to_s < stored_s) {
-      emit(waiting.front());
-      waiting.erase(waiting.begin());
-    }
-    ready_s = waiting.empty() ? kInfinity : waiting.front().to_s;
   }
 
   void emit(const Window& window) {
-    const std::size_t followers = open.size();
-    std::vector<Extremes> found(followers);
-    while (head < spans.size() && spans[head].last_s < window.from_s) ++head;
-    std::size_t at = head;
-    for (; at < spans.size() && spans[at].first_s <= window.to_s; ++at)
-      for (std::size_t k = 0; k < followers; ++k) found[k].add(extremes[at * followers + k]);
-    if (at == spans.size() && open_span.n > 0 && open_span.first_s <= window.to_s)
-      for (std::size_t k = 0; k < followers; ++k) found[k].add(open[k]);
-    while (head < spans.size() && spans[head].last_s < window.to_s) ++head;
+    const bool maximum = window.turn.turn == Turn::maximum;
+    const double sign = maximum ? 1.0 : -1.0;
+    auto from = static_cast<std::size_t>(std::lower_bound(t.begin(), t.end(), window.from_s) - t.begin());
+    const auto to = static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), window.to_s) - t.begin());
+    from = std::max(from, kept_before);
 
     PairedExtremum pair;
     pair.turn = window.turn.turn;
     pair.t_s = window.turn.t_s;
     pair.guide = window.turn.value;
-    for (const Extremes& e : found) {
-      const bool any = std::isfinite(e.high);
-      const bool maximum = pair.turn == Turn::maximum;
-      pair.value.push_back(!any ? kNone : maximum ? e.high : e.low);
-      pair.at_s.push_back(!any ? kNone : maximum ? e.high_s : e.low_s);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      Extreme found;
+      for (std::size_t s = 0; s < spans.size() && spans[s].first_s <= window.to_s; ++s) {
+        if (spans[s].last_s < window.from_s) continue;
+        const Extremes& e = extremes[s * x.size() + k];
+        found.add(maximum ? e.high : e.low);
+      }
+      if (from < to) found.add(extreme(smooth(k, from, to), t.data() + from, to - from, sign));
+      const bool any = std::isfinite(found.value);
+      pair.value.push_back(any ? sign * found.value : kNone);
+      pair.at_s.push_back(any ? 0.5 * (found.first_s + found.last_s) : kNone);
     }
     pairs.push_back(std::move(pair));
   }
 
   void finish() {
-    if (finished) return;
+    if (finished || waiting.empty()) return;
     finished = true;
-    if (waiting.empty()) return;
-    // the last turning point has no successor: its window is as long after it as before it
+    // The last turning point has no successor: its window is as long after it as before it.
     Window& last = waiting.back();
-    if (pairs.empty() && waiting.size() == 1 && first_open)
-      last.from_s = record_start_s;  // a single turning point: the whole record is its window
     const double before_s = last.turn.t_s + options.lag_s - last.from_s;
     last.to_s = last.turn.t_s + options.lag_s + before_s;
-    const double step_s = pushed > 1 ? (last_s - record_start_s) / static_cast<double>(pushed - 1) : 0.0;
-    const double end_s = last_s + 0.5 * step_s;
+    const double step_s = t.size() > 1 ? t[t.size() - 1] - t[t.size() - 2] : 0.0;
     for (const Window& window : waiting)
-      if (window.to_s <= end_s) emit(window);
+      if (window.to_s <= t.back() + 0.5 * step_s) emit(window);
     waiting.clear();
   }
 
   Options options;
+  std::size_t half_width;
   TurningPoints turning;
-  std::vector<MovingMean> means;
-  std::vector<double> instants;  ///< the last half_width + 1 instants
-  std::size_t instant_at = 0;
-  std::vector<double> smooth;
 
-  std::vector<Span> spans;  ///< oldest first; those before `head` are no longer needed
-  std::vector<Extremes> extremes;
-  std::size_t head = 0, merge_at = 1024;
-  Span open_span;
-  std::vector<Extremes> open;
-  std::uint32_t span_target = 1;
+  // Full-rate samples from number `base` on. The first `kept_before` of them are in `spans` already and serve only
+  // as neighbours of the moving mean.
+  std::vector<double> t;
+  std::vector<std::vector<double>> x;
+  std::uint64_t base = 0;
+  std::size_t kept_before = 0;
+  std::vector<Span> spans;         ///< oldest first
+  std::vector<Extremes> extremes;  ///< spans x followers
+  std::vector<double> prefix, smoothed;
 
-  std::uint64_t pushed = 0, stored = 0, previous_at = 0;
-  double record_start_s = 0.0, last_s = 0.0, stored_s = -kInfinity, ready_s = kInfinity;
+  double start_s = 0.0;
   Extremum previous;
   bool has_previous = false, first_open = true, finished = false;
   std::vector<Window> waiting;
@@ -237,11 +294,7 @@ void ExtremaPairer::push(double t_s, double guide, const double* followers) { im
 
 void ExtremaPairer::push(std::span<const double> t_s, std::span<const float> guide,
                          std::span<const float* const> followers) {
-  std::vector<double> row(followers.size());
-  for (std::size_t i = 0; i < t_s.size(); ++i) {
-    for (std::size_t k = 0; k < row.size(); ++k) row[k] = followers[k][i];
-    impl_->push(t_s[i], guide[i], row.data());
-  }
+  impl_->push(t_s, guide, followers);
 }
 
 void ExtremaPairer::finish() { impl_->finish(); }
