@@ -70,14 +70,14 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
 
   const double theta = wheel_.angle_rad(request.force_low_N / spring_.stiffness_N_per_mm);
   motor_.begin({}, step_s_, theta);
-  force_N_ = spring_.force_N(wheel_.travel_mm(theta));
+  const double force_N = spring_.force_N(wheel_.travel_mm(theta));
 
   AtiNano17::Parameters ati;
   Converter::Parameters converter;
   converter.bits = options_.adc_bits;
   if (!options_.noise) ati.noise_N = converter.noise_V = 0.0;
   ati.overload_N = std::min(ati.overload_N, faults_.reference_saturated_N);
-  ati_.begin(ati, step_s_, force_N_);
+  ati_.begin(ati, step_s_, force_N);
   ati_.set_offset_N(faults_.reference_offset_N);
   converter_.begin(converter);
 
@@ -85,13 +85,14 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
       draw_session(options_.sensor, specimen, request.seed, request.session, options_.session_spread);
   const std::uint64_t record_seed =
       mix_seed(mix_seed(request.seed, "record/" + request.specimen), std::to_string(request.session));
-  film_.begin(film_parameters_, step_s_, force_N_, kUsualLoss, request.rest_before_s, record_seed);
-  noise_ = Rng(record_seed, "noise");
+  film_.begin(film_parameters_, step_s_, force_N, kUsualLoss, request.rest_before_s, record_seed);
+  ati_noise_ = WhiteNoise(record_seed, "ati_noise");
+  adc_noise_ = WhiteNoise(record_seed, "adc_noise");
   loss_ = Rng(record_seed, "sample_loss");
 
   index_ = 0;
   end_ = static_cast<std::int64_t>(std::min(request.duration_s, faults_.truncated_s) * options_.rate_Hz + 0.5);
-  reading_N_ = force_N_;
+  reading_N_ = force_N;
   is_frozen_ = false;
   last_code_ = 0;
   begun_ = true;
@@ -111,7 +112,7 @@ Result<std::size_t> EmulatedRig::run(std::size_t n, RigBlock& out, std::size_t a
   n = std::min(n, left);
   for (std::size_t done = 0; done < n;) {
     const auto to_tick = static_cast<std::size_t>(samples_per_tick_ - index_ % samples_per_tick_);
-    const std::size_t chunk = std::min(n - done, to_tick);
+    const std::size_t chunk = std::min({n - done, to_tick, kChunk});
     run_to_tick(chunk, out, at + done);
     if (index_ % samples_per_tick_ == 0) film_.tick(kTick_s);
     done += chunk;
@@ -120,28 +121,37 @@ Result<std::size_t> EmulatedRig::run(std::size_t n, RigBlock& out, std::size_t a
   return n;
 }
 
+// One instrument after the other over at most kChunk samples: short loops that overlap in the processor.
 void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
   if (static_cast<double>(index_) * step_s_ >= faults_.motor_stalled_s) motor_.stall();
-  const int last_code = converter_.last_code();
-  for (std::size_t i = at; i < at + n; ++i, ++index_) {
+  double* const force = force_N_.data();
+  double* const voltage = voltage_V_.data();
+  float* const theta_rad = out.theta_rad.data() + at;
+  std::uint16_t* const status = out.status.data() + at;
+  double* const t_s = out.t_s.data() + at;
+  const std::uint16_t fault = motor_.following_error() ? kRigMotorFault : 0;
+  for (std::size_t i = 0; i < n; ++i) {
     const double theta = motor_.step();
-    const double force = spring_.force_N(wheel_.travel_mm(theta));
-    const double voltage = film_.step(force);
-    const double reading = ati_.read(force, noise_.normal());
-    const std::uint16_t code = converter_.convert(voltage, noise_.normal());
-    std::uint16_t status = 0;
-    if (ati_.saturated()) status |= kRigReferenceSaturated;
-    if (motor_.at_stop()) status |= kRigTravelStop;
-    if (motor_.following_error()) status |= kRigMotorFault;
-    if (code == 0 || code == last_code) status |= kRigAdcRail;
-    out.t_s[i] = static_cast<double>(index_) * step_s_;
-    out.force_ref_N[i] = static_cast<float>(reading);
-    out.adc[i] = code;
-    out.theta_rad[i] = static_cast<float>(theta);
-    out.status[i] = status;
-    force_N_ = force;
-    reading_N_ = reading;
+    force[i] = theta;
+    theta_rad[i] = static_cast<float>(theta);
+    status[i] = motor_.at_stop() ? static_cast<std::uint16_t>(fault | kRigTravelStop) : fault;
   }
+  for (std::size_t i = 0; i < n; ++i) force[i] = spring_.force_N(wheel_.travel_mm(force[i]));
+  film_.run(n, force, voltage);
+  float* const reading = out.force_ref_N.data() + at;
+  for (std::size_t i = 0; i < n; ++i) {
+    reading[i] = static_cast<float>(ati_.read(force[i], ati_noise_.next()));
+    if (ati_.saturated()) status[i] |= kRigReferenceSaturated;
+  }
+  std::uint16_t* const adc = out.adc.data() + at;
+  const int last_code = converter_.last_code();
+  for (std::size_t i = 0; i < n; ++i) {
+    adc[i] = converter_.convert(voltage[i], adc_noise_.next());
+    if (adc[i] == 0 || adc[i] == last_code) status[i] |= kRigAdcRail;
+    t_s[i] = static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s_;
+  }
+  index_ += static_cast<std::int64_t>(n);
+  reading_N_ = static_cast<double>(reading[n - 1]);
 }
 
 void EmulatedRig::spoil_rows(std::size_t n, RigBlock& out, std::size_t at) {

@@ -7,6 +7,7 @@
 // 5.5 N), no preload. A record starts at rest with the wheel at the angle of force_low_N.
 // The column setpoint_N belongs to whoever commands the wheel: run() leaves it as it is.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -21,6 +22,7 @@
 #include "rigs/emulated/population.h"
 #include "rigs/emulated/spring.h"
 #include "rigs/emulated/wheel.h"
+#include "rigs/emulated/white_noise.h"
 
 namespace forcegate::emulated {
 
@@ -58,7 +60,7 @@ class EmulatedRig final : public Rig {
   bool begun_ = false;
   Faults faults_;
   std::int64_t index_ = 0, end_ = 0;
-  double reading_N_ = 0.0, force_N_ = 0.0;
+  double reading_N_ = 0.0;
   float frozen_N_ = 0.0F;
   std::uint16_t last_code_ = 0;
   bool is_frozen_ = false;
@@ -70,7 +72,10 @@ class EmulatedRig final : public Rig {
   Converter converter_;
   Film film_;
   FilmParameters film_parameters_;
-  Rng noise_{0}, loss_{0};
+  WhiteNoise ati_noise_{0, ""}, adc_noise_{0, ""};
+  Rng loss_{0};
+  static constexpr std::size_t kChunk = 100;
+  std::array<double, kChunk> force_N_{}, voltage_V_{};
 };
 
 }  // namespace forcegate::emulated

@@ -4,6 +4,7 @@
 //   play hysteresis -> curvature -> loading memory -> creep -> F = G U + F0 (eq. 1) -> lag.
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
 #include "hil/base/portable_math.h"
@@ -45,15 +46,24 @@ class Film {
     bend_ = 4.0 * p.curvature / p.full_scale_N;
     film_N_ = static_force_N(force_N);
     memory_.begin(p.loading, step_s, film_N_, lost, rest_before_s);
-    voltage_ = target_V();
+    voltage_ = target_V(film_N_);
   }
 
-  /// Every sample: volts before the converter's rails and noise.
-  double step(double force_N) {
-    film_N_ = static_force_N(force_N);
-    memory_.push(film_N_);
-    voltage_ += follow_ * (target_V() - voltage_);
-    return voltage_;
+  /// Samples in order: volts before the converter's rails and noise. tick() is called between two runs.
+  void run(std::size_t n, const double* force_N, double* voltage_V) {
+    double film[kBatch];
+    for (std::size_t done = 0; done < n; done += kBatch) {
+      const std::size_t m = n - done < kBatch ? n - done : kBatch;
+      for (std::size_t i = 0; i < m; ++i) film[i] = static_force_N(force_N[done + i]);
+      double voltage = voltage_;
+      for (std::size_t i = 0; i < m; ++i) {
+        memory_.push(film[i]);
+        voltage += follow_ * (target_V(film[i]) - voltage);
+        voltage_V[done + i] = voltage;
+      }
+      voltage_ = voltage;
+      film_N_ = film[m - 1];
+    }
   }
 
   /// Every 10 ms.
@@ -71,6 +81,8 @@ class Film {
   const LoadingMemory& memory() const { return memory_; }
 
  private:
+  static constexpr std::size_t kBatch = 16;
+
   /// Force that the contacts carry: hysteresis and curvature. The loading memory works on this one, for what
   /// is lost loses its hysteresis too.
   double static_force_N(double force_N) {
@@ -79,9 +91,9 @@ class Film {
     return force_N + p_.play_share * (play_ - force_N) + bend_ * force_N * (p_.full_scale_N - force_N);
   }
 
-  double target_V() const {
-    const double wander_N = wander_ * (film_N_ - memory_.envelope_low_N());
-    return (memory_.apply(film_N_) + creep_ + wander_N - p_.offset_N) * per_gain_;
+  double target_V(double film_N) const {
+    const double wander_N = wander_ * (film_N - memory_.envelope_low_N());
+    return (memory_.apply(film_N) + creep_ + wander_N - p_.offset_N) * per_gain_;
   }
 
   FilmParameters p_;
