@@ -80,10 +80,11 @@ struct Command {
   std::vector<Positional> positionals{};
   std::vector<Option> options{};  ///< besides --json, --color, --quiet and --help, which every verb has
   std::vector<Example> examples{};
+  std::function<std::string()> details{};  ///< text of --help that is only known at run time (lists of plug-ins)
   std::vector<int> exit_codes = {kExitSuccess, kExitUsage};  ///< those it can give, for --help
   bool hidden = false;  ///< not in overview and completion ("worker")
   /// Exit code, or an Error that is printed (text or JSON) and mapped by exit_code_of.
-  std::function<Result<int>(const Invocation&)> run;
+  std::function<Result<int>(const Invocation&)> run{};
 };
 
 /// One parsed command line. Options and positionals are asked by their names in the table; asking for a name that is

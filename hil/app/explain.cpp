@@ -1,0 +1,74 @@
+#include "hil/app/explain.h"
+
+#include <algorithm>
+
+namespace forcegate {
+namespace {
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+bool same_word(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+}  // namespace
+
+const std::vector<Explanation>& explanations() {
+  static const std::vector<Explanation> kAll = {
+      {"ACCEPT", "decision", "Every required check ran on a sound rig and passed.", "Ship the build."},
+      {"REJECT", "decision", "A required check failed beyond its uncertainty while the rig was sound.",
+       "Read the first failing check in the report; it names the quantity, the value, the limit and its source."},
+      {"NO-DECISION", "decision",
+       "Something required could not be judged: it did not run, it was inconclusive, or the rig was at fault. It is "
+       "never an accept.",
+       "The reason names who must act; repeat the run when they have."},
+      {"pass", "verdict", "The value is inside its limit by at least its expanded uncertainty U (k = 2).", "Nothing."},
+      {"marginal", "verdict", "The value is inside its limit, but by less than its expanded uncertainty U (k = 2).",
+       "Counts as passed. Watch the trend, or take more cycles to shrink the uncertainty."},
+      {"fail", "verdict",
+       "The value is outside its limit by more than its uncertainty (Holm at 1 % over the required checks).",
+       "Look at the picture of the case; the reproduce line in the report repeats exactly this run."},
+      {"inconclusive", "verdict",
+       "The value is outside its limit, but not by more than its uncertainty, and the plan's cap of extra cycles is "
+       "used up.",
+       "Take longer records, more specimens, or a reference with a smaller uncertainty."},
+      {"rig_error", "verdict", "The rig failed its own self-check, so the build cannot be blamed or praised.",
+       "Mend what the self-check names (zero, noise, spring witness, motor, link, clock), then repeat."},
+      {"not_run", "verdict", "The check was not made: its data, its golden trace or its method is missing.",
+       "The evidence sentence says what is missing. A required check that did not run prevents an ACCEPT."},
+      {"waived", "verdict", "A person has taken responsibility for this check, with a name and a date of expiry.",
+       "Remove the waiver from the plan when its reason is gone."},
+      {"none", "who must act", "Nobody: the decision is ACCEPT.", "Nothing."},
+      {"firmware", "who must act", "The author of the build.", "Mend the build; the report shows where it departs."},
+      {"sensor", "who must act", "The specimen under the indenter.", "Exchange the sensor, or let it rest for two hours."},
+      {"rig", "who must act", "The keeper of the bench: motor, wheel, trolley or spring.",
+       "Run the self-check alone, then repeat."},
+      {"reference", "who must act", "The keeper of the ATI reference.",
+       "Unload it, zero it, check overload and calibration date."},
+      {"link", "who must act", "The connection between harness and board.", "Check cable, baud rate and frame losses."},
+      {"calibration", "who must act", "Whoever provides the calibration of the specimen.",
+       "Judge at level identified, or repeat the static sweeps."},
+      {"user", "who must act", "Whoever wrote the command line, plan or bench file.", "Follow the help line."},
+      {"harness", "who must act", "The authors of Forcegate.", "Report it with the command line and the folder of the run."},
+      {"0", "exit code", "ACCEPT, or the verb did what it was asked.", "Nothing."},
+      {"1", "exit code", "REJECT: the firmware failed a required check on a sound rig, crashed or hung.",
+       "See: forcegate explain REJECT."},
+      {"2", "exit code", "The command line, a plan, a bench file or a data file is wrong.", "Follow the help line."},
+      {"3", "exit code", "NO-DECISION.", "See: forcegate explain NO-DECISION."},
+      {"4", "exit code", "The rig misbehaved.", "Retry; the only code after which that makes sense."},
+      {"5", "exit code", "A safety limit parked the rig and the cause is undecided.",
+       "A person must look at the bench before anything moves again."},
+      {"6", "exit code", "A defect of Forcegate itself.", "Report it with the command line."},
+      {"130", "exit code", "Interrupted by Ctrl-C or SIGTERM; the rig is parked.",
+       "forcegate recover makes a trace from the journal of the interrupted record."},
+  };
+  return kAll;
+}
+
+const Explanation* find_explanation(std::string_view term) {
+  for (const Explanation& e : explanations())
+    if (same_word(e.term, term)) return &e;
+  return nullptr;
+}
+
+}  // namespace forcegate

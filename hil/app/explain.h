@@ -1,0 +1,23 @@
+#pragma once
+// `forcegate explain`: what a word of a report or an exit code means, and what to do about it.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace forcegate {
+
+struct Explanation {
+  std::string term;     ///< "marginal", "NO-DECISION", "4"
+  std::string kind;     ///< "verdict", "decision", "who must act", "exit code"
+  std::string meaning;
+  std::string what_to_do;
+};
+
+/// Sorted by kind as a report mentions them.
+const std::vector<Explanation>& explanations();
+
+/// Case-insensitive; nullptr when there is none.
+const Explanation* find_explanation(std::string_view term);
+
+}  // namespace forcegate

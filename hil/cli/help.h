@@ -1,0 +1,32 @@
+#pragma once
+// Texts made from the command table.
+
+#include <string>
+#include <vector>
+
+#include "hil/cli/command.h"
+
+namespace forcegate {
+
+/// `forcegate --help`: the verbs by group, what to type first, the exit codes.
+std::string overview_text(const std::vector<Command>& table, const Console& console);
+
+/// `forcegate VERB --help`.
+std::string command_text(const Command& command, const Console& console);
+
+/// "forcegate gate [OPTIONS] FIRMWARE"
+std::string usage_line(const Command& command);
+
+/// One page of roff (man 1) for the whole program; same bytes for the same table and version.
+std::string man_page(const std::vector<Command>& table, const std::string& version);
+
+/// What an exit code means, one sentence; "" for an unknown one.
+std::string exit_code_text(int code);
+
+/// All documented exit codes, ascending.
+const std::vector<int>& exit_codes();
+
+/// `text` in lines of at most `width` columns, every line after `indent` spaces; "\n" stays a line end.
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t width = 100);
+
+}  // namespace forcegate

@@ -1,0 +1,17 @@
+#pragma once
+// Ctrl-C: ends the program with code 130 after removing the progress bar, until a verb asks to be told instead.
+
+#include <atomic>
+
+namespace forcegate {
+
+/// Installs the handlers; ignores SIGPIPE, so that a dying worker is an error value and not the end of the run.
+void install_signal_handlers();
+
+/// True while a bar stands on the terminal; the handler removes it.
+extern std::atomic<bool> g_bar_on_terminal;
+
+/// After this call the first SIGINT or SIGTERM sets the flag, the second ends the program.
+const std::atomic<bool>& catch_interrupt();
+
+}  // namespace forcegate

@@ -1,0 +1,66 @@
+#include <cerrno>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "hil/cli/help.h"
+#include "hil/cli/interrupt.h"
+#include "hil/cli/parse.h"
+
+namespace forcegate {
+namespace {
+
+int run(const ParsedLine& line, Console& console, const std::vector<Command>& table) {
+  if (line.error) {
+    console.error(*line.error);
+    return exit_code_of(line.error->code);
+  }
+  if (line.version) {
+    std::puts("forcegate " FORCEGATE_VERSION);
+    return kExitSuccess;
+  }
+  if (line.command == nullptr) {
+    std::fputs(overview_text(table, console).c_str(), line.help ? stdout : stderr);
+    return line.help ? kExitSuccess : kExitUsage;
+  }
+  if (line.help) {
+    std::fputs(command_text(*line.command, console).c_str(), stdout);
+    return kExitSuccess;
+  }
+  Invocation invocation(*line.command, console);
+  for (const auto& [name, value] : line.values) invocation.set(name, value);
+  invocation.set_command_line(line.command_line);
+  const Result<int> code = line.command->run(invocation);
+  console.end_progress();
+  if (code) return *code;
+  console.error(code.error());
+  return exit_code_of(code.error().code);
+}
+
+}  // namespace
+}  // namespace forcegate
+
+int main(int argc, char** argv) {
+  using namespace forcegate;
+  install_signal_handlers();
+  const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+  const std::vector<Command>& table = Registry<Command>::instance().all();
+  const ParsedLine line = parse_command_line(arguments, table);
+  Console console(line.console);
+  int code = kExitInternal;
+  // The last border: a library that throws is a defect here, never an ACCEPT.
+  try {
+    code = run(line, console, table);
+  } catch (const std::bad_alloc&) {
+    console.error({ErrorCode::internal, "out of memory", "forcegate", "free memory or judge fewer cases at once"});
+  } catch (const std::exception& e) {
+    console.error({ErrorCode::internal, std::string("unexpected exception: ") + e.what(), "forcegate",
+                   "please report it with the command line"});
+  }
+  // A full disk behind stdout must not look like success; a reader that has left (EPIPE) is its own affair.
+  if (std::fflush(stdout) != 0 && errno != EPIPE && code == kExitSuccess) {
+    console.error({ErrorCode::io, "cannot write to standard output", "forcegate", "is the disk full?"});
+    return kExitUsage;
+  }
+  return code;
+}

@@ -1,0 +1,219 @@
+#include "hil/cli/parse.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hil/base/text.h"
+
+namespace forcegate {
+namespace {
+
+Error usage_error(std::string text, std::string where, std::string hint) {
+  return {ErrorCode::usage, std::move(text), std::move(where), std::move(hint)};
+}
+
+std::string suggestion(std::string_view word, const std::vector<std::string>& names, std::string_view before,
+                       std::string otherwise) {
+  const std::string near = nearest_name(word, names);
+  return near.empty() ? otherwise : fmt::format("did you mean \"{}{}\"?", before, near);
+}
+
+std::vector<std::string> option_names(const Command& command) {
+  std::vector<std::string> names;
+  for (const Option& o : command.options) names.push_back(o.name);
+  for (const Option& o : global_options()) names.push_back(o.name);
+  return names;
+}
+
+const Option* find_option(const std::vector<Option>& options, std::string_view name) {
+  for (const Option& o : options)
+    if (o.name == name || (o.letter != 0 && name.size() == 1 && name[0] == o.letter)) return &o;
+  return nullptr;
+}
+
+std::optional<Error> check_choice(const std::string& value, std::string_view shown, const Choices& choices,
+                                  bool only_choices, const std::string& where) {
+  if (!choices || !only_choices) return std::nullopt;
+  const std::vector<std::string> allowed = choices();
+  if (std::find(allowed.begin(), allowed.end(), value) != allowed.end()) return std::nullopt;
+  return usage_error(fmt::format("\"{}\" is not one of the values of {}", value, shown), where,
+                     suggestion(value, allowed, "", "choose from: " + join(allowed, ", ")));
+}
+
+// What is being read: the state of one pass over the arguments.
+class Reader {
+ public:
+  Reader(std::span<const std::string> arguments, const std::vector<Command>& table)
+      : arguments_(arguments), table_(table) {}
+
+  ParsedLine read() {
+    line_.command_line = "forcegate";
+    for (const std::string& argument : arguments_) line_.command_line += " " + shell_quoted(argument);
+    read_globals_first();
+    for (std::size_t i = 0; i < arguments_.size() && !line_.error; ++i) {
+      const std::string& argument = arguments_[i];
+      if (!options_ended_ && argument == "--")
+        options_ended_ = true;
+      else if (!options_ended_ && argument.size() > 1 && argument[0] == '-')
+        take_option(i);
+      else if (line_.command == nullptr)
+        take_verb(argument);
+      else
+        take_positional(argument);
+    }
+    if (!line_.error && !line_.help && line_.command != nullptr) check_required();
+    return std::move(line_);
+  }
+
+ private:
+  // So that the error of an earlier argument is already printed as the user wants.
+  void read_globals_first() {
+    for (const std::string& argument : arguments_) {
+      if (argument == "--") break;
+      if (argument == "--json") line_.console.json = true;
+      if (argument == "--quiet" || argument == "-q") line_.console.quiet = true;
+      if (argument == "--color=never") line_.console.color = ConsoleOptions::Color::never;
+    }
+  }
+
+  std::string where() const {
+    return line_.command == nullptr ? "forcegate" : "forcegate " + line_.command->name;
+  }
+
+  std::string see_help() const { return fmt::format("see \"{} --help\"", where()); }
+
+  void take_verb(const std::string& word) {
+    if (word == "help") {
+      line_.help = true;
+      return;
+    }
+    std::vector<std::string> names;
+    for (const Command& c : table_) {
+      if (c.name == word) line_.command = &c;
+      if (!c.hidden) names.push_back(c.name);
+    }
+    if (line_.command == nullptr)
+      line_.error = usage_error(fmt::format("there is no verb \"{}\"", word), "forcegate",
+                                suggestion(word, names, "forcegate ", "\"forcegate --help\" lists the verbs"));
+  }
+
+  void take_positional(const std::string& word) {
+    const auto& positionals = line_.command->positionals;
+    if (line_.help) return;
+    if (at_positional_ >= positionals.size()) {
+      line_.error = usage_error(fmt::format("unexpected argument \"{}\"", word), where(), see_help());
+      return;
+    }
+    const Positional& p = positionals[at_positional_];
+    line_.error = check_choice(word, p.name, p.choices, p.only_choices, where());
+    line_.values.emplace_back(p.name, word);
+    if (!p.repeatable) ++at_positional_;
+  }
+
+  void take_option(std::size_t& i) {
+    const std::string& argument = arguments_[i];
+    const bool is_long = argument.starts_with("--");
+    const std::size_t equals = is_long ? argument.find('=') : std::string::npos;
+    const std::string name = argument.substr(is_long ? 2 : 1, equals - (is_long ? 2 : 1));
+    const Option* option = line_.command != nullptr ? find_option(line_.command->options, name) : nullptr;
+    const bool own = option != nullptr;
+    if (!own) option = find_option(global_options(), name);
+    if (option == nullptr || (is_long && name.size() == 1)) {
+      const std::string written = (is_long ? "--" : "-") + name;
+      line_.error = usage_error(
+          fmt::format("{} has no option \"{}\"", where(), written), where(),
+          line_.command == nullptr
+              ? "the verb comes first: \"forcegate --help\" lists them"
+              : suggestion(name, option_names(*line_.command), "--", see_help()));
+      return;
+    }
+    std::string value;
+    if (option->value_name.empty()) {
+      if (equals != std::string::npos)
+        line_.error = usage_error(fmt::format("--{} takes no value", option->name), where(), see_help());
+    } else if (equals != std::string::npos) {
+      value = argument.substr(equals + 1);
+    } else if (i + 1 < arguments_.size()) {
+      value = arguments_[++i];
+    } else {
+      line_.error = usage_error(fmt::format("--{} wants a value {}", option->name, option->value_name), where(),
+                                option->doc);
+    }
+    if (line_.error) return;
+    if (!option->value_name.empty())
+      line_.error = check_choice(value, "--" + option->name, option->choices, option->only_choices, where());
+    if (own)
+      line_.values.emplace_back(option->name, value);
+    else
+      take_global(*option, value);
+  }
+
+  void take_global(const Option& option, const std::string& value) {
+    if (option.name == "help") line_.help = true;
+    if (option.name == "version") line_.version = true;
+    if (option.name == "color")
+      line_.console.color = value == "always"  ? ConsoleOptions::Color::always
+                            : value == "never" ? ConsoleOptions::Color::never
+                                               : ConsoleOptions::Color::automatic;
+  }
+
+  void check_required() {
+    const auto given = [&](const std::string& name) {
+      return std::any_of(line_.values.begin(), line_.values.end(), [&](const auto& v) { return v.first == name; });
+    };
+    for (const Positional& p : line_.command->positionals)
+      if (p.required && !given(p.name)) {
+        line_.error = usage_error(fmt::format("{} is missing", p.name), where(), p.doc);
+        return;
+      }
+    for (const Option& o : line_.command->options)
+      if (o.required && !given(o.name)) {
+        line_.error = usage_error(fmt::format("--{} {} is missing", o.name, o.value_name), where(), o.doc);
+        return;
+      }
+  }
+
+  std::span<const std::string> arguments_;
+  const std::vector<Command>& table_;
+  ParsedLine line_;
+  bool options_ended_ = false;
+  std::size_t at_positional_ = 0;
+};
+
+}  // namespace
+
+const std::vector<Option>& global_options() {
+  static const std::vector<Option> kOptions = {
+      {.name = "json", .value_name = "", .doc = "Print one JSON document on stdout instead of text; errors too."},
+      {.name = "color",
+       .value_name = "WHEN",
+       .doc = "Colour of the text. auto obeys NO_COLOR, CLICOLOR_FORCE and the terminal.",
+       .fallback = "auto",
+       .choices = [] { return std::vector<std::string>{"auto", "always", "never"}; }},
+      {.name = "quiet", .value_name = "", .doc = "No progress, no notes, no \"next:\" line.", .letter = 'q'},
+      {.name = "help", .value_name = "", .doc = "Print this text.", .letter = 'h'},
+      {.name = "version", .value_name = "", .doc = "Print the version."},
+  };
+  return kOptions;
+}
+
+ParsedLine parse_command_line(std::span<const std::string> arguments, const std::vector<Command>& table) {
+  return Reader(arguments, table).read();
+}
+
+std::string shell_quoted(std::string_view text) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%^";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos) return std::string(text);
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'')
+      out += "'\\''";
+    else
+      out += c;
+  }
+  return out + "'";
+}
+
+}  // namespace forcegate

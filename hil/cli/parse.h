@@ -1,0 +1,33 @@
+#pragma once
+// Command line -> row of the table and its values.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/cli/command.h"
+
+namespace forcegate {
+
+/// Options that every verb has: --json, --quiet, --color, --help.
+const std::vector<Option>& global_options();
+
+struct ParsedLine {
+  ConsoleOptions console;            ///< filled even when there is an error
+  const Command* command = nullptr;  ///< nullptr: no verb was given
+  bool help = false;
+  bool version = false;
+  std::vector<std::pair<std::string, std::string>> values;  ///< name in the table, value ("" of a flag)
+  std::string command_line;                                 ///< quoted for a POSIX shell
+  std::optional<Error> error;
+};
+
+/// `arguments` without the program's name. Never touches files. `--name value`, `--name=value`, `-o value`; "--" ends
+/// the options; an option takes the next argument whatever it looks like. Last value wins unless repeatable.
+ParsedLine parse_command_line(std::span<const std::string> arguments, const std::vector<Command>& table);
+
+/// `text` as one word of a POSIX shell.
+std::string shell_quoted(std::string_view text);
+
+}  // namespace forcegate

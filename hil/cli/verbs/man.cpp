@@ -1,0 +1,23 @@
+#include "hil/cli/command.h"
+#include "hil/cli/help.h"
+
+namespace forcegate {
+namespace {
+
+Result<int> run(const Invocation& in) {
+  in.console().print(man_page(Registry<Command>::instance().all(), FORCEGATE_VERSION));
+  return kExitSuccess;
+}
+
+const Registration<Command> kRow{Command{
+    .name = "man",
+    .group = "House",
+    .summary = "manual page of the whole program in roff",
+    .description = "Prints the manual page forcegate(1), made from the same table as --help.",
+    .examples = {{"forcegate man | man -l -", "Read it now:"},
+                 {"forcegate man > ~/.local/share/man/man1/forcegate.1", "Install it for yourself:"}},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate
