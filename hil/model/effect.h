@@ -1,0 +1,75 @@
+#pragma once
+// A physical effect that can be missing from a model. One file each in hil/model/effects/ registers an EffectKind.
+//
+// Every form of an effect adds to the sensor's output (channel output) or to the reference force (channel rig)
+//
+//   dU = g * sum_j c_j * s_j(history of F, t, theta, T ...; shape)        s_j in newtons of equivalent force,
+//
+// with c_j the strengths (neutral value 0) and `shape` constants such as a time constant or a play radius. s_j is
+// the tangent of the output at zero strength; the same columns serve screening, fitting, simulation and export, so
+// there is one state machine per effect.
+
+#include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/base/registry.h"
+#include "hil/model/record_input.h"
+
+namespace forcegate {
+
+struct ParameterSpec {
+  std::string name;       ///< with unit suffix where it has a unit
+  std::string unit;       ///< "1" for pure numbers
+  double minimum = 0.0, maximum = 0.0;
+  double neutral = 0.0;   ///< strength: 0. Shape: a typical value.
+  std::string doc;
+};
+
+enum class EffectChannel {
+  output,  ///< changes U at given F_ref
+  rig,     ///< changes F_ref at given angle or command
+  raw      ///< seen in the samples themselves; no columns, a detector of hil/diagnose finds it
+};
+
+/// Which sign of a strength is physical. `either`: both.
+enum class StrengthSign { either, positive, negative };
+
+using ColumnsRef = Eigen::Ref<Eigen::MatrixXd>;
+
+struct EffectForm {
+  std::string name;                      ///< "play_bank", "bouc_wen"
+  std::vector<ParameterSpec> shape;
+  std::vector<ParameterSpec> strength;   ///< one per column
+  StrengthSign sign = StrengthSign::either;
+  /// Shapes to screen, given the campaign's scales. One empty shape when the form has none.
+  std::function<std::vector<std::vector<double>>(const CampaignInput&)> grid;
+  /// Fills rows x strength.size() columns. Pure; rows that it cannot know are 0.
+  std::function<void(const CampaignInput&, const RecordInput&, std::span<const double> shape, ColumnsRef)> columns;
+  bool singles = false;                  ///< screen each column alone too (banks)
+  bool bank = false;                     ///< the family's most flexible form, used to soak up a wrong form's remains
+};
+
+struct EffectKind {
+  std::string name;                      ///< "hysteresis", as CAMPAIGN names it
+  std::string side;                      ///< sensor, rig, reference, instrument
+  EffectChannel channel = EffectChannel::output;
+  std::string summary;                   ///< one sentence a person understands
+  std::string equation;                  ///< plain text
+  std::string source;
+  std::vector<std::string> look_alikes;
+  std::string separates;                 ///< stimulus that settles it
+  std::vector<std::string> needs;        ///< "theta", "temp", "drive", "humidity", "command"; empty: only F and U
+  std::vector<EffectForm> forms;
+};
+
+using EffectRegistry = Registry<EffectKind>;
+
+/// True when the campaign has the channels that the effect needs.
+bool is_available(const EffectKind& kind, const CampaignInput& campaign);
+
+const EffectForm* find_form(const EffectKind& kind, std::string_view form_name);
+
+}  // namespace forcegate

@@ -1,0 +1,46 @@
+// Backlash and guide friction: a play between wheel and trolley.  dF = sum_r c_r (P_r[L] - L), L the force of the
+// linear rig law. F_ref against the angle shows a loop, U against F_ref none.
+
+#include "hil/model/effect.h"
+#include "hil/model/states.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kRadii[] = {0.004, 0.01, 0.025, 0.06, 0.14};
+
+const Registration<EffectKind> kRegistered{EffectKind{
+    .name = "backlash",
+    .side = "rig",
+    .channel = EffectChannel::rig,
+    .summary = "the force comes late after each reversal of the wheel by a fixed distance; the sensor is innocent",
+    .equation = "F = L + sum_r c_r (P_r[L] - L)",
+    .source = "play operator; linear guide with friction",
+    .look_alikes = {"hysteresis", "motor"},
+    .separates = "plot both loops: F_ref against angle and U against F_ref",
+    .needs = {"witness"},
+    .forms = {{.name = "play_bank",
+               .shape = {},
+               .strength = {{"w1", "1", -2.0, 2.0, 0.0, "radius 0.4 % of the span"},
+                            {"w2", "1", -2.0, 2.0, 0.0, "radius 1 %"},
+                            {"w3", "1", -2.0, 2.0, 0.0, "radius 2.5 %"},
+                            {"w4", "1", -2.0, 2.0, 0.0, "radius 6 %"},
+                            {"w5", "1", -2.0, 2.0, 0.0, "radius 14 %"}},
+               .sign = StrengthSign::positive,
+               .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+               .columns =
+                   [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                     out.setZero();
+                     if (r.rig_force_N.empty()) return;
+                     for (int k = 0; k < 5; ++k) {
+                       const double radius = kRadii[k] * c.range_N;
+                       Play play(radius, r.rig_force_N[0] - radius);
+                       for (std::size_t i = 0; i < r.rows(); ++i)
+                         out(static_cast<Eigen::Index>(i), k) = play.step(r.rig_force_N[i]) - r.rig_force_N[i];
+                     }
+                   },
+               .singles = true,
+               .bank = true}}}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,51 @@
+// Drive-voltage dependence: tunnelling conduction is voltage dependent, the decay vanishes below 1.5 V.
+//   dU = g (c_gain W + c_decay (1 - D)(F - Fmin)) (V - Vref)/Vref,  V the drive of the record.
+// Sensors (2017) static loading; tanh law below 1 V: Sensors 11 (2011) 8836; Proceedings 1 (2017) 813.
+
+#include "hil/model/effect.h"
+
+namespace forcegate {
+namespace {
+
+double reference_drive(const CampaignInput& c) {
+  double sum = 0.0, n = 0.0;
+  for (const RecordInput& r : c.records)
+    if (r.drive_mean_V == r.drive_mean_V) {
+      sum += r.drive_mean_V;
+      n += 1.0;
+    }
+  return n > 0.0 ? sum / n : 1.0;
+}
+
+const Registration<EffectKind> kRegistered{EffectKind{
+    .name = "bias",
+    .side = "sensor",
+    .summary = "gain or decay differs from record to record with the drive voltage",
+    .equation = "dU = g (c_gain W + c_decay (1 - D)(F - Fmin)) (V - Vref)/Vref",
+    .source = "Sensors 11 (2011) 8836; Proceedings 1 (2017) 813",
+    .look_alikes = {"wear", "thermal", "mounting"},
+    .separates = "one ramp at several drive voltages in random order",
+    .needs = {"drive"},
+    .forms = {{.name = "relative",
+               .shape = {},
+               .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "relative gain per relative drive"},
+                            {"c_decay", "1", -3.0, 3.0, 0.0, "relative decay per relative drive"}},
+               .sign = StrengthSign::either,
+               .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+               .columns =
+                   [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                     out.setZero();
+                     if (!(r.drive_mean_V == r.drive_mean_V)) return;
+                     const double mean = reference_drive(c);
+                     for (std::size_t i = 0; i < r.rows(); ++i) {
+                       const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
+                       const double v = (V - mean) / mean;
+                       const auto row = static_cast<Eigen::Index>(i);
+                       out(row, 0) = v * r.base_force_N(i);
+                       out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
+                     }
+                   },
+               .singles = true}}}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,40 @@
+// Two clocks that do not run at the same rate: the shift grows within a record, a fan-shaped residual.
+//   dU = g D c (F(t - e t) - F(t)),  e the relative rate difference.
+
+#include "hil/model/effect.h"
+#include "hil/model/states.h"
+
+namespace forcegate {
+namespace {
+
+const Registration<EffectKind> kRegistered{EffectKind{
+    .name = "clock_skew",
+    .side = "instrument",
+    .summary = "the sensor's clock and the reference's run apart: the shift grows within each record",
+    .equation = "dU = g D c (F(t - e t) - F(t))",
+    .source = "crystal tolerance of two free-running devices",
+    .look_alikes = {"delay", "lag"},
+    .separates = "the same fast edge at the start and at the end of a long record",
+    .needs = {},
+    .forms = {{.name = "linear",
+               .shape = {{"skew", "1", -0.05, 0.05, 1e-4, "relative rate difference"}},
+               .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal on the other clock"}},
+               .sign = StrengthSign::positive,
+               .grid =
+                   [](const CampaignInput&) {
+                     std::vector<std::vector<double>> out;
+                     for (double e : {1e-5, 2e-5, 4e-5, 8e-5, 1.4e-4, 2.4e-4, 4e-4, 7e-4, 1.2e-3, 2e-3}) {
+                       out.push_back({e});
+                       out.push_back({-e});
+                     }
+                     return out;
+                   },
+               .columns =
+                   [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                     const auto y = delayed_rows(r, 0.0, shape[0]);
+                     for (std::size_t i = 0; i < y.size(); ++i)
+                       out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
+                   }}}}};
+
+}  // namespace
+}  // namespace forcegate

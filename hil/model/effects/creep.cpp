@@ -1,0 +1,88 @@
+// Creep under load: U goes on growing at constant force.
+//   dU = g sum_k c_k L_k[F],  tau_k L' + L = F                     (Prony series; Burgers body, PM17b)
+//   dU/U = k log10(1 + t/t0) after a step: equal weights on a logarithmic grid of tau
+//   dU/U = (1 + t/t0)^p - 1 after a step: weights growing as tau^p
+// Less than 5 % a decade of time (Interlink FSR 400 data sheet), below 6 % in 20 min at rest load (Lebosse 2011).
+
+#include <cmath>
+
+#include "hil/model/effect.h"
+#include "hil/model/states.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kTau_s[] = {1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
+
+std::vector<double> drive_of(const RecordInput& r, bool decayed) {
+  if (!decayed) return r.F_N;
+  std::vector<double> W(r.rows());
+  for (std::size_t i = 0; i < r.rows(); ++i) W[i] = r.base_force_N(i);
+  return W;
+}
+
+void prony(const RecordInput& r, ColumnsRef out, bool decayed, bool settled) {
+  const std::vector<double> x = drive_of(r, decayed);
+  for (int k = 0; k < 7; ++k) {
+    const auto y = low_pass_channel(r, x, kTau_s[k], settled ? x[0] : 0.0);
+    for (std::size_t i = 0; i < y.size(); ++i) out(static_cast<Eigen::Index>(i), k) = y[i];
+  }
+}
+
+// Response whose step is a sum of exponentials with weights tau^p, scaled to 1 per decade of time at p = 0.
+void spectrum(const RecordInput& r, double p, bool decayed, bool settled, ColumnsRef out) {
+  std::vector<double> tau, weight;
+  for (int k = 0; k < 9; ++k) {
+    tau.push_back(0.3 * std::pow(10.0, 0.5 * k));
+    weight.push_back(0.5 * std::pow(tau.back() / 10.0, p));
+  }
+  const std::vector<double> x = drive_of(r, decayed);
+  const auto y = spectrum_response(r, x, tau, weight, settled ? x[0] : 0.0);
+  for (std::size_t i = 0; i < y.size(); ++i) out(static_cast<Eigen::Index>(i), 0) = y[i];
+}
+
+std::vector<ParameterSpec> prony_strengths() {
+  std::vector<ParameterSpec> out;
+  for (int k = 0; k < 7; ++k)
+    out.push_back({"k_" + std::to_string(static_cast<int>(kTau_s[k])) + "s", "1", -2.0, 2.0, 0.0,
+                   "relative growth with the time constant in the name"});
+  return out;
+}
+
+EffectForm prony_form(const char* name, bool decayed, bool settled, bool bank) {
+  return {.name = name,
+          .shape = {},
+          .strength = prony_strengths(),
+          .sign = StrengthSign::positive,
+          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+          .columns = [=](const CampaignInput&, const RecordInput& r, std::span<const double>,
+                         ColumnsRef out) { prony(r, out, decayed, settled); },
+          .singles = true,
+          .bank = bank};
+}
+
+EffectForm spectrum_form(const char* name, bool decayed, bool settled) {
+  return {.name = name,
+          .shape = {{"p", "1", 0.0, 0.3, 0.0, "exponent of the growth; 0 is logarithmic"}},
+          .strength = {{"k_per_decade", "1", -1.0, 1.0, 0.0, "relative growth per decade of time"}},
+          .sign = StrengthSign::positive,
+          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.0}, {0.15}}; },
+          .columns = [=](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
+                         ColumnsRef out) { spectrum(r, shape[0], decayed, settled, out); }};
+}
+
+const Registration<EffectKind> kRegistered{EffectKind{
+    .name = "creep",
+    .side = "sensor",
+    .summary = "the output goes on growing under constant load and sinks back slowly after unloading",
+    .equation = "dU = g sum_k c_k L_k[F], tau_k L_k' + L_k = F",
+    .source = "Paredes-Madrid et al., Materials 10 (2017) 1334; Interlink FSR 400 data sheet",
+    .look_alikes = {"thermal", "self_heating", "hysteresis", "reference_drift", "lag"},
+    .separates = "long holds at two levels, a step up, then down: creep restarts at each step and mirrors itself",
+    .needs = {},
+    .forms = {prony_form("prony", false, false, true), prony_form("prony_settled", false, true, false),
+              prony_form("prony_decayed", true, false, false), spectrum_form("power_law", false, false),
+              spectrum_form("power_law_settled", false, true), spectrum_form("power_law_decayed", true, false)}}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,49 @@
+// Turn-on threshold: a spacer gap, contacts that close at distributed forces.
+//   share of closed contacts 1 - exp(-F/F0):  dU = -g c F0 (1 - exp(-F/F0));  hard gap: dU = -g c min(F, F0).
+// Break force 0.2 to 1 N (Interlink integration guide), about 0.2 N (400 series data sheet).
+
+#include <cmath>
+
+#include "hil/model/effect.h"
+#include "hil/model/states.h"
+
+namespace forcegate {
+namespace {
+
+EffectForm form(const char* name, bool hard, bool after, std::vector<double> shares) {
+  return {.name = name,
+          .shape = {{"F0_N", "N", 1e-4, 100.0, 0.2, "turn-on force"}},
+          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the contacts that take part"}},
+          .sign = StrengthSign::positive,
+          .grid =
+              [shares](const CampaignInput& c) {
+                std::vector<std::vector<double>> out;
+                for (double share : shares) out.push_back({share * c.range_N});
+                return out;
+              },
+          .columns =
+              [hard, after](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                const double F0 = shape[0];
+                const auto h = [hard, F0](double F) {
+                  if (F <= 0.0) return 0.0;
+                  return hard ? -std::min(F, F0) : F0 * std::expm1(-F / F0);
+                };
+                after ? after_decay(r, h, out.col(0)) : through_decay(r, h, out.col(0));
+              }};
+}
+
+const Registration<EffectKind> kRegistered{EffectKind{
+    .name = "dead_zone",
+    .side = "sensor",
+    .summary = "the output starts only above a small force; straight above it",
+    .equation = "dU = -g c F0 (1 - exp(-F/F0))",
+    .source = "Interlink FSR integration guide; FSR 400 series data sheet",
+    .look_alikes = {"static_nonlinearity", "contact_loss"},
+    .separates = "a slow ramp from true zero; small sines around the turn-on force",
+    .needs = {},
+    .forms = {form("distributed", false, false, {0.01, 0.02, 0.04, 0.08}),
+              form("distributed_after_decay", false, true, {0.02, 0.05}),
+              form("hard", true, false, {0.01, 0.02, 0.04, 0.08, 0.15})}}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,100 @@
+// Rate-independent hysteresis: friction and delayed re-opening of contacts.
+//   dU = g D sum_r c_r (P_r[F] - F),  P_r the play operator of radius r    (Krasnoselskii and Pokrovskii 1989)
+//   dU = -g D c z,  dz = dF (1 - sgn(dF z) |z| / z0)                        (Bouc 1967, Wen 1976, n = 1)
+// About 10 % of full scale for FSR (Interlink 400 data sheet); Preisach models are used for the FlexiForce A201.
+
+#include "hil/model/effect.h"
+#include "hil/model/states.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kRadii[] = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.35};  // of the force span
+
+ParameterSpec weight(const std::string& name, double radius) {
+  return {name, "1", -2.0, 2.0, 0.0, "weight of the play of radius " + std::to_string(radius) + " of the force span"};
+}
+
+void play_bank(const CampaignInput& campaign, const RecordInput& record, ColumnsRef out, bool decayed, bool curved) {
+  const auto n = record.rows();
+  for (int k = 0; k < 6; ++k) {
+    const double radius = kRadii[k] * campaign.range_N;
+    Play play(radius, std::max(0.0, record.F_N[0] - radius));
+    for (std::size_t i = 0; i < n; ++i) {
+      const double F = record.F_N[i], p = play.step(F), D = decayed ? record.decay[i] : 1.0;
+      const auto row = static_cast<Eigen::Index>(i);
+      out(row, k) = D * (p - F);
+      // play of a curved function: loops that are wider at high force
+      if (curved && k >= 1 && k <= 4) out(row, 5 + k) = D * (p * p - F * F) / campaign.range_N;
+    }
+  }
+}
+
+std::vector<ParameterSpec> bank_weights(bool curved) {
+  std::vector<ParameterSpec> out;
+  for (int k = 0; k < 6; ++k) out.push_back(weight("w" + std::to_string(k + 1), kRadii[k]));
+  if (curved)
+    for (int k = 1; k <= 4; ++k) out.push_back(weight("v" + std::to_string(k + 1), kRadii[k]));
+  return out;
+}
+
+const auto kNoShape = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; };
+
+const Registration<EffectKind> kRegistered{EffectKind{
+    .name = "hysteresis",
+    .side = "sensor",
+    .summary = "the output differs between loading and unloading by a loop of the same width at any speed",
+    .equation = "dU = g D sum_r c_r (P_r[F] - F)",
+    .source = "Krasnoselskii and Pokrovskii 1989; Bouc 1967, Wen 1976; Interlink FSR 400 data sheet",
+    .look_alikes = {"lag", "delay", "creep", "off_axis", "backlash"},
+    .separates = "slow triangles at two speeds a decade apart: the loop keeps its width; nested minor loops",
+    .needs = {},
+    .forms = {
+        {.name = "play_bank",
+         .shape = {},
+         .strength = bank_weights(false),
+         .sign = StrengthSign::positive,
+         .grid = kNoShape,
+         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>,
+                       ColumnsRef out) { play_bank(c, r, out, true, false); },
+         .singles = true},
+        {.name = "play_bank_undecayed",
+         .shape = {},
+         .strength = bank_weights(false),
+         .sign = StrengthSign::positive,
+         .grid = kNoShape,
+         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>,
+                       ColumnsRef out) { play_bank(c, r, out, false, false); },
+         .singles = true},
+        {.name = "play_bank_curved",
+         .shape = {},
+         .strength = bank_weights(true),
+         .sign = StrengthSign::either,
+         .grid = kNoShape,
+         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>,
+                       ColumnsRef out) { play_bank(c, r, out, true, true); },
+         .bank = true},
+        {.name = "bouc_wen",
+         .shape = {{"z0_N", "N", 1e-3, 100.0, 0.2, "half width of the loop in force"}},
+         .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that is held back"}},
+         .sign = StrengthSign::positive,
+         .grid =
+             [](const CampaignInput& c) {
+               return std::vector<std::vector<double>>{{0.02 * c.range_N}, {0.06 * c.range_N}, {0.2 * c.range_N}};
+             },
+         .columns =
+             [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+               const double z0 = shape[0];
+               double z = r.F_N[0] >= z0 ? z0 : r.F_N[0];
+               for (std::size_t i = 0; i < r.rows(); ++i) {
+                 const double dF = i == 0 ? 0.0 : r.F_N[i] - r.F_N[i - 1];
+                 // exact over a step of constant direction: z relaxes towards sgn(dF) z0
+                 const double target = dF > 0.0 ? z0 : -z0;
+                 if (dF != 0.0) z = target + (z - target) * std::exp(-std::abs(dF) / z0);
+                 out(static_cast<Eigen::Index>(i), 0) = -r.decay[i] * z;
+               }
+             }},
+    }}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,68 @@
+// Lag: the layers need time to seat, or an anti-alias filter stands in the chain.
+//   tau y' + y = F (one pole), the same twice (two poles), or a slab into which the load diffuses:
+//   modes tau / (2n+1)^2 with weights 8 / (pi^2 (2n+1)^2)                            dU = g D c (y - F)
+// FlexiForce settles with the bench in 70 ms, the FSR needs 210 ms (Lebosse 2011, fig. 5).
+
+#include <numbers>
+
+#include "hil/model/effect.h"
+#include "hil/model/states.h"
+
+namespace forcegate {
+namespace {
+
+enum class Kind { one_pole, two_poles, diffusive };
+
+void fill(const RecordInput& r, double tau_s, Kind kind, ColumnsRef out) {
+  std::vector<double> y(r.rows(), 0.0);
+  if (kind == Kind::diffusive) {
+    double total = 0.0;
+    for (int n = 0; n < 4; ++n) {
+      const double odd = 2.0 * n + 1.0, w = 8.0 / (std::numbers::pi * std::numbers::pi * odd * odd);
+      const auto mode = low_pass_rows(r, tau_s / (odd * odd));
+      for (std::size_t i = 0; i < y.size(); ++i) y[i] += w * mode[i];
+      total += w;
+    }
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] += (1.0 - total) * r.F_N[i];
+  } else {
+    y = low_pass_rows(r, kind == Kind::one_pole ? tau_s : 0.5 * tau_s, kind == Kind::one_pole ? 1 : 2);
+  }
+  for (std::size_t i = 0; i < y.size(); ++i)
+    out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
+}
+
+EffectForm form(const char* name, Kind kind, std::vector<double> taus, bool bank = false) {
+  return {.name = name,
+          .shape = {{"tau_s", "s", 1e-4, 10.0, 0.05, "time constant"}},
+          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that passes the lag"}},
+          .sign = StrengthSign::positive,
+          .grid =
+              [taus](const CampaignInput& campaign) {
+                std::vector<std::vector<double>> out;
+                // slow systems sampled slowly have slow lags
+                const double scale = campaign.generic && !campaign.records.empty()
+                                         ? std::max(1.0, campaign.records.front().row_step_s / 0.01)
+                                         : 1.0;
+                for (double tau : taus) out.push_back({tau * scale});
+                return out;
+              },
+          .columns = [kind](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
+                            ColumnsRef out) { fill(r, shape[0], kind, out); },
+          .bank = bank};
+}
+
+const Registration<EffectKind> kRegistered{EffectKind{
+    .name = "lag",
+    .side = "sensor",
+    .summary = "the output follows the force late, with a one-sided tail after every edge",
+    .equation = "tau y' + y = F, dU = g D c (y - F)",
+    .source = "Lebosse et al. 2011, fig. 5",
+    .look_alikes = {"delay", "rc", "hysteresis", "clock_skew"},
+    .separates = "fast edges at 1 kHz and sines at two frequencies a decade apart: a lag attenuates, a delay does not",
+    .needs = {},
+    .forms = {form("one_pole", Kind::one_pole, {0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
+              form("two_poles", Kind::two_poles, {0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
+              form("diffusive", Kind::diffusive, {0.016, 0.064, 0.256})}}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,84 @@
+// Zero drift of the reference cell: warm-up (log t) and wander, additive in newtons, continuous over records.
+//   F_ref = F + c d(t), so dU = -g D c d(t) at given F_ref; the same drift appears in F_ref minus the rig's law.
+//   d = t/T, (t/T)^2, log(1 + t/tau).  0.5 to 5 % of full scale over hours (own estimate).
+
+#include <cmath>
+
+#include "hil/model/effect.h"
+
+namespace forcegate {
+namespace {
+
+double campaign_length_s(const CampaignInput& c) {
+  double end = 1.0;
+  for (const RecordInput& r : c.records) end = std::max(end, r.start_s + r.duration_s);
+  return end;
+}
+
+EffectForm polynomial() {
+  return {.name = "polynomial",
+          .shape = {},
+          .strength = {{"linear_N", "N", -100.0, 100.0, 0.0, "drift over the campaign"},
+                       {"square_N", "N", -100.0, 100.0, 0.0, "curved part of the drift"}},
+          .sign = StrengthSign::either,
+          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+          .columns =
+              [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                const double T = campaign_length_s(c);
+                for (std::size_t i = 0; i < r.rows(); ++i) {
+                  const double t = (r.start_s + r.t_s[i]) / T;
+                  out(static_cast<Eigen::Index>(i), 0) = t;
+                  out(static_cast<Eigen::Index>(i), 1) = t * t;
+                }
+              },
+          .singles = true};
+}
+
+EffectForm warm_up() {
+  return {.name = "warm_up",
+          .shape = {{"tau_s", "s", 1.0, 1e5, 600.0, "warm-up time"}},
+          .strength = {{"c_N", "N", -100.0, 100.0, 0.0, "drift per unit of ln(1 + t/tau)"}},
+          .sign = StrengthSign::either,
+          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{60.0}, {600.0}, {3000.0}}; },
+          .columns =
+              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                for (std::size_t i = 0; i < r.rows(); ++i)
+                  out(static_cast<Eigen::Index>(i), 0) = std::log1p((r.start_s + r.t_s[i]) / shape[0]);
+              }};
+}
+
+EffectForm wander() {
+  return {.name = "wander",
+          .shape = {},
+          .strength = {{"k1_N", "N", -100.0, 100.0, 0.0, "half wave over the campaign"},
+                       {"k2_N", "N", -100.0, 100.0, 0.0, "one wave"},
+                       {"k3_N", "N", -100.0, 100.0, 0.0, "one and a half waves"},
+                       {"k4_N", "N", -100.0, 100.0, 0.0, "two waves"},
+                       {"k5_N", "N", -100.0, 100.0, 0.0, "two and a half waves"},
+                       {"k6_N", "N", -100.0, 100.0, 0.0, "three waves"}},
+          .sign = StrengthSign::either,
+          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+          .columns =
+              [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                const double T = campaign_length_s(c);
+                for (std::size_t i = 0; i < r.rows(); ++i)
+                  for (int k = 1; k <= 6; ++k)
+                    out(static_cast<Eigen::Index>(i), k - 1) = std::cos(k * 3.14159265358979 * (r.start_s + r.t_s[i]) / T);
+              },
+          .bank = true};
+}
+
+const Registration<EffectKind> kRegistered{EffectKind{
+    .name = "reference_drift",
+    .side = "reference",
+    .channel = EffectChannel::rig,
+    .summary = "the zero of the reference cell moves over the campaign, whatever the force",
+    .equation = "F_ref = F + c d(t)",
+    .source = "warm-up of strain gauge cells; own estimate of size",
+    .look_alikes = {"thermal", "creep"},
+    .separates = "an unloaded zero before and after every record; the rig's own law as third witness",
+    .needs = {"witness"},
+    .forms = {polynomial(), warm_up(), wander()}}};
+
+}  // namespace
+}  // namespace forcegate

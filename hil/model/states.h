@@ -1,0 +1,91 @@
+#pragma once
+// Small state machines that effects are made of.
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "hil/model/record_input.h"
+
+namespace forcegate {
+
+/// Play (backlash) operator: p follows x only when |x - p| would exceed the radius.
+class Play {
+ public:
+  Play(double radius, double state) : radius_(radius), state_(state) {}
+  double step(double x) {
+    state_ = std::clamp(state_, x - radius_, x + radius_);
+    return state_;
+  }
+
+ private:
+  double radius_, state_;
+};
+
+/// tau y' + y = x with x linear between samples (exact for that input, any step).
+class LowPass {
+ public:
+  LowPass(double tau_s, double state) : tau_s_(tau_s), state_(state) {}
+  double step(double x_before, double x, double dt_s) {
+    if (dt_s != dt_s_) {
+      dt_s_ = dt_s;
+      const double h = dt_s / tau_s_;
+      keep_ = std::exp(-h);
+      // weights of the two ends of the linear piece
+      const double mean = h > 1e-6 ? -std::expm1(-h) / h : 1.0 - 0.5 * h;
+      to_new_ = 1.0 - mean;
+      to_old_ = mean - keep_;
+    }
+    state_ = keep_ * state_ + to_old_ * x_before + to_new_ * x;
+    return state_;
+  }
+  double state() const { return state_; }
+
+ private:
+  double tau_s_, state_;
+  double dt_s_ = -1.0, keep_ = 0.0, to_old_ = 0.0, to_new_ = 1.0;
+};
+
+/// log(1 + e^(x/w)) w without overflow: a hinge with a rounded corner of width w.
+inline double soft_hinge(double x, double w) {
+  const double z = x / w;
+  if (z > 30.0) return x;
+  if (z < -30.0) return 0.0;
+  return w * std::log1p(std::exp(z));
+}
+
+/// Low pass of the full-rate force, averaged over each row. start: first state.
+std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int poles = 1);
+
+/// F(t - delay_s), linear between full-rate samples, averaged over each row.
+std::vector<double> delayed_rows(const RecordInput& record, double delay_s, double skew = 0.0);
+
+/// Low pass of a row channel.
+std::vector<double> low_pass_channel(const RecordInput& record, std::span<const double> x, double tau_s,
+                                     double first_state);
+
+/// Low passes of the same channel at several constants, summed with weights: a relaxation spectrum.
+std::vector<double> spectrum_response(const RecordInput& record, std::span<const double> x,
+                                      std::span<const double> tau_s, std::span<const double> weight,
+                                      double first_state);
+
+/// h(F) of a static curve that acts before the decay: h(F_min) + D (h(F) - h(F_min)).
+template <class Curve>
+void through_decay(const RecordInput& record, const Curve& h, Eigen::Ref<Eigen::VectorXd> out) {
+  const double low = h(record.F_min_N);
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    out[static_cast<Eigen::Index>(i)] =
+        record.dynamic ? low + record.decay[i] * (h(record.F_N[i]) - low) : h(record.F_N[i]);
+}
+
+/// h(W) of a static curve that acts on the decayed base force W.
+template <class Curve>
+void after_decay(const RecordInput& record, const Curve& h, Eigen::Ref<Eigen::VectorXd> out) {
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    out[static_cast<Eigen::Index>(i)] = h(record.base_force_N(i));
+}
+
+}  // namespace forcegate
