@@ -1,0 +1,293 @@
+#include "hil/report/figures/figure.h"
+
+#include <algorithm>
+
+#include "hil/report/figures/colormap.h"
+#include "hil/report/figures/draw.h"
+#include "hil/report/figures/text.h"
+#include "hil/report/figures/ticks.h"
+
+namespace forcegate::figures {
+namespace {
+
+constexpr double kFont_px = 11.0, kRow_px = 16.0, kSwatch_px = 18.0, kColumnGap_px = 22.0, kPanelGap_px = 10.0;
+
+std::string axis_label(const Axis& axis) {
+  if (axis.unit.empty()) return axis.quantity;
+  return axis.quantity + " / " + axis.unit;
+}
+
+std::vector<Tick> axis_ticks(const Axis& axis, Range range, double length_px, double spacing_px) {
+  std::vector<Tick> ticks;
+  if (!axis.categories.empty()) {
+    for (std::size_t i = 0; i < axis.categories.size(); ++i)
+      ticks.push_back({static_cast<double>(i), axis.categories[i]});
+    return ticks;
+  }
+  const int target = std::max(2, static_cast<int>(length_px / spacing_px));
+  if (axis.scale == Scale::logarithmic) return logarithmic_ticks(range.low, range.high, target);
+  ticks = linear_ticks(range.low, range.high, target);
+  if (ticks.size() < 3 && length_px / (target + 1) > 20.0)
+    for (int more = 1; more <= target && ticks.size() < 3; ++more)
+      ticks = linear_ticks(range.low, range.high, target + more);
+  return ticks;
+}
+
+const HeatMap* colour_bar_of(const Panel& panel) {
+  for (const Series& s : panel.series)
+    if (const auto* map = std::get_if<HeatMap>(&s); map != nullptr && !map->label.empty()) return map;
+  return nullptr;
+}
+
+struct Cell {
+  const Panel* panel = nullptr;
+  PanelRange range;
+  double header_px = 0.0, footer_px = 0.0, right_px = 8.0, left_px = 0.0;
+  bool y_label_in_header = true;
+  PlotArea area;
+};
+
+// Legend entries flow after the y label; a new row when the width is used up.
+struct HeaderFlow {
+  double x, row = 0.0, left, limit;
+  double place(double width) {
+    if (x + width > limit && x > left) {
+      x = left;
+      row += 1.0;
+    }
+    const double at = x;
+    x += width;
+    return at;
+  }
+};
+
+std::string draw_header(const Cell& cell, double cell_left, double cell_top, double cell_width, double* height) {
+  const Panel& panel = *cell.panel;
+  std::string out;
+  double top = cell_top;
+  if (!panel.title.empty()) {
+    out += text_element(cell_left, top + 12.0, panel.title, Anchor::left, "k b");
+    top += kRow_px;
+  }
+  HeaderFlow flow{cell_left, 0.0, cell_left, cell_left + cell_width};
+  const std::string y_label = axis_label(panel.y_axis);
+  bool any = false;
+  if (!y_label.empty()) {
+    const double x = flow.place(text_width_px(y_label, kFont_px) + 16.0);
+    out += text_element(x, top + 11.0, y_label, Anchor::left, "");
+    any = true;
+  }
+  if (!panel.direct_labels)
+    for (const Series& s : panel.series) {
+      const std::string label = legend_label(s);
+      if (label.empty()) continue;
+      const double x = flow.place(kSwatch_px + 5.0 + text_width_px(label, kFont_px) + 14.0);
+      const double y = top + flow.row * kRow_px;
+      out += draw_swatch(s, x, y + 7.5, kSwatch_px) +
+             text_element(x + kSwatch_px + 5.0, y + 11.0, label, Anchor::left, "k");
+      any = true;
+    }
+  if (any) top += (flow.row + 1.0) * kRow_px;
+  *height = top - cell_top + (top > cell_top ? 3.0 : 0.0);
+  return out;
+}
+
+std::string draw_axes(const Cell& cell) {
+  const Panel& panel = *cell.panel;
+  const PlotArea& a = cell.area;
+  std::string grid, frame, labels;
+  const auto h = [](double x0, double y, double x1) {
+    return "M" + coordinate(x0) + " " + coordinate(y) + "H" + coordinate(x1);
+  };
+  const auto v = [](double x, double y0, double y1) {
+    return "M" + coordinate(x) + " " + coordinate(y0) + "V" + coordinate(y1);
+  };
+  const bool y_words = !panel.y_axis.categories.empty(), x_words = !panel.x_axis.categories.empty();
+  for (const Tick& tick : axis_ticks(panel.y_axis, cell.range.y, a.height, 34.0)) {
+    const double y = std::round(a.top + a.y(tick.value)) + 0.5;
+    if (y < a.top - 1.0 || y > a.top + a.height + 1.0) continue;
+    if (!y_words && !panel.no_grid && !tick.label.empty()) grid += h(a.left, y, a.left + a.width);
+    labels += text_element(a.left - 6.0, y + 3.5, tick.label, Anchor::right, y_words ? "k" : "");
+  }
+  double last_right = -1e9;
+  for (const Tick& tick : axis_ticks(panel.x_axis, cell.range.x, a.width, 78.0)) {
+    const double x = std::round(a.left + a.x(tick.value)) + 0.5;
+    if (x < a.left - 1.0 || x > a.left + a.width + 1.0) continue;
+    if (!x_words && !panel.no_grid && !tick.label.empty()) grid += v(x, a.top, a.top + a.height);
+    if (!x_words) frame += v(x, a.top + a.height, a.top + a.height + (tick.label.empty() ? 2.5 : 4.0));
+    const double half = text_width_px(tick.label, kFont_px) / 2;
+    if (panel.show_x_labels && x - half > last_right + 4.0 && !tick.label.empty()) {
+      labels += text_element(x, a.top + a.height + 16.0, tick.label, Anchor::middle, x_words ? "k" : "");
+      last_right = x + half;
+    }
+  }
+  frame += h(a.left, std::round(a.top + a.height) + 0.5, a.left + a.width);
+  if (panel.show_x_labels)
+    labels += text_element(a.left + a.width / 2, a.top + a.height + 31.0, axis_label(panel.x_axis), Anchor::middle, "");
+  std::string out;
+  if (!grid.empty()) out += "<path class=\"g\" d=\"" + grid + "\"/>";
+  return out + "<path class=\"ax\" d=\"" + frame + "\"/>" + labels;
+}
+
+std::string draw_colour_bar(const HeatMap& map, const Cell& cell) {
+  const Range range = heat_map_range(map);
+  const double left = cell.area.left + cell.area.width + 14.0, step = cell.area.height / kColourLevels;
+  std::string out;
+  for (int level = 0; level < kColourLevels; ++level)
+    out += "<rect x=\"" + coordinate(left) + "\" y=\"" +
+           coordinate(cell.area.top + cell.area.height - (level + 1) * step) + "\" width=\"11\" height=\"" +
+           coordinate(step + 0.3) + "\" fill=\"" +
+           (map.diverging ? diverging_colour(level) : sequential_colour(level)) + "\"/>";
+  Mapping scale{range, Scale::linear, cell.area.height, true};
+  for (const Tick& tick : linear_ticks(range.low, range.high, 4))
+    out += text_element(left + 16.0, cell.area.top + scale(tick.value) + 4.0, tick.label, Anchor::left, "");
+  const std::string label = map.unit.empty() ? map.label : map.label + " / " + map.unit;
+  return out + text_element(left + 52.0, cell.area.top - 6.0, label, Anchor::right, "");
+}
+
+// Labels at the right ends of lines and point series, pushed apart to one text height.
+std::string draw_direct_labels(const Cell& cell) {
+  struct End {
+    double y;
+    const Style* style;
+    std::string label;
+  };
+  std::vector<End> ends;
+  for (const Series& s : cell.panel->series) {
+    const auto add = [&](const auto& line) {
+      if (line.label.empty()) return;
+      for (std::size_t i = std::min(line.x.size(), line.y.size()); i-- > 0;)
+        if (!std::isnan(line.y[i])) {
+          ends.push_back({cell.area.y(line.y[i]), &line.style, line.label});
+          return;
+        }
+    };
+    if (const auto* line = std::get_if<LineSeries>(&s)) add(*line);
+    if (const auto* points = std::get_if<PointSeries>(&s)) add(*points);
+  }
+  std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.y < b.y; });
+  constexpr double kStep = 13.0;
+  for (int sweep = 0; sweep < 50; ++sweep)
+    for (std::size_t i = 1; i < ends.size(); ++i)
+      if (const double overlap = kStep - (ends[i].y - ends[i - 1].y); overlap > 0.01) {
+        ends[i - 1].y -= overlap / 2;
+        ends[i].y += overlap / 2;
+      }
+  std::string out;
+  for (const End& end : ends)
+    out += text_element(cell.area.left + cell.area.width + 6.0,
+                        cell.area.top + std::clamp(end.y, 2.0, cell.area.height) + 4.0, end.label, Anchor::left,
+                        "b " + std::string(role_class(end.style->role)));
+  return out;
+}
+
+double right_margin(const Panel& panel) {
+  double margin = 10.0;
+  if (colour_bar_of(panel) != nullptr) margin = 72.0;
+  if (panel.direct_labels)
+    for (const Series& s : panel.series)
+      margin = std::max(margin, text_width_px(legend_label(s), kFont_px) * 1.06 + 10.0);
+  for (const Series& s : panel.series)
+    if (const auto* bars = std::get_if<BarSeries>(&s); bars != nullptr && bars->horizontal)
+      for (const Bar& b : bars->bars) margin = std::max(margin, 12.0 + 0.75 * text_width_px(b.text, kFont_px));
+  return margin;
+}
+
+}  // namespace
+
+std::string Figure::svg(Target target) const {
+  const std::size_t n_columns = static_cast<std::size_t>(std::max(1, columns));
+  const std::size_t n_rows = (panels_.size() + n_columns - 1) / n_columns;
+  const double cell_width =
+      (width_px - kColumnGap_px * static_cast<double>(n_columns - 1)) / static_cast<double>(n_columns);
+
+  std::vector<Cell> cells(panels_.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    cells[i].panel = &panels_[i];
+    cells[i].range = data_range(panels_[i]);
+  }
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    for (std::size_t j = 0; j < cells.size(); ++j) {
+      if (share_x && i % n_columns == j % n_columns) {
+        cells[i].range.x.include(data_range(panels_[j]).x.low);
+        cells[i].range.x.include(data_range(panels_[j]).x.high);
+      }
+      if (share_y && i / n_columns == j / n_columns) {
+        cells[i].range.y.include(data_range(panels_[j]).y.low);
+        cells[i].range.y.include(data_range(panels_[j]).y.high);
+      }
+    }
+  for (Cell& cell : cells) {
+    bool fills = false, points = false, bar_texts = false;
+    for (const Series& s : cell.panel->series) {
+      fills |= std::holds_alternative<HeatMap>(s) || std::holds_alternative<Density>(s);
+      points |= std::holds_alternative<PointSeries>(s);
+      if (const auto* bars = std::get_if<BarSeries>(&s))
+        for (const Bar& b : bars->bars) bar_texts |= !bars->horizontal && !b.text.empty();
+    }
+    cell.range.x = finish_range(cell.panel->x_axis, cell.range.x, fills || !points ? 0.0 : 0.02);
+    cell.range.y = finish_range(cell.panel->y_axis, cell.range.y, fills ? 0.0 : bar_texts ? 0.14 : 0.06);
+    cell.right_px = right_margin(*cell.panel);
+    cell.footer_px = cell.panel->show_x_labels ? (axis_label(cell.panel->x_axis).empty() ? 22.0 : 36.0) : 6.0;
+    for (const Tick& t : axis_ticks(cell.panel->y_axis, cell.range.y, cell.panel->height_px, 34.0))
+      cell.left_px = std::max(cell.left_px, text_width_px(t.label, kFont_px) + 9.0);
+  }
+  for (std::size_t i = 0; i < cells.size(); ++i)  // plots of one column stand on one line
+    for (std::size_t j = i % n_columns; j < cells.size(); j += n_columns) {
+      cells[i].left_px = std::max(cells[i].left_px, cells[j].left_px);
+      cells[i].right_px = std::max(cells[i].right_px, cells[j].right_px);
+    }
+
+  std::string body;
+  double y = target == Target::standalone ? 6.0 : 2.0;
+  if (show_title) {
+    body += text_element(0.0, y + 13.0, title, Anchor::left, "k b");
+    y += 22.0;
+  }
+  for (std::size_t row = 0; row < n_rows; ++row) {
+    double header = 0.0, plot = 0.0, footer = 0.0;
+    std::vector<std::string> headers;
+    const std::size_t end = std::min(cells.size(), (row + 1) * n_columns);
+    for (std::size_t i = row * n_columns; i < end; ++i) {
+      double height = 0.0;
+      const double left = static_cast<double>(i % n_columns) * (cell_width + kColumnGap_px);
+      headers.push_back(draw_header(cells[i], left, y, cell_width, &height));
+      header = std::max(header, height);
+      plot = std::max(plot, cells[i].panel->height_px);
+      footer = std::max(footer, cells[i].footer_px);
+    }
+    for (std::size_t i = row * n_columns; i < end; ++i) {
+      Cell& cell = cells[i];
+      const double left = static_cast<double>(i % n_columns) * (cell_width + kColumnGap_px) + cell.left_px;
+      const double width = std::max(40.0, cell_width - cell.left_px - cell.right_px);
+      cell.area = {left, y + header, width, cell.panel->height_px,
+                   Mapping{cell.range.x, cell.panel->x_axis.scale, width, false},
+                   Mapping{cell.range.y, cell.panel->y_axis.scale, cell.panel->height_px, true}};
+      body += headers[i - row * n_columns] + draw_axes(cell);
+      const std::string w = coordinate(width), h = coordinate(cell.area.height);
+      body += "<svg x=\"" + coordinate(left) + "\" y=\"" + coordinate(cell.area.top) + "\" width=\"" + w +
+              "\" height=\"" + h + "\" viewBox=\"0 0 " + coordinate(width * 10) + " " +
+              coordinate(cell.area.height * 10) + "\" overflow=\"hidden\">" + draw_clipped(*cell.panel, cell.area) +
+              "</svg>" + draw_texts(*cell.panel, cell.area);
+      if (const HeatMap* map = colour_bar_of(*cell.panel)) body += draw_colour_bar(*map, cell);
+      if (cell.panel->direct_labels) body += draw_direct_labels(cell);
+    }
+    y += header + plot + footer + kPanelGap_px;
+  }
+  y = y - kPanelGap_px + 2.0;
+
+  const bool alone = target == Target::standalone;
+  const double margin = alone ? 8.0 : 0.0;
+  const std::string w = coordinate(width_px + 2 * margin), h = coordinate(y + (alone ? 4.0 : 0.0));
+  std::string out = "<svg class=\"fig\" role=\"img\" ";
+  if (alone) out += "xmlns=\"http://www.w3.org/2000/svg\" ";
+  out += "width=\"" + w + "\" height=\"" + h + "\" viewBox=\"" + coordinate(-margin) + " 0 " + w + " " + h + "\">";
+  out += "<title>" + escape(title) + "</title>";
+  if (!summary.empty()) out += "<desc>" + escape(summary) + "</desc>";
+  if (alone)
+    out += "<style>" + figure_css(false) + "</style><rect class=\"pg\" x=\"" + coordinate(-margin) +
+           "\" width=\"" + w + "\" height=\"" + h + "\"/>";
+  return out + body + "</svg>" + (alone ? "\n" : "");
+}
+
+}  // namespace forcegate::figures

@@ -1,0 +1,67 @@
+#include "hil/report/figures/ticks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/report/figures/text.h"
+
+namespace forcegate::figures {
+namespace {
+
+std::string power_label(int exponent) {
+  if (exponent >= -3 && exponent <= 3) return coordinate(std::pow(10.0, exponent), 3);
+  static const char* const kSuperscript[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
+                                             "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+  std::string out = "10";
+  if (exponent < 0) out += "\u207b";
+  for (const char c : std::to_string(std::abs(exponent))) out += kSuperscript[c - '0'];
+  return out;
+}
+
+}  // namespace
+
+std::vector<Tick> linear_ticks(double low, double high, int target) {
+  std::vector<Tick> ticks;
+  if (!(high > low) || !std::isfinite(low) || !std::isfinite(high)) return ticks;
+  const double rough = (high - low) / std::max(1, target);
+  const int power = static_cast<int>(std::floor(std::log10(rough)));
+  const double base = std::pow(10.0, power);
+  const double lead = rough / base;
+  const double step = (lead <= 1.0 ? 1.0 : lead <= 2.0 ? 2.0 : lead <= 5.0 ? 5.0 : 10.0) * base;
+  const int decimals = std::clamp(static_cast<int>(-std::floor(std::log10(step) + 1e-9)), 0, 12);
+  const double first = std::ceil(low / step - 1e-9);
+  const double last = std::floor(high / step + 1e-9);
+  const bool huge = std::max(std::abs(low), std::abs(high)) >= 1e6;
+  for (double k = first; k <= last; k += 1.0) {
+    const double value = k * step;
+    std::string label = huge || decimals > 6 ? display(value, 3) : fmt::format("{:.{}f}", value, decimals);
+    if (k == 0.0) label = fmt::format("{:.{}f}", 0.0, huge || decimals > 6 ? 0 : decimals);
+    ticks.push_back({value, typographic_minus(label)});
+  }
+  return ticks;
+}
+
+std::vector<Tick> logarithmic_ticks(double low, double high, int target) {
+  std::vector<Tick> ticks;
+  if (!(low > 0.0) || !(high > low) || !std::isfinite(high)) return ticks;
+  const int first = static_cast<int>(std::floor(std::log10(low) + 1e-9));
+  const int last = static_cast<int>(std::ceil(std::log10(high) - 1e-9));
+  const double decades = std::log10(high / low);
+  const int every = std::max(1, static_cast<int>(std::ceil(decades / std::max(1, target))));
+  for (int e = first; e <= last; ++e) {
+    for (const int m : {1, 2, 5}) {
+      if (m != 1 && decades > 6.0) continue;
+      const double value = m * std::pow(10.0, e);
+      if (value < low * (1 - 1e-9) || value > high * (1 + 1e-9)) continue;
+      std::string label;
+      if (m == 1 && (e - first) % every == 0) label = power_label(e);
+      if (m != 1 && decades < 2.0) label = display(value, 2);
+      ticks.push_back({value, label});
+    }
+  }
+  return ticks;
+}
+
+}  // namespace forcegate::figures
