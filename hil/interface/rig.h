@@ -78,6 +78,7 @@ struct RigRecordRequest {
   std::string specimen = "nominal";  ///< emulated: "nominal", "q05" ... "q95", "seed:17"; bench: its id
   std::uint64_t seed = 1;            ///< emulated: draws session (G, F0) and noises
   std::uint64_t session = 0;         ///< records of one session share gain and offset
+  std::uint64_t record = 0;          ///< tells records of one session apart: each has its own noise
   double rest_before_s = 1e9;        ///< rest since the last cycling of the specimen
   double duration_s = 0.0;
   double force_low_N = 0.0;          ///< range the profile needs: sets eccentricity and preload

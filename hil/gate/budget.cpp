@@ -1,0 +1,62 @@
+#include "hil/gate/budget.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace forcegate {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+double root_of_squares(const std::vector<BudgetLine>& lines, bool only_systematic) {
+  double sum = 0.0;
+  for (const BudgetLine& line : lines)
+    if (line.systematic || !only_systematic) sum += line.u * line.u;
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+double Budget::u() const { return root_of_squares(lines, false); }
+double Budget::u_systematic() const { return root_of_squares(lines, true); }
+
+std::string Budget::to_text() const {
+  std::string out;
+  for (const BudgetLine& line : lines) {
+    if (line.u < 5e-4) continue;
+    out += fmt::format("{}{} {:.3f}", out.empty() ? "" : ", ", line.name, line.u);
+  }
+  return out;
+}
+
+Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, double standard_error,
+                  std::size_t n, double half_width_s) {
+  Budget b;
+  if (n == 0 || !(typical_N > 0.0)) return b;
+  const double root_n = std::sqrt(static_cast<double>(n));
+  const double averaged = std::sqrt(2.0 * std::floor(half_width_s * record.rig.rate_Hz) + 1.0);
+  const double reference = plan.reference_rel > 0.0 ? plan.reference_rel : record.rig.reference_u_rel;
+  b.lines.push_back({"ATI calibration", 100.0 * reference, true});
+  b.lines.push_back({"alignment", 100.0 * plan.alignment_rel, true});
+  b.lines.push_back({"resolution", 100.0 * record.rig.reference_resolution_N / std::sqrt(12.0) / typical_N / root_n, false});
+  b.lines.push_back({"noise", 100.0 * record.rig.reference_noise_N / averaged / typical_N / root_n, false});
+  const double f_Hz = std::isfinite(record.facts.lowest_frequency_Hz) ? record.facts.lowest_frequency_Hz : 0.0;
+  const double u_lag_s = std::isfinite(record.u_lag_s) ? record.u_lag_s : 0.0;
+  b.lines.push_back({"synchronisation", 100.0 * (1.0 - std::cos(std::min(kPi, 2.0 * kPi * f_Hz * u_lag_s))), true});
+  if (std::isfinite(standard_error)) b.lines.push_back({"repeatability", 100.0 * standard_error, false});
+  return b;
+}
+
+Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, std::size_t n,
+                  double half_width_s) {
+  Budget b = mre_budget(plan, record, 1.0, std::nan(""), n, half_width_s);  // in percent of 1 N
+  for (BudgetLine& line : b.lines) {
+    line.u /= 100.0;
+    if (line.systematic) line.u *= typical_N;
+  }
+  return b;
+}
+
+}  // namespace forcegate

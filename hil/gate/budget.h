@@ -1,0 +1,40 @@
+#pragma once
+// Uncertainty of a mean relative error of extrema, in percentage points (k = 1). Systematic parts do not shrink
+// with the number of extrema; random ones do.
+//
+//   ATI calibration   100 u_rel                      systematic
+//   alignment         100 u_align                    systematic
+//   resolution        100 (r / sqrt 12) / (F sqrt n)   rectangular, random because the noise dithers it
+//   noise             100 s / (F sqrt(2 h + 1) sqrt n)  s of one reading, mean of 2 h + 1 samples
+//   synchronisation   100 (1 - cos(2 pi f u_lag))     systematic; zero slope at an extremum
+//   repeatability     standard error over the extrema  random
+
+#include <string>
+#include <vector>
+
+#include "hil/gate/case_record.h"
+
+namespace forcegate {
+
+struct BudgetLine {
+  std::string name;
+  double u = 0.0;
+  bool systematic = false;
+};
+
+struct Budget {
+  std::vector<BudgetLine> lines;
+  double u() const;             ///< root of the sum of squares
+  double u_systematic() const;
+  std::string to_text() const;  ///< "ATI calibration 0.50, alignment 0.20, ..."
+};
+
+/// `typical_N` is the mean expected extremum, `standard_error` in 1 (not %), n the number of extrema.
+Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, double standard_error,
+                  std::size_t n, double half_width_s);
+
+/// The same parts for a mean absolute error, in newtons.
+Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, std::size_t n,
+                  double half_width_s);
+
+}  // namespace forcegate

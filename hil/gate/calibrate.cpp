@@ -1,0 +1,297 @@
+#include "hil/gate/calibrate.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "hil/base/text.h"
+#include "hil/gate/runner.h"
+#include "hil/gate/statistics.h"
+#include "hil/interface/controller.h"
+#include "hil/rig/config.h"
+#include "hil/rig/safety_gate.h"
+#include "hil/rig/self_check.h"
+#include "hil/trace/decay_fit.h"
+#include "hil/trace/extrema.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kMeanOver_s = 0.05;
+
+// Triangle between two forces, one sweep up and down in sweep_s: quasi-static, so that the film is not worked.
+class CalibrationSweep final : public Stimulus {
+ public:
+  explicit CalibrationSweep(const PlanCalibration& c) : c_(c) {}
+  double force_N(double t_s) const override {
+    const double phase = t_s / c_.sweep_s - std::floor(t_s / c_.sweep_s);
+    const double up = phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase;
+    return c_.sweep_low_N + (c_.sweep_high_N - c_.sweep_low_N) * up;
+  }
+  double duration_s() const override { return c_.sweep_s * c_.sweeps; }
+  StimulusFacts facts() const override {
+    StimulusFacts f;
+    f.mean_N = 0.5 * (c_.sweep_low_N + c_.sweep_high_N);
+    f.amplitude_N = 0.5 * (c_.sweep_high_N - c_.sweep_low_N);
+    f.minimum_N = c_.sweep_low_N;
+    f.maximum_N = c_.sweep_high_N;
+    return f;
+  }
+
+ private:
+  const PlanCalibration& c_;
+};
+
+class CalibrationRun {
+ public:
+  CalibrationRun(const CaseJob& job, Rig& rig, const std::atomic<bool>* cancelled)
+      : job_(job), rig_(rig), cancelled_(cancelled) {}
+
+  CaseRecord run() {
+    out_.id = job_.id;
+    out_.index = job_.index;
+    out_.rig = rig_.info();
+    out_.calibration = nominal_calibration(out_.rig);
+    const CalibrationLevel level = job_.calibrate.level;
+    if (level != CalibrationLevel::nominal && !sweep()) return std::move(out_);
+    if (level == CalibrationLevel::identified && !identify()) return std::move(out_);
+    return std::move(out_);
+  }
+
+ private:
+  bool failed(CaseFailure::Stage stage, Error error) {
+    out_.failure = CaseFailure{stage, std::move(error)};
+    return false;
+  }
+
+  // Plays a profile in open loop; sink(block, rows) sees every block.
+  template <class Sink>
+  bool play(const Stimulus& stimulus, std::uint64_t record, Sink&& sink) {
+    SafetyGate gate(rig_, job_.safety);
+    const StimulusFacts facts = stimulus.facts();
+    RigRecordRequest request;
+    request.specimen = job_.specimen;
+    request.seed = job_.seed;
+    request.session = job_.session;
+    request.record = record;
+    request.rest_before_s = job_.calibrate.rest_s;
+    request.duration_s = stimulus.duration_s();
+    request.force_low_N = facts.minimum_N;
+    request.force_high_N = facts.maximum_N;
+    request.faults = job_.faults;
+    if (auto begun = gate.begin(request); !begun) return failed(CaseFailure::Stage::rig, begun.error());
+    const RigInfo info = rig_.info();
+    const ControllerKind* kind = Registry<ControllerKind>::instance().find("open_loop");
+    if (kind == nullptr)
+      return failed(CaseFailure::Stage::harness, {ErrorCode::internal, "the open-loop controller is not linked", {}, {}});
+    const auto controller = kind->make();
+    controller->reset(info.geometry);
+    RigWitness witness;
+    witness.begin(info);
+    const auto step = static_cast<std::size_t>(std::llround(kControlPeriod_s * info.rate_Hz));
+    RigBlock block;
+    block.resize(step * 400);
+    std::vector<float> commanded(block.size());
+    const auto total = static_cast<std::uint64_t>(std::llround(request.duration_s * info.rate_Hz));
+    std::uint64_t done = 0;
+    while (done < total && !gate.report().stopped()) {
+      std::size_t rows = 0;
+      while (rows < block.size() && done + rows < total) {
+        ControllerInput in;
+        in.t_s = static_cast<double>(done + rows) / info.rate_Hz;
+        in.period_s = kControlPeriod_s;
+        in.setpoint_N = stimulus.force_N(in.t_s);
+        in.setpoint_next_N = stimulus.force_N(std::min(in.t_s + in.period_s, request.duration_s));
+        in.theta_rad = rig_.theta_rad();
+        auto told = gate.command(controller->velocity_rad_per_s(in));
+        if (!told) return failed(CaseFailure::Stage::rig, told.error());
+        auto got = gate.run(std::min<std::uint64_t>(step, total - done - rows), block, rows);
+        if (!got) return failed(CaseFailure::Stage::rig, got.error());
+        if (*got == 0) break;
+        for (std::size_t i = rows; i < rows + *got; ++i) {
+          block.setpoint_N[i] = static_cast<float>(in.setpoint_N);
+          commanded[i] = static_cast<float>(*told);
+        }
+        rows += *got;
+      }
+      if (rows == 0) break;
+      witness.push(block, rows, commanded.data());
+      sink(block, rows);
+      done += rows;
+      if (cancelled_ != nullptr && cancelled_->load(std::memory_order_relaxed))
+        return failed(CaseFailure::Stage::setup, {ErrorCode::cancelled, "interrupted", job_.id, {}});
+    }
+    out_.observed = witness.finish();
+    out_.safety = gate.report();
+    out_.samples += done;
+    out_.expected_samples += total;
+    out_.rig = info;
+    if (const auto checks = self_check(info, out_.observed); const Check* bad = first_unsound(checks))
+      return failed(CaseFailure::Stage::rig, {ErrorCode::device, bad->title + ": " + bad->evidence, job_.id, {}});
+    if (out_.safety.stopped())
+      return failed(CaseFailure::Stage::rig,
+                    {ErrorCode::safety, fmt::format("the calibration record was stopped at {:.1f} s: {}",
+                                                    out_.safety.t_s, to_string(out_.safety.reason)), job_.id, {}});
+    if (done < total)
+      return failed(CaseFailure::Stage::setup,
+                    {ErrorCode::timeout, fmt::format("the calibration record is truncated: {} of {} samples", done, total),
+                     job_.id, {}});
+    return true;
+  }
+
+  bool sweep() {
+    const CalibrationSweep stimulus(job_.calibrate);
+    double n = 0, su = 0, sf = 0, suu = 0, suf = 0, sff = 0, u_sum = 0, f_sum = 0;
+    std::size_t filled = 0;
+    const double volts = out_.rig.v_range_V / static_cast<double>((1u << out_.rig.adc_bits) - 1u);
+    const auto group = std::max<std::size_t>(1, static_cast<std::size_t>(kMeanOver_s * out_.rig.rate_Hz));
+    const bool played = play(stimulus, 1000001, [&](const RigBlock& b, std::size_t rows) {
+      for (std::size_t i = 0; i < rows; ++i) {
+        u_sum += volts * b.adc[i];
+        f_sum += b.force_ref_N[i];
+        if (++filled < group) continue;
+        const double u = u_sum / static_cast<double>(group), f = f_sum / static_cast<double>(group);
+        filled = 0;
+        u_sum = f_sum = 0.0;
+        if (!std::isfinite(f)) continue;
+        n += 1, su += u, sf += f, suu += u * u, suf += u * f, sff += f * f;
+      }
+    });
+    if (!played) return false;
+    const double vuu = suu / n - su * su / (n * n), vuf = suf / n - su * sf / (n * n),
+                 vff = sff / n - sf * sf / (n * n);
+    if (!(n > 20.0) || !(vuu > 1e-4) || !(vuf > 0.0))
+      return failed(CaseFailure::Stage::rig,
+                    {ErrorCode::device, "the sensor did not answer the calibration sweep", job_.id,
+                     "is the sensor mounted and plugged in?"});
+    Calibration& c = out_.calibration;
+    c.gain_N_per_V = vuf / vuu;
+    c.offset_N = sf / n - c.gain_N_per_V * su / n;
+    c.level = CalibrationLevel::statical;
+    c.id = job_.specimen.substr(0, 14) + "/s";
+    const double residual = std::sqrt(std::max(0.0, vff - vuf * vuf / vuu));
+    // Hysteresis and curvature repeat in every branch: each branch of each sweep counts as four items.
+    const double independent = 8.0 * job_.calibrate.sweeps;
+    const double u_gain = residual / std::sqrt(independent * vuu);
+    out_.u_gain_rel = u_gain / c.gain_N_per_V;
+    out_.u_offset_N = residual * std::sqrt((1.0 + su * su / (n * n) / vuu) / independent);
+    out_.calibration_rmse_N = residual;
+    out_.calibration_text = fmt::format("{}: G {} N/V, F0 {} N from {} sweeps, residual {:.3f} N", job_.specimen,
+                                        with_uncertainty(c.gain_N_per_V, u_gain),
+                                        with_uncertainty(c.offset_N, out_.u_offset_N), job_.calibrate.sweeps, residual);
+    return true;
+  }
+
+  bool identify() {
+    auto made = make_stimulus(job_.calibrate.identification->stimulus);
+    if (!made) return failed(CaseFailure::Stage::setup, made.error());
+    const StimulusFacts facts = (*made)->facts();
+    ExtremaPairer::Options options;
+    options.prominence = std::max(0.05, 0.25 * facts.amplitude_N);
+    options.followers = 2;
+    options.half_width = static_cast<int>(std::lround(0.005 * out_.rig.rate_Hz));
+    ExtremaPairer pairer(options);
+    std::vector<float> volts;
+    const double per_code = out_.rig.v_range_V / static_cast<double>((1u << out_.rig.adc_bits) - 1u);
+    const bool played = play(**made, 1000002, [&](const RigBlock& b, std::size_t rows) {
+      volts.resize(b.size());
+      for (std::size_t i = 0; i < rows; ++i) volts[i] = static_cast<float>(per_code * b.adc[i]);
+      const float* followers[2] = {volts.data(), b.force_ref_N.data()};
+      pairer.push({b.t_s.data(), rows}, {b.setpoint_N.data(), rows}, {followers, 2});
+    });
+    if (!played) return false;
+    pairer.finish();
+    std::vector<double> t_s, maxima_V, minima_V, maxima_N, minima_N;
+    for (const PairedExtremum& p : pairer.pairs()) {
+      if (p.t_s < facts.excitation_start_s) continue;
+      if (p.turn == Turn::maximum) {
+        t_s.push_back(p.t_s - facts.excitation_start_s);
+        maxima_V.push_back(p.value[0]);
+        maxima_N.push_back(p.value[1]);
+      } else {
+        minima_V.push_back(p.value[0]);
+        minima_N.push_back(p.value[1]);
+      }
+    }
+    const double u_min_V = moments(minima_V).mean;
+    const auto fit = fit_decay(t_s, maxima_V, u_min_V);
+    if (!fit)
+      return failed(CaseFailure::Stage::rig, {ErrorCode::device, "the dynamic record does not determine b and c/a: " + fit.error().text,
+                                              job_.id, "take a longer record or a greater amplitude"});
+    const double amplitude_N = 0.5 * (moments(maxima_N).mean - moments(minima_N).mean);
+    const double b_law = 0.0019 * facts.lowest_frequency_Hz + 0.0056;
+    Calibration& c = out_.calibration;
+    c.b_scale = fit->b_per_s / b_law;
+    c.q_scale = fit->c_V / fit->a_V * (1.0 + 1.377 * amplitude_N * amplitude_N);
+    if (!(c.b_scale > 0.0 && c.q_scale > 0.0) || !std::isfinite(c.b_scale * c.q_scale))
+      return failed(CaseFailure::Stage::rig,
+                    {ErrorCode::device, fmt::format("the fitted decay is not one: a {:.3f} V, b {:.5f} 1/s, c {:.3f} V",
+                                                    fit->a_V, fit->b_per_s, fit->c_V), job_.id, {}});
+    c.level = CalibrationLevel::identified;
+    c.id = job_.specimen.substr(0, 14) + "/i";
+    DecayFit& d = out_.decay;
+    d = {true, fit->a_V, fit->b_per_s, fit->c_V, u_min_V, fit->u_a_V, fit->u_b_per_s, fit->u_c_V, fit->rmse_V, 0.0,
+         static_cast<std::uint64_t>(fit->n)};
+    const double start_V = fit->a_V + fit->c_V;
+    d.loss_pct = 100.0 * (1.0 - (fit->a_V * std::exp(-fit->b_per_s * t_s.back()) + fit->c_V) / start_V);
+    out_.calibration_text += fmt::format("; b {} 1/s = {:.3f} x eq. (5), c/a = {:.3f} x eq. (5), {:.1f} % of the swing lost",
+                                         with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.b_scale, c.q_scale, d.loss_pct);
+    return true;
+  }
+
+  const CaseJob& job_;
+  Rig& rig_;
+  const std::atomic<bool>* cancelled_;
+  CaseRecord out_;
+};
+
+}  // namespace
+
+Calibration nominal_calibration(const RigInfo& info) {
+  Calibration c;
+  c.adc_bits = info.adc_bits;
+  c.v_range_V = info.v_range_V;
+  const auto declared = [&](const char* name, double& value) {
+    const auto at = info.details.find(name);
+    if (at == info.details.end()) return;
+    double read = 0.0;
+    const auto [end, error] = std::from_chars(at->second.data(), at->second.data() + at->second.size(), read);
+    if (error == std::errc{} && std::isfinite(read)) value = read;
+  };
+  declared("nominal_gain_N_per_V", c.gain_N_per_V);
+  declared("nominal_offset_N", c.offset_N);
+  return c;
+}
+
+CaseRecord run_calibration(const CaseJob& job, Rig& rig, const std::atomic<bool>* cancelled) {
+  return CalibrationRun(job, rig, cancelled).run();
+}
+
+Result<Calibration> read_calibration_file(const std::filesystem::path& path, const RigInfo& info) {
+  FORCEGATE_TRY(const ConfigNode root, read_config(path));
+  Calibration c = nominal_calibration(info);
+  ConfigReader r(root, "the calibration");
+  std::string level = "static", id = path.stem().string().substr(0, 16);
+  std::int64_t bits = c.adc_bits, format = 1;
+  r.integer("format", format, 1, 1);
+  r.number("gain_N_per_V", c.gain_N_per_V, 1e-6, 1e6, ConfigReader::required);
+  r.number("offset_N", c.offset_N, -1e3, 1e3, ConfigReader::required);
+  r.integer("adc_bits", bits, 8, 16);
+  r.number("v_range_V", c.v_range_V, 0.1, 1000.0);
+  const bool b = r.number("b_scale", c.b_scale, 0.01, 100.0);
+  const bool q = r.number("q_scale", c.q_scale, 0.01, 100.0);
+  if (b && q) level = "identified";
+  r.choice("level", level, {"nominal", "static", "identified"});
+  r.text("id", id);
+  FORCEGATE_CHECK_OK(r.finish());
+  c.adc_bits = static_cast<int>(bits);
+  c.level = level == "nominal" ? CalibrationLevel::nominal : level == "static" ? CalibrationLevel::statical : CalibrationLevel::identified;
+  c.id = id.substr(0, 16);
+  return c;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,105 @@
+#pragma once
+// One record to be made, and what was measured in it. Both cross the pipe between the gate and its worker.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/base/result.h"
+#include "hil/gate/plan.h"
+#include "hil/interface/dut.h"
+#include "hil/interface/rig.h"
+#include "hil/interface/run_result.h"
+#include "hil/rig/rig_witness.h"
+#include "hil/rig/safety_gate.h"
+
+namespace forcegate {
+
+/// Everything a worker needs; no reference to the plan is left in it.
+struct CaseJob {
+  enum class Kind { record, calibration } kind = Kind::record;
+  std::string id;          ///< "sine_f0.50/q50"
+  std::uint64_t index = 0;
+  std::string rig;         ///< registry name
+  std::map<std::string, std::string> rig_options;
+  std::string lane;
+  std::map<std::string, std::string> lane_options;
+  std::string image;
+  std::uint32_t nonce = 0;
+  PlanCase planned;
+  std::string specimen;
+  std::uint64_t seed = 1, session = 0, record = 0;
+  Calibration calibration;
+  PlanCalibration calibrate;  ///< for Kind::calibration
+  SafetyLimits safety;
+  std::map<std::string, double> faults;
+  std::string keep_path;      ///< samples are written there; "" = not kept
+  std::string stand_in;       ///< native image that plays the closed loop for an image that cannot; "" = none
+};
+
+/// Where a record broke off.
+struct CaseFailure {
+  enum class Stage { setup, rig, firmware, harness } stage = Stage::harness;
+  Error error;
+};
+
+struct CasePair {
+  bool maximum = true;
+  double t_s = 0.0;
+  double setpoint_N = 0.0, ati_N = 0.0, dut_N = 0.0, raw_N = 0.0;  ///< NaN where a channel has none
+};
+
+/// What the firmware's output looked like.
+struct OutputFacts {
+  std::uint64_t not_finite = 0;
+  double first_not_finite_s = 0.0;
+  double minimum_N = 0.0, maximum_N = 0.0;
+  double learning_longest_s = 0.0;    ///< longest episode with the flag
+  double learning_end_s = 0.0;        ///< end of the first episode after the excitation began
+  std::uint64_t held = 0, input_rail = 0, clamped = 0;
+};
+
+/// Static hold after cycling: means over the part of the hold that follows its first 30 s.
+struct HoldFacts {
+  double seconds = 0.0;
+  double dut_N = 0.0, raw_N = 0.0, ati_N = 0.0;
+};
+
+struct CaseRecord {
+  std::string id;
+  std::uint64_t index = 0;
+  std::optional<CaseFailure> failure;
+  RigInfo rig;
+  DutInfo firmware;
+  DutCounters link;
+  StimulusFacts facts;
+  double duration_s = 0.0;
+  std::uint64_t samples = 0, expected_samples = 0;
+  std::uint64_t expected_extrema = 0;  ///< of the profile, by the same detector
+  RigObservation observed;
+  SafetyReport safety;
+  OutputFacts output;
+  HoldFacts hold;
+  std::vector<CasePair> pairs;
+  double lag_s = 0.0, u_lag_s = 0.0;  ///< firmware behind ATI; NaN when the record does not determine it
+  bool conformance_known = false;     ///< an oracle for the declared algorithm exists
+  double conformance = 0.0, conformance_limit = 0.0;
+  std::string conformance_unit, conformance_source, conformance_evidence;
+  std::uint64_t conformance_n = 0;
+  std::optional<bool> stand_in_equal;  ///< block image bit-equal with its native sibling on the same codes
+  std::uint64_t stand_in_differences = 0;
+  std::vector<PlotTrace> overview, window;
+  std::string window_reason;
+  DecayFit decay;
+  std::string digest;
+  std::string trace_file;
+  // Kind::calibration only:
+  Calibration calibration;
+  double u_gain_rel = 0.0, u_offset_N = 0.0;
+  double calibration_rmse_N = 0.0;
+  std::string calibration_text;
+};
+
+}  // namespace forcegate

@@ -1,0 +1,163 @@
+#include "hil/gate/decision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "hil/base/text.h"
+
+namespace forcegate {
+namespace {
+
+// A pass must be one: the label alone is not believed.
+bool truly_passed(const Check& c, const DecisionRule& rule) {
+  const bool label = c.verdict == Verdict::pass || (c.verdict == Verdict::marginal && rule.name == "simple");
+  if (!label || !std::isfinite(c.value) || !(c.u >= 0.0)) return false;
+  switch (c.limit.kind) {
+    case Limit::Kind::upper: return c.value <= c.limit.value;
+    case Limit::Kind::lower: return c.value >= c.limit.value;
+    case Limit::Kind::equal: return c.value == c.limit.value;
+    case Limit::Kind::none: return true;
+  }
+  return false;
+}
+
+std::string named(const Check& c) { return c.case_id.empty() ? "" : fmt::format(" in {}", c.case_id); }
+
+std::string more(std::size_t n) {
+  return n > 1 ? fmt::format(" (and {} more)", n - 1) : std::string();
+}
+
+// The check to name first: one of the whole run before one of a case, then the one furthest beyond its limit.
+const Check* worst(const std::vector<const Check*>& checks) {
+  const auto rank = [](const Check& c) {
+    const double scale = std::max(std::fabs(c.limit.value), 1e-9);
+    const double beyond = std::fabs(c.value - c.limit.value) / scale;
+    return std::pair(c.case_id.empty() ? 1 : 0, std::isfinite(beyond) ? beyond : 0.0);
+  };
+  return *std::max_element(checks.begin(), checks.end(),
+                           [&](const Check* a, const Check* b) { return rank(*a) < rank(*b); });
+}
+
+bool is_algorithm_check(const Check& c) {
+  return c.id.starts_with("mre_") || c.id.starts_with("mae_") || c.id.starts_with("promise_");
+}
+
+Decision no_decision(Blame blame, int exit_code, std::string reason) {
+  Decision d;
+  d.kind = DecisionKind::no_decision;
+  d.blame = blame;
+  d.exit_code = exit_code;
+  d.reason = std::move(reason);
+  return d;
+}
+
+Decision reject(const std::vector<const Check*>& failed, std::span<const Check* const> all,
+                const RunEvents& events) {
+  Decision d;
+  d.kind = DecisionKind::reject;
+  d.exit_code = 1;
+  const Check& first = *worst(failed);
+  d.blame = first.blame == Blame::none ? Blame::firmware : first.blame;
+  d.reason = check_in_words(first) + named(first) + more(failed.size());
+  // Below level `identified` an image that does what its algorithm says fails for want of calibration.
+  const bool only_algorithm = std::all_of(failed.begin(), failed.end(), [](const Check* c) { return is_algorithm_check(*c); });
+  const bool conforms = std::any_of(all.begin(), all.end(), [](const Check* c) {
+    return c->id == "conformance" && c->verdict == Verdict::pass;
+  });
+  if (events.level != CalibrationLevel::identified && only_algorithm && conforms) {
+    d.blame = Blame::calibration;
+    d.reason = fmt::format(
+        "calibration level '{}' is the cause, the firmware does what its algorithm says: {}; "
+        "calibrate the specimen (--calibration identified)",
+        to_string(events.level), d.reason);
+  }
+  if (events.safety_stop) {
+    d.safety_stop = true;
+    if (!events.safety_text.empty()) d.reason += "; " + events.safety_text;
+  }
+  return d;
+}
+
+}  // namespace
+
+std::string check_in_words(const Check& c) {
+  if (c.limit.kind == Limit::Kind::none || !std::isfinite(c.value))
+    return c.evidence.empty() ? c.title : c.title + ": " + c.evidence;
+  const bool good = c.limit.kind == Limit::Kind::upper   ? c.value <= c.limit.value
+                    : c.limit.kind == Limit::Kind::lower ? c.value >= c.limit.value
+                                                         : c.value == c.limit.value;
+  const char* relation = c.limit.kind == Limit::Kind::upper   ? (good ? "<=" : ">")
+                         : c.limit.kind == Limit::Kind::lower ? (good ? ">=" : "<")
+                                                              : (good ? "=" : "is not");
+  const std::string unit = c.unit == "1" ? "" : " " + c.unit;
+  const std::string value = c.u > 0.0 ? with_uncertainty(c.value, c.u) : shortest(c.value);
+  return fmt::format("{} {}{} {} {}{} ({})", c.title, value, unit, relation, fmt::format("{:.6g}", c.limit.value),
+                     unit, c.limit.source);
+}
+
+Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, const RunEvents& events) {
+  if (events.cancelled) return no_decision(Blame::user, 130, "interrupted before all records were judged");
+  if (events.harness_error)
+    return no_decision(Blame::harness, 6,
+                       events.harness_text.empty() ? "internal error of the harness" : events.harness_text);
+  std::vector<const Check*> required, failed, rig, open;
+  for (const Check* c : checks) {
+    if (c == nullptr || !c->required) continue;
+    required.push_back(c);
+    if (c->verdict == Verdict::fail) failed.push_back(c);
+    else if (c->verdict == Verdict::rig_error) rig.push_back(c);
+    else if (c->verdict != Verdict::waived && !truly_passed(*c, rule)) open.push_back(c);
+  }
+  if (!failed.empty()) return reject(failed, checks, events);
+  Decision d;
+  if (events.safety_stop && !events.safety_cause_decided) {
+    d = no_decision(Blame::rig, 5, events.safety_text.empty() ? "safety stop of undecided cause" : events.safety_text);
+    d.safety_stop = true;
+    return d;
+  }
+  if (!rig.empty()) {
+    const Check& first = *worst(rig);
+    d = no_decision(first.blame == Blame::none ? Blame::rig : first.blame, 4,
+                    (first.evidence.empty() ? check_in_words(first) : first.title + ": " + first.evidence) +
+                        named(first) + more(rig.size()));
+    d.safety_stop = events.safety_stop;
+    return d;
+  }
+  if (!open.empty()) {
+    // Something that was not run explains more than something that was close.
+    const auto missing = std::find_if(open.begin(), open.end(), [](const Check* c) { return c->verdict == Verdict::not_run; });
+    const Check& first = missing != open.end() ? **missing : *worst(open);
+    std::string reason;
+    if (first.verdict == Verdict::marginal)
+      reason = "inside the limit by less than its uncertainty: " + check_in_words(first);
+    else if (first.verdict == Verdict::not_run)
+      reason = "not run: " + first.title + (first.evidence.empty() ? "" : ": " + first.evidence);
+    else if (first.evidence.empty())
+      reason = "not decided: " + check_in_words(first);
+    else
+      reason = "not decided: " + first.title + ": " + first.evidence;
+    Blame blame = first.blame;
+    if (blame == Blame::none) blame = Blame::user;
+    d = no_decision(blame, 3, reason + named(first) + more(open.size()));
+    d.safety_stop = events.safety_stop;
+    return d;
+  }
+  const bool any_run = std::any_of(required.begin(), required.end(),
+                                   [](const Check* c) { return c->verdict != Verdict::waived; });
+  if (!any_run) return no_decision(Blame::user, 3, "no required check was run");
+  if (events.safety_stop) {
+    d = no_decision(Blame::rig, 5, "a safety stop happened although every check passed");
+    d.safety_stop = true;
+    return d;
+  }
+  d.kind = DecisionKind::accept;
+  d.blame = Blame::none;
+  d.exit_code = 0;
+  d.reason = fmt::format("all {} required checks passed", required.size());
+  return d;
+}
+
+}  // namespace forcegate

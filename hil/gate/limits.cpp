@@ -1,0 +1,63 @@
+#include "hil/gate/limits.h"
+
+#include <fmt/format.h>
+
+#include "hil/base/text.h"
+#include "hil/rig/config.h"
+
+namespace forcegate {
+
+Limit DerivedLimits::find(const std::string& case_name, const std::string& check_id) const {
+  const auto at = by_case_and_check.find({case_name, check_id});
+  if (at == by_case_and_check.end()) return {};
+  return {Limit::Kind::upper, at->second.value,
+          fmt::format("derived: p99 + 2 sd of n = {}, {}, rig {}", at->second.n, date, rig)};
+}
+
+Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
+  FORCEGATE_TRY(const ConfigNode root, read_config(path));
+  DerivedLimits limits;
+  ConfigReader r(root, "the limits file");
+  std::int64_t format = 0;
+  r.integer("format", format, 1, 1, ConfigReader::required);
+  r.text("plan", limits.plan, ConfigReader::required);
+  r.text("firmware_sha256", limits.firmware_sha256, ConfigReader::required);
+  r.text("rig", limits.rig, ConfigReader::required);
+  r.text("date", limits.date, ConfigReader::required);
+  const ConfigNode* list = r.array("limit", ConfigReader::required);
+  FORCEGATE_CHECK_OK(r.finish());
+  for (const ConfigNode& item : list->items) {
+    if (item.kind != ConfigNode::Kind::table)
+      return fail(ErrorCode::config, "a limit must be a table", item.where, "write [[limit]]");
+    ConfigReader l(item, "a limit");
+    std::string case_name, check;
+    DerivedLimit limit;
+    std::int64_t n = 0;
+    l.text("case", case_name, ConfigReader::required);
+    l.text("check", check, ConfigReader::required);
+    l.number("p99", limit.p99, 0.0, 1e9, ConfigReader::required);
+    l.number("sd", limit.sd, 0.0, 1e9, ConfigReader::required);
+    l.number("value", limit.value, 0.0, 1e9, ConfigReader::required);
+    l.text("unit", limit.unit, ConfigReader::required);
+    l.integer("n", n, 1, 1000000000, ConfigReader::required);
+    FORCEGATE_CHECK_OK(l.finish());
+    limit.n = static_cast<std::uint64_t>(n);
+    if (!limits.by_case_and_check.try_emplace({case_name, check}, limit).second)
+      return fail(ErrorCode::config, fmt::format("two limits for {} of {}", check, case_name), item.where);
+  }
+  return limits;
+}
+
+std::string write_limits(const DerivedLimits& limits) {
+  std::string out = fmt::format(
+      "# Derived limits. Made by `forcegate limits`; do not edit by hand.\n"
+      "format = 1\nplan = \"{}\"\nfirmware_sha256 = \"{}\"\nrig = \"{}\"\ndate = \"{}\"\n",
+      limits.plan, limits.firmware_sha256, limits.rig, limits.date);
+  for (const auto& [key, limit] : limits.by_case_and_check)
+    out += fmt::format(
+        "\n[[limit]]\ncase = \"{}\"\ncheck = \"{}\"\np99 = {:.4f}\nsd = {:.4f}\nvalue = {:.4f}\nunit = \"{}\"\nn = {}\n",
+        key.first, key.second, limit.p99, limit.sd, limit.value, limit.unit, limit.n);
+  return out;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,35 @@
+#pragma once
+// Derived limits: what the reference build shows over many other seeds, kept in golden/limits/*.toml with n, date
+// and rig version. Never called the paper's.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "hil/base/result.h"
+#include "hil/interface/check.h"
+
+namespace forcegate {
+
+struct DerivedLimit {
+  double p99 = 0.0;   ///< quantile 0.99 of the values
+  double sd = 0.0;    ///< their standard deviation
+  double value = 0.0; ///< the limit: p99 + 2 sd, so that a good record is not refused by chance
+  std::string unit;
+  std::uint64_t n = 0;
+};
+
+struct DerivedLimits {
+  std::string plan, firmware_sha256, rig, date;
+  std::map<std::pair<std::string, std::string>, DerivedLimit> by_case_and_check;
+
+  /// Kind none when there is no limit for this case and check.
+  Limit find(const std::string& case_name, const std::string& check_id) const;
+};
+
+Result<DerivedLimits> read_limits(const std::filesystem::path& path);
+/// The file's text; the same limits give the same bytes.
+std::string write_limits(const DerivedLimits& limits);
+
+}  // namespace forcegate

@@ -1,0 +1,72 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "hil/gate/judge.h"
+#include "hil/gate/statistics.h"
+
+namespace forcegate {
+namespace {
+
+JudgedCheck panel_check(const PlanCase& planned, bool maximum, const std::vector<std::string>& specimens,
+                        const std::vector<const JudgedCase*>& judged) {
+  const char* which = maximum ? "maxima" : "minima";
+  JudgedCheck j;
+  Check& c = j.check;
+  c.id = fmt::format("promise_{}/{}", which, planned.name);
+  c.title = fmt::format("Mean relative error of the {}, ATI against set-point, mean of {} specimens{}", which,
+                        specimens.size(), planned.tail_s > 0.0 ? fmt::format(", last {:.0f} s", planned.tail_s) : "");
+  c.unit = "%";
+  c.limit = {Limit::Kind::upper, maximum ? *planned.maxima_pct : *planned.minima_pct, planned.limit_source};
+  std::vector<double> values;
+  double u_systematic = 0.0;
+  bool relative = true;
+  for (const JudgedCase* one : judged) {
+    const PanelValue& v = maximum ? one->maxima : one->minima;
+    relative = relative && v.unit == "%";
+    if (!v.usable || !std::isfinite(v.value)) continue;
+    values.push_back(v.value);
+    u_systematic = std::max(u_systematic, v.u_systematic);
+  }
+  c.n = values.size();
+  const Moments m = moments(values);
+  c.value = m.mean;
+  if (!relative || values.size() < specimens.size() || values.empty()) {
+    j.judgeable = false;
+    const bool rig = std::any_of(judged.begin(), judged.end(), [](const JudgedCase* one) {
+      return std::any_of(one->checks.begin(), one->checks.end(),
+                         [](const JudgedCheck& x) { return x.check.required && x.check.verdict == Verdict::rig_error; });
+    });
+    c.verdict = rig ? Verdict::rig_error : Verdict::inconclusive;
+    c.blame = rig ? Blame::rig : Blame::firmware;
+    c.evidence = relative ? fmt::format("only {} of {} specimens gave a value", values.size(), specimens.size())
+                          : "the profile's minima are too small for a relative error";
+    if (values.size() < 2) c.u = 0.0;
+    return j;
+  }
+  const double n = static_cast<double>(values.size());
+  const double spread = values.size() > 1 ? m.sd / std::sqrt(n) : 0.0;
+  c.u = std::hypot(spread, u_systematic);
+  // Welch-Satterthwaite: the systematic part counts as known well.
+  j.dof = spread > 0.0 ? (n - 1.0) * std::pow(c.u / spread, 4.0) : 0.0;
+  const auto inside = std::count_if(values.begin(), values.end(), [&](double v) { return v <= c.limit.value; });
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  c.evidence = fmt::format("specimens {:.2f} to {:.2f} %, {} of {} inside singly; spread of the mean {:.2f}, systematic {:.2f}",
+                           *low, *high, inside, values.size(), spread, u_systematic);
+  return j;
+}
+
+}  // namespace
+
+std::vector<JudgedCheck> judge_panel(const PlanCase& planned, const std::vector<std::string>& specimens,
+                                     const std::vector<const JudgedCase*>& judged) {
+  std::vector<JudgedCheck> checks;
+  if (!(planned.checks & kCheckPromise) || !planned.maxima_pct || !planned.minima_pct) return checks;
+  checks.push_back(panel_check(planned, true, specimens, judged));
+  checks.push_back(panel_check(planned, false, specimens, judged));
+  return checks;
+}
+
+}  // namespace forcegate

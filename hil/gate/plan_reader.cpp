@@ -1,0 +1,290 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "hil/base/digest.h"
+#include "hil/base/rng.h"
+#include "hil/base/text.h"
+#include "hil/gate/plan.h"
+#include "hil/rig/config.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kDay_s = 86400.0;
+constexpr std::size_t kMostCases = 1000, kMostSpecimens = 1000;
+
+// A name becomes a part of file names and of console lines.
+bool usable_name(const std::string& name) {
+  if (name.empty() || name.size() > 80 || name.front() == '.') return false;
+  return name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+-:") ==
+         std::string::npos;
+}
+
+Result<StimulusSpec> read_stimulus(const ConfigNode& node, std::uint64_t seed) {
+  StimulusSpec spec;
+  spec.seed = seed;
+  for (std::size_t i = 0; i < node.names.size(); ++i) {
+    const std::string& name = node.names[i];
+    const ConfigNode& item = node.items[i];
+    if (name == "name") {
+      if (item.kind != ConfigNode::Kind::text)
+        return fail(ErrorCode::config, "'name' of a stimulus must be a text in quotes", item.where);
+      spec.name = item.text;
+    } else if (name == "seed") {
+      if (item.kind != ConfigNode::Kind::integer || item.integer < 0)
+        return fail(ErrorCode::config, "'seed' of a stimulus must be a whole number from 0", item.where);
+      spec.seed = static_cast<std::uint64_t>(item.integer);
+    } else if (item.kind == ConfigNode::Kind::number || item.kind == ConfigNode::Kind::integer) {
+      spec.numbers[name] = item.number;
+    } else if (item.kind == ConfigNode::Kind::text) {
+      spec.texts[name] = item.text;
+    } else if (item.kind == ConfigNode::Kind::array) {
+      for (const ConfigNode& value : item.items) {
+        if (value.kind != ConfigNode::Kind::number && value.kind != ConfigNode::Kind::integer)
+          return fail(ErrorCode::config, fmt::format("'{}' of a stimulus must hold numbers", name), value.where);
+        spec.lists[name].push_back(value.number);
+      }
+    } else {
+      return fail(ErrorCode::config, fmt::format("'{}' of a stimulus cannot be {}", name, item.kind_name()),
+                  item.where);
+    }
+  }
+  if (spec.name.empty())
+    return fail(ErrorCode::config, "a stimulus needs the key 'name'", node.where,
+                "for example stimulus = { name = \"sine\", f_Hz = 0.5, A_N = 1.05, m_N = 2.15 }");
+  const auto made = make_stimulus(spec);
+  if (!made) return fail(ErrorCode::config, made.error().text, node.where, made.error().hint);
+  const double duration_s = (*made)->duration_s();
+  if (!(duration_s > 0.0 && duration_s <= kDay_s))
+    return fail(ErrorCode::config, "the stimulus lasts " + shortest(duration_s) + " s", node.where,
+                "a record lasts more than 0 s and at most a day");
+  return spec;
+}
+
+Result<void> read_specimens(ConfigReader& r, std::vector<std::string>& out, const ConfigNode& table) {
+  if (!r.texts("specimens", out)) return {};
+  std::set<std::string> seen;
+  for (const std::string& specimen : out) {
+    if (!usable_name(specimen))
+      r.complain(*table.find("specimens"), fmt::format("'{}' cannot name a specimen", specimen));
+    if (!seen.insert(specimen).second)
+      r.complain(*table.find("specimens"), fmt::format("specimen '{}' is named twice", specimen));
+  }
+  if (out.empty() || out.size() > kMostSpecimens)
+    r.complain(*table.find("specimens"), "a list of specimens holds 1 to 1000 names");
+  return {};
+}
+
+Result<void> read_checks(ConfigReader& r, const ConfigNode& table, PlanCase& c) {
+  static const std::vector<std::string> kNames{"conformance", "promise", "accuracy", "hold"};
+  std::vector<std::string> names;
+  if (!r.texts("checks", names)) return {};
+  for (const std::string& name : names) {
+    const auto at = std::find(kNames.begin(), kNames.end(), name);
+    if (at == kNames.end()) {
+      const std::string near = nearest_name(name, kNames);
+      r.complain(*table.find("checks"), fmt::format("there is no check named '{}'", name),
+                 near.empty() ? "choose from: " + join(kNames, ", ") : "did you mean '" + near + "'?");
+      return {};
+    }
+    c.checks |= 1u << (at - kNames.begin());
+  }
+  return {};
+}
+
+Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
+  PlanCase c;
+  c.where = node.where;
+  ConfigReader r(node, "a case");
+  if (r.text("name", c.name, ConfigReader::required) && !usable_name(c.name))
+    r.complain(*node.find("name"), fmt::format("'{}' cannot name a case", c.name),
+               "use up to 80 letters, digits and _ . + -");
+  c.title = c.name;
+  r.text("title", c.title);
+  c.source = "ours";
+  r.text("source", c.source);
+  std::string loop = "open";
+  r.choice("loop", loop, {"open", "closed"});
+  c.loop = loop == "closed" ? LoopMode::closed : LoopMode::open;
+  c.controller = c.loop == LoopMode::closed ? "force_integral" : "open_loop";
+  r.text("controller", c.controller);
+  FORCEGATE_CHECK_OK(read_checks(r, node, c));
+  FORCEGATE_CHECK_OK(read_specimens(r, c.specimens, node));
+  r.number("rest_before_s", c.rest_before_s = plan.calibration.rest_s, 0.0, 1e9);
+  r.number("prominence_N", c.prominence_N, 0.01, 5.0);
+  double half_width_ms = 1000.0 * c.half_width_s;
+  if (r.number("half_width_ms", half_width_ms, 0.0, 1000.0)) c.half_width_s = half_width_ms / 1000.0;
+  r.number("tail_s", c.tail_s, 0.0, kDay_s);
+  double limit = 0.0;
+  if (r.number("maxima_pct", limit, 0.0, 1000.0)) c.maxima_pct = limit;
+  if (r.number("minima_pct", limit, 0.0, 1000.0)) c.minima_pct = limit;
+  r.text("limit_source", c.limit_source);
+  const ConfigNode* stimulus = r.table("stimulus", ConfigReader::required);
+  if (r.good() && (c.maxima_pct || c.minima_pct) && c.limit_source.empty())
+    r.complain(node, fmt::format("case '{}' gives a limit without saying whose it is", c.name),
+               "add limit_source = \"Lebosse 2011, IV-B2\" or \"ours: reason\"");
+  if (r.good() && c.checks & kCheckPromise && c.loop == LoopMode::open)
+    r.complain(*node.find("checks"), "the check 'promise' is about the closed loop", "add loop = \"closed\"");
+  if (r.good() && c.checks & kCheckPromise && !(c.maxima_pct && c.minima_pct))
+    r.complain(*node.find("checks"), "the check 'promise' needs maxima_pct, minima_pct and limit_source");
+  FORCEGATE_CHECK_OK(r.finish());
+  FORCEGATE_TRY(c.stimulus, read_stimulus(*stimulus, mix_seed(plan.seed, "stimulus/" + c.name)));
+  return c;
+}
+
+Result<void> read_calibration(const ConfigNode& node, Plan& plan) {
+  PlanCalibration& c = plan.calibration;
+  ConfigReader r(node, "[calibration]");
+  std::string level = "identified";
+  r.choice("level", level, {"nominal", "static", "identified"});
+  c.level = level == "nominal"  ? CalibrationLevel::nominal
+            : level == "static" ? CalibrationLevel::statical
+                                : CalibrationLevel::identified;
+  r.number("sweep_low_N", c.sweep_low_N, 0.0, 5.0);
+  r.number("sweep_high_N", c.sweep_high_N, 0.0, 5.5);
+  r.number("sweep_s", c.sweep_s, 1.0, 7200.0);
+  std::int64_t sweeps = c.sweeps;
+  if (r.integer("sweeps", sweeps, 1, 20)) c.sweeps = static_cast<int>(sweeps);
+  r.number("rest_s", c.rest_s, 0.0, 1e9);
+  if (r.good() && !(c.sweep_high_N > c.sweep_low_N + 0.5))
+    r.complain(node, "the calibration sweep must span more than 0.5 N");
+  const ConfigNode* identification = r.table("identification");
+  FORCEGATE_CHECK_OK(r.finish());
+  if (identification != nullptr) {
+    ConfigReader i(*identification, "[calibration.identification]");
+    PlanIdentification record;
+    record.source = "ours";
+    i.text("source", record.source);
+    const ConfigNode* stimulus = i.table("stimulus", ConfigReader::required);
+    FORCEGATE_CHECK_OK(i.finish());
+    FORCEGATE_TRY(record.stimulus, read_stimulus(*stimulus, mix_seed(plan.seed, "identification")));
+    c.identification = record;
+  }
+  if (c.level == CalibrationLevel::identified && !c.identification)
+    return fail(ErrorCode::config, "level 'identified' needs [calibration.identification]", node.where,
+                "name the sine record from which b and c/a are identified");
+  return {};
+}
+
+Result<void> read_rule(const ConfigNode& node, DecisionRule& rule) {
+  ConfigReader r(node, "[rule]");
+  r.choice("name", rule.name, {"guarded", "simple"});
+  r.number("alpha", rule.alpha, 1e-6, 0.2);
+  r.number("coverage", rule.coverage, 0.5, 0.9999);
+  return r.finish();
+}
+
+Result<void> read_safety(const ConfigNode& node, SafetyLimits& s) {
+  ConfigReader r(node, "[safety]");
+  r.number("force_max_N", s.force_max_N, 0.1, 100.0);
+  r.number("velocity_max_rad_per_s", s.velocity_max_rad_per_s, 0.0, 1000.0);
+  std::int64_t lost = s.reference_lost_samples;
+  if (r.integer("reference_lost_samples", lost, 1, 1000000)) s.reference_lost_samples = static_cast<int>(lost);
+  return r.finish();
+}
+
+Result<void> read_limits(const ConfigNode& node, PlanLimits& l) {
+  ConfigReader r(node, "[limits]");
+  r.text("derived", l.derived);
+  r.number("learning_s", l.learning_s, 0.0, kDay_s);
+  r.number("lag_s", l.lag_s, 0.0, 60.0);
+  r.number("output_max_N", l.output_max_N, 0.0, 1e6);
+  r.number("hold_pct", l.hold_pct, 0.0, 1000.0);
+  r.number("minima_floor_N", l.minima_floor_N, 0.0, 5.0);
+  return r.finish();
+}
+
+Result<void> read_uncertainty(const ConfigNode& node, PlanUncertainty& u) {
+  ConfigReader r(node, "[uncertainty]");
+  r.number("reference_rel", u.reference_rel, 0.0, 1.0);
+  r.number("alignment_rel", u.alignment_rel, 0.0, 1.0);
+  return r.finish();
+}
+
+Result<void> read_self_check(const ConfigNode& node, SelfCheckLimits& s) {
+  ConfigReader r(node, "[self_check]");
+  r.number("spring_bias_N", s.spring_bias_N, 0.0, 5.0);
+  r.number("spring_slope", s.spring_slope, 0.0, 1.0);
+  r.number("noise_factor", s.noise_factor, 0.0, 1000.0);
+  r.number("reference_bad_share", s.reference_bad_share, 0.0, 1.0);
+  r.number("lost_share", s.lost_share, 0.0, 1.0);
+  r.number("frozen_s", s.frozen_s, 0.0, kDay_s);
+  r.number("wheel_still_s", s.wheel_still_s, 0.0, kDay_s);
+  return r.finish();
+}
+
+}  // namespace
+
+std::string_view to_string(LoopMode mode) { return mode == LoopMode::closed ? "closed" : "open"; }
+
+const std::vector<std::string>& specimens_of(const Plan& plan, const PlanCase& planned) {
+  return planned.specimens.empty() ? plan.panel : planned.specimens;
+}
+
+Result<Plan> parse_plan(std::string_view text, const std::string& name) {
+  FORCEGATE_TRY(const ConfigNode root, parse_config(text, name));
+  Plan plan;
+  plan.path = name;
+  plan.sha256 = sha256_hex(text);
+  ConfigReader r(root, "the plan");
+  std::int64_t format = 0, seed = 1;
+  r.integer("format", format, 1, kPlanFormat, ConfigReader::required);
+  r.text("name", plan.name, ConfigReader::required);
+  if (r.good() && !usable_name(plan.name)) r.complain(*root.find("name"), "this cannot name a plan");
+  r.text("doc", plan.doc);
+  r.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
+  plan.seed = static_cast<std::uint64_t>(seed);
+  const ConfigNode* const rule = r.table("rule");
+  const ConfigNode* const panel = r.table("panel", ConfigReader::required);
+  const ConfigNode* const calibration = r.table("calibration", ConfigReader::required);
+  const ConfigNode* const safety = r.table("safety");
+  const ConfigNode* const limits = r.table("limits");
+  const ConfigNode* const uncertainty = r.table("uncertainty");
+  const ConfigNode* const self = r.table("self_check");
+  const ConfigNode* const cases = r.array("case", ConfigReader::required);
+  FORCEGATE_CHECK_OK(r.finish());
+  if (rule != nullptr) FORCEGATE_CHECK_OK(read_rule(*rule, plan.rule));
+  {
+    ConfigReader p(*panel, "[panel]");
+    FORCEGATE_CHECK_OK(read_specimens(p, plan.panel, *panel));
+    if (panel->find("specimens") == nullptr) p.complain(*panel, "[panel] needs the key 'specimens'");
+    FORCEGATE_CHECK_OK(p.finish());
+  }
+  FORCEGATE_CHECK_OK(read_calibration(*calibration, plan));
+  if (safety != nullptr) FORCEGATE_CHECK_OK(read_safety(*safety, plan.safety));
+  if (limits != nullptr) FORCEGATE_CHECK_OK(read_limits(*limits, plan.limits));
+  if (uncertainty != nullptr) FORCEGATE_CHECK_OK(read_uncertainty(*uncertainty, plan.uncertainty));
+  if (self != nullptr) FORCEGATE_CHECK_OK(read_self_check(*self, plan.self_check));
+  if (cases->items.empty() || cases->items.size() > kMostCases)
+    return fail(ErrorCode::config, "a plan holds 1 to 1000 cases", cases->where);
+  std::set<std::string> names;
+  for (const ConfigNode& item : cases->items) {
+    if (item.kind != ConfigNode::Kind::table)
+      return fail(ErrorCode::config, "a case must be a table", item.where, "write [[case]]");
+    FORCEGATE_TRY(PlanCase c, read_case(item, plan));
+    if (!names.insert(c.name).second)
+      return fail(ErrorCode::config, fmt::format("two cases are named '{}'", c.name), item.where);
+    plan.cases.push_back(std::move(c));
+  }
+  return plan;
+}
+
+Result<Plan> read_plan(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored))
+    return fail(ErrorCode::config, "there is no plan file", path.string());
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) return fail(ErrorCode::io, "the plan cannot be read", path.string());
+  FORCEGATE_TRY(Plan plan, parse_plan(std::move(text).str(), path.string()));
+  plan.path = path;
+  return plan;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,76 @@
+#include "hil/gate/rule.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "hil/gate/statistics.h"
+
+namespace forcegate {
+namespace {
+
+// Distance inside the limit: positive is good.
+double inside_by(const Check& c) {
+  switch (c.limit.kind) {
+    case Limit::Kind::upper: return c.limit.value - c.value;
+    case Limit::Kind::lower: return c.value - c.limit.value;
+    case Limit::Kind::equal: return -std::fabs(c.value - c.limit.value);
+    case Limit::Kind::none: return std::numeric_limits<double>::infinity();
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+std::string DecisionRule::to_text() const {
+  return fmt::format(
+      "{}: accept when value + U <= limit ({:.4g} % coverage){}; reject when value - U > limit and Holm at {:.4g} % "
+      "over the required checks agrees; in between no decision",
+      name, 100.0 * coverage, name == "simple" ? " or value <= limit" : "", 100.0 * alpha);
+}
+
+Verdict zone(const Check& check, double expanded_U) {
+  const double margin = inside_by(check);
+  if (std::isnan(margin) || !(expanded_U >= 0.0)) return Verdict::inconclusive;
+  if (check.limit.kind == Limit::Kind::equal && margin == 0.0) return Verdict::pass;
+  if (margin >= expanded_U) return Verdict::pass;
+  if (margin >= 0.0) return Verdict::marginal;
+  return -margin > expanded_U ? Verdict::fail : Verdict::inconclusive;
+}
+
+double exceedance_p(const Check& check, double dof) {
+  const double margin = inside_by(check);
+  if (std::isnan(margin)) return std::numeric_limits<double>::quiet_NaN();
+  if (!(check.u > 0.0)) return margin < 0.0 ? 0.0 : 1.0;
+  return 1.0 - student_cdf(-margin / check.u, dof);
+}
+
+void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
+  std::vector<double> p_values;
+  std::vector<JudgedCheck*> family;
+  for (JudgedCheck* j : checks) {
+    if (!j->judgeable) continue;
+    Check& c = j->check;
+    const double U = c.u > 0.0 ? coverage_factor(rule.coverage, j->dof) * c.u : c.u;
+    c.verdict = zone(c, U);
+    if (c.required && c.limit.kind != Limit::Kind::none) {
+      p_values.push_back(exceedance_p(c, j->dof));
+      family.push_back(j);
+    }
+  }
+  const std::vector<bool> rejected = holm(p_values, rule.alpha);
+  for (std::size_t i = 0; i < family.size(); ++i)
+    if (family[i]->check.verdict == Verdict::fail && !rejected[i]) {
+      family[i]->check.verdict = Verdict::inconclusive;
+      family[i]->check.evidence += "; beyond the limit, but not beyond doubt among this many checks";
+    }
+  for (JudgedCheck* j : checks) {
+    if (!j->judgeable) continue;
+    Check& c = j->check;
+    if (c.verdict == Verdict::pass || c.verdict == Verdict::marginal) c.blame = Blame::none;
+    else if (c.blame == Blame::none) c.blame = Blame::firmware;
+  }
+}
+
+}  // namespace forcegate

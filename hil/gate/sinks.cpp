@@ -1,0 +1,237 @@
+#include "hil/gate/sinks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcegate {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr const char* kNames[4] = {"set-point", "ATI", "firmware", "raw"};
+
+template <class Rows>
+std::vector<PlotTrace> to_traces(const Rows& rows) {
+  std::vector<PlotTrace> traces;
+  for (int k = 0; k < 4; ++k) {
+    const bool any = std::any_of(rows.begin(), rows.end(), [k](const auto& r) { return std::isfinite(r.value[k]); });
+    if (!any) continue;
+    PlotTrace trace{kNames[k], "N", {}, {}};
+    trace.t_s.reserve(rows.size());
+    trace.value.reserve(rows.size());
+    for (const auto& row : rows) {
+      trace.t_s.push_back(static_cast<float>(row.t_s));
+      trace.value.push_back(row.value[k]);
+    }
+    traces.push_back(std::move(trace));
+  }
+  return traces;
+}
+
+}  // namespace
+
+void OutputWatch::begin(double rate_Hz, double excitation_start_s) {
+  *this = OutputWatch();
+  period_s_ = 1.0 / rate_Hz;
+  excitation_start_s_ = excitation_start_s;
+}
+
+void OutputWatch::push(const RecordBlock& b) {
+  for (std::size_t i = 0; i < b.n; ++i) {
+    const float force_N = b.dut_N[i];
+    if (std::isfinite(force_N)) {
+      if (!any_finite_) facts_.minimum_N = facts_.maximum_N = force_N;
+      any_finite_ = true;
+      facts_.minimum_N = std::min(facts_.minimum_N, static_cast<double>(force_N));
+      facts_.maximum_N = std::max(facts_.maximum_N, static_cast<double>(force_N));
+    } else if (facts_.not_finite++ == 0) {
+      facts_.first_not_finite_s = b.rig->t_s[i];
+    }
+    const std::uint8_t flags = b.flags[i];
+    if (flags & kDutLearning) {
+      ++learning_run_;
+      facts_.learning_longest_s =
+          std::max(facts_.learning_longest_s, static_cast<double>(learning_run_) * period_s_);
+      if (!first_episode_over_) facts_.learning_end_s = b.rig->t_s[i] + period_s_;
+    } else if (learning_run_ > 0) {
+      learning_run_ = 0;
+      if (b.rig->t_s[i] >= excitation_start_s_) first_episode_over_ = true;
+    }
+    facts_.held += (flags & kDutHeld) != 0;
+    facts_.input_rail += (flags & kDutInputRail) != 0;
+    facts_.clamped += (flags & kDutOutputClamped) != 0;
+  }
+}
+
+void HoldWatch::begin(double rate_Hz, double excitation_start_s) {
+  *this = HoldWatch();
+  rate_Hz_ = rate_Hz;
+  excitation_start_s_ = excitation_start_s;
+  last_setpoint_N_ = kNan;
+}
+
+void HoldWatch::push(const RecordBlock& b) {
+  const auto settle = static_cast<std::uint64_t>(kSettle_s * rate_Hz_);
+  for (std::size_t i = 0; i < b.n; ++i) {
+    const float setpoint_N = b.rig->setpoint_N[i];
+    if (setpoint_N != last_setpoint_N_) {
+      if (b.rig->t_s[i] > excitation_start_s_ && std::isfinite(last_setpoint_N_))
+        moved_N_ += std::fabs(static_cast<double>(setpoint_N) - last_setpoint_N_);
+      run_ = 0;
+      last_setpoint_N_ = setpoint_N;
+      continue;
+    }
+    if (++run_ <= settle || moved_N_ < 1.0) continue;  // moved < 1 N: no cycling has come before
+    const float ati_N = b.rig->force_ref_N[i];
+    if (!std::isfinite(b.dut_N[i]) || !std::isfinite(ati_N)) continue;
+    ++counted_;
+    dut_ += b.dut_N[i];
+    raw_ += b.raw_N[i];
+    ati_ += ati_N;
+  }
+}
+
+HoldFacts HoldWatch::finish() const {
+  HoldFacts facts;
+  if (counted_ == 0) return facts;
+  const double n = static_cast<double>(counted_);
+  facts.seconds = n / rate_Hz_;
+  facts.dut_N = dut_ / n;
+  facts.raw_N = raw_ / n;
+  facts.ati_N = ati_ / n;
+  return facts;
+}
+
+void LagEstimator::begin(double rate_Hz, double from_s) {
+  *this = LagEstimator();
+  step_s_ = kGroup / rate_Hz;
+  from_s_ = from_s;
+}
+
+void LagEstimator::item(double x, double d, double y) {
+  n_ += 1.0;
+  sx_ += x;
+  sd_ += d;
+  sy_ += y;
+  sxx_ += x * x;
+  sdd_ += d * d;
+  sxd_ += x * d;
+  sxy_ += x * y;
+  sdy_ += d * y;
+  syy_ += y * y;
+}
+
+void LagEstimator::push(const RecordBlock& b) {
+  for (std::size_t i = 0; i < b.n; ++i) {
+    sum_x_ += b.rig->force_ref_N[i];
+    sum_y_ += b.dut_N[i];
+    if (++filled_ < kGroup) continue;
+    const double x = sum_x_ / kGroup, y = sum_y_ / kGroup;
+    filled_ = 0;
+    sum_x_ = sum_y_ = 0.0;
+    if (b.rig->t_s[i] < from_s_ || !std::isfinite(x) || !std::isfinite(y)) {
+      history_ = 0;
+      continue;
+    }
+    x_[0] = x_[1], x_[1] = x_[2], x_[2] = x;
+    y_[0] = y_[1], y_[1] = y_[2], y_[2] = y;
+    if (++history_ >= 3) item(x_[1], (x_[2] - x_[0]) / (2.0 * step_s_), y_[1]);
+  }
+}
+
+void LagEstimator::finish(double& lag_s, double& u_lag_s) const {
+  lag_s = u_lag_s = std::numeric_limits<double>::quiet_NaN();
+  if (n_ < 100.0) return;
+  const double vxx = sxx_ / n_ - sx_ * sx_ / (n_ * n_), vdd = sdd_ / n_ - sd_ * sd_ / (n_ * n_);
+  const double vxd = sxd_ / n_ - sx_ * sd_ / (n_ * n_), vxy = sxy_ / n_ - sx_ * sy_ / (n_ * n_);
+  const double vdy = sdy_ / n_ - sd_ * sy_ / (n_ * n_), vyy = syy_ / n_ - sy_ * sy_ / (n_ * n_);
+  const double determinant = vxx * vdd - vxd * vxd;
+  if (!(vxx > 0.01) || !(determinant > 1e-9 * vxx * vdd)) return;
+  const double g = (vxy * vdd - vdy * vxd) / determinant;
+  const double h = (vdy * vxx - vxy * vxd) / determinant;
+  if (!(g > 0.05)) return;
+  lag_s = -h / g;
+  // Residuals follow the cycles, not the samples: about one independent item a second.
+  const double residual = std::max(0.0, vyy - g * vxy - h * vdy);
+  const double independent = std::max(4.0, n_ * step_s_);
+  u_lag_s = std::sqrt(residual / (independent * (vdd - vxd * vxd / vxx))) / g;
+}
+
+void Overview::begin(std::uint64_t samples, std::size_t columns) {
+  *this = Overview();
+  per_column_ = std::max<std::uint64_t>(1, (samples + columns - 1) / columns);
+  rows_.reserve(columns * kSlots + kSlots);
+}
+
+void Overview::close_column() {
+  if (in_column_ == 0) return;
+  Row sorted[kSlots];
+  std::copy(std::begin(slot_), std::end(slot_), sorted);
+  std::sort(std::begin(sorted), std::end(sorted), [](const Row& a, const Row& b) { return a.t_s < b.t_s; });
+  for (const Row& row : sorted)
+    if (rows_.size() < rows_.capacity() && (rows_.empty() || row.t_s > rows_.back().t_s)) rows_.push_back(row);
+  in_column_ = 0;
+}
+
+void Overview::push(const RecordBlock& b) {
+  for (std::size_t i = 0; i < b.n; ++i) {
+    const float ati = b.rig->force_ref_N[i], dut = b.dut_N[i];
+    const float error = dut - ati;
+    const float key[kSlots] = {0.0f, -ati, ati, -dut, dut, -error, error, 0.0f};
+    const bool start = in_column_ == 0;
+    bool taken = start;
+    for (int k = ati_low; k <= error_high; ++k) taken |= key[k] > best_[k];
+    const bool end = ++in_column_ >= per_column_;
+    if (!taken && !end) continue;
+    const Row row{b.rig->t_s[i], {b.rig->setpoint_N[i], ati, dut, b.raw_N[i]}};
+    if (start) {
+      std::fill(std::begin(slot_), std::end(slot_), row);
+      for (int k = ati_low; k <= error_high; ++k)
+        best_[k] = std::isfinite(key[k]) ? key[k] : -std::numeric_limits<float>::infinity();
+    } else {
+      for (int k = ati_low; k <= error_high; ++k)
+        if (key[k] > best_[k]) {
+          best_[k] = key[k];
+          slot_[k] = row;
+        }
+    }
+    if (end) {
+      slot_[last] = row;
+      close_column();
+    }
+  }
+}
+
+std::vector<PlotTrace> Overview::finish() {
+  close_column();
+  return to_traces(rows_);
+}
+
+void WindowKeeper::begin(double rate_Hz, double length_s, std::size_t capacity) {
+  *this = WindowKeeper();
+  const double samples = std::max(1.0, length_s * rate_Hz);
+  stride_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(samples / static_cast<double>(capacity))));
+  ring_.resize(std::max<std::size_t>(2, static_cast<std::size_t>(samples) / stride_));
+  kept_.reserve(ring_.size());
+}
+
+void WindowKeeper::push(const RecordBlock& b) {
+  for (std::size_t i = 0; i < b.n; ++i) {
+    if (skip_++ % stride_ != 0) continue;
+    ring_[at_] = {b.rig->t_s[i], {b.rig->setpoint_N[i], b.rig->force_ref_N[i], b.dut_N[i], b.raw_N[i]}};
+    if (++at_ == ring_.size()) at_ = 0;
+    filled_ = std::min(filled_ + 1, ring_.size());
+  }
+}
+
+void WindowKeeper::snapshot() {
+  kept_.clear();
+  const std::size_t start = filled_ < ring_.size() ? 0 : at_;
+  for (std::size_t i = 0; i < filled_; ++i) kept_.push_back(ring_[(start + i) % ring_.size()]);
+}
+
+std::vector<PlotTrace> WindowKeeper::finish() {
+  if (kept_.empty()) snapshot();
+  return to_traces(kept_);
+}
+
+}  // namespace forcegate

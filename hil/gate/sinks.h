@@ -1,0 +1,115 @@
+#pragma once
+// What looks at a record while it streams past. Every sink takes whole blocks, allocates nothing after begin()
+// and uses memory independent of the record's length.
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "hil/gate/case_record.h"
+#include "hil/interface/rig.h"
+
+namespace forcegate {
+
+/// One block of a record: the rig's columns, the firmware's answer and the raw sensor force by eq. (1).
+struct RecordBlock {
+  const RigBlock* rig = nullptr;
+  std::span<const float> dut_N;
+  std::span<const std::uint8_t> flags;
+  std::span<const float> raw_N;
+  std::size_t n = 0;
+};
+
+/// Output bounds, NaN, flags.
+class OutputWatch {
+ public:
+  void begin(double rate_Hz, double excitation_start_s);
+  void push(const RecordBlock& block);
+  OutputFacts finish() const { return facts_; }
+
+ private:
+  OutputFacts facts_;
+  double period_s_ = 1e-3, excitation_start_s_ = 0.0;
+  std::uint64_t learning_run_ = 0;
+  bool first_episode_over_ = false, any_finite_ = false;
+};
+
+/// Constant set-point after cycling. The first kSettle_s of a hold belong to the firmware's detection.
+class HoldWatch {
+ public:
+  static constexpr double kSettle_s = 30.0;
+  void begin(double rate_Hz, double excitation_start_s);
+  void push(const RecordBlock& block);
+  HoldFacts finish() const;
+
+ private:
+  double rate_Hz_ = 1000.0, excitation_start_s_ = 0.0;
+  float last_setpoint_N_ = 0.0f;
+  std::uint64_t run_ = 0, counted_ = 0;
+  double moved_N_ = 0.0;
+  double dut_ = 0.0, raw_ = 0.0, ati_ = 0.0;
+};
+
+/// Lag of the firmware behind the ATI by least squares of y(t) = g x(t - lag) + o, linearised:
+/// y = g x - g lag x' + o, on means over kGroup samples; x' is the central difference. Standard error from the
+/// residuals, with their autocorrelation allowed for by an effective number of items.
+class LagEstimator {
+ public:
+  static constexpr int kGroup = 10;
+  void begin(double rate_Hz, double from_s);
+  void push(const RecordBlock& block);
+  /// NaN when the force hardly moves.
+  void finish(double& lag_s, double& u_lag_s) const;
+
+ private:
+  void item(double x, double slope, double y);
+  double step_s_ = 0.01, from_s_ = 0.0;
+  int filled_ = 0;
+  double sum_x_ = 0.0, sum_y_ = 0.0;
+  double x_[3] = {}, y_[3] = {};
+  int history_ = 0;
+  double n_ = 0, sx_ = 0, sd_ = 0, sy_ = 0, sxx_ = 0, sdd_ = 0, sxd_ = 0, sxy_ = 0, sdy_ = 0, syy_ = 0;
+};
+
+/// Curves for pictures: `columns` pixel columns, each with the rows that hold first, last and the extremes of
+/// ATI, firmware and their difference, so that no peak of trace or error is lost.
+class Overview {
+ public:
+  void begin(std::uint64_t samples, std::size_t columns);
+  void push(const RecordBlock& block);
+  std::vector<PlotTrace> finish();
+
+ private:
+  struct Row {
+    double t_s = 0.0;
+    float value[4] = {};
+  };
+  enum Slot { first, ati_low, ati_high, dut_low, dut_high, error_low, error_high, last, kSlots };
+  void close_column();
+  std::uint64_t per_column_ = 1, in_column_ = 0;
+  Row slot_[kSlots];
+  float best_[kSlots] = {};
+  std::vector<Row> rows_;
+};
+
+/// The last `capacity` rows, every stride-th sample; snapshot() copies them when something worth a look ended.
+class WindowKeeper {
+ public:
+  void begin(double rate_Hz, double length_s, std::size_t capacity);
+  void push(const RecordBlock& block);
+  void snapshot();
+  bool has_snapshot() const { return !kept_.empty(); }
+  std::vector<PlotTrace> finish();  ///< the snapshot, else the end of the record
+
+ private:
+  struct Row {
+    double t_s = 0.0;
+    float value[4] = {};
+  };
+  std::vector<Row> ring_, kept_;
+  std::size_t at_ = 0, filled_ = 0;
+  std::uint64_t stride_ = 1, skip_ = 0;
+};
+
+}  // namespace forcegate

@@ -1,0 +1,31 @@
+#pragma once
+// The few distributions and the multiple-testing rule that the decision needs.
+
+#include <span>
+#include <vector>
+
+namespace forcegate {
+
+/// P(Z <= z) of the standard normal.
+double normal_cdf(double z);
+
+/// P(T <= t) of Student's t; dof <= 0 or > 1e6: normal. Absolute error < 1e-10.
+double student_cdf(double t, double dof);
+
+/// k so that P(-k <= T <= k) = coverage; coverage in (0, 1). k(0.9545, inf) = 2.000.
+double coverage_factor(double coverage, double dof);
+
+struct Moments {
+  double mean = 0.0, sd = 0.0;  ///< sample standard deviation, n - 1; NaN below two items
+  std::size_t n = 0;            ///< finite items
+};
+Moments moments(std::span<const double> values);
+
+/// Value below which the share p of the items lies (linear between order statistics, type 7); NaN when empty.
+double quantile(std::vector<double> values, double p);
+
+/// Step-down rule of Holm (1979): true for each hypothesis that is rejected while the probability of any false
+/// rejection stays <= alpha. NaN p-values are never rejected but count as hypotheses.
+std::vector<bool> holm(std::span<const double> p_values, double alpha);
+
+}  // namespace forcegate

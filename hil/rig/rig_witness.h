@@ -1,0 +1,70 @@
+#pragma once
+// Watches the rig, not the firmware, while a record streams past. What it sees decides whether the record may
+// be used to judge a build at all (hil/rig/self_check.h).
+//
+// Spring witness: the ATI force against F = k (preload + e (1 - cos theta)), theta read back from the drive.
+// Noise: standard deviation from second differences, sqrt(mean (x[i-1] - 2 x[i] + x[i+1])^2 / 6); the motion of
+// the profile drops out, the noise of a sound reference and its quantisation remain.
+
+#include <array>
+#include <cstdint>
+
+#include "hil/interface/rig.h"
+
+namespace forcegate {
+
+struct RigObservation {
+  std::uint64_t samples = 0;
+  double first_t_s = 0.0, last_t_s = 0.0;
+  std::uint64_t time_not_monotone = 0;  ///< steps <= 0 or not finite
+  std::uint64_t time_gaps = 0;          ///< steps longer than 1.5 periods
+  double worst_step_s = 0.0;            ///< largest |step - 1 / rate|
+  std::uint64_t lost = 0;               ///< kRigSampleLost
+  std::uint64_t reference_saturated = 0, reference_fault = 0, reference_not_finite = 0;
+  std::uint64_t motor_fault = 0, travel_stop = 0, adc_rail = 0;
+  double reference_min_N = 0.0, reference_max_N = 0.0, reference_mean_N = 0.0;
+  double reference_noise_N = 0.0;
+  double reference_frozen_s = 0.0;      ///< longest time without a change of the reading while the wheel moved
+  double reference_still_s = 0.0;       ///< longest time without any change of the reading
+  double theta_still_while_commanded_s = 0.0;  ///< longest time a commanded wheel stood still inside its travel
+  std::uint16_t adc_min = 0xFFFF, adc_max = 0;
+  std::uint16_t adc_bits_stuck = 0;     ///< bits below the range actually spanned that never changed
+  // Spring witness, NaN when the rig has no wheel.
+  std::uint64_t spring_samples = 0;
+  double spring_bias_N = 0.0;       ///< mean ATI - spring
+  double spring_worst_bias_N = 0.0; ///< signed mean over the worst block of RigWitness::kBlockSeconds
+  double spring_slope = 1.0;        ///< d ATI / d spring by least squares; 1 when the force hardly moves
+  double spring_rms_N = 0.0;        ///< about the mean
+};
+
+class RigWitness {
+ public:
+  static constexpr double kBlockSeconds = 10.0;  ///< of spring_worst_bias_N
+
+  void begin(const RigInfo& info);
+  /// Rows [0, n) of the block; commanded is the velocity the rig was told for each of them (may be null).
+  void push(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s = nullptr);
+  RigObservation finish() const;
+
+ private:
+  void push_spring(double theta_rad, double force_N);
+  void close_spring_block();
+
+  RigInfo info_;
+  RigObservation o_;
+  double period_s_ = 1e-3;
+  double previous_t_s_ = 0.0;
+  float x1_ = 0.0f, x2_ = 0.0f;
+  int valid_run_ = 0;
+  double sum_second_ = 0.0, sum_force_ = 0.0;
+  std::uint64_t second_n_ = 0, force_n_ = 0;
+  std::uint64_t still_run_ = 0, frozen_run_ = 0, theta_run_ = 0;
+  float still_theta_ = 0.0f, previous_theta_ = 0.0f;
+  std::uint16_t adc_or_ = 0, adc_and_ = 0xFFFF;
+  int spring_skip_ = 0;
+  double sx_ = 0, sy_ = 0, sxx_ = 0, sxy_ = 0, syy_ = 0;
+  double block_sum_ = 0.0, block_start_s_ = 0.0;
+  std::uint64_t block_n_ = 0;
+};
+
+}  // namespace forcegate

@@ -1,0 +1,88 @@
+#include "hil/rig/safety_gate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcegate {
+
+std::string_view to_string(StopReason reason) {
+  switch (reason) {
+    case StopReason::none: return "none";
+    case StopReason::force_limit: return "force above the limit";
+    case StopReason::reference_lost: return "no valid ATI reading";
+    case StopReason::motor_fault: return "motor fault";
+    case StopReason::bad_command: return "velocity command is not a number";
+    case StopReason::rig_stopped: return "the rig stopped itself";
+  }
+  return "none";
+}
+
+SafetyGate::SafetyGate(Rig& rig, const SafetyLimits& limits) : rig_(rig), limits_(limits) {}
+
+SafetyGate::~SafetyGate() { rig_.park(); }
+
+Result<void> SafetyGate::begin(const RigRecordRequest& request) {
+  report_ = {};
+  lost_run_ = 0;
+  last_t_s_ = 0.0;
+  FORCEGATE_CHECK_OK(rig_.begin(request));
+  const RigInfo info = rig_.info();
+  geometry_ = info.geometry;
+  can_move_ = info.can_move;
+  return {};
+}
+
+void SafetyGate::stop(StopReason reason, double t_s, double force_N) {
+  if (report_.stopped()) return;
+  report_.reason = reason;
+  report_.t_s = t_s;
+  report_.force_N = force_N;
+  rig_.park();
+}
+
+Result<double> SafetyGate::command(double velocity_rad_per_s) {
+  if (report_.stopped() || !can_move_) return 0.0;
+  if (!std::isfinite(velocity_rad_per_s)) {
+    stop(StopReason::bad_command, last_t_s_, rig_.force_ref_N());
+    return 0.0;
+  }
+  const double limit =
+      limits_.velocity_max_rad_per_s > 0.0 ? limits_.velocity_max_rad_per_s : geometry_.velocity_max_rad_per_s;
+  double velocity = velocity_rad_per_s;
+  if (limit > 0.0) velocity = std::clamp(velocity, -limit, limit);
+  const double theta = rig_.theta_rad();
+  if (theta >= geometry_.theta_max_rad) velocity = std::min(velocity, 0.0);
+  if (theta <= geometry_.theta_min_rad) velocity = std::max(velocity, 0.0);
+  if (velocity != velocity_rad_per_s) ++report_.clipped_commands;
+  FORCEGATE_CHECK_OK(rig_.command_velocity(velocity));
+  return velocity;
+}
+
+Result<std::size_t> SafetyGate::run(std::size_t n, RigBlock& out, std::size_t at) {
+  if (report_.stopped()) return std::size_t{0};
+  FORCEGATE_TRY(const std::size_t got, rig_.run(n, out, at));
+  constexpr std::uint16_t kReferenceBad = kRigReferenceSaturated | kRigReferenceFault;
+  for (std::size_t i = at; i < at + got; ++i) {
+    const std::uint16_t status = out.status[i];
+    const float force_N = out.force_ref_N[i];
+    last_t_s_ = out.t_s[i];
+    if (status & kRigTravelStop && report_.travel_samples++ == 0) report_.travel_first_s = out.t_s[i];
+    if (!can_move_) continue;  // a recording cannot be stopped
+    StopReason reason = StopReason::none;
+    if (status & kRigSafetyStop) reason = StopReason::rig_stopped;
+    if (status & kRigMotorFault) reason = StopReason::motor_fault;
+    if ((status & kReferenceBad) || !std::isfinite(force_N)) {
+      if (++lost_run_ >= limits_.reference_lost_samples) reason = StopReason::reference_lost;
+    } else {
+      lost_run_ = 0;
+      if (force_N > limits_.force_max_N) reason = StopReason::force_limit;
+    }
+    if (reason == StopReason::none) continue;
+    stop(reason, out.t_s[i], force_N);
+    for (std::size_t k = i; k < at + got; ++k) out.status[k] |= kRigSafetyStop;
+    break;
+  }
+  return got;
+}
+
+}  // namespace forcegate
