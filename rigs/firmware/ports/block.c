@@ -11,6 +11,9 @@
 #error "define FW_BOARD"
 #endif
 
+/* Read by the harness from the file, to know how to run the image. */
+__attribute__((section(".forcegate"), used)) static const char kPort[] = "forcegate-port:block:" FW_BOARD;
+
 #define BLOCK_MAX 4096u
 #define MAGIC(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 

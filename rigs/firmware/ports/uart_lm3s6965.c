@@ -5,6 +5,9 @@
 
 #include "link_device.h"
 
+/* Read by the harness from the file, to know how to run the image. */
+__attribute__((section(".forcegate"), used)) static const char kPort[] = "forcegate-port:uart:lm3s6965evb";
+
 #define UART0 0x4000C000u
 #define REGISTER(offset) (*(volatile uint32_t*)(UART0 + (offset)))
 #define DR REGISTER(0x000)

@@ -1,0 +1,71 @@
+#include "adapters/link/image.h"
+
+#include <elf.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "hil/base/text.h"
+
+namespace forcegate::link {
+namespace {
+
+#if defined(__x86_64__)
+constexpr unsigned kHostMachine = EM_X86_64;
+#elif defined(__aarch64__)
+constexpr unsigned kHostMachine = EM_AARCH64;
+#else
+constexpr unsigned kHostMachine = EM_NONE;
+#endif
+
+Unexpected refuse(const std::filesystem::path& path, const std::string& what) {
+  return fail(ErrorCode::usage, what, printable_utf8(path.string()),
+              "give a firmware image: a shared object of the native port or a Cortex-M ELF of the block or uart port");
+}
+
+std::string token(const std::string& bytes, std::size_t& at) {
+  std::string word;
+  while (at < bytes.size() && word.size() < 32) {
+    const char c = bytes[at];
+    if (!((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-')) break;
+    word.push_back(c);
+    ++at;
+  }
+  return word;
+}
+
+}  // namespace
+
+Result<Image> inspect_image(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return refuse(path, "there is no such firmware file");
+  if (!std::filesystem::is_regular_file(path, ignored)) return refuse(path, "the firmware image is not a file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return refuse(path, "the firmware file cannot be read");
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (bytes.size() < 52 || bytes.compare(0, 4, "\177ELF") != 0) return refuse(path, "the firmware file is not an ELF file");
+  const auto half = [&](std::size_t i) {
+    return static_cast<unsigned>(static_cast<unsigned char>(bytes[i])) |
+           static_cast<unsigned>(static_cast<unsigned char>(bytes[i + 1])) << 8;
+  };
+  const unsigned type = half(16), machine = half(18);
+  Image image;
+  if (bytes[EI_CLASS] == ELFCLASS64 && machine == kHostMachine && type == ET_DYN) {
+    image.kind = ImageKind::host_shared_object;
+    image.port = "native";
+    image.board = "native";
+    return image;
+  }
+  if (bytes[EI_CLASS] != ELFCLASS32 || machine != EM_ARM || type != ET_EXEC)
+    return refuse(path, "the ELF file is neither a shared object of this machine nor an ARM executable");
+  static constexpr char kMarker[] = "forcegate-port:";
+  std::size_t at = bytes.find(kMarker);
+  if (at != std::string::npos) {
+    at += sizeof kMarker - 1;
+    image.port = token(bytes, at);
+    if (at < bytes.size() && bytes[at] == ':') image.board = token(bytes, ++at);
+  }
+  return image;
+}
+
+}  // namespace forcegate::link

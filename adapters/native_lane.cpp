@@ -1,0 +1,160 @@
+// Lane "native": the firmware as a shared object in this process (C interface: rigs/firmware/ports/native.h). The object
+// keeps its state in static memory and may crash or hang: run one case per worker process.
+
+#include <dlfcn.h>
+
+#include <cstring>
+
+#include "adapters/link/image.h"
+#include "hil/base/text.h"
+#include "hil/interface/dut.h"
+#include "hil/interface/firmware_guard.h"
+
+namespace forcegate {
+namespace {
+
+constexpr std::uint32_t kAbi = 1;
+constexpr std::int32_t kBadCalibration = 1, kBadIndex = 2;
+
+struct NativeCalibration {
+  float gain_N_per_V, offset_N, v_range_V, b_scale, q_scale;
+  std::uint32_t adc_bits;
+  char id[16];
+};
+static_assert(sizeof(NativeCalibration) == 40);
+
+struct NativeInfo {
+  std::uint32_t nonce;
+  std::uint16_t protocol_major, protocol_minor;
+  std::uint32_t rate_Hz;
+  NativeCalibration calibration;
+  char board[24], build_id[40], algorithm_id[32];
+};
+static_assert(sizeof(NativeInfo) == 148);
+
+template <std::size_t n>
+std::string text_of(const char (&field)[n]) {
+  return printable_utf8(std::string(field, strnlen(field, n)));
+}
+
+NativeCalibration to_native(const Calibration& c) {
+  NativeCalibration out{static_cast<float>(c.gain_N_per_V), static_cast<float>(c.offset_N),
+                        static_cast<float>(c.v_range_V),    static_cast<float>(c.b_scale),
+                        static_cast<float>(c.q_scale),      static_cast<std::uint32_t>(c.adc_bits),
+                        {}};
+  std::memcpy(out.id, c.id.data(), std::min(c.id.size(), sizeof out.id));
+  return out;
+}
+
+class NativeDut final : public Dut {
+ public:
+  ~NativeDut() override { unload(); }
+
+  Result<DutInfo> open(const DutSession& session) override {
+    unload();
+    counters_ = {};
+    where_ = printable_utf8(session.image.string());
+    FORCEGATE_TRY(const link::Image image, link::inspect_image(session.image));
+    if (image.kind != link::ImageKind::host_shared_object)
+      return fail(ErrorCode::usage, "the native lane wants a shared object", where_, "use --lane block or --lane uart");
+    const std::string path = std::filesystem::absolute(session.image).string();
+    {
+      const InFirmware marker(0);  // constructors of the object may run
+      handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    }
+    if (handle_ == nullptr) return fail(ErrorCode::firmware, "the image cannot be loaded: " + printable_utf8(dlerror()), where_);
+    if (!load("forcegate_native_abi", abi_) || !load("forcegate_native_open", open_) ||
+        !load("forcegate_native_process", process_) || !load("forcegate_native_close", close_))
+      return fail(ErrorCode::usage, "the shared object does not export the functions of the native port", where_,
+                  "build it with rigs/firmware/ports/native.h");
+    const NativeCalibration calibration = to_native(session.calibration);
+    NativeInfo info{};
+    std::int32_t status = 0;
+    std::uint32_t abi = 0;
+    {
+      const InFirmware marker(0);
+      abi = abi_();
+      if (abi == kAbi) status = open_(session.nonce, &calibration, &info);
+    }
+    if (abi != kAbi)
+      return fail(ErrorCode::firmware, "the image speaks version " + std::to_string(abi) + " of the native interface, not 1", where_);
+    if (status == kBadCalibration)
+      return fail(ErrorCode::firmware, "the image refuses the calibration '" + printable_utf8(session.calibration.id) + "'", where_);
+    if (status != 0) return fail(ErrorCode::firmware, "the image refuses to open: status " + std::to_string(status), where_);
+    if (info.protocol_major != 1)
+      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(info.protocol_major), where_);
+    if (info.nonce != session.nonce)
+      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged", where_);
+    if (std::memcmp(&info.calibration, &calibration, sizeof calibration) != 0)
+      return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
+    if (static_cast<double>(info.rate_Hz) != session.rate_Hz)
+      return fail(ErrorCode::firmware, "the image runs at " + std::to_string(info.rate_Hz) + " Hz, the rig at " +
+                                           shortest(session.rate_Hz) + " Hz", where_);
+    return DutInfo{1, info.protocol_minor, text_of(info.board), text_of(info.build_id), text_of(info.algorithm_id),
+                   info.nonce, static_cast<int>(calibration.adc_bits), static_cast<double>(info.rate_Hz)};
+  }
+
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
+                       std::span<std::uint8_t> flags) override {
+    if (process_ == nullptr) return fail(ErrorCode::internal, "the native lane is not open", where_);
+    std::int32_t status = 0;
+    {
+      const InFirmware marker(first_index);
+      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), force_N.data(), flags.data());
+    }
+    if (status != 0)
+      return fail(ErrorCode::firmware,
+                  status == kBadIndex ? "the image expected another sample index than " + std::to_string(first_index)
+                                      : "the image answers status " + std::to_string(status),
+                  where_);
+    counters_.samples += adc.size();
+    return {};
+  }
+
+  Result<DutCounters> close() override {
+    unload();
+    return counters_;
+  }
+
+ private:
+  template <class Function>
+  bool load(const char* name, Function& function) {
+    function = reinterpret_cast<Function>(dlsym(handle_, name));
+    return function != nullptr;
+  }
+
+  void unload() {
+    if (handle_ == nullptr) return;
+    const InFirmware marker(static_cast<std::uint32_t>(counters_.samples));
+    if (close_ != nullptr) close_();
+    dlclose(handle_);
+    handle_ = nullptr;
+    abi_ = nullptr;
+    open_ = nullptr;
+    process_ = nullptr;
+    close_ = nullptr;
+  }
+
+  void* handle_ = nullptr;
+  std::uint32_t (*abi_)() = nullptr;
+  std::int32_t (*open_)(std::uint32_t, const NativeCalibration*, NativeInfo*) = nullptr;
+  std::int32_t (*process_)(std::uint32_t, std::uint32_t, const std::uint16_t*, float*, std::uint8_t*) = nullptr;
+  void (*close_)() = nullptr;
+  DutCounters counters_;
+  std::string where_;
+};
+
+const Registration<LaneKind> kRegistered{{
+    "native",
+    "The firmware built for this machine, a shared object in a watched worker process. Open and closed loop.",
+    [](const std::filesystem::path& path) {
+      const auto image = link::inspect_image(path);
+      return image && image->port == "native";
+    },
+    [](const std::map<std::string, std::string>&) -> Result<std::unique_ptr<Dut>> {
+      return std::make_unique<NativeDut>();
+    },
+}};
+
+}  // namespace
+}  // namespace forcegate

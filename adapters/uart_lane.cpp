@@ -1,0 +1,207 @@
+// Lane "uart": the Cortex-M image with its real link protocol over the PL011 of an emulated LM3S6965 board, through a
+// Unix socket. Every sample crosses the link twice; sequence numbers and indices make any loss visible.
+
+#include <chrono>
+#include <cstdlib>
+
+#include "adapters/emulator/qemu.h"
+#include "adapters/link/frame.h"
+#include "adapters/link/messages.h"
+#include "adapters/transport/unix_socket.h"
+#include "hil/base/text.h"
+#include "hil/interface/dut.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kTimeout_s = 20.0;
+constexpr std::size_t kInFlight = 2;
+
+class UartDut final : public Dut {
+ public:
+  UartDut(std::string program, double timeout_s) : program_(std::move(program)), timeout_s_(timeout_s) {}
+  ~UartDut() override { stop(); }
+
+  Result<DutInfo> open(const DutSession& session) override {
+    stop();
+    counters_ = {};
+    stream_.clear();
+    sequence_ = 0;
+    expects_sequence_ = false;
+    device_dropped_ = device_bad_ = 0;
+    where_ = printable_utf8(session.image.string());
+    FORCEGATE_TRY(const link::Image image, link::inspect_image(session.image));
+    if (image.port != "uart" || image.board.empty())
+      return fail(ErrorCode::usage, "the image is not built for the uart port", where_,
+                  "link rigs/firmware/ports/uart_lm3s6965.c, or choose the lane " +
+                      (image.port.empty() ? std::string("that the image was built for") : image.port));
+    FORCEGATE_CHECK_OK(qemu_.make_folder());
+    const std::filesystem::path path = qemu_.folder() / "uart";
+    FORCEGATE_TRY(UnixListener listener, UnixListener::listen_at(path));
+    FORCEGATE_CHECK_OK(qemu_.start(program_, image.board, session.image,
+                                   {"-chardev", "socket,id=uart,path=" + path.string() + ",server=off", "-serial",
+                                    "chardev:uart"}));
+    FORCEGATE_TRY(transport_, listener.accept_peer(timeout_s_));
+    if (transport_ == nullptr) return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent("no connection"));
+    return handshake(session);
+  }
+
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
+                       std::span<std::uint8_t> flags) override {
+    std::size_t sent = 0, done = 0;
+    while (done < adc.size()) {
+      while (sent < adc.size() && sent - done < kInFlight * batch_) {
+        const std::size_t n = std::min(batch_, adc.size() - sent);
+        FORCEGATE_CHECK_OK(send(link::Type::inject, link::inject_payload(first_index + static_cast<std::uint32_t>(sent),
+                                                                        adc.subspan(sent, n))));
+        sent += n;
+      }
+      FORCEGATE_TRY(const link::Frame frame, receive(link::Type::samples));
+      const auto samples = link::decode_samples(frame.payload);
+      if (!samples) return fail(ErrorCode::firmware, "the image sends a malformed SAMPLES frame", where_);
+      const std::uint32_t expected = first_index + static_cast<std::uint32_t>(done);
+      if (samples->first_index != expected || done + samples->sample.size() > sent) {
+        counters_.indices_lost += samples->first_index - expected;
+        return fail(ErrorCode::firmware, "samples were lost on the link: expected index " + std::to_string(expected) +
+                                             ", got " + std::to_string(samples->first_index), where_);
+      }
+      for (const link::Sample& s : samples->sample) {
+        if (s.adc != adc[done])
+          return fail(ErrorCode::firmware, "the image echoes another code than it was given at sample " +
+                                               std::to_string(first_index + done), where_);
+        force_N[done] = s.force_N;
+        flags[done] = s.flags;
+        ++done;
+      }
+      device_dropped_ = samples->dropped;
+      device_bad_ = samples->bad;
+    }
+    counters_.samples += adc.size();
+    return {};
+  }
+
+  Result<DutCounters> close() override {
+    stop();
+    DutCounters counters = counters_;
+    counters.frames_dropped += device_dropped_;
+    counters.frames_bad += device_bad_;
+    return counters;
+  }
+
+ private:
+  Error silent(const std::string& what) const {
+    return Error{ErrorCode::firmware, "the image gives no answer for " + shortest(timeout_s_) + " s: " + what, where_,
+                 "look for an endless loop, or for a UART that was never enabled"};
+  }
+
+  Result<DutInfo> handshake(const DutSession& session) {
+    FORCEGATE_CHECK_OK(receive(link::Type::info));  // the device speaks first
+    FORCEGATE_CHECK_OK(send(link::Type::hello, link::hello_payload(session.nonce)));
+    FORCEGATE_TRY(const link::Frame reply, receive(link::Type::info));
+    const auto info = link::decode_info(reply.payload);
+    if (!info) return fail(ErrorCode::firmware, "the image sends a malformed INFO frame", where_);
+    if (info->nonce != session.nonce)
+      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged", where_);
+    if ((info->capabilities & 1U) == 0)
+      return fail(ErrorCode::firmware, "the image cannot take injected samples (capability INJECT)", where_);
+    if (static_cast<double>(info->rate_Hz) != session.rate_Hz)
+      return fail(ErrorCode::firmware, "the image runs at " + std::to_string(info->rate_Hz) + " Hz, the rig at " +
+                                           shortest(session.rate_Hz) + " Hz", where_);
+    const link::CalWire calibration = link::to_wire(session.calibration);
+    FORCEGATE_CHECK_OK(send(link::Type::param, link::set_cal_payload(calibration)));
+    FORCEGATE_TRY(const link::Frame value, receive(link::Type::param_value));
+    const auto echoed = link::decode_param_value(value.payload);
+    if (!echoed || !(echoed->calibration == calibration))
+      return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
+    FORCEGATE_CHECK_OK(send(link::Type::reset, {}));
+    FORCEGATE_CHECK_OK(receive(link::Type::reset_done));
+    batch_ = std::min<std::size_t>(info->batch_max, 32);
+    return DutInfo{reply.version >> 4, reply.version & 15, info->board,  info->build_id,
+                   info->algorithm_id, info->nonce,        calibration.adc_bits, static_cast<double>(info->rate_Hz)};
+  }
+
+  Result<void> send(link::Type type, std::vector<std::uint8_t> payload) {
+    link::Frame frame;
+    frame.type = static_cast<std::uint8_t>(type);
+    frame.sequence = sequence_++;
+    frame.payload = std::move(payload);
+    auto sent = transport_->write(link::encode(frame), timeout_s_);
+    if (!sent) return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent(sent.error().text));
+    return {};
+  }
+
+  /// The next frame of that type; EVENT frames pass by, a NAK is an error.
+  Result<link::Frame> receive(link::Type wanted) {
+    const auto start = std::chrono::steady_clock::now();
+    for (;;) {
+      link::ParseResult parsed = link::parse(stream_);
+      stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(parsed.consumed));
+      if (parsed.kind == link::Parse::value) {
+        FORCEGATE_TRY(const bool is_wanted, examine(parsed.frame, wanted));
+        if (is_wanted) return std::move(parsed.frame);
+        continue;
+      }
+      if (parsed.kind == link::Parse::invalid) {
+        ++counters_.frames_bad;
+        continue;
+      }
+      if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > timeout_s_)
+        return Unexpected(silent("a frame of type " + std::to_string(static_cast<int>(wanted)) + " is missing, " +
+                                 std::to_string(counters_.frames_bad) + " damaged frames"));
+      std::uint8_t chunk[4096];
+      auto n = transport_->read(chunk, 0.1);
+      if (!n || (*n == 0 && qemu_.dead())) {
+        qemu_.finish(0.5);
+        return Unexpected(qemu_.death(where_));
+      }
+      stream_.insert(stream_.end(), chunk, chunk + *n);
+    }
+  }
+
+  Result<bool> examine(const link::Frame& frame, link::Type wanted) {
+    if (frame.version >> 4 != link::kVersion >> 4)
+      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(frame.version >> 4), where_);
+    if (expects_sequence_)
+      counters_.frames_dropped += static_cast<std::uint16_t>(frame.sequence - expected_sequence_);
+    expects_sequence_ = true;
+    expected_sequence_ = static_cast<std::uint16_t>(frame.sequence + 1);
+    if (frame.type == static_cast<std::uint8_t>(wanted)) return true;
+    if (frame.type != static_cast<std::uint8_t>(link::Type::nak)) return false;
+    ++counters_.naks;
+    const auto nak = link::decode_nak(frame.payload);
+    return fail(ErrorCode::firmware,
+                "the image refuses a request: " + std::string(nak ? link::nak_text(nak->code) : "malformed NAK"), where_);
+  }
+
+  void stop() {
+    transport_.reset();
+    qemu_.stop();
+  }
+
+  std::string program_, where_;
+  double timeout_s_;
+  Qemu qemu_;
+  std::unique_ptr<Transport> transport_;
+  std::vector<std::uint8_t> stream_;
+  std::uint16_t sequence_ = 0, expected_sequence_ = 0, device_dropped_ = 0, device_bad_ = 0;
+  bool expects_sequence_ = false;
+  std::size_t batch_ = 32;
+  DutCounters counters_;
+};
+
+const Registration<LaneKind> kRegistered{{
+    "uart",
+    "The Cortex-M image (uart port) in qemu-system-arm, link protocol over its serial port. Open and closed loop.",
+    [](const std::filesystem::path& path) {
+      const auto image = link::inspect_image(path);
+      return image && image->port == "uart";
+    },
+    [](const std::map<std::string, std::string>& options) -> Result<std::unique_ptr<Dut>> {
+      FORCEGATE_TRY(std::string program, Qemu::find(options));
+      const auto timeout = options.find("timeout_s");
+      return std::make_unique<UartDut>(std::move(program), timeout == options.end() ? kTimeout_s : std::atof(timeout->second.c_str()));
+    },
+}};
+
+}  // namespace
+}  // namespace forcegate

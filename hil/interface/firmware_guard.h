@@ -1,0 +1,39 @@
+#pragma once
+// Where a worker process is when it dies: the lane that runs firmware code inside the process marks its way in and
+// out in memory shared with the parent, so that a crash or an endless loop is charged to the firmware only when the
+// firmware was running.
+
+#include <atomic>
+#include <cstdint>
+
+namespace forcegate {
+
+/// Lives in memory shared between worker and parent (mmap MAP_SHARED); lock-free atomics only.
+struct FirmwareGuard {
+  std::atomic<std::uint32_t> in_firmware{0};   ///< 1 while code of the image runs
+  std::atomic<std::uint32_t> sample_index{0};  ///< first index of the block handed to it last
+};
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+
+/// Process-global; nullptr (the default) means nobody watches. Set by the worker before any lane is opened.
+inline std::atomic<FirmwareGuard*> g_firmware_guard{nullptr};
+
+/// Scope of a call into the image.
+class InFirmware {
+ public:
+  explicit InFirmware(std::uint32_t first_index) : guard_(g_firmware_guard.load(std::memory_order_relaxed)) {
+    if (guard_ == nullptr) return;
+    guard_->sample_index.store(first_index, std::memory_order_relaxed);
+    guard_->in_firmware.store(1, std::memory_order_release);
+  }
+  ~InFirmware() {
+    if (guard_ != nullptr) guard_->in_firmware.store(0, std::memory_order_release);
+  }
+  InFirmware(const InFirmware&) = delete;
+  InFirmware& operator=(const InFirmware&) = delete;
+
+ private:
+  FirmwareGuard* guard_;
+};
+
+}  // namespace forcegate
