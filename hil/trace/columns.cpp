@@ -1,0 +1,148 @@
+#include "hil/trace/columns.h"
+
+#include <algorithm>
+#include <array>
+
+#include "hil/base/text.h"
+
+namespace forcegate {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+std::string identifier(std::string_view text) {
+  std::string out(trim(text));
+  std::replace(out.begin(), out.end(), ' ', '_');
+  return out;
+}
+
+struct Synonyms {
+  const char* name;
+  const char* quantity;
+  const char* unit;
+  std::array<const char*, 10> words;  ///< lower case
+};
+
+constexpr std::array kSynonyms = {
+    Synonyms{"F_ref", "force", "N", {"f_ref", "fref", "f", "force", "ati", "f_ati", "force_ref", "reference", "load_cell", "fz"}},
+    Synonyms{"F_cmd", "force", "N", {"f_cmd", "f_set", "setpoint", "set_point", "command", "target", "f_target", "f_sp"}},
+    Synonyms{"F_dut", "force", "N", {"f_dut", "dut", "f_est", "estimate", "firmware", "f_fw"}},
+    Synonyms{"U", "voltage", "V", {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal"}},
+    Synonyms{"drive", "voltage", "V", {"drive", "supply", "v_drive", "u_drive", "vcc", "v_supply"}},
+    Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel"}},
+    Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb"}},
+    Synonyms{"C", "capacitance", "F", {"c", "capacitance", "cap"}},
+};
+
+const Synonyms* synonym(std::string_view name) {
+  const std::string word = lower(name);
+  for (const Synonyms& s : kSynonyms)
+    for (const char* w : s.words)
+      if (w && word == w) return &s;
+  return nullptr;
+}
+
+bool names_a_clock(std::string_view name) {
+  static constexpr std::array kClocks = {"t", "time", "timestamp", "time_stamp", "elapsed", "clock", "t_rel", "sec", "seconds"};
+  if (name == "T") return false;
+  const std::string word = lower(name);
+  return std::any_of(kClocks.begin(), kClocks.end(), [&](const char* c) { return word == c; });
+}
+
+/// Unit in brackets or after a slash: "Force (mN)".
+std::optional<NamedColumn> split_bracket(std::string_view header) {
+  header = trim(header);
+  std::size_t open = std::string_view::npos;
+  std::string_view symbol;
+  if (!header.empty() && (header.back() == ')' || header.back() == ']')) {
+    open = header.rfind(header.back() == ')' ? '(' : '[');
+    if (open != std::string_view::npos) symbol = header.substr(open + 1, header.size() - open - 2);
+  } else if ((open = header.rfind('/')) != std::string_view::npos) {
+    symbol = header.substr(open + 1);
+  }
+  if (open == std::string_view::npos || open == 0) return std::nullopt;
+  const auto unit = find_unit(trim(symbol));
+  if (!unit) return std::nullopt;
+  return NamedColumn{identifier(header.substr(0, open)), *unit};
+}
+
+}  // namespace
+
+ColumnMeaning meaning_of(std::string_view header) {
+  ColumnMeaning out;
+  auto named = split_bracket(header);
+  if (!named) named = split_unit_suffix(trim(header));
+  if (named) {
+    out.name = named->name;
+    out.unit = named->unit;
+    const std::size_t at = out.name.rfind('_');
+    const std::string_view before = at == std::string::npos || at == 0 ? std::string_view{} : std::string_view(out.name).substr(at + 1);
+    if (out.unit.quantity == "time" && (before == "cm" || before == "dm" || find_unit(before))) {
+      const std::string rate = std::string(before) + "/" + out.unit.symbol;
+      out.unit = Unit{rate, rate, "rate", 1.0, 0.0};
+      out.name.resize(at);
+      return out;
+    }
+    const Synonyms* known = synonym(out.name);
+    if (out.unit.symbol == "F" && known && known->quantity == std::string_view("temperature"))
+      out.unit = *find_unit("degF");
+    out.is_clock = out.unit.quantity == "time" && names_a_clock(out.name);
+    return out;
+  }
+  out.name = identifier(header);
+  if (names_a_clock(out.name)) {
+    out.is_clock = true;
+    out.unit = *find_unit("s");
+    out.note = "column \"" + out.name + "\" has no unit; seconds were assumed";
+  } else if (out.name == "T") {
+    out.name = "temp";
+    out.unit = *find_unit("C");
+    out.note = "column \"T\" was taken for a temperature in degree Celsius";
+  } else if (const Synonyms* known = synonym(out.name)) {
+    out.unit = *find_unit(known->unit);
+    out.note = "column \"" + out.name + "\" has no unit; " + out.unit.symbol + " was assumed";
+  }
+  return out;
+}
+
+std::vector<std::string> use_canonical_names(Trace& trace) {
+  std::vector<std::string> notes;
+  const auto rename = [&](Channel& channel, const char* name, const char* why) {
+    notes.push_back("column \"" + header_of(channel.name, channel.unit) + "\" was taken for " + name + why);
+    channel.name = name;
+  };
+  for (Channel& channel : trace.channels) {
+    const Synonyms* known = synonym(channel.name);
+    if (!known || channel.quantity != known->quantity || channel.name == known->name) continue;
+    if (!trace.find(known->name)) rename(channel, known->name, "");
+  }
+  for (const char* name : {"F_ref", "U", "theta", "temp", "C"}) {
+    if (trace.find(name)) continue;
+    const Synonyms& wanted = *synonym(name);
+    Channel* only = nullptr;
+    std::size_t n = 0;
+    for (Channel& channel : trace.channels) {
+      const Synonyms* known = synonym(channel.name);
+      if (channel.quantity != wanted.quantity || (known && channel.name == known->name)) continue;
+      ++n;
+      only = &channel;
+    }
+    if (n == 1) rename(*only, name, (", the only " + std::string(wanted.quantity)).c_str());
+  }
+  return notes;
+}
+
+std::string header_of(std::string_view name, std::string_view unit) {
+  std::string out(name);
+  if (unit.empty() || unit == "1") return out;
+  out += '_';
+  out += unit;
+  std::replace(out.begin(), out.end(), '/', '_');
+  return out;
+}
+
+}  // namespace forcegate

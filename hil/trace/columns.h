@@ -1,0 +1,33 @@
+#pragma once
+// What a column means: name, unit and quantity out of a header, and the names under which Forcegate knows them.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/base/units.h"
+#include "hil/trace/trace.h"
+
+namespace forcegate {
+
+struct ColumnMeaning {
+  std::string name;    ///< "F_ref"
+  Unit unit;           ///< symbol "" when the header does not tell
+  bool is_clock = false;
+  std::string note;    ///< what was assumed; empty when the header said it all
+};
+
+/// "F_ref_mN", "Force (mN)", "Force [mN]", "Force / mN", and a few bare names ("t", "F", "U", "theta", "temp"),
+/// which are taken to be in SI units (temperature in degree Celsius). "velocity_mm_s" is a velocity and no clock.
+ColumnMeaning meaning_of(std::string_view header);
+
+/// Gives foreign channels the names of docs/campaign.md where that is unambiguous: by common synonyms, else when the
+/// trace has exactly one channel of the quantity. Returns one note for each renamed channel.
+std::vector<std::string> use_canonical_names(Trace& trace);
+
+/// Suffix for a header: "F_ref" with unit "N" -> "F_ref_N", "cm/s" -> "_cm_s".
+std::string header_of(std::string_view name, std::string_view unit);
+
+}  // namespace forcegate

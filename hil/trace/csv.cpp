@@ -1,0 +1,203 @@
+#include "hil/trace/csv.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "hil/base/text.h"
+#include "hil/trace/columns.h"
+#include "hil/trace/time_base.h"
+
+namespace forcegate {
+namespace {
+
+void keep_rows(std::vector<double>& column, const std::vector<std::size_t>& rows) {
+  std::vector<double> kept;
+  kept.reserve(rows.size());
+  for (const std::size_t r : rows) kept.push_back(column[r]);
+  column = std::move(kept);
+}
+
+/// Empty unless every value is a whole number or missing (then -1).
+std::vector<std::int32_t> counts_of(const std::vector<double>& values) {
+  std::vector<std::int32_t> raw;
+  raw.reserve(values.size());
+  for (const double v : values) {
+    if (std::isnan(v))
+      raw.push_back(-1);
+    else if (v == std::floor(v) && std::fabs(v) < 2147483647.0)
+      raw.push_back(static_cast<std::int32_t>(v));
+    else
+      return {};
+  }
+  return raw;
+}
+
+void attach_counts(Trace& trace) {
+  for (std::size_t i = 0; i < trace.channels.size(); ++i) {
+    Channel& counts = trace.channels[i];
+    if (counts.quantity != "code") continue;
+    counts.raw = counts_of(counts.value);
+    const auto physical = std::find_if(trace.channels.begin(), trace.channels.end(), [&](const Channel& c) {
+      return &c != &counts && c.name == counts.name && c.quantity != "code";
+    });
+    if (physical == trace.channels.end() || counts.raw.empty()) continue;
+    physical->raw = std::move(counts.raw);
+    trace.channels.erase(trace.channels.begin() + static_cast<std::ptrdiff_t>(i--));
+  }
+}
+
+void make_names_unique(Trace& trace) {
+  for (std::size_t i = 0; i < trace.channels.size(); ++i) {
+    Channel& c = trace.channels[i];
+    const auto taken = [&](const std::string& name) {
+      return std::any_of(trace.channels.begin(), trace.channels.begin() + static_cast<std::ptrdiff_t>(i),
+                         [&](const Channel& other) { return other.name == name; });
+    };
+    if (!taken(c.name)) continue;
+    const std::string base = header_of(c.name, c.unit);
+    c.name = base;
+    for (int k = 2; taken(c.name); ++k) c.name = base + "_" + std::to_string(k);
+  }
+}
+
+}  // namespace
+
+Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const std::string& name,
+                                 const CsvOptions& options) {
+  TraceFile out;
+  out.notes = std::move(table.notes);
+  out.trace.name = name;
+  std::size_t clock_column = table.columns.size();
+  std::vector<ColumnMeaning> meanings;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const std::string& header = table.columns[c].header;
+    const auto mapped = options.column_map.find(header);
+    ColumnMeaning meaning = meaning_of(mapped == options.column_map.end() ? header : mapped->second);
+    if (meaning.name.empty()) meaning.name = "column_" + std::to_string(c + 1);
+    if (meaning.is_clock && clock_column == table.columns.size()) clock_column = c;
+    if (!meaning.note.empty()) out.notes.push_back(meaning.note);
+    meanings.push_back(std::move(meaning));
+  }
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const Unit& unit = meanings[c].unit;
+    if (unit.factor == 1.0 && unit.offset == 0.0) continue;
+    if (unit.symbol != unit.canonical)
+      out.notes.push_back("column \"" + table.columns[c].header + "\" was converted from " + unit.symbol + " to " +
+                          unit.canonical);
+    for (double& v : table.columns[c].value) v = unit.factor * v + unit.offset;
+  }
+
+  Clock clock;
+  if (clock_column < table.columns.size()) {
+    auto made = make_clock(std::move(table.columns[clock_column].value), where);
+    if (!made) return tl::unexpected(made.error());
+    clock = std::move(*made);
+    out.notes.insert(out.notes.end(), clock.notes.begin(), clock.notes.end());
+  } else {
+    if (!(options.assumed_rate_Hz > 0.0)) {
+      std::vector<std::string> headers;
+      for (const CsvColumn& c : table.columns) headers.push_back(c.header);
+      if (headers.size() > 8) headers.resize(8), headers.push_back("...");
+      return fail(ErrorCode::parse, "there is no time column among: " + join(headers, ", "),
+                  where + ":" + std::to_string(table.header_line),
+                  "map a column to t_s, or give the sample rate of the file");
+    }
+    clock.base = invented_clock(table.rows(), options.assumed_rate_Hz);
+    out.notes.push_back("the file has no clock; " + shortest(options.assumed_rate_Hz) + " Hz was assumed");
+  }
+  out.trace.time_bases.push_back(std::move(clock.base));
+
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (c == clock_column) continue;
+    Channel channel;
+    channel.name = std::move(meanings[c].name);
+    channel.unit = meanings[c].unit.canonical;
+    channel.quantity = meanings[c].unit.quantity;
+    channel.value = std::move(table.columns[c].value);
+    if (!clock.rows.empty()) keep_rows(channel.value, clock.rows);
+    if (table.columns[c].missing > 0)
+      out.notes.push_back("column \"" + table.columns[c].header + "\" misses " +
+                          std::to_string(table.columns[c].missing) + " of " +
+                          std::to_string(channel.value.size()) + " samples");
+    out.trace.channels.push_back(std::move(channel));
+  }
+  for (std::string& note : use_canonical_names(out.trace)) out.notes.push_back(std::move(note));
+  attach_counts(out.trace);
+  make_names_unique(out.trace);
+  return out;
+}
+
+Result<TraceFile> read_csv(const std::filesystem::path& path, const CsvOptions& options) {
+  FORCEGATE_TRY(CsvTable table, read_csv_table(path));
+  return trace_of_table(std::move(table), path.string(), path.stem().string(), options);
+}
+
+Result<TraceFile> parse_csv(std::string_view bytes, std::string_view name, const CsvOptions& options) {
+  FORCEGATE_TRY(CsvTable table, parse_csv_table(bytes, name));
+  return trace_of_table(std::move(table), std::string(name), std::string(name), options);
+}
+
+Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
+  if (trace.time_bases.size() != 1)
+    return fail(ErrorCode::config,
+                "the trace has " + std::to_string(trace.time_bases.size()) + " time bases, a CSV file holds one",
+                path.string(), "write it as .h5");
+  std::string header = "t_s";
+  for (const Channel& c : trace.channels) {
+    const std::string name = header_of(c.name, c.unit);
+    header += "," + (name.find_first_of(",;\"") == std::string::npos ? name : "\"" + name + "\"");
+    if (!c.raw.empty() && c.quantity != "code") header += "," + c.name + "_counts";
+  }
+  header += '\n';
+
+  const std::filesystem::path temporary = path.string() + ".part";
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  const auto io_error = [&](const char* what) {
+    const int code = errno;
+    if (file) std::fclose(file);
+    std::remove(temporary.c_str());
+    return fail(ErrorCode::io, std::string(what) + ": " + std::strerror(code), path.string(),
+                code == ENOENT ? "create the folder first" : "");
+  };
+  if (!file) return io_error("the file cannot be created");
+
+  std::vector<char> buffer(std::size_t{1} << 20);
+  std::size_t used = 0;
+  const auto put = [&](char c) { buffer[used++] = c; };
+  const auto put_number = [&](auto value) {
+    used = static_cast<std::size_t>(std::to_chars(buffer.data() + used, buffer.data() + buffer.size(), value).ptr -
+                                    buffer.data());
+  };
+  const std::size_t row_bytes = 40 * (2 * trace.channels.size() + 1) + 2;
+  if (buffer.size() < 2 * row_bytes) buffer.resize(2 * row_bytes);
+  bool good = std::fwrite(header.data(), 1, header.size(), file) == header.size();
+  const auto& t = trace.time_bases.front().t_s;
+  for (std::size_t i = 0; i < t.size() && good; ++i) {
+    put_number(t[i]);
+    for (const Channel& c : trace.channels) {
+      put(',');
+      if (i < c.value.size() && std::isfinite(c.value[i])) put_number(c.value[i]);
+      if (c.raw.empty() || c.quantity == "code") continue;
+      put(',');
+      if (i < c.raw.size() && c.raw[i] >= 0) put_number(c.raw[i]);
+    }
+    put('\n');
+    if (used + row_bytes > buffer.size()) {
+      good = std::fwrite(buffer.data(), 1, used, file) == used;
+      used = 0;
+    }
+  }
+  good = good && std::fwrite(buffer.data(), 1, used, file) == used && std::fflush(file) == 0;
+  if (!good) return io_error("the file cannot be written");
+  std::fclose(file);
+  std::error_code failed;
+  std::filesystem::rename(temporary, path, failed);
+  if (failed) return fail(ErrorCode::io, "the file cannot be renamed: " + failed.message(), path.string());
+  return {};
+}
+
+}  // namespace forcegate

@@ -1,0 +1,40 @@
+#pragma once
+// The numbers of a CSV file, column by column, before anybody gives them a meaning.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/base/result.h"
+
+namespace forcegate {
+
+struct CsvColumn {
+  std::string header;         ///< as written, without quotes and outer blanks; a row of units is appended as "_mN"
+  std::vector<double> value;  ///< NaN = missing
+  std::size_t missing = 0;    ///< empty cells, "nan", "NA", "null", infinities
+};
+
+struct CsvTable {
+  std::vector<CsvColumn> columns;
+  std::vector<std::string> notes;            ///< what was unusual about the file, one sentence each
+  std::vector<std::uint64_t> skipped_lines;  ///< numbers of blank and comment lines after the header
+  std::uint64_t header_line = 1;
+
+  std::size_t rows() const { return columns.empty() ? 0 : columns.front().value.size(); }
+  std::uint64_t line_of_row(std::size_t row) const;
+};
+
+/// One header line, then rows of numbers. Separator comma, semicolon, tab, bar or blanks (the one that the header
+/// uses); decimal point, or decimal comma where the separator is another one. Accepted: byte order mark, CR LF, lines
+/// that begin with '#', blank lines, quotes, a second line of units, empty cells. A column of text is left out and a
+/// last line cut short is dropped, both noted. Errors (parse) name file:line:column, column in bytes from 1.
+/// Reads about as fast as std::from_chars over the mapped file; memory is that of the columns and 1 MB.
+Result<CsvTable> read_csv_table(const std::filesystem::path& path);
+
+/// The same from memory; `name` stands for the file in errors.
+Result<CsvTable> parse_csv_table(std::string_view bytes, std::string_view name);
+
+}  // namespace forcegate

@@ -1,0 +1,133 @@
+#include "hil/trace/time_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "hil/base/text.h"
+
+namespace forcegate {
+namespace {
+
+double median_step(const std::vector<double>& t) {
+  const std::size_t n = t.size() - 1, stride = std::max<std::size_t>(1, n / 4096);
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < n; i += stride) steps.push_back(t[i + 1] - t[i]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+/// Steps above 1.5 nominal ones, allowing for the rounding of the stamps.
+std::size_t count_gaps(const std::vector<double>& t, double step) {
+  std::size_t n = 0;
+  for (std::size_t i = 1; i < t.size(); ++i) n += t[i] - t[i - 1] > 1.5 * step * (1 + 1e-9);
+  return n;
+}
+
+void find_rate_and_gaps(TimeBase& base) {
+  const auto& t = base.t_s;
+  if (t.size() < 2) return;
+  double step = median_step(t);
+  const auto steps = static_cast<double>(t.size() - 1);
+  if (static_cast<double>(count_gaps(t, step)) > 0.1 * steps) step = (t.back() - t.front()) / steps;
+  if (!(step > 0.0) || static_cast<double>(count_gaps(t, step)) > 0.1 * steps) return;
+  double missing_s = 0.0;
+  for (std::size_t i = 1; i < t.size(); ++i)
+    if (t[i] - t[i - 1] > 1.5 * step * (1 + 1e-9)) {
+      base.gaps.push_back({i, t[i - 1], t[i]});
+      missing_s += t[i] - t[i - 1];
+    }
+  const double regular = steps - static_cast<double>(base.gaps.size());
+  base.nominal_rate_Hz = regular > 0 ? regular / (t.back() - t.front() - missing_s) : 1.0 / step;
+}
+
+std::string times(std::size_t n, const char* one, const char* many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+}  // namespace
+
+TimeBase invented_clock(std::size_t rows, double rate_Hz) {
+  TimeBase base;
+  base.invented = true;
+  base.nominal_rate_Hz = rate_Hz;
+  base.t_s.resize(rows);
+  for (std::size_t i = 0; i < rows; ++i) base.t_s[i] = static_cast<double>(i) / rate_Hz;
+  return base;
+}
+
+Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where) {
+  Clock clock;
+  bool increasing = !stamps_s.empty() && std::isfinite(stamps_s.front());
+  for (std::size_t i = 1; i < stamps_s.size() && increasing; ++i)
+    increasing = stamps_s[i] > stamps_s[i - 1] && stamps_s[i] < HUGE_VAL;
+  if (!increasing) {
+    auto& rows = clock.rows;
+    for (std::size_t i = 0; i < stamps_s.size(); ++i)
+      if (std::isfinite(stamps_s[i])) rows.push_back(i);
+    if (rows.empty())
+      return fail(ErrorCode::parse, "no row has a time stamp", where,
+                  "map another column to t_s, or give the sample rate for a file without a clock");
+    if (rows.size() < stamps_s.size())
+      clock.notes.push_back(times(stamps_s.size() - rows.size(), "row has", "rows have") +
+                            " no time stamp and were dropped");
+
+    std::vector<double> t;
+    for (const std::size_t r : rows) t.push_back(stamps_s[r]);
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(std::fabs(t[i] - t[i - 1]));
+    double step = 0.0;
+    if (!steps.empty()) {
+      const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+      std::nth_element(steps.begin(), middle, steps.end());
+      step = *middle;
+    }
+    std::size_t backwards = 0;
+    double latest = t.front();
+    for (std::size_t i = 1; i < t.size(); ++i) {
+      if (t[i] < latest) {
+        ++backwards;
+        if (latest - t[i] > 10.0 * step)
+          return fail(ErrorCode::parse,
+                      "the clock jumps back from " + shortest(latest) + " s to " + shortest(t[i]) + " s at row " +
+                          std::to_string(rows[i] + 1),
+                      where, "split the file where a new recording begins");
+      }
+      latest = std::max(latest, t[i]);
+    }
+    if (backwards > 0) {
+      std::stable_sort(rows.begin(), rows.end(),
+                       [&](std::size_t a, std::size_t b) { return stamps_s[a] < stamps_s[b]; });
+      clock.notes.push_back(times(backwards, "row was", "rows were") + " out of order and were sorted by time");
+    }
+    const std::size_t before = rows.size();
+    rows.erase(std::unique(rows.begin(), rows.end(),
+                           [&](std::size_t a, std::size_t b) { return stamps_s[a] == stamps_s[b]; }),
+               rows.end());
+    const std::size_t repeated = before - rows.size();
+    if (repeated > 1 && repeated * 100 > before)
+      return fail(ErrorCode::parse,
+                  "the clock stands still in " + std::to_string(repeated) + " of " + std::to_string(before) + " rows",
+                  where, "its resolution is coarser than the sample rate: leave the column out and give the rate");
+    if (repeated > 0) clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp and were dropped");
+    clock.base.t_s.reserve(rows.size());
+    for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
+  } else {
+    clock.base.t_s = std::move(stamps_s);
+  }
+
+  find_rate_and_gaps(clock.base);
+  if (!clock.base.gaps.empty()) {
+    double longest = 0.0;
+    for (const Gap& g : clock.base.gaps) longest = std::max(longest, g.to_s - g.from_s);
+    char shown[32];
+    std::snprintf(shown, sizeof shown, "%.4g", longest);
+    clock.notes.push_back(times(clock.base.gaps.size(), "gap", "gaps") + " in the clock, the longest " + shown + " s");
+  }
+  if (clock.base.nominal_rate_Hz == 0.0 && clock.base.t_s.size() > 2)
+    clock.notes.push_back("the clock is not uniform: there is no one sample rate");
+  return clock;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,239 @@
+#include "hil/trace/csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "hil/base/rng.h"
+#include "hil/base/text.h"
+#include "hil/trace/decimal.h"
+
+namespace forcegate {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+TraceFile read(std::string_view text, const CsvOptions& options = {}) {
+  auto file = parse_csv(text, "x.csv", options);
+  EXPECT_TRUE(file) << file.error().to_text();
+  return file ? std::move(*file) : TraceFile{};
+}
+
+Error refuse(std::string_view text, const CsvOptions& options = {}) {
+  const auto file = parse_csv(text, "x.csv", options);
+  EXPECT_FALSE(file);
+  return file ? Error{} : file.error();
+}
+
+TEST(ReadCsv, TakesNamesAndUnitsFromTheHeader) {
+  const auto f = read("t_s,F_ref_N,U_V,temp_C,C_F\n0,1,2,20,1e-9\n0.1,1.5,2.5,21,2e-9\n");
+  ASSERT_EQ(f.trace.channels.size(), 4u);
+  EXPECT_TRUE(f.notes.empty());
+  EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1, 1.5}));
+  EXPECT_EQ(f.trace.find("U")->unit, "V");
+  EXPECT_EQ(f.trace.find("C")->quantity, "capacitance");
+  EXPECT_EQ(f.trace.time_bases[0].t_s, (std::vector<double>{0, 0.1}));
+}
+
+TEST(ReadCsv, ConvertsUnitsAndSaysSo) {
+  const auto f = read("t_ms,F_ref_mN,theta_deg,temp_degF\n0,1500,180,212\n1,1600,90,32\n");
+  EXPECT_DOUBLE_EQ(f.trace.find("F_ref")->value[0], 1.5);
+  EXPECT_NEAR(f.trace.find("theta")->value[0], 3.14159265358979, 1e-12);
+  EXPECT_NEAR(f.trace.find("temp")->value[0], 100.0, 1e-9);
+  EXPECT_DOUBLE_EQ(f.trace.time_bases[0].t_s[1], 1e-3);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("\"F_ref_mN\" was converted from mN to N")));
+}
+
+TEST(ReadCsv, AcceptsMarksCarriageReturnsCommentsBlankLinesAndQuotes) {
+  const auto f = read("\xEF\xBB\xBF# bench 3\r\n\r\n\"t_s\" , \"F_ref_N\"\r\n0,1\r\n# pause\r\n\r\n0.5,\"2\"\r\n 1.0 , 3 \r\n");
+  EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1, 2, 3}));
+}
+
+TEST(ReadCsv, UnderstandsSemicolonsWithDecimalCommasTabsAndBlanks) {
+  const auto f = read("t_s;F_ref_N\n0,5;-1,25\n0,6;1,5e1\n0,7;2\n");
+  EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{-1.25, 15, 2}));
+  EXPECT_THAT(f.notes, Contains("the decimals are commas"));
+  EXPECT_EQ(read("t_s\tF_ref_N\n0\t1\n1\t2\n").trace.find("F_ref")->value[1], 2.0);
+  EXPECT_EQ(read("t_s  F_ref_N\n 0    1\n 1   2\n").trace.find("F_ref")->value[1], 2.0);
+}
+
+TEST(ReadCsv, MissingCellsAreNotANumber) {
+  const auto f = read("t_s,F_ref_N,U_V\n0,,1\n1,nan,2\n2,NA,3\n3,4,\n4,inf,6\n");
+  const auto& force = f.trace.find("F_ref")->value;
+  EXPECT_TRUE(std::isnan(force[0]) && std::isnan(force[1]) && std::isnan(force[2]) && std::isnan(force[4]));
+  EXPECT_EQ(force[3], 4.0);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("misses 4 of 5")));
+}
+
+TEST(ReadCsv, NamesLineAndColumnOfABadCell) {
+  const auto e = refuse("t_s,F_ref_N\n0,1\n1,2\n2,x7\n");
+  EXPECT_EQ(e.where, "x.csv:4:3");
+  EXPECT_THAT(e.text, HasSubstr("\"x7\""));
+  EXPECT_EQ(e.code, ErrorCode::parse);
+}
+
+TEST(ReadCsv, NamesTheLineOfARaggedRowAndSuspectsDecimalCommas) {
+  EXPECT_EQ(refuse("t_s,F_ref_N,U_V\n0,1,2\n1,2\n2,3,4\n").where, "x.csv:3:4");
+  EXPECT_THAT(refuse("t_s,F_ref_N\n0,0,1,5\n0,1,1,6\n").hint, HasSubstr("decimal commas"));
+}
+
+TEST(ReadCsv, DropsALastLineThatWasCutShort) {
+  const auto f = read("t_s,F_ref_N\n0,1\n1,2\n2");
+  EXPECT_EQ(f.trace.size(), 2u);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("cut short")));
+}
+
+TEST(ReadCsv, RefusesWhatIsNoTable) {
+  EXPECT_THAT(refuse("").text, HasSubstr("empty"));
+  EXPECT_THAT(refuse("t_s,F_ref_N\n").text, HasSubstr("no rows"));
+  EXPECT_THAT(refuse("0,1,2\n1,2,3\n").text, HasSubstr("numbers, not column names"));
+  EXPECT_THAT(refuse("\x89HDF\r\n\x1a\n").hint, HasSubstr(".h5"));
+  EXPECT_THAT(refuse(std::string("a\0b,c\n1,2\n", 10)).text, HasSubstr("binary"));
+}
+
+TEST(ReadCsv, ReadsASecondLineOfUnits) {
+  const auto f = read("t,F_ref,U\ns,mN,[V]\n0,1000,1\n1,2000,2\n");
+  EXPECT_DOUBLE_EQ(f.trace.find("F_ref")->value[1], 2.0);
+}
+
+TEST(ReadCsv, LeavesColumnsOfTextOut) {
+  const auto f = read("t_s,F_ref_N,remark\n0,1,start\n1,2,\n2,3,end\n");
+  EXPECT_EQ(f.trace.channels.size(), 1u);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("\"remark\" holds text")));
+}
+
+TEST(ReadCsv, RecognisesForeignNamesWhereThatIsUnambiguous) {
+  const auto f = read("time_s,position_mm,pressure_bar,force_N\n0,1,2,3\n1,2,3,4\n");
+  EXPECT_EQ(f.trace.find("F_ref")->value[1], 4.0);
+  EXPECT_THAT(f.notes, Contains("column \"force_N\" was taken for F_ref"));
+  EXPECT_EQ(f.trace.find("position")->unit, "m");
+  EXPECT_EQ(f.trace.find("pressure")->unit, "Pa");
+  const auto two = read("time_s,pump_V,level_V\n0,1,2\n1,2,3\n");
+  EXPECT_EQ(two.trace.find("U"), nullptr);
+  EXPECT_NE(two.trace.find("level"), nullptr);
+  const auto one = read("Time (s),Pressure cell [V]\n0,1\n1,2\n");
+  EXPECT_EQ(one.trace.find("U")->value[1], 2.0);
+  const auto bare = read("t,F,U,T,theta\n0,1,2,3,4\n1,2,3,4,5\n");
+  EXPECT_EQ(bare.trace.find("temp")->value[0], 3.0);
+  EXPECT_EQ(bare.trace.find("F_ref")->unit, "N");
+}
+
+TEST(ReadCsv, FollowsTheColumnMap) {
+  const auto f = read("stamp,a,b\n0,1,2\n1,3,4\n", {.column_map = {{"stamp", "t_s"}, {"a", "F_ref_mN"}, {"b", "U_V"}}});
+  EXPECT_DOUBLE_EQ(f.trace.find("F_ref")->value[1], 3e-3);
+  EXPECT_EQ(f.trace.find("U")->value[1], 4.0);
+}
+
+TEST(ReadCsv, AVelocityIsNoClock) {
+  const auto e = refuse("sample,velocity_cm_s,force_N\n0,1,2\n1,2,3\n");
+  EXPECT_THAT(e.text, HasSubstr("no time column"));
+  const auto f = read("sample,velocity_cm_s,force_N\n0,1,2\n1,2,3\n", {.column_map = {}, .assumed_rate_Hz = 200});
+  EXPECT_TRUE(f.trace.time_bases[0].invented);
+  EXPECT_DOUBLE_EQ(f.trace.time_bases[0].t_s[1], 0.005);
+  EXPECT_EQ(f.trace.find("velocity")->unit, "cm/s");
+}
+
+TEST(ReadCsv, KeepsCountsBesideTheVoltage) {
+  const auto f = read("t_s,U_V,U_counts,adc_counts\n0,1,6553,7\n1,,,8\n");
+  ASSERT_EQ(f.trace.channels.size(), 2u);
+  EXPECT_EQ(f.trace.find("U")->raw, (std::vector<std::int32_t>{6553, -1}));
+  EXPECT_EQ(f.trace.find("adc")->raw, (std::vector<std::int32_t>{7, 8}));
+}
+
+TEST(ReadCsv, ListsGapsOfAnIrregularClock) {
+  std::string text = "t_s,F_ref_N\n";
+  double t = 0.0;
+  for (int i = 0; i < 500; ++i) {
+    text += shortest(t) + ",1\n";
+    t += i == 100 ? 0.29 : i % 9 == 0 ? 0.012 : 0.01;
+  }
+  const auto f = read(text);
+  ASSERT_EQ(f.trace.time_bases[0].gaps.size(), 1u);
+  EXPECT_EQ(f.trace.time_bases[0].gaps[0].index, 101u);
+  EXPECT_NEAR(f.trace.time_bases[0].nominal_rate_Hz, 97.8, 0.5);
+  EXPECT_THAT(f.notes, Contains("1 gap in the clock, the longest 0.29 s"));
+}
+
+TEST(ReadCsv, ToleratesStampsRoundedToMilliseconds) {
+  std::string text = "t_s,F_ref_N\n";
+  for (int i = 0; i < 1000; ++i) text += shortest(std::floor(i * 2.5) / 1000.0) + ",1\n";
+  const auto f = read(text);
+  EXPECT_TRUE(f.trace.time_bases[0].gaps.empty());
+  EXPECT_NEAR(f.trace.time_bases[0].nominal_rate_Hz, 400.0, 0.5);
+}
+
+TEST(ReadCsv, SortsRowsThatCameLateAndRefusesAClockThatRestarts) {
+  const auto f = read("t_s,F_ref_N\n0,1\n2,3\n1,2\n3,4\n3,5\n,6\n");
+  EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_THAT(f.notes, Contains(HasSubstr("out of order")));
+  EXPECT_THAT(f.notes, Contains("1 row has no time stamp and were dropped"));
+  std::string twice = "t_s,F_ref_N\n";
+  for (int run = 0; run < 2; ++run)
+    for (int i = 0; i < 100; ++i) twice += std::to_string(i) + ",1\n";
+  EXPECT_THAT(refuse(twice).text, HasSubstr("jumps back from 99 s to 0 s at row 101"));
+}
+
+TEST(ReadCsv, ReadsAFileLikeTheSameTextFromMemory) {
+  Rng rng(4, "csv");
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 60000; ++i)
+    text += shortest(i * 1e-3) + "," + shortest(rng.normal()) + "," + (i % 97 == 0 ? "" : shortest(rng.uniform())) + "\n";
+  const std::string path = ::testing::TempDir() + "forcegate_csv_test.csv";
+  std::ofstream(path, std::ios::binary) << text;
+  const auto file = read_csv(path);
+  ASSERT_TRUE(file);
+  const auto memory = read(text);
+  EXPECT_EQ(file->trace.find("F_ref")->value, memory.trace.find("F_ref")->value);
+  EXPECT_EQ(file->trace.find("U")->value.size(), 60000u);
+  std::remove(path.c_str());
+  EXPECT_EQ(read_csv(path).error().code, ErrorCode::io);
+}
+
+TEST(WriteCsv, ReadsBackTheSameNumbers) {
+  Rng rng(9, "csv");
+  Trace trace;
+  trace.time_bases.push_back({});
+  trace.channels.resize(2);
+  trace.channels[0] = {"F_ref", "N", "force", 0, {}, {}};
+  trace.channels[1] = {"U", "V", "voltage", 0, {}, {}};
+  for (int i = 0; i < 5000; ++i) {
+    trace.time_bases[0].t_s.push_back(i * 1e-3);
+    trace.channels[0].value.push_back(i % 50 == 0 ? kMissing : rng.normal() * std::pow(10.0, rng.uniform(-20, 20)));
+    trace.channels[1].value.push_back(i * 1e-4);
+    trace.channels[1].raw.push_back(i);
+  }
+  const std::string path = ::testing::TempDir() + "forcegate_csv_round.csv";
+  ASSERT_TRUE(write_csv(trace, path));
+  const auto back = read_csv(path);
+  ASSERT_TRUE(back) << back.error().to_text();
+  EXPECT_EQ(back->trace.time_bases[0].t_s, trace.time_bases[0].t_s);
+  EXPECT_EQ(back->trace.find("U")->value, trace.channels[1].value);
+  EXPECT_EQ(back->trace.find("U")->raw, trace.channels[1].raw);
+  for (std::size_t i = 0; i < 5000; ++i) {
+    const double a = back->trace.find("F_ref")->value[i], b = trace.channels[0].value[i];
+    EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b)));
+  }
+  std::remove(path.c_str());
+}
+
+TEST(ReadPlainDecimal, AgreesWithTheStandardLibraryToTheLastBit) {
+  Rng rng(2, "decimal");
+  for (int i = 0; i < 200000; ++i) {
+    char text[64];
+    const int decimals = static_cast<int>(rng.below(12));
+    std::snprintf(text, sizeof text, "%.*f\n", decimals, rng.normal() * std::pow(10.0, rng.uniform(-6, 6)));
+    double ours = 0.0, theirs = 0.0;
+    const char* end = read_plain_decimal(text, '.', ours);
+    if (!end) continue;
+    std::from_chars(text, text + sizeof text, theirs);
+    ASSERT_EQ(std::memcmp(&ours, &theirs, sizeof ours), 0) << text;
+    ASSERT_EQ(*end, '\n');
+  }
+}
+
+}  // namespace
+}  // namespace forcegate
