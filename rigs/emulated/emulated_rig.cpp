@@ -84,7 +84,8 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   film_parameters_ =
       draw_session(options_.sensor, specimen, request.seed, request.session, options_.session_spread);
   const std::uint64_t record_seed =
-      mix_seed(mix_seed(request.seed, "record/" + request.specimen), std::to_string(request.session));
+      mix_seed(mix_seed(request.seed, "record/" + request.specimen),
+               std::to_string(request.session) + "/" + std::to_string(request.record));
   film_.begin(film_parameters_, step_s_, force_N, kUsualLoss, request.rest_before_s, record_seed);
   ati_noise_ = WhiteNoise(record_seed, "ati_noise");
   adc_noise_ = WhiteNoise(record_seed, "adc_noise");

@@ -72,6 +72,11 @@ void LoadingMemory::full_swing_turn(double value_N, std::int64_t at) {
   if (std::abs(value_N - swing_extreme_) < kFullSwing * (hi_ - lo_)) return;
   const double traverse_s = seconds(swing_extreme_at_ - swing_turn_at_);
   if (traverse_s > 0.0 && !conditioned_) {
+    if (hi_ - lo_ > 1.1 * counted_swing_) {  // until now only a part of the swing had been crossed
+      counted_swing_ = hi_ - lo_;
+      traverses_ = 0;
+      traverse_s_ = 0.0;
+    }
     ++traverses_;
     // The first traverse may begin with a pause; a running mean over the following ones.
     traverse_s_ = traverses_ <= 2 ? traverse_s : traverse_s_ + (traverse_s - traverse_s_) / (traverses_ - 1);
@@ -105,6 +110,7 @@ void LoadingMemory::tick(double dt_s, double force_N) {
     conditioned_ = false;
     active_s_ = traverse_s_ = 0.0;
     traverses_ = 0;
+    counted_swing_ = 0.0;
     swing_extreme_ = force_N;
     swing_extreme_at_ = swing_turn_at_ = index_;
   }

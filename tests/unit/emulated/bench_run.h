@@ -38,11 +38,11 @@ inline std::unique_ptr<Stimulus> stimulus(const std::string& name, std::map<std:
 using Estimator = std::function<double(std::uint16_t)>;
 
 struct BenchRun {
-  std::map<std::string, std::string> rig_options;
-  RigRecordRequest request;
+  std::map<std::string, std::string> rig_options = {};
+  RigRecordRequest request = {};
   std::string controller = "open_loop";
-  Estimator estimator;           ///< needed by force_integral
-  std::vector<float> estimate_N; ///< filled when there is an estimator
+  Estimator estimator = {};      ///< needed by force_integral
+  std::vector<float> estimate_N = {}; ///< filled when there is an estimator
 
   /// Duration and range come from the profile.
   RigBlock play(const Stimulus& profile) {
@@ -64,6 +64,7 @@ struct BenchRun {
     control->reset(rig.info().geometry);
     const auto total = static_cast<std::size_t>(request.duration_s * rate_Hz + 0.5);
     const auto period = static_cast<std::size_t>(rate_Hz / 100.0 + 0.5);
+    std::vector<double> fill(period);
     RigBlock block;
     block.resize(total);
     estimate_N.clear();
@@ -78,9 +79,9 @@ struct BenchRun {
       if (!rig.command_velocity(control->velocity_rad_per_s(in))) std::abort();
       const std::size_t n = value_or_abort(rig.run(std::min(period, total - at), block, at));
       if (n == 0) break;
-      profile.fill(in.t_s, 1.0 / rate_Hz, n, fill_.data());
+      profile.fill(in.t_s, 1.0 / rate_Hz, n, fill.data());
       for (std::size_t i = 0; i < n; ++i) {
-        block.setpoint_N[at + i] = static_cast<float>(fill_[i]);
+        block.setpoint_N[at + i] = static_cast<float>(fill[i]);
         if (estimator) {
           in.estimate_N = estimator(block.adc[at + i]);
           estimate_N.push_back(static_cast<float>(in.estimate_N));
@@ -92,9 +93,6 @@ struct BenchRun {
     block.resize(at);
     return block;
   }
-
- private:
-  std::vector<double> fill_ = std::vector<double>(1000);
 };
 
 }  // namespace forcegate::test
