@@ -13,6 +13,7 @@ constexpr int kConditioningTraverses = 3;
 constexpr double kForget_s = 300.0;
 constexpr double kFullSwing = 0.75;  // share of the envelope that a traverse must cross
 constexpr double kRhythmFast_s = 4.0, kRhythmSlow_s = 15.0, kRhythmDeadBand = 0.15;
+constexpr double kHabit_s = 60.0;
 
 }  // namespace
 
@@ -89,7 +90,7 @@ void LoadingMemory::full_swing_turn(double value_N, std::int64_t at) {
 
 void LoadingMemory::tick(double dt_s, double force_N) {
   const double swing_N = hi_ - lo_;
-  prominence_ = std::max(0.05, 0.2 * swing_N);
+  prominence_ = std::max(0.05, 0.1 * swing_N);
 
   if (turned_) {
     const double pause_s = std::max(half_cycle_s_, seconds(index_ - last_turn_at_));
@@ -128,7 +129,10 @@ void LoadingMemory::tick(double dt_s, double force_N) {
   const double gap = activity_ - expression_;
   expression_ += dt_s * gap * (gap > 0.0 ? 1.0 / p_.show_s : release * release / p_.hide_s);
 
-  const double change = std::abs(rhythm_fast_ - rhythm_slow_) - kRhythmDeadBand;
+  // A rhythm that varies all the time is no change of rhythm: the film gets used to it.
+  const double variation = std::abs(rhythm_fast_ - rhythm_slow_);
+  habit_ += dt_s / kHabit_s * (variation - habit_);
+  const double change = variation - kRhythmDeadBand - 1.5 * habit_;
   const double kick = p_.bump * std::clamp(change, 0.0, 1.0);
   disturbance_ += dt_s * (kick > disturbance_ ? (kick - disturbance_) : -disturbance_ / p_.bump_fade_s);
 

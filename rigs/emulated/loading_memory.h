@@ -102,7 +102,7 @@ class LoadingMemory {
   std::int64_t extreme_at_ = 0, last_turn_at_ = 0;
   bool rising_ = true, turned_ = false;
   double half_cycle_s_ = 0;
-  double rhythm_fast_ = 0, rhythm_slow_ = 0;  // mean log half-cycle
+  double rhythm_fast_ = 0, rhythm_slow_ = 0, habit_ = 0;  // mean log half-cycle, its usual variation
   // full-swing traverses
   double swing_extreme_ = 0;
   std::int64_t swing_extreme_at_ = 0, swing_turn_at_ = 0;
