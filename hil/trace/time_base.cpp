@@ -71,7 +71,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
                   "map another column to t_s, or give the sample rate for a file without a clock");
     if (rows.size() < stamps_s.size())
       clock.notes.push_back(times(stamps_s.size() - rows.size(), "row has", "rows have") +
-                            " no time stamp and were dropped");
+                            " no time stamp; dropped");
 
     std::vector<double> t;
     for (const std::size_t r : rows) t.push_back(stamps_s[r]);
@@ -99,7 +99,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
     if (backwards > 0) {
       std::stable_sort(rows.begin(), rows.end(),
                        [&](std::size_t a, std::size_t b) { return stamps_s[a] < stamps_s[b]; });
-      clock.notes.push_back(times(backwards, "row was", "rows were") + " out of order and were sorted by time");
+      clock.notes.push_back(times(backwards, "row was", "rows were") + " out of order; sorted by time");
     }
     const std::size_t before = rows.size();
     rows.erase(std::unique(rows.begin(), rows.end(),
@@ -110,7 +110,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
       return fail(ErrorCode::parse,
                   "the clock stands still in " + std::to_string(repeated) + " of " + std::to_string(before) + " rows",
                   where, "its resolution is coarser than the sample rate: leave the column out and give the rate");
-    if (repeated > 0) clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp and were dropped");
+    if (repeated > 0) clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp; dropped");
     clock.base.t_s.reserve(rows.size());
     for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
   } else {

@@ -170,7 +170,7 @@ TEST(ReadCsv, SortsRowsThatCameLateAndRefusesAClockThatRestarts) {
   const auto f = read("t_s,F_ref_N\n0,1\n2,3\n1,2\n3,4\n3,5\n,6\n");
   EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1, 2, 3, 4}));
   EXPECT_THAT(f.notes, Contains(HasSubstr("out of order")));
-  EXPECT_THAT(f.notes, Contains("1 row has no time stamp and were dropped"));
+  EXPECT_THAT(f.notes, Contains("1 row has no time stamp; dropped"));
   std::string twice = "t_s,F_ref_N\n";
   for (int run = 0; run < 2; ++run)
     for (int i = 0; i < 100; ++i) twice += std::to_string(i) + ",1\n";

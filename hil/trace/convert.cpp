@@ -1,0 +1,54 @@
+#include "hil/trace/convert.h"
+
+#include <algorithm>
+#include <array>
+
+#include "hil/trace/hdf5_io.h"
+#include "hil/trace/journal.h"
+#include "hil/trace/mat_io.h"
+
+namespace forcegate {
+namespace {
+
+constexpr const char* kKnown = "known endings: .csv .tsv .txt .dat, .h5 .hdf5, .mat, .fgj";
+
+std::string ending_of(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return ending;
+}
+
+Unexpected unknown_ending(const std::filesystem::path& path, const char* what) {
+  return fail(ErrorCode::config, std::string(what) + " \"" + ending_of(path) + "\" files", path.string(), kKnown);
+}
+
+}  // namespace
+
+Result<TraceFile> read_trace(const std::filesystem::path& path, const CsvOptions& options) {
+  const std::string ending = ending_of(path);
+  if (ending == ".csv" || ending == ".tsv" || ending == ".txt" || ending == ".dat") return read_csv(path, options);
+  if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path);
+  if (ending == ".mat") return read_mat(path, options);
+  if (ending == ".fgj") return read_journal_trace(path);
+  return unknown_ending(path, "Forcegate cannot read");
+}
+
+Result<void> write_trace(const Trace& trace, const std::filesystem::path& path) {
+  const std::string ending = ending_of(path);
+  if (ending == ".csv") return write_csv(trace, path);
+  if (ending == ".h5" || ending == ".hdf5") return write_hdf5(trace, path);
+  if (ending == ".mat") return write_mat(trace, path);
+  return unknown_ending(path, "Forcegate cannot write");
+}
+
+Result<std::vector<std::string>> convert_trace(const std::filesystem::path& from, const std::filesystem::path& to,
+                                               const CsvOptions& options) {
+  const std::string ending = ending_of(to);
+  if (ending != ".csv" && ending != ".h5" && ending != ".hdf5" && ending != ".mat")
+    return unknown_ending(to, "Forcegate cannot write");  // before minutes of reading
+  FORCEGATE_TRY(TraceFile file, read_trace(from, options));
+  FORCEGATE_CHECK_OK(write_trace(file.trace, to));
+  return std::move(file.notes);
+}
+
+}  // namespace forcegate

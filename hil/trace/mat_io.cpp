@@ -1,0 +1,150 @@
+#include "hil/trace/mat_io.h"
+
+#include <matio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "hil/base/text.h"
+#include "hil/trace/columns.h"
+
+namespace forcegate {
+namespace {
+
+struct CloseFile {
+  void operator()(mat_t* file) const { Mat_Close(file); }
+};
+struct FreeVariable {
+  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
+};
+using FilePointer = std::unique_ptr<mat_t, CloseFile>;
+using VariablePointer = std::unique_ptr<matvar_t, FreeVariable>;
+
+/// A MATLAB name: letters, digits, underscore, a letter first, at most 63.
+std::string variable_name(std::string text) {
+  for (char& c : text)
+    if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_')) c = '_';
+  if (text.empty() || !((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'))) text = "x" + text;
+  return text.substr(0, 63);
+}
+
+bool put(mat_t* file, const std::string& name, matio_classes kind, matio_types type, std::size_t rows,
+         std::size_t columns, const void* data) {
+  std::size_t size[2] = {rows, columns};
+  const VariablePointer variable(
+      Mat_VarCreate(name.c_str(), kind, type, 2, size, const_cast<void*>(data), MAT_F_DONT_COPY_DATA));
+  return variable && Mat_VarWrite(file, variable.get(), MAT_COMPRESSION_ZLIB) == 0;
+}
+
+template <class T>
+void widen(const matvar_t& variable, std::vector<double>& out) {
+  const T* values = static_cast<const T*>(variable.data);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<double>(values[i]);
+}
+
+/// False when the variable is not a real numeric vector.
+bool column_of(const matvar_t& v, std::vector<double>& out) {
+  if (v.rank != 2 || v.isComplex || !v.data || (v.dims[0] != 1 && v.dims[1] != 1)) return false;
+  const std::size_t n = v.dims[0] * v.dims[1];
+  if (n < 2) return false;
+  const auto holds = [&](std::size_t element) { return v.nbytes >= n * element; };
+  out.resize(n);
+  switch (v.class_type) {
+    case MAT_C_DOUBLE: return holds(8) && (widen<double>(v, out), true);
+    case MAT_C_SINGLE: return holds(4) && (widen<float>(v, out), true);
+    case MAT_C_INT32: return holds(4) && (widen<std::int32_t>(v, out), true);
+    case MAT_C_UINT32: return holds(4) && (widen<std::uint32_t>(v, out), true);
+    case MAT_C_INT16: return holds(2) && (widen<std::int16_t>(v, out), true);
+    case MAT_C_UINT16: return holds(2) && (widen<std::uint16_t>(v, out), true);
+    case MAT_C_INT8: return holds(1) && (widen<std::int8_t>(v, out), true);
+    case MAT_C_UINT8: return holds(1) && (widen<std::uint8_t>(v, out), true);
+    default: return false;
+  }
+}
+
+}  // namespace
+
+Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
+  const std::filesystem::path temporary = path.string() + ".part";
+  FilePointer file(Mat_CreateVer(temporary.c_str(), "MATLAB 5.0 MAT-file, written by Forcegate", MAT_FT_MAT5));
+  const auto failed = [&] {
+    file.reset();
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    return fail(ErrorCode::io, "the MAT file cannot be written", path.string(), "is the disk full, and does the folder exist?");
+  };
+  if (!file) return failed();
+  const auto vector = [&](const std::string& name, const std::vector<double>& v) {
+    return put(file.get(), variable_name(name), MAT_C_DOUBLE, MAT_T_DOUBLE, v.size(), 1, v.data());
+  };
+  bool good = true;
+  for (std::size_t k = 0; k < trace.time_bases.size(); ++k)
+    good = good && vector(k == 0 ? "t_s" : "t_" + std::to_string(k + 1) + "_s", trace.time_bases[k].t_s);
+  for (const Channel& c : trace.channels) {
+    const std::string suffix = c.time_base == 0 ? "" : "_at_" + std::to_string(c.time_base + 1);
+    good = good && vector(header_of(c.name, c.unit) + suffix, c.value);
+    if (!c.raw.empty() && c.quantity != "code")
+      good = good && put(file.get(), variable_name(c.name + "_counts" + suffix), MAT_C_INT32, MAT_T_INT32, c.raw.size(), 1,
+                         c.raw.data());
+  }
+  const std::string meta = nlohmann::json(trace.provenance).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  good = good && put(file.get(), "provenance", MAT_C_CHAR, MAT_T_UINT8, 1, meta.size(), meta.data());
+  if (!good || Mat_Close(file.release()) != 0) return failed();
+  std::error_code code;
+  std::filesystem::rename(temporary, path, code);
+  if (code) return failed();
+  return {};
+}
+
+Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& options) {
+  std::error_code failed;
+  if (!std::filesystem::exists(path, failed))
+    return fail(ErrorCode::io, "there is no such file", path.string(), "check the name");
+  Mat_LogInitFunc("forcegate", [](int, char*) {});
+  const FilePointer file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+  if (!file) return fail(ErrorCode::parse, "this is not a MAT file of version 4, 5 or 7.3", path.string(), "save it with -v7");
+
+  CsvTable table;
+  std::map<std::string, std::string> provenance;
+  std::vector<std::string> left_out;
+  while (const VariablePointer variable{Mat_VarReadNext(file.get())}) {
+    const std::string name = variable->name ? printable_utf8(variable->name) : "";
+    if (name == "provenance" && variable->class_type == MAT_C_CHAR && variable->data && variable->data_size == 1) {
+      const auto json = nlohmann::json::parse(std::string(static_cast<const char*>(variable->data), variable->nbytes), nullptr, false);
+      if (json.is_object())
+        for (const auto& [key, value] : json.items())
+          if (value.is_string()) provenance[key] = value.get<std::string>();
+      continue;
+    }
+    CsvColumn column;
+    column.header = name;
+    if (!column_of(*variable, column.value)) {
+      left_out.push_back(name);
+      continue;
+    }
+    for (double& v : column.value)
+      if (!std::isfinite(v)) v = kMissing, ++column.missing;
+    table.columns.push_back(std::move(column));
+  }
+  // The length that most vectors share is that of the record.
+  std::map<std::size_t, std::size_t> lengths;
+  for (const CsvColumn& c : table.columns) ++lengths[c.value.size()];
+  std::size_t length = 0;
+  for (const auto& [n, count] : lengths)
+    if (length == 0 || count >= lengths[length]) length = n;
+  std::erase_if(table.columns, [&](const CsvColumn& c) {
+    if (c.value.size() != length) left_out.push_back(c.header);
+    return c.value.size() != length;
+  });
+  if (table.columns.empty())
+    return fail(ErrorCode::parse, "the MAT file holds no real numeric vector", path.string(),
+                "store each signal as a vector variable, for instance t_s, F_ref_N, U_V");
+  if (!left_out.empty()) table.notes.push_back("variables left out: " + join(left_out, ", "));
+  FORCEGATE_TRY(TraceFile out, trace_of_table(std::move(table), path.string(), path.stem().string(), options));
+  out.trace.provenance = std::move(provenance);
+  return out;
+}
+
+}  // namespace forcegate
