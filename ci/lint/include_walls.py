@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""Refuses an #include that crosses a wall. The build's link lists refuse most of them too; this says why.
+
+Folder -> what it may include of the project, and which third-party headers (in .cpp files only, save where a
+header is named under HEADERS). hil/base is free for all except the firmware."""
+
+import re
+from common import files, main, text
+
+WALLS = {
+    "hil/base": [],
+    "hil/trace": [],
+    "hil/interface": ["hil/trace"],
+    "hil/model": ["hil/trace"],
+    "hil/rig": ["hil/trace", "hil/interface"],
+    "hil/diagnose": ["hil/trace", "hil/model", "hil/interface"],
+    "hil/gate": ["hil/trace", "hil/interface", "hil/rig"],
+    "hil/store": ["hil/trace", "hil/interface"],
+    "hil/report": ["hil/trace", "hil/interface", "hil/model", "hil/diagnose"],
+    "adapters": ["hil/trace", "hil/interface"],
+    "stimuli": ["hil/trace", "hil/interface"],
+    "golden/compare": ["hil/trace", "hil/interface"],
+    "rigs/emulated": ["hil/trace", "hil/interface", "adapters/transport"],
+    "rigs/firmware": None,  # the device under test: nothing of the harness
+    "hil/app": ["*"],
+    "hil/cli": ["hil/app", "hil/report"],
+    "hil/web": ["hil/app", "hil/report"],
+}
+
+WHY = {
+    ("rigs/emulated", "hil/model"): "truth must not see belief: an engine that only knows its own formulas proves nothing",
+    ("rigs/emulated", "hil/diagnose"): "truth must not see belief",
+    ("hil/model", "rigs/emulated"): "belief must not see truth",
+    ("hil/diagnose", "rigs/emulated"): "belief must not see truth",
+    ("rigs/emulated", "adapters"): "a twin's encoder and an adapter's decoder share no code",
+    ("rigs/firmware", "*"): "the firmware is judged by the harness and may share nothing with it",
+}
+
+THIRD_PARTY = {  # first directory or name of the header -> folders whose .cpp files may include it
+    "toml++": ["hil/rig", "hil/gate", "hil/model", "hil/diagnose", "hil/app", "golden/compare", "rigs/emulated", "hil/store"],
+    "nlohmann": ["hil/report", "hil/app", "hil/cli", "hil/web", "hil/gate", "hil/trace", "hil/diagnose", "hil/store",
+                 "golden/compare", "adapters", "rigs/emulated"],
+    "pugixml": ["hil/report"],
+    "hdf5": ["hil/trace"],
+    "matio": ["hil/trace"],
+    "ceres": ["hil/model", "hil/diagnose"],
+    "muParser": ["hil/model"],
+    "sqlite3": ["hil/store"],
+    "modbus": ["adapters", "rigs/emulated"],
+    "hidapi": ["adapters"],
+    "boost": ["hil/web"],
+    "openssl": ["hil/base"],
+}
+# Jet is part of the formula template; the handle of HDF5 is private to the three files that read and write it.
+HEADERS = {("ceres", "hil/model"), ("ceres", "hil/diagnose"), ("hdf5", "hil/trace")}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def folder_of(path):
+    """Longest wall that holds the path."""
+    best = ""
+    for wall in WALLS:
+        if (path == wall or path.startswith(wall + "/")) and len(wall) > len(best):
+            best = wall
+    return best
+
+
+def complaint_of(name, header, quoted):
+    own = folder_of(name)
+    if not own:
+        return None
+    if quoted:
+        target = folder_of(header)
+        if own == "rigs/firmware":
+            outside = target and target != own
+            return WHY[("rigs/firmware", "*")] if outside or header.startswith(("../..", "hil/")) else None
+        if header.startswith(".."):
+            return "includes start at the root"
+        if not target or target in (own, "hil/base"):
+            return None
+        allowed = WALLS[own]
+        if own == "hil/app" and target not in ("hil/cli", "hil/web", "rigs/firmware"):
+            return None
+        if any(header.startswith(a + "/") for a in allowed):
+            return None
+        return WHY.get((own, target), f"{own} may include only hil/base and {', '.join(allowed) or 'nothing else'}")
+    library = re.split(r"[/.]", header)[0]
+    if library not in THIRD_PARTY:
+        return None
+    if own not in THIRD_PARTY[library]:
+        return f"{library} belongs to {', '.join(THIRD_PARTY[library])}"
+    if name.endswith(".h") and (library, own) not in HEADERS:
+        return f"{library} stays inside one .cpp file, never in a header"
+    return None
+
+
+def check(root):
+    complaints = []
+    for name in files(root, ".h", ".cpp", ".c"):
+        for number, line in enumerate(text(root, name).splitlines(), 1):
+            match = INCLUDE.match(line)
+            if match:
+                why = complaint_of(name, match.group(2), match.group(1) == '"')
+                if why:
+                    complaints.append(f"{name}:{number}: must not include {match.group(2)}: {why}")
+    return complaints
+
+
+if __name__ == "__main__":
+    main(check)

@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""Each lint must see what it is for, and must leave the right thing alone."""
+
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+import file_length
+import include_walls
+import markdown_paths
+import tests_run
+
+
+FOLDER = tempfile.TemporaryDirectory()
+
+
+class Tree:
+    def __init__(self):
+        self.root = Path(tempfile.mkdtemp(dir=FOLDER.name))
+
+    def put(self, name, content):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content)
+        return self
+
+
+class IncludeWalls(unittest.TestCase):
+    def refused(self, name, line):
+        return include_walls.check(Tree().put(name, line + "\n").root)
+
+    def test_truth_must_not_see_belief(self):
+        found = self.refused("rigs/emulated/plant.cpp", '#include "hil/model/effect.h"')
+        self.assertEqual(len(found), 1)
+        self.assertIn("truth must not see belief", found[0])
+        self.assertIn("plant.cpp:1", found[0])
+
+    def test_belief_must_not_see_truth(self):
+        self.assertTrue(self.refused("hil/diagnose/fit.cpp", '#include "rigs/emulated/plant.h"'))
+        self.assertTrue(self.refused("hil/model/effects/creep.cpp", '#include "rigs/emulated/plant.h"'))
+
+    def test_twin_may_use_the_transport_but_no_codec(self):
+        self.assertFalse(self.refused("rigs/emulated/twin.cpp", '#include "adapters/transport/serial.h"'))
+        self.assertTrue(self.refused("rigs/emulated/twin.cpp", '#include "adapters/ati_codec.h"'))
+
+    def test_firmware_includes_nothing_of_the_harness(self):
+        self.assertTrue(self.refused("rigs/firmware/link.c", '#include "hil/base/digest.h"'))
+        self.assertTrue(self.refused("rigs/firmware/link.c", '#include "../../hil/base/digest.h"'))
+        self.assertFalse(self.refused("rigs/firmware/link.c", '#include "link_codec.h"'))
+
+    def test_libraries_never_include_the_skins(self):
+        self.assertTrue(self.refused("hil/app/gate.cpp", '#include "hil/cli/command.h"'))
+        self.assertTrue(self.refused("hil/gate/runner.cpp", '#include "hil/report/figure.h"'))
+
+    def test_third_party_headers_stay_in_their_folder_and_out_of_headers(self):
+        self.assertTrue(self.refused("hil/base/text.cpp", "#include <toml++/toml.h>"))
+        self.assertTrue(self.refused("hil/gate/plan.h", "#include <toml++/toml.h>"))
+        self.assertFalse(self.refused("hil/gate/plan.cpp", "#include <toml++/toml.h>"))
+
+    def test_the_allowed_direction_is_left_alone(self):
+        for name, header in [("hil/gate/runner.cpp", "hil/rig/safety_gate.h"), ("hil/app/x.cpp", "rigs/emulated/plant.h"),
+                             ("stimuli/sine.cpp", "hil/interface/stimulus.h"), ("hil/gate/a.cpp", "hil/base/text.h")]:
+            self.assertEqual(self.refused(name, f'#include "{header}"'), [], name)
+
+
+class TestsRun(unittest.TestCase):
+    def test_a_disabled_test_is_refused(self):
+        tree = Tree().put("tests/unit/a/CMakeLists.txt", "").put("tests/unit/a/a_test.cpp", "TEST(A, DISABLED_b) {}\n")
+        self.assertEqual(len(tests_run.check(tree.root)), 1)
+
+    def test_a_hidden_scenario_is_refused(self):
+        tree = Tree().put("tests/scenarios/CMakeLists.txt", "")
+        tree.put("tests/scenarios/a.cpp", 'TEST_CASE("x", "[.slow]") {}\n')
+        self.assertEqual(len(tests_run.check(tree.root)), 1)
+
+    def test_a_skip_must_say_what_it_needs(self):
+        tree = Tree().put("tests/unit/a/CMakeLists.txt", "")
+        tree.put("tests/unit/a/a_test.cpp", 'GTEST_SKIP() << "needs a display";\n')
+        self.assertEqual(tests_run.check(tree.root), [])
+        tree.put("tests/unit/a/a_test.cpp", "GTEST_SKIP();\n")
+        self.assertEqual(len(tests_run.check(tree.root)), 1)
+
+    def test_a_source_that_nothing_builds_is_refused(self):
+        tree = Tree().put("tests/unit/a/a_test.cpp", "TEST(A, b) {}\n")
+        self.assertEqual(len(tests_run.check(tree.root)), 1)
+        tree.put("tests/unit/a/CMakeLists.txt", "")
+        self.assertEqual(tests_run.check(tree.root), [])
+        tree.put("build/compile_commands.json", json.dumps([{"file": "/elsewhere/b_test.cpp"}]))
+        self.assertEqual(len(tests_run.check(tree.root)), 1)
+        tree.put("build/compile_commands.json", json.dumps([{"file": str(tree.root / "tests/unit/a/a_test.cpp")}]))
+        self.assertEqual(tests_run.check(tree.root), [])
+
+
+class MarkdownPaths(unittest.TestCase):
+    def check(self, line):
+        tree = Tree().put("hil/base/text.h", "").put("docs/paper.md", "").put("docs/page.md", line + "\n")
+        return markdown_paths.check(tree.root)
+
+    def test_a_missing_path_is_found_in_spans_and_links(self):
+        self.assertEqual(len(self.check("see `hil/base/gone.h`")), 1)
+        self.assertEqual(len(self.check("see [it](gone.md)")), 1)
+
+    def test_existing_paths_globs_addresses_and_made_files_are_left_alone(self):
+        for line in ["`hil/base/text.h`", "[it](paper.md#x)", "`hil/*/x.h`", "[it](https://example.org/a)", "`build/forcegate`",
+                     "`a/b`", "`hil/base/`"]:
+            self.assertEqual(self.check(line), [], line)
+
+
+class FileLength(unittest.TestCase):
+    def test_400_lines_are_too_many_and_399_are_not(self):
+        tree = Tree().put("hil/a.cpp", "x\n" * 400).put("hil/b.cpp", "x\n" * 399)
+        found = file_length.check(tree.root)
+        self.assertEqual(len(found), 1)
+        self.assertTrue(found[0].startswith("hil/a.cpp:"))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
