@@ -65,7 +65,7 @@ static void close_window(FwCompensator* c) {
     int32_t low = c->quarter[1].low;
     for (int i = 2; i < 4; ++i)
       if (c->quarter[i].low < low) low = c->quarter[i].low;
-    fw_floor_reset(&c->floor, low);
+    if (low != INT32_MAX) fw_floor_reset(&c->floor, low);
   }
   c->trough_sum = c->floor.lowest;
   update_ratio(c);
@@ -73,14 +73,7 @@ static void close_window(FwCompensator* c) {
   c->knows_excitation = 1;
 }
 
-static void arm(FwCompensator* c, int32_t sum, uint32_t onset, int rising) {
-  c->phase = FW_ARMED;
-  c->peaks = c->troughs = 0;
-  c->last_turn_at = onset;
-  c->longest_interval = 0;
-  fw_turning_reset(&c->turning, sum, c->index, rising);
-  if (c->knows_excitation) return;
-  c->onset = onset;
+static void open_window(FwCompensator* c) {
   c->window_start = c->index;
   c->window_open = 1;
   fw_spectrum_reset(&c->spectrum);
@@ -91,6 +84,17 @@ static void arm(FwCompensator* c, int32_t sum, uint32_t onset, int rising) {
   }
 }
 
+static void arm(FwCompensator* c, int32_t sum, uint32_t onset, int rising) {
+  c->phase = FW_ARMED;
+  c->peaks = c->troughs = 0;
+  c->last_turn_at = onset;
+  c->longest_interval = 0;
+  fw_turning_reset(&c->turning, sum, c->index, rising);
+  if (c->knows_excitation) return;
+  c->onset = onset;
+  open_window(c);
+}
+
 static void observe_window(FwCompensator* c, uint16_t code, int32_t sum) {
   const uint32_t age = c->index - c->window_start;
   if (age < FW_WINDOW_SAMPLES) {
@@ -99,7 +103,7 @@ static void observe_window(FwCompensator* c, uint16_t code, int32_t sum) {
       quarter->high = sum;
       quarter->high_at = c->index;
     }
-    if (sum < quarter->low) quarter->low = sum;
+    if (c->phase == FW_CYCLING && sum < quarter->low) quarter->low = sum;
   }
   fw_spectrum_push(&c->spectrum, code);
 }
@@ -112,7 +116,17 @@ static void confirm(FwCompensator* c) {
     const uint32_t forgotten = (c->index - c->held_since) / FW_RECOVERY_RATIO;
     const uint32_t exposure = c->exposure_at_hold > forgotten ? c->exposure_at_hold - forgotten : 0;
     c->onset = c->index - exposure;
+    return;
   }
+  /* The way to the first turning point may have been a loading ramp: then it took far longer than the half-cycle
+     after it (a sweep from 0 Hz takes 2.4 times as long) and the cycling is one half-cycle older than that point.
+     A window that looked at much of a ramp begins anew. */
+  const uint32_t way = c->first_turn_at - c->onset;
+  if (3u * way <= 8u * c->last_interval) return;
+  const uint32_t latest = c->first_turn_at - c->last_interval;
+  const uint32_t late = latest - c->onset;
+  c->onset = latest;
+  if (late > FW_RAMP_SAMPLES) open_window(c);
 }
 
 static void turned(FwCompensator* c, FwTurn turn, int32_t value, uint32_t at, int32_t sum) {
@@ -124,6 +138,10 @@ static void turned(FwCompensator* c, FwTurn turn, int32_t value, uint32_t at, in
     if (interval > c->longest_interval) c->longest_interval = interval;
   }
   c->last_turn_at = at;
+  if (c->phase == FW_ARMED && c->peaks == 0 && c->troughs == 0) {
+    c->first_turn_at = at;
+    c->learning_since = c->index;
+  }
   if (turn == FW_PEAK) {
     ++c->peaks;
   } else {
@@ -236,8 +254,8 @@ float fw_compensator_step(FwCompensator* c, uint16_t code, uint8_t* flags) {
   uint8_t f = 0;
   if (c->phase == FW_CYCLING) f |= FW_FLAG_EXCITED;
   if (c->phase == FW_HELD) f |= FW_FLAG_HELD;
-  if (c->window_open && (c->phase == FW_ARMED || c->phase == FW_CYCLING) &&
-      c->index - c->window_start < FW_WINDOW_CLOSE_SAMPLES)
+  if (c->window_open && (c->phase == FW_CYCLING || (c->phase == FW_ARMED && c->peaks + c->troughs > 0)) &&
+      c->index - c->learning_since < FW_WINDOW_CLOSE_SAMPLES)
     f |= FW_FLAG_LEARNING;
   if (code == 0 || (int32_t)code >= c->code_max) f |= FW_FLAG_INPUT_RAIL;
   if (force_N > FW_FORCE_CLAMP_N) {

@@ -50,6 +50,7 @@ typedef struct {
   int knows_excitation;  /* A, b, q of an earlier cycling are still valid */
   int peaks, troughs;
   int32_t armed_trough;
+  uint32_t first_turn_at, learning_since;
   uint32_t last_turn_at, last_interval, longest_interval;
   FwQuarter quarter[4];
 

@@ -29,6 +29,8 @@
 #define FW_SLOW_BIN_MAX 2             /* lowest line at 0.10 Hz or below: the window holds about one period */
 #define FW_AMPLITUDE_SETTLE_SAMPLES 120000
 
+#define FW_RAMP_SAMPLES 4000 /* a longer way to the first cycle is a loading ramp */
+
 #define FW_FLOOR_BUCKETS 12 /* U_min = lowest value of the last 12 x 10.24 s */
 #define FW_FLOOR_BUCKET_SAMPLES 10240
 
