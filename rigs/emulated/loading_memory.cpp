@@ -12,7 +12,7 @@ constexpr double kConditioning_s = 15.0;
 constexpr int kConditioningTraverses = 3;
 constexpr double kForget_s = 300.0;
 constexpr double kFullSwing = 0.75;  // share of the envelope that a traverse must cross
-constexpr double kRhythmFast_s = 4.0, kRhythmSlow_s = 15.0, kRhythmDeadBand = 0.15;
+constexpr double kRhythmFast_s = 4.0, kRhythmSlow_s = 25.0, kRhythmDeadBand = 0.15;
 constexpr double kHabit_s = 60.0;
 
 }  // namespace
@@ -133,7 +133,7 @@ void LoadingMemory::tick(double dt_s, double force_N) {
   const double variation = std::abs(rhythm_fast_ - rhythm_slow_);
   habit_ += dt_s / kHabit_s * (variation - habit_);
   const double change = variation - kRhythmDeadBand - 1.5 * habit_;
-  const double kick = p_.bump * std::clamp(change, 0.0, 1.0);
+  const double kick = std::clamp(1.2 * change, 0.0, p_.bump);
   disturbance_ += dt_s * (kick > disturbance_ ? (kick - disturbance_) : -disturbance_ / p_.bump_fade_s);
 
   loss_ = p_.sign * lost_ * expression_ * (1.0 - disturbance_);

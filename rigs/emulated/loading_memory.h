@@ -37,7 +37,7 @@ struct LoadingParameters {
   // The rest is ours.
   double residue = 0.12;                ///< relative drop of the static output per unit of y: +7 % of gain when
                                         ///< calibrated some minutes after 20 min of cycling
-  double bump = 0.45;                   ///< largest share of the loss undone by a change of rhythm
+  double bump = 0.4;                    ///< largest share of the loss undone by a change of rhythm
   double bump_fade_s = 20.0;
   double slow_half_cycle_s = 20.0;      ///< half-cycles longer than this are quasi-static
   double envelope_s = 300.0;            ///< memory of the envelope while cycling
