@@ -2,11 +2,8 @@
 
 #include "hil/report/console.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
@@ -74,7 +71,7 @@ std::string render_console(const RunResult& result, const ConsoleView& view) {
     out += "\n";
   }
   out += "  firmware " + one_line(result.firmware_path) + dot + one_line(result.firmware.board) + dot + "build " +
-         one_line(result.firmware.build_id).substr(0, 12) + dot + "sha256 " + result.firmware_sha256.substr(0, 12) + "\n";
+         one_line(result.firmware.build_id.substr(0, 12)) + dot + "sha256 " + one_line(result.firmware_sha256.substr(0, 12)) + "\n";
   out += "  rig " + one_line(result.rig.name) + " " + one_line(result.rig.version) + dot + "plan " +
          one_line(result.plan_name) + dot + "calibration " + calibration_levels(result) + dot + "seed " +
          std::to_string(result.seed) + "\n";
@@ -88,8 +85,8 @@ std::string render_console(const RunResult& result, const ConsoleView& view) {
       const Check& c = *rows[i].check;
       table.push_back({std::string(symbol(c.verdict, glyphs)) + " " + std::string(word(c.verdict)),
                        rows[i].in_case == nullptr ? "whole run" : one_line(rows[i].in_case->id),
-                       one_line(c.id) + (c.required ? "" : " (not required)"), value_text(c, glyphs),
-                       limit_text(c, glyphs), std::isnan(rows[i].ratio) ? "" : fmt::format("{:.2f}", rows[i].ratio)});
+                       one_line(c.id) + (c.required ? "" : " (not required)"), one_line(value_text(c, glyphs)),
+                       one_line(limit_text(c, glyphs)), ratio_text(rows[i].ratio)});
     }
     std::array<std::size_t, 6> widths{};
     for (const Row& row : table)

@@ -1,5 +1,7 @@
 #include "hil/report/judged.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -148,6 +150,11 @@ std::string limit_text(const Check& check, Glyphs glyphs) {
   }
   text += with_unit(figures::display(check.limit.value, 6), check.unit);
   return ascii ? as_ascii(text) : text;
+}
+
+std::string ratio_text(double ratio) {
+  if (!std::isfinite(ratio)) return "";
+  return fmt::format("{:.{}f}", ratio, ratio < 100.0 ? 2 : 0);
 }
 
 std::string calibration_levels(const RunResult& result) {

@@ -44,6 +44,9 @@ std::string value_text(const Check& check, Glyphs glyphs);
 /// "<= 4.5 %", ">= 10 s", "= 0", "none".
 std::string limit_text(const Check& check, Glyphs glyphs);
 
+/// "0.97", "1824", "" for NaN.
+std::string ratio_text(double ratio);
+
 /// Levels used by the cases, "identified" or "nominal, identified".
 std::string calibration_levels(const RunResult& result);
 

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
 #include "hil/report/figures/text.h"
@@ -43,8 +41,7 @@ std::string table_row(const JudgedRow& row) {
   return "| " + std::string(symbol(c.verdict, Glyphs::unicode)) + " " + std::string(word(c.verdict)) + " | " +
          (row.in_case == nullptr ? "whole run" : plain(row.in_case->id)) + " | " + plain(c.title) +
          (c.required ? "" : " (not required)") + " | " + plain(value_text(c, Glyphs::unicode)) + " | " +
-         plain(limit_text(c, Glyphs::unicode)) + " | " +
-         (std::isnan(row.ratio) ? "" : fmt::format("{:.2f}", row.ratio)) + " |\n";
+         plain(limit_text(c, Glyphs::unicode)) + " | " + ratio_text(row.ratio) + " |\n";
 }
 
 std::string table(const std::vector<JudgedRow>& rows) {

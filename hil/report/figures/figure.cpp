@@ -182,7 +182,7 @@ std::string draw_direct_labels(const Cell& cell) {
 }
 
 double right_margin(const Panel& panel) {
-  double margin = 10.0;
+  double margin = 17.0;
   if (colour_bar_of(panel) != nullptr) margin = 72.0;
   if (panel.direct_labels)
     for (const Series& s : panel.series)

@@ -69,9 +69,11 @@ std::string figure_css(bool variables) {
       ".fig .pg{fill:" + colour("page", kPageLight) + "}"
       ".fig .l{fill:none;stroke:currentColor;stroke-linejoin:round}"
       ".fig .p{fill:none;stroke:currentColor;stroke-linecap:round}"
+      ".fig .hole{stroke:" + colour("page", kPageLight) + "}"
       ".fig .f{fill:currentColor;stroke:none}"
       ".fig .h{fill:" + colour("page", kPageLight) + ";stroke:currentColor}"
       ".fig text.u{paint-order:stroke;stroke:" + colour("page", kPageLight) + ";stroke-width:3px;stroke-linejoin:round}"
+      ".fig .zo{fill:" + colour("grid", kGridLight) + "}"
       ".fig text.iw{fill:#fff}.fig text.ib{fill:#000}";
   for (const RoleColours& r : kRoles) {
     const std::string name(r.name);

@@ -55,6 +55,7 @@ std::string display(double value, int digits) {
   if (value == 0.0) return "0";
   const double size = std::abs(value);
   std::string text;
+  if (size >= 1e6 && size < 1e15 && value == std::floor(value)) return typographic_minus(coordinate(value, 0));
   if (size >= 1e-4 && size < 1e6) {
     const int before = static_cast<int>(std::floor(std::log10(size))) + 1;
     text = coordinate(value, std::max(0, digits - before));

@@ -1,0 +1,147 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "hil/interface/reporter.h"
+#include "hil/report/case_figures.h"
+#include "hil/report/figures/bullet.h"
+#include "hil/report/html_page.h"
+#include "tests/support/sample_run.h"
+
+namespace forcegate {
+namespace {
+
+using sample::Variant;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string html(const RunResult& result) { return Registry<ReporterKind>::instance().find("html")->render(result); }
+
+std::string between(const std::string& text, const std::string& open, const std::string& close) {
+  const std::size_t at = text.find(open);
+  if (at == std::string::npos) return "";
+  return text.substr(at + open.size(), text.find(close, at + open.size()) - at - open.size());
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+/// Every element that is opened is closed in order; void elements and self-closed ones aside. "" when balanced.
+std::string first_unbalanced(const std::string& page) {
+  std::vector<std::string> open;
+  const std::regex tag("<(/?)([a-zA-Z0-9]+)((?:[^<>\"]|\"[^\"]*\")*?)(/?)>");
+  const std::string body = page.substr(page.find("<body>"));
+  for (auto it = std::sregex_iterator(body.begin(), body.end(), tag); it != std::sregex_iterator(); ++it) {
+    const std::string name = (*it)[2];
+    if ((*it)[4] == "/" || name == "br" || name == "input" || name == "meta") continue;
+    if ((*it)[1] != "/") {
+      open.push_back(name);
+      if (name == "script") break;  // the last element; its text is not markup
+    } else {
+      if (open.empty() || open.back() != name) return name + " after " + (open.empty() ? "nothing" : open.back());
+      open.pop_back();
+    }
+  }
+  return open == std::vector<std::string>{"body", "script"} ? "" : "not all closed";
+}
+
+TEST(Html, hash_is_the_base64_of_the_sha256) {
+  EXPECT_EQ(csp_hash("abc"), "sha256-ungWv48Bz+pBQUDeXa4iI7ADYaOWF3qctBD/YfIAFa0=");
+}
+
+TEST(Html, policy_allows_only_its_own_style_and_script) {
+  const std::string page = html(sample::run(Variant::accept, 60.0));
+  const std::string policy = between(page, "Content-Security-Policy\" content=\"", "\"");
+  EXPECT_THAT(policy, HasSubstr("default-src 'none'"));
+  EXPECT_THAT(policy, HasSubstr("style-src '" + csp_hash(between(page, "<style>", "</style>")) + "'"));
+  EXPECT_THAT(policy, HasSubstr("script-src '" + csp_hash(between(page, "<script>", "</script>")) + "'"));
+  EXPECT_THAT(policy, Not(HasSubstr("unsafe")));
+}
+
+TEST(Html, is_one_file_that_asks_for_nothing) {
+  const std::string page = html(sample::run(Variant::reject, 60.0));
+  for (const char* what : {"http://", "https://", "<iframe", "<link", "src=", "@import", "url(", " style=", " onclick"})
+    EXPECT_THAT(page, Not(HasSubstr(what))) << what;
+}
+
+TEST(Html, says_the_decision_and_the_reason_first) {
+  for (const Variant v : {Variant::accept, Variant::reject, Variant::no_decision, Variant::rig_fault}) {
+    const RunResult r = sample::run(v, 60.0);
+    const std::string page = html(r);
+    EXPECT_THAT(between(page, "<h1>", "</h1>"), HasSubstr(std::string(to_string(r.decision.kind))));
+    EXPECT_EQ(between(page, "<p class=\"why\">", "</p>"), r.decision.reason);
+    EXPECT_EQ(first_unbalanced(page), "");
+  }
+}
+
+TEST(Html, opens_failed_cases_first_and_keeps_passed_ones_closed) {
+  RunResult r = sample::run(Variant::accept, 60.0);
+  r.cases[2].checks[1].verdict = Verdict::fail;
+  const std::string page = html(r);
+  const std::string first = between(page, "<details class=\"case", ">");
+  EXPECT_THAT(first, HasSubstr("id=\"case-3\""));
+  EXPECT_THAT(first, HasSubstr(" open"));
+  EXPECT_THAT(page, testing::ContainsRegex("id=\"case-1\" data-v=\"pass\" data-t=\"[^\"]*\">"));
+}
+
+TEST(Html, draws_every_case_that_has_samples) {
+  const std::string page = html(sample::run(Variant::reject, 60.0));
+  EXPECT_EQ(count(page, "<title>Force over chosen cycles"), 3u);
+  EXPECT_EQ(count(page, "<title>Whole record"), 3u);
+  EXPECT_EQ(count(page, "<title>Extrema of"), 3u);
+  EXPECT_EQ(count(page, "<title>Error over force"), 3u);
+}
+
+TEST(Html, tells_how_to_repeat_the_run) {
+  const RunResult r = sample::run(Variant::reject, 60.0);
+  const std::string page = html(r);
+  for (const std::string& what : {r.command_line, r.firmware_sha256, r.plan_sha256, r.decision_rule, r.started_at, r.cases[0].digest})
+    EXPECT_THAT(page, HasSubstr(what == r.decision_rule ? "value - U &gt; limit rejects" : what));
+}
+
+TEST(Html, runs_no_text_of_a_firmware) {
+  const std::string page = html(sample::hostile());
+  EXPECT_EQ(count(page, "<script>"), 1u);
+  EXPECT_EQ(count(page, "</script>"), 1u);
+  EXPECT_EQ(first_unbalanced(page), "");
+  for (const char c : page) ASSERT_FALSE(static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t');
+}
+
+TEST(Html, keeps_its_budget_with_seventy_long_cases) {
+  RunResult r = sample::run(Variant::accept);
+  const std::vector<CaseResult> three = r.cases;
+  r.cases.clear();
+  for (int i = 0; i < 70; ++i) r.cases.push_back(three[static_cast<std::size_t>(i % 3)]);
+  EXPECT_LT(html(r).size(), 3000000u);
+}
+
+TEST(Html, has_equal_bytes_for_equal_results) {
+  EXPECT_EQ(html(sample::run(Variant::reject, 60.0)), html(sample::run(Variant::reject, 60.0)));
+}
+
+TEST(Html, survives_a_case_without_anything) {
+  RunResult r;
+  r.cases.resize(1);
+  EXPECT_EQ(first_unbalanced(html(r)), "");
+}
+
+TEST(Bullet, draws_the_limit_and_an_arrow_beyond_the_axis) {
+  const std::string inside = figures::bullet_svg({4.0, 0.5, 5.0, false, figures::Role::pass, "x"});
+  EXPECT_THAT(inside, Not(HasSubstr("5l-7 5z")));
+  EXPECT_THAT(figures::bullet_svg({50.0, 0.5, 5.0, false, figures::Role::fail, "x"}), HasSubstr("5l-7 5z"));
+  EXPECT_EQ(figures::bullet_svg({std::nan(""), 0.5, 5.0, false, figures::Role::fail, "x"}), "");
+  EXPECT_EQ(figures::bullet_svg({1.0, 0.5, 0.0, false, figures::Role::fail, "x"}), "");
+}
+
+TEST(Difference, interpolates_where_the_clocks_differ) {
+  const PlotTrace actual{"a", "N", {0.0f, 0.5f, 1.0f, 1.5f}, {1.0f, 1.0f, 1.0f, 1.0f}};
+  const PlotTrace expected{"b", "N", {0.0f, 1.0f, 2.0f}, {0.0f, 2.0f, 0.0f}};
+  EXPECT_THAT(difference(actual, expected).value, testing::ElementsAre(1.0f, 0.0f, -1.0f, 0.0f));
+}
+
+}  // namespace
+}  // namespace forcegate
