@@ -1,0 +1,38 @@
+#pragma once
+// `forcegate mystery`: a campaign with something hidden in it, and the sealed truth beside it.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hil/base/result.h"
+
+namespace forcegate {
+
+struct MysteryRequest {
+  std::uint64_t seed = 1;
+  std::filesystem::path folder;
+  std::string effect;             ///< a name, "none", "foreign"; "": drawn from the seed
+  std::vector<std::string> pair;  ///< two names; then `effect` is empty
+  std::string strength;           ///< "weak", "medium", "strong"; "": drawn
+  double minutes = 20.0;          ///< length of the long sines
+  bool overwrite = false;
+};
+
+struct MysteryResult {
+  std::filesystem::path folder;
+  std::string commitment;  ///< SHA-256 of nonce and truth sheet
+  std::size_t records = 0, rows = 0;
+  double campaign_minutes = 0.0;
+};
+
+/// `on_commitment` hears the hash before the first sample is written, so that it can be printed and kept.
+Result<MysteryResult> make_mystery(const MysteryRequest& request,
+                                   const std::function<void(const std::string&)>& on_commitment);
+
+/// Names for --effect: the catalogue, "none", "foreign", and the foreign ones by name.
+std::vector<std::string> mystery_effect_names();
+
+}  // namespace forcegate
