@@ -25,6 +25,7 @@ struct FrameHead {
 static_assert(sizeof(FrameHead) == 24);
 
 inline std::uint32_t crc(std::uint32_t seed, const void* data, std::size_t n) {
+  if (n == 0) return seed;  // zlib gives 0 for no data at a null pointer
   return static_cast<std::uint32_t>(::crc32(seed, static_cast<const Bytef*>(data), static_cast<uInt>(n)));
 }
 
