@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/workspace.h"
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr int kShapes = 5, kWaves = 4;
+constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
+constexpr std::size_t kRowLimit = 2500;
+
+// Hats on log time: the decay factor may bend away from one exponential, differently in each record.
+double hat(double since_s, int knot) {
+  if (since_s <= 0.0) return 0.0;
+  const double x = std::log(since_s + 1.0);
+  const auto at = [](int k) { return std::log(kShapeKnots_s[k] + 1.0); };
+  const double here = at(knot);
+  if (x <= here) {
+    const double left = knot == 0 ? 0.0 : at(knot - 1);
+    return std::clamp((x - left) / (here - left), 0.0, 1.0);
+  }
+  if (knot == kShapes - 1) return 1.0;
+  return std::clamp((at(knot + 1) - x) / (at(knot + 1) - here), 0.0, 1.0);
+}
+
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15ull;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+double row_noise_of(const std::vector<double>& e) {
+  std::vector<double> d;
+  for (std::size_t i = 2; i + 2 < e.size(); ++i)
+    d.push_back(std::abs(e[i - 2] - 4.0 * e[i - 1] + 6.0 * e[i] - 4.0 * e[i + 1] + e[i + 2]));
+  const double median = quantile(std::move(d), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
+}
+
+// Errors in variables: what the instruments' steps leave in a row although they do as declared.
+void set_noise(Workspace& w) {
+  w.noise_V.assign(w.input.records.size(), 0.0);
+  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+    const RecordInput& r = w.input.records[k];
+    std::vector<double> e(r.rows());
+    for (std::size_t i = 0; i < r.rows(); ++i) e[i] = r.U_V[i] - w.gain_V_per_N * r.base_force_N(i);
+    const double white = row_noise_of(e);
+    double decay = 0.0;
+    for (double D : r.decay) decay += D;
+    decay /= static_cast<double>(std::max<std::size_t>(1, r.decay.size()));
+    const RecordHealth* h = k < w.health.size() ? &w.health[k] : nullptr;
+    const double step_F = h != nullptr ? h->lsb_F_N : 0.0, step_U = h != nullptr ? h->lsb_U_V : 0.0;
+    const double quantised = std::hypot(w.gain_V_per_N * decay * step_F, step_U) / std::sqrt(12.0);
+    // steps are only averaged away when noise dithers them
+    const double dithered = h != nullptr && h->noise_F_N > 0.4 * step_F ? 0.4 : 1.0;
+    w.noise_V[k] = std::hypot(white, dithered * quantised) + 1e-4 * w.input.U_range_V;
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limit) {
+  std::vector<std::size_t> good;
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    if (record.ok[i] != 0) good.push_back(i);
+  if (good.size() <= limit) return good;
+  std::vector<std::size_t> out;
+  const double stride = static_cast<double>(good.size()) / static_cast<double>(limit);
+  for (std::size_t j = 0; j < limit; ++j) {
+    const double u = static_cast<double>(mixed(j) >> 11) * 0x1.0p-53;
+    out.push_back(good[std::min(good.size() - 1, static_cast<std::size_t>((static_cast<double>(j) + u) * stride))]);
+  }
+  return out;
+}
+
+void set_repeatability(MixedProblem& problem) {
+  problem.nz = 5 + kShapes + kWaves;
+  problem.n_fixed = 4;
+  problem.components = {{"gain", 0.02, 1.0},  {"offset", 0.01, 1.0}, {"log_b", 0.25, 1.0}, {"log_q", 0.14, 1.0},
+                        {"F_min", 0.01, 1.0}, {"shape", 0.02, 2.0},  {"wander", 0.002, 2.0}};
+  problem.component_of_z = {0, 1, 2, 3, 4};
+  for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(5);
+  for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(6);
+  problem.fixed_prior_sd = Eigen::Vector4d(10.0, 10.0, 1.0, 1.0);
+}
+
+Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, const std::vector<std::size_t>& rows) {
+  const RecordInput& r = w.input.records[index];
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), 5 + kShapes + kWaves);
+  const double g = w.gain_V_per_N / w.input.U_range_V;
+  const double b = w.law.decay_rate_per_s(r.f_Hz) * std::exp(w.shifts[index].log_b);
+  const double q = w.law.depth_ratio(r.A_N) * std::exp(w.shifts[index].log_q);
+  const double length = std::max(1e-9, r.duration_s);
+  for (std::size_t j = 0; j < rows.size(); ++j) {
+    const std::size_t i = rows[j];
+    const auto row = static_cast<Eigen::Index>(j);
+    const double D = r.decay[i], swing = r.F_N[i] - r.F_min_N;
+    Z(row, 0) = g * r.base_force_N(i);
+    Z(row, 1) = 1.0;
+    if (r.dynamic) {
+      const double since = r.t_s[i] - r.onset_s;
+      if (since > 0.0 && w.law.decays) {
+        const double e = std::exp(-b * since);
+        Z(row, 2) = g * swing * (-b * since * e) / (1.0 + q);
+        Z(row, 3) = g * swing * q * (1.0 - e) / ((1.0 + q) * (1.0 + q));
+        Z(row, 4) = (1.0 - D) * g * w.input.range_N;
+      }
+      for (int k = 0; k < kShapes; ++k) Z(row, 5 + k) = g * swing * hat(since, k);
+    }
+    for (int k = 0; k < kWaves; ++k)
+      if (length > 60.0 * (k + 1)) Z(row, 5 + kShapes + k) = std::cos(3.14159265358979 * (k + 1) * r.t_s[i] / length);
+  }
+  return Z;
+}
+
+void fit_base(Workspace& w) {
+  const std::size_t n = w.input.records.size();
+  w.shifts.assign(n, {});
+  w.gain_V_per_N = w.scales.gain_V_per_N;
+  // start: slope of static records alone, since the decay flattens the dynamic ones
+  double FF = 0.0, FU = 0.0;
+  for (const RecordInput& r : w.input.records) {
+    if (r.dynamic) continue;
+    double mean_F = 0.0, mean_U = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) {
+        mean_F += r.F_N[i];
+        mean_U += r.U_V[i];
+        count += 1.0;
+      }
+    mean_F /= std::max(count, 1.0);
+    mean_U /= std::max(count, 1.0);
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) {
+        FF += (r.F_N[i] - mean_F) * (r.F_N[i] - mean_F);
+        FU += (r.F_N[i] - mean_F) * (r.U_V[i] - mean_U);
+      }
+  }
+  if (FF > 0.0 && FU / FF != 0.0) w.gain_V_per_N = FU / FF;
+
+  std::vector<std::vector<std::size_t>> rows;
+  for (const RecordInput& r : w.input.records) rows.push_back(choose_rows(r, 800));
+  const auto run = [&](int rounds) {
+    MixedFit fit;
+    for (int round = 0; round < rounds; ++round) {
+      for (std::size_t k = 0; k < n; ++k)
+        set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
+      MixedProblem problem;
+      set_repeatability(problem);
+      problem.column_prior_sd.resize(0);
+      for (std::size_t k = 0; k < n; ++k) {
+        const Eigen::MatrixXd Z = repeatability_columns(w, k, rows[k]);
+        Eigen::MatrixXd A(Z.rows(), Z.cols() + 1);
+        A.leftCols(Z.cols()) = Z;
+        for (Eigen::Index j = 0; j < Z.rows(); ++j)
+          A(j, Z.cols()) = w.input.records[k].U_V[rows[k][static_cast<std::size_t>(j)]] / w.input.U_range_V +
+                           Z(j, 2) * w.shifts[k].log_b + Z(j, 3) * w.shifts[k].log_q;
+        RecordGram gram;
+        gram.gram = (A.transpose() * A) / std::max<double>(1.0, static_cast<double>(A.rows()));
+        gram.n_eff = std::min(150.0, static_cast<double>(A.rows()) / 5.0 + 1.0);
+        gram.noise_variance = 1e-6;
+        gram.heldout = w.input.records[k].heldout && !w.all_fit;
+        problem.records.push_back(std::move(gram));
+      }
+      fit = fit_mixed(problem, {}, nullptr, 15);
+      if (!fit.valid) return fit;
+      for (std::size_t k = 0; k < n; ++k) {
+        const double b = fit.coefficient[2] + fit.zeta[k][2], q = fit.coefficient[3] + fit.zeta[k][3];
+        w.shifts[k].log_b += std::clamp(b - w.shifts[k].log_b, -0.5, 0.5);
+        w.shifts[k].log_q += std::clamp(q - w.shifts[k].log_q, -0.5, 0.5);
+        w.shifts[k].log_b = std::clamp(w.shifts[k].log_b, -2.5, 2.5);
+        w.shifts[k].log_q = std::clamp(w.shifts[k].log_q, -2.5, 2.5);
+      }
+      w.gain_V_per_N *= std::clamp(fit.coefficient[0], 0.3, 3.0);
+    }
+    return fit;
+  };
+
+  bool any_dynamic = false;
+  for (const RecordInput& r : w.input.records) any_dynamic |= r.dynamic;
+  if (any_dynamic && w.law.decays) {
+    const BaseLaw decaying = w.law;
+    const double start_gain = w.gain_V_per_N;
+    MixedFit with = run(6);
+    const auto shifts = w.shifts;
+    const double gain = w.gain_V_per_N;
+    // a sensor that does not decay is better off without the law
+    w.law.decays = false;
+    w.shifts.assign(n, {});
+    w.gain_V_per_N = start_gain;
+    MixedFit without = run(2);
+    if (with.valid && (!without.valid || with.log_evidence >= without.log_evidence - 3.0)) {
+      w.law = decaying;
+      w.shifts = shifts;
+      w.gain_V_per_N = gain;
+    } else {
+      w.input.notes.push_back("no decay of the maxima is seen: the static law alone is the starting model");
+    }
+  } else {
+    run(2);
+  }
+  for (std::size_t k = 0; k < n; ++k) set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
+  set_noise(w);
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,62 @@
+#pragma once
+// Linear mixed model over records on Gram matrices (Laird and Ware 1982):
+//
+//   y_i = Z_i (beta + zeta_i) + S_i c + e_i,   zeta_i ~ N(0, diag sigma^2),  c_j ~ N(0, tau_j^2),  e_i ~ N(0, s_i^2)
+//
+// The first `n_fixed` columns of Z have a fixed part beta as well. The variances sigma^2 (spread between records) and
+// s_i^2 (what the model leaves) are estimated by EM from the records themselves with weak priors; every fit re-estimates
+// them, so that an effect that explains the scatter between records is paid for it. Each record counts for n_eff
+// samples, not n: residuals are autocorrelated. All rows enter through Z'Z, Z'S, S'S, Z'y, S'y, y'y only.
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+namespace forcegate::diagnose {
+
+struct VarianceComponent {
+  std::string name;
+  double prior_sd = 0.1;       ///< weak prior: as if `prior_weight` records had shown this spread
+  double prior_weight = 1.0;
+};
+
+struct RecordGram {
+  std::string name;
+  Eigen::MatrixXd gram;        ///< (nz + ns + 1)^2, means over rows; the last column is y
+  double n_eff = 1.0;
+  double noise_variance = 0.0; ///< s_i^2 is not estimated below this
+  bool heldout = false;
+};
+
+struct MixedProblem {
+  int nz = 0, n_fixed = 0, ns = 0;
+  std::vector<int> component_of_z;
+  std::vector<VarianceComponent> components;
+  Eigen::VectorXd fixed_prior_sd;    ///< n_fixed
+  Eigen::VectorXd column_prior_sd;   ///< ns
+  std::vector<RecordGram> records;
+
+  int y_index() const { return nz + ns; }
+};
+
+struct MixedFit {
+  std::vector<int> columns;          ///< which of S
+  double log_evidence = -1e300;
+  Eigen::VectorXd coefficient;       ///< beta, then c
+  Eigen::MatrixXd covariance;
+  Eigen::VectorXd variance;          ///< of each component
+  // per record, held-out ones too (predicted: their rows never enter the sums)
+  std::vector<double> s2, adapted, plain;  ///< residual variance; mean square residual with and without zeta_i
+  std::vector<Eigen::VectorXd> zeta;
+  bool valid = false;
+};
+
+/// Fits the columns. `warm` gives the variances to start from; `iterations` of EM.
+MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm = nullptr,
+                   int iterations = 12);
+
+/// Mean square adapted residual of every fit record when its own rows are kept from beta and c (leave one record out);
+/// the held-out records as in the fit.
+std::vector<double> leave_one_out(const MixedProblem& problem, const MixedFit& fit);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,230 @@
+#include "hil/diagnose/raw_health.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/portable_math.h"
+#include "hil/diagnose/mains_line.h"
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+std::vector<double> aligned(const Trace& trace, const Channel& channel, std::size_t n) {
+  std::vector<double> out = channel.value;
+  out.resize(n, kMissing);
+  (void)trace;
+  return out;
+}
+
+// Robust white noise from fourth differences (1 -4 6 -4 1, norm sqrt 70): smooth signals vanish.
+double white_noise(const std::vector<double>& x) {
+  std::vector<double> d;
+  const std::size_t stride = std::max<std::size_t>(1, x.size() / 20000);
+  for (std::size_t i = 2; i + 2 < x.size(); i += stride) {
+    const double v = x[i - 2] - 4.0 * x[i - 1] + 6.0 * x[i] - 4.0 * x[i + 1] + x[i + 2];
+    if (std::isfinite(v)) d.push_back(std::abs(v));
+  }
+  const double median = quantile(std::move(d), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
+}
+
+// Step of the values: the smallest common gap, when nearly all gaps are multiples of it.
+double value_step(const std::vector<double>& x) {
+  std::vector<double> v;
+  const std::size_t stride = std::max<std::size_t>(1, x.size() / 6000);
+  for (std::size_t i = 0; i < x.size(); i += stride)
+    if (std::isfinite(x[i])) v.push_back(x[i]);
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+  if (v.size() < 8) return 0.0;
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < v.size(); ++i) gaps.push_back(v[i] - v[i - 1]);
+  const double step = quantile(gaps, 0.2);
+  if (!(step > 0.0)) return 0.0;
+  std::size_t fit = 0;
+  for (double g : gaps) {
+    const double k = g / step;
+    if (std::abs(k - std::round(k)) < 0.12) ++fit;
+  }
+  return static_cast<double>(fit) > 0.9 * static_cast<double>(gaps.size()) ? step : 0.0;
+}
+
+double middle_of_four(double a, double b, double c, double d) {
+  const double low = std::min(std::min(a, b), std::min(c, d)), high = std::max(std::max(a, b), std::max(c, d));
+  return 0.5 * (a + b + c + d - low - high);
+}
+
+}  // namespace
+
+HealthScales health_scales(const Campaign& campaign) {
+  std::vector<double> F, U;
+  for (const Record& record : campaign.records) {
+    const Channel* f = record.trace.find("F_ref");
+    const Channel* u = record.trace.find("U");
+    if (f == nullptr || u == nullptr) continue;
+    const std::size_t n = std::min(f->value.size(), u->value.size()), stride = std::max<std::size_t>(1, n / 3000);
+    for (std::size_t i = 0; i < n; i += stride)
+      if (std::isfinite(f->value[i]) && std::isfinite(u->value[i])) {
+        F.push_back(f->value[i]);
+        U.push_back(u->value[i]);
+      }
+  }
+  HealthScales out;
+  if (F.size() < 8) return out;
+  out.range_N = std::max(1e-12, quantile(F, 0.999) - quantile(F, 0.001));
+  out.U_range_V = std::max(1e-12, quantile(U, 0.999) - quantile(U, 0.001));
+  double mean_F = 0.0, mean_U = 0.0, FF = 0.0, FU = 0.0;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    mean_F += F[i];
+    mean_U += U[i];
+  }
+  mean_F /= static_cast<double>(F.size());
+  mean_U /= static_cast<double>(F.size());
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    FF += (F[i] - mean_F) * (F[i] - mean_F);
+    FU += (F[i] - mean_F) * (U[i] - mean_U);
+  }
+  out.gain_V_per_N = FF > 0.0 ? FU / FF : 1.0;
+  return out;
+}
+
+RecordHealth check_raw_health(const Record& record, const HealthScales& scales, const BenchFacts& bench) {
+  RecordHealth out;
+  out.record = record.name;
+  const Channel* f = record.trace.find("F_ref");
+  const Channel* u = record.trace.find("U");
+  if (f == nullptr || u == nullptr) return out;
+  const auto& t = record.trace.time_bases[f->time_base].t_s;
+  const std::size_t n = t.size();
+  const std::vector<double> F = aligned(record.trace, *f, n), U = aligned(record.trace, *u, n);
+  out.samples = n;
+  out.bad.assign(n, 0);
+  out.gaps = record.trace.time_bases[f->time_base].gaps.size();
+  if (n < 16) return out;
+  out.noise_U_V = white_noise(U);
+  out.noise_F_N = white_noise(F);
+  out.lsb_U_V = value_step(U);
+  out.lsb_F_N = value_step(F);
+  const double gain = std::abs(scales.gain_V_per_N);
+  const double quiet = 8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V;
+  const double low_rail = std::isfinite(bench.voltage_min_V) ? bench.voltage_min_V : 0.0;
+
+  const auto mark = [&](std::size_t i, double error) {
+    if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
+    out.bad[i] = 1;
+  };
+  // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
+  for (std::size_t i = 2; i + 2 < n; ++i) {
+    if (!std::isfinite(U[i])) {
+      ++out.missing;
+      out.bad[i] = 1;
+      continue;
+    }
+    const double middle = middle_of_four(U[i - 2], U[i - 1], U[i + 1], U[i + 2]);
+    const double jump = std::abs(U[i] - middle);
+    if (!(jump > quiet)) continue;
+    double low = F[i], high = F[i];
+    for (std::size_t k = i - 2; k <= i + 2; ++k) {
+      low = std::min(low, F[k]);
+      high = std::max(high, F[k]);
+    }
+    if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
+    if (std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V) ++out.zeros;
+    else ++out.outliers;
+    mark(i, jump);
+  }
+  // runs of one value: held while the force moves on, flat tops at the largest value of all
+  const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {
+    return (std::isfinite(a) ? a : -1e300) < (std::isfinite(b) ? b : -1e300);
+  });
+  const double move_V = std::max({0.015 * scales.U_range_V, 4.0 * out.lsb_U_V, 6.0 * gain * out.noise_F_N});
+  for (std::size_t i = 0; i < n;) {
+    std::size_t end = i + 1;
+    while (end < n && U[end] == U[i]) ++end;
+    const std::size_t length = end - i;
+    if (length >= 4 && std::isfinite(U[i])) {
+      double low = F[i], high = F[i];
+      for (std::size_t k = i; k < end; ++k) {
+        low = std::min(low, F[k]);
+        high = std::max(high, F[k]);
+      }
+      const bool at_top = U[i] >= top - 1e-12;
+      if (gain * (high - low) > move_V) {
+        const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
+        for (std::size_t k = i; k < end; ++k) mark(k, 0.5 * gain * (high - low));
+        if (at_top && length >= 8) {
+          out.at_rail += length;
+          out.rail_V = U[i];
+        } else if (at_bottom) {
+          out.zeros += length;
+        } else {
+          out.held += length;
+        }
+      }
+    }
+    i = end;
+  }
+  out.bad_mean_square_V2 /= static_cast<double>(n);
+  const MainsLine line = find_mains_line(t, F, U, scales.gain_V_per_N);
+  out.hum_V = line.amplitude_V;
+  out.hum_Hz = line.frequency_Hz;
+  out.hum_ratio = line.ratio;
+  return out;
+}
+
+std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
+                                       const BenchFacts& bench) {
+  std::vector<HealthClaim> out;
+  double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, rail = 0.0, missing = 0.0;
+  std::vector<double> noise_F, hum;
+  std::size_t with_hum = 0, with_outliers = 0, with_held = 0;
+  double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0;
+  for (const RecordHealth& h : health) {
+    samples += static_cast<double>(h.samples);
+    outliers += static_cast<double>(h.outliers);
+    held += static_cast<double>(h.held);
+    zeros += static_cast<double>(h.zeros);
+    missing += static_cast<double>(h.missing);
+    rail += static_cast<double>(h.at_rail);
+    with_outliers += h.outliers >= 2 ? 1 : 0;
+    with_held += h.held + h.zeros >= 4 ? 1 : 0;
+    if (h.at_rail > 0) rail_V = h.rail_V;
+    noise_F.push_back(h.noise_F_N);
+    lsb_F = std::max(lsb_F, h.lsb_F_N);
+    if (h.hum_ratio > 25.0 && h.hum_V > 4e-4 * scales.U_range_V) {
+      ++with_hum;
+      hum.push_back(h.hum_V);
+      hum_Hz = h.hum_Hz;
+    }
+  }
+  if (samples < 1.0) return out;
+  const auto percent = [](double share) { return std::to_string(100.0 * share).substr(0, 6) + " %"; };
+  const std::size_t n = health.size();
+  const bool many_records = n >= 3;
+  if (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records))
+    out.push_back({"outliers", 0.95, percent(outliers / samples) + " of the samples stand far off their neighbours while the force is smooth",
+                   "share", "1", outliers / samples, std::sqrt(outliers) / samples});
+  if ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records))
+    out.push_back({"dropouts", 0.95, percent((held + zeros) / samples) + " of the samples are held or zero while the force moves",
+                   "share", "1", (held + zeros) / samples, std::sqrt(held + zeros) / samples});
+  if (rail / samples > 1e-3)
+    out.push_back({"clipping", 0.95, "the output stays at exactly one value at its top while the force moves on",
+                   "rail_V", "V", rail_V, scales.U_range_V * 1e-4});
+  if (with_hum >= 2 && with_hum * 2 >= n)
+    out.push_back({"hum", 0.95, "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
+                   "amplitude_V", "V", quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
+  // declared noise, or else the declared resolution taken as one standard deviation, or what a ladder of values explains
+  const double resolution = std::isfinite(bench.reference_resolution_N) ? bench.reference_resolution_N : lsb_F;
+  const double allowed = std::max({std::isfinite(bench.reference_noise_N) ? bench.reference_noise_N : 0.0, resolution});
+  const double found = quantile(noise_F, 0.5);
+  if (allowed > 0.0 && found > 1.3 * allowed && found > 0.0025 * scales.range_N)
+    out.push_back({"reference_noise", 0.93, "the reference scatters by " + std::to_string(found).substr(0, 6) +
+                                                " N where " + std::to_string(allowed).substr(0, 6) + " N are allowed",
+                   "noise_N", "N", found, 0.05 * found});
+  (void)missing;
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,45 @@
+#pragma once
+// S0: what the samples themselves say at full rate, before any fit. Detectors with their own evidence; what an
+// instrument is declared to do (resolution, noise, range, bits) is never a finding.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/trace/campaign.h"
+
+namespace forcegate::diagnose {
+
+struct RecordHealth {
+  std::string record;
+  std::vector<std::uint8_t> bad;      ///< samples that no fit may use
+  std::size_t samples = 0, missing = 0, outliers = 0, held = 0, zeros = 0, at_rail = 0, gaps = 0;
+  double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample, from fourth differences
+  double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
+  double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some
+  double hum_V = 0.0, hum_Hz = 0.0, hum_ratio = 0.0;  ///< strongest mains line and its power over its neighbours
+  double bad_mean_square_V2 = 0.0;          ///< what the bad samples add to the mean squared error
+};
+
+struct HealthScales {
+  double gain_V_per_N = 2.0;
+  double range_N = 5.0, U_range_V = 10.0;
+};
+
+/// Coarse static gain and spans over all records (least squares of U on F).
+HealthScales health_scales(const Campaign& campaign);
+
+RecordHealth check_raw_health(const Record& record, const HealthScales& scales, const BenchFacts& bench);
+
+/// A detector's claim over the whole campaign.
+struct HealthClaim {
+  std::string effect;
+  double probability = 0.0;
+  std::string evidence;
+  std::string parameter, unit;
+  double value = 0.0, u = 0.0;
+};
+std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
+                                       const BenchFacts& bench);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,113 @@
+#include "hil/diagnose/screen.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/parallel.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Coefficients of the given columns within a fit, 0 where it does not have them.
+Eigen::VectorXd coefficients_of(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t a = 0; a < columns.size(); ++a)
+    for (std::size_t b = 0; b < fit.columns.size(); ++b)
+      if (fit.columns[b] == columns[a])
+        out[static_cast<Eigen::Index>(a)] = fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  return out;
+}
+
+bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, const Variant& variant) {
+  const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  if (c.form->sign == StrengthSign::either) return false;
+  const Eigen::VectorXd coefficient = coefficients_of(channel, score.fit, variant.columns);
+  double sum = 0.0;
+  for (std::size_t j = 0; j < variant.columns.size(); ++j)
+    sum += coefficient[static_cast<Eigen::Index>(j)] / channel.problem.column_prior_sd[variant.columns[j]];
+  return c.form->sign == StrengthSign::positive ? sum < 0.0 : sum > 0.0;
+}
+
+}  // namespace
+
+double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit) {
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < fit.adapted.size(); ++i) {
+    if (channel.problem.records[i].heldout) continue;
+    sum += std::max(0.0, fit.adapted[i] - channel.problem.records[i].noise_variance);
+    n += 1.0;
+  }
+  return n > 0.0 ? sum / n : 0.0;
+}
+
+double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+  const Eigen::VectorXd c = coefficients_of(channel, fit, columns);
+  double sum = 0.0;
+  for (const RecordGram& record : channel.problem.records) {
+    double square = 0.0;
+    for (std::size_t a = 0; a < columns.size(); ++a)
+      for (std::size_t b = 0; b < columns.size(); ++b)
+        square += c[static_cast<Eigen::Index>(a)] * c[static_cast<Eigen::Index>(b)] *
+                  record.gram(channel.problem.nz + columns[a], channel.problem.nz + columns[b]);
+    sum += std::max(0.0, square);
+  }
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
+}
+
+ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& skip,
+                    const MixedFit* warm, unsigned threads) {
+  ScreenResult out;
+  out.base = fit_mixed(channel.problem, present, warm, 20);
+  if (!out.base.valid) return out;
+  const double base_excess = excess_mean_square(channel, out.base);
+  std::vector<VariantScore> scores(channel.variants.size());
+  std::vector<char> used(channel.variants.size(), 0);
+  parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
+    const Variant& variant = channel.variants[v];
+    const EffectKind& kind = *channel.candidates[static_cast<std::size_t>(variant.candidate)].kind;
+    if (std::find(skip.begin(), skip.end(), kind.name) != skip.end()) return;
+    std::vector<int> columns = present;
+    for (int j : variant.columns) {
+      if (std::find(columns.begin(), columns.end(), j) != columns.end()) return;
+      columns.push_back(j);
+    }
+    VariantScore& score = scores[v];
+    score.variant = static_cast<int>(v);
+    score.fit = fit_mixed(channel.problem, columns, &out.base, 9);
+    if (!score.fit.valid) return;
+    score.gain = score.fit.log_evidence - out.base.log_evidence;
+    score.effect_rms = effect_rms(channel, score.fit, variant.columns);
+    score.wrong_sign = has_wrong_sign(channel, score, variant);
+    if (score.wrong_sign) score.gain *= score.gain > 0.0 ? 0.3 : 1.0;
+    const double excess = excess_mean_square(channel, score.fit);
+    score.fall = base_excess > 0.0 ? 1.0 - excess / base_excess : 0.0;
+    used[v] = 1;
+  });
+  for (const EffectKind& kind : EffectRegistry::instance().all()) {
+    FamilyScore family;
+    family.kind = &kind;
+    double best = -1e300, sum = 0.0, n = 0.0;
+    int at = -1;
+    for (std::size_t v = 0; v < scores.size(); ++v)
+      if (used[v] != 0 && channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind) {
+        n += 1.0;
+        if (scores[v].gain > best) {
+          best = scores[v].gain;
+          at = static_cast<int>(v);
+        }
+      }
+    if (at < 0) continue;
+    for (std::size_t v = 0; v < scores.size(); ++v)
+      if (used[v] != 0 && channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind)
+        sum += std::exp(std::max(-700.0, scores[v].gain - best));
+    family.gain = best + std::log(sum / n);
+    family.best = std::move(scores[static_cast<std::size_t>(at)]);
+    out.families.push_back(std::move(family));
+  }
+  std::stable_sort(out.families.begin(), out.families.end(),
+                   [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,42 @@
+#pragma once
+// S4: log evidence of every variant beside what is already in the model, and of every family.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+struct VariantScore {
+  int variant = 0;
+  double gain = 0.0;            ///< log evidence over the present model
+  double effect_rms = 0.0;      ///< of what the columns add, share of the span, mean over records
+  double fall = 0.0;            ///< share of the excess mean square (above noise) that goes away, all fit records
+  bool wrong_sign = false;
+  MixedFit fit;
+};
+
+struct FamilyScore {
+  const EffectKind* kind = nullptr;
+  double gain = -1e300;         ///< best variant less what the number of variants costs
+  VariantScore best;
+};
+
+struct ScreenResult {
+  MixedFit base;                ///< fit with the columns that are already in
+  std::vector<FamilyScore> families;  ///< best first
+};
+
+/// Columns already in the model stay. A variant whose family is in `skip` is left out.
+ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& skip,
+                    const MixedFit* warm, unsigned threads);
+
+/// Mean over fit records of the adapted mean square above the noise, never below 0.
+double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit);
+
+/// Signed size of what the columns add: RMS over rows, sign from the strengths weighted by their columns' size.
+double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,182 @@
+#include "hil/diagnose/select.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+  VectorXd out = VectorXd::Zero(channel.problem.ns);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+    if (std::find(columns.begin(), columns.end(), fit.columns[b]) != columns.end())
+      out[fit.columns[b]] = fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  return out;
+}
+
+// Which records the effect moves, and how many of them it improves when they are left out.
+void count_records(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after, const std::vector<int>& columns,
+                   ChosenEffect& out, double& share) {
+  const std::vector<double> loo_before = leave_one_out(channel.problem, before), loo_after = leave_one_out(channel.problem, after);
+  const VectorXd c = contribution(channel, after, columns);
+  double removed = 0.0, total = 0.0;
+  for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
+    const RecordGram& record = channel.problem.records[i];
+    const double floor = record.noise_variance;
+    // excited: the adapted residual moves by more than a tenth of its noise
+    const double moved = before.adapted[i] - after.adapted[i];
+    if (std::abs(moved) < 0.1 * floor + 0.02 * before.adapted[i]) continue;
+    ++out.records_excited;
+    if (loo_after[i] < loo_before[i]) ++out.records_improved;
+    removed += loo_before[i] - loo_after[i];
+    total += std::max(loo_before[i] - floor, 0.0) + 1e-12;
+  }
+  share = total > 0.0 ? removed / total : 0.0;
+}
+
+void set_shares(const ScreenResult& result, ChosenEffect& chosen) {
+  const double top = result.families.front().gain;
+  const double temperature = 0.05 * std::max(0.0, top) + 6.0;
+  double sum = 0.0;
+  for (const FamilyScore& family : result.families) sum += std::exp(std::max(-200.0, (family.gain - top) / temperature));
+  for (const FamilyScore& family : result.families) {
+    const double share = std::exp(std::max(-200.0, (family.gain - top) / temperature)) / sum;
+    if (family.kind == chosen.kind) chosen.share_of_family = share;
+    else if (share > 0.01) chosen.rivals.emplace_back(family.kind->name, share);
+  }
+}
+
+}  // namespace
+
+std::vector<int> bank_columns(const ResidualChannel& channel, const EffectKind& kind) {
+  std::vector<int> out;
+  for (const Candidate& c : channel.candidates)
+    if (c.kind == &kind && c.form->bank)
+      for (int j = 0; j < c.count; ++j) out.push_back(c.first + j);
+  return out;
+}
+
+double signature_cosine(const ResidualChannel& channel, const MixedFit& base, const MixedFit& fit_a,
+                        const std::vector<int>& columns_a, const MixedFit& fit_b, const std::vector<int>& columns_b) {
+  const MixedProblem& p = channel.problem;
+  const VectorXd a = contribution(channel, fit_a, columns_a), b = contribution(channel, fit_b, columns_b);
+  VectorXd sigma2(p.nz);
+  for (int j = 0; j < p.nz; ++j) sigma2[j] = base.variance[p.component_of_z[j]];
+  MatrixXd M = MatrixXd::Zero(p.n_fixed + 2, p.n_fixed + 2);
+  for (std::size_t i = 0; i < p.records.size(); ++i) {
+    if (p.records[i].heldout) continue;
+    const auto& G = p.records[i].gram;
+    const MatrixXd zz = G.topLeftCorner(p.nz, p.nz);
+    MatrixXd zc(p.nz, p.n_fixed + 2);
+    zc.leftCols(p.n_fixed) = zz.leftCols(p.n_fixed);
+    const auto zs = G.block(0, p.nz, p.nz, p.ns);
+    zc.col(p.n_fixed) = zs * a;
+    zc.col(p.n_fixed + 1) = zs * b;
+    MatrixXd cc = MatrixXd::Zero(p.n_fixed + 2, p.n_fixed + 2);
+    cc.topLeftCorner(p.n_fixed, p.n_fixed) = zz.topLeftCorner(p.n_fixed, p.n_fixed);
+    cc.block(0, p.n_fixed, p.n_fixed, 2) = zc.block(0, p.n_fixed, p.n_fixed, 2);
+    cc.block(p.n_fixed, 0, 2, p.n_fixed) = cc.block(0, p.n_fixed, p.n_fixed, 2).transpose();
+    const auto ss = G.block(p.nz, p.nz, p.ns, p.ns);
+    cc(p.n_fixed, p.n_fixed) = a.dot(ss * a);
+    cc(p.n_fixed, p.n_fixed + 1) = cc(p.n_fixed + 1, p.n_fixed) = a.dot(ss * b);
+    cc(p.n_fixed + 1, p.n_fixed + 1) = b.dot(ss * b);
+    const double weight = p.records[i].n_eff / base.s2[i];
+    MatrixXd A = weight * zz;
+    A.diagonal() += sigma2.cwiseInverse();
+    M += weight * cc - weight * weight * (zc.transpose() * A.llt().solve(zc));
+  }
+  MatrixXd X = M.topLeftCorner(p.n_fixed, p.n_fixed);
+  X.diagonal().array() += 1e-6 * (1.0 + X.diagonal().maxCoeff());
+  const MatrixXd left = M.topRightCorner(p.n_fixed, 2);
+  const MatrixXd S = M.bottomRightCorner(2, 2) - left.transpose() * X.ldlt().solve(left);
+  const double norm = std::sqrt(std::max(0.0, S(0, 0)) * std::max(0.0, S(1, 1)));
+  return norm > 0.0 ? S(0, 1) / norm : 0.0;
+}
+
+Selection select_effects(const ResidualChannel& channel, const std::vector<int>& always, const std::vector<std::string>& skip,
+                         const SelectionRules& rules, unsigned threads) {
+  Selection out;
+  std::vector<int> present = always;
+  std::vector<std::string> taken = skip;
+  ScreenResult result = screen(channel, present, taken, nullptr, threads);
+  out.base = result.base;
+  out.final = result.base;
+  if (!result.base.valid) return out;
+  out.excess_before = out.excess_after = excess_mean_square(channel, result.base);
+  out.first = result;
+
+  for (int step = 0; step < rules.most; ++step) {
+    if (result.families.empty()) break;
+    const FamilyScore& family = result.families.front();
+    const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
+    ChosenEffect chosen;
+    chosen.kind = family.kind;
+    chosen.variant = family.best.variant;
+    chosen.columns = variant.columns;
+    chosen.gain = family.gain;
+    chosen.fall = family.best.fall;
+    chosen.effect_rms = family.best.effect_rms;
+    chosen.fit = family.best.fit;
+    double left_out_share = 0.0;
+    count_records(channel, result.base, family.best.fit, variant.columns, chosen, left_out_share);
+    const bool first = out.chosen.empty();
+    const double excess_now = excess_mean_square(channel, result.base);
+    const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess_now));
+    std::string why;
+    if (family.gain < (first ? rules.first_gain : rules.later_gain)) why = "too little evidence";
+    else if (family.best.wrong_sign) why = "its sign is unphysical";
+    else if (chosen.fall < (first ? rules.first_fall : rules.later_fall)) why = "it leaves most of the residual";
+    else if (removed_rms < rules.smallest_rms) why = "too small for the declared instruments";
+    else if (chosen.records_excited >= 3 && (chosen.records_improved * 2 <= chosen.records_excited || left_out_share < 0.02))
+      why = "it does not help records that were left out";
+    else if (chosen.records_excited < 2 && family.gain < 2.0 * rules.later_gain) why = "only one record shows it";
+    if (!why.empty()) {
+      out.rejected.push_back(family.kind->name + ": " + why);
+      break;
+    }
+    set_shares(result, chosen);
+    out.chosen.push_back(chosen);
+    taken.push_back(family.kind->name);
+    for (int j : variant.columns) present.push_back(j);
+    for (int j : bank_columns(channel, *family.kind))
+      if (std::find(present.begin(), present.end(), j) == present.end()) present.push_back(j);
+    result = screen(channel, present, taken, &family.best.fit, threads);
+    if (!result.base.valid) break;
+    out.final = result.base;
+    out.excess_after = excess_mean_square(channel, result.base);
+  }
+
+  // backward: the first may have been a compromise that the later ones make needless
+  if (out.chosen.size() >= 2) {
+    for (std::size_t k = 0; k + 1 < out.chosen.size();) {
+      std::vector<int> without = always, with = always;
+      for (std::size_t j = 0; j < out.chosen.size(); ++j) {
+        std::vector<int> columns = out.chosen[j].columns;
+        for (int b : bank_columns(channel, *out.chosen[j].kind))
+          if (std::find(columns.begin(), columns.end(), b) == columns.end()) columns.push_back(b);
+        with.insert(with.end(), columns.begin(), columns.end());
+        if (j != k) without.insert(without.end(), columns.begin(), columns.end());
+      }
+      const MixedFit reduced = fit_mixed(channel.problem, without, &out.final, 12);
+      const MixedFit full = fit_mixed(channel.problem, with, &out.final, 12);
+      if (!reduced.valid || !full.valid) break;
+      const double left = excess_mean_square(channel, reduced), kept = excess_mean_square(channel, full);
+      if (full.log_evidence - reduced.log_evidence < rules.first_gain ||
+          left - kept < 0.25 * std::max(0.02 * out.excess_before, left)) {
+        out.rejected.push_back(out.chosen[k].kind->name + ": needless beside the others");
+        out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
+        out.final = reduced;
+        out.excess_after = left;
+      } else {
+        ++k;
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace forcegate::diagnose

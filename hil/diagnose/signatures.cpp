@@ -1,0 +1,190 @@
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/parallel.h"
+#include "hil/diagnose/workspace.h"
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr std::size_t kRowLimit = 2500;
+constexpr double kPriorShare = 0.03;  // an effect of 3 % of the span is nothing unusual
+
+void build_record(const Workspace& w, ResidualChannel& channel, std::size_t k, const Eigen::MatrixXd& Z,
+                  const std::vector<double>& y, double column_factor) {
+  const RecordInput& r = w.input.records[channel.record_of[k]];
+  RecordRows& rows = channel.rows[k];
+  const auto n = static_cast<Eigen::Index>(rows.row.size());
+  const int nz = channel.problem.nz, ns = channel.problem.ns;
+  rows.matrix = Eigen::MatrixXd::Zero(n, nz + ns + 1);
+  rows.matrix.leftCols(nz) = Z;
+  Eigen::MatrixXd full;
+  for (const Candidate& c : channel.candidates) {
+    full.setZero(static_cast<Eigen::Index>(r.rows()), c.count);
+    c.form->columns(w.input, r, c.shape, full);
+    for (int j = 0; j < c.count; ++j)
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const double v = full(static_cast<Eigen::Index>(rows.row[static_cast<std::size_t>(i)]), j);
+        rows.matrix(i, nz + c.first + j) = std::isfinite(v) ? v * column_factor : 0.0;
+      }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) rows.matrix(i, nz + ns) = y[static_cast<std::size_t>(i)];
+  RecordGram& gram = channel.problem.records[k];
+  gram.gram.resize(nz + ns + 1, nz + ns + 1);
+  gram.gram.setZero();
+  gram.gram.selfadjointView<Eigen::Lower>().rankUpdate(rows.matrix.transpose(), 1.0 / std::max<double>(1.0, static_cast<double>(n)));
+  gram.gram.triangularView<Eigen::StrictlyUpper>() = gram.gram.transpose();
+}
+
+void set_column_priors(ResidualChannel& channel) {
+  MixedProblem& p = channel.problem;
+  Eigen::VectorXd mean_square = Eigen::VectorXd::Zero(p.ns);
+  double n = 0.0;
+  for (const RecordGram& g : p.records) {
+    mean_square += g.gram.diagonal().segment(p.nz, p.ns);
+    n += 1.0;
+  }
+  p.column_prior_sd.resize(p.ns);
+  for (const Candidate& c : channel.candidates)
+    for (int j = 0; j < c.count; ++j) {
+      const double rms = std::sqrt(mean_square[c.first + j] / std::max(n, 1.0));
+      p.column_prior_sd[c.first + j] =
+          rms > 1e-9 ? std::min(3.0, kPriorShare / rms) : 1e-6;
+    }
+}
+
+}  // namespace
+
+void list_candidates(const CampaignInput& input, EffectChannel which, bool drift_in_output, ResidualChannel& out) {
+  for (const EffectKind& kind : EffectRegistry::instance().all()) {
+    const bool drift = drift_in_output && kind.name == "reference_drift";
+    if (kind.channel != which && !drift) continue;
+    if (!drift && !is_available(kind, input)) continue;
+    for (const EffectForm& form : kind.forms)
+      for (const std::vector<double>& shape : form.grid(input)) {
+        Candidate c{&kind, &form, shape, out.problem.ns, static_cast<int>(form.strength.size())};
+        const int index = static_cast<int>(out.candidates.size());
+        std::vector<int> all;
+        for (int j = 0; j < c.count; ++j) all.push_back(c.first + j);
+        out.variants.push_back({index, all});
+        if (form.singles && c.count > 1)
+          for (int j : all) out.variants.push_back({index, {j}});
+        out.problem.ns += c.count;
+        out.candidates.push_back(std::move(c));
+      }
+  }
+}
+
+void build_output_channel(Workspace& w, unsigned threads) {
+  ResidualChannel& channel = w.output;
+  channel = ResidualChannel{};
+  channel.scale = w.input.U_range_V;
+  channel.unit = "V";
+  set_repeatability(channel.problem);
+  list_candidates(w.input, EffectChannel::output, true, channel);
+  const std::size_t n = w.input.records.size();
+  channel.rows.resize(n);
+  channel.problem.records.resize(n);
+  for (std::size_t k = 0; k < n; ++k) channel.record_of.push_back(k);
+  parallel_for(n, threads, [&](std::size_t k) {
+    const RecordInput& r = w.input.records[k];
+    channel.rows[k].row = choose_rows(r, kRowLimit);
+    const Eigen::MatrixXd Z = repeatability_columns(w, k, channel.rows[k].row);
+    std::vector<double> y;
+    for (std::size_t j = 0; j < channel.rows[k].row.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(j);
+      y.push_back(r.U_V[channel.rows[k].row[j]] / channel.scale + Z(row, 2) * w.shifts[k].log_b +
+                  Z(row, 3) * w.shifts[k].log_q);
+    }
+    RecordGram& gram = channel.problem.records[k];
+    gram.name = r.name;
+    gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
+    gram.noise_variance = std::pow(w.noise_V[k] / channel.scale, 2) + 1e-8;
+    gram.heldout = r.heldout && !w.all_fit;
+    build_record(w, channel, k, Z, y, w.gain_V_per_N / channel.scale);
+  });
+  set_column_priors(channel);
+}
+
+void build_rig_channel(Workspace& w, unsigned threads) {
+  w.has_rig = false;
+  ResidualChannel& channel = w.rig;
+  channel = ResidualChannel{};
+  channel.scale = w.input.range_N;
+  channel.unit = "N";
+  // rig coordinate: 1 - cos(theta), or the command; the linear law of the record gives a force in newtons
+  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+    RecordInput& r = w.input.records[k];
+    r.rig_force_N.clear();
+    std::vector<double> s;
+    if (!r.theta_rad.empty())
+      for (double th : r.theta_rad) s.push_back(1.0 - std::cos(th));
+    else if (!r.F_cmd_N.empty())
+      s = r.F_cmd_N;
+    else
+      continue;
+    double ms = 0.0, mf = 0.0, count = 0.0, ss = 0.0, sf = 0.0, ff = 0.0;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) {
+        ms += s[i];
+        mf += r.F_N[i];
+        count += 1.0;
+      }
+    if (count < 50.0) continue;
+    ms /= count;
+    mf /= count;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) {
+        ss += (s[i] - ms) * (s[i] - ms);
+        sf += (s[i] - ms) * (r.F_N[i] - mf);
+        ff += (r.F_N[i] - mf) * (r.F_N[i] - mf);
+      }
+    // without a clear linear relation the coordinate is not the rig's
+    if (!(ss > 0.0) || sf * sf < 0.5 * ss * ff || std::sqrt(ff / count) < 0.01 * w.input.range_N) continue;
+    for (double v : s) r.rig_force_N.push_back(mf + sf / ss * (v - ms));
+    channel.record_of.push_back(k);
+  }
+  if (channel.record_of.size() < 2) return;
+  w.has_rig = true;
+
+  MixedProblem& p = channel.problem;
+  p.nz = 2 + 3;
+  p.n_fixed = 2;
+  p.components = {{"rig_gain", 0.02, 1.0}, {"rig_offset", 0.02, 1.0}, {"rig_wander", 0.002, 2.0}};
+  p.component_of_z = {0, 1, 2, 2, 2};
+  p.fixed_prior_sd = Eigen::Vector2d(10.0, 10.0);
+  list_candidates(w.input, EffectChannel::rig, false, channel);
+  const std::size_t n = channel.record_of.size();
+  channel.rows.resize(n);
+  p.records.resize(n);
+  parallel_for(n, threads, [&](std::size_t k) {
+    const RecordInput& r = w.input.records[channel.record_of[k]];
+    channel.rows[k].row = choose_rows(r, kRowLimit);
+    const auto& rows = channel.rows[k].row;
+    Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), p.nz);
+    std::vector<double> y;
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(j);
+      Z(row, 0) = r.rig_force_N[rows[j]] / channel.scale;
+      Z(row, 1) = 1.0;
+      for (int q = 0; q < 3; ++q)
+        if (r.duration_s > 60.0 * (q + 1))
+          Z(row, 2 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
+      y.push_back(r.F_N[rows[j]] / channel.scale);
+    }
+    RecordGram& gram = p.records[k];
+    gram.name = r.name;
+    gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
+    const RecordHealth* h = channel.record_of[k] < w.health.size() ? &w.health[channel.record_of[k]] : nullptr;
+    const double step = h != nullptr ? h->lsb_F_N : 0.0, white = h != nullptr ? h->noise_F_N : 0.0;
+    const double per_row = std::max<double>(1.0, r.row_begin[1] - r.row_begin[0]);
+    gram.noise_variance = (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
+    gram.heldout = r.heldout && !w.all_fit;
+    build_record(w, channel, k, Z, y, 1.0 / channel.scale);
+  });
+  set_column_priors(channel);
+}
+
+}  // namespace forcegate::diagnose

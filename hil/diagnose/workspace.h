@@ -1,0 +1,87 @@
+#pragma once
+// What the steps of a diagnosis share: inputs, raw health, the base law at the records' own repeatability, candidate
+// signatures and their Gram matrices.
+
+#include <Eigen/Dense>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/mixed_model.h"
+#include "hil/diagnose/raw_health.h"
+#include "hil/model/base_law.h"
+#include "hil/model/effect.h"
+#include "hil/model/record_input.h"
+
+namespace forcegate::diagnose {
+
+/// One set of columns of one effect at one shape.
+struct Candidate {
+  const EffectKind* kind = nullptr;
+  const EffectForm* form = nullptr;
+  std::vector<double> shape;
+  int first = 0, count = 0;     ///< columns of S
+};
+
+/// A choice that competes: a candidate's columns, or one of them alone.
+struct Variant {
+  int candidate = 0;
+  std::vector<int> columns;
+};
+
+/// Chosen rows of one record, as the Gram matrix saw them.
+struct RecordRows {
+  std::vector<std::size_t> row;
+  Eigen::MatrixXd matrix;       ///< rows x (nz + ns + 1)
+};
+
+struct RecordShift {
+  double log_b = 0.0, log_q = 0.0;
+};
+
+struct ResidualChannel {
+  MixedProblem problem;
+  std::vector<RecordRows> rows;        ///< per record, in the order of problem.records
+  std::vector<std::size_t> record_of;  ///< index into CampaignInput::records
+  std::vector<Candidate> candidates;
+  std::vector<Variant> variants;
+  double scale = 1.0;                  ///< y and columns are divided by this (V or N)
+  std::string unit = "V";
+};
+
+struct Workspace {
+  CampaignInput input;
+  std::vector<RecordHealth> health;
+  HealthScales scales;
+  BaseLaw law;
+  double gain_V_per_N = 2.0;           ///< slope of the static law at the current fit
+  std::vector<RecordShift> shifts;     ///< per record
+  std::vector<double> noise_V;         ///< row noise of U at given F_ref, errors in variables included
+  ResidualChannel output, rig;
+  bool has_rig = false;
+  bool all_fit = false;                ///< no record is marked held out: records are left out in turn
+};
+
+/// Rows of a record that a fit uses: at most `limit`, spread evenly with a fixed jitter.
+std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limit);
+
+// S2 ------------------------------------------------------------------------------------------------------------
+/// Fits the base law with per-record repeatability (b, q by Gauss-Newton at the record's own values, the rest linear)
+/// and leaves D(t) in the inputs, the shifts and the row noise in the workspace.
+void fit_base(Workspace& workspace);
+
+/// Columns of Z for the chosen rows, each divided by the voltage span.
+Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record, const std::vector<std::size_t>& rows);
+/// Sets nz, components and priors of the output channel.
+void set_repeatability(MixedProblem& problem);
+
+// S3 ------------------------------------------------------------------------------------------------------------
+/// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.
+void build_output_channel(Workspace& workspace, unsigned threads);
+/// The same for F_ref against angle or command; sets has_rig.
+void build_rig_channel(Workspace& workspace, unsigned threads);
+
+/// Columns of one candidate on the chosen rows (output: times gain over the voltage span).
+void list_candidates(const CampaignInput& input, EffectChannel channel, bool drift_in_output, ResidualChannel& out);
+
+}  // namespace forcegate::diagnose
