@@ -47,7 +47,7 @@ pre{border:1px solid var(--grid);border-radius:4px;padding:10px 12px;margin:0 0 
 nav{font-size:14px;margin:8px 0 0}nav a{margin-right:16px}
 footer{border-top:1px solid var(--grid);margin-top:36px;padding:12px 0 28px;font-size:13px;color:var(--quiet)}
 @media (max-width:680px){.k thead{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%)}
-.k,.k tbody{display:block}.k tr{display:flex;flex-wrap:wrap;gap:0 14px;border-bottom:1px solid var(--grid);padding:6px 0}.k td{border:0;padding:1px 0}
+.k,.k tbody,.k caption{display:block}.k tr{display:flex;flex-wrap:wrap;gap:0 14px;border-bottom:1px solid var(--grid);padding:6px 0}.k td{border:0;padding:1px 0}
 .k td.c{flex-basis:100%;min-width:0}.k td.val{font-weight:600}.k td.lim::before{content:"limit ";color:var(--quiet)}.k td.bar{min-width:0}}
 @media (max-width:560px){dl{grid-template-columns:1fr}dd{margin:0 0 6px}h1{font-size:26px}.why{font-size:17px}}
 @media (prefers-reduced-motion:no-preference){html{scroll-behavior:smooth}}
