@@ -122,7 +122,7 @@ static void confirm(FwCompensator* c) {
      after it (a sweep from 0 Hz takes 2.4 times as long) and the cycling is one half-cycle older than that point.
      A window that looked at much of a ramp begins anew. */
   const uint32_t way = c->first_turn_at - c->onset;
-  if (3u * way <= 8u * c->last_interval) return;
+  if (way < FW_WINDOW_SAMPLES ? 3u * way <= 8u * c->last_interval : way <= c->last_interval) return;
   const uint32_t latest = c->first_turn_at - c->last_interval;
   const uint32_t late = latest - c->onset;
   c->onset = latest;

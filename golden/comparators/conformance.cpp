@@ -1,0 +1,84 @@
+// Comparator "conformance": |F_dut - F_oracle| in units of the converter's step G v_range / (2^bits - 1), worst sample of
+// the record. Limit 1 LSB: single precision costs at most some 0.2 LSB at 16 bits (2^-24 of 10 N is 6e-7 N, ten
+// operations deep, against 7.6e-5 N), so a build inside the limit differs from the definition by rounding alone. The
+// state flags are decisions and must be equal; one that differs counts as full scale.
+
+#include <cmath>
+#include <optional>
+
+#include "golden/compare/lebosse_oracle.h"
+#include "hil/base/text.h"
+#include "hil/interface/comparator.h"
+#include "hil/interface/dut.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kLimit_LSB = 1.0;
+constexpr std::uint8_t kDecisions = kDutExcited | kDutLearning | kDutHeld | kDutInputRail;
+
+class Conformance final : public Comparator {
+ public:
+  Result<void> begin(const ComparatorSession& session) override {
+    if (session.algorithm_id != LebosseOracle::kAlgorithm)
+      return fail(ErrorCode::config, "there is no oracle for the algorithm '" + printable_utf8(session.algorithm_id) + "'");
+    if (session.rate_Hz != 1000.0)
+      return fail(ErrorCode::config, "the algorithm lebosse-eq7/1 is defined at 1000 Hz, not at " + shortest(session.rate_Hz));
+    oracle_.emplace(session.calibration);
+    n_ = worst_at_ = flags_differ_ = first_flag_ = 0;
+    worst_ = 0.0;
+    return {};
+  }
+
+  void push(std::span<const std::uint16_t> adc, std::span<const float> force_N,
+            std::span<const std::uint8_t> flags) override {
+    const double per_lsb = 1.0 / oracle_->lsb_N();
+    const double full_scale = static_cast<double>(oracle_->code_max());
+    for (std::size_t i = 0; i < adc.size(); ++i, ++n_) {
+      const LebosseOracle::Output expected = oracle_->step(adc[i]);
+      double error = std::abs(static_cast<double>(force_N[i]) - expected.force_N) * per_lsb;
+      if (((flags[i] ^ expected.flags) & kDecisions) != 0) {
+        if (flags_differ_++ == 0) first_flag_ = n_;
+        error = full_scale;
+      }
+      if (!(error <= full_scale)) error = full_scale;  // NaN and infinity too
+      if (error > worst_) {
+        worst_ = error;
+        worst_at_ = n_;
+      }
+    }
+  }
+
+  Comparison finish() override {
+    Comparison c;
+    c.limit = kLimit_LSB;
+    c.limit_source = "1 LSB: five times what single precision can cost (docs/algorithm.md)";
+    c.n = n_;
+    if (n_ == 0) {
+      c.value = std::nan("");
+      c.evidence = "no sample was compared";
+      return c;
+    }
+    c.value = worst_;
+    c.worst_at_s = static_cast<double>(worst_at_) * 1e-3;
+    c.evidence = flags_differ_ > 0 ? "state flags differ in " + std::to_string(flags_differ_) + " samples, first at " +
+                                         shortest(static_cast<double>(first_flag_) * 1e-3) + " s"
+                                   : "largest difference at " + shortest(c.worst_at_s) + " s";
+    return c;
+  }
+
+ private:
+  std::optional<LebosseOracle> oracle_;
+  std::uint64_t n_ = 0, worst_at_ = 0, flags_differ_ = 0, first_flag_ = 0;
+  double worst_ = 0.0;
+};
+
+const Registration<ComparatorKind> kRegistered{{
+    "conformance",
+    "The firmware's force against an independent double-precision implementation of the algorithm it declares.",
+    [](std::string_view algorithm_id) { return algorithm_id == LebosseOracle::kAlgorithm; },
+    [] { return std::unique_ptr<Comparator>(std::make_unique<Conformance>()); },
+}};
+
+}  // namespace
+}  // namespace forcegate
