@@ -1,0 +1,293 @@
+// Rig "replay": a recording takes the place of the bench. Recorded sensor voltage becomes ADC codes,
+//   code = round(U / v_range_V * (2^adc_bits - 1)), clamped (recorded counts are used as they are),
+// and the recorded ATI force is the reference. The firmware expects equidistant samples: a clock whose regular steps
+// keep within 1 % of the nominal step is used row by row; one that jitters more is sampled at the nominal rate with
+// the latest row held (zero-order hold) and a note; one without a nominal rate is refused. Gaps are filled with the
+// held row and marked as lost samples. Time starts at 0.
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <toml++/toml.h>
+
+#include "hil/base/digest.h"
+#include "hil/base/text.h"
+#include "hil/interface/rig.h"
+#include "hil/trace/convert.h"
+
+namespace forcegate {
+namespace {
+
+using Options = std::map<std::string, std::string>;
+
+Unexpected bad_option(const std::string& name, const std::string& value, const char* what) {
+  return fail(ErrorCode::config, "option " + name + " = \"" + printable_utf8(value) + "\" " + what, "rig replay");
+}
+
+Result<double> positive(const Options& options, const char* name, double fallback) {
+  const auto it = options.find(name);
+  if (it == options.end()) return fallback;
+  double value = 0.0;
+  const char* end = it->second.data() + it->second.size();
+  const auto read = std::from_chars(it->second.data(), end, value);
+  if (read.ec != std::errc() || read.ptr != end || !(value > 0.0) || !std::isfinite(value))
+    return bad_option(name, it->second, "is not a number above 0");
+  return value;
+}
+
+/// Values of the calibration file by key, as text; "" level tables are not expected.
+Result<Options> read_calibration(const std::string& path) {
+  Options out;
+  try {
+    const toml::table table = toml::parse_file(path);
+    for (const auto& [key, node] : table) {
+      if (const auto number = node.value<double>())
+        out[std::string(key.str())] = shortest(*number);
+      else if (const auto text = node.value<std::string>())
+        out[std::string(key.str())] = printable_utf8(*text);
+    }
+  } catch (const toml::parse_error& e) {
+    const auto at = e.source().begin;
+    return fail(ErrorCode::config, "the calibration file cannot be read: " + std::string(e.description()),
+                path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
+                "it is TOML like gain_N_per_V = 0.5");
+  }
+  return out;
+}
+
+/// One row of the equidistant grid: which row of the record it shows, and whether that one is only held.
+struct GridRow {
+  std::uint32_t source = 0;
+  bool lost = false;
+};
+
+struct Grid {
+  double rate_Hz = 0.0;
+  bool held = false;  ///< resampled by zero-order hold
+  std::size_t lost = 0;
+  std::vector<GridRow> rows;
+};
+
+bool keeps_step(const TimeBase& base, double step_s) {
+  std::size_t gap = 0;
+  double deviation = 0.0;
+  std::size_t n = 0;
+  for (std::size_t i = 1; i < base.t_s.size(); ++i) {
+    if (gap < base.gaps.size() && base.gaps[gap].index == i) {
+      ++gap;
+      continue;
+    }
+    const double difference = std::fabs(base.t_s[i] - base.t_s[i - 1] - step_s);
+    if (difference > 0.5 * step_s) return false;
+    deviation += difference;
+    ++n;
+  }
+  return n == 0 || deviation / static_cast<double>(n) <= 0.01 * step_s;
+}
+
+Result<Grid> make_grid(const TimeBase& base, const std::string& path) {
+  const auto& t = base.t_s;
+  double rate = base.nominal_rate_Hz;
+  if (t.size() < 2 || rate <= 0.0)
+    return fail(ErrorCode::config, "the record has no sample rate: its clock is not uniform", path,
+                "resample it to the rate of the firmware first");
+  if (std::fabs(rate - std::round(rate)) < 1e-3 * rate && std::round(rate) > 0.0) rate = std::round(rate);
+  const double step = 1.0 / rate;
+  const double samples = (t.back() - t.front()) * rate + 1.0;
+  if (samples > 4e9)
+    return fail(ErrorCode::config, "the record is too long to be replayed: more than 4e9 samples", path, "cut it into parts");
+  Grid grid;
+  grid.rate_Hz = rate;
+  if (keeps_step(base, step)) {
+    std::size_t gap = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      if (gap < base.gaps.size() && base.gaps[gap].index == i) {
+        const auto missing = std::llround((t[i] - t[i - 1]) * rate) - 1;
+        for (long long k = 0; k < missing; ++k) grid.rows.push_back({static_cast<std::uint32_t>(i - 1), true});
+        ++gap;
+      }
+      grid.rows.push_back({static_cast<std::uint32_t>(i), false});
+    }
+  } else {
+    grid.held = true;
+    std::size_t row = 0;
+    const auto n = static_cast<std::size_t>(samples + 1e-6);
+    for (std::size_t k = 0; k < n; ++k) {
+      const double now = t.front() + static_cast<double>(k) * step;
+      while (row + 1 < t.size() && t[row + 1] <= now + 1e-9) ++row;
+      grid.rows.push_back({static_cast<std::uint32_t>(row), now - t[row] > 1.5 * step});
+    }
+  }
+  grid.lost = static_cast<std::size_t>(std::count_if(grid.rows.begin(), grid.rows.end(), [](const GridRow& r) { return r.lost; }));
+  return grid;
+}
+
+class ReplayRig : public Rig {
+ public:
+  static Result<std::unique_ptr<Rig>> make(const Options& options) {
+    static const std::vector<std::string> kKnown = {"record", "cal", "adc_bits", "v_range_V", "rate_Hz", "name"};
+    for (const auto& [key, value] : options)
+      if (std::find(kKnown.begin(), kKnown.end(), key) == kKnown.end()) {
+        const std::string near = nearest_name(key, kKnown);
+        return fail(ErrorCode::config, "the replay rig has no option \"" + printable_utf8(key) + "\"", "rig replay",
+                    near.empty() ? "it knows: " + join(kKnown, ", ") : "did you mean \"" + near + "\"?");
+      }
+    const auto record = options.find("record");
+    if (record == options.end())
+      return fail(ErrorCode::usage, "the replay rig needs a recording", "rig replay", "add --record run.csv");
+    auto rig = std::make_unique<ReplayRig>();
+    if (auto loaded = rig->load(record->second, options); !loaded) return tl::unexpected(std::move(loaded).error());
+    return std::unique_ptr<Rig>(std::move(rig));
+  }
+
+  RigInfo info() const override { return info_; }
+
+  Result<void> begin(const RigRecordRequest& request) override {
+    if (!request.faults.empty())
+      return fail(ErrorCode::config, "a replay cannot inject the fault \"" + request.faults.begin()->first + "\"",
+                  "rig replay", "faults belong to the emulated rig");
+    at_ = 0;
+    return {};
+  }
+
+  Result<void> command_velocity(double) override { return {}; }
+
+  Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t at) override {
+    n = std::min(n, grid_.rows.size() - at_);
+    for (std::size_t i = 0; i < n; ++i, ++at_) {
+      const GridRow row = grid_.rows[at_];
+      const std::size_t s = row.source, o = at + i;
+      out.t_s[o] = static_cast<double>(at_) / grid_.rate_Hz;
+      out.adc[o] = adc_[s];
+      out.force_ref_N[o] = row.lost ? kNoForce : force_N_[s];
+      out.setpoint_N[o] = setpoint_N_.empty() ? kNoForce : setpoint_N_[s];
+      out.theta_rad[o] = theta_rad_.empty() ? kNoForce : theta_rad_[s];
+      out.status[o] = static_cast<std::uint16_t>(row.lost ? status_[s] | kRigSampleLost : status_[s]);
+    }
+    return n;
+  }
+
+  double theta_rad() const override { return theta_rad_.empty() ? std::nan("") : theta_rad_[latest()]; }
+  double force_ref_N() const override { return force_N_[latest()]; }
+  void park() noexcept override {}
+
+ private:
+  static constexpr float kNoForce = std::numeric_limits<float>::quiet_NaN();
+
+  std::size_t latest() const { return grid_.rows[at_ == 0 ? 0 : at_ - 1].source; }
+
+  Result<void> load(const std::string& path, const Options& options) {
+    Options calibration;
+    if (const auto cal = options.find("cal"); cal != options.end()) {
+      FORCEGATE_TRY(calibration, read_calibration(cal->second));
+      info_.details["calibration_file"] = cal->second;
+    }
+    const auto either = [&](const char* name, double fallback) -> Result<double> {
+      FORCEGATE_TRY(const double from_file, positive(calibration, name, fallback));
+      return positive(options, name, from_file);
+    };
+    FORCEGATE_TRY(const double bits, either("adc_bits", 16));
+    FORCEGATE_TRY(info_.v_range_V, either("v_range_V", 10.0));
+    if (bits != std::floor(bits) || bits < 4 || bits > 16) return bad_option("adc_bits", shortest(bits), "must be 4 to 16");
+    info_.adc_bits = static_cast<int>(bits);
+    FORCEGATE_TRY(const double rate_Hz, positive(options, "rate_Hz", 0.0));
+    for (const auto& [key, value] : calibration) info_.details["calibration." + key] = value;
+
+    FORCEGATE_TRY(TraceFile file, read_trace(path, {{}, rate_Hz}));
+    const Trace& trace = file.trace;
+    const Channel* force = trace.find("F_ref");
+    if (!force)
+      return fail(ErrorCode::config, "the record has no column of the reference force", path,
+                  "name it F_ref_N, or map a column to that name");
+    FORCEGATE_TRY(grid_, make_grid(trace.time_bases[force->time_base], path));
+    FORCEGATE_CHECK_OK(load_codes(trace, *force, path));
+    force_N_.assign(force->value.begin(), force->value.end());
+    for (const auto& [name, column] : {std::pair{"F_cmd", &setpoint_N_}, std::pair{"theta", &theta_rad_}})
+      if (const Channel* c = trace.find(name); c && c->time_base == force->time_base)
+        column->assign(c->value.begin(), c->value.end());
+    std::size_t no_reference = 0;
+    for (std::size_t i = 0; i < force_N_.size(); ++i)
+      if (std::isnan(force_N_[i])) status_[i] |= kRigReferenceFault, ++no_reference;
+
+    FORCEGATE_TRY(const std::string digest, sha256_file(path));
+    info_.name = "replay";
+    info_.id = digest.substr(0, 16);
+    info_.version = "1";
+    info_.rate_Hz = grid_.rate_Hz;
+    info_.can_move = false;
+    info_.emulated = false;
+    float largest = 0.0f;
+    for (const float f : force_N_)
+      if (f > largest) largest = f;
+    info_.force_max_N = largest;
+    info_.details["record"] = path;
+    info_.details["record_sha256"] = digest;
+    info_.details["duration_s"] = shortest(static_cast<double>(grid_.rows.size()) / grid_.rate_Hz);
+    if (grid_.held)
+      file.notes.push_back("the clock jitters by more than 1 %: sampled at " + shortest(grid_.rate_Hz) +
+                           " Hz, the latest row held");
+    if (grid_.lost > 0) file.notes.push_back(std::to_string(grid_.lost) + " samples were lost in gaps of the record");
+    if (no_reference > 0) file.notes.push_back(std::to_string(no_reference) + " rows have no reference force");
+    if (!file.notes.empty()) info_.details["notes"] = join(file.notes, "; ");
+    return {};
+  }
+
+  Result<void> load_codes(const Trace& trace, const Channel& force, const std::string& path) {
+    const double full = std::exp2(info_.adc_bits) - 1.0;
+    const Channel* counts = nullptr;
+    std::size_t candidates = 0;
+    for (const Channel& c : trace.channels) {
+      if (c.raw.empty() || c.time_base != force.time_base) continue;
+      if (c.name == "U" || c.name == "adc") {
+        counts = &c;
+        candidates = 1;
+        break;
+      }
+      counts = &c;
+      ++candidates;
+    }
+    const Channel* voltage = trace.find("U");
+    if (candidates != 1) counts = nullptr;
+    if (voltage && (voltage->time_base != force.time_base || voltage->quantity == "code")) voltage = nullptr;
+    if (!counts && !voltage)
+      return fail(ErrorCode::config, "the record has no sensor channel beside its reference force", path,
+                  "name it U_V (volts) or U_counts (codes), or map a column to that name");
+    const std::size_t n = force.value.size();
+    adc_.resize(n);
+    status_.assign(n, 0);
+    std::uint16_t held = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      double code = kMissing;
+      if (counts) {
+        if (counts->raw[i] >= 0) code = counts->raw[i];
+        if (code > full)
+          return fail(ErrorCode::config,
+                      "code " + shortest(code) + " in row " + std::to_string(i + 1) + " exceeds " +
+                          std::to_string(info_.adc_bits) + " bits",
+                      path, "give the right adc_bits");
+      } else {
+        code = std::round(std::clamp(voltage->value[i] / info_.v_range_V, 0.0, 1.0) * full);
+      }
+      if (std::isnan(code))
+        status_[i] |= kRigSampleLost;
+      else
+        held = static_cast<std::uint16_t>(code);
+      adc_[i] = held;
+      if (held == 0 || static_cast<double>(held) == full) status_[i] |= kRigAdcRail;
+    }
+    return {};
+  }
+
+  RigInfo info_;
+  Grid grid_;
+  std::vector<std::uint16_t> adc_, status_;
+  std::vector<float> force_N_, setpoint_N_, theta_rad_;
+  std::size_t at_ = 0;
+};
+
+const Registration<RigKind> kRegistered{
+    {"replay", "a recording (CSV, HDF5 or MAT) takes the place of the bench", &ReplayRig::make}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,138 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "hil/base/text.h"
+#include "hil/interface/rig.h"
+
+namespace forcegate {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class ReplayRig : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) / ("forcegate_replay_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string put(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return (folder_ / name).string();
+  }
+  Result<std::unique_ptr<Rig>> make(std::map<std::string, std::string> options) { return make_rig("replay", options); }
+
+  static RigBlock all(Rig& rig) {
+    EXPECT_TRUE(rig.begin({}));
+    RigBlock block;
+    std::size_t at = 0;
+    while (true) {
+      block.resize(at + 7);
+      const auto n = rig.run(7, block, at);
+      EXPECT_TRUE(n);
+      at += *n;
+      if (*n < 7) break;
+    }
+    block.resize(at);
+    return block;
+  }
+  fs::path folder_;
+};
+
+TEST_F(ReplayRig, TurnsVoltsIntoCodesOfTheDeclaredConverter) {
+  const auto path = put("r.csv", "t_s,F_ref_N,U_V,F_cmd_N\n0,1,0,1.5\n0.001,2,5,1.6\n0.002,3,10,1.7\n0.003,4,12,1.8\n0.004,4,-1,1.8\n");
+  auto rig = make({{"record", path}, {"adc_bits", "12"}});
+  ASSERT_TRUE(rig) << rig.error().to_text();
+  const RigInfo info = (*rig)->info();
+  EXPECT_EQ(info.rate_Hz, 1000.0);
+  EXPECT_EQ(info.adc_bits, 12);
+  EXPECT_FALSE(info.can_move);
+  EXPECT_EQ(info.force_max_N, 4.0);
+  const RigBlock b = all(**rig);
+  EXPECT_EQ(b.adc, (std::vector<std::uint16_t>{0, 2048, 4095, 4095, 0}));
+  EXPECT_EQ(b.status[1], 0);
+  EXPECT_EQ(b.status[3], kRigAdcRail);
+  EXPECT_EQ(b.force_ref_N[2], 3.0f);
+  EXPECT_EQ(b.setpoint_N[1], 1.6f);
+  EXPECT_TRUE(std::isnan(b.theta_rad[0]));
+  EXPECT_DOUBLE_EQ(b.t_s[4], 0.004);
+  EXPECT_EQ(all(**rig).adc, b.adc) << "a second record starts anew";
+}
+
+TEST_F(ReplayRig, PrefersRecordedCounts) {
+  const auto path = put("r.csv", "t_s,F_ref_N,U_V,U_counts\n0,1,9,17\n1,2,9,\n2,3,9,19\n");
+  auto rig = make({{"record", path}});
+  ASSERT_TRUE(rig);
+  const RigBlock b = all(**rig);
+  EXPECT_EQ(b.adc, (std::vector<std::uint16_t>{17, 17, 19}));
+  EXPECT_EQ(b.status, (std::vector<std::uint16_t>{0, kRigSampleLost, 0}));
+  EXPECT_TRUE(std::isnan(b.setpoint_N[0]));
+  const auto wide = put("w.csv", "t_s,F_ref_N,U_counts\n0,1,9000\n1,2,9\n");
+  EXPECT_THAT(make({{"record", wide}, {"adc_bits", "12"}}).error().text, HasSubstr("exceeds 12 bits"));
+}
+
+TEST_F(ReplayRig, FillsGapsWithLostSamples) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 100; ++i)
+    if (i < 40 || i >= 50) text += shortest(i * 0.01) + "," + std::to_string(i) + ",5\n";
+  auto rig = make({{"record", put("r.csv", text)}});
+  ASSERT_TRUE(rig);
+  const RigBlock b = all(**rig);
+  ASSERT_EQ(b.size(), 100u);
+  for (std::size_t i = 0; i < 100; ++i) {
+    EXPECT_EQ(b.status[i], i >= 40 && i < 50 ? kRigSampleLost : 0);
+    EXPECT_EQ(std::isnan(b.force_ref_N[i]), i >= 40 && i < 50);
+    EXPECT_NEAR(b.t_s[i], static_cast<double>(i) * 0.01, 1e-12);
+  }
+  EXPECT_EQ(b.force_ref_N[99], 99.0f);
+  EXPECT_THAT((*rig)->info().details.at("notes"), HasSubstr("10 samples were lost"));
+}
+
+TEST_F(ReplayRig, HoldsTheLatestRowWhenTheClockJitters) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 200; ++i) text += shortest(i * 0.01 + (i % 3) * 0.002) + ",1,5\n";
+  auto rig = make({{"record", put("r.csv", text)}});
+  ASSERT_TRUE(rig) << rig.error().to_text();
+  EXPECT_THAT((*rig)->info().details.at("notes"), HasSubstr("jitters"));
+  EXPECT_NEAR(static_cast<double>(all(**rig).size()), 200.0, 2.0);
+}
+
+TEST_F(ReplayRig, RefusesWhatItCannotReplayAndSaysHowToMendIt) {
+  EXPECT_EQ(make({}).error().code, ErrorCode::usage);
+  EXPECT_EQ(make({{"record", (folder_ / "no.csv").string()}}).error().code, ErrorCode::io);
+  const auto no_force = put("a.csv", "t_s,U_V,drive_V\n0,1,5\n1,2,5\n");
+  EXPECT_THAT(make({{"record", no_force}}).error().hint, HasSubstr("F_ref_N"));
+  const auto no_sensor = put("b.csv", "t_s,F_ref_N\n0,1\n1,2\n");
+  EXPECT_THAT(make({{"record", no_sensor}}).error().hint, HasSubstr("U_V"));
+  const auto wild = put("c.csv", "t_s,F_ref_N,U_V\n0,1,1\n1,1,1\n3,1,1\n4,1,1\n10,1,1\n11,1,1\n19,1,1\n20,1,1\n50,1,1\n");
+  EXPECT_THAT(make({{"record", wild}}).error().text, HasSubstr("not uniform"));
+  const auto good = put("d.csv", "t_s,F_ref_N,U_V\n0,1,1\n1,1,1\n");
+  EXPECT_THAT(make({{"record", good}, {"adc_bit", "12"}}).error().hint, HasSubstr("adc_bits"));
+  EXPECT_FALSE(make({{"record", good}, {"adc_bits", "40"}}));
+  EXPECT_FALSE(make({{"record", good}, {"v_range_V", "x"}}));
+  auto rig = make({{"record", good}});
+  ASSERT_TRUE(rig);
+  RigRecordRequest request;
+  request.faults["reference_saturated"] = 1.0;
+  EXPECT_EQ((*rig)->begin(request).error().code, ErrorCode::config);
+}
+
+TEST_F(ReplayRig, TakesTheConverterFromTheCalibrationFile) {
+  const auto record = put("r.csv", "t_s,F_ref_N,U_V\n0,1,2.5\n1,1,5\n");
+  const auto cal = put("cal.toml", "gain_N_per_V = 0.48\nadc_bits = 10\nv_range_V = 5\nid = \"A201-3\"\n");
+  auto rig = make({{"record", record}, {"cal", cal}});
+  ASSERT_TRUE(rig) << rig.error().to_text();
+  EXPECT_EQ(all(**rig).adc, (std::vector<std::uint16_t>{512, 1023}));
+  EXPECT_EQ((*rig)->info().details.at("calibration.id"), "A201-3");
+  const auto broken = put("broken.toml", "gain = = 3\n");
+  EXPECT_THAT(make({{"record", record}, {"cal", broken}}).error().where, HasSubstr("broken.toml:1:"));
+}
+
+}  // namespace
+}  // namespace forcegate
