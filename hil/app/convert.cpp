@@ -1,0 +1,48 @@
+#include "hil/app/convert.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/trace/convert.h"
+
+namespace forcegate {
+
+Result<std::map<std::string, std::string>> parse_column_map(std::span<const std::string> words) {
+  std::map<std::string, std::string> out;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.rfind('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == word.size())
+      return fail(ErrorCode::usage, fmt::format("\"{}\" is not COLUMN=NAME", word), "--map",
+                  "write for example --map \"Load cell=F_ref_N\"");
+    out[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return out;
+}
+
+Result<ConvertReport> convert(const ConvertRequest& request) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(request.from, request.to, ignored))
+    return fail(ErrorCode::usage, "input and output are the same file", request.to.string(), "choose another name");
+  if (!request.overwrite && std::filesystem::exists(request.to, ignored))
+    return fail(ErrorCode::usage, "the output exists already", request.to.string(), "add --force to replace it");
+  FORCEGATE_TRY(const TraceFile file,
+                read_trace(request.from, CsvOptions{request.column_map, request.assumed_rate_Hz}));
+  FORCEGATE_CHECK_OK(write_trace(file.trace, request.to));
+
+  ConvertReport report;
+  report.notes = file.notes;
+  report.provenance = file.trace.provenance;
+  for (const TimeBase& base : file.trace.time_bases)
+    if (!base.t_s.empty()) report.duration_s = std::max(report.duration_s, base.t_s.back() - base.t_s.front());
+  for (const Channel& channel : file.trace.channels) {
+    const TimeBase& base = file.trace.time_bases.at(channel.time_base);
+    const auto missing = std::count_if(channel.value.begin(), channel.value.end(), [](double v) { return std::isnan(v); });
+    report.channels.push_back({channel.name, channel.unit, base.device, channel.value.size(),
+                               static_cast<std::size_t>(missing), base.gaps.size()});
+  }
+  return report;
+}
+
+}  // namespace forcegate

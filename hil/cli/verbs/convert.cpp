@@ -1,0 +1,73 @@
+#include "hil/app/convert.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "hil/base/text.h"
+#include "hil/cli/command.h"
+#include "hil/cli/parse.h"
+
+namespace forcegate {
+namespace {
+
+Result<int> run(const Invocation& in) {
+  ConvertRequest request{.from = in.text("FROM"), .to = in.text("TO"), .column_map = {}};
+  FORCEGATE_TRY(request.column_map, parse_column_map(in.texts("map")));
+  if (in.given("rate")) {
+    FORCEGATE_TRY(request.assumed_rate_Hz, in.number("rate", 1e-6, 1e7));
+  }
+  request.overwrite = in.flag("force");
+  FORCEGATE_TRY(const ConvertReport report, convert(request));
+
+  Console& console = in.console();
+  nlohmann::ordered_json channels = nlohmann::ordered_json::array();
+  for (const ConvertedChannel& c : report.channels) {
+    console.print(fmt::format("  {:<10} {:<6} {:>10} samples {:>6} missing {:>4} gaps  ({})", printable_utf8(c.name),
+                              printable_utf8(c.unit), c.samples, c.missing, c.gaps, printable_utf8(c.device)));
+    channels.push_back({{"name", printable_utf8(c.name)}, {"unit", printable_utf8(c.unit)},
+                        {"time_base", printable_utf8(c.device)}, {"samples", c.samples},
+                        {"missing", c.missing}, {"gaps", c.gaps}});
+  }
+  std::vector<std::string> notes;
+  for (const std::string& note : report.notes) {
+    notes.push_back(printable_utf8(note));
+    console.print("  note: " + notes.back());
+  }
+  console.print(fmt::format("{} s written to {}", with_uncertainty(report.duration_s, 0.0), in.text("TO")));
+  console.print_json(nlohmann::ordered_json{{"format", 1},
+                                            {"from", printable_utf8(in.text("FROM"))},
+                                            {"to", printable_utf8(in.text("TO"))},
+                                            {"duration_s", report.duration_s},
+                                            {"channels", channels},
+                                            {"notes", notes}}
+                         .dump(2));
+  console.next("forcegate gate FIRMWARE --rig replay --record " + shell_quoted(in.text("TO")));
+  return kExitSuccess;
+}
+
+const Registration<Command> kRow{Command{
+    .name = "convert",
+    .group = "Traces",
+    .summary = "a recording from one file format into another",
+    .description =
+        "Reads CSV (also with ; or tab), HDF5, MAT 5 or a journal, and writes CSV, HDF5 or MAT 5, each known by the "
+        "ending of its name. The unit stands in the name of a column (F_ref_N, U_mV, theta_deg) and becomes SI. Gaps "
+        "and missing samples stay what they are; nothing is interpolated. What had to be assumed is said.\n\n"
+        "A CSV has one clock: a trace whose devices have clocks of their own needs HDF5 or MAT.",
+    .positionals = {{.name = "FROM", .doc = "File to read."}, {.name = "TO", .doc = "File to write."}},
+    .options = {{.name = "map",
+                 .value_name = "COLUMN=NAME",
+                 .doc = "Take a foreign column as one of ours.",
+                 .repeatable = true},
+                {.name = "rate", .value_name = "HZ", .doc = "Rate of a file that has no clock."},
+                {.name = "force", .value_name = "", .doc = "Replace the output if it exists.", .letter = 'f'}},
+    .examples = {{"forcegate convert run.h5 run.csv", "For a spreadsheet:"},
+                 {"forcegate convert labview.txt run.h5 --map \"Load cell (N)=F_ref_N\" --rate 1000",
+                  "A file of another program without a clock:"}},
+    .exit_codes = {kExitSuccess, kExitUsage},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate
