@@ -59,7 +59,7 @@ template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::
   f("lane", v.lane), f("lane_options", v.lane_options), f("image", v.image), f("nonce", v.nonce);
   f("planned", v.planned), f("specimen", v.specimen), f("seed", v.seed), f("session", v.session);
   f("record", v.record), f("calibration", v.calibration), f("calibrate", v.calibrate), f("safety", v.safety);
-  f("faults", v.faults), f("keep", v.keep_path), f("stand_in", v.stand_in);
+  f("faults", v.faults), f("keep", v.keep_path);
 }
 template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigGeometry> {
   f("k", v.spring_N_per_mm), f("e", v.eccentricity_mm), f("preload", v.preload_mm), f("low", v.theta_min_rad);
@@ -122,8 +122,8 @@ template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::
   f("safety", v.safety), f("output", v.output), f("hold", v.hold), f("pairs", v.pairs), f("lag", v.lag_s);
   f("u_lag", v.u_lag_s), f("conf_known", v.conformance_known), f("conf", v.conformance);
   f("conf_limit", v.conformance_limit), f("conf_unit", v.conformance_unit), f("conf_source", v.conformance_source);
-  f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n), f("stand_in", v.stand_in_equal);
-  f("stand_in_n", v.stand_in_differences), f("overview", v.overview), f("window", v.window);
+  f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n),
+  f("overview", v.overview), f("window", v.window);
   f("window_reason", v.window_reason), f("decay", v.decay), f("digest", v.digest), f("trace", v.trace_file);
   f("calibration", v.calibration), f("u_gain", v.u_gain_rel), f("u_offset", v.u_offset_N);
   f("cal_rmse", v.calibration_rmse_N), f("cal_text", v.calibration_text);
@@ -181,7 +181,10 @@ void get(const Json& from, T& value) {
     value = from.get<T>();
   } else if constexpr (IsOptional<T>::value) {
     value.reset();
-    if (!from.is_null()) get(from, value.emplace());
+    if (from.is_null()) return;
+    typename T::value_type item{};
+    get(from, item);
+    value = std::move(item);
   } else if constexpr (IsVector<T>::value) {
     value.clear();
     value.reserve(from.size());

@@ -36,7 +36,6 @@ struct CaseJob {
   SafetyLimits safety;
   std::map<std::string, double> faults;
   std::string keep_path;      ///< samples are written there; "" = not kept
-  std::string stand_in;       ///< native image that plays the closed loop for an image that cannot; "" = none
 };
 
 /// Where a record broke off.
@@ -88,8 +87,6 @@ struct CaseRecord {
   double conformance = 0.0, conformance_limit = 0.0;
   std::string conformance_unit, conformance_source, conformance_evidence;
   std::uint64_t conformance_n = 0;
-  std::optional<bool> stand_in_equal;  ///< block image bit-equal with its native sibling on the same codes
-  std::uint64_t stand_in_differences = 0;
   std::vector<PlotTrace> overview, window;
   std::string window_reason;
   DecayFit decay;

@@ -289,11 +289,6 @@ class CaseJudge {
       j.judgeable = true;
       j.check.blame = Blame::firmware;
     }
-    if (record_.stand_in_equal)
-      value_check("stand_in_equal", "Differences from the native sibling on the codes of the closed loop",
-                  static_cast<double>(record_.stand_in_differences), "1", 0.0, record_.samples,
-                  {Limit::Kind::upper, 0.0, "ours: bit equality"},
-                  fmt::format("{} of {} outputs differ", record_.stand_in_differences, record_.samples));
   }
 
   struct Series {

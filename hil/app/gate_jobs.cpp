@@ -1,0 +1,210 @@
+#include "hil/app/gate_jobs.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "hil/base/digest.h"
+#include "hil/base/rng.h"
+#include "hil/base/text.h"
+#include "hil/gate/calibrate.h"
+#include "hil/interface/dut.h"
+
+namespace forcegate {
+namespace {
+
+Result<std::string> choose_lane(const GateRequest& request) {
+  const auto& lanes = Registry<LaneKind>::instance();
+  if (!request.lane.empty()) {
+    const LaneKind* lane = lanes.find(request.lane);
+    if (lane == nullptr) {
+      const std::string near = nearest_name(request.lane, lanes.names());
+      return fail(ErrorCode::usage, "there is no lane named '" + printable_utf8(request.lane) + "'", {},
+                  near.empty() ? "choose one of: " + join(lanes.names(), ", ") : "did you mean '" + near + "'?");
+    }
+    if (!lane->accepts(request.firmware))
+      return fail(ErrorCode::usage, "lane '" + request.lane + "' cannot run this image", request.firmware.string(),
+                  lane->doc);
+    return lane->name;
+  }
+  for (const LaneKind& lane : lanes.all())
+    if (lane.accepts(request.firmware)) return lane.name;
+  return fail(ErrorCode::usage, "this file is not a firmware image that any lane can run", request.firmware.string(),
+              "give an ELF image built for one of the ports: " + join(lanes.names(), ", "));
+}
+
+Result<void> select_cases(const GateRequest& request, Plan& plan) {
+  if (request.only_cases.empty()) return {};
+  std::vector<std::string> names;
+  for (const PlanCase& c : plan.cases) names.push_back(c.name);
+  for (const std::string& wanted : request.only_cases)
+    if (std::find(names.begin(), names.end(), wanted) == names.end()) {
+      const std::string near = nearest_name(wanted, names);
+      return fail(ErrorCode::usage, "the plan has no case '" + printable_utf8(wanted) + "'", plan.path.string(),
+                  near.empty() ? "it has: " + join(names, ", ") : "did you mean '" + near + "'?");
+    }
+  std::erase_if(plan.cases, [&](const PlanCase& c) {
+    return std::find(request.only_cases.begin(), request.only_cases.end(), c.name) == request.only_cases.end();
+  });
+  return {};
+}
+
+// The profile of a recording is its own force channel.
+Result<void> take_profile_of_recording(const GateRequest& request, PlanCase& planned) {
+  const auto path = request.rig_options.find("record");
+  if (path == request.rig_options.end()) return {};  // another rig that cannot move: the plan's profile stands
+  StimulusSpec spec;
+  spec.name = "replay";
+  spec.texts["path"] = path->second;
+  auto made = make_stimulus(spec);
+  if (!made) return fail(ErrorCode::usage, made.error().text, made.error().where, made.error().hint);
+  planned.stimulus = std::move(spec);
+  return {};
+}
+
+CaseJob common_job(const GateRequest& request, const GateSetup& setup, const std::string& specimen) {
+  CaseJob job;
+  job.rig = request.rig;
+  job.rig_options = request.rig_options;
+  job.specimen = specimen;
+  job.seed = setup.plan.seed;
+  job.session = 0;
+  job.safety = setup.plan.safety;
+  return job;
+}
+
+}  // namespace
+
+Result<std::filesystem::path> find_plan(const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::is_regular_file(name, ignored)) return fs::path(name);
+  std::vector<fs::path> folders{fs::path("ci") / "plans"};
+  char program[4096];
+  if (const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1); n > 0) {
+    const fs::path folder = fs::path(std::string(program, static_cast<std::size_t>(n))).parent_path();
+    folders.push_back(folder.parent_path() / "ci" / "plans");
+    folders.push_back(folder.parent_path() / "share" / "forcegate" / "plans");
+  }
+  std::vector<std::string> known;
+  for (const fs::path& folder : folders) {
+    const fs::path path = folder / (name + ".toml");
+    if (fs::is_regular_file(path, ignored)) return path;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (entry.path().extension() == ".toml") known.push_back(entry.path().stem().string());
+  }
+  const std::string near = nearest_name(name, known);
+  return fail(ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", {},
+              !near.empty() ? "did you mean '" + near + "'?" : "give a file, or the name of a file in ci/plans");
+}
+
+Result<GateSetup> prepare_gate(const GateRequest& request) {
+  GateSetup setup;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(request.firmware, ignored))
+    return fail(ErrorCode::usage, "there is no firmware file", request.firmware.string(),
+                "build the images first (./ci/build) or mend the path");
+  FORCEGATE_TRY(setup.firmware_sha256, sha256_file(request.firmware));
+  FORCEGATE_TRY(setup.lane, choose_lane(request));
+  FORCEGATE_TRY(const std::filesystem::path plan_path, find_plan(request.plan));
+  FORCEGATE_TRY(setup.plan, read_plan(plan_path));
+  FORCEGATE_TRY(const auto rig, make_rig(request.rig, request.rig_options));
+  setup.rig = rig->info();
+  Plan& plan = setup.plan;
+  if (request.seed) plan.seed = *request.seed;
+  if (request.level) {
+    plan.calibration.level = *request.level;
+    if (*request.level == CalibrationLevel::identified && !plan.calibration.identification)
+      return fail(ErrorCode::usage, "this plan cannot identify a specimen", plan.path.string(),
+                  "it has no [calibration.identification]");
+  }
+  if (!request.panel.empty()) {
+    plan.panel = request.panel;
+    for (PlanCase& c : plan.cases) c.specimens.clear();
+  }
+  FORCEGATE_CHECK_OK(select_cases(request, plan));
+  if (!setup.rig.can_move) {
+    // A recording is one record of one specimen: the plan's open-loop cases would all be the same.
+    std::erase_if(plan.cases, [](const PlanCase& c) { return c.loop == LoopMode::closed; });
+    if (plan.cases.empty())
+      return fail(ErrorCode::usage, "a recording cannot play a closed loop", plan.path.string(),
+                  "use a plan with an open-loop case, for example --plan replay");
+    plan.cases.resize(1);
+    FORCEGATE_CHECK_OK(take_profile_of_recording(request, plan.cases.front()));
+  }
+  for (const PlanCase& c : plan.cases)
+    for (const std::string& specimen : specimens_of(plan, c))
+      if (std::find(setup.specimens.begin(), setup.specimens.end(), specimen) == setup.specimens.end())
+        setup.specimens.push_back(specimen);
+  // Unknown faults and specimens are mistakes of the request, not of the rig: the rig itself is asked.
+  if (setup.rig.can_move)
+    for (const std::string& specimen : setup.specimens) {
+      RigRecordRequest probe;
+      probe.specimen = specimen;
+      probe.duration_s = 1.0;
+      probe.force_high_N = 1.0;
+      probe.faults = request.faults;
+      auto begun = setup.rig.emulated ? rig->begin(probe) : Result<void>{};
+      if (!begun) return fail(ErrorCode::usage, begun.error().text, begun.error().where, begun.error().hint);
+    }
+  else if (!request.faults.empty())
+    return fail(ErrorCode::usage, "faults cannot be injected into a recording");
+  return setup;
+}
+
+std::vector<CaseJob> calibration_jobs(const GateRequest& request, const GateSetup& setup) {
+  std::vector<CaseJob> jobs;
+  if (!setup.rig.can_move || !request.calibration_file.empty() ||
+      setup.plan.calibration.level == CalibrationLevel::nominal)
+    return jobs;
+  for (const std::string& specimen : setup.specimens) {
+    CaseJob job = common_job(request, setup, specimen);
+    job.kind = CaseJob::Kind::calibration;
+    job.id = "calibration/" + specimen;
+    job.index = jobs.size();
+    job.calibrate = setup.plan.calibration;
+    jobs.push_back(std::move(job));
+  }
+  return jobs;
+}
+
+std::vector<CaseJob> record_jobs(const GateRequest& request, const GateSetup& setup,
+                                 const std::vector<Calibration>& calibrations) {
+  std::vector<CaseJob> jobs;
+  for (std::size_t k = 0; k < setup.plan.cases.size(); ++k) {
+    const PlanCase& planned = setup.plan.cases[k];
+    for (const std::string& specimen : specimens_of(setup.plan, planned)) {
+      CaseJob job = common_job(request, setup, specimen);
+      job.id = planned.name + "/" + specimen;
+      job.index = jobs.size();
+      job.lane = setup.lane;
+      job.lane_options = request.lane_options;
+      job.image = std::filesystem::absolute(request.firmware).string();
+      job.planned = planned;
+      job.record = static_cast<std::uint64_t>(k) + 1;
+      job.nonce = static_cast<std::uint32_t>(
+          mix_seed(job.seed, setup.firmware_sha256 + "/" + job.id) & 0xFFFFFFFFu);
+      job.faults = request.faults;
+      const auto at = std::find(setup.specimens.begin(), setup.specimens.end(), specimen);
+      job.calibration = calibrations[static_cast<std::size_t>(at - setup.specimens.begin())];
+      jobs.push_back(std::move(job));
+    }
+  }
+  return jobs;
+}
+
+double rig_time_s(const CaseJob& job) {
+  const auto duration_s = [](const StimulusSpec& spec) {
+    const auto made = make_stimulus(spec);
+    return made ? (*made)->duration_s() : 0.0;
+  };
+  if (job.kind == CaseJob::Kind::record) return duration_s(job.planned.stimulus);
+  double t_s = job.calibrate.sweep_s * job.calibrate.sweeps;
+  if (job.calibrate.level == CalibrationLevel::identified)
+    t_s += duration_s(job.calibrate.identification->stimulus);
+  return t_s;
+}
+
+}  // namespace forcegate

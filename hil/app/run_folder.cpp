@@ -1,0 +1,110 @@
+#include "hil/app/run_folder.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "hil/app/write_file.h"
+#include "hil/interface/reporter.h"
+
+namespace forcegate {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kPart = ".part-";
+
+// Everything that a run may leave in its folder.
+bool is_ours(const fs::path& folder) {
+  std::vector<std::string> ours{"traces"};
+  for (const ReporterKind& reporter : Registry<ReporterKind>::instance().all())
+    if (!reporter.file_name.empty()) ours.push_back(reporter.file_name);
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (std::find(ours.begin(), ours.end(), entry.path().filename().string()) == ours.end()) return false;
+  return !error;
+}
+
+void sync_folder(const fs::path& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+  if (descriptor < 0) return;
+  fsync(descriptor);
+  close(descriptor);
+}
+
+// Temporary folders whose process is gone.
+void remove_leftovers(const fs::path& final_path) {
+  const std::string prefix = final_path.filename().string() + kPart;
+  std::error_code ignored;
+  std::vector<fs::path> dead;
+  for (const auto& entry : fs::directory_iterator(final_path.parent_path(), ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix)) continue;
+    const long pid = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
+    if (pid > 0 && kill(static_cast<pid_t>(pid), 0) == 0 && pid != getpid()) continue;
+    dead.push_back(entry.path());
+  }
+  for (const fs::path& path : dead) fs::remove_all(path, ignored);
+}
+
+}  // namespace
+
+Result<RunFolder> RunFolder::open(const fs::path& final_path) {
+  RunFolder folder;
+  std::error_code error;
+  folder.final_ = fs::absolute(final_path).lexically_normal();
+  if (folder.final_.filename().empty()) folder.final_ = folder.final_.parent_path();
+  if (fs::exists(folder.final_, error)) {
+    if (!fs::is_directory(folder.final_, error))
+      return fail(ErrorCode::usage, "the output is a file", folder.final_.string(), "give a folder with --output");
+    if (!is_ours(folder.final_))
+      return fail(ErrorCode::usage, "the output folder holds files that are not of a run", folder.final_.string(),
+                  "give a new or empty folder with --output");
+    fs::remove(folder.final_ / "result.json", error);
+    fs::remove_all(folder.final_, error);
+    if (error) return fail(ErrorCode::io, "the older result cannot be removed: " + error.message(), folder.final_.string());
+  }
+  fs::create_directories(folder.final_.parent_path(), error);
+  remove_leftovers(folder.final_);
+  folder.temporary_ = folder.final_.string() + kPart + std::to_string(getpid());
+  fs::create_directories(folder.temporary_, error);
+  if (error) return fail(ErrorCode::io, "the output folder cannot be made: " + error.message(), folder.final_.string());
+  return folder;
+}
+
+RunFolder::RunFolder(RunFolder&& other) noexcept
+    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)) {
+  other.temporary_.clear();
+}
+
+RunFolder::~RunFolder() {
+  if (temporary_.empty()) return;
+  std::error_code ignored;
+  fs::remove_all(temporary_, ignored);
+}
+
+Result<void> RunFolder::publish(const RunResult& result) {
+  const ReporterKind* last = nullptr;
+  for (const ReporterKind& reporter : Registry<ReporterKind>::instance().all()) {
+    if (reporter.file_name.empty()) continue;
+    if (reporter.file_name == "result.json") {
+      last = &reporter;
+      continue;
+    }
+    FORCEGATE_CHECK_OK(write_file_atomically(temporary_ / reporter.file_name, reporter.render(result)));
+  }
+  if (last != nullptr) FORCEGATE_CHECK_OK(write_file_atomically(temporary_ / last->file_name, last->render(result)));
+  sync_folder(temporary_);
+  std::error_code error;
+  fs::rename(temporary_, final_, error);
+  if (error) return fail(ErrorCode::io, "the result cannot be given its name: " + error.message(), final_.string());
+  temporary_.clear();
+  sync_folder(final_.parent_path());
+  return {};
+}
+
+}  // namespace forcegate

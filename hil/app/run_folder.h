@@ -1,0 +1,32 @@
+#pragma once
+// The folder of a run. It is filled under a temporary name and renamed when it is complete; result.json is the last
+// file. Whatever kills the program, the final name holds a whole result or none.
+
+#include <filesystem>
+
+#include "hil/base/result.h"
+#include "hil/interface/run_result.h"
+
+namespace forcegate {
+
+class RunFolder {
+ public:
+  /// Removes an older result of that name at once (it must not be taken for this run's) and what killed runs left.
+  /// Refuses a folder that holds anything but a result of ours (usage).
+  static Result<RunFolder> open(const std::filesystem::path& final_path);
+  RunFolder(RunFolder&& other) noexcept;
+  RunFolder& operator=(RunFolder&&) = delete;
+  ~RunFolder();  ///< removes the temporary folder if it was not published
+
+  /// Where to put files before publish().
+  const std::filesystem::path& path() const { return temporary_; }
+
+  /// Writes every reporter's file, result.json last, syncs and renames.
+  Result<void> publish(const RunResult& result);
+
+ private:
+  RunFolder() = default;
+  std::filesystem::path final_, temporary_;
+};
+
+}  // namespace forcegate

@@ -1,0 +1,77 @@
+#include "hil/app/worker.h"
+
+#include "hil/app/case_recorder.h"
+#include "hil/gate/calibrate.h"
+#include "hil/gate/case_json.h"
+#include "hil/gate/runner.h"
+#include "hil/interface/comparator.h"
+
+namespace forcegate {
+namespace {
+
+CaseRecord failed(const CaseJob& job, CaseFailure::Stage stage, Error error) {
+  CaseRecord record;
+  record.id = job.id;
+  record.index = job.index;
+  record.failure = CaseFailure{stage, std::move(error)};
+  return record;
+}
+
+// The lane is opened by the runner, which alone knows the rig's rate; the comparator is chosen by what the image
+// then declares. This one waits for the declaration.
+class LateComparator final : public Comparator {
+ public:
+  Result<void> begin(const ComparatorSession& session) override {
+    inner_.reset();
+    for (const ComparatorKind& kind : Registry<ComparatorKind>::instance().all())
+      if (kind.accepts(session.algorithm_id)) inner_ = kind.make();
+    if (inner_) return inner_->begin(session);
+    return {};
+  }
+  void push(std::span<const std::uint16_t> adc, std::span<const float> force_N,
+            std::span<const std::uint8_t> flags) override {
+    if (inner_) inner_->push(adc, force_N, flags);
+  }
+  Comparison finish() override { return inner_ ? inner_->finish() : Comparison{}; }
+  bool known() const { return inner_ != nullptr; }
+
+ private:
+  std::unique_ptr<Comparator> inner_;
+};
+
+}  // namespace
+
+CaseRecord execute_job(const CaseJob& job, const std::function<void(double)>& progress,
+                       const std::atomic<bool>* cancelled) {
+  auto rig = make_rig(job.rig, job.rig_options);
+  if (!rig) return failed(job, CaseFailure::Stage::rig, rig.error());
+  if (job.kind == CaseJob::Kind::calibration) return run_calibration(job, **rig, cancelled);
+
+  const LaneKind* lane = Registry<LaneKind>::instance().find(job.lane);
+  if (lane == nullptr)
+    return failed(job, CaseFailure::Stage::setup, {ErrorCode::usage, "there is no lane named '" + job.lane + "'", {}, {}});
+  auto dut = lane->make(job.lane_options);
+  if (!dut) return failed(job, CaseFailure::Stage::setup, dut.error());
+
+  LateComparator comparator;
+  CaseRecorder recorder(job.keep_path);
+  RunDevices devices;
+  devices.rig = rig->get();
+  devices.dut = dut->get();
+  devices.comparator = job.planned.checks & kCheckConformance ? &comparator : nullptr;
+  devices.writer = job.keep_path.empty() ? nullptr : &recorder;
+  devices.progress = progress;
+  devices.cancelled = cancelled;
+  CaseRecord record = run_case(job, devices);
+  if (!job.keep_path.empty() && !record.failure)
+    record.trace_file = "traces/" + std::filesystem::path(job.keep_path).filename().string();
+  record.conformance_known = record.conformance_known && comparator.known();
+  return record;
+}
+
+Result<std::string> execute_job_text(std::string_view job_json) {
+  FORCEGATE_TRY(const CaseJob job, job_from_json(job_json));
+  return to_json(execute_job(job));
+}
+
+}  // namespace forcegate

@@ -1,0 +1,248 @@
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "hil/app/worker.h"
+#include "hil/gate/case_json.h"
+#include "hil/interface/firmware_guard.h"
+
+namespace forcegate {
+namespace {
+
+constexpr std::size_t kLargestAnswer = std::size_t{256} << 20;
+
+// Shared between one worker and its parent.
+struct WorkerPage {
+  FirmwareGuard guard;
+  std::atomic<std::uint32_t> progress{0};
+  std::atomic<float> t_s{0.0f};
+};
+
+double now_s(clockid_t clock) {
+  timespec t{};
+  if (clock_gettime(clock, &t) != 0) return 0.0;
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double cpu_time_s(pid_t pid) {
+  clockid_t clock;
+  return clock_getcpuclockid(pid, &clock) == 0 ? now_s(clock) : 0.0;
+}
+
+[[noreturn]] void work(const CaseJob& job, WorkerPage* page, int out) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE})
+    std::signal(signal, signal == SIGINT ? SIG_IGN : SIG_DFL);  // Ctrl-C is the parent's to handle
+  const int null = open("/dev/null", O_RDWR);
+  dup2(null, STDIN_FILENO);
+  dup2(null, STDOUT_FILENO);  // what a firmware prints is not part of any answer
+  g_firmware_guard.store(&page->guard);
+  const CaseRecord record = execute_job(job, [page](double t_s) {
+    page->t_s.store(static_cast<float>(t_s), std::memory_order_relaxed);
+    page->progress.fetch_add(1, std::memory_order_relaxed);
+  });
+  const std::string text = to_json(record);
+  for (std::size_t at = 0; at < text.size();) {
+    const ssize_t n = write(out, text.data() + at, text.size() - at);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) _exit(70);
+    at += static_cast<std::size_t>(n);
+  }
+  _exit(0);
+}
+
+class Pool {
+ public:
+  Pool(const std::vector<CaseJob>& jobs, const WorkerOptions& options, const WorkerEvents& events)
+      : jobs_(jobs), options_(options), events_(events), records_(jobs.size()) {}
+
+  std::vector<CaseRecord> run() {
+    unsigned workers = options_.workers > 0 ? options_.workers : std::max(1u, std::thread::hardware_concurrency());
+    std::size_t next = 0;
+    while (next < jobs_.size() || !running_.empty()) {
+      if (cancelled()) {
+        while (!running_.empty()) end(running_.back(), "interrupted", true);
+        for (; next < jobs_.size(); ++next) records_[next] = gone(next, ErrorCode::cancelled, "interrupted");
+        break;
+      }
+      while (next < jobs_.size() && running_.size() < workers) start(next++);
+      wait();
+    }
+    return std::move(records_);
+  }
+
+ private:
+  struct Worker {
+    std::size_t job = 0;
+    pid_t pid = -1;
+    int in = -1;
+    WorkerPage* page = nullptr;
+    std::string answer;
+    std::uint64_t last_mark = 0;
+    double cpu_at_mark_s = 0.0, wall_at_mark_s = 0.0;
+    float shown_t_s = -1.0f;
+  };
+
+  bool cancelled() const { return options_.cancelled != nullptr && options_.cancelled->load(); }
+
+  CaseRecord gone(std::size_t job, ErrorCode code, std::string text, std::string hint = {}) const {
+    CaseRecord record;
+    record.id = jobs_[job].id;
+    record.index = jobs_[job].index;
+    const auto stage = code == ErrorCode::firmware    ? CaseFailure::Stage::firmware
+                       : code == ErrorCode::cancelled ? CaseFailure::Stage::setup
+                                                      : CaseFailure::Stage::harness;
+    record.failure = CaseFailure{stage, {code, std::move(text), jobs_[job].id, std::move(hint)}};
+    return record;
+  }
+
+  void start(std::size_t job) {
+    int ends[2];
+    void* memory = mmap(nullptr, sizeof(WorkerPage), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED || pipe2(ends, O_CLOEXEC) != 0) {
+      if (memory != MAP_FAILED) munmap(memory, sizeof(WorkerPage));
+      records_[job] = gone(job, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
+      return;
+    }
+    auto* page = new (memory) WorkerPage;
+    const pid_t pid = fork();
+    if (pid == 0) {
+      close(ends[0]);
+      work(jobs_[job], page, ends[1]);
+    }
+    close(ends[1]);
+    if (pid < 0) {
+      close(ends[0]);
+      munmap(memory, sizeof(WorkerPage));
+      records_[job] = gone(job, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
+      return;
+    }
+    Worker w;
+    w.job = job;
+    w.pid = pid;
+    w.in = ends[0];
+    w.page = page;
+    w.wall_at_mark_s = now_s(CLOCK_MONOTONIC);
+    running_.push_back(std::move(w));
+  }
+
+  void wait() {
+    std::vector<pollfd> polled;
+    for (const Worker& w : running_) polled.push_back({w.in, POLLIN, 0});
+    poll(polled.data(), polled.size(), 100);
+    for (std::size_t i = polled.size(); i-- > 0;) {
+      Worker& w = running_[i];
+      if (polled[i].revents != 0 && !read_some(w)) {
+        finish(w);
+        continue;
+      }
+      show(w);
+      watch(w);
+    }
+  }
+
+  // False at the end of the answer.
+  bool read_some(Worker& w) {
+    char buffer[65536];
+    const ssize_t n = read(w.in, buffer, sizeof buffer);
+    if (n < 0 && errno == EINTR) return true;
+    if (n <= 0) return false;
+    w.answer.append(buffer, static_cast<std::size_t>(n));
+    return w.answer.size() <= kLargestAnswer;
+  }
+
+  void show(Worker& w) {
+    const float t_s = w.page->t_s.load(std::memory_order_relaxed);
+    if (t_s == w.shown_t_s || !events_.progress) return;
+    w.shown_t_s = t_s;
+    events_.progress(w.job, t_s);
+  }
+
+  void watch(Worker& w) {
+    const std::uint64_t mark = (static_cast<std::uint64_t>(w.page->progress.load()) << 32) +
+                               w.page->guard.sample_index.load() + w.answer.size();
+    const double cpu_s = cpu_time_s(w.pid), wall_s = now_s(CLOCK_MONOTONIC);
+    if (mark != w.last_mark) {
+      w.last_mark = mark;
+      w.cpu_at_mark_s = cpu_s;
+      w.wall_at_mark_s = wall_s;
+      return;
+    }
+    const bool in_firmware = w.page->guard.in_firmware.load() != 0;
+    if (in_firmware && cpu_s - w.cpu_at_mark_s > options_.hang_cpu_s)
+      return end(w, fmt::format("the firmware does not return: endless loop after sample {} ({:.0f} s of CPU time)",
+                                w.page->guard.sample_index.load(), options_.hang_cpu_s), false);
+    // A calibration marks nothing for as long as it lasts; only the firmware is watched closely.
+    if (in_firmware && wall_s - w.wall_at_mark_s > options_.blocked_s)
+      return end(w, fmt::format("the firmware does not return: blocked after sample {}", w.page->guard.sample_index.load()),
+                 false);
+  }
+
+  void end(Worker& w, std::string text, bool interrupted) {
+    kill(w.pid, SIGKILL);
+    int status = 0;
+    waitpid(w.pid, &status, 0);
+    records_[w.job] = gone(w.job, interrupted ? ErrorCode::cancelled : ErrorCode::firmware, std::move(text));
+    release(w);
+  }
+
+  void finish(Worker& w) {
+    int status = 0;
+    waitpid(w.pid, &status, 0);
+    auto record = record_from_json(w.answer);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && record) {
+      records_[w.job] = std::move(*record);
+    } else {
+      const bool in_firmware = w.page->guard.in_firmware.load() != 0;
+      const std::string how =
+          WIFSIGNALED(status)
+              ? fmt::format("signal {} ({})", sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
+                            strsignal(WTERMSIG(status)))
+              : fmt::format("exit code {}", WEXITSTATUS(status));
+      records_[w.job] =
+          in_firmware ? gone(w.job, ErrorCode::firmware,
+                             fmt::format("the firmware crashed with {} after sample {}", how,
+                                         w.page->guard.sample_index.load()))
+                      : gone(w.job, ErrorCode::internal, fmt::format("a worker ended with {} outside the firmware", how));
+    }
+    release(w);
+  }
+
+  void release(Worker& w) {
+    close(w.in);
+    munmap(w.page, sizeof(WorkerPage));
+    const std::size_t job = w.job;
+    running_.erase(running_.begin() + (&w - running_.data()));
+    if (events_.done) events_.done(job);
+  }
+
+  const std::vector<CaseJob>& jobs_;
+  const WorkerOptions& options_;
+  const WorkerEvents& events_;
+  std::vector<CaseRecord> records_;
+  std::vector<Worker> running_;
+};
+
+}  // namespace
+
+std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const WorkerOptions& options,
+                                       const WorkerEvents& events) {
+  return Pool(jobs, options, events).run();
+}
+
+}  // namespace forcegate

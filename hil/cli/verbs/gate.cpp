@@ -1,0 +1,137 @@
+#include "hil/app/gate.h"
+
+#include <charconv>
+#include <ctime>
+
+#include "hil/base/text.h"
+#include "hil/cli/command.h"
+#include "hil/interface/dut.h"
+#include "hil/interface/reporter.h"
+#include "hil/interface/rig.h"
+#include "hil/report/console.h"
+
+namespace forcegate {
+namespace {
+
+std::vector<std::string> lanes() { return Registry<LaneKind>::instance().names(); }
+std::vector<std::string> rigs() { return Registry<RigKind>::instance().names(); }
+std::vector<std::string> levels() { return {"nominal", "static", "identified"}; }
+
+// "reference_saturated=2.0"; a bare name means magnitude 0.
+Result<std::map<std::string, double>> faults_of(const std::vector<std::string>& words) {
+  std::map<std::string, double> faults;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    double magnitude = 0.0;
+    if (equals != std::string::npos) {
+      const char* begin = word.data() + equals + 1;
+      const char* end = word.data() + word.size();
+      const auto [stop, error] = std::from_chars(begin, end, magnitude);
+      if (error != std::errc{} || stop != end || begin == end)
+        return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is not NAME=VALUE", "--fault",
+                    "for example --fault reference_saturated=2.0");
+    }
+    faults[word.substr(0, equals)] = magnitude;
+  }
+  return faults;
+}
+
+Result<std::map<std::string, std::string>> options_of(const std::vector<std::string>& words, const char* option) {
+  std::map<std::string, std::string> options;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos || equals == 0)
+      return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is not NAME=VALUE", option);
+    options[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return options;
+}
+
+std::string now_iso8601() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+Result<int> run(const Invocation& in) {
+  GateRequest request;
+  request.firmware = in.text("FIRMWARE");
+  request.plan = in.text("plan");
+  request.lane = in.text("lane");
+  request.rig = in.text("rig");
+  FORCEGATE_TRY(request.rig_options, options_of(in.texts("rig-option"), "--rig-option"));
+  FORCEGATE_TRY(request.lane_options, options_of(in.texts("lane-option"), "--lane-option"));
+  if (in.given("record")) request.rig_options["record"] = in.text("record");
+  if (in.given("record") && !in.given("rig")) request.rig = "replay";
+  if (request.rig == "replay" && !in.given("plan")) request.plan = "replay";
+  if (in.given("cal")) request.calibration_file = in.text("cal");
+  if (in.given("calibration")) {
+    const std::string level = in.text("calibration");
+    request.level = level == "nominal"  ? CalibrationLevel::nominal
+                    : level == "static" ? CalibrationLevel::statical
+                                        : CalibrationLevel::identified;
+  }
+  if (in.given("seed")) {
+    FORCEGATE_TRY(request.seed, in.seed("seed"));
+  }
+  FORCEGATE_TRY(request.faults, faults_of(in.texts("fault")));
+  request.only_cases = in.texts("case");
+  request.panel = in.texts("specimen");
+  FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
+  request.threads = static_cast<unsigned>(threads);
+  request.keep = in.flag("keep");
+  request.output = in.text("output");
+  request.command_line = in.command_line();
+  request.started_at = now_iso8601();
+
+  Console& console = in.console();
+  const auto made = gate(request, console.progress_callback(), &in.interrupt_flag());
+  console.end_progress();
+  if (!made) return Unexpected(made.error());
+  console.print(render_console(*made, {.colour = console.color()}));
+  if (const ReporterKind* json = Registry<ReporterKind>::instance().find("json")) console.print_json(json->render(*made));
+  if (made->decision.exit_code != kExitInterrupted) console.next("open " + (request.output / "report.html").string());
+  return made->decision.exit_code;
+}
+
+const Registration<Command> kRow{Command{
+    .name = "gate",
+    .group = "Gate",
+    .summary = "accept or reject a firmware build",
+    .description =
+        "Plays the force profiles of a plan on a rig, lets the firmware image turn the sensor's raw codes into force, and "
+        "decides: ACCEPT, REJECT or NO-DECISION with the cause and who must act. The rig is checked before the "
+        "firmware is judged, and every value carries its uncertainty (docs/gate.md).\n\nThe lane follows from the "
+        "image: a shared object runs natively in a watched process, an ARM ELF in qemu-system-arm. The specimen is "
+        "calibrated first; --calibration says how far.\n\nThe folder of the result appears whole at the end, "
+        "result.json last in it. The same command with the same seed gives the same bytes except one time stamp.",
+    .positionals = {{.name = "FIRMWARE", .doc = "Firmware image (ELF)."}},
+    .options = {{.name = "plan", .value_name = "PLAN", .doc = "Plan file, or the name of one in ci/plans.", .fallback = "smoke"},
+                {.name = "lane", .value_name = "LANE", .doc = "How the image runs; default: by its content.", .choices = lanes},
+                {.name = "rig", .value_name = "NAME|FILE", .doc = "Rig, or a bench file.", .fallback = "emulated", .choices = rigs, .only_choices = false},
+                {.name = "record", .value_name = "FILE", .doc = "Recording to judge on (rig replay): columns t_s, U_V, F_ref_N."},
+                {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen instead of measuring it."},
+                {.name = "calibration", .value_name = "LEVEL", .doc = "How much of the specimen is told to the firmware; default: the plan's.", .choices = levels},
+                {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
+                {.name = "fault", .value_name = "NAME=VALUE", .doc = "Fault of the rig to inject.", .repeatable = true},
+                {.name = "case", .value_name = "NAME", .doc = "Only this case of the plan.", .repeatable = true},
+                {.name = "specimen", .value_name = "NAME", .doc = "This specimen instead of the plan's.", .repeatable = true},
+                {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig.", .repeatable = true},
+                {.name = "lane-option", .value_name = "NAME=VALUE", .doc = "Option of the lane.", .repeatable = true},
+                {.name = "threads", .value_name = "N", .doc = "Worker processes at a time; 0: one per processor.", .fallback = "0"},
+                {.name = "keep", .value_name = "", .doc = "Keep the samples of every record as HDF5, not only of those in doubt."},
+                {.name = "output", .value_name = "FOLDER", .doc = "Folder of the result.", .fallback = "forcegate-run", .letter = 'o'}},
+    .examples = {{"forcegate gate build/firmware/reference-m4f.block.elf", "Is the image that ships any good, in a few seconds?"},
+                 {"forcegate gate build/firmware/reference.native.so --plan nightly -o run", "The whole nightly plan:"},
+                 {"forcegate gate build/firmware/reference.native.so --record run.csv --cal cal.toml", "On a recording:"},
+                 {"forcegate gate build/firmware/reference.native.so --fault reference_saturated=2.0", "What a broken reference looks like:"}},
+    .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitNoDecision, kExitRigFault, kExitSafetyStop, kExitInternal,
+                   kExitInterrupted},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,183 @@
+#include "hil/gate/decision.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "hil/base/rng.h"
+
+namespace forcegate {
+namespace {
+
+Check check(double value, double limit, double u = 0.0) {
+  Check c;
+  c.id = "mre_maxima";
+  c.title = "Mean relative error of the maxima";
+  c.value = value;
+  c.unit = "%";
+  c.u = u;
+  c.limit = {Limit::Kind::upper, limit, "test"};
+  return c;
+}
+
+std::vector<Check> judged(std::vector<Check> checks, const DecisionRule& rule = {}) {
+  std::vector<JudgedCheck> list;
+  for (const Check& c : checks) list.push_back({c, 0.0, true});
+  std::vector<JudgedCheck*> pointers;
+  for (JudgedCheck& j : list) pointers.push_back(&j);
+  apply_rule(rule, pointers);
+  std::vector<Check> out;
+  for (const JudgedCheck& j : list) out.push_back(j.check);
+  return out;
+}
+
+Decision decided(const std::vector<Check>& checks, const RunEvents& events = {}, const DecisionRule& rule = {}) {
+  std::vector<const Check*> pointers;
+  for (const Check& c : checks) pointers.push_back(&c);
+  return decide(pointers, rule, events);
+}
+
+TEST(DecisionRule, has_the_four_zones_of_ISO_14253) {
+  EXPECT_EQ(judged({check(4.0, 4.5, 0.1)})[0].verdict, Verdict::pass);
+  EXPECT_EQ(judged({check(4.4, 4.5, 0.1)})[0].verdict, Verdict::marginal);
+  EXPECT_EQ(judged({check(4.6, 4.5, 0.1)})[0].verdict, Verdict::inconclusive);
+  EXPECT_EQ(judged({check(5.5, 4.5, 0.1)})[0].verdict, Verdict::fail);
+}
+
+TEST(DecisionRule, passes_an_exact_value_on_the_limit) {
+  EXPECT_EQ(judged({check(4.5, 4.5)})[0].verdict, Verdict::pass);
+  EXPECT_EQ(judged({check(std::nextafter(4.5, 5.0), 4.5)})[0].verdict, Verdict::fail);
+}
+
+TEST(DecisionRule, needs_more_evidence_to_reject_among_many_checks) {
+  const Check doubtful = check(4.5 + 0.28, 4.5, 0.1);  // 2.8 u beyond: p = 0.0026
+  EXPECT_EQ(judged({doubtful})[0].verdict, Verdict::fail);
+  std::vector<Check> many(100, check(1.0, 4.5, 0.1));
+  many[0] = doubtful;
+  EXPECT_EQ(judged(many)[0].verdict, Verdict::inconclusive);
+  many[0] = check(4.5 + 0.5, 4.5, 0.1);
+  EXPECT_EQ(judged(many)[0].verdict, Verdict::fail);
+}
+
+TEST(DecisionRule, risk_at_the_acceptance_limit_is_that_of_JCGM_106) {
+  // Truth on the limit, normal error: P(accepted) = P(value + 2 u <= limit) = 2.3 %.
+  Rng rng(1);
+  int accepted = 0;
+  for (int i = 0; i < 20000; ++i)
+    accepted += zone(check(rng.normal(4.5, 0.1), 4.5, 0.1), 0.2) == Verdict::pass;
+  EXPECT_NEAR(accepted / 20000.0, 0.0228, 0.003);
+}
+
+TEST(Decision, accepts_when_every_required_check_passed) {
+  const Decision d = decided(judged({check(1.0, 4.5, 0.1), check(2.0, 7.5, 0.1)}));
+  EXPECT_EQ(d.kind, DecisionKind::accept);
+  EXPECT_EQ(d.exit_code, 0);
+}
+
+TEST(Decision, rejects_and_names_the_check_first) {
+  const Decision d = decided(judged({check(1.0, 4.5, 0.1), check(80.0, 4.5, 0.1)}));
+  EXPECT_EQ(d.kind, DecisionKind::reject);
+  EXPECT_EQ(d.exit_code, 1);
+  EXPECT_EQ(d.blame, Blame::firmware);
+  EXPECT_NE(d.reason.find("maxima"), std::string::npos);
+}
+
+TEST(Decision, does_not_accept_a_marginal_value_unless_the_rule_is_simple) {
+  DecisionRule simple;
+  simple.name = "simple";
+  const auto marginal = judged({check(4.4, 4.5, 0.1)});
+  EXPECT_EQ(decided(marginal).exit_code, 3);
+  EXPECT_EQ(decided(marginal, {}, simple).exit_code, 0);
+}
+
+TEST(Decision, a_rig_error_is_retryable_and_never_blames_the_firmware) {
+  auto checks = judged({check(1.0, 4.5)});
+  checks.push_back(check(std::nan(""), 1.0));
+  checks.back().verdict = Verdict::rig_error;
+  checks.back().blame = Blame::reference;
+  const Decision d = decided(checks);
+  EXPECT_EQ(d.kind, DecisionKind::no_decision);
+  EXPECT_EQ(d.exit_code, 4);
+  EXPECT_EQ(d.blame, Blame::reference);
+}
+
+TEST(Decision, names_the_calibration_level_when_a_conforming_image_fails_for_want_of_it) {
+  auto checks = judged({check(11.7, 4.5, 0.3)});
+  Check conformance = check(0.5, 1.0);
+  conformance.id = "conformance";
+  conformance.verdict = Verdict::pass;
+  checks.push_back(conformance);
+  RunEvents events;
+  events.level = CalibrationLevel::nominal;
+  const Decision d = decided(checks, events);
+  EXPECT_EQ(d.kind, DecisionKind::reject);
+  EXPECT_EQ(d.blame, Blame::calibration);
+  EXPECT_NE(d.reason.find("calibration level 'nominal' is the cause"), std::string::npos);
+}
+
+TEST(Decision, without_any_check_there_is_no_decision) {
+  EXPECT_EQ(decided({}).exit_code, 3);
+  Check waived = check(9.0, 1.0);
+  waived.verdict = Verdict::waived;
+  EXPECT_EQ(decided({waived}).exit_code, 3);
+}
+
+TEST(Decision, does_not_believe_a_pass_that_is_none) {
+  for (Check c : {check(std::nan(""), 4.5), check(9.0, 4.5), check(std::numeric_limits<double>::infinity(), 4.5)}) {
+    c.verdict = Verdict::pass;
+    EXPECT_NE(decided({c}).kind, DecisionKind::accept);
+  }
+}
+
+TEST(Decision, undecided_safety_stop_has_its_own_exit_code) {
+  RunEvents events;
+  events.safety_stop = true;
+  events.safety_cause_decided = false;
+  EXPECT_EQ(decided(judged({check(1.0, 4.5)}), events).exit_code, 5);
+}
+
+// Whatever the checks hold: ACCEPT only when each required one carries a finite value inside its limit.
+TEST(Decision, no_sequence_of_errors_missing_data_or_nan_yields_accept) {
+  const double values[] = {0.0, 1.0, 4.5, 4.6, -1.0, 1e308, std::nan(""), std::numeric_limits<double>::infinity(),
+                           -std::numeric_limits<double>::infinity()};
+  Rng rng(20111);
+  int accepted = 0;
+  for (int round = 0; round < 200000; ++round) {
+    std::vector<Check> checks(rng.below(5));
+    bool all_good = false, any = false;
+    bool good = true;
+    for (Check& c : checks) {
+      c.value = values[rng.below(std::size(values))];
+      c.u = rng.below(3) == 0 ? values[rng.below(std::size(values))] : 0.0;
+      c.limit = {static_cast<Limit::Kind>(rng.below(4)), values[rng.below(std::size(values))], "x"};
+      c.verdict = rng.below(2) == 0 ? Verdict::pass : static_cast<Verdict>(rng.below(7));
+      c.blame = static_cast<Blame>(rng.below(9));
+      c.required = rng.below(4) != 0;
+      if (!c.required || c.verdict == Verdict::waived) continue;
+      any = true;
+      const bool inside = c.limit.kind == Limit::Kind::none ||
+                          (c.limit.kind == Limit::Kind::upper && c.value <= c.limit.value) ||
+                          (c.limit.kind == Limit::Kind::lower && c.value >= c.limit.value) ||
+                          (c.limit.kind == Limit::Kind::equal && c.value == c.limit.value);
+      good = good && c.verdict == Verdict::pass && std::isfinite(c.value) && inside;
+    }
+    all_good = any && good;
+    RunEvents events;
+    events.cancelled = rng.below(10) == 0;
+    events.harness_error = rng.below(10) == 0;
+    events.safety_stop = rng.below(10) == 0;
+    events.safety_cause_decided = rng.below(2) == 0;
+    const Decision d = decided(checks, events);
+    EXPECT_FALSE(d.reason.empty());
+    EXPECT_EQ(d.kind == DecisionKind::accept, d.exit_code == 0);
+    EXPECT_EQ(d.kind == DecisionKind::reject, d.exit_code == 1);
+    if (d.kind != DecisionKind::accept) continue;
+    ++accepted;
+    ASSERT_TRUE(all_good && !events.cancelled && !events.harness_error && !events.safety_stop) << "round " << round;
+  }
+  EXPECT_GT(accepted, 100) << "the test must also see what ACCEPT looks like";
+}
+
+}  // namespace
+}  // namespace forcegate

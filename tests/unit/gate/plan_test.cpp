@@ -1,0 +1,108 @@
+#include "hil/gate/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace forcegate {
+namespace {
+
+const std::string kGood = R"(format = 1
+name = "small"
+[panel]
+specimens = ["q50"]
+[calibration]
+level = "static"
+[[case]]
+name = "a_sine"
+stimulus = { name = "sine", f_Hz = 0.5, A_N = 1, m_N = 2, duration_s = 60 }
+checks = ["accuracy"]
+)";
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+Error error_of(const std::string& text) {
+  const auto plan = parse_plan(text, "p.toml");
+  EXPECT_FALSE(plan) << text;
+  return plan ? Error{} : plan.error();
+}
+
+TEST(Plan, reads_what_it_says) {
+  const auto plan = parse_plan(kGood, "p.toml");
+  ASSERT_TRUE(plan) << plan.error().to_text();
+  EXPECT_EQ(plan->cases.size(), 1u);
+  EXPECT_EQ(plan->cases[0].checks, unsigned{kCheckAccuracy});
+  EXPECT_EQ(plan->cases[0].controller, "open_loop");
+  EXPECT_EQ(plan->sha256.size(), 64u);
+}
+
+TEST(Plan, refuses_an_unknown_key_with_position_and_suggestion) {
+  const Error e = error_of(with("checks =", "cheks ="));
+  EXPECT_EQ(e.code, ErrorCode::config);
+  EXPECT_EQ(e.where, "p.toml:10:1");
+  EXPECT_NE(e.hint.find("checks"), std::string::npos);
+}
+
+TEST(Plan, names_the_stimulus_parameter_that_is_wrong) {
+  EXPECT_NE(error_of(with("A_N = 1,", "A_N = -1,")).text.find("A_N"), std::string::npos);
+  EXPECT_NE(error_of(with("f_Hz", "f_hz")).hint.find("f_Hz"), std::string::npos);
+  EXPECT_NE(error_of(with("\"sine\"", "\"sin\"")).hint.find("sine"), std::string::npos);
+}
+
+TEST(Plan, refuses_two_cases_of_one_name) {
+  EXPECT_NE(error_of(kGood + kGood.substr(kGood.find("[[case]]"))).text.find("two cases"), std::string::npos);
+}
+
+TEST(Plan, refuses_a_limit_without_its_source) {
+  EXPECT_NE(error_of(kGood + "maxima_pct = 5\n").hint.find("limit_source"), std::string::npos);
+}
+
+TEST(Plan, refuses_the_promise_in_open_loop) {
+  EXPECT_NE(error_of(with("[\"accuracy\"]", "[\"promise\"]")).text.find("closed loop"), std::string::npos);
+}
+
+TEST(Plan, needs_a_record_to_identify_a_specimen) {
+  EXPECT_NE(error_of(with("\"static\"", "\"identified\"")).text.find("identification"), std::string::npos);
+}
+
+TEST(Plan, refuses_names_that_are_paths) {
+  error_of(with("\"a_sine\"", "\"../x\""));
+  error_of(with("\"a_sine\"", "\"\""));
+}
+
+TEST(Plan, refuses_a_newer_format) { error_of(with("format = 1", "format = 2")); }
+
+TEST(Plan, all_committed_plans_are_good) {
+  int n = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(FORCEGATE_SOURCE_DIR "/ci/plans")) {
+    if (entry.path().extension() != ".toml") continue;
+    const auto plan = read_plan(entry.path());
+    if (entry.path().stem() == "smoke" || entry.path().stem() == "nightly" || entry.path().stem() == "bench" ||
+        entry.path().stem() == "replay") {
+      EXPECT_TRUE(plan) << plan.error().to_text();
+      ++n;
+    }
+  }
+  EXPECT_EQ(n, 4);
+}
+
+TEST(Plan, nightly_holds_the_paper_s_twenty_sines_and_a_panel_of_nine) {
+  const auto plan = read_plan(FORCEGATE_SOURCE_DIR "/ci/plans/nightly.toml");
+  ASSERT_TRUE(plan);
+  EXPECT_GE(plan->panel.size(), 9u);
+  int sines = 0, closed = 0;
+  for (const PlanCase& c : plan->cases) {
+    sines += c.source == "Lebosse 2011, Table II";
+    closed += c.loop == LoopMode::closed && c.checks & kCheckPromise;
+  }
+  EXPECT_EQ(sines, 20);
+  EXPECT_EQ(closed, 2);
+}
+
+}  // namespace
+}  // namespace forcegate

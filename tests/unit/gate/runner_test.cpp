@@ -1,0 +1,275 @@
+#include "hil/gate/runner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hil/gate/calibrate.h"
+#include "hil/gate/case_json.h"
+#include "hil/gate/judge.h"
+#include "tests/support/fake_dut.h"
+#include "tests/support/fake_rig.h"
+
+namespace forcegate {
+namespace {
+
+struct Setup {
+  testing::FakeRig rig;
+  testing::FakeDut dut;
+  CaseJob job;
+  Plan plan;
+  Setup() {
+    job.id = "sine/fake";
+    job.nonce = 0x1234;
+    job.planned.name = "sine";
+    job.planned.controller = "open_loop";
+    job.planned.checks = kCheckAccuracy;
+    job.planned.maxima_pct = job.planned.minima_pct = 5.0;
+    job.planned.limit_source = "test";
+    job.planned.stimulus.name = "sine";
+    job.planned.stimulus.numbers = {{"f_Hz", 0.5}, {"A_N", 1.0}, {"m_N", 2.0}, {"duration_s", 60.0}, {"ramp_s", 2.0}};
+    job.calibration.gain_N_per_V = rig.gain_N_per_V;
+    job.calibration.offset_N = rig.offset_N;
+  }
+  CaseRecord run() {
+    RunDevices devices;
+    devices.rig = &rig;
+    devices.dut = &dut;
+    return run_case(job, devices);
+  }
+  JudgedCase judge(const CaseRecord& record) {
+    JudgedCase judged = judge_case(plan, job.planned, record, {});
+    std::vector<JudgedCheck*> all;
+    for (JudgedCheck& j : judged.checks) all.push_back(&j);
+    apply_rule(plan.rule, all);
+    return judged;
+  }
+  void close_loop() {
+    job.planned.loop = LoopMode::closed;
+    job.planned.controller = "force_integral";
+  }
+};
+
+const Check* find(const JudgedCase& judged, const std::string& id) {
+  for (const JudgedCheck& j : judged.checks)
+    if (j.check.id == id) return &j.check;
+  return nullptr;
+}
+
+bool all_required_pass(const JudgedCase& judged) {
+  for (const JudgedCheck& j : judged.checks)
+    if (j.check.required && j.check.verdict != Verdict::pass) {
+      ADD_FAILURE() << j.check.id << " " << to_string(j.check.verdict) << " " << j.check.evidence;
+      return false;
+    }
+  return true;
+}
+
+TEST(Runner, finds_no_error_in_an_exact_sensor) {
+  Setup s;
+  const CaseRecord r = s.run();
+  ASSERT_FALSE(r.failure) << r.failure->error.to_text();
+  EXPECT_EQ(r.samples, 60000u);
+  EXPECT_EQ(r.expected_extrema, 57u);
+  EXPECT_NEAR(r.lag_s, 0.0, 1e-4);
+  const JudgedCase judged = s.judge(r);
+  EXPECT_TRUE(all_required_pass(judged));
+  EXPECT_LT(find(judged, "mre_maxima")->value, 0.01);
+}
+
+TEST(Runner, measures_a_gain_error_as_the_mean_relative_error) {
+  Setup s;
+  s.dut.spoil = [](std::uint32_t, float& force_N, std::uint8_t&) { force_N *= 1.08f; };
+  const JudgedCase judged = s.judge(s.run());
+  EXPECT_NEAR(find(judged, "mre_maxima")->value, 8.0, 0.05);
+  EXPECT_EQ(find(judged, "mre_maxima")->verdict, Verdict::fail);
+  EXPECT_EQ(find(judged, "mre_maxima")->blame, Blame::firmware);
+}
+
+TEST(Runner, measures_a_lag_in_either_direction_of_the_force) {
+  Setup s;
+  std::vector<float> line(30, 0.0f);
+  s.dut.spoil = [&](std::uint32_t index, float& force_N, std::uint8_t&) { std::swap(force_N, line[index % 30]); };
+  const CaseRecord r = s.run();
+  EXPECT_NEAR(r.lag_s, 0.030, 0.001);
+}
+
+TEST(Runner, closes_the_loop_over_the_firmware_s_estimate) {
+  Setup s;
+  s.close_loop();
+  const CaseRecord r = s.run();
+  ASSERT_FALSE(r.failure);
+  const JudgedCase judged = s.judge(r);
+  ASSERT_TRUE(judged.maxima.usable);
+  EXPECT_LT(judged.maxima.value, 3.0);
+}
+
+TEST(Runner, a_low_estimate_drives_the_closed_loop_too_high_by_as_much) {
+  Setup s;
+  s.close_loop();
+  s.dut.spoil = [](std::uint32_t, float& force_N, std::uint8_t&) { force_N *= 0.9f; };
+  const JudgedCase judged = s.judge(s.run());
+  EXPECT_NEAR(judged.maxima.value, 10.0, 2.5);
+}
+
+TEST(Runner, is_the_same_to_the_last_bit_when_repeated) {
+  Setup a, b;
+  const CaseRecord first = a.run(), second = b.run();
+  EXPECT_EQ(first.digest, second.digest);
+  EXPECT_EQ(to_json(first), to_json(second));
+}
+
+TEST(Runner, one_changed_sample_changes_the_digest) {
+  Setup a, b;
+  b.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
+    if (index == 31234) force_N = std::nextafter(force_N, 10.0f);
+  };
+  EXPECT_NE(a.run().digest, b.run().digest);
+}
+
+TEST(Runner, refuses_output_that_does_not_echo_the_nonce) {
+  Setup s;
+  s.dut.wrong_nonce = true;
+  const CaseRecord r = s.run();
+  ASSERT_TRUE(r.failure);
+  EXPECT_EQ(find(s.judge(r), "firmware_runs")->verdict, Verdict::fail);
+}
+
+TEST(Runner, charges_a_firmware_that_stops_answering) {
+  Setup s;
+  s.dut.dies_at = 20000;
+  const JudgedCase judged = s.judge(s.run());
+  EXPECT_EQ(find(judged, "firmware_runs")->blame, Blame::firmware);
+}
+
+TEST(Runner, one_nan_fails_the_build_and_says_when) {
+  Setup s;
+  s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
+    if (index == 40000) force_N = std::nanf("");
+  };
+  const JudgedCase judged = s.judge(s.run());
+  const Check* c = find(judged, "output_finite");
+  EXPECT_EQ(c->verdict, Verdict::fail);
+  EXPECT_NE(c->evidence.find("40.000 s"), std::string::npos) << c->evidence;
+}
+
+TEST(Runner, a_truncated_record_decides_nothing) {
+  Setup s;
+  s.rig.ends_after_s = 40.0;
+  const JudgedCase judged = s.judge(s.run());
+  EXPECT_EQ(find(judged, "coverage")->verdict, Verdict::inconclusive);
+  EXPECT_EQ(find(judged, "coverage")->blame, Blame::link);
+  EXPECT_EQ(find(judged, "mre_maxima")->verdict, Verdict::inconclusive);
+}
+
+TEST(Runner, an_unsound_reference_takes_the_record_out_of_judgement) {
+  Setup s;
+  s.rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {
+    if (t_s > 20.0 && b.force_ref_N[row] > 2.5f) b.status[row] |= kRigReferenceSaturated;
+  };
+  s.dut.spoil = [](std::uint32_t, float& force_N, std::uint8_t&) { force_N *= 2.0f; };
+  const JudgedCase judged = s.judge(s.run());
+  EXPECT_EQ(find(judged, "mre_maxima")->verdict, Verdict::rig_error);
+  EXPECT_EQ(find(judged, "rig_reference_valid")->blame, Blame::reference);
+  for (const JudgedCheck& j : judged.checks) EXPECT_NE(j.check.verdict, Verdict::fail) << j.check.id;
+}
+
+TEST(Runner, charges_a_build_that_drives_the_loop_into_the_force_limit) {
+  Setup s;
+  s.close_loop();
+  s.job.safety.force_max_N = 4.0;
+  s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
+    if (index > 20000) force_N = 0.5f;
+  };
+  const JudgedCase judged = s.judge(s.run());
+  EXPECT_TRUE(judged.safety_stop);
+  EXPECT_TRUE(judged.safety_cause_decided);
+  EXPECT_EQ(find(judged, "safety_stop")->verdict, Verdict::fail);
+  EXPECT_EQ(find(judged, "safety_stop")->blame, Blame::firmware);
+}
+
+TEST(Runner, does_not_charge_a_build_with_a_stop_after_which_it_agreed_with_the_reference) {
+  Setup s;
+  s.close_loop();
+  s.job.safety.force_max_N = 2.5;
+  const JudgedCase judged = s.judge(s.run());
+  EXPECT_TRUE(judged.safety_stop);
+  EXPECT_FALSE(judged.safety_cause_decided);
+}
+
+TEST(Runner, leaves_the_start_window_out_of_the_error_but_limits_it) {
+  Setup s;
+  s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t& flags) {
+    if (index < 30000) {
+      flags |= kDutLearning;
+      force_N *= 0.5f;
+    }
+  };
+  const JudgedCase judged = s.judge(s.run());
+  EXPECT_LT(find(judged, "mre_maxima")->value, 0.05);
+  EXPECT_NEAR(find(judged, "learning_window")->value, 30.0, 1e-6);
+  EXPECT_EQ(find(judged, "learning_window")->verdict, Verdict::fail);
+}
+
+TEST(Runner, sees_a_static_hold_that_is_amplified) {
+  for (const float factor : {1.0f, 1.3f}) {
+    Setup s;
+    s.job.planned.checks = kCheckHold;
+    s.job.planned.stimulus = {};
+    s.job.planned.stimulus.name = "jump";
+    s.job.planned.stimulus.numbers = {{"A_N", 1.0}, {"m_N", 2.0}, {"ramp_s", 2.0}};
+    s.job.planned.stimulus.lists = {{"f_Hz", {0.5, 0.0}}, {"stretch_s", {60.5, 60.0}}};
+    s.dut.spoil = [factor](std::uint32_t index, float& force_N, std::uint8_t&) {
+      if (index > 63000) force_N *= factor;
+    };
+    const CaseRecord r = s.run();
+    EXPECT_NEAR(r.hold.seconds, 30.0, 0.2);
+    const JudgedCase judged = s.judge(r);
+    const Check* c = find(judged, "hold_amplification");
+    ASSERT_NE(c, nullptr);
+    EXPECT_EQ(c->verdict, factor > 1.0f ? Verdict::fail : Verdict::pass);
+  }
+}
+
+TEST(Runner, survives_the_trip_through_the_pipe) {
+  Setup s;
+  s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
+    if (index == 7) force_N = std::nanf("");
+  };
+  const CaseRecord r = s.run();
+  const auto back = record_from_json(to_json(r));
+  ASSERT_TRUE(back) << back.error().to_text();
+  EXPECT_EQ(to_json(*back), to_json(r));
+  const auto job = job_from_json(to_json(s.job));
+  ASSERT_TRUE(job);
+  EXPECT_EQ(to_json(*job), to_json(s.job));
+  EXPECT_FALSE(record_from_json("{\"id\": 3"));
+  EXPECT_FALSE(record_from_json("{}"));
+}
+
+TEST(Calibration, static_sweeps_find_gain_and_offset) {
+  Setup s;
+  s.rig.gain_N_per_V = 0.53;
+  s.rig.offset_N = 0.07;
+  s.job.kind = CaseJob::Kind::calibration;
+  s.job.specimen = "fake";
+  s.job.calibrate.level = CalibrationLevel::statical;
+  const CaseRecord r = run_calibration(s.job, s.rig);
+  ASSERT_FALSE(r.failure) << r.failure->error.to_text();
+  EXPECT_NEAR(r.calibration.gain_N_per_V, 0.53, 1e-4);
+  EXPECT_NEAR(r.calibration.offset_N, 0.07, 1e-3);
+  EXPECT_EQ(r.calibration.level, CalibrationLevel::statical);
+}
+
+TEST(Calibration, fails_on_a_sensor_that_does_not_answer) {
+  Setup s;
+  s.rig.gain_N_per_V = 1e9;
+  s.job.kind = CaseJob::Kind::calibration;
+  s.job.calibrate.level = CalibrationLevel::statical;
+  const CaseRecord r = run_calibration(s.job, s.rig);
+  ASSERT_TRUE(r.failure);
+  EXPECT_EQ(r.failure->stage, CaseFailure::Stage::rig);
+}
+
+}  // namespace
+}  // namespace forcegate

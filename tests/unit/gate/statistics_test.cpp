@@ -1,0 +1,44 @@
+#include "hil/gate/statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace forcegate {
+namespace {
+
+TEST(Statistics, student_distribution_agrees_with_tables) {
+  EXPECT_NEAR(student_cdf(2.306004, 8), 0.975, 1e-6);
+  EXPECT_NEAR(student_cdf(-2.896459, 8), 0.01, 1e-6);
+  EXPECT_NEAR(student_cdf(1.0, 1), 0.75, 1e-12);
+  EXPECT_NEAR(student_cdf(1.959964, 1e9), 0.975, 1e-6);
+}
+
+TEST(Statistics, coverage_factors_are_those_of_the_GUM) {
+  // GUM (JCGM 100:2008), table G.2, p = 95.45 %
+  EXPECT_NEAR(coverage_factor(0.9545, 1), 13.97, 0.01);
+  EXPECT_NEAR(coverage_factor(0.9545, 8), 2.37, 0.01);
+  EXPECT_NEAR(coverage_factor(0.9545, 20), 2.13, 0.01);
+  EXPECT_NEAR(coverage_factor(0.9545, 0), 2.00, 0.001);
+}
+
+TEST(Statistics, holm_rejects_step_by_step) {
+  // Holm (1979): p = 0.01, 0.04, 0.03, 0.005 at 0.05 rejects 0.005 and 0.01 only.
+  const double p[] = {0.01, 0.04, 0.03, 0.005};
+  EXPECT_EQ(holm(p, 0.05), (std::vector<bool>{true, false, false, true}));
+}
+
+TEST(Statistics, holm_never_rejects_what_is_not_a_number) {
+  const double p[] = {std::nan(""), 0.0};
+  EXPECT_EQ(holm(p, 0.05), (std::vector<bool>{false, true}));
+}
+
+TEST(Statistics, quantile_and_moments_leave_out_what_is_not_finite) {
+  EXPECT_DOUBLE_EQ(quantile({3.0, std::nan(""), 1.0, 2.0}, 0.5), 2.0);
+  const double v[] = {1.0, std::nan(""), 3.0};
+  EXPECT_DOUBLE_EQ(moments(v).mean, 2.0);
+  EXPECT_DOUBLE_EQ(moments(v).sd, std::sqrt(2.0));
+}
+
+}  // namespace
+}  // namespace forcegate
