@@ -13,7 +13,7 @@ namespace forcegate::hidden {
 namespace {
 
 constexpr Clocking kPreview{200.0, 50.0, false};
-constexpr int kPreviewRuns = 5;
+constexpr int kPreviewRuns = 9;
 
 struct Band {
   double low_pct, high_pct, rival_factor;
@@ -95,26 +95,35 @@ double target_pct(const HiddenKind& kind, const Conditions& c, Tier tier, Rng& r
   return std::min(target, 8.0);
 }
 
-/// Secant in logarithms on coarse previews until the size is within a tenth of the target.
+/// Search on coarse previews until the size is within a tenth of the target: regula falsi in logarithms, bisection
+/// where that leaves the bracket. Effects with a threshold (a rail, a gap) jump; then the nearest size found counts.
 double find_strength(const Stage& stage, const HiddenKind& kind, std::uint64_t seed, double target) {
   const auto clean = run_campaign(stage.conditions, stage.climate, stage.plans, {}, kPreview);
   const double span = span_of(clean, kind.measure);
-  double s = 1.0, s_before = 0.0, size_before = 0.0;
-  for (int run = 0; run < kPreviewRuns; ++run) {
+  const auto size_at = [&](double s) {
     Effects effects;
     effects.push_back(make_effect(kind, seed, s));
     const auto with = run_campaign(stage.conditions, stage.climate, stage.plans, effects, kPreview);
-    const double size = 100.0 * difference(with, clean, kind.measure).rms / span;
-    if (size > 0.9 * target && size < 1.1 * target) break;
-    double power = 1.0;
-    if (size_before > 0.0 && size > 0.0 && s != s_before)
-      power = std::clamp(portable::log(size / size_before) / portable::log(s / s_before), 0.3, 3.0);
-    const double ratio = size > 0.0 ? std::clamp(target / size, 0.02, 50.0) : 8.0;
-    s_before = s, size_before = size;
-    s = std::min(s * portable::pow(ratio, 1.0 / power), kind.strength_max);
-    if (s == s_before) break;
+    return 100.0 * difference(with, clean, kind.measure).rms / span;
+  };
+  double s = 1.0, best = 1.0, best_error = 1e300, low = 0.0, low_size = 0.0, high = 0.0, high_size = 0.0;
+  for (int run = 0; run < kPreviewRuns; ++run) {
+    const double size = size_at(s), error = std::abs(portable::log((size + 1e-6) / target));
+    if (error < best_error) best = s, best_error = error;
+    if (error < 0.1 || (s >= kind.strength_max && size < target)) break;
+    if (size < target) low = s, low_size = size;
+    else high = s, high_size = size;
+    if (low > 0.0 && high > 0.0) {
+      const double middle = std::sqrt(low * high);
+      const double power = low_size > 0.0 ? portable::log(high_size / low_size) / portable::log(high / low) : 0.0;
+      s = power > 0.0 ? low * portable::pow(target / low_size, 1.0 / power) : middle;
+      if (run > 4 || !(s > 1.02 * low && s < 0.98 * high)) s = middle;
+    } else {
+      s *= size > 0.0 ? std::clamp(target / size, 0.02, 12.0) : 3.0;
+    }
+    s = std::min(s, kind.strength_max);
   }
-  return s;
+  return best;
 }
 
 TruthEffect describe(const HiddenKind& kind, const HiddenEffect& effect, const Difference& voltage,

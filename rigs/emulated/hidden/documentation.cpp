@@ -6,7 +6,7 @@
 namespace forcegate::hidden {
 namespace {
 
-double to_step(double value, double step) { return std::round(value / step) * step; }
+double to_step(double value, double step) { return std::round(value / step) / std::round(1.0 / step); }
 
 }  // namespace
 

@@ -13,7 +13,7 @@ double log_uniform(Rng& rng, double low, double high) {
   return low * portable::pow(high / low, rng.uniform());
 }
 
-double rounded(double value, double step) { return std::round(value / step) * step; }
+double rounded(double value, double step) { return std::round(value / step) / std::round(1.0 / step); }
 
 /// Lowest and highest force of a cyclic record within the bench's range.
 void draw_range(Rng& rng, RecordPlan& plan, double force_max_N, double A_low, double A_high) {

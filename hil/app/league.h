@@ -1,0 +1,75 @@
+#pragma once
+// `forcegate league`: the engine against many mysteries, and the table of how it did.
+//
+// Every campaign has its own seed, mixed from the league's; the campaigns of two league seeds share nothing. Results
+// land in their own place, so that the tables do not depend on the number of threads.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/app/scoring.h"
+#include "hil/base/result.h"
+#include "rigs/emulated/hidden/campaign_maker.h"
+
+namespace forcegate {
+
+/// Anything that answers a campaign with the JSON of `forcegate diagnose`.
+struct LeagueEngine {
+  std::string name;
+  std::function<Result<std::string>(hidden::MadeCampaign&&)> answer;
+};
+
+/// The built-in diagnosis with the model that is used when none is given.
+LeagueEngine built_in_engine();
+
+/// An external engine: `command` with a campaign folder appended, answer on its stdout. Folders are made below the
+/// system's temporary folder and removed.
+LeagueEngine command_engine(std::string command);
+
+struct LeagueRequest {
+  std::uint64_t seed = 1;
+  bool full = false;              ///< else the small corpus of shorter records
+  unsigned threads = 0;           ///< 0: one a processor
+  std::vector<std::string> only;  ///< effects to play, "none", "foreign", "pairs"; empty: all
+  int per_effect = 0;             ///< campaigns per effect and strength; 0: 5 in the full league, 1 in the small one
+};
+
+enum class LeagueClass { control, single, pair, foreign };
+
+struct LeagueMatch {
+  std::string id;  ///< "creep/weak/3"
+  LeagueClass kind = LeagueClass::control;
+  std::uint64_t seed = 0;  ///< `forcegate mystery --seed ...` makes the same campaign
+  double minutes = 20.0;
+  std::vector<std::string> effects;
+  hidden::Tier tier = hidden::Tier::none;
+
+  hidden::Truth truth;
+  Answer answer;
+  Score score;
+  std::string error;         ///< the engine's, when it gave no answer; counts as a miss
+  double engine_s = 0.0, generation_s = 0.0;
+};
+
+struct LeagueResult {
+  LeagueRequest request;
+  std::string engine;
+  std::vector<LeagueMatch> matches;
+  double seconds = 0.0;
+};
+
+/// At least 100 controls, 5 campaigns per effect and strength, 40 pairs and 40 foreign ones when full; 16, 1, 8 and 8
+/// of them with long sines of five minutes otherwise.
+std::vector<LeagueMatch> league_programme(const LeagueRequest& request);
+
+Result<LeagueResult> play_league(const LeagueRequest& request, const LeagueEngine& engine,
+                                 const std::function<void(double, std::string_view)>& progress);
+
+/// The table for a person. Two leagues of one seed differ in the line of seconds only.
+std::string league_text(const LeagueResult& result);
+std::string league_json(const LeagueResult& result);
+
+}  // namespace forcegate
