@@ -1,6 +1,6 @@
-// A sine whose frequency changes at once while amplitude and mean stay (Lebosse 2011, IV-A3 and Fig. 8: 0.5, 2, 3 Hz).
-// The phase is continuous: F = m - A cos(2 pi phi(t)), phi' = f_i in the i-th stretch. A frequency of 0 is a pause
-// at the force where the wheel happens to be.
+// A sine whose frequency changes at once while amplitude and mean stay (Lebosse 2011, IV-A3 and Fig. 8: 0.5,
+// 2, 3 Hz). The phase is continuous: F = m - A cos(2 pi phi(t)), phi' = f_i in the i-th stretch. A frequency
+// of 0 is a pause at the force where the wheel happens to be.
 
 #include "stimuli/profile.h"
 
@@ -48,7 +48,8 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
     return fail(ErrorCode::usage, "stimulus 'jump' needs one duration for each frequency", {},
                 "give stretch_s as many values as f_Hz, or one for all");
   FORCEGATE_CHECK_OK(check_contact("jump", p.at("m_N") - p.at("A_N")));
-  return std::unique_ptr<Stimulus>(std::make_unique<Jump>(f, stretch, p.at("A_N"), p.at("m_N"), p.at("ramp_s")));
+  return std::unique_ptr<Stimulus>(
+      std::make_unique<Jump>(f, stretch, p.at("A_N"), p.at("m_N"), p.at("ramp_s")));
 }
 
 const Registration<StimulusKind> kRegistered{

@@ -1,7 +1,7 @@
 // Sum of sines (Lebosse 2011, eq. 6 and IV-A2c), faded in from its lowest force so that nothing jumps:
 //   s(t) = sum A_i sin(2 pi f_i t + phase_i),  F = low + w(t) (m + s(t) - low),  low = m + min s,
-// where w rises from 0 to 1 in fade_s as a raised cosine. min s and max s are found on a grid of 64 points a period of
-// the highest component over the whole record; the bounds allow for what the grid can miss.
+// where w rises from 0 to 1 in fade_s as a raised cosine. min s and max s are found on a grid of 64 points a
+// period of the highest component over the whole record; the bounds allow for what the grid can miss.
 
 #include "stimuli/profile.h"
 
@@ -46,7 +46,8 @@ class Multisine final : public Profile {
  protected:
   double profile_N(double since_s) const override {
     double s = 0.0;
-    for (const Component& c : components_) s += c.A_N * portable::sin(kTwoPi * c.f_Hz * since_s + c.phase_rad);
+    for (const Component& c : components_)
+      s += c.A_N * portable::sin(kTwoPi * c.f_Hz * since_s + c.phase_rad);
     if (fade_s_ > 0.0 && since_s < fade_s_) return low_ + smooth_step(since_s / fade_s_) * (m_N_ + s - low_);
     return m_N_ + s;
   }
@@ -57,7 +58,8 @@ class Multisine final : public Profile {
     const double step_s = 1.0 / (64.0 * f_high);
     const auto n = std::min(kMost, static_cast<std::size_t>(std::max(length_s, 0.0) / step_s) + 2);
     std::vector<double> s(n, 0.0);
-    for (const Component& c : components_) add_cosine(c.A_N, c.f_Hz, c.phase_rad - 0.5 * kPi, 0, step_s, n, s.data());
+    for (const Component& c : components_)
+      add_cosine(c.A_N, c.f_Hz, c.phase_rad - 0.5 * kPi, 0, step_s, n, s.data());
     const auto [low, high] = std::minmax_element(s.begin(), s.end());
     return {*low, *high};
   }
@@ -82,8 +84,8 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
     sum_A += A[i];
   }
   FORCEGATE_CHECK_OK(check_contact("multisine", p.at("m_N") - sum_A));
-  return std::unique_ptr<Stimulus>(std::make_unique<Multisine>(std::move(components), p.at("m_N"), p.at("duration_s"),
-                                                               p.at("ramp_s"), p.at("fade_s")));
+  return std::unique_ptr<Stimulus>(std::make_unique<Multisine>(
+      std::move(components), p.at("m_N"), p.at("duration_s"), p.at("ramp_s"), p.at("fade_s")));
 }
 
 const Registration<StimulusKind> kRegistered{

@@ -1,7 +1,7 @@
-// Pseudo-random binary signal between m - A and m + A (Lebosse 2011, IV-A2c: 0 to 5 Hz, A 1.6 N, m 2.6 N). The bits
-// are a maximum-length sequence of a 15-stage shift register (x^15 + x^14 + 1) that the seed starts; one bit lasts
-// 1 / (2 f_max), so that the fastest alternation is f_max. The first bit is low. A change of level takes
-// transition_s as a raised cosine: no motor can jump.
+// Pseudo-random binary signal between m - A and m + A (Lebosse 2011, IV-A2c: 0 to 5 Hz, A 1.6 N, m 2.6 N).
+// The bits are a maximum-length sequence of a 15-stage shift register (x^15 + x^14 + 1) that the seed starts;
+// one bit lasts 1 / (2 f_max), so that the fastest alternation is f_max. The first bit is low. A change of
+// level takes transition_s as a raised cosine: no motor can jump.
 
 #include "hil/base/rng.h"
 #include "stimuli/profile.h"
@@ -51,10 +51,11 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   if (p.at("transition_s") > bit_s)
     return fail(ErrorCode::usage, "stimulus 'prbs': transition_s is longer than one bit", {},
                 "a bit lasts 1 / (2 f_max) = " + shortest(bit_s) + " s");
-  if (p.at("duration_s") / bit_s > 1e8) return fail(ErrorCode::usage, "stimulus 'prbs' would need more than 1e8 bits");
+  if (p.at("duration_s") / bit_s > 1e8)
+    return fail(ErrorCode::usage, "stimulus 'prbs' would need more than 1e8 bits");
   return std::unique_ptr<Stimulus>(std::make_unique<Prbs>(p.at("f_max_Hz"), p.at("A_N"), p.at("m_N"),
-                                                          p.at("duration_s"), p.at("ramp_s"), p.at("transition_s"),
-                                                          spec.seed));
+                                                          p.at("duration_s"), p.at("ramp_s"),
+                                                          p.at("transition_s"), spec.seed));
 }
 
 const Registration<StimulusKind> kRegistered{

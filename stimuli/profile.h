@@ -28,8 +28,8 @@ inline double smooth_step(double x) {
   return 0.5 - 0.5 * portable::cos(kPi * x);
 }
 
-/// A profile with a loading ramp before it: from 0 N to `low_N` in ramp_s as a raised cosine. ramp_s = 0: the record
-/// begins at low_N, which is where the rig stands then.
+/// A profile with a loading ramp before it: from 0 N to `low_N` in ramp_s as a raised cosine. ramp_s = 0: the
+/// record begins at low_N, which is where the rig stands then.
 class Profile : public Stimulus {
  public:
   double duration_s() const override { return duration_s_; }
@@ -54,8 +54,9 @@ class Profile : public Stimulus {
   StimulusFacts facts_;
 };
 
-/// amplitude * cos(2 pi f t + phase) at t = k step_s, added to out[0..n) for k = first, first + 1 ... Rotation by
-/// recurrence that starts anew at every multiple of kAnchor, so the value depends on k alone and not on the call.
+/// amplitude * cos(2 pi f t + phase) at t = k step_s, added to out[0..n) for k = first, first + 1 ...
+/// Rotation by recurrence that starts anew at every multiple of kAnchor, so the value depends on k alone and
+/// not on the call.
 inline void add_cosine(double amplitude, double f_Hz, double phase_rad, std::int64_t first, double step_s,
                        std::size_t n, double* out) {
   constexpr std::int64_t kAnchor = 32;
@@ -83,7 +84,9 @@ inline std::int64_t grid_index(double first_t_s, double step_s) {
   return std::abs(k - nearest) < 1e-6 ? static_cast<std::int64_t>(nearest) : -1;
 }
 
-inline StimulusParameter mean_parameter() { return {"m_N", "N", kRequired, 0.0, kForceLimit_N, "middle force m"}; }
+inline StimulusParameter mean_parameter() {
+  return {"m_N", "N", kRequired, 0.0, kForceLimit_N, "middle force m"};
+}
 inline StimulusParameter amplitude_parameter() {
   return {"A_N", "N", kRequired, 0.0, kForceLimit_N, "amplitude A, half of peak to peak"};
 }

@@ -1,5 +1,5 @@
-// Triangular ramps from low to high and back, `cycles` times, each way in sweep_s: the two slow sweeps of the static
-// calibration (Lebosse 2011, III-A: "continuously applying the force range twice").
+// Triangular ramps from low to high and back, `cycles` times, each way in sweep_s: the two slow sweeps of the
+// static calibration (Lebosse 2011, III-A: "continuously applying the force range twice").
 
 #include "stimuli/profile.h"
 

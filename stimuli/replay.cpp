@@ -1,5 +1,6 @@
-// Plays a recorded force again: the channel "F_ref" (what the reference cell saw) of a CSV file, or the one that `channel`
-// names, linearly between its samples and without the file's own start time. Missing samples are bridged.
+// Plays a recorded force again: the channel "F_ref" (what the reference cell saw) of a CSV file, or the one
+// that `channel` names, linearly between its samples and without the file's own start time. Missing samples
+// are bridged.
 
 #include "hil/trace/csv.h"
 #include "stimuli/profile.h"
@@ -32,8 +33,8 @@ class Replay final : public Profile {
   }
 
  private:
-  // Crossings of the middle with a dead band of a fifth of the swing. Two or more whole cycles of at most 40 s make a
-  // cyclic load; its frequency at the start is that of the first ten cycles.
+  // Crossings of the middle with a dead band of a fifth of the swing. Two or more whole cycles of at most 40
+  // s make a cyclic load; its frequency at the start is that of the first ten cycles.
   void describe_cycles() {
     const double band_N = 0.2 * facts_.amplitude_N;
     int side = 0, rises = 0;
@@ -61,15 +62,17 @@ class Replay final : public Profile {
 Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   const std::string& path = spec.texts.at("path");
   const auto named = spec.texts.find("channel");
-  const std::string channel_name = named == spec.texts.end() || named->second.empty() ? "F_ref" : named->second;
+  const std::string channel_name =
+      named == spec.texts.end() || named->second.empty() ? "F_ref" : named->second;
   FORCEGATE_TRY(const TraceFile file, read_csv(path));
   const Channel* channel = file.trace.find(channel_name);
   if (channel == nullptr || channel->unit != "N") {
     std::vector<std::string> forces;
     for (const Channel& c : file.trace.channels)
       if (c.unit == "N") forces.push_back(c.name);
-    return fail(ErrorCode::config, "there is no force channel '" + printable_utf8(channel_name) + "'", path,
-                forces.empty() ? "a force column is named like F_ref_N" : "choose one of: " + join(forces, ", "));
+    return fail(
+        ErrorCode::config, "there is no force channel '" + printable_utf8(channel_name) + "'", path,
+        forces.empty() ? "a force column is named like F_ref_N" : "choose one of: " + join(forces, ", "));
   }
   const std::vector<double>& clock_s = file.trace.time_bases[channel->time_base].t_s;
   std::vector<double> t_s, force_N;
@@ -82,7 +85,8 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
     t_s.push_back(clock_s[i]);
     force_N.push_back(std::max(0.0, force));  // the cell's noise around no load is not a pull
   }
-  if (t_s.size() < 2) return fail(ErrorCode::config, "the recording holds fewer than two samples of the force", path);
+  if (t_s.size() < 2)
+    return fail(ErrorCode::config, "the recording holds fewer than two samples of the force", path);
   const double start_s = t_s.front();
   for (double& t : t_s) t -= start_s;
   return std::unique_ptr<Stimulus>(
@@ -92,7 +96,8 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
 const Registration<StimulusKind> kRegistered{
     {"replay",
      "A recorded force, played again",
-     {{"path", "", kRequired, 0.0, 0.0, "CSV file with a clock and a force column such as F_ref_N", false, true},
+     {{"path", "", kRequired, 0.0, 0.0, "CSV file with a clock and a force column such as F_ref_N", false,
+       true},
       {"channel", "", 0.0, 0.0, 0.0, "name of the force channel; left out = F_ref", false, true},
       ramp_parameter()},
      make}};

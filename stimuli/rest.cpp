@@ -27,7 +27,8 @@ class Rest final : public Profile {
 
 Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   const auto& p = spec.numbers;
-  return std::unique_ptr<Stimulus>(std::make_unique<Rest>(p.at("level_N"), p.at("duration_s"), p.at("ramp_s")));
+  return std::unique_ptr<Stimulus>(
+      std::make_unique<Rest>(p.at("level_N"), p.at("duration_s"), p.at("ramp_s")));
 }
 
 const Registration<StimulusKind> kRegistered{

@@ -8,7 +8,8 @@ namespace {
 
 class Sine final : public Profile {
  public:
-  Sine(double f_Hz, double A_N, double m_N, double duration_s, double ramp_s) : f_Hz_(f_Hz), A_N_(A_N), m_N_(m_N) {
+  Sine(double f_Hz, double A_N, double m_N, double duration_s, double ramp_s)
+      : f_Hz_(f_Hz), A_N_(A_N), m_N_(m_N) {
     duration_s_ = duration_s;
     set_ramp(ramp_s, m_N - A_N);
     facts_.mean_N = m_N;
@@ -26,7 +27,9 @@ class Sine final : public Profile {
   }
 
  protected:
-  double profile_N(double since_s) const override { return m_N_ - A_N_ * portable::cos(kTwoPi * f_Hz_ * since_s); }
+  double profile_N(double since_s) const override {
+    return m_N_ - A_N_ * portable::cos(kTwoPi * f_Hz_ * since_s);
+  }
 
  private:
   double f_Hz_, A_N_, m_N_;
@@ -39,15 +42,14 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
       std::make_unique<Sine>(p.at("f_Hz"), p.at("A_N"), p.at("m_N"), p.at("duration_s"), p.at("ramp_s")));
 }
 
-const Registration<StimulusKind> kRegistered{
-    {"sine",
-     "One sine, begun at its minimum: F = m - A cos(2 pi f t)",
-     {{"f_Hz", "Hz", kRequired, 1e-4, 50.0, "frequency f"},
-      amplitude_parameter(),
-      mean_parameter(),
-      duration_parameter(1200.0),
-      ramp_parameter()},
-     make}};
+const Registration<StimulusKind> kRegistered{{"sine",
+                                              "One sine, begun at its minimum: F = m - A cos(2 pi f t)",
+                                              {{"f_Hz", "Hz", kRequired, 1e-4, 50.0, "frequency f"},
+                                               amplitude_parameter(),
+                                               mean_parameter(),
+                                               duration_parameter(1200.0),
+                                               ramp_parameter()},
+                                              make}};
 
 }  // namespace
 }  // namespace forcegate::stimuli

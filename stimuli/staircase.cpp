@@ -1,5 +1,6 @@
-// Levels one after the other, each held for dwell_s, joined by raised cosines of transition_s; with up_down = 1 back
-// through the same levels. levels_N = 0, 1, 2 with up_down gives 0 1 2 1 0. The transition is part of the dwell.
+// Levels one after the other, each held for dwell_s, joined by raised cosines of transition_s; with up_down =
+// 1 back through the same levels. levels_N = 0, 1, 2 with up_down gives 0 1 2 1 0. The transition is part of
+// the dwell.
 
 #include "stimuli/profile.h"
 
@@ -37,7 +38,8 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   const auto& p = spec.numbers;
   std::vector<double> levels = spec.lists.at("levels_N");
   if (levels.empty())
-    return fail(ErrorCode::usage, "stimulus 'staircase' needs at least one level", {}, "levels_N = 0, 1, 2, 3, 4");
+    return fail(ErrorCode::usage, "stimulus 'staircase' needs at least one level", {},
+                "levels_N = 0, 1, 2, 3, 4");
   if (p.at("transition_s") > p.at("dwell_s"))
     return fail(ErrorCode::usage, "stimulus 'staircase': transition_s is longer than dwell_s", {},
                 "the transition is a part of the dwell");

@@ -30,8 +30,8 @@ class Step final : public Profile {
 
 Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   const auto& p = spec.numbers;
-  return std::unique_ptr<Stimulus>(std::make_unique<Step>(p.at("low_N"), p.at("high_N"), p.at("at_s"), p.at("hold_s"),
-                                                          p.at("duration_s"), p.at("ramp_s")));
+  return std::unique_ptr<Stimulus>(std::make_unique<Step>(
+      p.at("low_N"), p.at("high_N"), p.at("at_s"), p.at("hold_s"), p.at("duration_s"), p.at("ramp_s")));
 }
 
 const Registration<StimulusKind> kRegistered{

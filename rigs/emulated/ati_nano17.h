@@ -13,7 +13,7 @@ class AtiNano17 {
  public:
   struct Parameters {
     double resolution_N = 0.025;
-    double noise_N = 0.006;      ///< standard deviation of one reading before rounding (ours)
+    double noise_N = 0.006;  ///< standard deviation of one reading before rounding (ours)
     double bandwidth_Hz = 250.0;
     double overload_N = 17.0;
   };

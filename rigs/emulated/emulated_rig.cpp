@@ -43,8 +43,8 @@ RigInfo EmulatedRig::info() const {
   info.geometry = geometry_;
   info.can_move = true;
   info.emulated = true;
-  info.details["sensor"] = options_.sensor == SensorType::fsr ? "Interlink FSR (emulated)"
-                                                               : "Tekscan FlexiForce A201 (emulated)";
+  info.details["sensor"] =
+      options_.sensor == SensorType::fsr ? "Interlink FSR (emulated)" : "Tekscan FlexiForce A201 (emulated)";
   info.details["nominal_gain_N_per_V"] = shortest(kNominalGain_N_per_V);
   info.details["nominal_offset_N"] = shortest(kNominalOffset_N);
   return info;
@@ -92,7 +92,8 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   loss_ = Rng(record_seed, "sample_loss");
 
   index_ = 0;
-  end_ = static_cast<std::int64_t>(std::min(request.duration_s, faults_.truncated_s) * options_.rate_Hz + 0.5);
+  end_ =
+      static_cast<std::int64_t>(std::min(request.duration_s, faults_.truncated_s) * options_.rate_Hz + 0.5);
   reading_N_ = force_N;
   is_frozen_ = false;
   last_code_ = 0;
@@ -102,7 +103,8 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
 
 Result<void> EmulatedRig::command_velocity(double rad_per_s) {
   if (!begun_) return fail(ErrorCode::internal, "the emulated rig got a command before a record began");
-  if (!std::isfinite(rad_per_s)) return fail(ErrorCode::device, "the motor refuses a velocity that is no number");
+  if (!std::isfinite(rad_per_s))
+    return fail(ErrorCode::device, "the motor refuses a velocity that is no number");
   motor_.command(rad_per_s);
   return {};
 }
@@ -192,15 +194,16 @@ Result<double> number_option(const std::string& name, const std::string& text, d
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !(value >= low && value <= high))
-    return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) + "' is not a number from " +
-                                       shortest(low) + " to " + shortest(high));
+    return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) +
+                                       "' is not a number from " + shortest(low) + " to " + shortest(high));
   return value;
 }
 
 Result<bool> switch_option(const std::string& name, const std::string& text) {
   if (text == "on" || text == "true" || text == "1") return true;
   if (text == "off" || text == "false" || text == "0") return false;
-  return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) + "' is neither on nor off");
+  return fail(ErrorCode::config,
+              "rig option " + name + " = '" + printable_utf8(text) + "' is neither on nor off");
 }
 
 Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::string>& texts) {

@@ -1,6 +1,6 @@
 #pragma once
-// The bench of Lebosse 2011 (II-B) in virtual time: motor -> eccentric wheel -> trolley and spring -> film and
-// reference cell -> converter, one row per sample. Every random number comes from the record's seed; two
+// The bench of Lebosse 2011 (II-B) in virtual time: motor -> eccentric wheel -> trolley and spring -> film
+// and reference cell -> converter, one row per sample. Every random number comes from the record's seed; two
 // records of one request have the same bits on any machine and in any thread.
 //
 // Geometry: the wheel reaches 5 N at the end of its half turn (more when the profile needs more, at most

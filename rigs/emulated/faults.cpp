@@ -6,7 +6,8 @@ namespace forcegate::emulated {
 
 bool Faults::touches_rows() const {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  return reference_frozen_s < kNever || sensor_unplugged_s < kNever || adc_stuck_bit >= 0 || sample_loss > 0.0;
+  return reference_frozen_s < kNever || sensor_unplugged_s < kNever || adc_stuck_bit >= 0 ||
+         sample_loss > 0.0;
 }
 
 const std::vector<FaultKind>& fault_kinds() {
@@ -46,8 +47,9 @@ Result<Faults> parse_faults(const std::map<std::string, double>& by_name) {
                   near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
     }
     if (!(magnitude >= kind->minimum && magnitude <= kind->maximum))
-      return fail(ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " is out of range", {},
-                  "it is the " + kind->doc + ", from " + shortest(kind->minimum) + " to " + shortest(kind->maximum));
+      return fail(
+          ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " is out of range", {},
+          "it is the " + kind->doc + ", from " + shortest(kind->minimum) + " to " + shortest(kind->maximum));
     kind->set(faults, magnitude);
   }
   return faults;

@@ -13,14 +13,15 @@ namespace forcegate::emulated {
 
 /// Values that switch nothing on.
 struct Faults {
-  double reference_saturated_N = std::numeric_limits<double>::infinity();  ///< the cell overloads at this force
+  double reference_saturated_N =
+      std::numeric_limits<double>::infinity();  ///< the cell overloads at this force
   double reference_offset_N = 0.0;
-  double reference_frozen_s = std::numeric_limits<double>::infinity();     ///< from here on the reading repeats
+  double reference_frozen_s = std::numeric_limits<double>::infinity();  ///< from here on the reading repeats
   double motor_stalled_s = std::numeric_limits<double>::infinity();
-  double sensor_unplugged_s = std::numeric_limits<double>::infinity();     ///< input pulled to 0 V
-  int adc_stuck_bit = -1;                                                  ///< this bit reads 1
-  double sample_loss = 0.0;                                                ///< share of samples that never arrive
-  double truncated_s = std::numeric_limits<double>::infinity();            ///< the record ends here
+  double sensor_unplugged_s = std::numeric_limits<double>::infinity();  ///< input pulled to 0 V
+  int adc_stuck_bit = -1;                                               ///< this bit reads 1
+  double sample_loss = 0.0;                                      ///< share of samples that never arrive
+  double truncated_s = std::numeric_limits<double>::infinity();  ///< the record ends here
 
   /// Something has to be done to finished rows.
   bool touches_rows() const;

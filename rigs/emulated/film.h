@@ -18,11 +18,11 @@ struct FilmParameters {
   double gain_N_per_V = 0.5;
   double offset_N = 0.15;
   // Imperfections of the static law (Table I of the paper is missing in our copy: ours)
-  double curvature = 0.006;        ///< largest departure from the line over the range, share of full_scale_N
+  double curvature = 0.006;  ///< largest departure from the line over the range, share of full_scale_N
   double full_scale_N = 5.0;
-  double play_half_width_N = 0.25; ///< rate-independent hysteresis: one play operator ...
-  double play_share = 0.05;        ///< ... that carries this share of the force
-  double creep_share = 0.025;      ///< growth of the output under a load at rest
+  double play_half_width_N = 0.25;  ///< rate-independent hysteresis: one play operator ...
+  double play_share = 0.05;         ///< ... that carries this share of the force
+  double creep_share = 0.025;       ///< growth of the output under a load at rest
   double creep_s = 250.0;
   // First-order lag
   double lag_s = 0.003;

@@ -4,15 +4,17 @@
 //
 // Mechanism (ours, after the observations of Lebosse 2011, III-C to IV-A3; the paper has no physical model):
 //  - Turning points of the force set the envelope [lo, hi]. The contacts that carry the lower envelope stay
-//    closed; those closed and opened by every cycle are lost bit by bit. So the output of the force above `lo`
-//    shrinks and the minima are held.
-//  - Activity `act` in [0, 1]: full while half-cycles are shorter than some 10 s, none for quasi-static loading.
-//  - Conditioning: during the first cycles (>= 15 s of activity and 3 traverses of the full swing) the network
-//    takes an imprint of amplitude A0 and of the rhythm f0 of full-swing traverses, which is that of the lowest
-//    component. Afterwards both stay frozen until 5 min of quiet.
+//    closed; those closed and opened by every cycle are lost bit by bit. So the output of the force above
+//    `lo` shrinks and the minima are held.
+//  - Activity `act` in [0, 1]: full while half-cycles are shorter than some 10 s, none for quasi-static
+//  loading.
+//  - Conditioning: during the first cycles (>= 15 s of activity and 3 traverses of the full swing) the
+//  network
+//    takes an imprint of amplitude A0 and of the rhythm f0 of full-swing traverses, which is that of the
+//    lowest component. Afterwards both stay frozen until 5 min of quiet.
 //  - Lost share y of three groups of contacts: y' = act b (y_inf - y) - (1 - act) release y / tau_i, with
-//    b = b_scale (0.0019 f0 + 0.0056) and y_inf = 1 / (1 + q), q = q_scale / (1 + 1.377 A0^2) (eq. 5 in ratio form,
-//    r = 1 - y). The three recovery times make a stretched recovery that is over in about 2 h.
+//    b = b_scale (0.0019 f0 + 0.0056) and y_inf = 1 / (1 + q), q = q_scale / (1 + 1.377 A0^2) (eq. 5 in ratio
+//    form, r = 1 - y). The three recovery times make a stretched recovery that is over in about 2 h.
 //  - Release is full at or below `lo` and none at `hi`: a film that stays pressed does not recover.
 //  - Expression E: the loss shows while the network is being worked; it vanishes within a minute of released
 //    rest, when only a static residue of the gain is left, proportional to y (III-D: +7 %).
@@ -35,15 +37,15 @@ struct LoadingParameters {
   double fixed_loss = -1.0;
   double sign = 1.0;
   // The rest is ours.
-  double residue = 0.12;                ///< relative drop of the static output per unit of y: +7 % of gain when
-                                        ///< calibrated some minutes after 20 min of cycling
-  double bump = 0.4;                    ///< largest share of the loss undone by a change of rhythm
+  double residue = 0.12;  ///< relative drop of the static output per unit of y: +7 % of gain when
+                          ///< calibrated some minutes after 20 min of cycling
+  double bump = 0.4;      ///< largest share of the loss undone by a change of rhythm
   double bump_fade_s = 20.0;
-  double slow_half_cycle_s = 20.0;      ///< half-cycles longer than this are quasi-static
-  double envelope_s = 300.0;            ///< memory of the envelope while cycling
+  double slow_half_cycle_s = 20.0;  ///< half-cycles longer than this are quasi-static
+  double envelope_s = 300.0;        ///< memory of the envelope while cycling
   double recovery_s[3] = {90.0, 700.0, 2200.0};
   double share[3] = {0.3, 0.4, 0.3};
-  double show_s = 3.0, hide_s = 25.0;   ///< expression
+  double show_s = 3.0, hide_s = 25.0;  ///< expression
 };
 
 class LoadingMemory {
@@ -79,9 +81,9 @@ class LoadingMemory {
   /// Output force of the film before the static law: F - loss (F - lo) - residue F.
   double apply(double force_N) const { return force_N - loss_ * (force_N - lo_) - residue_ * force_N; }
 
-  double lost_share() const { return lost_; }            ///< y
-  double expression() const { return expression_; }      ///< E
-  double disturbance() const { return disturbance_; }    ///< B
+  double lost_share() const { return lost_; }          ///< y
+  double expression() const { return expression_; }    ///< E
+  double disturbance() const { return disturbance_; }  ///< B
   double activity() const { return activity_; }
   double envelope_low_N() const { return lo_; }
   double envelope_high_N() const { return hi_; }

@@ -115,8 +115,8 @@ Result<Specimen> find_specimen(SensorType type, std::string_view name) {
               "use nominal, one of " + join(panel_names(), ", ") + ", or seed:N");
 }
 
-FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint64_t seed, std::uint64_t session,
-                            bool spread) {
+FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint64_t seed,
+                            std::uint64_t session, bool spread) {
   Rng rng(mix_seed(seed, "session/" + specimen.name), std::to_string(session));
   const auto z = [&] { return spread ? cut_normal(rng) : 0.0; };
   const bool fsr = type == SensorType::fsr;
@@ -129,7 +129,8 @@ FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint
   film.creep_share = specimen.creep_share;
   film.play_share = specimen.play_share;
   if (fsr) {
-    // The paper has no model of the FSR: static law, lag, a nearly linear loss and a wandering swing are ours.
+    // The paper has no model of the FSR: static law, lag, a nearly linear loss and a wandering swing are
+    // ours.
     film.curvature = 4.0 * specimen.curvature;
     film.play_share = 1.5 * specimen.play_share;
     film.lag_s = 0.060;
@@ -141,8 +142,8 @@ FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint
     film.loading.fixed_loss = std::abs(specimen.loss_20min) / 0.302;
     film.loading.sign = specimen.loss_20min < 0.0 ? -1.0 : 1.0;
     film.loading.bump = 0.2;
-    // III-D: gain -11 % after cycling, whatever the loss: the static output rises by 12 %. The larger figure stands
-    // for the release until a calibration some minutes later.
+    // III-D: gain -11 % after cycling, whatever the loss: the static output rises by 12 %. The larger figure
+    // stands for the release until a calibration some minutes later.
     film.loading.residue = -0.18 * film.loading.sign / std::max(0.02, std::abs(specimen.loss_20min));
   }
   return film;

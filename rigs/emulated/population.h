@@ -40,8 +40,8 @@ Result<Specimen> find_specimen(SensorType type, std::string_view name);
 
 /// The film of this specimen in a session: draws G, F0 and the repeatability from (seed, session).
 /// `spread` = false gives nominal G and F0 and exact repeatability.
-FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint64_t seed, std::uint64_t session,
-                            bool spread = true);
+FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint64_t seed,
+                            std::uint64_t session, bool spread = true);
 
 /// Standard normal quantile, 0 < p < 1, error below 5e-9.
 double normal_quantile(double p);

@@ -8,8 +8,9 @@
 
 namespace forcegate::emulated {
 
-/// White Gaussian noise for 1 kHz channels at 1 to 2 ns a number: picks from a fixed sample of 8192 normal numbers that
-/// has mean 0 and standard deviation 1 exactly; four picks a random word. Its largest value is about 3.9.
+/// White Gaussian noise for 1 kHz channels at 1 to 2 ns a number: picks from a fixed sample of 8192 normal
+/// numbers that has mean 0 and standard deviation 1 exactly; four picks a random word. Its largest value is
+/// about 3.9.
 class WhiteNoise {
  public:
   WhiteNoise(std::uint64_t seed, const char* stream) : rng_(seed, stream), table_(&table()) {}

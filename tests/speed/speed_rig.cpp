@@ -80,10 +80,12 @@ Cost measure(const char* sensor, const char* controller_name, double minutes) {
 
 int main(int argc, char** argv) {
   const double minutes = argc > 1 ? std::atof(argv[1]) : 20.0;
-  std::printf("%-12s %-15s %14s %22s %16s\n", "sensor", "controller", "rig ns/sample", "with controller ns", "x real time");
+  std::printf("%-12s %-15s %14s %22s %16s\n", "sensor", "controller", "rig ns/sample", "with controller ns",
+              "x real time");
   for (const char* sensor : {"flexiforce", "fsr"})
     for (const char* controller : {"open_loop", "force_integral"}) {
       const Cost c = measure(sensor, controller, minutes);
-      std::printf("%-12s %-15s %14.1f %22.1f %16.0f\n", sensor, controller, c.rig_ns, c.all_ns, 1e6 / c.all_ns);
+      std::printf("%-12s %-15s %14.1f %22.1f %16.0f\n", sensor, controller, c.rig_ns, c.all_ns,
+                  1e6 / c.all_ns);
     }
 }

@@ -2,10 +2,10 @@
 // integral of the force error,
 //   theta_c(t) = theta(0) + (K / s_max) int (F_set - F_estimate) dt,   s_max = k e = largest dF/dtheta,
 // and the velocity-controlled motor follows it: v = theta_c' + K_p (theta_c - theta_measured).
-// K = 20 1/s: bandwidth 3 Hz, phase margin about 60 degrees with the 10 ms period, one period of computing and
-// the drive's 8 ms; at 0.5 Hz the amplitude is 1.2 % short. No feed-forward and no anti-windup, as in the paper: when the
-// wheel is at its stop "a positive error is cumulated". The windup is cut at kWindup_rad so that a
-// record that was saturated for hours can still end.
+// K = 20 1/s: bandwidth 3 Hz, phase margin about 60 degrees with the 10 ms period, one period of computing
+// and the drive's 8 ms; at 0.5 Hz the amplitude is 1.2 % short. No feed-forward and no anti-windup, as in the
+// paper: when the wheel is at its stop "a positive error is cumulated". The windup is cut at kWindup_rad so
+// that a record that was saturated for hours can still end.
 
 #include <algorithm>
 

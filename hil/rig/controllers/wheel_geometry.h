@@ -12,6 +12,8 @@ double wheel_force_N(const RigGeometry& geometry, double theta_rad);
 double wheel_angle_rad(const RigGeometry& geometry, double force_N);
 
 /// Largest dF/dtheta of the wheel, N/rad (at a quarter turn).
-inline double wheel_slope_max_N_per_rad(const RigGeometry& g) { return g.spring_N_per_mm * g.eccentricity_mm; }
+inline double wheel_slope_max_N_per_rad(const RigGeometry& g) {
+  return g.spring_N_per_mm * g.eccentricity_mm;
+}
 
 }  // namespace forcegate

@@ -1,4 +1,5 @@
-// Force control on the emulated rig (Lebosse 2011, IV-B2, Fig. 9-11): 1.1 to 3.2 N at 0.5 Hz and four sines, 20 min.
+// Force control on the emulated rig (Lebosse 2011, IV-B2, Fig. 9-11): 1.1 to 3.2 N at 0.5 Hz and four sines,
+// 20 min.
 
 #include <gtest/gtest.h>
 
@@ -20,14 +21,17 @@ struct Outcome {
   double mre_maxima = 0.0, mre_minima = 0.0;
 };
 
-std::unique_ptr<Stimulus> one_sine() { return stimulus("sine", {{"f_Hz", 0.5}, {"A_N", 1.05}, {"m_N", 2.15}}); }
+std::unique_ptr<Stimulus> one_sine() {
+  return stimulus("sine", {{"f_Hz", 0.5}, {"A_N", 1.05}, {"m_N", 2.15}});
+}
 std::unique_ptr<Stimulus> four_sines() {
-  return stimulus("multisine", {{"m_N", 2.15}}, {{"f_Hz", {1.0, 0.5, 0.1, 0.05}}, {"A_N", {0.1, 0.2, 0.3, 0.4}}});
+  return stimulus("multisine", {{"m_N", 2.15}},
+                  {{"f_Hz", {1.0, 0.5, 0.1, 0.05}}, {"A_N", {0.1, 0.2, 0.3, 0.4}}});
 }
 
 /// ATI against set-point from `from_s` on.
-Outcome control(const std::string& name, std::uint64_t session, Level level, const Stimulus& profile, double f_min_Hz,
-                double from_s) {
+Outcome control(const std::string& name, std::uint64_t session, Level level, const Stimulus& profile,
+                double f_min_Hz, double from_s) {
   const Specimen specimen = value_or_abort(find_specimen(SensorType::flexiforce, name));
   BenchRun bench;
   bench.controller = "force_integral";
@@ -67,9 +71,8 @@ struct PanelMean {
 PanelMean panel_mean(Level level, const Stimulus& profile, double f_min_Hz, double from_s) {
   const auto& names = panel_names();
   std::vector<Outcome> outcomes(names.size());
-  parallel_for(names.size(), 0, [&](std::size_t i) {
-    outcomes[i] = control(names[i], i, level, profile, f_min_Hz, from_s);
-  });
+  parallel_for(names.size(), 0,
+               [&](std::size_t i) { outcomes[i] = control(names[i], i, level, profile, f_min_Hz, from_s); });
   PanelMean mean;
   for (const Outcome& o : outcomes) {
     mean.maxima += o.mre_maxima / static_cast<double>(names.size());
@@ -94,8 +97,10 @@ TEST(ClosedLoop, without_compensation_the_wheel_reaches_its_stop_mostly_between_
     stops.push_back(o.first_stop_s);
   }
   std::sort(stops.begin(), stops.end());
-  std::printf(" stop reached by %d of 30 in 100-320 s, median %.0f s, %d never; at the stop %.0f %% of the last 5 min\n",
-              inside, stops[15], never, 100.0 * at_end);
+  std::printf(
+      " stop reached by %d of 30 in 100-320 s, median %.0f s, %d never; at the stop %.0f %% of the last 5 "
+      "min\n",
+      inside, stops[15], never, 100.0 * at_end);
   EXPECT_GE(inside, 24);
   EXPECT_EQ(never, 0);
 }
@@ -105,9 +110,11 @@ TEST(ClosedLoop, with_identified_calibration_the_panel_keeps_the_papers_limits_w
   const PanelMean identified = panel_mean(Level::identified, *profile, 0.5, 20.0);
   const PanelMean statical = panel_mean(Level::statical, *profile, 0.5, 20.0);
   const PanelMean nominal = panel_mean(Level::nominal, *profile, 0.5, 20.0);
-  std::printf(" panel mean MRE maxima / minima: identified %.1f / %.1f %%, static %.1f / %.1f %%, nominal %.1f / %.1f %%\n",
-              100 * identified.maxima, 100 * identified.minima, 100 * statical.maxima, 100 * statical.minima,
-              100 * nominal.maxima, 100 * nominal.minima);
+  std::printf(
+      " panel mean MRE maxima / minima: identified %.1f / %.1f %%, static %.1f / %.1f %%, nominal %.1f / "
+      "%.1f %%\n",
+      100 * identified.maxima, 100 * identified.minima, 100 * statical.maxima, 100 * statical.minima,
+      100 * nominal.maxima, 100 * nominal.minima);
   EXPECT_LT(identified.maxima, 0.035);
   EXPECT_LT(identified.minima, 0.035);
   EXPECT_GT(statical.maxima, identified.maxima);
@@ -142,7 +149,8 @@ TEST(ClosedLoop, control_error_alone_leaves_margin) {
 TEST(ClosedLoop, controller_begins_where_the_wheel_is_and_settles_without_oscillation) {
   BenchRun bench;
   const auto rig = value_or_abort(make_rig("emulated", {{"session_spread", "off"}}));
-  const auto profile = stimulus("step", {{"low_N", 1.5}, {"high_N", 3.0}, {"at_s", 2.0}, {"duration_s", 6.0}});
+  const auto profile =
+      stimulus("step", {{"low_N", 1.5}, {"high_N", 3.0}, {"at_s", 2.0}, {"duration_s", 6.0}});
   bench.controller = "force_integral";
   bench.estimator = [&](std::uint16_t) { return rig->force_ref_N(); };
   const RigBlock b = bench.play(*rig, *profile);

@@ -1,6 +1,6 @@
 #pragma once
-// The smallest compensator by eq. (7) that closes the loop in these tests. Not the firmware: it is told f_min, and
-// takes U_min and A from the first two cycles.
+// The smallest compensator by eq. (7) that closes the loop in these tests. Not the firmware: it is told
+// f_min, and takes U_min and A from the first two cycles.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,7 +14,8 @@ enum class Level { off, nominal, statical, identified };
 
 class Compensator {
  public:
-  Compensator(Level level, const emulated::Specimen& specimen, const emulated::FilmParameters& film, double f_min_Hz)
+  Compensator(Level level, const emulated::Specimen& specimen, const emulated::FilmParameters& film,
+              double f_min_Hz)
       : on_(level != Level::off), window_s_(2.2 / f_min_Hz) {
     const bool measured = level != Level::nominal;
     gain_ = measured ? film.gain_N_per_V : emulated::kNominalGain_N_per_V;

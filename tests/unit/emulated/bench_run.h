@@ -41,8 +41,8 @@ struct BenchRun {
   std::map<std::string, std::string> rig_options = {};
   RigRecordRequest request = {};
   std::string controller = "open_loop";
-  Estimator estimator = {};      ///< needed by force_integral
-  std::vector<float> estimate_N = {}; ///< filled when there is an estimator
+  Estimator estimator = {};            ///< needed by force_integral
+  std::vector<float> estimate_N = {};  ///< filled when there is an estimator
 
   /// Duration and range come from the profile.
   RigBlock play(const Stimulus& profile) {

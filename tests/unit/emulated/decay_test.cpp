@@ -1,4 +1,5 @@
-// The decay of the maxima against the paper's laws, with the paper's procedure: Table II's 20 sines, 20 minutes each.
+// The decay of the maxima against the paper's laws, with the paper's procedure: Table II's 20 sines, 20
+// minutes each.
 
 #include <gtest/gtest.h>
 
@@ -15,11 +16,11 @@ struct Sine {
   double f_Hz, A_N, m_N;
 };
 
-const std::vector<Sine> kTableII{
-    {0.05, 1.5, 2.7}, {0.15, 1.5, 2.7}, {0.25, 1.5, 2.7},  {0.5, 1.5, 2.7},  {1.0, 1.5, 2.7},
-    {1.5, 1.5, 2.7},  {2.0, 1.5, 2.7},  {2.5, 1.5, 2.7},   {3.0, 1.5, 2.7},  {4.0, 1.5, 2.7},
-    {0.5, 0.44, 2.4}, {0.5, 0.98, 2.4}, {0.5, 1.23, 2.4},  {0.5, 1.47, 2.4}, {0.5, 1.76, 2.4},
-    {0.5, 0.8, 1.77}, {0.5, 0.8, 1.96}, {0.5, 0.8, 2.45},  {0.5, 0.8, 2.94}, {0.5, 0.8, 3.43}};
+const std::vector<Sine> kTableII{{0.05, 1.5, 2.7}, {0.15, 1.5, 2.7}, {0.25, 1.5, 2.7}, {0.5, 1.5, 2.7},
+                                 {1.0, 1.5, 2.7},  {1.5, 1.5, 2.7},  {2.0, 1.5, 2.7},  {2.5, 1.5, 2.7},
+                                 {3.0, 1.5, 2.7},  {4.0, 1.5, 2.7},  {0.5, 0.44, 2.4}, {0.5, 0.98, 2.4},
+                                 {0.5, 1.23, 2.4}, {0.5, 1.47, 2.4}, {0.5, 1.76, 2.4}, {0.5, 0.8, 1.77},
+                                 {0.5, 0.8, 1.96}, {0.5, 0.8, 2.45}, {0.5, 0.8, 2.94}, {0.5, 0.8, 3.43}};
 
 struct Outcome {
   DecayParameters fit;
@@ -48,9 +49,9 @@ TEST(Decay, single_sines_of_table_II_give_rate_and_ratio_of_the_laws_when_fitted
     const Outcome& o = outcomes[i];
     const double b_ratio = o.fit.b_per_s / law_b_per_s(s.f_Hz);
     const double q_ratio = o.fit.c_V / o.fit.a_V / law_ratio(s.A_N);
-    std::printf(" %6.2f %5.2f %5.2f | %5.2f %9.2f %5.2f %5.3f %7.4f | %5.3f %9.3f  | %5.1f\n", s.f_Hz, s.A_N, s.m_N,
-                o.fit.a_V, 1e3 * o.fit.b_per_s, o.fit.c_V, o.fit.c_V / o.fit.a_V, o.fit.rmse_V, b_ratio, q_ratio,
-                100.0 * o.loss);
+    std::printf(" %6.2f %5.2f %5.2f | %5.2f %9.2f %5.2f %5.3f %7.4f | %5.3f %9.3f  | %5.1f\n", s.f_Hz, s.A_N,
+                s.m_N, o.fit.a_V, 1e3 * o.fit.b_per_s, o.fit.c_V, o.fit.c_V / o.fit.a_V, o.fit.rmse_V,
+                b_ratio, q_ratio, 100.0 * o.loss);
     EXPECT_NEAR(b_ratio, 1.0, 0.03) << s.f_Hz << " Hz, " << s.A_N << " N";
     EXPECT_NEAR(q_ratio, 1.0, s.f_Hz < 0.1 ? 0.12 : 0.05) << s.f_Hz << " Hz, " << s.A_N << " N";
     EXPECT_LT(std::abs(o.minimum_drift_V), 0.05) << "minima are held";
@@ -79,8 +80,8 @@ TEST(Decay, rate_of_two_sines_is_set_by_the_lower_frequency_and_ratio_by_the_tot
     // Maxima of the whole swing only
     const Maxima m = find_maxima(block, 1.5 * A);
     const DecayParameters d = fit(m);
-    std::printf(" %.2f + %.2f Hz: b/law(f_low) %.2f  (c/a)/law(A) %.2f\n", p.f1, p.f2, d.b_per_s / law_b_per_s(p.f1),
-                d.c_V / d.a_V / law_ratio(A));
+    std::printf(" %.2f + %.2f Hz: b/law(f_low) %.2f  (c/a)/law(A) %.2f\n", p.f1, p.f2,
+                d.b_per_s / law_b_per_s(p.f1), d.c_V / d.a_V / law_ratio(A));
     EXPECT_NEAR(d.b_per_s / law_b_per_s(p.f1), 1.0, 0.10);
     EXPECT_NEAR(d.c_V / d.a_V / law_ratio(A), 1.0, 0.30);
   }
@@ -89,8 +90,8 @@ TEST(Decay, rate_of_two_sines_is_set_by_the_lower_frequency_and_ratio_by_the_tot
 TEST(Decay, a_sweep_decays_at_the_rate_of_the_frequency_it_began_with) {
   for (const bool up : {true, false}) {
     BenchRun bench{.rig_options = {{"session_spread", "off"}}};
-    const auto profile = stimulus("chirp", {{"f_start_Hz", up ? 0.0 : 3.0}, {"f_end_Hz", up ? 3.0 : 0.0}, {"A_N", 1.2},
-                                            {"m_N", 2.4}});
+    const auto profile = stimulus(
+        "chirp", {{"f_start_Hz", up ? 0.0 : 3.0}, {"f_end_Hz", up ? 3.0 : 0.0}, {"A_N", 1.2}, {"m_N", 2.4}});
     const Maxima m = find_maxima(bench.play(*profile), 1.0);
     const DecayParameters d = fit(m);
     std::printf(" sweep %s: b/law(start) %.2f  (c/a)/law %.2f\n", up ? "up" : "down",
@@ -115,7 +116,8 @@ TEST(Decay, specimens_decay_at_their_own_rate_and_ratio) {
   for (const char* name : {"q05", "q95"}) {
     BenchRun bench{.rig_options = {{"session_spread", "off"}}};
     bench.request.specimen = name;
-    const Maxima m = find_maxima(bench.play(*stimulus("sine", {{"f_Hz", 0.5}, {"A_N", 1.5}, {"m_N", 2.7}})), 0.7);
+    const Maxima m =
+        find_maxima(bench.play(*stimulus("sine", {{"f_Hz", 0.5}, {"A_N", 1.5}, {"m_N", 2.7}})), 0.7);
     const double b_ratio = fit(m).b_per_s / law_b_per_s(0.5);
     EXPECT_NEAR(b_ratio, name[1] == '0' ? 1.0 - 0.25 * 1.645 : 1.0 + 0.25 * 1.645, 0.02);
   }

@@ -1,8 +1,9 @@
+#include "rigs/emulated/faults.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "rigs/emulated/faults.h"
 #include "tests/unit/emulated/maxima.h"
 
 namespace forcegate::test {

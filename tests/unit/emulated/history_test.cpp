@@ -1,5 +1,5 @@
-// What a playback of eq. (3)-(5) cannot show: the decay is a state of the film. Every test here fails for a rig
-// that computes the loss from time, frequency and amplitude.
+// What a playback of eq. (3)-(5) cannot show: the decay is a state of the film. Every test here fails for a
+// rig that computes the loss from time, frequency and amplitude.
 
 #include <gtest/gtest.h>
 
@@ -66,14 +66,16 @@ TEST(History, rest_in_mid_record_gives_back_a_part_of_the_loss_only) {
   const Maxima m = find_maxima(bench.play(load), 0.7);
   const double fresh = m.swing_V(0.0, 4.0), before = m.swing_V(590.0, 600.0), after = m.swing_V(672.0, 690.0);
   const double end = m.swing_V(1190.0, 1200.0);
-  std::printf(" swing fresh %.2f V, before rest %.2f V, after 60 s %.2f V, end %.2f V\n", fresh, before, after, end);
+  std::printf(" swing fresh %.2f V, before rest %.2f V, after 60 s %.2f V, end %.2f V\n", fresh, before,
+              after, end);
   EXPECT_GT(after, 1.15 * before);  // the time law goes on falling
   EXPECT_LT(after, 0.6 * fresh);    // a law that starts anew would be back at the full swing
   EXPECT_LT(end, before);
 }
 
 TEST(History, ratio_stays_frozen_at_the_amplitude_of_the_beginning) {
-  // 1.5 N for 10 min, then 0.8 N around the same minimum; law (5) of 0.8 N would end at r = 0.36, of 1.5 N at 0.20.
+  // 1.5 N for 10 min, then 0.8 N around the same minimum; law (5) of 0.8 N would end at r = 0.36, of 1.5 N at
+  // 0.20.
   Joined load;
   load.add(sine(0.5, 1.5, 2.7, 600.0), 600.0);
   load.add(sine(0.5, 0.8, 2.0, 1200.0), 1200.0);
@@ -108,10 +110,12 @@ TEST(History, a_jump_of_frequency_raises_the_output_which_then_returns_to_the_un
   double second_peak = 0.0;
   for (double t = 801.0; t < 820.0; t += 2.0) second_peak = std::max(second_peak, with.swing_V(t, t + 2.0));
   const double lost = with.swing_V(0.0, 4.0) - before;
-  std::printf(" swing before %.2f V, peak %.2f V (%.0f %% of the lost swing), 100 s later %.2f V, undisturbed %.2f V; "
-              "second jump %.2f -> %.2f V\n",
-              before, peak, 100.0 * (peak - before) / lost, with.swing_V(500.0, 520.0), without.swing_V(500.0, 520.0),
-              second_before, second_peak);
+  std::printf(
+      " swing before %.2f V, peak %.2f V (%.0f %% of the lost swing), 100 s later %.2f V, undisturbed %.2f "
+      "V; "
+      "second jump %.2f -> %.2f V\n",
+      before, peak, 100.0 * (peak - before) / lost, with.swing_V(500.0, 520.0), without.swing_V(500.0, 520.0),
+      second_before, second_peak);
   EXPECT_GT((peak - before) / lost, 0.1);
   EXPECT_LT((peak - before) / lost, 0.5);
   EXPECT_GT(second_peak, second_before);
@@ -123,8 +127,8 @@ TEST(History, static_gain_is_about_seven_percent_higher_after_cycling_and_back_a
   const double fresh = gain_after_N_per_V(0.0, 60.0);
   const double after = gain_after_N_per_V(1200.0, 120.0) / fresh - 1.0;
   const double rested = gain_after_N_per_V(1200.0, 7200.0) / fresh - 1.0;
-  std::printf(" static gain %.4f N/V; after 20 min %+.1f %%, after 2 h of rest %+.1f %%\n", fresh, 100.0 * after,
-              100.0 * rested);
+  std::printf(" static gain %.4f N/V; after 20 min %+.1f %%, after 2 h of rest %+.1f %%\n", fresh,
+              100.0 * after, 100.0 * rested);
   EXPECT_NEAR(fresh, 0.5, 0.01);
   EXPECT_NEAR(after, 0.07, 0.02);
   EXPECT_NEAR(rested, 0.0, 0.01);

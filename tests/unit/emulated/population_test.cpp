@@ -1,10 +1,11 @@
+#include "rigs/emulated/population.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 #include <set>
 
-#include "rigs/emulated/population.h"
 #include "tests/unit/emulated/maxima.h"
 
 namespace forcegate::test {
@@ -61,7 +62,8 @@ TEST(Population, panel_holds_nine_different_specimens_centred_on_the_nominal_one
 
 TEST(Population, gain_and_offset_stay_within_a_session_and_change_between_sessions) {
   const Specimen s = value_or_abort(find_specimen(SensorType::flexiforce, "q25"));
-  const auto first = draw_session(SensorType::flexiforce, s, 4, 1), again = draw_session(SensorType::flexiforce, s, 4, 1);
+  const auto first = draw_session(SensorType::flexiforce, s, 4, 1),
+             again = draw_session(SensorType::flexiforce, s, 4, 1);
   const auto other = draw_session(SensorType::flexiforce, s, 4, 2);
   EXPECT_EQ(first.gain_N_per_V, again.gain_N_per_V);
   EXPECT_NE(first.gain_N_per_V, other.gain_N_per_V);
@@ -88,7 +90,8 @@ TEST(Fsr, loses_16_percent_on_average_nearly_linearly_and_some_specimens_rise) {
     bench.request.specimen = "seed:" + std::to_string(n);
     const Maxima m =
         find_maxima(bench.play(*stimulus("sine", {{"f_Hz", 0.5}, {"A_N", 1.0}, {"m_N", 2.4}})), 0.5);
-    const double start = m.swing_V(0.0, 60.0), middle = m.swing_V(570.0, 630.0), end = m.swing_V(1140.0, 1200.0);
+    const double start = m.swing_V(0.0, 60.0), middle = m.swing_V(570.0, 630.0),
+                 end = m.swing_V(1140.0, 1200.0);
     losses.push_back(1.0 - end / start);
     gain_change += (middle / start - 0.5 * (1.0 + end / start)) / 30.0;
   }
@@ -98,8 +101,9 @@ TEST(Fsr, loses_16_percent_on_average_nearly_linearly_and_some_specimens_rise) {
     lowest = std::min(lowest, l);
     largest = std::max(largest, l);
   }
-  std::printf(" FSR loss in 20 min: mean %.1f %%, %.1f .. %.1f %%; departure of the middle from the chord %.1f %%\n",
-              100 * mean, 100 * lowest, 100 * largest, 100 * gain_change);
+  std::printf(
+      " FSR loss in 20 min: mean %.1f %%, %.1f .. %.1f %%; departure of the middle from the chord %.1f %%\n",
+      100 * mean, 100 * lowest, 100 * largest, 100 * gain_change);
   EXPECT_NEAR(mean, 0.16, 0.04);
   EXPECT_LT(largest, 0.36);
   EXPECT_LT(lowest, 0.0);
@@ -109,7 +113,8 @@ TEST(Fsr, loses_16_percent_on_average_nearly_linearly_and_some_specimens_rise) {
 TEST(Fsr, maxima_wander_as_in_figure_7) {
   const auto wander = [](const char* sensor) {
     BenchRun bench{.rig_options = {{"sensor", sensor}}};
-    const Maxima m = find_maxima(bench.play(*stimulus("sine", {{"f_Hz", 0.5}, {"A_N", 0.4}, {"m_N", 3.5}})), 0.3);
+    const Maxima m =
+        find_maxima(bench.play(*stimulus("sine", {{"f_Hz", 0.5}, {"A_N", 0.4}, {"m_N", 3.5}})), 0.3);
     double sum = 0.0;  // against the mean of the neighbours half a minute away: slow trends drop out
     int n = 0;
     for (std::size_t i = 15; i + 15 < m.maximum_V.size(); ++i, ++n) {

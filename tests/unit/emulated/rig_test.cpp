@@ -103,7 +103,8 @@ TEST(EmulatedRig, reference_reads_in_steps_of_its_resolution_and_follows_the_spr
     const double steps = static_cast<double>(block.force_ref_N[i]) / 0.025;
     EXPECT_NEAR(steps, std::round(steps), 1e-4);
     const double spring_N =
-        g.spring_N_per_mm * (g.preload_mm + g.eccentricity_mm * (1.0 - std::cos(static_cast<double>(block.theta_rad[i]))));
+        g.spring_N_per_mm *
+        (g.preload_mm + g.eccentricity_mm * (1.0 - std::cos(static_cast<double>(block.theta_rad[i]))));
     worst_N = std::max(worst_N, std::abs(static_cast<double>(block.force_ref_N[i]) - spring_N));
   }
   EXPECT_LT(worst_N, 0.06);
@@ -132,8 +133,8 @@ TEST(EmulatedRig, a_step_takes_about_70_ms_on_nano17_and_flexiforce_and_210_ms_o
   const double ati = settling_s(2000, [&](std::size_t i) { return static_cast<double>(a.force_ref_N[i]); });
   const double flexi = settling_s(2000, [&](std::size_t i) { return volts(a.adc[i]); });
   const double slow = settling_s(2000, [&](std::size_t i) { return volts(b.adc[i]); });
-  std::printf(" step to within 5 %%: Nano17 %.0f ms, FlexiForce %.0f ms, FSR %.0f ms\n", 1e3 * ati, 1e3 * flexi,
-              1e3 * slow);
+  std::printf(" step to within 5 %%: Nano17 %.0f ms, FlexiForce %.0f ms, FSR %.0f ms\n", 1e3 * ati,
+              1e3 * flexi, 1e3 * slow);
   EXPECT_NEAR(ati, 0.070, 0.015);
   EXPECT_NEAR(flexi, 0.070, 0.015);
   EXPECT_NEAR(slow, 0.210, 0.030);

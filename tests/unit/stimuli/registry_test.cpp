@@ -22,7 +22,10 @@ StimulusSpec sample(const std::string& name, int variant) {
     s.lists = {{"f_Hz", {1, 0.5, 0.1, 0.05}}, {"A_N", {0.1, 0.2, 0.3, 0.4 + 0.1 * variant}}};
   }
   if (name == "chirp")
-    s.numbers = {{"f_start_Hz", variant ? 3.0 : 0.0}, {"f_end_Hz", variant ? 0.0 : 3.0}, {"A_N", 1.2}, {"m_N", 2.4},
+    s.numbers = {{"f_start_Hz", variant ? 3.0 : 0.0},
+                 {"f_end_Hz", variant ? 0.0 : 3.0},
+                 {"A_N", 1.2},
+                 {"m_N", 2.4},
                  {"duration_s", 60}};
   if (name == "prbs") s.numbers = {{"A_N", 1.6}, {"m_N", 2.6}, {"duration_s", 40}};
   if (name == "staircase") s.lists = {{"levels_N", {0.5, 1, 2, 3, 4}}};
@@ -139,7 +142,8 @@ TEST_P(EveryStimulus, documents_itself_and_refuses_what_it_does_not_know) {
   EXPECT_FALSE(make_stimulus(wrong).has_value());
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, EveryStimulus, ::testing::ValuesIn(Registry<StimulusKind>::instance().names()),
+INSTANTIATE_TEST_SUITE_P(Registry, EveryStimulus,
+                         ::testing::ValuesIn(Registry<StimulusKind>::instance().names()),
                          [](const auto& kind) { return kind.param; });
 
 TEST(Stimuli, pulling_on_the_sensor_is_refused) {
@@ -185,10 +189,10 @@ TEST(Stimuli, chirp_sweeps_from_the_first_to_the_last_frequency) {
 
 TEST(Stimuli, prbs_changes_with_the_seed_and_is_balanced) {
   const auto a = make_stimulus(sample("prbs", 0)), b = make_stimulus([] {
-    auto s = sample("prbs", 0);
-    s.seed = 99;
-    return s;
-  }());
+                                                     auto s = sample("prbs", 0);
+                                                     s.seed = 99;
+                                                     return s;
+                                                   }());
   int different = 0, high = 0;
   for (int k = 0; k < 399; ++k) {
     const double t = 0.1 * k + 0.08;

@@ -1,8 +1,7 @@
 #include <gtest/gtest.h>
-
-#include <cmath>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -19,7 +18,8 @@ class Replay : public ::testing::Test {
   void write(const std::string& header, double offset_N = 2.0) {
     std::ofstream out(path_);
     out << header << '\n';
-    for (int i = 0; i < 2000; ++i) out << 5.0 + 0.01 * i << ',' << offset_N - 1.5 * std::cos(0.0314159265 * i) << '\n';
+    for (int i = 0; i < 2000; ++i)
+      out << 5.0 + 0.01 * i << ',' << offset_N - 1.5 * std::cos(0.0314159265 * i) << '\n';
   }
   Result<std::unique_ptr<Stimulus>> make(const std::string& channel = "") {
     StimulusSpec spec;
