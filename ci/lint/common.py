@@ -9,7 +9,7 @@ def files(root, *suffixes):
     """Files below root that belong to the project (tracked, or new and not ignored), sorted."""
     root = Path(root)
     if (root / ".git").exists():
-        out = subprocess.run(["git", "-C", str(root), "ls-files", "-co", "--exclude-standard", "-z"],
+        out = subprocess.run(["git", "-c", "safe.directory=*", "-C", str(root), "ls-files", "-co", "--exclude-standard", "-z"],
                              check=True, capture_output=True).stdout.decode()
         names = sorted(set(name for name in out.split("\0") if name))
     else:

@@ -1,0 +1,248 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr const char* kNative = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
+constexpr const char* kM4f = FORCEGATE_BINARY_DIR "/firmware/reference-m4f.block.elf";
+constexpr const char* kOff = FORCEGATE_BINARY_DIR "/firmware/mutants/compensation_off-m4f.block.elf";
+
+// Plans are found from the folder a user stands in.
+const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(10)};
+
+ProcessResult gate(std::vector<std::string> arguments, const ProcessOptions& options = kHere) {
+  arguments.insert(arguments.begin(), "gate");
+  return forcegate(arguments, options);
+}
+
+Json result_in(const std::string& folder) {
+  const Json result = Json::parse(read_text(folder + "/result.json"), nullptr, false);
+  EXPECT_FALSE(result.is_discarded()) << folder;
+  return result;
+}
+
+class Gate : public ::testing::Test {
+ protected:
+  TemporaryFolder folder;
+};
+
+TEST_F(Gate, AcceptsTheGoodCortexM4Image) {
+  const ProcessResult r = gate({kM4f, "-o", folder / "run"});
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  EXPECT_THAT(r.out.substr(0, r.out.find('\n')), HasSubstr("ACCEPT")) << "the decision is the first line";
+  for (const char* file : {"result.json", "junit.xml", "summary.md", "report.html"})
+    EXPECT_TRUE(fs::exists(fs::path(folder / "run") / file)) << file;
+  EXPECT_LT(fs::file_size(fs::path(folder / "run") / "summary.md"), 60000u);
+}
+
+TEST_F(Gate, RejectsTheSameImageWithoutCompensationAndNamesTheMaxima) {
+  const ProcessResult r = gate({kOff, "-o", folder / "run"});
+  EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
+  const std::string first = r.out.substr(0, r.out.find('\n', r.out.find('\n') + 1));
+  EXPECT_THAT(first, HasSubstr("REJECT"));
+  const Json result = result_in(folder / "run");
+  EXPECT_THAT(result["decision"]["reason"].get<std::string>(), ContainsRegex("[Mm]axima"));
+  EXPECT_THAT(read_text(fs::path(folder / "run") / "junit.xml"), HasSubstr("<failure"));
+}
+
+TEST_F(Gate, RejectsTheGoodImageAtLevelNominalAndSaysThatTheCalibrationIsTheCause) {
+  const ProcessResult r = gate({kNative, "--plan", "nightly", "--case", "force_control_sine", "--calibration", "nominal",
+                                "-o", folder / "run"});
+  EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
+  EXPECT_THAT(result_in(folder / "run")["decision"]["reason"].get<std::string>(), HasSubstr("calibration"));
+}
+
+TEST_F(Gate, ASaturatedReferenceIsARigFaultAndNeverBlamesTheBuild) {
+  const ProcessResult r = gate({kNative, "--fault", "reference_saturated=2.0", "-o", folder / "run"});
+  EXPECT_EQ(r.exit_code, 4) << r.out << r.err;
+  EXPECT_THAT(r.out, HasSubstr("NO-DECISION"));
+  const Json decision = result_in(folder / "run")["decision"];
+  EXPECT_NE(decision["blame"], "firmware");
+}
+
+TEST_F(Gate, ATruncatedRecordIsNoDecision) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 3; ++i) text += "0.00" + std::to_string(i) + ",1.0,2.0\n";
+  write_text(folder / "short.csv", text);
+  const ProcessResult r = gate({kNative, "--rig", "replay", "--record", folder / "short.csv", "-o", folder / "run"});
+  EXPECT_EQ(r.exit_code, 3) << r.out << r.err;
+}
+
+TEST_F(Gate, WrongInputIsExitTwoWithALineOfHelp) {
+  write_text(folder / "text.elf", "this is no ELF file\n");
+  write_text(folder / "empty.elf", "");
+  write_text(folder / "cut.elf", read_text(kM4f).substr(0, 40));
+  write_text(folder / "bad.toml", "format = 1\nname = \n");
+  write_text(folder / "unknown_key.toml", "format = 1\nname = \"x\"\nplaybook = 3\n");
+  write_text(folder / "future.toml", "format = 999\nname = \"x\"\n");
+  write_text(folder / "binary.toml", std::string("\0\1\2\xff", 4));
+  std::string stimulus = read_text(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml");
+  const std::size_t at = stimulus.rfind("name = \"sine\"");
+  ASSERT_NE(at, std::string::npos);
+  stimulus.replace(at, 13, "name = \"sin\"");
+  write_text(folder / "stimulus.toml", stimulus);
+  const std::string out = folder / "run";
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {folder / "missing.elf"},
+           {folder / "text.elf"},
+           {folder / "empty.elf"},
+           {folder / "cut.elf"},
+           {folder.path().string()},
+           {"/dev/null"},
+           {kNative, "--plan", folder / "bad.toml"},
+           {kNative, "--plan", folder / "unknown_key.toml"},
+           {kNative, "--plan", folder / "future.toml"},
+           {kNative, "--plan", folder / "binary.toml"},
+           {kNative, "--plan", folder / "stimulus.toml"},
+           {kNative, "--plan", "no_such_plan"},
+           {kNative, "--rig", "no_such_rig"},
+           {kNative, "--lane", "blok"},
+           {kNative, "--fault", "no_such_fault=1"},
+           {kNative, "--case", "no_such_case"},
+           {kNative, "--seed", "-1"},
+           {kNative, "--rig", "replay", "--record", folder / "missing.csv"}}) {
+    auto with_output = arguments;
+    with_output.insert(with_output.end(), {"-o", out});
+    const ProcessResult r = gate(with_output);
+    EXPECT_EQ(r.exit_code, 2) << arguments.back() << "\n" << r.out << r.err;
+    EXPECT_THAT(r.err, HasSubstr("error: ")) << arguments.back();
+    EXPECT_THAT(r.err, HasSubstr("help: ")) << arguments.back() << "\n" << r.err;
+    EXPECT_FALSE(fs::exists(out + "/result.json")) << arguments.back();
+  }
+}
+
+TEST_F(Gate, AnUnknownStimulusInAPlanIsNamedWithASuggestion) {
+  std::string plan = read_text(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml");
+  plan.replace(plan.rfind("name = \"sine\""), 13, "name = \"sin\"");
+  write_text(folder / "plan.toml", plan);
+  const ProcessResult r = gate({kNative, "--plan", folder / "plan.toml", "-o", folder / "run"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_THAT(r.err, HasSubstr("sin"));
+  EXPECT_THAT(r.err, HasSubstr("plan.toml"));
+  EXPECT_THAT(r.err, ContainsRegex("did you mean .sine"));
+}
+
+TEST_F(Gate, TwoRunsOfOneSeedDifferOnlyInTheTimeStamp) {
+  const std::vector<std::string> run = {kNative, "--seed", "11", "--quiet"};
+  const auto with = [&](const std::string& threads) {
+    auto arguments = run;
+    arguments.insert(arguments.end(), {"--threads", threads, "-o", folder / "run"});
+    const ProcessResult r = gate(arguments);
+    EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+    Json result = result_in(folder / "run");
+    EXPECT_TRUE(result.contains("started_at"));
+    result.erase("started_at");
+    return result;
+  };
+  Json one = with("1");
+  const Json again = with("1");
+  EXPECT_EQ(one.dump(), again.dump());
+  Json four = with("4");
+  // The command line names the number of threads; nothing else may.
+  one.erase("command_line");
+  four.erase("command_line");
+  EXPECT_EQ(one.dump(), four.dump());
+}
+
+TEST_F(Gate, AnotherSeedGivesAnotherRun) {
+  const auto digest = [&](const char* seed) {
+    EXPECT_EQ(gate({kNative, "--seed", seed, "-o", folder / "run"}).exit_code, 0);
+    return result_in(folder / "run")["cases"][0]["digest"].get<std::string>();
+  };
+  EXPECT_NE(digest("11"), digest("12"));
+}
+
+TEST_F(Gate, JsonOnStdoutIsTheResultFile) {
+  const ProcessResult r = gate({kNative, "--json", "-o", folder / "run"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  const Json on_stdout = Json::parse(r.out, nullptr, false);
+  ASSERT_FALSE(on_stdout.is_discarded());
+  EXPECT_EQ(on_stdout, result_in(folder / "run"));
+}
+
+TEST_F(Gate, KilledAtAnyMomentLeavesAWholeResultOrNoneAndTheNextRunSucceeds) {
+  const std::string out = folder / "run";
+  int without_result = 0;
+  for (const int after_ms : {20, 150, 400, 900, 1500, 2500}) {
+    ProcessOptions options = kHere;
+    options.signal_after = std::chrono::milliseconds(after_ms);
+    const ProcessResult r = gate({kNative, "-o", out}, options);
+    if (!fs::exists(out + "/result.json")) {
+      ++without_result;
+      continue;
+    }
+    EXPECT_EQ(result_in(out)["format"], 1) << "after " << after_ms << " ms, exit " << r.exit_code;
+    for (const char* file : {"junit.xml", "summary.md", "report.html"})
+      EXPECT_GT(fs::file_size(fs::path(out) / file), 0u) << file;
+  }
+  EXPECT_GT(without_result, 0) << "no kill hit a running gate: the test has lost its subject";
+  const ProcessResult r = gate({kNative, "-o", out});
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  EXPECT_EQ(result_in(out)["decision"]["kind"], "ACCEPT");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "leftovers of killed runs are gone";
+}
+
+TEST_F(Gate, AnOldResultIsNeverTakenForThatOfAKilledRun) {
+  const std::string out = folder / "run";
+  ASSERT_EQ(gate({kNative, "-o", out}).exit_code, 0);
+  ProcessOptions options = kHere;
+  options.signal_after = std::chrono::milliseconds(400);
+  const ProcessResult r = gate({kNative, "--plan", "nightly", "-o", out}, options);
+  ASSERT_EQ(r.signal, 9);
+  EXPECT_FALSE(fs::exists(out + "/result.json"));
+}
+
+TEST_F(Gate, CtrlCEndsWithCode130AndNoResult) {
+  ProcessOptions options = kHere;
+  options.signal_after = std::chrono::milliseconds(700);
+  options.signal = 2;
+  const ProcessResult r = gate({kNative, "--plan", "nightly", "-o", folder / "run"}, options);
+  EXPECT_EQ(r.exit_code, 130) << r.out << r.err;
+}
+
+TEST_F(Gate, AFolderWithForeignFilesIsNotTouched) {
+  fs::create_directory(folder / "precious");
+  write_text(folder / "precious/thesis.txt", "ten years");
+  const ProcessResult r = gate({kNative, "-o", folder / "precious"});
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_EQ(read_text(folder / "precious/thesis.txt"), "ten years");
+}
+
+class HostileFirmware : public Gate, public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
+
+// A firmware may do whatever C can do. It is rejected; the harness stays alive and says what happened.
+TEST_P(HostileFirmware, IsRejectedAndNeverEndsTheRun) {
+  const auto [name, body] = GetParam();
+  const std::string source = folder / (std::string(name) + ".c"), image = folder / (std::string(name) + ".so");
+  write_text(source, body);
+  const ProcessResult made = run_process({"cc", "-shared", "-fPIC", "-O1", "-o", image, source});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const ProcessResult r = gate({image, "--lane", "native", "-o", folder / "run"});
+  EXPECT_THAT(r.exit_code, AnyOf(1, 2)) << r.out << r.err;
+  EXPECT_FALSE(r.timed_out);
+  EXPECT_EQ(r.signal, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Images, HostileFirmware,
+    ::testing::Values(std::pair{"no_symbols", "int unrelated(void) { return 1; }\n"},
+                      std::pair{"abort_on_load", "#include <stdlib.h>\n__attribute__((constructor)) static void f(void) { abort(); }\n"},
+                      std::pair{"exit_on_load", "#include <stdlib.h>\n__attribute__((constructor)) static void f(void) { exit(0); }\n"},
+                      std::pair{"crash_on_load", "__attribute__((constructor)) static void f(void) { *(volatile int*)0 = 1; }\n"}),
+    [](const auto& info) { return std::string(info.param.first); });
+
+}  // namespace
+}  // namespace forcegate::test
