@@ -263,14 +263,15 @@ Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& opti
     campaign = std::move(single);
   }
   if (!campaign) return campaign;
-  for (const auto& [from, to] : options.column_map) {
+  for (const auto& mapping : options.column_map) {
+    const std::string& to = mapping.second;
     // A mapped column that exists nowhere is a typing mistake; its target is then missing from every record.
     const std::size_t end = to.rfind('_');
     const std::string target = to.substr(0, end);
     const bool found = target == "t" || target == "time" ||
                        std::any_of(campaign->records.begin(), campaign->records.end(),
                                    [&](const Record& r) { return r.trace.find(target) || r.trace.find(to); });
-    if (!found) campaign->notes.push_back("no record has a column \"" + from + "\" to map to " + to);
+    if (!found) campaign->notes.push_back("no record has a column \"" + mapping.first + "\" to map to " + to);
   }
   return campaign;
 }
