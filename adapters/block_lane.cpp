@@ -235,8 +235,7 @@ const Registration<LaneKind> kRegistered{{
     },
     [](const std::map<std::string, std::string>& options) -> Result<std::unique_ptr<Dut>> {
       FORCEGATE_TRY(std::string program, Qemu::find(options));
-      const auto timeout = options.find("timeout_s");
-      return std::make_unique<BlockDut>(std::move(program), timeout == options.end() ? kTimeout_s : std::atof(timeout->second.c_str()));
+      return std::make_unique<BlockDut>(std::move(program), Qemu::timeout_s(options, kTimeout_s));
     },
 }};
 

@@ -2,7 +2,6 @@
 // Unix socket. Every sample crosses the link twice; sequence numbers and indices make any loss visible.
 
 #include <chrono>
-#include <cstdlib>
 
 #include "adapters/emulator/qemu.h"
 #include "adapters/link/frame.h"
@@ -198,8 +197,7 @@ const Registration<LaneKind> kRegistered{{
     },
     [](const std::map<std::string, std::string>& options) -> Result<std::unique_ptr<Dut>> {
       FORCEGATE_TRY(std::string program, Qemu::find(options));
-      const auto timeout = options.find("timeout_s");
-      return std::make_unique<UartDut>(std::move(program), timeout == options.end() ? kTimeout_s : std::atof(timeout->second.c_str()));
+      return std::make_unique<UartDut>(std::move(program), Qemu::timeout_s(options, kTimeout_s));
     },
 }};
 

@@ -1,5 +1,7 @@
 #include "adapters/emulator/qemu.h"
 
+#include <charconv>
+
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -12,6 +14,15 @@ Result<std::string> Qemu::find(const std::map<std::string, std::string>& options
     return fail(ErrorCode::config, "the emulator " + printable_utf8(name) + " is not installed", {},
                 "apt-get install qemu-system-arm, or judge the native build with --lane native");
   return program->string();
+}
+
+double Qemu::timeout_s(const std::map<std::string, std::string>& options, double fallback) {
+  const auto given = options.find("timeout_s");
+  if (given == options.end()) return fallback;
+  double value = 0.0;
+  const std::string& text = given->second;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() && value > 0.0 ? value : fallback;
 }
 
 Result<void> Qemu::make_folder() {

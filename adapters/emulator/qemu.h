@@ -17,6 +17,9 @@ class Qemu {
   /// Options: "qemu" = program (default qemu-system-arm in PATH). ErrorCode::config with the package when it is missing.
   static Result<std::string> find(const std::map<std::string, std::string>& options);
 
+  /// Option "timeout_s": longest wait for one answer, s; `fallback` when it is not given or no number.
+  static double timeout_s(const std::map<std::string, std::string>& options, double fallback);
+
   /// `extra` follows "-machine BOARD -kernel IMAGE"; the working folder is folder().
   Result<void> start(const std::string& program, const std::string& board, const std::filesystem::path& image,
                      const std::vector<std::string>& extra);

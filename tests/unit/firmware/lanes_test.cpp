@@ -1,0 +1,102 @@
+#include <fstream>
+
+#include "adapters/transport/child_process.h"
+#include "adapters/transport/private_folder.h"
+#include "tests/unit/firmware/record.h"
+#include "tests/unit/firmware/run.h"
+
+namespace forcegate::test {
+namespace {
+
+class Lanes : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!find_program("qemu-system-arm") || !std::filesystem::exists(image("reference.uart.elf")))
+      GTEST_SKIP() << "needs qemu-system-arm and the cross-compiled images";
+  }
+  const Calibration calibration_ = calibration_of(0.47, 0.11);
+};
+
+TEST_F(Lanes, M4fAndM3SoftFloatGiveTheNativeBitsOverTwentyMinutes) {
+  const Record r = decaying_sine({.gain_N_per_V = 0.47, .offset_N = 0.11});
+  const auto native = run("native", image("reference.native.so"), calibration_, r.adc);
+  ASSERT_TRUE(native);
+  for (const char* name : {"reference-m4f.block.elf", "reference-m3.block.elf", "mutants/optimised_for_size-m4f.block.elf"}) {
+    const auto block = run("block", image(name), calibration_, r.adc, 65536);
+    ASSERT_TRUE(block) << block.error().to_text();
+    EXPECT_EQ(block->force_N, native->force_N) << name;
+    EXPECT_EQ(block->flags, native->flags) << name;
+    EXPECT_EQ(block->info.algorithm_id, native->info.algorithm_id);
+    EXPECT_EQ(block->info.build_id.size(), 40U);
+  }
+}
+
+TEST_F(Lanes, UartGivesTheNativeBitsOverAMinuteWithoutALostFrame) {
+  const Record r = decaying_sine({.duration_s = 60.0});
+  const auto native = run("native", image("reference.native.so"), calibration_, r.adc);
+  const auto uart = run("uart", image("reference.uart.elf"), calibration_, r.adc);
+  ASSERT_TRUE(native);
+  ASSERT_TRUE(uart) << uart.error().to_text();
+  EXPECT_EQ(uart->force_N, native->force_N);
+  EXPECT_EQ(uart->flags, native->flags);
+  EXPECT_EQ(uart->counters.samples, r.adc.size());
+  EXPECT_EQ(uart->counters.frames_dropped + uart->counters.frames_bad + uart->counters.indices_lost, 0U);
+}
+
+TEST_F(Lanes, BlocksOfAControlPeriodGiveTheSameBitsAsLongOnes) {
+  const Record r = decaying_sine({.duration_s = 30.0});
+  const auto many = run("block", image("reference-m4f.block.elf"), calibration_, r.adc, 10);
+  const auto few = run("block", image("reference-m4f.block.elf"), calibration_, r.adc, 30000);
+  ASSERT_TRUE(many && few);
+  EXPECT_EQ(many->force_N, few->force_N);
+}
+
+TEST_F(Lanes, AnImageInTheWrongLaneIsAUsageErrorThatNamesTheRightOne) {
+  const auto wrong = run("block", image("reference.uart.elf"), calibration_, {});
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code, ErrorCode::usage);
+  EXPECT_NE(wrong.error().hint.find("uart"), std::string::npos);
+}
+
+TEST_F(Lanes, AMissingEmulatorIsAConfigurationErrorWithThePackage) {
+  const auto lane = make_dut("block", {{"qemu", "no-such-emulator"}});
+  ASSERT_FALSE(lane);
+  EXPECT_EQ(lane.error().code, ErrorCode::config);
+  EXPECT_NE(lane.error().hint.find("qemu-system-arm"), std::string::npos);
+}
+
+TEST_F(Lanes, ADeadOrSilentEmulatorIsAFirmwareError) {
+  DutSession session;
+  session.image = image("reference-m4f.block.elf");
+  auto dead = make_dut("block", {{"qemu", "/bin/false"}});
+  ASSERT_TRUE(dead);
+  const auto ended = (*dead)->open(session);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code, ErrorCode::firmware);
+  EXPECT_NE(ended.error().text.find("exit code 1"), std::string::npos);
+  auto folder = PrivateFolder::make();
+  ASSERT_TRUE(folder);
+  const std::filesystem::path sleeper = folder->path() / "sleeper";
+  std::ofstream(sleeper) << "#!/bin/sh\nexec sleep 60\n";
+  std::filesystem::permissions(sleeper, std::filesystem::perms::owner_all);
+  auto silent = make_dut("block", {{"qemu", sleeper.string()}, {"timeout_s", "0.3"}});
+  ASSERT_TRUE(silent);
+  const auto late = (*silent)->open(session);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::firmware);
+  EXPECT_NE(late.error().text.find("no answer"), std::string::npos);
+}
+
+TEST_F(Lanes, ACalibrationOutOfRangeIsRefusedInEveryLane) {
+  Calibration bad = calibration_;
+  bad.q_scale = 0.0;
+  for (const auto& [lane, file] : {std::pair{"native", "reference.native.so"}, {"block", "reference-m4f.block.elf"},
+                                   {"uart", "reference.uart.elf"}}) {
+    const auto out = run(lane, image(file), bad, {});
+    ASSERT_FALSE(out) << lane;
+    EXPECT_EQ(out.error().code, ErrorCode::firmware) << lane;
+  }
+}
+
+}  // namespace
+}  // namespace forcegate::test
