@@ -37,7 +37,7 @@ details.case>summary::before{content:"\25B8";color:var(--quiet)}details.case[ope
 details.case>summary::-webkit-details-marker{display:none}
 .in{padding:2px 14px 12px}
 .figs{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,500px),1fr));gap:14px 28px;margin:8px 0}
-figure{margin:0 0 12px;min-width:0}figure .box{overflow-x:auto}figure .box>svg{width:100%;height:auto;min-width:470px;max-width:760px;display:block}
+figure{margin:0 0 12px;min-width:0}figure .box{overflow-x:auto}figure .box>svg{max-width:100%;height:auto;display:block}.figs.s{grid-template-columns:repeat(auto-fit,minmax(min(100%,350px),1fr))}
 figcaption{font-size:13px;margin-top:2px;max-width:70ch}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:2px 18px;font-size:14px;margin:0 0 12px}dd{margin:0}
 code,pre{font-family:ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;font-size:13px}
@@ -49,7 +49,7 @@ footer{border-top:1px solid var(--grid);margin-top:36px;padding:12px 0 28px;font
 @media (max-width:680px){.k thead{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%)}
 .k,.k tbody,.k caption{display:block}.k tr{display:flex;flex-wrap:wrap;gap:0 14px;border-bottom:1px solid var(--grid);padding:6px 0}.k td{border:0;padding:1px 0}
 .k td.c{flex-basis:100%;min-width:0}.k td.val{font-weight:600}.k td.lim::before{content:"limit ";color:var(--quiet)}.k td.bar{min-width:0}}
-@media (max-width:560px){dl{grid-template-columns:1fr}dd{margin:0 0 6px}h1{font-size:26px}.why{font-size:17px}}
+@media (max-width:560px){figure .box>svg{max-width:none}dl{grid-template-columns:1fr}dd{margin:0 0 6px}h1{font-size:26px}.why{font-size:17px}}
 @media (prefers-reduced-motion:no-preference){html{scroll-behavior:smooth}}
 @media print{body{font-size:11pt}.tools,nav{display:none}details.case,figure,tr{break-inside:avoid}a{color:inherit}main,header>div{max-width:none}}
 )";

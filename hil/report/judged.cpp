@@ -27,7 +27,7 @@ int severity(Verdict v) {
 }
 
 std::string with_unit(std::string number, const std::string& unit) {
-  return unit.empty() || unit == "1" ? number : number + " " + unit;
+  return unit.empty() || unit == "1" ? number : number + " " + figures::shorten(unit, 16);
 }
 
 std::string as_ascii(std::string text) {

@@ -87,6 +87,7 @@ std::string draw_header(const Cell& cell, double cell_left, double cell_top, dou
              text_element(x + kSwatch_px + 5.0, y + 11.0, label, Anchor::left, "k");
       any = true;
     }
+  if (!any && colour_bar_of(panel) != nullptr) any = true;  // its label stands in this row
   if (any) top += (flow.row + 1.0) * kRow_px;
   *height = top - cell_top + (top > cell_top ? 3.0 : 0.0);
   return out;

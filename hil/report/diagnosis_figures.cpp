@@ -1,0 +1,229 @@
+#include "hil/report/diagnosis_figures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/text.h"
+#include "hil/report/figures/plots.h"
+#include "hil/report/figures/text.h"
+
+namespace forcegate {
+namespace {
+
+using namespace figures;
+
+constexpr double kWidth = 560.0, kClaim = 0.5;
+constexpr int kBlocksNeeded = 3;
+
+bool spans_decades(const std::vector<double>& x) {
+  double low = INFINITY, high = 0.0;
+  for (const double v : x) {
+    if (std::isnan(v)) continue;
+    if (v <= 0.0) return false;
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  return high > 50.0 * low;
+}
+
+/// 99 % quantile of |y| times 1.15: one wild sample must not flatten the picture; what lies beyond is clipped.
+double reach_of(const EvidenceSeries& s) {
+  std::vector<double> size;
+  for (const std::vector<double>* y : {&s.before, &s.after})
+    for (const double v : *y)
+      if (std::isfinite(v)) size.push_back(std::abs(v));
+  if (size.empty()) return 0.0;
+  const std::size_t at = std::min(size.size() - 1, size.size() * 99 / 100);
+  std::nth_element(size.begin(), size.begin() + static_cast<std::ptrdiff_t>(at), size.end());
+  return 1.15 * size[at];
+}
+
+std::vector<double> scaled(const std::vector<double>& values, double factor) {
+  std::vector<double> out = values;
+  for (double& v : out) v *= factor;
+  return out;
+}
+
+}  // namespace
+
+Figure diagnosis_waterfall(const Diagnosis& d) {
+  std::vector<WaterfallStep> steps;
+  double error = d.error_before;
+  for (const Finding& f : d.findings) {
+    if (f.probability < kClaim || f.unit != d.unit) continue;
+    // each finding's own pair is the step that it made; the last one ends at the error of the whole model
+    steps.push_back({f.effect, error, f.error_after, 0.0, true});
+    error = f.error_after;
+  }
+  if (steps.empty()) steps.push_back({"no effect added", d.error_before, d.error_after, 0.0, false});
+  else steps.back().after = d.error_after;
+  return waterfall("Held-out error over the model's versions", "start", steps, "now", d.unit, d.floor > 0.0 ? d.floor : NAN);
+}
+
+Figure ranking_figure(const Diagnosis& d) {
+  Figure figure("Ranking of the effects", 640.0);
+  const std::size_t n = std::min<std::size_t>(12, d.ranking.size());
+  if (n == 0) return figure;
+  figure.columns = 2;
+  const double height = 24.0 * static_cast<double>(n) + 6.0;
+  Panel& p = figure.panel({"Probability", ""}, {"", ""}, height);
+  Panel& share = figure.panel({"Share of the explainable residual", "%"}, {"", ""}, height);
+  p.x_axis.low = 0.0;
+  p.x_axis.high = 1.0;
+  share.x_axis.include_zero = true;
+  std::vector<Bar> probability;
+  std::vector<double> alone, unique, y;
+  for (std::size_t i = 0; i < n; ++i) {
+    const RankedEffect& r = d.ranking[n - 1 - i];
+    const double at = static_cast<double>(i);
+    p.y_axis.categories.push_back(shorten(printable_utf8(r.effect), 22));
+    share.y_axis.categories.push_back("");
+    const bool claim = r.probability >= kClaim;
+    probability.push_back({at, 0.0, r.probability, 0.0, !claim, claim ? Role::model : Role::muted, ""});
+    y.push_back(at);
+    alone.push_back(100.0 * r.alone);
+    unique.push_back(100.0 * r.unique);
+    share.line({alone.back(), unique.back()}, {at, at}, {Role::muted, Dash::solid, 1.0});
+  }
+  p.bars(std::move(probability), true, false, 0.6);
+  p.vline(kClaim, "", Role::muted, Dash::dotted);
+  share.points(alone, y, {Role::firmware, Dash::solid, 1.0, Marker::ring, 6.0}, "alone");
+  share.points(unique, y, {Role::model, Dash::solid, 1.0, Marker::dot, 6.0}, "only it");
+  figure.summary = "First: " + d.ranking.front().effect + ", probability " + display(d.ranking.front().probability, 2) +
+                   "; right of the dotted line is a claim. A wide gap between ring and dot means that another effect explains the same data.";
+  return figure;
+}
+
+Figure record_error_figure(const Diagnosis& d) {
+  std::vector<BeforeAfter> rows;
+  for (const RecordError& r : d.records)
+    rows.push_back({r.record + (r.kind.empty() ? "" : ", " + r.kind) + (r.heldout ? " *" : ""), r.before, r.after, r.floor > 0.0 ? r.floor : NAN});
+  Figure figure = before_after_rows("Error of every record", rows, "RMSE", d.unit);
+  figure.summary = "* held out: never seen by the fit.";
+  return figure;
+}
+
+Figure residual_map_figure(const Diagnosis& d, bool after) {
+  const std::vector<ResidualMap>& maps = after ? d.maps_after : d.maps;
+  Figure figure(after ? "Residual map after" : "Residual map before", kWidth);
+  std::size_t columns = 0;
+  double most = 0.0;
+  std::vector<const ResidualMap*> rows;
+  for (const ResidualMap& m : maps) {
+    if (m.cells.empty() || rows.size() == 12) continue;
+    rows.push_back(&m);
+    columns = std::max(columns, m.cells.size());
+  }
+  for (const std::vector<ResidualMap>* all : {&d.maps, &d.maps_after})
+    for (const ResidualMap& m : *all)
+      for (const MapCell& c : m.cells)
+        if (c.blocks >= kBlocksNeeded) most = std::max(most, std::abs(c.mean));
+  if (rows.empty()) return figure;
+  const Scaled scale = readable_unit(most, d.unit);
+  HeatMap map;
+  map.diverging = true;
+  map.low = -most * scale.factor;
+  map.high = most * scale.factor;
+  map.label = "Residual";
+  map.unit = scale.unit;
+  for (std::size_t i = 0; i <= columns; ++i) map.x_edges.push_back(static_cast<double>(i) / static_cast<double>(columns));
+  Panel& panel = figure.panel({"Position in the range of the coordinate, low to high", ""}, {"", ""}, 22.0 * static_cast<double>(rows.size()));
+  for (std::size_t j = 0; j < rows.size(); ++j) {
+    const ResidualMap& m = *rows[rows.size() - 1 - j];
+    panel.y_axis.categories.push_back(m.coordinate);
+    map.y_edges.push_back(static_cast<double>(j) - 0.5);
+    for (std::size_t i = 0; i < columns; ++i) {
+      const std::size_t at = i * m.cells.size() / columns;
+      const MapCell& c = m.cells[at];
+      map.value.push_back(c.n > 0 ? c.mean * scale.factor : NAN);
+      map.hatched.push_back(c.blocks < kBlocksNeeded);
+    }
+  }
+  map.y_edges.push_back(static_cast<double>(rows.size()) - 0.5);
+  panel.y_axis.low = -0.5;
+  panel.y_axis.high = static_cast<double>(rows.size()) - 0.5;
+  panel.no_grid = true;
+  panel.heat(std::move(map));
+  figure.summary = "Hatched: fewer than three blocks of data, no statement.";
+  for (const ResidualMap* m : rows)
+    if (!m->sentence.empty()) {
+      figure.summary = m->sentence + ". " + figure.summary;
+      break;
+    }
+  return figure;
+}
+
+Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after, const std::string& residual_unit) {
+  Figure figure("Residual against " + before.coordinate, 380.0);
+  double most = 0.0;
+  for (const MapCell& c : before.cells)
+    if (c.blocks >= kBlocksNeeded) most = std::max(most, std::abs(c.mean));
+  const Scaled scale = readable_unit(most, residual_unit);
+  const bool logarithm = before.unit == "log10 s";  // of 1 + t
+  Axis x_axis{before.coordinate, before.unit == "degC" ? "\u00b0C" : before.unit};
+  if (logarithm) x_axis = {"1 s + " + before.coordinate, "s", kAuto, kAuto, Scale::logarithmic};
+  Panel& panel = figure.panel(x_axis, {"Residual", scale.unit}, 150.0);
+  panel.hline(0.0);
+  const auto add = [&](const ResidualMap& map, Style style, const std::string& label) {
+    std::vector<double> x, y, U, thin_x, thin_y;
+    for (const MapCell& c : map.cells) {
+      if (c.n == 0) continue;
+      const bool enough = c.blocks >= kBlocksNeeded;
+      (enough ? x : thin_x).push_back(logarithm ? std::pow(10.0, c.x) : c.x);
+      (enough ? y : thin_y).push_back(c.mean * scale.factor);
+      if (enough) U.push_back(2.0 * c.standard_error * scale.factor);
+    }
+    panel.line(x, y, {style.role, style.dash, 1.0, Marker::none, 1.0, 0.6});
+    panel.points(x, y, style, label, U);
+    if (!thin_x.empty()) panel.points(thin_x, thin_y, {Role::muted, Dash::solid, 1.0, Marker::cross, 5.0});
+  };
+  add(before, {Role::firmware, Dash::solid, 1.0, Marker::ring, 5.0}, "before");
+  if (after != nullptr) add(*after, {Role::model, Dash::dashed, 1.0, Marker::dot, 5.0}, "after");
+  figure.summary = before.sentence;
+  return figure;
+}
+
+Figure evidence_figure(const EvidenceSeries& s) {
+  Figure figure(s.title + ", record " + s.record, 760.0);
+  const double reach = reach_of(s);
+  const Scaled scale = readable_unit(reach, s.y_unit);
+  figure.columns = 2;
+  const bool frequency = s.x_name.find("frequency") != std::string::npos;
+  for (const bool is_after : {false, true}) {
+    const std::vector<double> y = scaled(is_after ? s.after : s.before, scale.factor);
+    Panel& panel = figure.panel({s.x_name, s.x_unit}, {frequency ? "Amplitude" : "Residual", scale.unit}, 190.0);
+    panel.title = is_after ? "With the effect" : "Without the effect";
+    if (spans_decades(s.x)) panel.x_axis.scale = Scale::logarithmic;
+    if (frequency) {
+      if (spans_decades(s.before) && spans_decades(s.after)) panel.y_axis.scale = Scale::logarithmic;
+      panel.line(s.x, y, {is_after ? Role::model : Role::firmware, Dash::solid, 1.1});
+      figure.share_y = true;
+    } else {
+      add_directed(panel, s.x, y, s.colour, reach * scale.factor);
+      panel.hline(0.0);
+    }
+  }
+  figure.summary = s.title + ": residual without and with the effect, same scale.";
+  return figure;
+}
+
+Figure record_overlay_figure(const EvidenceSeries& s) {
+  Figure figure("Measured and modelled output, record " + s.record, kWidth);
+  figure.share_x = true;
+  Panel& panel = figure.panel({"", ""}, {"Output", s.y_unit}, 120.0);
+  panel.show_x_labels = false;
+  panel.line(s.x, s.before, {Role::reference}, "measured").line(s.x, s.after, {Role::model, Dash::dashed, 1.4}, "model");
+  std::vector<double> residual;
+  for (std::size_t i = 0; i < std::min(s.before.size(), s.after.size()); ++i) residual.push_back(s.before[i] - s.after[i]);
+  double most = 0.0;
+  for (const double r : residual)
+    if (std::isfinite(r)) most = std::max(most, std::abs(r));
+  const Scaled scale = readable_unit(most, s.y_unit);
+  Panel& below = figure.panel({s.x_name.empty() ? "time" : s.x_name, s.x_unit}, {"Measured \u2212 model", scale.unit}, 70.0);
+  below.y_axis.symmetric = true;
+  below.line(s.x, scaled(residual, scale.factor), {Role::firmware, Dash::solid, 1.0}).hline(0.0);
+  figure.summary = "Largest departure " + display(most * scale.factor, 3) + " " + scale.unit + ".";
+  return figure;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,22 @@
+#pragma once
+// The HTML report of a diagnosis: what is missing, how sure, where it shows, what to measure next. Same frame and same
+// rules as the report of a gate run (html_page.h).
+
+#include <string>
+
+#include "hil/diagnose/diagnosis.h"
+
+namespace forcegate {
+
+struct DiagnosisPage {
+  std::string tool_version;
+  std::string command_line;  ///< that repeats it; "" = section left out
+};
+
+/// Pure: equal diagnoses give equal bytes.
+std::string diagnosis_html(const Diagnosis& diagnosis, const DiagnosisPage& page = {});
+
+/// One sentence: "Missing: hysteresis (sensor, probability 0.97)".
+std::string diagnosis_headline(const Diagnosis& diagnosis);
+
+}  // namespace forcegate

@@ -1,0 +1,125 @@
+#include "hil/report/figures/plots.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/text.h"
+#include "hil/report/figures/text.h"
+
+namespace forcegate::figures {
+
+Figure waterfall(const std::string& title, const std::string& start, const std::vector<WaterfallStep>& steps, const std::string& end,
+                 const std::string& unit, double noise_floor) {
+  Figure figure(title, std::clamp(190.0 + 105.0 * static_cast<double>(steps.size()), 420.0, 900.0));
+  const double first = steps.empty() ? kAuto : steps.front().before;
+  const Scaled scale = readable_unit(first, unit);
+  Panel& panel = figure.panel({"", ""}, {"RMSE", scale.unit}, 190.0);
+  panel.y_axis.include_zero = true;
+  panel.x_axis.categories.push_back(shorten(start, 16));
+  std::vector<Bar> bars{{0.0, 0.0, first * scale.factor, 0.0, false, Role::muted, display(first * scale.factor, 3)}};
+  double last = first;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const WaterfallStep& s = steps[i];
+    const double change = (s.after - s.before) * scale.factor;
+    const bool hollow = !s.claimed || (s.u > 0.0 && std::abs(s.after - s.before) <= 2.0 * s.u);
+    const std::string text = s.u > 0.0 ? typographic_minus(with_uncertainty(change, s.u * scale.factor)) : display(change, 2);
+    bars.push_back({static_cast<double>(i) + 1.0, s.before * scale.factor, s.after * scale.factor, s.u * scale.factor, hollow,
+                    hollow ? Role::muted : change < 0.0 ? Role::pass : Role::fail, text});
+    panel.x_axis.categories.push_back(shorten(s.name, 16));
+    last = s.after;
+  }
+  bars.push_back({static_cast<double>(steps.size()) + 1.0, 0.0, last * scale.factor, 0.0, false, Role::model, display(last * scale.factor, 3)});
+  panel.x_axis.categories.push_back(shorten(end, 16));
+  panel.bars(std::move(bars), false, true);
+  if (std::isfinite(noise_floor)) {
+    panel.x_axis.high = static_cast<double>(panel.x_axis.categories.size()) + 0.2;
+    panel.hline(noise_floor * scale.factor, "noise floor", Role::muted, Dash::dotted);
+  }
+  figure.summary = "The error goes from " + display(first * scale.factor, 3) + " to " + display(last * scale.factor, 3) + " " + scale.unit +
+                   ". A hollow bar is not significant.";
+  return figure;
+}
+
+Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter>& rows, const std::string& quantity,
+                         const std::string& unit) {
+  Figure figure(title, 560.0);
+  double most = 0.0;
+  for (const BeforeAfter& r : rows)
+    for (const double v : {r.before, r.after})
+      if (std::isfinite(v)) most = std::max(most, v);
+  const Scaled scale = readable_unit(most, unit);
+  Panel& panel = figure.panel({quantity, scale.unit}, {"", ""}, 20.0 * static_cast<double>(rows.size()) + 10.0);
+  panel.x_axis.include_zero = true;
+  std::vector<double> before, after, floors, y;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const BeforeAfter& r = rows[rows.size() - 1 - i];
+    panel.y_axis.categories.push_back(shorten(printable_utf8(r.name), 26));
+    y.push_back(static_cast<double>(i));
+    before.push_back(r.before * scale.factor);
+    after.push_back(r.after * scale.factor);
+    floors.push_back(r.floor * scale.factor);
+    panel.line({before.back(), after.back()}, {y.back(), y.back()}, {Role::muted, Dash::solid, 1.0});
+  }
+  panel.points(floors, y, {Role::muted, Dash::solid, 1.0, Marker::square, 4.0}, "noise");
+  panel.points(before, y, {Role::firmware, Dash::solid, 1.0, Marker::ring, 6.0}, "before");
+  panel.points(after, y, {Role::model, Dash::solid, 1.0, Marker::dot, 6.5}, "after");
+  return figure;
+}
+
+void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& direction,
+                  double y_reach) {
+  constexpr std::size_t kMostMarks = 800;
+  const std::size_t n = std::min(x.size(), y.size());
+  const bool split = direction.size() >= n && n > 0;
+  double x_low = kAuto, x_high = kAuto, y_low = -y_reach, y_high = y_reach;
+  const bool find_y = !(y_reach > 0.0);
+  if (find_y) y_low = y_high = kAuto;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
+    if (!(x_low <= x[i])) x_low = x[i];
+    if (!(x_high >= x[i])) x_high = x[i];
+    if (find_y && !(y_low <= y[i])) y_low = y[i];
+    if (find_y && !(y_high >= y[i])) y_high = y[i];
+  }
+  if (!std::isfinite(x_low) || !(x_high > x_low) || !(y_high > y_low)) return;
+  panel.y_axis.low = y_low;
+  panel.y_axis.high = y_high;
+  if (n <= kMostMarks || panel.x_axis.scale == Scale::logarithmic) {
+    std::vector<double> ux, uy, dx, dy;
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool up = !split || direction[i] > 0.0;
+      (up ? ux : dx).push_back(x[i]);
+      (up ? uy : dy).push_back(y[i]);
+    }
+    panel.points(ux, uy, {split ? Role::rising : Role::model, Dash::solid, 1.0, split ? Marker::up : Marker::dot, 4.0, 0.75},
+                 split ? "rising" : "");
+    if (split) panel.points(dx, dy, {Role::falling, Dash::solid, 1.0, Marker::down, 4.0, 0.75}, "falling");
+    return;
+  }
+  Density rising{x_low, x_high, y_low, y_high, 64, 36, {}, split ? Role::rising : Role::model, split ? "\u25b2 rising" : ""};
+  rising.count.assign(static_cast<std::size_t>(rising.nx * rising.ny), 0.0);
+  Density falling = rising;
+  falling.role = Role::falling;
+  falling.label = "\u25bc falling";
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(x[i]) || !std::isfinite(y[i]) || y[i] < y_low || y[i] > y_high) continue;
+    const int ix = std::min(rising.nx - 1, static_cast<int>((x[i] - x_low) / (x_high - x_low) * rising.nx));
+    const int iy = std::min(rising.ny - 1, static_cast<int>((y[i] - y_low) / (y_high - y_low) * rising.ny));
+    Density& side = !split || direction[i] > 0.0 ? rising : falling;
+    side.count[static_cast<std::size_t>(iy * rising.nx + ix)] += 1.0;
+  }
+  panel.density(std::move(rising));
+  if (split) panel.density(std::move(falling));
+}
+
+Scaled readable_unit(double magnitude, const std::string& unit) {
+  const bool prefixable = unit == "V" || unit == "N" || unit == "s" || unit == "F";
+  const double size = std::abs(magnitude);
+  if (!prefixable || !std::isfinite(size) || size >= 0.2 || size == 0.0) return {1.0, unit};
+  if (size >= 2e-4) return {1e3, "m" + unit};
+  if (size >= 2e-7) return {1e6, "\u00b5" + unit};
+  if (size >= 2e-10) return {1e9, "n" + unit};
+  return {1e12, "p" + unit};
+}
+
+}  // namespace forcegate::figures

@@ -1,0 +1,94 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hil/report/diagnosis_figures.h"
+#include "hil/report/diagnosis_html.h"
+#include "hil/report/figures/plots.h"
+#include "tests/support/sample_diagnosis.h"
+
+namespace forcegate {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using Answer = decltype(Diagnosis::verdict);
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+TEST(DiagnosisPage, names_the_claims_and_only_the_claims_first) {
+  EXPECT_EQ(diagnosis_headline(sample::diagnosis()), "Missing: hysteresis (sensor, probability 0.97)");
+}
+
+TEST(DiagnosisPage, says_when_nothing_is_missing_and_when_it_does_not_know) {
+  Diagnosis d;
+  EXPECT_THAT(diagnosis_headline(d), HasSubstr("Nothing is missing"));
+  d.verdict = Answer::unknown;
+  d.depends_on = {"temperature", "time"};
+  EXPECT_THAT(diagnosis_headline(d), HasSubstr("no listed effect explains; it depends on temperature, time"));
+}
+
+TEST(DiagnosisPage, holds_every_picture_of_the_chain) {
+  const std::string page = diagnosis_html(sample::diagnosis(), {"0.1.0", "forcegate diagnose C07"});
+  for (const char* title : {"residual against force, coloured by direction, record C07_r05", "spectrum of the residual, record C07_r05",
+                            "Residual map before", "Residual map after", "Residual against rate", "Ranking of the effects",
+                            "Error of every record", "Held-out error over the model&#39;s versions",
+                            "Measured and modelled output, record C07_r00"})
+    EXPECT_THAT(page, HasSubstr("<title>" + std::string(title) + "</title>"));
+  for (const char* text : {"triangles at three rates", "0.142(6) N", "21.3 mV falls to 6.8 mV", "ramp A_N=1.8 rate_N_per_s=0.05",
+                           "forcegate diagnose C07", "not claimed, probability 0.34"})
+    EXPECT_THAT(page, HasSubstr(text));
+}
+
+TEST(DiagnosisPage, asks_for_nothing_and_runs_nothing) {
+  Diagnosis d = sample::diagnosis();
+  const std::string evil = "<script>alert(1)</script>\"'\x1b]]>";
+  d.campaign = d.model = d.findings[0].evidence = d.findings[0].effect = d.findings[0].form = evil;
+  d.findings[0].parameters[0].name = d.findings[0].confounded_with[0].separates = d.records[0].record = evil;
+  d.maps[0].sentence = d.maps[0].coordinate = d.ranking[0].note = d.next_experiment.sentence = evil;
+  d.notes = {evil};
+  d.findings[0].series[0].title = d.findings[0].series[0].x_name = evil;
+  const std::string page = diagnosis_html(d, {});
+  EXPECT_EQ(count(page, "<script"), 0u);
+  EXPECT_EQ(page.find('\x1b'), std::string::npos);
+  for (const char* what : {"http:", "https:", " style=", "<iframe"}) EXPECT_THAT(page, Not(HasSubstr(what)));
+}
+
+TEST(DiagnosisPage, has_equal_bytes_for_equal_diagnoses) {
+  EXPECT_EQ(diagnosis_html(sample::diagnosis(), {}), diagnosis_html(sample::diagnosis(), {}));
+}
+
+TEST(DiagnosisPage, survives_an_empty_diagnosis) { EXPECT_THAT(diagnosis_html({}, {}), HasSubstr("</html>")); }
+
+TEST(ResidualMapPicture, hatches_cells_without_enough_blocks) {
+  Diagnosis d = sample::diagnosis();
+  const std::string hatched = residual_map_figure(d, false).svg(figures::Figure::Target::embedded);
+  for (ResidualMap& m : d.maps)
+    for (MapCell& c : m.cells) c.blocks = 12;
+  const std::string full = residual_map_figure(d, false).svg(figures::Figure::Target::embedded);
+  EXPECT_EQ(count(hatched, "class=\"l mu\""), 1u);
+  EXPECT_EQ(count(full, "class=\"l mu\""), 0u);
+}
+
+TEST(Waterfall, draws_a_step_hollow_when_its_interval_holds_zero) {
+  const auto hollow = [](double u, bool claimed) {
+    const std::string svg = figures::waterfall("w", "M0", {{"creep", 2.0, 1.5, u, claimed}}, "M1", "V", NAN).svg(figures::Figure::Target::embedded);
+    return count(svg, "class=\"h ");
+  };
+  EXPECT_EQ(hollow(0.1, true), 0u);
+  EXPECT_EQ(hollow(0.3, true), 1u);
+  EXPECT_EQ(hollow(0.1, false), 1u);
+}
+
+TEST(ReadableUnit, picks_the_prefix_that_leaves_few_digits) {
+  EXPECT_EQ(figures::readable_unit(0.0123, "V").unit, "mV");
+  EXPECT_EQ(figures::readable_unit(3e-6, "V").unit, "\u00b5V");
+  EXPECT_EQ(figures::readable_unit(1.5, "N").unit, "N");
+  EXPECT_EQ(figures::readable_unit(0.01, "%").unit, "%");
+}
+
+}  // namespace
+}  // namespace forcegate
