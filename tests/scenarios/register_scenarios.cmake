@@ -1,0 +1,20 @@
+# Writes one add_test for each test case of PROGRAM into OUT.
+execute_process(COMMAND ${PROGRAM} --list-test-names-only OUTPUT_VARIABLE listed RESULT_VARIABLE count)
+# Catch2 2.13 returns the number of tests.
+string(REGEX REPLACE "\n$" "" listed "${listed}")
+if(listed MATCHES "[][;,\\\"]")
+  message(FATAL_ERROR "scenario names must not hold ; , \\ \" [ or ]: CTest would pass them without running them\n${listed}")
+endif()
+string(REPLACE "\n" ";" names "${listed}")
+list(LENGTH names length)
+if(NOT length EQUAL count)
+  message(FATAL_ERROR "${PROGRAM} lists ${length} names and says ${count}")
+endif()
+set(text "")
+foreach(name IN LISTS names)
+  string(STRIP "${name}" name)
+  string(REGEX REPLACE "^Scenario: " "" title "${name}")
+  string(APPEND text "add_test([==[scenario.${title}]==] [==[${PROGRAM}]==] [==[${name}]==] -w NoTests)\n"
+                     "set_tests_properties([==[scenario.${title}]==] PROPERTIES LABELS scenario TIMEOUT 900)\n")
+endforeach()
+file(WRITE ${OUT} "${text}")
