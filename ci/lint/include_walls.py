@@ -23,8 +23,8 @@ WALLS = {
     "rigs/emulated": ["hil/trace", "hil/interface", "adapters/transport"],
     "rigs/firmware": None,  # the device under test: nothing of the harness
     "hil/app": ["*"],
-    "hil/cli": ["hil/app", "hil/report"],
-    "hil/web": ["hil/app", "hil/report"],
+    "hil/cli": ["hil/app", "hil/report", "hil/interface"],  # interface: names of the plug-ins as choices
+    "hil/web": ["hil/app", "hil/report", "hil/interface"],
 }
 
 WHY = {
