@@ -1,5 +1,6 @@
-// Lane "block": the Cortex-M image that ships, in qemu-system-arm, fed through semihosting files that are named pipes.
-// Memory stays bounded however long the record is, and a block may be as short as the ten samples of a control period.
+// Lane "block": the Cortex-M image that ships, in qemu-system-arm, fed through semihosting files that are
+// named pipes. Memory stays bounded however long the record is, and a block may be as short as the ten
+// samples of a control period.
 
 #include <fcntl.h>
 #include <poll.h>
@@ -75,8 +76,8 @@ class BlockDut final : public Dut {
     return handshake(session);
   }
 
-  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
-                       std::span<std::uint8_t> flags) override {
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
+                       std::span<float> force_N, std::span<std::uint8_t> flags) override {
     // One block is always on its way while the one before it is collected.
     std::size_t sent = 0, done = 0;
     while (done < adc.size()) {
@@ -113,7 +114,8 @@ class BlockDut final : public Dut {
     const std::string path = (qemu_.folder() / name).string();
     if (mkfifo(path.c_str(), 0600) != 0)
       return fail(ErrorCode::io, "cannot make a named pipe: " + system_text(errno), path);
-    Descriptor fd(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));  // both ends: no waiting for the image
+    Descriptor fd(
+        ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));  // both ends: no waiting for the image
     if (!fd) return fail(ErrorCode::io, "cannot open a named pipe: " + system_text(errno), path);
     fcntl(fd.get(), F_SETPIPE_SZ, 1 << 18);
     return fd;
@@ -121,29 +123,41 @@ class BlockDut final : public Dut {
 
   Result<DutInfo> handshake(const DutSession& session) {
     const Calibration& c = session.calibration;
-    RequestHeader request{magic("FGBQ"), 1U << 8, session.nonce, static_cast<std::uint32_t>(session.rate_Hz), {}};
-    request.calibration = {static_cast<float>(c.gain_N_per_V), static_cast<float>(c.offset_N),
-                           static_cast<float>(c.v_range_V),    static_cast<float>(c.b_scale),
-                           static_cast<float>(c.q_scale),      static_cast<std::uint32_t>(c.adc_bits),
+    RequestHeader request{
+        magic("FGBQ"), 1U << 8, session.nonce, static_cast<std::uint32_t>(session.rate_Hz), {}};
+    request.calibration = {static_cast<float>(c.gain_N_per_V),
+                           static_cast<float>(c.offset_N),
+                           static_cast<float>(c.v_range_V),
+                           static_cast<float>(c.b_scale),
+                           static_cast<float>(c.q_scale),
+                           static_cast<std::uint32_t>(c.adc_bits),
                            {}};
     std::memcpy(request.calibration.id, c.id.data(), std::min(c.id.size(), sizeof request.calibration.id));
     FORCEGATE_CHECK_OK(send(&request, sizeof request));
     AnswerHeader answer{};
     FORCEGATE_CHECK_OK(receive(&answer, sizeof answer));
     if (answer.magic != magic("FGBA"))
-      return fail(ErrorCode::firmware, "the image does not answer with the block protocol (wrong magic)", where_);
-    if (answer.version >> 8 != 1)
-      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(answer.version >> 8), where_);
-    if (answer.nonce != session.nonce)
-      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged", where_);
-    if (answer.status != 0)
-      return fail(ErrorCode::firmware, "the image refuses the calibration '" + printable_utf8(c.id) + "' or the rate",
+      return fail(ErrorCode::firmware, "the image does not answer with the block protocol (wrong magic)",
                   where_);
+    if (answer.version >> 8 != 1)
+      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(answer.version >> 8),
+                  where_);
+    if (answer.nonce != session.nonce)
+      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged",
+                  where_);
+    if (answer.status != 0)
+      return fail(ErrorCode::firmware,
+                  "the image refuses the calibration '" + printable_utf8(c.id) + "' or the rate", where_);
     if (std::memcmp(&answer.calibration, &request.calibration, sizeof request.calibration) != 0)
       return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
-    return DutInfo{static_cast<int>(answer.version >> 8), static_cast<int>(answer.version & 255U),
-                   text_of(answer.board), text_of(answer.build_id), text_of(answer.algorithm_id), answer.nonce,
-                   c.adc_bits, static_cast<double>(answer.rate_Hz)};
+    return DutInfo{static_cast<int>(answer.version >> 8),
+                   static_cast<int>(answer.version & 255U),
+                   text_of(answer.board),
+                   text_of(answer.build_id),
+                   text_of(answer.algorithm_id),
+                   answer.nonce,
+                   c.adc_bits,
+                   static_cast<double>(answer.rate_Hz)};
   }
 
   Result<void> collect(std::uint32_t first_index, std::span<float> force_N, std::span<std::uint8_t> flags) {
@@ -155,8 +169,10 @@ class BlockDut final : public Dut {
       return fail(ErrorCode::firmware, "the image answers with a broken block", where_);
     if (head.first_index != first_index || head.status != 0) {
       ++counters_.indices_lost;
-      return fail(ErrorCode::firmware,
-                  "the image is at another sample than " + std::to_string(first_index) + ": samples were lost", where_);
+      return fail(
+          ErrorCode::firmware,
+          "the image is at another sample than " + std::to_string(first_index) + ": samples were lost",
+          where_);
     }
     std::memcpy(force_N.data(), in_.data() + sizeof head, 4 * force_N.size());
     std::memcpy(flags.data(), in_.data() + sizeof head + 4 * force_N.size(), flags.size());
@@ -203,8 +219,8 @@ class BlockDut final : public Dut {
       if (errno != EAGAIN) return fail(ErrorCode::io, "named pipe: " + system_text(errno), where_);
       if (qemu_.dead()) return Unexpected(qemu_.death(where_));
       if (std::chrono::duration<double>(Clock::now() - last).count() > timeout_s_)
-        return fail(ErrorCode::firmware, "the image gives no answer for " + shortest(timeout_s_) + " s", where_,
-                    "look for an endless loop or a wait for an interrupt that never comes");
+        return fail(ErrorCode::firmware, "the image gives no answer for " + shortest(timeout_s_) + " s",
+                    where_, "look for an endless loop or a wait for an interrupt that never comes");
       pollfd p{fd, events, 0};
       poll(&p, 1, 100);
       waited = true;
@@ -228,7 +244,8 @@ class BlockDut final : public Dut {
 
 const Registration<LaneKind> kRegistered{{
     "block",
-    "The Cortex-M image (block port) in qemu-system-arm with semihosting. Open loop; closed loop in short blocks.",
+    "The Cortex-M image (block port) in qemu-system-arm with semihosting. Open loop; closed loop in short "
+    "blocks.",
     [](const std::filesystem::path& path) {
       const auto image = link::inspect_image(path);
       return image && image->port == "block";

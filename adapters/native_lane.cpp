@@ -1,5 +1,5 @@
-// Lane "native": the firmware as a shared object in this process (C interface: rigs/firmware/ports/native.h). The object
-// keeps its state in static memory and may crash or hang: run one case per worker process.
+// Lane "native": the firmware as a shared object in this process (C interface: rigs/firmware/ports/native.h).
+// The object keeps its state in static memory and may crash or hang: run one case per worker process.
 
 #include <dlfcn.h>
 
@@ -38,9 +38,12 @@ std::string text_of(const char (&field)[n]) {
 }
 
 NativeCalibration to_native(const Calibration& c) {
-  NativeCalibration out{static_cast<float>(c.gain_N_per_V), static_cast<float>(c.offset_N),
-                        static_cast<float>(c.v_range_V),    static_cast<float>(c.b_scale),
-                        static_cast<float>(c.q_scale),      static_cast<std::uint32_t>(c.adc_bits),
+  NativeCalibration out{static_cast<float>(c.gain_N_per_V),
+                        static_cast<float>(c.offset_N),
+                        static_cast<float>(c.v_range_V),
+                        static_cast<float>(c.b_scale),
+                        static_cast<float>(c.q_scale),
+                        static_cast<std::uint32_t>(c.adc_bits),
                         {}};
   std::memcpy(out.id, c.id.data(), std::min(c.id.size(), sizeof out.id));
   return out;
@@ -56,17 +59,19 @@ class NativeDut final : public Dut {
     where_ = printable_utf8(session.image.string());
     FORCEGATE_TRY(const link::Image image, link::inspect_image(session.image));
     if (image.kind != link::ImageKind::host_shared_object)
-      return fail(ErrorCode::usage, "the native lane wants a shared object", where_, "use --lane block or --lane uart");
+      return fail(ErrorCode::usage, "the native lane wants a shared object", where_,
+                  "use --lane block or --lane uart");
     const std::string path = std::filesystem::absolute(session.image).string();
     {
       const InFirmware marker(0);  // constructors of the object may run
       handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     }
-    if (handle_ == nullptr) return fail(ErrorCode::firmware, "the image cannot be loaded: " + printable_utf8(dlerror()), where_);
+    if (handle_ == nullptr)
+      return fail(ErrorCode::firmware, "the image cannot be loaded: " + printable_utf8(dlerror()), where_);
     if (!load("forcegate_native_abi", abi_) || !load("forcegate_native_open", open_) ||
         !load("forcegate_native_process", process_) || !load("forcegate_native_close", close_))
-      return fail(ErrorCode::usage, "the shared object does not export the functions of the native port", where_,
-                  "build it with rigs/firmware/ports/native.h");
+      return fail(ErrorCode::usage, "the shared object does not export the functions of the native port",
+                  where_, "build it with rigs/firmware/ports/native.h");
     const NativeCalibration calibration = to_native(session.calibration);
     NativeInfo info{};
     std::int32_t status = 0;
@@ -77,35 +82,52 @@ class NativeDut final : public Dut {
       if (abi == kAbi) status = open_(session.nonce, &calibration, &info);
     }
     if (abi != kAbi)
-      return fail(ErrorCode::firmware, "the image speaks version " + std::to_string(abi) + " of the native interface, not 1", where_);
+      return fail(ErrorCode::firmware,
+                  "the image speaks version " + std::to_string(abi) + " of the native interface, not 1",
+                  where_);
     if (status == kBadCalibration)
-      return fail(ErrorCode::firmware, "the image refuses the calibration '" + printable_utf8(session.calibration.id) + "'", where_);
-    if (status != 0) return fail(ErrorCode::firmware, "the image refuses to open: status " + std::to_string(status), where_);
+      return fail(ErrorCode::firmware,
+                  "the image refuses the calibration '" + printable_utf8(session.calibration.id) + "'",
+                  where_);
+    if (status != 0)
+      return fail(ErrorCode::firmware, "the image refuses to open: status " + std::to_string(status), where_);
     if (info.protocol_major != 1)
-      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(info.protocol_major), where_);
+      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(info.protocol_major),
+                  where_);
     if (info.nonce != session.nonce)
-      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged", where_);
+      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged",
+                  where_);
     if (std::memcmp(&info.calibration, &calibration, sizeof calibration) != 0)
       return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
     if (static_cast<double>(info.rate_Hz) != session.rate_Hz)
-      return fail(ErrorCode::firmware, "the image runs at " + std::to_string(info.rate_Hz) + " Hz, the rig at " +
-                                           shortest(session.rate_Hz) + " Hz", where_);
-    return DutInfo{1, info.protocol_minor, text_of(info.board), text_of(info.build_id), text_of(info.algorithm_id),
-                   info.nonce, static_cast<int>(calibration.adc_bits), static_cast<double>(info.rate_Hz)};
+      return fail(ErrorCode::firmware,
+                  "the image runs at " + std::to_string(info.rate_Hz) + " Hz, the rig at " +
+                      shortest(session.rate_Hz) + " Hz",
+                  where_);
+    return DutInfo{1,
+                   info.protocol_minor,
+                   text_of(info.board),
+                   text_of(info.build_id),
+                   text_of(info.algorithm_id),
+                   info.nonce,
+                   static_cast<int>(calibration.adc_bits),
+                   static_cast<double>(info.rate_Hz)};
   }
 
-  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
-                       std::span<std::uint8_t> flags) override {
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
+                       std::span<float> force_N, std::span<std::uint8_t> flags) override {
     if (process_ == nullptr) return fail(ErrorCode::internal, "the native lane is not open", where_);
     std::int32_t status = 0;
     {
       const InFirmware marker(first_index);
-      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), force_N.data(), flags.data());
+      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), force_N.data(),
+                        flags.data());
     }
     if (status != 0)
       return fail(ErrorCode::firmware,
-                  status == kBadIndex ? "the image expected another sample index than " + std::to_string(first_index)
-                                      : "the image answers status " + std::to_string(status),
+                  status == kBadIndex
+                      ? "the image expected another sample index than " + std::to_string(first_index)
+                      : "the image answers status " + std::to_string(status),
                   where_);
     counters_.samples += adc.size();
     return {};
@@ -138,7 +160,8 @@ class NativeDut final : public Dut {
   void* handle_ = nullptr;
   std::uint32_t (*abi_)() = nullptr;
   std::int32_t (*open_)(std::uint32_t, const NativeCalibration*, NativeInfo*) = nullptr;
-  std::int32_t (*process_)(std::uint32_t, std::uint32_t, const std::uint16_t*, float*, std::uint8_t*) = nullptr;
+  std::int32_t (*process_)(std::uint32_t, std::uint32_t, const std::uint16_t*, float*,
+                           std::uint8_t*) = nullptr;
   void (*close_)() = nullptr;
   DutCounters counters_;
   std::string where_;

@@ -1,5 +1,6 @@
-// Lane "uart": the Cortex-M image with its real link protocol over the PL011 of an emulated LM3S6965 board, through a
-// Unix socket. Every sample crosses the link twice; sequence numbers and indices make any loss visible.
+// Lane "uart": the Cortex-M image with its real link protocol over the PL011 of an emulated LM3S6965 board,
+// through a Unix socket. Every sample crosses the link twice; sequence numbers and indices make any loss
+// visible.
 
 #include <chrono>
 
@@ -37,22 +38,24 @@ class UartDut final : public Dut {
     FORCEGATE_CHECK_OK(qemu_.make_folder());
     const std::filesystem::path path = qemu_.folder() / "uart";
     FORCEGATE_TRY(UnixListener listener, UnixListener::listen_at(path));
-    FORCEGATE_CHECK_OK(qemu_.start(program_, image.board, session.image,
-                                   {"-chardev", "socket,id=uart,path=" + path.string() + ",server=off", "-serial",
-                                    "chardev:uart"}));
+    FORCEGATE_CHECK_OK(qemu_.start(
+        program_, image.board, session.image,
+        {"-chardev", "socket,id=uart,path=" + path.string() + ",server=off", "-serial", "chardev:uart"}));
     FORCEGATE_TRY(transport_, listener.accept_peer(timeout_s_));
-    if (transport_ == nullptr) return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent("no connection"));
+    if (transport_ == nullptr)
+      return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent("no connection"));
     return handshake(session);
   }
 
-  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
-                       std::span<std::uint8_t> flags) override {
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
+                       std::span<float> force_N, std::span<std::uint8_t> flags) override {
     std::size_t sent = 0, done = 0;
     while (done < adc.size()) {
       while (sent < adc.size() && sent - done < kInFlight * batch_) {
         const std::size_t n = std::min(batch_, adc.size() - sent);
-        FORCEGATE_CHECK_OK(send(link::Type::inject, link::inject_payload(first_index + static_cast<std::uint32_t>(sent),
-                                                                        adc.subspan(sent, n))));
+        FORCEGATE_CHECK_OK(
+            send(link::Type::inject,
+                 link::inject_payload(first_index + static_cast<std::uint32_t>(sent), adc.subspan(sent, n))));
         sent += n;
       }
       FORCEGATE_TRY(const link::Frame frame, receive(link::Type::samples));
@@ -61,13 +64,17 @@ class UartDut final : public Dut {
       const std::uint32_t expected = first_index + static_cast<std::uint32_t>(done);
       if (samples->first_index != expected || done + samples->sample.size() > sent) {
         counters_.indices_lost += samples->first_index - expected;
-        return fail(ErrorCode::firmware, "samples were lost on the link: expected index " + std::to_string(expected) +
-                                             ", got " + std::to_string(samples->first_index), where_);
+        return fail(ErrorCode::firmware,
+                    "samples were lost on the link: expected index " + std::to_string(expected) + ", got " +
+                        std::to_string(samples->first_index),
+                    where_);
       }
       for (const link::Sample& s : samples->sample) {
         if (s.adc != adc[done])
-          return fail(ErrorCode::firmware, "the image echoes another code than it was given at sample " +
-                                               std::to_string(first_index + done), where_);
+          return fail(ErrorCode::firmware,
+                      "the image echoes another code than it was given at sample " +
+                          std::to_string(first_index + done),
+                      where_);
         force_N[done] = s.force_N;
         flags[done] = s.flags;
         ++done;
@@ -89,8 +96,8 @@ class UartDut final : public Dut {
 
  private:
   Error silent(const std::string& what) const {
-    return Error{ErrorCode::firmware, "the image gives no answer for " + shortest(timeout_s_) + " s: " + what, where_,
-                 "look for an endless loop, or for a UART that was never enabled"};
+    return Error{ErrorCode::firmware, "the image gives no answer for " + shortest(timeout_s_) + " s: " + what,
+                 where_, "look for an endless loop, or for a UART that was never enabled"};
   }
 
   Result<DutInfo> handshake(const DutSession& session) {
@@ -100,12 +107,15 @@ class UartDut final : public Dut {
     const auto info = link::decode_info(reply.payload);
     if (!info) return fail(ErrorCode::firmware, "the image sends a malformed INFO frame", where_);
     if (info->nonce != session.nonce)
-      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged", where_);
+      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged",
+                  where_);
     if ((info->capabilities & 1U) == 0)
       return fail(ErrorCode::firmware, "the image cannot take injected samples (capability INJECT)", where_);
     if (static_cast<double>(info->rate_Hz) != session.rate_Hz)
-      return fail(ErrorCode::firmware, "the image runs at " + std::to_string(info->rate_Hz) + " Hz, the rig at " +
-                                           shortest(session.rate_Hz) + " Hz", where_);
+      return fail(ErrorCode::firmware,
+                  "the image runs at " + std::to_string(info->rate_Hz) + " Hz, the rig at " +
+                      shortest(session.rate_Hz) + " Hz",
+                  where_);
     const link::CalWire calibration = link::to_wire(session.calibration);
     FORCEGATE_CHECK_OK(send(link::Type::param, link::set_cal_payload(calibration)));
     FORCEGATE_TRY(const link::Frame value, receive(link::Type::param_value));
@@ -115,8 +125,9 @@ class UartDut final : public Dut {
     FORCEGATE_CHECK_OK(send(link::Type::reset, {}));
     FORCEGATE_CHECK_OK(receive(link::Type::reset_done));
     batch_ = std::min<std::size_t>(info->batch_max, 32);
-    return DutInfo{reply.version >> 4, reply.version & 15, info->board,  info->build_id,
-                   info->algorithm_id, info->nonce,        calibration.adc_bits, static_cast<double>(info->rate_Hz)};
+    return DutInfo{
+        reply.version >> 4, reply.version & 15, info->board,          info->build_id,
+        info->algorithm_id, info->nonce,        calibration.adc_bits, static_cast<double>(info->rate_Hz)};
   }
 
   Result<void> send(link::Type type, std::vector<std::uint8_t> payload) {
@@ -145,8 +156,8 @@ class UartDut final : public Dut {
         continue;
       }
       if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > timeout_s_)
-        return Unexpected(silent("a frame of type " + std::to_string(static_cast<int>(wanted)) + " is missing, " +
-                                 std::to_string(counters_.frames_bad) + " damaged frames"));
+        return Unexpected(silent("a frame of type " + std::to_string(static_cast<int>(wanted)) +
+                                 " is missing, " + std::to_string(counters_.frames_bad) + " damaged frames"));
       std::uint8_t chunk[4096];
       auto n = transport_->read(chunk, 0.1);
       if (!n || (*n == 0 && qemu_.dead())) {
@@ -159,7 +170,8 @@ class UartDut final : public Dut {
 
   Result<bool> examine(const link::Frame& frame, link::Type wanted) {
     if (frame.version >> 4 != link::kVersion >> 4)
-      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(frame.version >> 4), where_);
+      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(frame.version >> 4),
+                  where_);
     if (expects_sequence_)
       counters_.frames_dropped += static_cast<std::uint16_t>(frame.sequence - expected_sequence_);
     expects_sequence_ = true;
@@ -168,8 +180,10 @@ class UartDut final : public Dut {
     if (frame.type != static_cast<std::uint8_t>(link::Type::nak)) return false;
     ++counters_.naks;
     const auto nak = link::decode_nak(frame.payload);
-    return fail(ErrorCode::firmware,
-                "the image refuses a request: " + std::string(nak ? link::nak_text(nak->code) : "malformed NAK"), where_);
+    return fail(
+        ErrorCode::firmware,
+        "the image refuses a request: " + std::string(nak ? link::nak_text(nak->code) : "malformed NAK"),
+        where_);
   }
 
   void stop() {
@@ -190,7 +204,8 @@ class UartDut final : public Dut {
 
 const Registration<LaneKind> kRegistered{{
     "uart",
-    "The Cortex-M image (uart port) in qemu-system-arm, link protocol over its serial port. Open and closed loop.",
+    "The Cortex-M image (uart port) in qemu-system-arm, link protocol over its serial port. Open and closed "
+    "loop.",
     [](const std::filesystem::path& path) {
       const auto image = link::inspect_image(path);
       return image && image->port == "uart";

@@ -33,10 +33,11 @@ Result<void> Qemu::make_folder() {
   return {};
 }
 
-Result<void> Qemu::start(const std::string& program, const std::string& board, const std::filesystem::path& image,
-                         const std::vector<std::string>& extra) {
-  std::vector<std::string> argv{program,    "-machine", board,   "-kernel", std::filesystem::absolute(image).string(),
-                                "-display", "none",     "-monitor", "none",  "-nodefaults"};
+Result<void> Qemu::start(const std::string& program, const std::string& board,
+                         const std::filesystem::path& image, const std::vector<std::string>& extra) {
+  std::vector<std::string> argv{
+      program,    "-machine", board,      "-kernel", std::filesystem::absolute(image).string(),
+      "-display", "none",     "-monitor", "none",    "-nodefaults"};
   argv.insert(argv.end(), extra.begin(), extra.end());
   return child_.start(argv, folder(), folder() / "log");
 }
@@ -45,7 +46,8 @@ Error Qemu::death(const std::string& where) {
   const std::string line = folder_ != nullptr ? last_line(folder_->path() / "log") : "";
   std::string text = "the image ended: " + child_.ended().value_or("unknown cause");
   if (!line.empty()) text += ": " + line;
-  return Error{ErrorCode::firmware, std::move(text), where, "run the image by hand under qemu-system-arm to see why"};
+  return Error{ErrorCode::firmware, std::move(text), where,
+               "run the image by hand under qemu-system-arm to see why"};
 }
 
 void Qemu::stop() {

@@ -1,5 +1,6 @@
 #pragma once
-// qemu-system-arm around one firmware image: found, started in its own folder, killed and reaped, its death told in words.
+// qemu-system-arm around one firmware image: found, started in its own folder, killed and reaped, its death
+// told in words.
 
 #include <filesystem>
 #include <map>
@@ -14,7 +15,8 @@ namespace forcegate {
 
 class Qemu {
  public:
-  /// Options: "qemu" = program (default qemu-system-arm in PATH). ErrorCode::config with the package when it is missing.
+  /// Options: "qemu" = program (default qemu-system-arm in PATH). ErrorCode::config with the package when it
+  /// is missing.
   static Result<std::string> find(const std::map<std::string, std::string>& options);
 
   /// Option "timeout_s": longest wait for one answer, s; `fallback` when it is not given or no number.

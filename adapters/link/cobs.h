@@ -1,5 +1,6 @@
 #pragma once
-// Consistent overhead byte stuffing (Cheshire and Baker 1999): removes zero bytes, so that 0x00 can end a frame.
+// Consistent overhead byte stuffing (Cheshire and Baker 1999): removes zero bytes, so that 0x00 can end a
+// frame.
 
 #include <cstdint>
 #include <optional>

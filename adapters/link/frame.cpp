@@ -42,7 +42,8 @@ ParseResult parse(std::span<const std::uint8_t> stream) {
   ParseResult result;
   if (zero == stream.end()) {
     result.consumed = begin;
-    if (stream.size() - begin >= kEncodedMax) {  // no frame is that long: drop it, its tail will be refused too
+    if (stream.size() - begin >=
+        kEncodedMax) {  // no frame is that long: drop it, its tail will be refused too
       result.kind = Parse::invalid;
       result.consumed = stream.size();
       result.reason = "too long";

@@ -34,8 +34,8 @@ struct ParseResult {
   std::string_view reason;   ///< with Parse::invalid: "crc", "cobs", "too short", "too long"
 };
 
-/// Looks at the front of a byte stream. Empty stretches between zeros are skipped silently. Never accepts a frame
-/// whose CRC does not fit; after `invalid` the stream goes on behind the next zero.
+/// Looks at the front of a byte stream. Empty stretches between zeros are skipped silently. Never accepts a
+/// frame whose CRC does not fit; after `invalid` the stream goes on behind the next zero.
 ParseResult parse(std::span<const std::uint8_t> stream);
 
 }  // namespace forcegate::link

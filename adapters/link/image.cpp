@@ -20,7 +20,8 @@ constexpr unsigned kHostMachine = EM_NONE;
 
 Unexpected refuse(const std::filesystem::path& path, const std::string& what) {
   return fail(ErrorCode::usage, what, printable_utf8(path.string()),
-              "give a firmware image: a shared object of the native port or a Cortex-M ELF of the block or uart port");
+              "give a firmware image: a shared object of the native port or a Cortex-M ELF of the block or "
+              "uart port");
 }
 
 std::string token(const std::string& bytes, std::size_t& at) {
@@ -39,11 +40,13 @@ std::string token(const std::string& bytes, std::size_t& at) {
 Result<Image> inspect_image(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return refuse(path, "there is no such firmware file");
-  if (!std::filesystem::is_regular_file(path, ignored)) return refuse(path, "the firmware image is not a file");
+  if (!std::filesystem::is_regular_file(path, ignored))
+    return refuse(path, "the firmware image is not a file");
   std::ifstream file(path, std::ios::binary);
   if (!file) return refuse(path, "the firmware file cannot be read");
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (bytes.size() < 52 || bytes.compare(0, 4, "\177ELF") != 0) return refuse(path, "the firmware file is not an ELF file");
+  if (bytes.size() < 52 || bytes.compare(0, 4, "\177ELF") != 0)
+    return refuse(path, "the firmware file is not an ELF file");
   const auto half = [&](std::size_t i) {
     return static_cast<unsigned>(static_cast<unsigned char>(bytes[i])) |
            static_cast<unsigned>(static_cast<unsigned char>(bytes[i + 1])) << 8;

@@ -14,7 +14,9 @@ class Writer {
     out.push_back(v);
     return *this;
   }
-  Writer& u16(std::uint16_t v) { return u8(static_cast<std::uint8_t>(v)).u8(static_cast<std::uint8_t>(v >> 8)); }
+  Writer& u16(std::uint16_t v) {
+    return u8(static_cast<std::uint8_t>(v)).u8(static_cast<std::uint8_t>(v >> 8));
+  }
   Writer& u32(std::uint32_t v) {
     return u16(static_cast<std::uint16_t>(v)).u16(static_cast<std::uint16_t>(v >> 16));
   }
@@ -58,8 +60,12 @@ class Reader {
 }  // namespace
 
 CalWire to_wire(const Calibration& c) {
-  CalWire w{static_cast<float>(c.gain_N_per_V), static_cast<float>(c.offset_N), static_cast<float>(c.v_range_V),
-            static_cast<float>(c.b_scale),      static_cast<float>(c.q_scale),  static_cast<std::uint8_t>(c.adc_bits),
+  CalWire w{static_cast<float>(c.gain_N_per_V),
+            static_cast<float>(c.offset_N),
+            static_cast<float>(c.v_range_V),
+            static_cast<float>(c.b_scale),
+            static_cast<float>(c.q_scale),
+            static_cast<std::uint8_t>(c.adc_bits),
             {}};
   std::copy_n(c.id.begin(), std::min(c.id.size(), w.id.size()), w.id.begin());
   return w;
@@ -81,7 +87,14 @@ std::vector<std::uint8_t> hello_payload(std::uint32_t nonce) { return Writer{}.u
 
 std::vector<std::uint8_t> set_cal_payload(const CalWire& c) {
   Writer w;
-  w.u8(1).u8(1).f32(c.gain_N_per_V).f32(c.offset_N).f32(c.v_range_V).f32(c.b_scale).f32(c.q_scale).u8(c.adc_bits);
+  w.u8(1)
+      .u8(1)
+      .f32(c.gain_N_per_V)
+      .f32(c.offset_N)
+      .f32(c.v_range_V)
+      .f32(c.b_scale)
+      .f32(c.q_scale)
+      .u8(c.adc_bits);
   for (const char ch : c.id) w.u8(static_cast<std::uint8_t>(ch));
   return w.out;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Payloads of the frames: what the harness says and what it understands. Decoders answer nullopt when a payload does
-// not have the layout of docs/protocol.md; they never guess.
+// Payloads of the frames: what the harness says and what it understands. Decoders answer nullopt when a
+// payload does not have the layout of docs/protocol.md; they never guess.
 
 #include <array>
 #include <cstdint>
@@ -63,7 +63,8 @@ struct Sample {
 struct Samples {
   std::uint16_t request = 0;
   std::uint32_t first_index = 0;
-  std::uint16_t dropped = 0, bad = 0;  ///< frames that the device could not send, bytes that were no frame to it
+  std::uint16_t dropped = 0,
+                bad = 0;  ///< frames that the device could not send, bytes that were no frame to it
   std::vector<Sample> sample;
 };
 
@@ -72,7 +73,8 @@ struct Nak {
   std::uint8_t code = 0, type = 0;
 };
 
-/// "unknown type", "malformed payload", "protocol major", "calibration out of range", "index", "unknown parameter".
+/// "unknown type", "malformed payload", "protocol major", "calibration out of range", "index", "unknown
+/// parameter".
 std::string_view nak_text(std::uint8_t code);
 
 std::vector<std::uint8_t> hello_payload(std::uint32_t nonce);

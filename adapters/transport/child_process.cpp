@@ -26,7 +26,8 @@ Result<void> ChildProcess::start(const std::vector<std::string>& argv, const std
   arguments.push_back(nullptr);
   const Descriptor null(open("/dev/null", O_RDONLY | O_CLOEXEC));
   const Descriptor out(open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-  if (!null || !out) return fail(ErrorCode::io, "cannot open the log of a program: " + system_text(errno), log.string());
+  if (!null || !out)
+    return fail(ErrorCode::io, "cannot open the log of a program: " + system_text(errno), log.string());
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno), argv.front());
@@ -34,7 +35,8 @@ Result<void> ChildProcess::start(const std::vector<std::string>& argv, const std
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
     setpgid(0, 0);  // an interrupt from the keyboard is for the harness, which then ends us in order
-    if (dup2(null.get(), 0) < 0 || dup2(out.get(), 1) < 0 || dup2(out.get(), 2) < 0 || chdir(folder.c_str()) != 0)
+    if (dup2(null.get(), 0) < 0 || dup2(out.get(), 1) < 0 || dup2(out.get(), 2) < 0 ||
+        chdir(folder.c_str()) != 0)
       _exit(127);
     sigset_t none;
     sigemptyset(&none);

@@ -1,5 +1,6 @@
 #pragma once
-// A program that dies with us: started with its own working folder and log, killed and reaped at the end of life.
+// A program that dies with us: started with its own working folder and log, killed and reaped at the end of
+// life.
 
 #include <sys/types.h>
 
@@ -19,8 +20,8 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
   ~ChildProcess() { kill_and_reap(); }
 
-  /// argv[0] is a path. stdin is /dev/null; stdout and stderr go to `log`. The kernel kills the child when the thread
-  /// that started it ends.
+  /// argv[0] is a path. stdin is /dev/null; stdout and stderr go to `log`. The kernel kills the child when
+  /// the thread that started it ends.
   Result<void> start(const std::vector<std::string>& argv, const std::filesystem::path& folder,
                      const std::filesystem::path& log);
 

@@ -13,8 +13,8 @@ Result<PrivateFolder> PrivateFolder::make() {
   if (error) base = "/tmp";
   std::string name = (base / "forcegate-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr)
-    return fail(ErrorCode::io, std::string("cannot make a temporary folder: ") + std::strerror(errno), base.string(),
-                "set TMPDIR to a folder that can be written");
+    return fail(ErrorCode::io, std::string("cannot make a temporary folder: ") + std::strerror(errno),
+                base.string(), "set TMPDIR to a folder that can be written");
   return PrivateFolder(name);
 }
 

@@ -6,8 +6,8 @@
 
 namespace forcegate {
 
-/// A new folder below the system's temporary folder that only this user may enter; removed with its contents at the
-/// end of life.
+/// A new folder below the system's temporary folder that only this user may enter; removed with its contents
+/// at the end of life.
 class PrivateFolder {
  public:
   static Result<PrivateFolder> make();

@@ -28,15 +28,17 @@ Result<void> make_raw(int fd, const SerialSettings& s, const std::string& where)
     return fail(ErrorCode::device, "the port refuses its settings: " + system_text(errno), where);
   const unsigned tolerance = s.baud / 50;
   if (t.c_ospeed + tolerance < s.baud || t.c_ospeed > s.baud + tolerance)
-    return fail(ErrorCode::device,
-                "the port runs at " + std::to_string(t.c_ospeed) + " instead of " + std::to_string(s.baud) + " baud",
-                where, "choose a rate that the adapter can make");
+    return fail(
+        ErrorCode::device,
+        "the port runs at " + std::to_string(t.c_ospeed) + " instead of " + std::to_string(s.baud) + " baud",
+        where, "choose a rate that the adapter can make");
   return {};
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Transport>> open_serial(const std::filesystem::path& port, const SerialSettings& settings) {
+Result<std::unique_ptr<Transport>> open_serial(const std::filesystem::path& port,
+                                               const SerialSettings& settings) {
   const std::string where = port.string();
   Descriptor fd(open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!fd)
@@ -46,8 +48,8 @@ Result<std::unique_ptr<Transport>> open_serial(const std::filesystem::path& port
     return fail(ErrorCode::device, "another program holds the serial port", where, "close it there");
   FORCEGATE_CHECK_OK(make_raw(fd.get(), settings, where));
   ioctl(fd.get(), TCFLSH, 2 /* both directions */);
-  return std::make_unique<DescriptorTransport>(
-      std::move(fd), "serial:" + where + " " + std::to_string(settings.baud));
+  return std::make_unique<DescriptorTransport>(std::move(fd),
+                                               "serial:" + where + " " + std::to_string(settings.baud));
 }
 
 Result<PseudoTerminal> open_pseudo_terminal() {

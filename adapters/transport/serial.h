@@ -15,9 +15,10 @@ struct SerialSettings {
   Parity parity = Parity::none;
 };
 
-/// Raw 8-bit line, one stop bit, exclusive by flock. ErrorCode::device with a hint when another program holds the
-/// port or the rate cannot be had (it is read back).
-Result<std::unique_ptr<Transport>> open_serial(const std::filesystem::path& port, const SerialSettings& settings);
+/// Raw 8-bit line, one stop bit, exclusive by flock. ErrorCode::device with a hint when another program holds
+/// the port or the rate cannot be had (it is read back).
+Result<std::unique_ptr<Transport>> open_serial(const std::filesystem::path& port,
+                                               const SerialSettings& settings);
 
 /// A pseudo terminal: our end and the path of the other one.
 struct PseudoTerminal {

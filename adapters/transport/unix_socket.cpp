@@ -15,7 +15,8 @@ Result<sockaddr_un> address_of(const std::filesystem::path& path) {
   address.sun_family = AF_UNIX;
   const std::string text = path.string();
   if (text.size() >= sizeof address.sun_path)
-    return fail(ErrorCode::config, "the path is too long for a Unix socket", text, "set TMPDIR to a shorter path");
+    return fail(ErrorCode::config, "the path is too long for a Unix socket", text,
+                "set TMPDIR to a shorter path");
   std::memcpy(address.sun_path, text.c_str(), text.size() + 1);
   return address;
 }

@@ -1,7 +1,8 @@
-// Comparator "conformance": |F_dut - F_oracle| in units of the converter's step G v_range / (2^bits - 1), worst sample of
-// the record. Limit 1 LSB: single precision costs at most some 0.2 LSB at 16 bits (2^-24 of 10 N is 6e-7 N, ten
-// operations deep, against 7.6e-5 N), so a build inside the limit differs from the definition by rounding alone. The
-// state flags are decisions and must be equal; one that differs counts as full scale.
+// Comparator "conformance": |F_dut - F_oracle| in units of the converter's step G v_range / (2^bits - 1),
+// worst sample of the record. Limit 1 LSB: single precision costs at most some 0.2 LSB at 16 bits (2^-24 of
+// 10 N is 6e-7 N, ten operations deep, against 7.6e-5 N), so a build inside the limit differs from the
+// definition by rounding alone. The state flags are decisions and must be equal; one that differs counts as
+// full scale.
 
 #include <cmath>
 #include <optional>
@@ -21,9 +22,11 @@ class Conformance final : public Comparator {
  public:
   Result<void> begin(const ComparatorSession& session) override {
     if (session.algorithm_id != LebosseOracle::kAlgorithm)
-      return fail(ErrorCode::config, "there is no oracle for the algorithm '" + printable_utf8(session.algorithm_id) + "'");
+      return fail(ErrorCode::config,
+                  "there is no oracle for the algorithm '" + printable_utf8(session.algorithm_id) + "'");
     if (session.rate_Hz != 1000.0)
-      return fail(ErrorCode::config, "the algorithm lebosse-eq7/1 is defined at 1000 Hz, not at " + shortest(session.rate_Hz));
+      return fail(ErrorCode::config,
+                  "the algorithm lebosse-eq7/1 is defined at 1000 Hz, not at " + shortest(session.rate_Hz));
     oracle_.emplace(session.calibration);
     n_ = worst_at_ = flags_differ_ = first_flag_ = 0;
     worst_ = 0.0;
@@ -61,9 +64,10 @@ class Conformance final : public Comparator {
     }
     c.value = worst_;
     c.worst_at_s = static_cast<double>(worst_at_) * 1e-3;
-    c.evidence = flags_differ_ > 0 ? "state flags differ in " + std::to_string(flags_differ_) + " samples, first at " +
-                                         shortest(static_cast<double>(first_flag_) * 1e-3) + " s"
-                                   : "largest difference at " + shortest(c.worst_at_s) + " s";
+    c.evidence = flags_differ_ > 0
+                     ? "state flags differ in " + std::to_string(flags_differ_) + " samples, first at " +
+                           shortest(static_cast<double>(first_flag_) * 1e-3) + " s"
+                     : "largest difference at " + shortest(c.worst_at_s) + " s";
     return c;
   }
 
@@ -75,7 +79,8 @@ class Conformance final : public Comparator {
 
 const Registration<ComparatorKind> kRegistered{{
     "conformance",
-    "The firmware's force against an independent double-precision implementation of the algorithm it declares.",
+    "The firmware's force against an independent double-precision implementation of the algorithm it "
+    "declares.",
     [](std::string_view algorithm_id) { return algorithm_id == LebosseOracle::kAlgorithm; },
     [] { return std::unique_ptr<Comparator>(std::make_unique<Conformance>()); },
 }};

@@ -40,7 +40,9 @@ LebosseOracle::LebosseOracle(const Calibration& c)
   block_.reserve(kPoints);
 }
 
-double LebosseOracle::rate_per_s(double f_Hz) const { return b_scale_ * (0.0056 + 0.0019 * std::min(f_Hz, 5.0)); }
+double LebosseOracle::rate_per_s(double f_Hz) const {
+  return b_scale_ * (0.0056 + 0.0019 * std::min(f_Hz, 5.0));
+}
 
 double LebosseOracle::ratio(double amplitude_N) const {
   const double a = std::clamp(amplitude_N, 0.02, 5.0);

@@ -1,8 +1,8 @@
 #pragma once
-// Oracle of algorithm "lebosse-eq7/1": what a firmware that declares this algorithm must answer to the same codes and
-// calibration. Written in double precision from docs/algorithm.md; shares no line with any firmware. All decisions of
-// the algorithm are comparisons of integers, so rounding cannot send oracle and firmware different ways; what is left
-// is the rounding of the firmware's arithmetic.
+// Oracle of algorithm "lebosse-eq7/1": what a firmware that declares this algorithm must answer to the same
+// codes and calibration. Written in double precision from docs/algorithm.md; shares no line with any
+// firmware. All decisions of the algorithm are comparisons of integers, so rounding cannot send oracle and
+// firmware different ways; what is left is the rounding of the firmware's arithmetic.
 
 #include <array>
 #include <cstdint>

@@ -9,9 +9,9 @@
 typedef struct {
   float gain_N_per_V; /* eq. (1): F = G U + F0 */
   float offset_N;
-  float v_range_V;    /* code n means n / (2^adc_bits - 1) * v_range_V */
-  float b_scale;      /* multiplies b of eq. (5) */
-  float q_scale;      /* multiplies q = c/a of eq. (5) */
+  float v_range_V; /* code n means n / (2^adc_bits - 1) * v_range_V */
+  float b_scale;   /* multiplies b of eq. (5) */
+  float q_scale;   /* multiplies q = c/a of eq. (5) */
   uint8_t adc_bits;
   char id[FW_CALIBRATION_ID_SIZE]; /* padded with zero bytes, not terminated */
 } FwCalibration;

@@ -15,7 +15,8 @@ static float factor_at(float b_per_s, float q, uint32_t age) {
 }
 
 static float rate(const FwCompensator* c, float f_Hz) {
-  return c->calibration.b_scale * (FW_B_SLOPE_PER_S_PER_HZ * minimum(f_Hz, FW_FREQUENCY_MAX_HZ) + FW_B_CONSTANT_PER_S);
+  return c->calibration.b_scale *
+         (FW_B_SLOPE_PER_S_PER_HZ * minimum(f_Hz, FW_FREQUENCY_MAX_HZ) + FW_B_CONSTANT_PER_S);
 }
 
 static float ratio(const FwCompensator* c, float amplitude_N) {
@@ -23,8 +24,9 @@ static float ratio(const FwCompensator* c, float amplitude_N) {
   return c->calibration.q_scale / (1.0f + FW_RATIO_CURVATURE_PER_N2 * (a * a));
 }
 
-/* A at the onset from the highest and lowest raw values: the peak is some seconds old and has decayed a little
-   by then, so A = G/2 K(A) (U_peak - U_min), a contraction with a factor below 0.1 within the start window. */
+/* A at the onset from the highest and lowest raw values: the peak is some seconds old and has decayed a
+   little by then, so A = G/2 K(A) (U_peak - U_min), a contraction with a factor below 0.1 within the start
+   window. */
 static void update_ratio(FwCompensator* c) {
   const float half_swing_N =
       0.5f * c->calibration.gain_N_per_V * ((float)(c->peak_sum - c->trough_sum) * c->lsb_sum_V);
@@ -118,9 +120,9 @@ static void confirm(FwCompensator* c) {
     c->onset = c->index - exposure;
     return;
   }
-  /* The way to the first turning point may have been a loading ramp: then it took far longer than the half-cycle
-     after it (a sweep from 0 Hz takes 2.4 times as long) and the cycling is one half-cycle older than that point.
-     A window that looked at much of a ramp begins anew. */
+  /* The way to the first turning point may have been a loading ramp: then it took far longer than the
+     half-cycle after it (a sweep from 0 Hz takes 2.4 times as long) and the cycling is one half-cycle older
+     than that point. A window that looked at much of a ramp begins anew. */
   const uint32_t way = c->first_turn_at - c->onset;
   if (way < FW_WINDOW_SAMPLES ? 3u * way <= 8u * c->last_interval : way <= c->last_interval) return;
   const uint32_t latest = c->first_turn_at - c->last_interval;

@@ -1,5 +1,5 @@
-/* Turning points and quiet spells of the smoothed signal, in integers: every decision here is the same on every
-   processor. The signal S is the sum of the last eight raw codes. */
+/* Turning points and quiet spells of the smoothed signal, in integers: every decision here is the same on
+   every processor. The signal S is the sum of the last eight raw codes. */
 #ifndef FORCEGATE_FIRMWARE_EXCITATION_H
 #define FORCEGATE_FIRMWARE_EXCITATION_H
 
@@ -28,7 +28,7 @@ typedef enum { FW_NO_TURN = 0, FW_PEAK = 1, FW_TROUGH = -1 } FwTurn;
 void fw_turning_reset(FwTurning* turning, int32_t sum, uint32_t index, int rising);
 
 /* A peak is confirmed when S has fallen by more than `hysteresis` from its highest value, a trough likewise.
-   *value and *at then hold the turning point. */
+ *value and *at then hold the turning point. */
 FwTurn fw_turning_push(FwTurning* turning, int32_t sum, uint32_t index, int32_t hysteresis, int32_t* value,
                        uint32_t* at);
 

@@ -1,5 +1,5 @@
-/* Frames of the link: version, type, sequence, device microseconds, payload, CRC-32; then COBS and a closing zero
-   byte (docs/protocol.md). */
+/* Frames of the link: version, type, sequence, device microseconds, payload, CRC-32; then COBS and a closing
+   zero byte (docs/protocol.md). */
 #ifndef FORCEGATE_FIRMWARE_LINK_CODEC_H
 #define FORCEGATE_FIRMWARE_LINK_CODEC_H
 

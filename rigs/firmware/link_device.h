@@ -1,5 +1,5 @@
-/* The device's side of the link: bytes in, frames out. A port feeds received bytes and offers a function that sends
-   an encoded frame; it returns 0 when the frame had to be dropped, which is counted and reported. */
+/* The device's side of the link: bytes in, frames out. A port feeds received bytes and offers a function that
+   sends an encoded frame; it returns 0 when the frame had to be dropped, which is counted and reported. */
 #ifndef FORCEGATE_FIRMWARE_LINK_DEVICE_H
 #define FORCEGATE_FIRMWARE_LINK_DEVICE_H
 

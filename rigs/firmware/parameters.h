@@ -6,16 +6,17 @@
 
 #define FW_ALGORITHM_ID "lebosse-eq7/1"
 
-/* Lebosse et al. 2011, eq. (5): b = slope f + constant (1/s, f in Hz), c/a = 1 / (1 + curvature A^2) (A in N). */
+/* Lebosse et al. 2011, eq. (5): b = slope f + constant (1/s, f in Hz), c/a = 1 / (1 + curvature A^2) (A in
+ * N). */
 #define FW_B_SLOPE_PER_S_PER_HZ 0.0019f
 #define FW_B_CONSTANT_PER_S 0.0056f
 #define FW_RATIO_CURVATURE_PER_N2 1.377f
 
 #define FW_RATE_HZ 1000
-#define FW_SMOOTH_SAMPLES 8        /* moving sum used by every decision */
-#define FW_HYSTERESIS_DIVISOR 128  /* turning points: full scale / 128 (78 mV at 10 V) */
-#define FW_QUIET_DIVISOR 256       /* movement: full scale / 256 (39 mV at 10 V) */
-#define FW_QUIET_MIN_SAMPLES 5000  /* no movement for this long is a static load */
+#define FW_SMOOTH_SAMPLES 8       /* moving sum used by every decision */
+#define FW_HYSTERESIS_DIVISOR 128 /* turning points: full scale / 128 (78 mV at 10 V) */
+#define FW_QUIET_DIVISOR 256      /* movement: full scale / 256 (39 mV at 10 V) */
+#define FW_QUIET_MIN_SAMPLES 5000 /* no movement for this long is a static load */
 #define FW_QUIET_MAX_SAMPLES 20000
 #define FW_HALF_PERIOD_MAX_SAMPLES 30000 /* slower than this is a ramp, not a cycle */
 #define FW_RECOVERY_RATIO 6              /* 20 min of cycling are forgotten in 2 h */
@@ -34,9 +35,9 @@
 #define FW_FLOOR_BUCKETS 12 /* U_min = lowest value of the last 12 x 10.24 s */
 #define FW_FLOOR_BUCKET_SAMPLES 10240
 
-#define FW_TICK_SAMPLES 8                /* the factor of eq. (7) is renewed every 8 ms */
-#define FW_FACTOR_STEP 0.0009765625f     /* at most 0.122 a second while cycling */
-#define FW_FACTOR_STEP_FAST 0.0078125f   /* 0.98 a second into and out of a static hold */
+#define FW_TICK_SAMPLES 8              /* the factor of eq. (7) is renewed every 8 ms */
+#define FW_FACTOR_STEP 0.0009765625f   /* at most 0.122 a second while cycling */
+#define FW_FACTOR_STEP_FAST 0.0078125f /* 0.98 a second into and out of a static hold */
 #define FW_AMPLITUDE_MIN_N 0.02f
 #define FW_AMPLITUDE_MAX_N 5.0f
 #define FW_FREQUENCY_MAX_HZ 5.0f

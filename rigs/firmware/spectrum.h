@@ -14,13 +14,13 @@ typedef struct {
   uint64_t power[FW_SPECTRUM_BINS + 1];
   uint64_t power_max;
   int32_t block_sum;
-  int32_t latched;         /* last full block, being spread over the bins */
-  uint16_t latched_index;  /* 0 ... 511; FW_SPECTRUM_POINTS = none */
+  int32_t latched;        /* last full block, being spread over the bins */
+  uint16_t latched_index; /* 0 ... 511; FW_SPECTRUM_POINTS = none */
   uint16_t in_block;
   uint16_t blocks;
   uint16_t next_bin;
-  uint16_t stage;       /* 0 accumulate, 1 power, 2 search, 3 done */
-  uint16_t lowest_bin;  /* valid in stage 3 */
+  uint16_t stage;      /* 0 accumulate, 1 power, 2 search, 3 done */
+  uint16_t lowest_bin; /* valid in stage 3 */
 } FwSpectrum;
 
 void fw_spectrum_reset(FwSpectrum* spectrum);

@@ -1,5 +1,5 @@
-// The link parser on any bytes: it always makes progress, and whatever it accepts encodes to a frame that it accepts
-// again as the same.
+// The link parser on any bytes: it always makes progress, and whatever it accepts encodes to a frame that it
+// accepts again as the same.
 
 #include <cstdint>
 #include <cstdlib>

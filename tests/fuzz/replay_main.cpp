@@ -1,5 +1,5 @@
-// Plain main of a fuzz target in normal builds: runs every file given, and every file of every folder given, through
-// LLVMFuzzerTestOneInput. Fails when there was nothing to run, so that a lost corpus is noticed.
+// Plain main of a fuzz target in normal builds: runs every file given, and every file of every folder given,
+// through LLVMFuzzerTestOneInput. Fails when there was nothing to run, so that a lost corpus is noticed.
 
 #include <algorithm>
 #include <cstdint>

@@ -1,5 +1,5 @@
-/* Block port: the host streams request blocks into the file "request" and takes answers from "answer" (both may
-   be named pipes). Layout in docs/protocol.md, section "Blocks". */
+/* Block port: the host streams request blocks into the file "request" and takes answers from "answer" (both
+   may be named pipes). Layout in docs/protocol.md, section "Blocks". */
 #include <stdint.h>
 #include <string.h>
 

@@ -10,7 +10,8 @@ static int is_open;
 
 uint32_t forcegate_native_abi(void) { return FORCEGATE_NATIVE_ABI; }
 
-int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* in, ForcegateNativeInfo* info) {
+int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* in,
+                              ForcegateNativeInfo* info) {
   FwCalibration calibration = {.gain_N_per_V = in->gain_N_per_V,
                                .offset_N = in->offset_N,
                                .v_range_V = in->v_range_V,

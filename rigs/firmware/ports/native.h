@@ -16,7 +16,7 @@
 typedef struct {
   float gain_N_per_V, offset_N, v_range_V, b_scale, q_scale;
   uint32_t adc_bits;
-  char id[16]; /* padded with zero bytes */
+  char id[16];                /* padded with zero bytes */
 } ForcegateNativeCalibration; /* 40 bytes */
 
 typedef struct {
@@ -27,12 +27,13 @@ typedef struct {
   char board[24];        /* zero padded */
   char build_id[40];     /* hex digits */
   char algorithm_id[32]; /* zero padded */
-} ForcegateNativeInfo; /* 148 bytes */
+} ForcegateNativeInfo;   /* 148 bytes */
 
 #define FORCEGATE_NATIVE_API __attribute__((visibility("default")))
 
 FORCEGATE_NATIVE_API uint32_t forcegate_native_abi(void);
-FORCEGATE_NATIVE_API int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* calibration,
+FORCEGATE_NATIVE_API int32_t forcegate_native_open(uint32_t nonce,
+                                                   const ForcegateNativeCalibration* calibration,
                                                    ForcegateNativeInfo* info);
 FORCEGATE_NATIVE_API int32_t forcegate_native_process(uint32_t first_index, uint32_t n, const uint16_t* adc,
                                                       float* force_N, uint8_t* flags);

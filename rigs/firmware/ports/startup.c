@@ -17,8 +17,8 @@ __attribute__((section(".vectors"), used)) static const struct {
   uint32_t* stack;
   void (*handler[15])(void);
 } kVectors = {__stack_top,
-              {reset_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, 0, 0, 0,
-               0, fault_handler, fault_handler, 0, fault_handler, fault_handler}};
+              {reset_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, 0, 0,
+               0, 0, fault_handler, fault_handler, 0, fault_handler, fault_handler}};
 
 void reset_handler(void) {
 #ifdef __ARM_FP

@@ -1,6 +1,6 @@
 /* UART port: PL011 of the LM3S6965 evaluation board, link protocol, no interrupts. Waits for room in the
-   transmitter, because the board's UART is the only listener; on a bus with a free-running sensor the frame would
-   be dropped and counted instead. */
+   transmitter, because the board's UART is the only listener; on a bus with a free-running sensor the frame
+   would be dropped and counted instead. */
 #include <stdint.h>
 
 #include "link_device.h"

@@ -16,7 +16,8 @@ Frame any_frame(Rng& rng, std::size_t size) {
   f.type = static_cast<std::uint8_t>(rng.next());
   f.sequence = static_cast<std::uint16_t>(rng.next());
   f.t_us = static_cast<std::uint32_t>(rng.next());
-  for (std::size_t i = 0; i < size; ++i) f.payload.push_back(rng.uniform() < 0.3 ? 0 : static_cast<std::uint8_t>(rng.next()));
+  for (std::size_t i = 0; i < size; ++i)
+    f.payload.push_back(rng.uniform() < 0.3 ? 0 : static_cast<std::uint8_t>(rng.next()));
   return f;
 }
 
@@ -43,8 +44,8 @@ TEST(Link, HelloIsTheFrameOfTheProtocolDocument) {
   Frame hello;
   hello.type = 1;
   hello.payload = hello_payload(0x12345678);
-  EXPECT_EQ(encode(hello), (Bytes{0x03, 0x10, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x09, 0x78, 0x56, 0x34, 0x12, 0x9d,
-                                  0xac, 0x6a, 0x38, 0x00}));
+  EXPECT_EQ(encode(hello), (Bytes{0x03, 0x10, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x09, 0x78, 0x56, 0x34,
+                                  0x12, 0x9d, 0xac, 0x6a, 0x38, 0x00}));
 }
 
 TEST(Link, EveryFrameComesBackAsItWent) {
@@ -122,13 +123,15 @@ TEST(Link, RandomBytesAreNeverAFrame) {
 }
 
 TEST(Link, PayloadsOfAnotherLengthAreNotGuessed) {
-  const Bytes samples{5, 0, 0x80, 2, 0, 0, 2, 0, 0, 0, 0, 100, 0, 0, 0, 0xC0, 0x3F, 1, 100, 0, 0, 0, 0xC0, 0x3F, 1};
+  const Bytes samples{5, 0, 0x80, 2,    0, 0,   2, 0, 0, 0,    0,    100, 0,
+                      0, 0, 0xC0, 0x3F, 1, 100, 0, 0, 0, 0xC0, 0x3F, 1};
   const auto good = decode_samples(samples);
   ASSERT_TRUE(good);
   EXPECT_EQ(good->first_index, 640U);
   ASSERT_EQ(good->sample.size(), 2U);
   EXPECT_EQ(good->sample[1].force_N, 1.5F);
-  for (std::size_t n = 0; n < samples.size(); ++n) EXPECT_FALSE(decode_samples(std::span(samples).first(n))) << n;
+  for (std::size_t n = 0; n < samples.size(); ++n)
+    EXPECT_FALSE(decode_samples(std::span(samples).first(n))) << n;
   Bytes longer = samples;
   longer.push_back(0);
   EXPECT_FALSE(decode_samples(longer));

@@ -85,7 +85,8 @@ TEST(Compensation, OutputDoesNotJumpWhenTheWindowCloses) {
   ASSERT_TRUE(out);
   const double steepest = 6.2832 * 2.0 * 1.05 * 1e-3;
   for (std::size_t i = 1; i < r.adc.size(); ++i)
-    ASSERT_LT(std::abs(static_cast<double>(out->force_N[i]) - out->force_N[i - 1]), 1.2 * steepest + 0.003) << i;
+    ASSERT_LT(std::abs(static_cast<double>(out->force_N[i]) - out->force_N[i - 1]), 1.2 * steepest + 0.003)
+        << i;
 }
 
 TEST(Oracle, AgreesWithTheFirmwareAndSeesTwoPercentOfGain) {

@@ -21,7 +21,8 @@ TEST_F(Lanes, M4fAndM3SoftFloatGiveTheNativeBitsOverTwentyMinutes) {
   const Record r = decaying_sine({.gain_N_per_V = 0.47, .offset_N = 0.11});
   const auto native = run("native", image("reference.native.so"), calibration_, r.adc);
   ASSERT_TRUE(native);
-  for (const char* name : {"reference-m4f.block.elf", "reference-m3.block.elf", "mutants/optimised_for_size-m4f.block.elf"}) {
+  for (const char* name :
+       {"reference-m4f.block.elf", "reference-m3.block.elf", "mutants/optimised_for_size-m4f.block.elf"}) {
     const auto block = run("block", image(name), calibration_, r.adc, 65536);
     ASSERT_TRUE(block) << block.error().to_text();
     EXPECT_EQ(block->force_N, native->force_N) << name;
@@ -90,7 +91,8 @@ TEST_F(Lanes, ADeadOrSilentEmulatorIsAFirmwareError) {
 TEST_F(Lanes, ACalibrationOutOfRangeIsRefusedInEveryLane) {
   Calibration bad = calibration_;
   bad.q_scale = 0.0;
-  for (const auto& [lane, file] : {std::pair{"native", "reference.native.so"}, {"block", "reference-m4f.block.elf"},
+  for (const auto& [lane, file] : {std::pair{"native", "reference.native.so"},
+                                   {"block", "reference-m4f.block.elf"},
                                    {"uart", "reference.uart.elf"}}) {
     const auto out = run(lane, image(file), bad, {});
     ASSERT_FALSE(out) << lane;

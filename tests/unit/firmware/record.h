@@ -37,7 +37,8 @@ inline Record decaying_sine(const Decay& d, std::uint64_t seed = 1) {
     const double force = d.mean_N - d.amplitude_N * portable::cos(6.283185307179586 * d.f_Hz * t);
     const double keep = (portable::exp(-b * t) + q) / (1.0 + q);
     const double voltage = low_V + keep * ((force - d.offset_N) / d.gain_N_per_V - low_V);
-    r.adc.push_back(to_code(voltage + d.noise_V * (rng.uniform() + rng.uniform() + rng.uniform() - 1.5) * 2.0));
+    r.adc.push_back(
+        to_code(voltage + d.noise_V * (rng.uniform() + rng.uniform() + rng.uniform() - 1.5) * 2.0));
     r.force_N.push_back(force);
   }
   return r;

@@ -35,8 +35,9 @@ inline Calibration calibration_of(double gain, double offset) {
   return c;
 }
 
-inline Result<Output> run(const std::string& lane, const std::filesystem::path& path, const Calibration& calibration,
-                          std::span<const std::uint16_t> adc, std::size_t block = 4096) {
+inline Result<Output> run(const std::string& lane, const std::filesystem::path& path,
+                          const Calibration& calibration, std::span<const std::uint16_t> adc,
+                          std::size_t block = 4096) {
   FORCEGATE_TRY(auto dut, make_dut(lane));
   DutSession session;
   session.image = path;
@@ -49,13 +50,15 @@ inline Result<Output> run(const std::string& lane, const std::filesystem::path& 
   for (std::size_t at = 0; at < adc.size(); at += block) {
     const std::size_t n = std::min(block, adc.size() - at);
     FORCEGATE_CHECK_OK(dut->process(static_cast<std::uint32_t>(at), adc.subspan(at, n),
-                                    std::span(out.force_N).subspan(at, n), std::span(out.flags).subspan(at, n)));
+                                    std::span(out.force_N).subspan(at, n),
+                                    std::span(out.flags).subspan(at, n)));
   }
   FORCEGATE_TRY(out.counters, dut->close());
   return out;
 }
 
-inline Comparison conformance(const Output& out, const Calibration& calibration, std::span<const std::uint16_t> adc) {
+inline Comparison conformance(const Output& out, const Calibration& calibration,
+                              std::span<const std::uint16_t> adc) {
   auto comparator = Registry<ComparatorKind>::instance().find("conformance")->make();
   EXPECT_TRUE(comparator->begin({out.info.algorithm_id, calibration, 1000.0}));
   comparator->push(adc, out.force_N, out.flags);
