@@ -37,7 +37,8 @@ WHY = {
 }
 
 THIRD_PARTY = {  # first directory or name of the header -> folders whose .cpp files may include it
-    "toml++": ["hil/rig", "hil/gate", "hil/model", "hil/diagnose", "hil/app", "golden/compare", "rigs/emulated", "hil/store"],
+    "toml++": ["hil/rig", "hil/gate", "hil/model", "hil/diagnose", "hil/app", "golden/compare", "rigs/emulated", "hil/store",
+               "adapters"],
     "nlohmann": ["hil/report", "hil/app", "hil/cli", "hil/web", "hil/gate", "hil/trace", "hil/diagnose", "hil/store",
                  "golden/compare", "adapters", "rigs/emulated"],
     "pugixml": ["hil/report"],

@@ -101,14 +101,14 @@ TEST(CommandLine, ErrorsAreJsonWhenAsked) {
 
 TEST(CommandLine, JsonIsOneDocumentWithAFormatNumber) {
   for (const auto& arguments : std::vector<std::vector<std::string>>{{"version"}, {"explain"}, {"explain", "4"},
-                                                                     {"stimulus", "--list"}, {"stimulus", "sine", "f_Hz=0.5"},
+                                                                     {"stimulus", "--list"}, {"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2"},
                                                                      {"doctor"}}) {
     auto with_json = arguments;
     with_json.push_back("--json");
     const ProcessResult r = forcegate(with_json);
     const Json document = Json::parse(r.out, nullptr, false);
     ASSERT_FALSE(document.is_discarded()) << arguments[0] << ": " << r.out;
-    EXPECT_EQ(document["format"], 1) << arguments[0];
+    EXPECT_EQ(document.value("format", 0), 1) << arguments[0];
   }
 }
 

@@ -49,7 +49,7 @@ TEST(StimulusVerb, WritesThePaperSineAsCsvAndSvg) {
 TEST(StimulusVerb, SameSeedSameBytesOtherSeedOtherBytes) {
   TemporaryFolder folder;
   const auto make = [&](const char* name, const char* seed) {
-    const ProcessResult r = forcegate({"stimulus", "prbs", "--seed", seed, "--csv", folder / name});
+    const ProcessResult r = forcegate({"stimulus", "prbs", "A_N=1.6", "m_N=2.6", "duration_s=30", "--seed", seed, "--csv", folder / name});
     EXPECT_EQ(r.exit_code, 0) << r.err;
     return read_text(folder / name);
   };
@@ -60,7 +60,7 @@ TEST(StimulusVerb, SameSeedSameBytesOtherSeedOtherBytes) {
 }
 
 TEST(StimulusVerb, RefusesValuesOutOfRangeAndSaysTheRange) {
-  const ProcessResult r = forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=99"});
+  const ProcessResult r = forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=99", "m_N=2"});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_THAT(r.err, HasSubstr("A_N"));
   EXPECT_THAT(r.err, HasSubstr("help: "));
@@ -73,7 +73,7 @@ TEST(StimulusVerb, RefusesValuesOutOfRangeAndSaysTheRange) {
 TEST(StimulusVerb, AnUnwritableFileIsAnErrorAndLeavesNothingBehind) {
   TemporaryFolder folder;
   write_text(folder / "file", "x");
-  const ProcessResult r = forcegate({"stimulus", "sine", "f_Hz=0.5", "--csv", folder / "file/s.csv"});
+  const ProcessResult r = forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2", "--csv", folder / "file/s.csv"});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }

@@ -16,13 +16,14 @@ Result<int> run(const Invocation& in) {
     in.console().note("written " + in.text("output") + " (" + std::to_string(answer.text.size()) + " bytes)");
   else
     in.console().print(answer.text);
-  in.console().print_json(nlohmann::ordered_json{{"format", 1},
-                                                 {"view", request.format},
-                                                 {"decision", to_string(answer.result.decision.kind)},
-                                                 {"reason", answer.result.decision.reason},
-                                                 {"output", in.text("output")},
-                                                 {"bytes", answer.text.size()}}
-                              .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  in.console().print_json(nlohmann::ordered_json{
+      {"format", 1},
+      {"view", request.format},
+      {"decision", to_string(answer.result.decision.kind)},
+      {"reason", answer.result.decision.reason},
+      {"output", in.text("output")},
+      {"bytes",
+       answer.text.size()}}.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   if (in.given("output") && request.format == "html")
     in.console().next("open " + shell_quoted(in.text("output")) + " in a browser");
   return kExitSuccess;
@@ -31,7 +32,8 @@ Result<int> run(const Invocation& in) {
 std::string views() {
   std::string out = "Views:\n";
   for (const ReporterKind& kind : Registry<ReporterKind>::instance().all())
-    out += "  " + kind.name + std::string(kind.name.size() < 10 ? 10 - kind.name.size() : 1, ' ') + kind.doc + "\n";
+    out += "  " + kind.name + std::string(kind.name.size() < 10 ? 10 - kind.name.size() : 1, ' ') + kind.doc +
+           "\n";
   return out;
 }
 
@@ -39,16 +41,22 @@ const Registration<Command> kRow{Command{
     .name = "report",
     .group = "Gate",
     .summary = "show a stored result in another form",
-    .description =
-        "A gate run leaves one result.json; every other view is made from it and can be made again at any time, without "
-        "rig or firmware. The decision is the stored one: to judge again, use check.\n\nThe text goes to stdout, or to "
-        "the file of --output.",
+    .description = "A gate run leaves one result.json; every other view is made from it and can be made "
+                   "again at any time, without "
+                   "rig or firmware. The decision is the stored one: to judge again, use check.\n\nThe text "
+                   "goes to stdout, or to "
+                   "the file of --output.",
     .positionals = {{.name = "RESULT", .doc = "result.json, or the folder of a run."}},
-    .options = {{.name = "format", .value_name = "VIEW", .doc = "Which view.", .fallback = "console",
-                 .choices = report_formats},
-                {.name = "output", .value_name = "FILE", .doc = "Write the view to this file.", .letter = 'o'}},
+    .options =
+        {{.name = "format",
+          .value_name = "VIEW",
+          .doc = "Which view.",
+          .fallback = "console",
+          .choices = report_formats},
+         {.name = "output", .value_name = "FILE", .doc = "Write the view to this file.", .letter = 'o'}},
     .examples = {{"forcegate report run/result.json", "The decision again:"},
-                 {"forcegate report run --format html -o report.html", "One page with pictures, to send to somebody:"},
+                 {"forcegate report run --format html -o report.html",
+                  "One page with pictures, to send to somebody:"},
                  {"forcegate report run --format github", "Annotations for a pull request:"}},
     .details = views,
     .run = run,

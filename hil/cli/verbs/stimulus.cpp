@@ -42,7 +42,7 @@ std::string fact(const char* label, double value, const char* unit) {
 Result<int> list(const Invocation& in) {
   in.console().print(stimulus_table_text());
   in.console().print_json(Json{{"format", 1}, {"stimuli", table_json()}}.dump(2));
-  in.console().next("forcegate stimulus sine f_Hz=0.5 --plot sine.svg");
+  in.console().next("forcegate stimulus sine f_Hz=0.5 A_N=1.05 m_N=2.15 --plot sine.svg");
   return kExitSuccess;
 }
 

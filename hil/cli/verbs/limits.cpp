@@ -1,0 +1,54 @@
+#include "hil/app/limits.h"
+
+#include <ctime>
+
+#include "hil/app/write_file.h"
+#include "hil/cli/command.h"
+
+namespace forcegate {
+namespace {
+
+Result<int> run(const Invocation& in) {
+  LimitsRequest request;
+  request.firmware = in.text("FIRMWARE");
+  request.plan = in.text("plan");
+  FORCEGATE_TRY(const std::int64_t n, in.integer("n", 10, 100000));
+  request.n = static_cast<std::size_t>(n);
+  FORCEGATE_TRY(request.first_seed, in.seed("first-seed"));
+  FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
+  request.threads = static_cast<unsigned>(threads);
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char date[16];
+  std::strftime(date, sizeof date, "%Y-%m-%d", &utc);
+  request.date = date;
+  const auto limits = derive_limits(request, in.console().progress_callback(), &in.interrupt_flag());
+  in.console().end_progress();
+  if (!limits) return Unexpected(limits.error());
+  const std::string text = write_limits(*limits);
+  if (in.given("output")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), text));
+  in.console().print(text);
+  return kExitSuccess;
+}
+
+const Registration<Command> kRow{Command{
+    .name = "limits",
+    .group = "Gate",
+    .summary = "derive the limits of a plan from a known-good build",
+    .description = "Plays every open-loop case of a plan on many specimens that belong to no panel, and takes p99 + 2 sd of "
+                   "the errors of extrema as limits. The file says n, date, rig and the firmware it was made with; it is "
+                   "part of the goldens and changes only with a reason.",
+    .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image."}},
+    .options = {{.name = "plan", .value_name = "PLAN", .doc = "Plan file, or the name of one in ci/plans.", .fallback = "smoke"},
+                {.name = "n", .value_name = "N", .doc = "Specimens.", .fallback = "300"},
+                {.name = "first-seed", .value_name = "N", .doc = "Seed of the first specimen.", .fallback = "1000"},
+                {.name = "threads", .value_name = "N", .doc = "Worker processes at a time; 0: one per processor.", .fallback = "0"},
+                {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}},
+    .examples = {{"forcegate limits build/firmware/reference.native.so --plan nightly -o golden/limits/nightly.toml",
+                  "Limits of the nightly plan:"}},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate
