@@ -1,0 +1,297 @@
+#include "hil/diagnose/engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "hil/diagnose/pictures.h"
+#include "hil/diagnose/verdict.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Mean square over the records that judge: held-out ones, or every record left out in turn.
+double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit) {
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < mean_square.size(); ++i)
+    if (all_fit || channel.problem.records[i].heldout) {
+      sum += mean_square[i];
+      n += 1.0;
+    }
+  return n > 0.0 ? sum / n : 0.0;
+}
+
+struct Judged {
+  std::vector<double> adapted, plain;
+};
+
+Judged judge(const ResidualChannel& channel, const MixedFit& fit, bool all_fit) {
+  return {all_fit ? leave_one_out(channel.problem, fit) : fit.adapted, fit.plain};
+}
+
+std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const ChosenEffect& chosen) {
+  std::vector<FoundParameter> out;
+  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+  const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  for (std::size_t k = 0; k < c.shape.size(); ++k) {
+    // half the distance to the neighbours of the grid stands for the uncertainty of a shape
+    const ParameterSpec& spec = c.form->shape[k];
+    out.push_back({spec.name, c.shape[k], 0.3 * std::abs(c.shape[k]), spec.unit});
+  }
+  for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
+    for (int column : variant.columns)
+      if (chosen.fit.columns[b] == column) {
+        const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
+        const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
+        out.push_back({spec.name, chosen.fit.coefficient[at], std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
+      }
+  return out;
+}
+
+std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, double before, double after) {
+  char text[400];
+  const double milli = 1000.0;
+  std::snprintf(text, sizeof text, "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s; %d of %d records that it touches improve",
+                chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(),
+                100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str(), chosen.records_improved,
+                chosen.records_excited);
+  return text;
+}
+
+void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection, double explained,
+                  Diagnosis& out) {
+  MixedFit before = selection.base;
+  for (const ChosenEffect& chosen : selection.chosen) {
+    Finding f;
+    f.effect = chosen.kind->name;
+    f.side = chosen.kind->side;
+    f.unit = channel.unit;
+    const double real = chosen.gain > 40.0 ? 0.98 : 0.90;
+    const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
+    f.probability = real * whole * chosen.share_of_family;
+    if (explained > 0.5 && chosen.share_of_family > 0.3) f.probability = std::max(f.probability, 0.5);
+    const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+    f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
+    f.parameters = parameters_of(channel, chosen);
+    f.error_before = channel.scale * std::sqrt(judged(channel, judge(channel, before, w.all_fit).adapted, w.all_fit));
+    f.error_after = channel.scale * std::sqrt(judged(channel, judge(channel, chosen.fit, w.all_fit).adapted, w.all_fit));
+    f.effect_rms = chosen.effect_rms * channel.scale;
+    f.records_improved = chosen.records_improved;
+    f.records_excited = chosen.records_excited;
+    f.evidence = sentence(chosen, channel, f.error_before, f.error_after);
+    for (const FamilyScore& rival : selection.first.families) {
+      if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
+      const double cosine = signature_cosine(channel, selection.base, chosen.fit, chosen.columns, rival.best.fit,
+                                             channel.variants[static_cast<std::size_t>(rival.best.variant)].columns);
+      if (std::abs(cosine) > 0.9) f.confounded_with.push_back({rival.kind->name, cosine, chosen.kind->separates});
+    }
+    for (const auto& [name, share] : chosen.rivals)
+      if (share > 0.2 && std::none_of(f.confounded_with.begin(), f.confounded_with.end(),
+                                      [&, n = name](const LookAlike& a) { return a.effect == n; }))
+        f.confounded_with.push_back({name, 0.0, chosen.kind->separates});
+    before = chosen.fit;
+    out.findings.push_back(std::move(f));
+    // the rivals of this place stand beside it with what is left of the probability
+    for (const auto& [name, share] : chosen.rivals) {
+      const EffectKind* kind = EffectRegistry::instance().find(name);
+      if (kind == nullptr || share < 0.05) continue;
+      Finding weak;
+      weak.effect = name;
+      weak.side = kind->side;
+      weak.unit = channel.unit;
+      weak.probability = std::min(0.49, share * real * whole);
+      weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
+      out.findings.push_back(std::move(weak));
+    }
+  }
+}
+
+void add_ranking(const ResidualChannel& channel, const Selection& selection, Diagnosis& out) {
+  for (const FamilyScore& family : selection.first.families) {
+    RankedEffect r;
+    r.effect = family.kind->name;
+    r.side = family.kind->side;
+    const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
+    r.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
+    r.score = family.gain;
+    r.alone = std::clamp(family.best.fall, 0.0, 1.0);
+    if (family.best.wrong_sign) r.note = "wrong sign";
+    for (const ChosenEffect& c : selection.chosen)
+      if (c.kind == family.kind) r.probability = c.share_of_family;
+    // what the final model loses without it, or still gains with it
+    std::vector<int> columns = selection.final.columns;
+    const bool in = std::any_of(columns.begin(), columns.end(), [&](int j) {
+      return std::find(variant.columns.begin(), variant.columns.end(), j) != variant.columns.end();
+    });
+    if (selection.excess_before > 0.0 && (in || family.gain > 3.0)) {
+      if (in) {
+        const std::vector<int> bank = bank_columns(channel, *family.kind);
+        std::erase_if(columns, [&](int j) {
+          return std::find(variant.columns.begin(), variant.columns.end(), j) != variant.columns.end() ||
+                 std::find(bank.begin(), bank.end(), j) != bank.end();
+        });
+      } else {
+        for (int j : variant.columns) columns.push_back(j);
+      }
+      const MixedFit other = fit_mixed(channel.problem, columns, &selection.final, 5);
+      if (other.valid) {
+        const double change = excess_mean_square(channel, other) - selection.excess_after;
+        r.unique = std::clamp((in ? change : -change) / selection.excess_before, 0.0, 1.0);
+      }
+    }
+    out.ranking.push_back(std::move(r));
+  }
+  std::stable_sort(out.ranking.begin(), out.ranking.end(),
+                   [](const RankedEffect& a, const RankedEffect& b) { return a.score > b.score; });
+}
+
+void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
+  const ResidualChannel& channel = w.output;
+  const Judged before = judge(channel, base, w.all_fit), after = judge(channel, final, w.all_fit);
+  const double s = channel.scale;
+  for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
+    const RecordGram& g = channel.problem.records[i];
+    const double bad = i < w.health.size() ? w.health[i].bad_mean_square_V2 : 0.0;
+    RecordError e;
+    e.record = g.name;
+    e.kind = w.input.records[i].kind;
+    e.heldout = g.heldout;
+    e.before = std::sqrt(before.adapted[i] * s * s + bad);
+    e.after = s * std::sqrt(after.adapted[i]);
+    e.plain_before = std::sqrt(before.plain[i] * s * s + bad);
+    e.plain_after = s * std::sqrt(after.plain[i]);
+    e.floor = std::min(w.noise_V[i], e.after);
+    e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
+    out.records.push_back(e);
+  }
+  double n = 0.0, a = 0.0, b = 0.0, pa = 0.0, pb = 0.0, f = 0.0;
+  for (const RecordError& e : out.records)
+    if (w.all_fit || e.heldout) {
+      n += 1.0;
+      b += e.before * e.before;
+      a += e.after * e.after;
+      pb += e.plain_before * e.plain_before;
+      pa += e.plain_after * e.plain_after;
+      f += e.floor * e.floor;
+    }
+  n = std::max(n, 1.0);
+  out.error_before = std::sqrt(b / n);
+  out.error_after = std::sqrt(a / n);
+  out.plain_before = std::sqrt(pb / n);
+  out.plain_after = std::sqrt(pa / n);
+  out.floor = std::sqrt(f / n);
+  out.errors["U_plain"] = {out.plain_before, out.plain_after, "V"};
+}
+
+// Structure counts when it is visible beside the noise, large enough to matter, and not one record's whim.
+bool is_structure(const Structure& s, double noise_rms) {
+  return s.rms > 0.0015 && s.rms > 0.7 * noise_rms && s.share > 0.35 && s.records * 3 >= s.of_records && s.records >= 2;
+}
+
+double noise_rms(const ResidualChannel& channel) {
+  double sum = 0.0;
+  for (const RecordGram& g : channel.problem.records) sum += g.noise_variance;
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
+}
+
+}  // namespace
+
+Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
+  Diagnosis out;
+  out.campaign = w.input.name;
+  out.model = options.model_name;
+  out.notes = w.input.notes;
+  out.force_range_N = w.input.range_N;
+  out.voltage_range_V = w.input.U_range_V;
+  const SelectionRules rules;
+
+  const std::vector<HealthClaim> raw = health_claims(w.health, w.scales, w.input.bench);
+  const auto raw_says = [&](const std::string& name) {
+    return std::any_of(raw.begin(), raw.end(), [&](const HealthClaim& c) { return c.effect == name; });
+  };
+
+  Selection rig;
+  bool reference_moves = false;
+  if (w.has_rig) {
+    rig = select_effects(w.rig, model_columns(w.rig, options.in_model), options.in_model, rules, options.threads);
+    for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
+  }
+  std::vector<std::string> skip = options.in_model;
+  std::vector<int> always = model_columns(w.output, options.in_model);
+  if (w.has_rig) skip.push_back("reference_drift");
+  if (reference_moves)
+    for (int j : bank_columns(w.output, *EffectRegistry::instance().find("reference_drift"))) always.push_back(j);
+  if (raw_says("clipping")) skip.push_back("clipping");
+  const Selection selection = select_effects(w.output, always, skip, rules, options.threads);
+  if (!selection.base.valid) {
+    out.notes.push_back("the records do not determine the starting model: no verdict");
+    return out;
+  }
+
+  const double explained =
+      selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
+  const Structure left = structure_of(w.output, selection.final);
+  const double noise = noise_rms(w.output);
+  const bool structured = is_structure(left, noise);
+  const bool named_enough = explained > 0.5 || !structured;
+  add_findings(w, w.output, selection, named_enough ? std::max(explained, 0.6) : explained, out);
+  for (Finding& f : out.findings)
+    if (f.effect == "reference_drift" && !w.has_rig) {
+      f.side_witnessed = false;
+      f.evidence += "; without a third channel the side cannot be told: the sensor's own zero may drift";
+    }
+  for (const HealthClaim& claim : raw) {
+    const EffectKind* kind = EffectRegistry::instance().find(claim.effect);
+    Finding f;
+    f.effect = claim.effect;
+    f.side = kind != nullptr ? kind->side : "instrument";
+    f.probability = claim.probability;
+    f.evidence = claim.evidence;
+    f.parameters.push_back({claim.parameter, claim.value, claim.u, claim.unit});
+    f.form = "raw";
+    out.findings.push_back(std::move(f));
+  }
+  if (w.has_rig && rig.base.valid) {
+    const double rig_explained = rig.excess_before > 0.0 ? 1.0 - rig.excess_after / rig.excess_before : 1.0;
+    add_findings(w, w.rig, rig, std::max(rig_explained, 0.51), out);
+    if (!rig.chosen.empty()) {
+      const double scale = w.rig.scale;
+      out.errors["F"] = {scale * std::sqrt(judged(w.rig, judge(w.rig, rig.base, w.all_fit).adapted, w.all_fit)),
+                         scale * std::sqrt(judged(w.rig, judge(w.rig, rig.final, w.all_fit).adapted, w.all_fit)), "N"};
+    }
+  }
+
+  // one entry per effect, claims first
+  std::stable_sort(out.findings.begin(), out.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.probability > b.probability; });
+  std::vector<Finding> unique;
+  for (Finding& f : out.findings)
+    if (std::none_of(unique.begin(), unique.end(), [&](const Finding& u) { return u.effect == f.effect; }))
+      unique.push_back(std::move(f));
+  out.findings = std::move(unique);
+  const bool claims = std::any_of(out.findings.begin(), out.findings.end(), [](const Finding& f) { return f.probability >= 0.5; });
+  out.verdict = claims ? Verdict::known : structured ? Verdict::unknown : Verdict::none;
+  out.residual_unknown = claims && structured && explained < 0.8;
+
+  const auto residual = residual_rows(w.output, selection.base);
+  out.maps = residual_maps(w, w.output, residual);
+  const auto residual_after = residual_rows(w.output, selection.final);
+  out.maps_after = residual_maps(w, w.output, residual_after);
+  if (out.verdict == Verdict::unknown || out.residual_unknown) out.depends_on = depends_on(out.maps_after);
+  add_records(w, selection.base, selection.final, out);
+  for (Finding& f : out.findings)
+    if (f.form == "raw") {
+      f.error_before = out.error_before;
+      f.error_after = out.error_after;
+    }
+  add_ranking(w.output, selection, out);
+  if (w.has_rig && rig.base.valid) add_ranking(w.rig, rig, out);
+  const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
+  out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
+  for (const std::string& why : selection.rejected) out.notes.push_back("not taken: " + why);
+  if (options.pictures) add_pictures(w, selection, residual, residual_after, out);
+  return out;
+}
+
+}  // namespace forcegate::diagnose

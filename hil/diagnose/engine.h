@@ -1,0 +1,35 @@
+#pragma once
+// From a campaign to the answer: S0 to S9 in order.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "hil/base/result.h"
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/select.h"
+#include "hil/diagnose/workspace.h"
+#include "hil/trace/campaign.h"
+
+namespace forcegate::diagnose {
+
+struct EngineOptions {
+  BaseLaw law;                     ///< starting model
+  std::string model_name = "flexiforce";
+  std::vector<std::string> in_model;  ///< effects that the model has already: they are in the base, not candidates
+  unsigned threads = 2;
+  bool pictures = true;            ///< overlays and evidence series too
+};
+
+/// S0 to S3; the campaign's samples are freed record by record.
+Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options);
+
+/// S4 to S9 on a prepared workspace.
+Diagnosis diagnose_workspace(Workspace& workspace, const EngineOptions& options);
+
+Result<Diagnosis> diagnose_campaign(Campaign campaign, const EngineOptions& options);
+
+/// Columns that the effects already in the model put into the fit (their most flexible forms).
+std::vector<int> model_columns(const ResidualChannel& channel, const std::vector<std::string>& in_model);
+
+}  // namespace forcegate::diagnose

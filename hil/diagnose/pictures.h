@@ -1,0 +1,12 @@
+#pragma once
+// Plot data of an answer: overlays of every record, evidence before and after.
+
+#include "hil/diagnose/residual_map.h"
+#include "hil/diagnose/select.h"
+
+namespace forcegate::diagnose {
+
+void add_pictures(const Workspace& workspace, const Selection& selection, const std::vector<std::vector<double>>& before,
+                  const std::vector<std::vector<double>>& after, Diagnosis& out);
+
+}  // namespace forcegate::diagnose

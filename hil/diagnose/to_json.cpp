@@ -1,0 +1,108 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hil/diagnose/diagnosis.h"
+
+namespace forcegate {
+
+using Json = nlohmann::ordered_json;
+
+std::string to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::none: return "none";
+    case Verdict::known: return "known";
+    case Verdict::unknown: return "unknown";
+  }
+  return "none";
+}
+
+namespace {
+
+Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+
+Json finding_json(const Finding& f) {
+  Json out;
+  out["effect"] = f.effect;
+  out["side"] = f.side;
+  out["probability"] = number(f.probability);
+  out["form"] = f.form;
+  Json parameters = Json::array();
+  for (const FoundParameter& p : f.parameters)
+    parameters.push_back({{"name", p.name}, {"value", number(p.value)}, {"u", number(p.u)}, {"unit", p.unit}});
+  out["parameters"] = parameters;
+  out["error_before"] = number(f.error_before);
+  out["error_after"] = number(f.error_after);
+  out["unit"] = f.unit;
+  out["effect_rms"] = number(f.effect_rms);
+  Json others = Json::array();
+  for (const LookAlike& a : f.confounded_with)
+    others.push_back({{"effect", a.effect}, {"cos", number(a.cosine)}, {"separates", a.separates}});
+  out["confounded_with"] = others;
+  out["evidence"] = f.evidence;
+  out["records_improved"] = f.records_improved;
+  out["records_excited"] = f.records_excited;
+  out["side_witnessed"] = f.side_witnessed;
+  return out;
+}
+
+Json map_json(const ResidualMap& m) {
+  Json cells = Json::array();
+  for (const MapCell& c : m.cells)
+    cells.push_back({{"x", number(c.x)}, {"mean", number(c.mean)}, {"u", number(c.standard_error)}, {"n", c.n}});
+  return {{"coordinate", m.coordinate}, {"group", m.group}, {"unit", m.unit}, {"share", number(m.share)},
+          {"sentence", m.sentence}, {"cells", cells}};
+}
+
+}  // namespace
+
+std::string to_json(const Diagnosis& d) {
+  Json out;
+  out["schema"] = 1;
+  out["campaign"] = d.campaign;
+  out["model"] = d.model;
+  out["verdict"] = to_string(d.verdict);
+  out["residual_unknown"] = d.residual_unknown;
+  out["findings"] = Json::array();
+  for (const Finding& f : d.findings) out["findings"].push_back(finding_json(f));
+  out["depends_on"] = d.depends_on;
+  out["error_before"] = number(d.error_before);
+  out["error_after"] = number(d.error_after);
+  out["unit"] = d.unit;
+  Json errors = Json::object();
+  for (const auto& [name, pair] : d.errors)
+    errors[name] = {{"before", number(pair.before)}, {"after", number(pair.after)}, {"unit", pair.unit}};
+  out["errors"] = errors;
+  out["floor"] = number(d.floor);
+  out["plain"] = {{"before", number(d.plain_before)}, {"after", number(d.plain_after)}};
+  out["records"] = Json::array();
+  for (const RecordError& r : d.records)
+    out["records"].push_back({{"record", r.record}, {"kind", r.kind}, {"heldout", r.heldout}, {"before", number(r.before)},
+                              {"after", number(r.after)}, {"plain_before", number(r.plain_before)},
+                              {"plain_after", number(r.plain_after)}, {"floor", number(r.floor)},
+                              {"explainable", number(r.explainable)}});
+  out["ranking"] = Json::array();
+  for (const RankedEffect& r : d.ranking)
+    out["ranking"].push_back({{"effect", r.effect}, {"side", r.side}, {"form", r.form}, {"score", number(r.score)},
+                              {"alone", number(r.alone)}, {"unique", number(r.unique)},
+                              {"probability", number(r.probability)}, {"null_score", number(r.null_score)}, {"note", r.note}});
+  out["maps"] = Json::array();
+  for (const ResidualMap& m : d.maps) out["maps"].push_back(map_json(m));
+  out["repeatability"] = {{"gain", number(d.repeatability.gain)}, {"offset_V", number(d.repeatability.offset_V)},
+                          {"log_b", number(d.repeatability.log_b)}, {"log_q", number(d.repeatability.log_q)}};
+  out["expected_false"] = number(d.expected_false);
+  Json segments = Json::array();
+  for (const ExperimentSegment& s : d.next_experiment.segments) {
+    Json numbers = Json::object();
+    for (const auto& [name, value] : s.numbers) numbers[name] = number(value);
+    segments.push_back({{"name", s.name}, {"stimulus", s.stimulus}, {"numbers", numbers}, {"minutes", number(s.minutes)},
+                        {"separates", s.separates}, {"cos_before", number(s.cosine_before)},
+                        {"cos_after", number(s.cosine_after)}, {"odds_before", number(s.odds_before)},
+                        {"odds_after", number(s.odds_after)}});
+  }
+  out["next_experiment"] = {{"segments", segments}, {"minutes", number(d.next_experiment.minutes)},
+                            {"sentence", d.next_experiment.sentence}};
+  out["notes"] = d.notes;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate
