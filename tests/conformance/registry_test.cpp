@@ -63,7 +63,9 @@ TEST(CommandTable, RowsAreCompleteAndTheirNamesUnique) {
     std::set<char> letters = {'q', 'h'};
     for (const Option& o : row.options) {
       EXPECT_TRUE(names.insert(o.name).second) << row.name << " --" << o.name;
-      if (o.letter != 0) EXPECT_TRUE(letters.insert(o.letter).second) << row.name << " -" << o.letter;
+      if (o.letter != 0) {
+        EXPECT_TRUE(letters.insert(o.letter).second) << row.name << " -" << o.letter;
+      }
       EXPECT_FALSE(o.doc.empty()) << row.name << " --" << o.name;
       EXPECT_FALSE(o.value_name.empty() && (o.required || !o.fallback.empty())) << row.name << " --" << o.name;
     }

@@ -115,7 +115,7 @@ TEST_P(StimulusConformance, UnknownParametersAndValuesOutOfRangeAreRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, StimulusConformance, ::testing::ValuesIn(Registry<StimulusKind>::instance().names()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& kind) { return kind.param; });
 
 }  // namespace
 }  // namespace forcegate

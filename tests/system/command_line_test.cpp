@@ -51,7 +51,9 @@ TEST(CommandLine, HelpLinesFitTheScreen) {
   for (const std::string& verb : visible_verbs()) {
     std::istringstream lines(forcegate({verb, "--help"}).out);
     for (std::string line; std::getline(lines, line);)
-      if (line.find("forcegate ") == std::string::npos) EXPECT_LE(line.size(), 130u) << verb << ": " << line;
+      if (line.find("forcegate ") == std::string::npos) {
+        EXPECT_LE(line.size(), 130u) << verb << ": " << line;
+      }
   }
 }
 
@@ -186,7 +188,9 @@ TEST(Doctor, SaysForEachMissingThingHowToGetIt) {
   EXPECT_EQ(document["ready"], false);
   bool seen_qemu = false;
   for (const Json& item : document["items"]) {
-    if (item["state"] != "ok") EXPECT_FALSE(item["remedy"].get<std::string>().empty()) << item;
+    if (item["state"] != "ok") {
+      EXPECT_FALSE(item["remedy"].get<std::string>().empty()) << item;
+    }
     if (item["name"] == "qemu-system-arm") {
       seen_qemu = true;
       EXPECT_EQ(item["state"], "missing");

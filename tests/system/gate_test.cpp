@@ -242,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(
                       std::pair{"abort_on_load", "#include <stdlib.h>\n__attribute__((constructor)) static void f(void) { abort(); }\n"},
                       std::pair{"exit_on_load", "#include <stdlib.h>\n__attribute__((constructor)) static void f(void) { exit(0); }\n"},
                       std::pair{"crash_on_load", "__attribute__((constructor)) static void f(void) { *(volatile int*)0 = 1; }\n"}),
-    [](const auto& info) { return std::string(info.param.first); });
+    [](const auto& image) { return std::string(image.param.first); });
 
 }  // namespace
 }  // namespace forcegate::test
