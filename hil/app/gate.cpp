@@ -160,6 +160,7 @@ class GateRun {
         continue;
       }
       if (request_.keep && !folder.empty()) jobs_[i].keep_path = trace_path(folder, jobs_[i]).string();
+      if (!setup_.rig.emulated) jobs_[i].curves = true;  // it cannot be played again
       runnable.push_back(jobs_[i]);
       place.push_back(i);
     }
@@ -189,11 +190,12 @@ class GateRun {
       if (!doubt || records_[i].failure) continue;
       again.push_back(jobs_[i]);
       again.back().keep_path = trace_path(folder, jobs_[i]).string();
+      again.back().curves = true;
       place.push_back(i);
     }
-    const auto made = run_in_workers(again, worker_options());
+    auto made = run_in_workers(again, worker_options());
     for (std::size_t k = 0; k < made.size(); ++k)
-      if (!made[k].failure && made[k].digest == records_[place[k]].digest) records_[place[k]].trace_file = made[k].trace_file;
+      if (!made[k].failure && made[k].digest == records_[place[k]].digest) records_[place[k]] = std::move(made[k]);
   }
 
   // Verdicts of single records; the decision rule runs over all of them together.
@@ -249,9 +251,8 @@ class GateRun {
     for (const PlanCase& planned : setup_.plan.cases) {
       const auto& specimens = specimens_of(setup_.plan, planned);
       for (std::size_t k = 0; k < specimens.size(); ++k, ++i) {
-        const bool curves = k == specimens.size() / 2;
-        CaseResult c = to_case_result(planned, jobs_[i], std::move(records_[i]), judged_[i], curves);
-        result_.cases.push_back(std::move(c));
+        const bool curves = jobs_[i].curves;
+        result_.cases.push_back(to_case_result(planned, jobs_[i], std::move(records_[i]), judged_[i], curves));
       }
     }
   }

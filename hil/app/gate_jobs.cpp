@@ -175,7 +175,8 @@ std::vector<CaseJob> record_jobs(const GateRequest& request, const GateSetup& se
   std::vector<CaseJob> jobs;
   for (std::size_t k = 0; k < setup.plan.cases.size(); ++k) {
     const PlanCase& planned = setup.plan.cases[k];
-    for (const std::string& specimen : specimens_of(setup.plan, planned)) {
+    const auto& specimens = specimens_of(setup.plan, planned);
+    for (const std::string& specimen : specimens) {
       CaseJob job = common_job(request, setup, specimen);
       job.id = planned.name + "/" + specimen;
       job.index = jobs.size();
@@ -183,6 +184,7 @@ std::vector<CaseJob> record_jobs(const GateRequest& request, const GateSetup& se
       job.lane_options = request.lane_options;
       job.image = std::filesystem::absolute(request.firmware).string();
       job.planned = planned;
+      job.curves = specimen == specimens[specimens.size() / 2];  // one stands for its case
       job.record = static_cast<std::uint64_t>(k) + 1;
       job.nonce = static_cast<std::uint32_t>(
           mix_seed(job.seed, setup.firmware_sha256 + "/" + job.id) & 0xFFFFFFFFu);

@@ -59,7 +59,7 @@ template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::
   f("lane", v.lane), f("lane_options", v.lane_options), f("image", v.image), f("nonce", v.nonce);
   f("planned", v.planned), f("specimen", v.specimen), f("seed", v.seed), f("session", v.session);
   f("record", v.record), f("calibration", v.calibration), f("calibrate", v.calibrate), f("safety", v.safety);
-  f("faults", v.faults), f("keep", v.keep_path);
+  f("faults", v.faults), f("keep", v.keep_path), f("curves", v.curves);
 }
 template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigGeometry> {
   f("k", v.spring_N_per_mm), f("e", v.eccentricity_mm), f("preload", v.preload_mm), f("low", v.theta_min_rad);

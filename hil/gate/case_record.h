@@ -36,6 +36,7 @@ struct CaseJob {
   SafetyLimits safety;
   std::map<std::string, double> faults;
   std::string keep_path;      ///< samples are written there; "" = not kept
+  bool curves = true;         ///< overview and window are collected
 };
 
 /// Where a record broke off.

@@ -221,8 +221,10 @@ class CaseRun {
     output_.push(b);
     if (record_.rig.can_move) hold_.push(b);
     lag_.push(b);
-    overview_.push(b);
-    window_.push(b);
+    if (job_.curves) {
+      overview_.push(b);
+      window_.push(b);
+    }
     const bool with_setpoint = std::isfinite(block_.setpoint_N[0]);
     guide_is_setpoint_ = guide_is_setpoint_ || with_setpoint;
     const float* followers[3] = {block_.force_ref_N.data(), dut_.data(), raw_.data()};
@@ -237,6 +239,7 @@ class CaseRun {
 
   // Keeps the cycles around the worst maximum so far. Only a clear worsening is worth the copy.
   void look_for_worst() {
+    if (!job_.curves) return;
     const auto& pairs = pairer_->pairs();
     for (; seen_pairs_ < pairs.size(); ++seen_pairs_) {
       const PairedExtremum& p = pairs[seen_pairs_];
@@ -269,9 +272,11 @@ class CaseRun {
     record_.output = output_.finish();
     record_.hold = hold_.finish();
     lag_.finish(record_.lag_s, record_.u_lag_s);
-    record_.overview = overview_.finish();
-    if (!window_.has_snapshot()) record_.window_reason = "end of the record";
-    record_.window = window_.finish();
+    if (job_.curves) {
+      record_.overview = overview_.finish();
+      if (!window_.has_snapshot()) record_.window_reason = "end of the record";
+      record_.window = window_.finish();
+    }
     record_.digest = digest_.hex();
     if (record_.conformance_known) {
       const Comparison c = devices_.comparator->finish();

@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include <fmt/format.h>
-#define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
 #include "hil/base/text.h"
@@ -83,11 +82,13 @@ const ConfigNode* ConfigNode::find(std::string_view name) const {
 
 Result<ConfigNode> parse_config(std::string_view text, const std::string& name) {
   if (text.size() > kLargestFile) return fail(ErrorCode::config, "the file is larger than 1 MB", name);
-  const toml::parse_result parsed = toml::parse(text, name);
-  if (!parsed)
-    return fail(ErrorCode::config, "not valid TOML: " + printable_utf8(parsed.error().description()),
-                position(name, parsed.error().source()), "see https://toml.io for the syntax");
-  return convert(parsed.table(), name, 0);
+  // Debian's TOML library is built to throw; the exception ends here.
+  try {
+    return convert(toml::parse(text, name), name, 0);
+  } catch (const toml::parse_error& e) {
+    return fail(ErrorCode::config, "not valid TOML: " + printable_utf8(e.description()), position(name, e.source()),
+                "see https://toml.io for the syntax");
+  }
 }
 
 Result<ConfigNode> read_config(const std::filesystem::path& path) {

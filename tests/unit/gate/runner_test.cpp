@@ -13,12 +13,12 @@
 namespace forcegate {
 namespace {
 
-struct Setup {
+struct Bench {
   testing::FakeRig rig;
   testing::FakeDut dut;
   CaseJob job;
   Plan plan;
-  Setup() {
+  Bench() {
     job.id = "sine/fake";
     job.nonce = 0x1234;
     job.planned.name = "sine";
@@ -66,7 +66,7 @@ bool all_required_pass(const JudgedCase& judged) {
 }
 
 TEST(Runner, finds_no_error_in_an_exact_sensor) {
-  Setup s;
+  Bench s;
   const CaseRecord r = s.run();
   ASSERT_FALSE(r.failure) << r.failure->error.to_text();
   EXPECT_EQ(r.samples, 60000u);
@@ -78,7 +78,7 @@ TEST(Runner, finds_no_error_in_an_exact_sensor) {
 }
 
 TEST(Runner, measures_a_gain_error_as_the_mean_relative_error) {
-  Setup s;
+  Bench s;
   s.dut.spoil = [](std::uint32_t, float& force_N, std::uint8_t&) { force_N *= 1.08f; };
   const JudgedCase judged = s.judge(s.run());
   EXPECT_NEAR(find(judged, "mre_maxima")->value, 8.0, 0.05);
@@ -87,7 +87,7 @@ TEST(Runner, measures_a_gain_error_as_the_mean_relative_error) {
 }
 
 TEST(Runner, measures_a_lag_in_either_direction_of_the_force) {
-  Setup s;
+  Bench s;
   std::vector<float> line(30, 0.0f);
   s.dut.spoil = [&](std::uint32_t index, float& force_N, std::uint8_t&) { std::swap(force_N, line[index % 30]); };
   const CaseRecord r = s.run();
@@ -95,7 +95,7 @@ TEST(Runner, measures_a_lag_in_either_direction_of_the_force) {
 }
 
 TEST(Runner, closes_the_loop_over_the_firmware_s_estimate) {
-  Setup s;
+  Bench s;
   s.close_loop();
   const CaseRecord r = s.run();
   ASSERT_FALSE(r.failure);
@@ -105,7 +105,7 @@ TEST(Runner, closes_the_loop_over_the_firmware_s_estimate) {
 }
 
 TEST(Runner, a_low_estimate_drives_the_closed_loop_too_high_by_as_much) {
-  Setup s;
+  Bench s;
   s.close_loop();
   s.dut.spoil = [](std::uint32_t, float& force_N, std::uint8_t&) { force_N *= 0.9f; };
   const JudgedCase judged = s.judge(s.run());
@@ -113,14 +113,14 @@ TEST(Runner, a_low_estimate_drives_the_closed_loop_too_high_by_as_much) {
 }
 
 TEST(Runner, is_the_same_to_the_last_bit_when_repeated) {
-  Setup a, b;
+  Bench a, b;
   const CaseRecord first = a.run(), second = b.run();
   EXPECT_EQ(first.digest, second.digest);
   EXPECT_EQ(to_json(first), to_json(second));
 }
 
 TEST(Runner, one_changed_sample_changes_the_digest) {
-  Setup a, b;
+  Bench a, b;
   b.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
     if (index == 31234) force_N = std::nextafter(force_N, 10.0f);
   };
@@ -128,7 +128,7 @@ TEST(Runner, one_changed_sample_changes_the_digest) {
 }
 
 TEST(Runner, refuses_output_that_does_not_echo_the_nonce) {
-  Setup s;
+  Bench s;
   s.dut.wrong_nonce = true;
   const CaseRecord r = s.run();
   ASSERT_TRUE(r.failure);
@@ -136,14 +136,14 @@ TEST(Runner, refuses_output_that_does_not_echo_the_nonce) {
 }
 
 TEST(Runner, charges_a_firmware_that_stops_answering) {
-  Setup s;
+  Bench s;
   s.dut.dies_at = 20000;
   const JudgedCase judged = s.judge(s.run());
   EXPECT_EQ(find(judged, "firmware_runs")->blame, Blame::firmware);
 }
 
 TEST(Runner, one_nan_fails_the_build_and_says_when) {
-  Setup s;
+  Bench s;
   s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
     if (index == 40000) force_N = std::nanf("");
   };
@@ -154,7 +154,7 @@ TEST(Runner, one_nan_fails_the_build_and_says_when) {
 }
 
 TEST(Runner, a_truncated_record_decides_nothing) {
-  Setup s;
+  Bench s;
   s.rig.ends_after_s = 40.0;
   const JudgedCase judged = s.judge(s.run());
   EXPECT_EQ(find(judged, "coverage")->verdict, Verdict::inconclusive);
@@ -163,7 +163,7 @@ TEST(Runner, a_truncated_record_decides_nothing) {
 }
 
 TEST(Runner, an_unsound_reference_takes_the_record_out_of_judgement) {
-  Setup s;
+  Bench s;
   s.rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {
     if (t_s > 20.0 && b.force_ref_N[row] > 2.5f) b.status[row] |= kRigReferenceSaturated;
   };
@@ -175,7 +175,7 @@ TEST(Runner, an_unsound_reference_takes_the_record_out_of_judgement) {
 }
 
 TEST(Runner, charges_a_build_that_drives_the_loop_into_the_force_limit) {
-  Setup s;
+  Bench s;
   s.close_loop();
   s.job.safety.force_max_N = 4.0;
   s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
@@ -189,7 +189,7 @@ TEST(Runner, charges_a_build_that_drives_the_loop_into_the_force_limit) {
 }
 
 TEST(Runner, does_not_charge_a_build_with_a_stop_after_which_it_agreed_with_the_reference) {
-  Setup s;
+  Bench s;
   s.close_loop();
   s.job.safety.force_max_N = 2.5;
   const JudgedCase judged = s.judge(s.run());
@@ -198,7 +198,7 @@ TEST(Runner, does_not_charge_a_build_with_a_stop_after_which_it_agreed_with_the_
 }
 
 TEST(Runner, leaves_the_start_window_out_of_the_error_but_limits_it) {
-  Setup s;
+  Bench s;
   s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t& flags) {
     if (index < 30000) {
       flags |= kDutLearning;
@@ -213,7 +213,7 @@ TEST(Runner, leaves_the_start_window_out_of_the_error_but_limits_it) {
 
 TEST(Runner, sees_a_static_hold_that_is_amplified) {
   for (const float factor : {1.0f, 1.3f}) {
-    Setup s;
+    Bench s;
     s.job.planned.checks = kCheckHold;
     s.job.planned.stimulus = {};
     s.job.planned.stimulus.name = "jump";
@@ -232,7 +232,7 @@ TEST(Runner, sees_a_static_hold_that_is_amplified) {
 }
 
 TEST(Runner, survives_the_trip_through_the_pipe) {
-  Setup s;
+  Bench s;
   s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
     if (index == 7) force_N = std::nanf("");
   };
@@ -248,7 +248,7 @@ TEST(Runner, survives_the_trip_through_the_pipe) {
 }
 
 TEST(Calibration, static_sweeps_find_gain_and_offset) {
-  Setup s;
+  Bench s;
   s.rig.gain_N_per_V = 0.53;
   s.rig.offset_N = 0.07;
   s.job.kind = CaseJob::Kind::calibration;
@@ -262,7 +262,7 @@ TEST(Calibration, static_sweeps_find_gain_and_offset) {
 }
 
 TEST(Calibration, fails_on_a_sensor_that_does_not_answer) {
-  Setup s;
+  Bench s;
   s.rig.gain_N_per_V = 1e9;
   s.job.kind = CaseJob::Kind::calibration;
   s.job.calibrate.level = CalibrationLevel::statical;

@@ -1,0 +1,23 @@
+#pragma once
+// `forcegate limits`: derive golden limits from the reference build over many other seeds.
+
+#include "hil/app/gate.h"
+#include "hil/gate/limits.h"
+
+namespace forcegate {
+
+struct LimitsRequest {
+  std::filesystem::path firmware;
+  std::string plan = "smoke";
+  std::size_t n = 300;              ///< specimens, each with its own session
+  std::uint64_t first_seed = 1000;  ///< specimens "seed:1000", "seed:1001" ... : none of any panel
+  unsigned threads = 0;
+  std::string date;                 ///< "2026-11-21", for the file
+};
+
+/// p99 and standard deviation of the judged errors of every open-loop case with the check `accuracy`; the limit is
+/// p99 + 2 sd. Errors: those of gate(); config when a record gave no value (the file would claim too much).
+Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress = {},
+                                    const std::atomic<bool>* cancelled = nullptr);
+
+}  // namespace forcegate
