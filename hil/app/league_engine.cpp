@@ -50,6 +50,14 @@ Result<std::string> output_of(const std::string& command) {
 
 }  // namespace
 
+LeagueEngine built_in_engine() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  LeagueEngine engine = command_engine("'" + (error ? fs::path("forcegate") : self).string() + "' diagnose --json");
+  engine.name = "built-in";
+  return engine;
+}
+
 LeagueEngine command_engine(std::string command) {
   return {command, [command](hidden::MadeCampaign&& made) -> Result<std::string> {
             const TemporaryFolder folder;

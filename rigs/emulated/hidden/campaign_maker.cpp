@@ -54,6 +54,7 @@ Result<Stage> set_stage(const CampaignRequest& request) {
     needs.drive |= kind->needs_drive;
     needs.remounting |= kind->needs_remounting;
     needs.climate |= kind->needs_climate;
+    needs.fast_reference |= kind->needs_fast_reference;
     for (const std::string& wanted : kind->needs_kinds) {
       const auto have = std::count(required.begin(), required.end(), wanted);
       const auto want = std::count(kind->needs_kinds.begin(), kind->needs_kinds.end(), wanted);

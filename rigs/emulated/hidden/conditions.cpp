@@ -54,6 +54,7 @@ Conditions draw_conditions(std::uint64_t seed, const ConditionNeeds& needs) {
   c.reference_noise_N = 0.025 * log_uniform(rng, 0.1, 0.7);
   const double lag = rng.uniform();
   c.reference_lag_s = chance(rng, 0.5) ? 0.005 * lag * lag : 0.0;
+  if (needs.fast_reference) c.reference_lag_s = std::min(c.reference_lag_s, 0.0004);
 
   c.spring_N_per_mm = 0.25 * (1.0 + 0.01 * rng.normal());
   c.motor_tau_s = rng.uniform(0.010, 0.030);

@@ -12,7 +12,7 @@ namespace forcegate::hidden {
 
 /// What effects ask of the bench so that they can act at all.
 struct ConditionNeeds {
-  bool theta = false, command = false, drive = false, remounting = false, climate = false;
+  bool theta = false, command = false, drive = false, remounting = false, climate = false, fast_reference = false;
 };
 
 struct Conditions {

@@ -61,7 +61,8 @@ struct HiddenKind {
   Rival rival = Rival::none;
   bool reducible = true;               ///< a model with the effect can predict the samples
   bool needs_theta = false, needs_command = false;                             ///< columns
-  bool needs_drive = false, needs_remounting = false, needs_climate = false;  ///< variations
+  bool needs_drive = false, needs_remounting = false, needs_climate = false,
+       needs_fast_reference = false;  ///< variations; a reference without lag of its own
   std::vector<std::string> needs_kinds = {};   ///< records without which it is not excited
   std::vector<std::string> depends_on = {};    ///< foreign: coordinates a good answer may name
   double strength_max = 50.0;

@@ -119,12 +119,14 @@ class Remounted final : public HiddenEffect {
 const HiddenRegistration kRc{{.name = "rc",
                               .side = "sensor",
                               .also_side = {"instrument"},
+                              .needs_fast_reference = true,
                               .needs_kinds = {"prbs", "steps", "steps"},
                               .strength_max = 20.0,
                               .make = [](Rng& rng) { return std::make_unique<LoadedCable>(rng); }}};
 
 const HiddenRegistration kPiezo{{.name = "piezocapacitance",
                                  .side = "sensor",
+                                 .needs_fast_reference = true,
                                  .needs_kinds = {"prbs", "steps", "sweep"},
                                  .strength_max = 50.0,
                                  .make = [](Rng& rng) { return std::make_unique<DisplacementCurrent>(rng); }}};

@@ -167,12 +167,14 @@ const HiddenRegistration kHum{{.name = "hum",
 
 const HiddenRegistration kDelay{{.name = "delay",
                                  .side = "instrument",
+                                 .needs_fast_reference = true,
                                  .needs_kinds = {"prbs", "steps", "sweep"},
                                  .strength_max = 20.0,
                                  .make = [](Rng& rng) { return std::make_unique<ChannelDelay>(rng); }}};
 
 const HiddenRegistration kSkew{{.name = "clock_skew",
                                 .side = "instrument",
+                                .needs_fast_reference = true,
                                 .needs_kinds = {"sine", "sine", "sine", "sweep"},
                                 .strength_max = 20.0,
                                 .make = [](Rng& rng) { return std::make_unique<ClockSkew>(rng); }}};

@@ -76,6 +76,7 @@ class LayeredLag final : public HiddenEffect {
 
 const HiddenRegistration kRegistered{{.name = "lag",
                                       .side = "sensor",
+                                      .needs_fast_reference = true,
                                       .needs_kinds = {"prbs", "steps", "sweep"},
                                       .strength_max = 10.0,
                                       .make = [](Rng& rng) -> std::unique_ptr<HiddenEffect> {

@@ -1,0 +1,118 @@
+#include "hil/app/scoring.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace forcegate {
+namespace {
+
+hidden::Truth truth_of(std::vector<std::string> names, const std::string& side = "sensor") {
+  hidden::Truth truth;
+  for (std::string& name : names) {
+    hidden::TruthEffect effect;
+    effect.name = std::move(name);
+    effect.side = side;
+    effect.measure = "voltage";
+    effect.excited = true;
+    effect.heldout_rms = 0.03;
+    truth.effects.push_back(std::move(effect));
+  }
+  return truth;
+}
+
+Answer answer(const char* json) {
+  auto result = answer_from_json(json);
+  EXPECT_TRUE(result) << (result ? "" : result.error().to_text());
+  return *result;
+}
+
+TEST(Wilson, AgreesWithNewcombe1998) {
+  const auto near = [](std::size_t k, std::size_t n, double low, double high) {
+    const Interval i = wilson_95(k, n);
+    EXPECT_NEAR(i.low, low, 5e-5) << k << "/" << n;
+    EXPECT_NEAR(i.high, high, 5e-5) << k << "/" << n;
+  };
+  near(81, 263, 0.2553, 0.3662);  // Statistics in Medicine 17, 857, table I, method 3
+  near(15, 148, 0.0624, 0.1605);
+  near(0, 20, 0.0000, 0.1611);
+  near(1, 29, 0.0061, 0.1718);
+}
+
+TEST(Wilson, IsSymmetricAndKnowsNothingWithoutTrials) {
+  EXPECT_NEAR(wilson_95(3, 10).low, 1.0 - wilson_95(7, 10).high, 1e-12);
+  EXPECT_EQ(wilson_95(0, 0).low, 0.0);
+  EXPECT_EQ(wilson_95(0, 0).high, 1.0);
+}
+
+TEST(Quantile, InterpolatesBetweenOrderStatistics) {
+  EXPECT_DOUBLE_EQ(quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
+  EXPECT_DOUBLE_EQ(quantile({1.0, 2.0}, 0.5), 1.5);
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+}
+
+TEST(Score, TheFirstFindingCountsOnlyUnderTheVerdictKnown) {
+  const auto truth = truth_of({"creep"});
+  EXPECT_TRUE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"creep","side":"sensor","probability":0.9}]})")).named);
+  EXPECT_FALSE(score(truth, answer(R"({"verdict":"none","findings":[{"effect":"creep","side":"sensor","probability":0.3}]})")).named);
+}
+
+TEST(Score, PlacesAreCountedAndLookAlikesSeen) {
+  const Score s = score(truth_of({"lag"}), answer(R"({"verdict":"known","findings":[
+      {"effect":"delay","side":"instrument","probability":0.6,"confounded_with":[{"effect":"lag","cos":0.99}]},
+      {"effect":"creep","side":"sensor","probability":0.2},{"effect":"lag","side":"sensor","probability":0.4}]})"));
+  EXPECT_EQ(s.rank, 3);
+  EXPECT_FALSE(s.named);
+  EXPECT_FALSE(s.top2);
+  EXPECT_TRUE(s.top3);
+  EXPECT_TRUE(s.look_alike);
+  EXPECT_TRUE(s.side_right);
+  EXPECT_EQ(s.false_claims, 1) << "only findings of a half or more are claims";
+}
+
+TEST(Score, ACleanCampaignIsMissedByAnyClaimOrVerdict) {
+  const hidden::Truth clean;
+  EXPECT_TRUE(score(clean, answer(R"({"verdict":"none","findings":[{"effect":"creep","probability":0.2}]})")).clean);
+  EXPECT_FALSE(score(clean, answer(R"({"verdict":"unknown"})")).clean);
+  EXPECT_FALSE(score(clean, answer(R"({"verdict":"none","findings":[{"effect":"creep","probability":0.5}]})")).clean);
+}
+
+TEST(Score, AForeignEffectWantsUnknownAndNoNames) {
+  auto truth = truth_of({"foreign_telegraph"});
+  truth.effects[0].foreign = true;
+  EXPECT_TRUE(score(truth, answer(R"({"verdict":"unknown","depends_on":["time"]})")).honest);
+  EXPECT_FALSE(score(truth, answer(R"({"verdict":"unknown","findings":[{"effect":"creep","probability":0.8}]})")).honest);
+  EXPECT_FALSE(score(truth, answer(R"({"verdict":"none"})")).honest);
+}
+
+TEST(Score, OfAPairBothMustStandInTheFirstThree) {
+  const auto truth = truth_of({"creep", "hysteresis"});
+  EXPECT_TRUE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"hysteresis"},{"effect":"lag"},{"effect":"creep"}]})")).pair_in_three);
+  EXPECT_FALSE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"hysteresis"}]})")).pair_in_three);
+}
+
+TEST(Score, BlamingTheSensorForTheRigIsNoticed) {
+  const auto truth = truth_of({"backlash"}, "rig");
+  EXPECT_TRUE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"hysteresis","side":"sensor","probability":0.9}]})")).sensor_blamed);
+  EXPECT_FALSE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"backlash","side":"rig","probability":0.9}]})")).sensor_blamed);
+}
+
+TEST(Score, RemovedIsTheShareOfWhatTheEffectAdds) {
+  auto a = answer(R"({"verdict":"known","findings":[{"effect":"creep"}],"error_before":0.05,"error_after":0.04})");
+  EXPECT_NEAR(*score(truth_of({"creep"}), a).removed, 1.0, 1e-12) << "sqrt(0.05^2 - 0.03^2) = 0.04";
+  a.error_after = 0.05;
+  EXPECT_NEAR(*score(truth_of({"creep"}), a).removed, 0.0, 1e-12);
+  a.error_after = 0.045;
+  EXPECT_NEAR(*score(truth_of({"creep"}), a).removed, 0.5, 1e-12);
+  a.error_before = 0.5;
+  EXPECT_FALSE(score(truth_of({"creep"}), a).removed) << "the effect is lost in the error: nothing to remove";
+}
+
+TEST(AnswerFile, FaultsAreNamed) {
+  EXPECT_FALSE(answer_from_json("not json"));
+  EXPECT_FALSE(answer_from_json(R"({"findings":[]})"));
+  EXPECT_FALSE(answer_from_json(R"({"verdict":"perhaps"})"));
+}
+
+}  // namespace
+}  // namespace forcegate
