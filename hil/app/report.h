@@ -25,7 +25,8 @@ struct ReportAnswer {
 /// Names of the views, sorted.
 std::vector<std::string> report_formats();
 
-/// Reads, renders, writes (temporary file, then renamed). Errors: usage (no such view, with a suggestion), io, parse.
+/// Reads, renders, writes (temporary file, then renamed). Errors: usage (no such view, with a suggestion),
+/// io, parse.
 Result<ReportAnswer> render_report(const ReportRequest& request);
 
 }  // namespace forcegate

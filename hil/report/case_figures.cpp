@@ -21,7 +21,8 @@ struct Signals {
 };
 
 Signals signals_of(const std::vector<PlotTrace>& traces) {
-  return {find_trace(traces, "set-point"), find_trace(traces, "ATI"), find_trace(traces, "firmware"), find_trace(traces, "raw")};
+  return {find_trace(traces, "set-point"), find_trace(traces, "ATI"), find_trace(traces, "firmware"),
+          find_trace(traces, "raw")};
 }
 
 struct ErrorTrace {
@@ -30,12 +31,14 @@ struct ErrorTrace {
   Role role;
 };
 
-// Open loop: what the firmware says against the ATI. Closed loop: what the ATI feels against the set-point, too.
+// Open loop: what the firmware says against the ATI. Closed loop: what the ATI feels against the set-point,
+// too.
 std::vector<ErrorTrace> errors_of(const CaseResult& c, const Signals& s) {
   std::vector<ErrorTrace> out;
   if (c.loop == "closed" && s.ati && s.setpoint)
     out.push_back({difference(*s.ati, *s.setpoint), "ATI \u2212 set-point", Role::reference});
-  if (s.firmware && s.ati) out.push_back({difference(*s.firmware, *s.ati), "firmware \u2212 ATI", Role::firmware});
+  if (s.firmware && s.ati)
+    out.push_back({difference(*s.firmware, *s.ati), "firmware \u2212 ATI", Role::firmware});
   return out;
 }
 
@@ -61,7 +64,8 @@ Envelope envelope(const PlotTrace& trace, int columns) {
   if (!(width > 0.0)) return out;
   std::map<int, std::pair<double, double>> cells;
   for (std::size_t i = 0; i < trace.t_s.size(); ++i) {
-    if (std::isnan(trace.value[i])) continue;
+    if (!std::isfinite(trace.value[i]) || !(trace.t_s[i] >= first) || !(trace.t_s[i] <= first + width))
+      continue;
     const int column = std::min(columns - 1, static_cast<int>((trace.t_s[i] - first) / width * columns));
     const double v = trace.value[i];
     const auto [at, added] = cells.try_emplace(column, v, v);
@@ -93,7 +97,8 @@ PlotTrace difference(const PlotTrace& actual, const PlotTrace& expected) {
     if (k + 1 < expected.t_s.size() && t > expected.t_s[k]) {
       const float step = expected.t_s[k + 1] - expected.t_s[k];
       const float f = step > 0.0f ? std::min(1.0f, (t - expected.t_s[k]) / step) : 1.0f;
-      other += f == 1.0f ? expected.value[k + 1] - expected.value[k] : f * (expected.value[k + 1] - expected.value[k]);
+      other += f == 1.0f ? expected.value[k + 1] - expected.value[k]
+                         : f * (expected.value[k + 1] - expected.value[k]);
     }
     out.value[i] -= other;
   }
@@ -107,15 +112,18 @@ Figure window_figure(const CaseResult& c) {
   figure.share_x = true;
   Panel& force = figure.panel({"", ""}, {"Force", "N"}, 170.0);
   if (s.ati) force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference}, "ATI");
-  if (s.firmware) force.line(doubles(s.firmware->t_s), doubles(s.firmware->value), {Role::firmware}, "firmware");
+  if (s.firmware)
+    force.line(doubles(s.firmware->t_s), doubles(s.firmware->value), {Role::firmware}, "firmware");
   if (s.setpoint)
-    force.line(doubles(s.setpoint->t_s), doubles(s.setpoint->value), {Role::setpoint, Dash::dashed}, "set-point");
+    force.line(doubles(s.setpoint->t_s), doubles(s.setpoint->value), {Role::setpoint, Dash::dashed},
+               "set-point");
   force.show_x_labels = false;
   const std::vector<ErrorTrace> errors = errors_of(c, s);
   Panel& error = figure.panel({"Time", "s"}, {"Error", "N"}, 78.0);
   error.hline(0.0);
   error.y_axis.symmetric = true;
-  for (const ErrorTrace& e : errors) error.line(doubles(e.trace.t_s), doubles(e.trace.value), {e.role, Dash::solid, 1.1}, e.label);
+  for (const ErrorTrace& e : errors)
+    error.line(doubles(e.trace.t_s), doubles(e.trace.value), {e.role, Dash::solid, 1.1}, e.label);
   figure.summary = largest_error_sentence(errors);
   return figure;
 }
@@ -143,9 +151,13 @@ Figure overview_figure(const CaseResult& c) {
     edges(s.raw, Role::raw, "raw sensor", 1.1);
     edges(s.firmware, Role::firmware, "firmware", 1.4);
   } else {
-    if (s.raw) force.line(doubles(s.raw->t_s), doubles(s.raw->value), {Role::raw, Dash::solid, 1.0}, "raw sensor");
-    if (s.ati) force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference, Dash::solid, 1.2}, "ATI");
-    if (s.firmware) force.line(doubles(s.firmware->t_s), doubles(s.firmware->value), {Role::firmware, Dash::solid, 1.0}, "firmware");
+    if (s.raw)
+      force.line(doubles(s.raw->t_s), doubles(s.raw->value), {Role::raw, Dash::solid, 1.0}, "raw sensor");
+    if (s.ati)
+      force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference, Dash::solid, 1.2}, "ATI");
+    if (s.firmware)
+      force.line(doubles(s.firmware->t_s), doubles(s.firmware->value), {Role::firmware, Dash::solid, 1.0},
+                 "firmware");
   }
   const std::vector<ErrorTrace> errors = errors_of(c, s);
   Panel& error = figure.panel({"Time", "s"}, {"Error", "N"}, 78.0);
@@ -177,13 +189,15 @@ Figure decay_figure(const CaseResult& c) {
     const bool maxima = e.name == "maxima";
     const bool has_raw = maxima && e.raw_N.size() >= n;  // the raw minima hold and would only hide the others
     const std::vector<double> t(e.t_s.begin(), e.t_s.begin() + static_cast<std::ptrdiff_t>(n));
-    const std::vector<double> actual = doubles(e.actual_N), expected = doubles(e.expected_N), raw = doubles(e.raw_N);
+    const std::vector<double> actual = doubles(e.actual_N), expected = doubles(e.expected_N),
+                              raw = doubles(e.raw_N);
     std::vector<double> difference_N(n);
     for (std::size_t i = 0; i < n; ++i) difference_N[i] = actual[i] - expected[i];
     const std::span<const double> channel = difference_N;
     std::vector<double> pt, pe, pa, pr, px;
     std::vector<std::size_t> keep = m4_indices(t, {&channel, 1}, 18);
-    for (std::size_t i = 1; i < std::min<std::size_t>(n, 20); ++i) keep.push_back(i);  // where the decay is steep
+    for (std::size_t i = 1; i < std::min<std::size_t>(n, 20); ++i)
+      keep.push_back(i);  // where the decay is steep
     std::sort(keep.begin(), keep.end());
     keep.erase(std::unique(keep.begin(), keep.end()), keep.end());
     for (const std::size_t i : keep) {
@@ -191,7 +205,8 @@ Figure decay_figure(const CaseResult& c) {
       pe.push_back(expected[i]);
       pa.push_back(actual[i]);
       if (has_raw) pr.push_back(raw[i]);
-      px.push_back(std::abs(expected[i]) >= 0.5 ? 100.0 * (actual[i] - expected[i]) / std::abs(expected[i]) : NAN);
+      px.push_back(std::abs(expected[i]) >= 0.5 ? 100.0 * (actual[i] - expected[i]) / std::abs(expected[i])
+                                                : NAN);
     }
     if (pt.empty()) continue;
     end_s = std::max(end_s, pt.back());
@@ -199,8 +214,10 @@ Figure decay_figure(const CaseResult& c) {
     const Marker shape = maxima ? Marker::dot : Marker::ring;
     const double size = maxima ? 2.6 : 3.4;
     if (has_raw) force.points(pt, pr, {Role::raw, Dash::solid, 1.0, shape, size}, label("raw sensor"));
-    force.points(pt, pe, {closed ? Role::setpoint : Role::reference, Dash::solid, 1.0, shape, size}, label(closed ? "set-point" : "ATI"));
-    force.points(pt, pa, {closed ? Role::reference : Role::firmware, Dash::solid, 1.0, shape, size}, label(closed ? "ATI" : "firmware"));
+    force.points(pt, pe, {closed ? Role::setpoint : Role::reference, Dash::solid, 1.0, shape, size},
+                 label(closed ? "set-point" : "ATI"));
+    force.points(pt, pa, {closed ? Role::reference : Role::firmware, Dash::solid, 1.0, shape, size},
+                 label(closed ? "ATI" : "firmware"));
     error.points(pt, px, {closed ? Role::reference : Role::firmware, Dash::solid, 1.0, shape, size}, e.name);
     if (maxima && has_raw) loss_first = pr.front(), loss_last = pr.back();
   }
@@ -209,14 +226,17 @@ Figure decay_figure(const CaseResult& c) {
     const double start = c.facts.excitation_start_s;
     for (int i = 0; i <= 120; ++i) {
       t.push_back(start + (end_s - start) * i / 120.0);
-      const double volts = c.decay.u_min_V + c.decay.c_V + c.decay.a_V * std::exp(-c.decay.b_per_s * (t.back() - start));
+      const double volts =
+          c.decay.u_min_V + c.decay.c_V + c.decay.a_V * std::exp(-c.decay.b_per_s * (t.back() - start));
       fit.push_back(c.calibration.gain_N_per_V * volts + c.calibration.offset_N);
     }
     force.line(t, fit, {Role::model, Dash::dashed, 1.6}, "fit of eq. (3)");
-    figure.summary = "Decay rate b = " + typographic_minus(with_uncertainty(c.decay.b_per_s, c.decay.u_b_per_s)) +
-                     " 1/s; the raw sensor loses " + display(c.decay.loss_pct, 3) + " % of the span of its maxima.";
+    figure.summary =
+        "Decay rate b = " + typographic_minus(with_uncertainty(c.decay.b_per_s, c.decay.u_b_per_s)) +
+        " 1/s; the raw sensor loses " + display(c.decay.loss_pct, 3) + " % of the span of its maxima.";
   } else if (std::isfinite(loss_first)) {
-    figure.summary = "The raw maxima go from " + display(loss_first, 3) + " N to " + display(loss_last, 3) + " N.";
+    figure.summary =
+        "The raw maxima go from " + display(loss_first, 3) + " N to " + display(loss_last, 3) + " N.";
   }
   return figure;
 }
@@ -227,13 +247,15 @@ Figure loop_figure(const CaseResult& c) {
   const bool closed = c.loop == "closed";
   const PlotTrace* expected = closed ? s.setpoint : s.ati;
   const PlotTrace* actual = closed ? s.ati : s.firmware;
-  if (expected == nullptr || actual == nullptr || expected->value.size() != actual->value.size()) return figure;
+  if (expected == nullptr || actual == nullptr || expected->value.size() != actual->value.size())
+    return figure;
   const PlotTrace error = difference(*actual, *expected);
-  const std::vector<float>& direction = s.setpoint && s.setpoint->value.size() == error.value.size() ? s.setpoint->value : expected->value;
+  const std::vector<float>& direction =
+      s.setpoint && s.setpoint->value.size() == error.value.size() ? s.setpoint->value : expected->value;
   const std::size_t n = error.value.size(), reach = std::max<std::size_t>(1, n / 400);
   float x_low = INFINITY, x_high = -INFINITY, e_low = 0.0f, e_high = 0.0f;
   for (std::size_t i = 0; i < n; ++i) {
-    if (std::isnan(error.value[i]) || std::isnan(expected->value[i])) continue;
+    if (!std::isfinite(error.value[i]) || !std::isfinite(expected->value[i])) continue;
     x_low = std::min(x_low, expected->value[i]);
     x_high = std::max(x_high, expected->value[i]);
     e_low = std::min(e_low, error.value[i]);
@@ -247,16 +269,19 @@ Figure loop_figure(const CaseResult& c) {
   falling.role = Role::falling;
   falling.label = "\u25bc falling";
   for (std::size_t i = reach; i + reach < n; ++i) {
-    if (std::isnan(error.value[i]) || std::isnan(expected->value[i])) continue;
+    if (!std::isfinite(error.value[i]) || !std::isfinite(expected->value[i])) continue;
     const double fx = (expected->value[i] - rising.x_low) / (rising.x_high - rising.x_low);
     const double fy = (error.value[i] - rising.y_low) / (rising.y_high - rising.y_low);
-    const int ix = std::clamp(static_cast<int>(fx * rising.nx), 0, rising.nx - 1), iy = std::clamp(static_cast<int>(fy * rising.ny), 0, rising.ny - 1);
+    const int ix = std::clamp(static_cast<int>(fx * rising.nx), 0, rising.nx - 1),
+              iy = std::clamp(static_cast<int>(fy * rising.ny), 0, rising.ny - 1);
     Density& side = direction[i + reach] >= direction[i - reach] ? rising : falling;
     side.count[static_cast<std::size_t>(iy * rising.nx + ix)] += 1.0;
   }
-  Panel& panel = figure.panel({closed ? "Set-point" : "ATI", "N"}, {closed ? "ATI \u2212 set-point" : "Firmware \u2212 ATI", "N"}, 254.0);
+  Panel& panel = figure.panel({closed ? "Set-point" : "ATI", "N"},
+                              {closed ? "ATI \u2212 set-point" : "Firmware \u2212 ATI", "N"}, 254.0);
   panel.density(std::move(rising)).density(std::move(falling)).hline(0.0);
-  figure.summary = "A closed loop between rising and falling force means lag or hysteresis; a slope means a gain error.";
+  figure.summary =
+      "A closed loop between rising and falling force means lag or hysteresis; a slope means a gain error.";
   return figure;
 }
 
@@ -265,7 +290,8 @@ Figure ratio_figure(const RunResult& result) {
   std::vector<std::string> ids;
   const std::vector<JudgedRow> rows = judged_rows(result);
   for (const JudgedRow& r : rows)
-    if (std::isfinite(r.ratio) && std::find(ids.begin(), ids.end(), r.check->id) == ids.end()) ids.push_back(r.check->id);
+    if (std::isfinite(r.ratio) && std::find(ids.begin(), ids.end(), r.check->id) == ids.end())
+      ids.push_back(r.check->id);
   if (ids.empty()) return figure;
   constexpr double kEdge = 2.0;
   struct Marks {
@@ -278,23 +304,31 @@ Figure ratio_figure(const RunResult& result) {
     const auto row = static_cast<double>(ids.end() - std::find(ids.begin(), ids.end(), r.check->id) - 1);
     static constexpr double kJitter[] = {0.0, 0.13, -0.13, 0.26, -0.26};
     const double jitter = kJitter[seen[r.check->id]++ % 5];
-    Marks& m = r.check->verdict == Verdict::pass ? pass : r.check->verdict != Verdict::fail ? look : r.ratio > kEdge ? beyond : fail;
+    Marks& m = r.check->verdict == Verdict::pass   ? pass
+               : r.check->verdict != Verdict::fail ? look
+               : r.ratio > kEdge                   ? beyond
+                                                   : fail;
     m.x.push_back(std::min(r.ratio, kEdge));
     m.y.push_back(row + jitter);
   }
   std::vector<std::string> names;
   for (auto it = ids.rbegin(); it != ids.rend(); ++it) names.push_back(shorten(printable_utf8(*it), 30));
-  Panel& panel = figure.panel({"Value over limit (above 2 at the edge)", ""}, {"", ""}, 26.0 * static_cast<double>(ids.size()) + 8.0);
+  Panel& panel = figure.panel({"Value over limit (above 2 at the edge)", ""}, {"", ""},
+                              26.0 * static_cast<double>(ids.size()) + 8.0);
   panel.y_axis.categories = std::move(names);
   panel.x_axis.low = 0.0;
   panel.x_axis.high = kEdge + 0.04;
   panel.vline(1.0, "", Role::reference, Dash::solid);
   panel.points(pass.x, pass.y, {Role::pass, Dash::solid, 1.0, Marker::dot, 5.5}, "pass");
-  if (!look.x.empty()) panel.points(look.x, look.y, {Role::warn, Dash::solid, 1.0, Marker::square, 5.5}, "marginal or not decided");
-  if (!fail.x.empty() || !beyond.x.empty()) panel.points(fail.x, fail.y, {Role::fail, Dash::solid, 1.0, Marker::cross, 7.0}, "fail");
+  if (!look.x.empty())
+    panel.points(look.x, look.y, {Role::warn, Dash::solid, 1.0, Marker::square, 5.5},
+                 "marginal or not decided");
+  if (!fail.x.empty() || !beyond.x.empty())
+    panel.points(fail.x, fail.y, {Role::fail, Dash::solid, 1.0, Marker::cross, 7.0}, "fail");
   if (!beyond.x.empty()) panel.points(beyond.x, beyond.y, {Role::fail, Dash::solid, 1.0, Marker::cross, 7.0});
-  figure.summary = std::to_string(pass.x.size()) + " checks pass, " + std::to_string(look.x.size()) + " are marginal or not decided, " +
-                   std::to_string(fail.x.size() + beyond.x.size()) + " fail.";
+  figure.summary = std::to_string(pass.x.size()) + " checks pass, " + std::to_string(look.x.size()) +
+                   " are marginal or not decided, " + std::to_string(fail.x.size() + beyond.x.size()) +
+                   " fail.";
   return figure;
 }
 

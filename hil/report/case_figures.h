@@ -12,14 +12,15 @@ PlotTrace difference(const PlotTrace& actual, const PlotTrace& expected);
 /// The trace of that name, nullptr when there is none or it is empty.
 const PlotTrace* find_trace(const std::vector<PlotTrace>& traces, std::string_view name);
 
-/// Chosen cycles: set-point, ATI and firmware over time, error strip with the same time axis. No panels when the case
-/// has no window.
+/// Chosen cycles: set-point, ATI and firmware over time, error strip with the same time axis. No panels when
+/// the case has no window.
 figures::Figure window_figure(const CaseResult& result);
 
 /// Whole record: lines for slow profiles, envelopes of the cycles for fast ones, error below.
 figures::Figure overview_figure(const CaseResult& result);
 
-/// Maxima and minima over time, the raw sensor's maxima with the fitted eq. (3), and the relative error of each extremum.
+/// Maxima and minima over time, the raw sensor's maxima with the fitted eq. (3), and the relative error of
+/// each extremum.
 figures::Figure decay_figure(const CaseResult& result);
 
 /// Error over force in the window as a density, coloured by loading direction.

@@ -14,9 +14,8 @@ namespace forcegate {
 namespace {
 
 std::size_t width_of(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-  }));
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 std::string one_line(std::string_view text) {
@@ -63,15 +62,17 @@ std::string render_console(const RunResult& result, const ConsoleView& view) {
   const std::string dot = view.ascii ? " | " : " \u00b7 ";
   const Decision& d = result.decision;
 
-  std::string out = paint(colour_of(d.kind), std::string(symbol(d.kind, glyphs)) + " " + std::string(to_string(d.kind)));
+  std::string out =
+      paint(colour_of(d.kind), std::string(symbol(d.kind, glyphs)) + " " + std::string(to_string(d.kind)));
   out += "  " + one_line(d.reason) + "\n";
   if (d.kind != DecisionKind::accept) {
     if (const std::string who = who_must_act(d.blame); !who.empty()) out += "  to act: " + who;
     if (d.safety_stop) out += dot + "safety stop";
     out += "\n";
   }
-  out += "  firmware " + one_line(result.firmware_path) + dot + one_line(result.firmware.board) + dot + "build " +
-         one_line(result.firmware.build_id.substr(0, 12)) + dot + "sha256 " + one_line(result.firmware_sha256.substr(0, 12)) + "\n";
+  out += "  firmware " + one_line(result.firmware_path) + dot + one_line(result.firmware.board) + dot +
+         "build " + one_line(result.firmware.build_id.substr(0, 12)) + dot + "sha256 " +
+         one_line(result.firmware_sha256.substr(0, 12)) + "\n";
   out += "  rig " + one_line(result.rig.name) + " " + one_line(result.rig.version) + dot + "plan " +
          one_line(result.plan_name) + dot + "calibration " + calibration_levels(result) + dot + "seed " +
          std::to_string(result.seed) + "\n";
@@ -85,8 +86,9 @@ std::string render_console(const RunResult& result, const ConsoleView& view) {
       const Check& c = *rows[i].check;
       table.push_back({std::string(symbol(c.verdict, glyphs)) + " " + std::string(word(c.verdict)),
                        rows[i].in_case == nullptr ? "whole run" : one_line(rows[i].in_case->id),
-                       one_line(c.id) + (c.required ? "" : " (not required)"), one_line(value_text(c, glyphs)),
-                       one_line(limit_text(c, glyphs)), ratio_text(rows[i].ratio)});
+                       one_line(c.id) + (c.required ? "" : " (not required)"),
+                       one_line(value_text(c, glyphs)), one_line(limit_text(c, glyphs)),
+                       ratio_text(rows[i].ratio)});
     }
     std::array<std::size_t, 6> widths{};
     for (const Row& row : table)

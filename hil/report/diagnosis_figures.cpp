@@ -26,7 +26,8 @@ bool spans_decades(const std::vector<double>& x) {
   return high > 50.0 * low;
 }
 
-/// 99 % quantile of |y| times 1.15: one wild sample must not flatten the picture; what lies beyond is clipped.
+/// 99 % quantile of |y| times 1.15: one wild sample must not flatten the picture; what lies beyond is
+/// clipped.
 double reach_of(const EvidenceSeries& s) {
   std::vector<double> size;
   for (const std::vector<double>* y : {&s.before, &s.after})
@@ -55,9 +56,12 @@ Figure diagnosis_waterfall(const Diagnosis& d) {
     steps.push_back({f.effect, error, f.error_after, 0.0, true});
     error = f.error_after;
   }
-  if (steps.empty()) steps.push_back({"no effect added", d.error_before, d.error_after, 0.0, false});
-  else steps.back().after = d.error_after;
-  return waterfall("Held-out error over the model's versions", "start", steps, "now", d.unit, d.floor > 0.0 ? d.floor : NAN);
+  if (steps.empty())
+    steps.push_back({"no effect added", d.error_before, d.error_after, 0.0, false});
+  else
+    steps.back().after = d.error_after;
+  return waterfall("Held-out error over the model's versions", "start", steps, "now", d.unit,
+                   d.floor > 0.0 ? d.floor : NAN);
 }
 
 Figure ranking_figure(const Diagnosis& d) {
@@ -89,15 +93,18 @@ Figure ranking_figure(const Diagnosis& d) {
   p.vline(kClaim, "", Role::muted, Dash::dotted);
   share.points(alone, y, {Role::firmware, Dash::solid, 1.0, Marker::ring, 6.0}, "alone");
   share.points(unique, y, {Role::model, Dash::solid, 1.0, Marker::dot, 6.0}, "only it");
-  figure.summary = "First: " + d.ranking.front().effect + ", probability " + display(d.ranking.front().probability, 2) +
-                   "; right of the dotted line is a claim. A wide gap between ring and dot means that another effect explains the same data.";
+  figure.summary = "First: " + d.ranking.front().effect + ", probability " +
+                   display(d.ranking.front().probability, 2) +
+                   "; right of the dotted line is a claim. A wide gap between ring and dot means that "
+                   "another effect explains the same data.";
   return figure;
 }
 
 Figure record_error_figure(const Diagnosis& d) {
   std::vector<BeforeAfter> rows;
   for (const RecordError& r : d.records)
-    rows.push_back({r.record + (r.kind.empty() ? "" : ", " + r.kind) + (r.heldout ? " *" : ""), r.before, r.after, r.floor > 0.0 ? r.floor : NAN});
+    rows.push_back({r.record + (r.kind.empty() ? "" : ", " + r.kind) + (r.heldout ? " *" : ""), r.before,
+                    r.after, r.floor > 0.0 ? r.floor : NAN});
   Figure figure = before_after_rows("Error of every record", rows, "RMSE", d.unit);
   figure.summary = "* held out: never seen by the fit.";
   return figure;
@@ -126,8 +133,10 @@ Figure residual_map_figure(const Diagnosis& d, bool after) {
   map.high = most * scale.factor;
   map.label = "Residual";
   map.unit = scale.unit;
-  for (std::size_t i = 0; i <= columns; ++i) map.x_edges.push_back(static_cast<double>(i) / static_cast<double>(columns));
-  Panel& panel = figure.panel({"Position in the range of the coordinate, low to high", ""}, {"", ""}, 22.0 * static_cast<double>(rows.size()));
+  for (std::size_t i = 0; i <= columns; ++i)
+    map.x_edges.push_back(static_cast<double>(i) / static_cast<double>(columns));
+  Panel& panel = figure.panel({"Position in the range of the coordinate, low to high", ""}, {"", ""},
+                              22.0 * static_cast<double>(rows.size()));
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const ResidualMap& m = *rows[rows.size() - 1 - j];
     panel.y_axis.categories.push_back(m.coordinate);
@@ -153,7 +162,8 @@ Figure residual_map_figure(const Diagnosis& d, bool after) {
   return figure;
 }
 
-Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after, const std::string& residual_unit) {
+Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
+                         const std::string& residual_unit) {
   Figure figure("Residual against " + before.coordinate, 380.0);
   double most = 0.0;
   for (const MapCell& c : before.cells)
@@ -191,7 +201,8 @@ Figure evidence_figure(const EvidenceSeries& s) {
   const bool frequency = s.x_name.find("frequency") != std::string::npos;
   for (const bool is_after : {false, true}) {
     const std::vector<double> y = scaled(is_after ? s.after : s.before, scale.factor);
-    Panel& panel = figure.panel({s.x_name, s.x_unit}, {frequency ? "Amplitude" : "Residual", scale.unit}, 190.0);
+    Panel& panel =
+        figure.panel({s.x_name, s.x_unit}, {frequency ? "Amplitude" : "Residual", scale.unit}, 190.0);
     panel.title = is_after ? "With the effect" : "Without the effect";
     if (spans_decades(s.x)) panel.x_axis.scale = Scale::logarithmic;
     if (frequency) {
@@ -212,14 +223,17 @@ Figure record_overlay_figure(const EvidenceSeries& s) {
   figure.share_x = true;
   Panel& panel = figure.panel({"", ""}, {"Output", s.y_unit}, 120.0);
   panel.show_x_labels = false;
-  panel.line(s.x, s.before, {Role::reference}, "measured").line(s.x, s.after, {Role::model, Dash::dashed, 1.4}, "model");
+  panel.line(s.x, s.before, {Role::reference}, "measured")
+      .line(s.x, s.after, {Role::model, Dash::dashed, 1.4}, "model");
   std::vector<double> residual;
-  for (std::size_t i = 0; i < std::min(s.before.size(), s.after.size()); ++i) residual.push_back(s.before[i] - s.after[i]);
+  for (std::size_t i = 0; i < std::min(s.before.size(), s.after.size()); ++i)
+    residual.push_back(s.before[i] - s.after[i]);
   double most = 0.0;
   for (const double r : residual)
     if (std::isfinite(r)) most = std::max(most, std::abs(r));
   const Scaled scale = readable_unit(most, s.y_unit);
-  Panel& below = figure.panel({s.x_name.empty() ? "time" : s.x_name, s.x_unit}, {"Measured \u2212 model", scale.unit}, 70.0);
+  Panel& below = figure.panel({s.x_name.empty() ? "time" : s.x_name, s.x_unit},
+                              {"Measured \u2212 model", scale.unit}, 70.0);
   below.y_axis.symmetric = true;
   below.line(s.x, scaled(residual, scale.factor), {Role::firmware, Dash::solid, 1.0}).hline(0.0);
   figure.summary = "Largest departure " + display(most * scale.factor, 3) + " " + scale.unit + ".";

@@ -1,6 +1,7 @@
 #pragma once
-// The pictures of a diagnosis. What each shows: residual against force by direction = hysteresis or nonlinearity; against
-// log time = creep; against rate = viscosity or lag; spectrum = resonance, mains; map = where the error lives.
+// The pictures of a diagnosis. What each shows: residual against force by direction = hysteresis or
+// nonlinearity; against log time = creep; against rate = viscosity or lag; spectrum = resonance, mains; map =
+// where the error lives.
 
 #include "hil/diagnose/diagnosis.h"
 #include "hil/report/figures/figure.h"
@@ -10,18 +11,21 @@ namespace forcegate {
 /// Error waterfall over the claimed findings, in their order.
 figures::Figure diagnosis_waterfall(const Diagnosis& diagnosis);
 
-/// Probability of each ranked effect (at most 12 rows), and the share it takes away alone and only it takes away.
+/// Probability of each ranked effect (at most 12 rows), and the share it takes away alone and only it takes
+/// away.
 figures::Figure ranking_figure(const Diagnosis& diagnosis);
 
 /// Held-out error of every record before and after, with its noise.
 figures::Figure record_error_figure(const Diagnosis& diagnosis);
 
-/// Heat map of the residual, one row a coordinate, cells from its low to its high end; hatched where fewer than three
-/// blocks stand behind the mean. `after` uses Diagnosis::maps_after; both pictures share the colours.
+/// Heat map of the residual, one row a coordinate, cells from its low to its high end; hatched where fewer
+/// than three blocks stand behind the mean. `after` uses Diagnosis::maps_after; both pictures share the
+/// colours.
 figures::Figure residual_map_figure(const Diagnosis& diagnosis, bool after);
 
 /// Cell means with U (k = 2) against one coordinate, before and, where there is one, after.
-figures::Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after, const std::string& residual_unit);
+figures::Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
+                                  const std::string& residual_unit);
 
 /// Residual without and with the effect, side by side on one scale.
 figures::Figure evidence_figure(const EvidenceSeries& series);

@@ -35,8 +35,8 @@ std::string picture(const Figure& figure, std::string_view more = {}) {
 }
 
 std::string table_start(const std::string& caption, std::initializer_list<std::string_view> heads) {
-  std::string out = "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"" + escape(caption) + "\"><table><caption>" +
-                    escape(caption) + "</caption><thead><tr>";
+  std::string out = "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"" + escape(caption) +
+                    "\"><table><caption>" + escape(caption) + "</caption><thead><tr>";
   for (const std::string_view head : heads)  // "#" marks a column of numbers
     out += head.starts_with('#') ? "<th scope=\"col\" class=\"n\">" + std::string(head.substr(1)) + "</th>"
                                  : "<th scope=\"col\">" + std::string(head) + "</th>";
@@ -50,9 +50,11 @@ std::string cell(const std::string& html, bool number = false) {
 
 std::string header(const Diagnosis& d) {
   const std::string colour = d.verdict == Answer::none ? "ok" : d.verdict == Answer::known ? "wa" : "no";
-  std::string out = "<header class=\"" + colour + "\"><div><h1>" + escape(diagnosis_headline(d)) + "</h1>\n<p class=\"why\">";
+  std::string out = "<header class=\"" + colour + "\"><div><h1>" + escape(diagnosis_headline(d)) +
+                    "</h1>\n<p class=\"why\">";
   const bool rig = d.errors.contains("F");
-  const double before = rig ? d.errors.at("F").before : d.error_before, after = rig ? d.errors.at("F").after : d.error_after;
+  const double before = rig ? d.errors.at("F").before : d.error_before,
+               after = rig ? d.errors.at("F").after : d.error_after;
   const std::string unit = rig ? d.errors.at("F").unit : d.unit;
   out += "Held-out error " + escape(in_unit(before, unit));
   if (d.verdict == Answer::known) out += " falls to " + escape(in_unit(after, unit));
@@ -68,35 +70,47 @@ std::string header(const Diagnosis& d) {
   fact("false effects expected at this threshold", display(d.expected_false, 2));
   if (d.residual_unknown) fact("and", "structure remains that no listed effect explains");
   if (!d.depends_on.empty()) fact("it depends on", escape(join(d.depends_on, ", ")));
-  return out + "</ul><nav aria-label=\"Sections\"><a href=\"#missing\">What is missing</a><a href=\"#where\">Where it fails</a>"
-               "<a href=\"#ranking\">Ranking</a><a href=\"#records\">Records</a><a href=\"#next\">What to measure next</a></nav>"
-               "</div></header>\n";
+  return out +
+         "</ul><nav aria-label=\"Sections\"><a href=\"#missing\">What is missing</a><a href=\"#where\">Where "
+         "it fails</a>"
+         "<a href=\"#ranking\">Ranking</a><a href=\"#records\">Records</a><a href=\"#next\">What to measure "
+         "next</a></nav>"
+         "</div></header>\n";
 }
 
 std::string finding(const Finding& f, bool open) {
   const bool claim = f.probability >= kClaim;
-  std::string out = "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") + "><summary><span class=\"id\">" +
-                    escape(f.effect) + "</span><span>" + escape(f.side) + (f.side_witnessed ? "" : " (side not witnessed)") + "</span><span class=\"w " +
-                    (claim ? "wa" : "mu") + "\">" + (claim ? "claimed" : "not claimed") + ", probability " + fmt::format("{:.2f}", f.probability) +
-                    "</span></summary><div class=\"in\">\n<p>" + escape(f.evidence) + "</p>\n<dl>";
+  std::string out =
+      "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") +
+      "><summary><span class=\"id\">" + escape(f.effect) + "</span><span>" + escape(f.side) +
+      (f.side_witnessed ? "" : " (side not witnessed)") + "</span><span class=\"w " + (claim ? "wa" : "mu") +
+      "\">" + (claim ? "claimed" : "not claimed") + ", probability " + fmt::format("{:.2f}", f.probability) +
+      "</span></summary><div class=\"in\">\n<p>" + escape(f.evidence) + "</p>\n<dl>";
   const auto fact = [&](std::string_view name, const std::string& html) {
     if (!html.empty()) out += "<dt>" + std::string(name) + "</dt><dd>" + html + "</dd>";
   };
-  fact("Held-out error", escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
+  fact("Held-out error",
+       escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
   fact("Effect", escape(in_unit(f.effect_rms, f.unit)) + " RMS");
   fact("Form", escape(f.form));
-  if (f.records_excited > 0) fact("Records", std::to_string(f.records_improved) + " of " + std::to_string(f.records_excited) + " that excite it are better with it");
+  if (f.records_excited > 0)
+    fact("Records", std::to_string(f.records_improved) + " of " + std::to_string(f.records_excited) +
+                        " that excite it are better with it");
   for (const FoundParameter& p : f.parameters)
-    fact(escape(p.name), escape(figures::typographic_minus(with_uncertainty(p.value, p.u)) + (p.unit.empty() || p.unit == "1" ? "" : " " + p.unit)));
+    fact(escape(p.name), escape(figures::typographic_minus(with_uncertainty(p.value, p.u)) +
+                                (p.unit.empty() || p.unit == "1" ? "" : " " + p.unit)));
   out += "</dl>\n";
   if (!f.confounded_with.empty()) {
-    out += table_start("Look-alikes: on these records their signatures are nearly the same", {"Effect", "Likeness |cos|", "What separates them"});
+    out += table_start("Look-alikes: on these records their signatures are nearly the same",
+                       {"Effect", "Likeness |cos|", "What separates them"});
     for (const LookAlike& l : f.confounded_with)
-      out += "<tr>" + cell(escape(l.effect)) + cell(fmt::format("{:.2f}", std::abs(l.cosine))) + cell(escape(l.separates)) + "</tr>\n";
+      out += "<tr>" + cell(escape(l.effect)) + cell(fmt::format("{:.2f}", std::abs(l.cosine))) +
+             cell(escape(l.separates)) + "</tr>\n";
     out += kTableEnd;
   }
   const std::size_t n = std::min(kMostPictures, f.series.size());
-  for (std::size_t i = 0; i < n; ++i) out += picture(evidence_figure(f.series[i]), "Record " + f.series[i].record + ".");
+  for (std::size_t i = 0; i < n; ++i)
+    out += picture(evidence_figure(f.series[i]), "Record " + f.series[i].record + ".");
   return out + "</div></details>\n";
 }
 
@@ -105,7 +119,8 @@ std::string missing(const Diagnosis& d) {
   if (d.findings.empty()) {
     out += d.verdict == Answer::unknown
                ? "<p>No listed effect has this shape. The maps below show where the error lives.</p>\n"
-               : "<p>No listed effect lowers the error of records that were not fitted. What is left is noise for these inputs; it says nothing "
+               : "<p>No listed effect lowers the error of records that were not fitted. What is left is "
+                 "noise for these inputs; it says nothing "
                  "about inputs that were not played.</p>\n";
   }
   std::size_t opened = 0;
@@ -120,7 +135,8 @@ std::string where(const Diagnosis& d) {
   std::size_t said = 0;
   for (const ResidualMap& m : d.maps)
     if (m.share > 0.0 && said++ < 5)
-      out += "<li>" + figures::typographic_minus(escape(m.sentence)) + " (share of the residual's variance " + display(100.0 * m.share, 2) + " %)</li>";
+      out += "<li>" + figures::typographic_minus(escape(m.sentence)) + " (share of the residual's variance " +
+             display(100.0 * m.share, 2) + " %)</li>";
   if (said == 0) out += "<li>No coordinate predicts the residual on rows that it was not made from.</li>";
   out += "</ul>\n<div class=\"figs\">" + picture(residual_map_figure(d, false), "Before.");
   if (!d.maps_after.empty()) out += picture(residual_map_figure(d, true), "After, same colours.");
@@ -128,8 +144,10 @@ std::string where(const Diagnosis& d) {
   std::size_t drawn = 0;
   for (const ResidualMap& m : d.maps) {
     if (drawn++ == kMostMaps) break;
-    const auto after = std::find_if(d.maps_after.begin(), d.maps_after.end(), [&](const ResidualMap& a) { return a.coordinate == m.coordinate; });
-    out += picture(coordinate_figure(m, after == d.maps_after.end() ? nullptr : &*after, d.unit), "Whiskers are U, k = 2.");
+    const auto after = std::find_if(d.maps_after.begin(), d.maps_after.end(),
+                                    [&](const ResidualMap& a) { return a.coordinate == m.coordinate; });
+    out += picture(coordinate_figure(m, after == d.maps_after.end() ? nullptr : &*after, d.unit),
+                   "Whiskers are U, k = 2.");
   }
   return out + "</div></section>\n";
 }
@@ -137,12 +155,15 @@ std::string where(const Diagnosis& d) {
 std::string ranking(const Diagnosis& d) {
   if (d.ranking.empty()) return {};
   std::string out = "<section id=\"ranking\"><h2>Ranking</h2>\n" + picture(ranking_figure(d)) +
-                    table_start("Every effect that these records can excite", {"Effect", "Side", "#Probability", "#Log evidence", "#Chance level (95 %)",
-                                                                             "#Alone / %", "#Only it / %", "Note"});
+                    table_start("Every effect that these records can excite",
+                                {"Effect", "Side", "#Probability", "#Log evidence", "#Chance level (95 %)",
+                                 "#Alone / %", "#Only it / %", "Note"});
   for (const RankedEffect& r : d.ranking)
-    out += "<tr>" + cell(escape(r.effect) + (r.form.empty() ? "" : "<small>" + escape(r.form) + "</small>")) + cell(escape(r.side)) +
-           cell(fmt::format("{:.2f}", r.probability), true) + cell(figures::typographic_minus(fmt::format("{:.1f}", r.score)), true) +
-           cell(figures::typographic_minus(fmt::format("{:.1f}", r.null_score)), true) + cell(fmt::format("{:.0f}", 100.0 * r.alone), true) +
+    out += "<tr>" + cell(escape(r.effect) + (r.form.empty() ? "" : "<small>" + escape(r.form) + "</small>")) +
+           cell(escape(r.side)) + cell(fmt::format("{:.2f}", r.probability), true) +
+           cell(figures::typographic_minus(fmt::format("{:.1f}", r.score)), true) +
+           cell(figures::typographic_minus(fmt::format("{:.1f}", r.null_score)), true) +
+           cell(fmt::format("{:.0f}", 100.0 * r.alone), true) +
            cell(fmt::format("{:.0f}", 100.0 * r.unique), true) + cell(escape(r.note)) + "</tr>\n";
   return out + std::string(kTableEnd) + "</section>\n";
 }
@@ -150,12 +171,16 @@ std::string ranking(const Diagnosis& d) {
 std::string records(const Diagnosis& d) {
   if (d.records.empty()) return {};
   std::string out = "<section id=\"records\"><h2>Records</h2>\n" + picture(record_error_figure(d)) +
-                    table_start("RMS error of each record in " + d.unit + " (adapted: gain, offset and decay of the record may follow the data)",
-                                {"Record", "Kind", "Role", "#Before", "#After", "#Plain before", "#Plain after", "#Noise", "#Explainable / %"});
+                    table_start("RMS error of each record in " + d.unit +
+                                    " (adapted: gain, offset and decay of the record may follow the data)",
+                                {"Record", "Kind", "Role", "#Before", "#After", "#Plain before",
+                                 "#Plain after", "#Noise", "#Explainable / %"});
   for (const RecordError& r : d.records)
-    out += "<tr>" + cell(escape(r.record)) + cell(escape(r.kind)) + cell(r.heldout ? "held out" : "fitted") + cell(display(r.before, 3), true) +
-           cell(display(r.after, 3), true) + cell(display(r.plain_before, 3), true) + cell(display(r.plain_after, 3), true) +
-           cell(display(r.floor, 2), true) + cell(display(std::round(100.0 * r.explainable), 3), true) + "</tr>\n";
+    out += "<tr>" + cell(escape(r.record)) + cell(escape(r.kind)) + cell(r.heldout ? "held out" : "fitted") +
+           cell(display(r.before, 3), true) + cell(display(r.after, 3), true) +
+           cell(display(r.plain_before, 3), true) + cell(display(r.plain_after, 3), true) +
+           cell(display(r.floor, 2), true) + cell(display(std::round(100.0 * r.explainable), 3), true) +
+           "</tr>\n";
   out += kTableEnd;
   if (!d.overlays.empty()) {
     out += "<details><summary>Measured and modelled output of the records</summary><div class=\"figs\">";
@@ -164,20 +189,25 @@ std::string records(const Diagnosis& d) {
     out += "</div></details>\n";
   }
   const Repeatability& s = d.repeatability;
-  out += "<p class=\"q\">Spread from record to record: gain " + display(100.0 * s.gain, 2) + " %, offset " + escape(in_unit(s.offset_V, "V")) +
-         ", decay rate " + display(100.0 * s.log_b, 2) + " %, decay depth " + display(100.0 * s.log_q, 2) + " %.</p>\n";
+  out += "<p class=\"q\">Spread from record to record: gain " + display(100.0 * s.gain, 2) + " %, offset " +
+         escape(in_unit(s.offset_V, "V")) + ", decay rate " + display(100.0 * s.log_b, 2) +
+         " %, decay depth " + display(100.0 * s.log_q, 2) + " %.</p>\n";
   return out + "</section>\n";
 }
 
 std::string next(const Diagnosis& d) {
   if (d.next_experiment.segments.empty()) return {};
-  std::string out = "<section id=\"next\"><h2>What to measure next</h2>\n<p>" + escape(d.next_experiment.sentence) + "</p>\n" +
-                    table_start("Segments for the rig, " + display(d.next_experiment.minutes, 3) + " min in all",
-                                {"Segment", "Stimulus", "#Minutes", "Separates", "Likeness before \u2192 after", "Odds before \u2192 after"});
+  std::string out =
+      "<section id=\"next\"><h2>What to measure next</h2>\n<p>" + escape(d.next_experiment.sentence) +
+      "</p>\n" +
+      table_start("Segments for the rig, " + display(d.next_experiment.minutes, 3) + " min in all",
+                  {"Segment", "Stimulus", "#Minutes", "Separates", "Likeness before \u2192 after",
+                   "Odds before \u2192 after"});
   for (const ExperimentSegment& s : d.next_experiment.segments) {
     std::string words = s.stimulus;
     for (const auto& [name, value] : s.numbers) words += " " + name + "=" + shortest(value);
-    out += "<tr>" + cell(escape(s.name)) + cell("<code>" + escape(words) + "</code>") + cell(display(s.minutes, 3), true) + cell(escape(s.separates)) +
+    out += "<tr>" + cell(escape(s.name)) + cell("<code>" + escape(words) + "</code>") +
+           cell(display(s.minutes, 3), true) + cell(escape(s.separates)) +
            cell(fmt::format("{:.2f} \u2192 {:.2f}", s.cosine_before, s.cosine_after)) +
            cell(escape(display(s.odds_before, 2) + " \u2192 " + display(s.odds_after, 2))) + "</tr>\n";
   }
@@ -194,7 +224,8 @@ std::string diagnosis_headline(const Diagnosis& d) {
   std::string out = "Missing: ", separator;
   for (const Finding& f : d.findings) {
     if (f.probability < kClaim) continue;
-    out += separator + f.effect + " (" + f.side + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
+    out +=
+        separator + f.effect + " (" + f.side + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
     separator = ", ";
   }
   return out;
@@ -210,8 +241,10 @@ std::string diagnosis_html(const Diagnosis& d, const DiagnosisPage& page) {
     html.body += "</ul></section>\n";
   }
   if (!page.command_line.empty())
-    html.body += "<section><h2>Reproduce</h2><pre tabindex=\"0\" aria-label=\"Command\"><code>" + escape(page.command_line) + "</code></pre></section>\n";
-  html.body += "<footer>Forcegate " + escape(page.tool_version) + ". Residual = measured \u2212 model. Errors are RMS over held-out records, each "
+    html.body += "<section><h2>Reproduce</h2><pre tabindex=\"0\" aria-label=\"Command\"><code>" +
+                 escape(page.command_line) + "</code></pre></section>\n";
+  html.body += "<footer>Forcegate " + escape(page.tool_version) +
+               ". Residual = measured \u2212 model. Errors are RMS over held-out records, each "
                "record weighing the same. Values are value(standard uncertainty), k = 1.</footer></main>\n";
   return html_document(html);
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The HTML report of a diagnosis: what is missing, how sure, where it shows, what to measure next. Same frame and same
-// rules as the report of a gate run (html_page.h).
+// The HTML report of a diagnosis: what is missing, how sure, where it shows, what to measure next. Same frame
+// and same rules as the report of a gate run (html_page.h).
 
 #include <string>
 

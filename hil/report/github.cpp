@@ -1,5 +1,5 @@
-// "github": workflow commands that become annotations. GitHub shows ten a step, so there are at most ten: the decision,
-// then the checks farthest over their limit.
+// "github": workflow commands that become annotations. GitHub shows ten a step, so there are at most ten: the
+// decision, then the checks farthest over their limit.
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +15,18 @@ namespace {
 std::string data(std::string_view text, bool property) {
   std::string out;
   for (const char c : figures::shorten(printable_utf8(text), 900)) {
-    if (c == '%') out += "%25";
-    else if (c == '\n') out += "%0A";
-    else if (c == '\r') out += "%0D";
-    else if (property && c == ':') out += "%3A";
-    else if (property && c == ',') out += "%2C";
-    else out += c;
+    if (c == '%')
+      out += "%25";
+    else if (c == '\n')
+      out += "%0A";
+    else if (c == '\r')
+      out += "%0D";
+    else if (property && c == ':')
+      out += "%3A";
+    else if (property && c == ',')
+      out += "%2C";
+    else
+      out += c;
   }
   return out;
 }
@@ -45,8 +51,8 @@ std::string render(const RunResult& result) {
     out += annotation(hard ? "error" : "warning",
                       std::string(word(c.verdict)) + ": " + c.id +
                           (rows[i].in_case == nullptr ? "" : " in " + rows[i].in_case->id),
-                      c.title + ": " + value_text(c, Glyphs::unicode) + ", limit " + limit_text(c, Glyphs::unicode) +
-                          (c.evidence.empty() ? "" : ". " + c.evidence));
+                      c.title + ": " + value_text(c, Glyphs::unicode) + ", limit " +
+                          limit_text(c, Glyphs::unicode) + (c.evidence.empty() ? "" : ". " + c.evidence));
   }
   return out;
 }

@@ -1,5 +1,5 @@
-// "html": one self-contained file. First the decision, then what to look at, then every case: failed first and open,
-// passed collapsed.
+// "html": one self-contained file. First the decision, then what to look at, then every case: failed first
+// and open, passed collapsed.
 
 #include <algorithm>
 
@@ -21,8 +21,9 @@ constexpr std::size_t kMostRows = 60;
 std::string header(const RunResult& r) {
   const Decision& d = r.decision;
   const std::string colour(html_class(d.kind));
-  std::string out = "<header class=\"" + colour + "\"><div><h1>" + std::string(symbol(d.kind, Glyphs::unicode)) + " " +
-                    std::string(to_string(d.kind)) + "</h1>\n<p class=\"why\">" + escape(d.reason) + "</p>\n<ul class=\"facts\">";
+  std::string out = "<header class=\"" + colour + "\"><div><h1>" +
+                    std::string(symbol(d.kind, Glyphs::unicode)) + " " + std::string(to_string(d.kind)) +
+                    "</h1>\n<p class=\"why\">" + escape(d.reason) + "</p>\n<ul class=\"facts\">";
   const auto fact = [&](std::string_view name, const std::string& value) {
     if (!value.empty()) out += "<li>" + std::string(name) + " <b>" + value + "</b></li>";
   };
@@ -35,19 +36,22 @@ std::string header(const RunResult& r) {
   fact("calibration", calibration_levels(r));
   fact("seed", std::to_string(r.seed));
   fact("result", case_counts(r) + ", " + std::to_string(judged_rows(r).size()) + " checks");
-  return out + "</ul><nav aria-label=\"Sections\"><a href=\"#look\">To look at</a><a href=\"#run\">Whole run</a>"
-               "<a href=\"#cases\">Cases</a><a href=\"#reproduce\">Reproduce</a></nav></div></header>\n";
+  return out +
+         "</ul><nav aria-label=\"Sections\"><a href=\"#look\">To look at</a><a href=\"#run\">Whole run</a>"
+         "<a href=\"#cases\">Cases</a><a href=\"#reproduce\">Reproduce</a></nav></div></header>\n";
 }
 
 std::string table_of(const std::map<std::string, std::string>& values) {
   std::string out;
-  for (const auto& [name, value] : values) out += "<dt>" + escape(name) + "</dt><dd>" + escape(value) + "</dd>";
+  for (const auto& [name, value] : values)
+    out += "<dt>" + escape(name) + "</dt><dd>" + escape(value) + "</dd>";
   return out;
 }
 
 std::string reproduce(const RunResult& r) {
-  std::string out = "<section id=\"reproduce\"><h2>Reproduce</h2>\n<pre tabindex=\"0\" aria-label=\"Command\"><code>" +
-                    escape(r.command_line) + "</code></pre>\n<dl>";
+  std::string out =
+      "<section id=\"reproduce\"><h2>Reproduce</h2>\n<pre tabindex=\"0\" aria-label=\"Command\"><code>" +
+      escape(r.command_line) + "</code></pre>\n<dl>";
   const auto row = [&](std::string_view name, const std::string& value_html) {
     out += "<dt>" + std::string(name) + "</dt><dd>" + value_html + "</dd>";
   };
@@ -55,16 +59,19 @@ std::string reproduce(const RunResult& r) {
   row("Decision rule", escape(r.decision_rule));
   row("Firmware SHA-256", hash(r.firmware_sha256));
   row("Build id", hash(r.firmware.build_id));
-  row("Algorithm", escape(r.firmware.algorithm_id) + ", protocol " + std::to_string(r.firmware.protocol_major) + "." +
-                       std::to_string(r.firmware.protocol_minor) + ", ADC " + std::to_string(r.firmware.adc_bits) + " bit, " +
-                       figures::display(r.firmware.rate_Hz) + " Hz");
+  row("Algorithm",
+      escape(r.firmware.algorithm_id) + ", protocol " + std::to_string(r.firmware.protocol_major) + "." +
+          std::to_string(r.firmware.protocol_minor) + ", ADC " + std::to_string(r.firmware.adc_bits) +
+          " bit, " + figures::display(r.firmware.rate_Hz) + " Hz");
   row("Plan SHA-256", hash(r.plan_sha256));
   row("Seed", std::to_string(r.seed));
   row("Rig", escape(r.rig.name) + ", id " + escape(r.rig.id) + ", version " + escape(r.rig.version) + ", " +
                  figures::display(r.rig.rate_Hz) + " Hz, " + std::to_string(r.rig.adc_bits) + " bit over " +
-                 figures::display(r.rig.v_range_V) + " V, up to " + figures::display(r.rig.force_max_N) + " N");
+                 figures::display(r.rig.v_range_V) + " V, up to " + figures::display(r.rig.force_max_N) +
+                 " N");
   row("ATI reference", "resolution " + figures::display(r.rig.reference_resolution_N) + " N, noise " +
-                           figures::display(r.rig.reference_noise_N) + " N, relative u " + figures::display(r.rig.reference_u_rel));
+                           figures::display(r.rig.reference_noise_N) + " N, relative u " +
+                           figures::display(r.rig.reference_u_rel));
   out += table_of(r.rig.details) + table_of(r.environment);
   row("Forcegate", escape(r.tool_version) + ", result format " + std::to_string(r.format));
   row("Started", escape(r.started_at));
@@ -74,7 +81,8 @@ std::string reproduce(const RunResult& r) {
 std::string whole_run(const RunResult& r) {
   std::vector<JudgedRow> rows;
   for (const Check& c : r.checks) rows.push_back({&c, nullptr, ratio_to_limit(c)});
-  std::string out = "<section id=\"run\"><h2>Whole run</h2>\n" + html_check_table(rows, "Checks over all cases", false);
+  std::string out =
+      "<section id=\"run\"><h2>Whole run</h2>\n" + html_check_table(rows, "Checks over all cases", false);
   const figures::Figure ratios = ratio_figure(r);
   if (!ratios.panels().empty())
     out += html_figure(ratios.svg(figures::Figure::Target::embedded), ratios.title,
@@ -86,7 +94,9 @@ std::string whole_run(const RunResult& r) {
 std::string look_at(const RunResult& r) {
   std::vector<JudgedRow> rows = rows_to_look_at(r);
   std::string out = "<section id=\"look\"><h2>To look at</h2>\n";
-  if (rows.empty()) return out + "<p>Nothing: every required check passed with its uncertainty inside the limit.</p></section>\n";
+  if (rows.empty())
+    return out +
+           "<p>Nothing: every required check passed with its uncertainty inside the limit.</p></section>\n";
   const std::size_t all = rows.size();
   if (all > kMostRows) rows.resize(kMostRows);
   std::string caption = "Failed, undecided and marginal checks, worst first";
@@ -107,14 +117,19 @@ std::string cases(const RunResult& r) {
       default: return 5;
     }
   };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   std::vector<std::string> verdicts;
   for (const std::size_t i : order)
-    if (const std::string w(word(case_verdict(r.cases[i]))); std::find(verdicts.begin(), verdicts.end(), w) == verdicts.end())
+    if (const std::string w(word(case_verdict(r.cases[i])));
+        std::find(verdicts.begin(), verdicts.end(), w) == verdicts.end())
       verdicts.push_back(w);
-  std::string out = "<section id=\"cases\"><h2>Cases</h2>\n<p class=\"q\">Failed cases come first and are open. Values are "
-                    "value(standard uncertainty in the last digits), k = 1; whiskers and U are k = 2. Error = later name minus "
-                    "earlier: firmware \u2212 ATI, ATI \u2212 set-point.</p>\n" + html_filter_row(verdicts);
+  std::string out =
+      "<section id=\"cases\"><h2>Cases</h2>\n<p class=\"q\">Failed cases come first and are open. Values are "
+      "value(standard uncertainty in the last digits), k = 1; whiskers and U are k = 2. Error = later name "
+      "minus "
+      "earlier: firmware \u2212 ATI, ATI \u2212 set-point.</p>\n" +
+      html_filter_row(verdicts);
   std::size_t opened = 0;
   for (const std::size_t i : order) {
     const bool open = rank(i) < 4 && opened++ < kMostOpen;
@@ -125,16 +140,19 @@ std::string cases(const RunResult& r) {
 
 std::string render(const RunResult& r) {
   HtmlPage page;
-  page.title = std::string(to_string(r.decision.kind)) + " " + figures::shorten(printable_utf8(r.firmware_path), 60);
+  page.title =
+      std::string(to_string(r.decision.kind)) + " " + figures::shorten(printable_utf8(r.firmware_path), 60);
   page.with_filter = true;
   page.body = header(r) + "<main>\n" + look_at(r) + whole_run(r) + cases(r) + reproduce(r) +
-              "<footer>Forcegate " + escape(r.tool_version) + ". Every number comes from the full record; curves are decimated for "
+              "<footer>Forcegate " + escape(r.tool_version) +
+              ". Every number comes from the full record; curves are decimated for "
               "drawing, peaks kept.</footer></main>\n";
   return html_document(page);
 }
 
 const Registration<ReporterKind> kRegistered{
-    {"html", "report.html", "one self-contained page with pictures, opens from disk without network", render}};
+    {"html", "report.html", "one self-contained page with pictures, opens from disk without network",
+     render}};
 
 }  // namespace
 }  // namespace forcegate

@@ -106,12 +106,13 @@ std::string html_filter_row(const std::vector<std::string>& verdicts) {
   for (const std::string& v : verdicts) out += "<option>" + escape(v) + "</option>";
   return out +
          "</select></label><button type=\"button\" id=\"o\">Open all</button>"
-         "<button type=\"button\" id=\"x\">Close all</button><span id=\"count\" role=\"status\" class=\"q\"></span></div>\n";
+         "<button type=\"button\" id=\"x\">Close all</button><span id=\"count\" role=\"status\" "
+         "class=\"q\"></span></div>\n";
 }
 
 std::string html_figure(const std::string& svg, std::string_view label, std::string_view caption_html) {
-  return "<figure><div class=\"box\" tabindex=\"0\" role=\"group\" aria-label=\"" + escape(label) + "\">" + svg +
-         "</div><figcaption>" + std::string(caption_html) + "</figcaption></figure>\n";
+  return "<figure><div class=\"box\" tabindex=\"0\" role=\"group\" aria-label=\"" + escape(label) + "\">" +
+         svg + "</div><figcaption>" + std::string(caption_html) + "</figcaption></figure>\n";
 }
 
 }  // namespace forcegate

@@ -1,6 +1,6 @@
 #pragma once
-// The frame of every HTML report: one file, no network, a content security policy that allows exactly the page's own
-// style and script by hash, light and dark, print, keyboard.
+// The frame of every HTML report: one file, no network, a content security policy that allows exactly the
+// page's own style and script by hash, light and dark, print, keyboard.
 
 #include <string>
 #include <string_view>
@@ -9,16 +9,16 @@
 namespace forcegate {
 
 struct HtmlPage {
-  std::string title;   ///< plain text
-  std::string body;    ///< HTML; every foreign text in it has passed figures::escape
+  std::string title;         ///< plain text
+  std::string body;          ///< HTML; every foreign text in it has passed figures::escape
   bool with_filter = false;  ///< carries the small script behind the filter row (html_filter_row)
 };
 
 /// The whole document. Without JavaScript nothing is missing but the filter row.
 std::string html_document(const HtmlPage& page);
 
-/// Hidden controls that the script shows: text filter, verdict choice, open all, close all. The script filters elements
-/// <details class="case" data-v="VERDICT" data-t="lower-case text">.
+/// Hidden controls that the script shows: text filter, verdict choice, open all, close all. The script
+/// filters elements <details class="case" data-v="VERDICT" data-t="lower-case text">.
 std::string html_filter_row(const std::vector<std::string>& verdicts);
 
 /// Base64 of the SHA-256 of `text`, as a policy wants it: "sha256-...".

@@ -50,7 +50,8 @@ class Reader {
   }
   void refuse_unknown() {
     for (const auto& item : node_->items())
-      if (!known_.contains(item.key())) mistake(place(printable_utf8(item.key())), "is not a field of this format");
+      if (!known_.contains(item.key()))
+        mistake(place(printable_utf8(item.key())), "is not a field of this format");
   }
 
  private:
@@ -68,11 +69,16 @@ class Reader {
     return nullptr;
   }
   void get(const json& node, const std::string& where, double& value) {
-    if (node.is_number()) value = node.get<double>();
-    else if (node.is_null()) value = std::numeric_limits<double>::quiet_NaN();
-    else if (node == "inf") value = std::numeric_limits<double>::infinity();
-    else if (node == "-inf") value = -std::numeric_limits<double>::infinity();
-    else mistake(where, "is not a number, null, \"inf\" or \"-inf\"");
+    if (node.is_number())
+      value = node.get<double>();
+    else if (node.is_null())
+      value = std::numeric_limits<double>::quiet_NaN();
+    else if (node == "inf")
+      value = std::numeric_limits<double>::infinity();
+    else if (node == "-inf")
+      value = -std::numeric_limits<double>::infinity();
+    else
+      mistake(where, "is not a number, null, \"inf\" or \"-inf\"");
   }
   void get(const json& node, const std::string& where, float& value) {
     double wide = 0.0;
@@ -81,7 +87,8 @@ class Reader {
   }
   template <class I>
   void integer(const json& node, const std::string& where, I& value) {
-    if (node.is_number_unsigned() && node.get<std::uint64_t>() <= static_cast<std::uint64_t>(std::numeric_limits<I>::max()))
+    if (node.is_number_unsigned() &&
+        node.get<std::uint64_t>() <= static_cast<std::uint64_t>(std::numeric_limits<I>::max()))
       value = node.get<I>();
     else if (std::is_signed_v<I> && node.is_number_integer() && !node.is_number_unsigned() &&
              node.get<std::int64_t>() >= static_cast<std::int64_t>(std::numeric_limits<I>::min()))
@@ -93,12 +100,16 @@ class Reader {
   void get(const json& node, const std::string& where, std::uint32_t& value) { integer(node, where, value); }
   void get(const json& node, const std::string& where, std::uint64_t& value) { integer(node, where, value); }
   void get(const json& node, const std::string& where, bool& value) {
-    if (node.is_boolean()) value = node.get<bool>();
-    else mistake(where, "is not true or false");
+    if (node.is_boolean())
+      value = node.get<bool>();
+    else
+      mistake(where, "is not true or false");
   }
   void get(const json& node, const std::string& where, std::string& value) {
-    if (node.is_string()) value = node.get<std::string>();
-    else mistake(where, "is not a text");
+    if (node.is_string())
+      value = node.get<std::string>();
+    else
+      mistake(where, "is not a text");
   }
   template <class T>
   void get(const json& node, const std::string& where, std::vector<T>& values) {
@@ -108,8 +119,10 @@ class Reader {
     for (std::size_t i = 0; i < node.size() && !failure_->set; ++i) {
       T value{};
       if constexpr (std::is_same_v<T, float>) {
-        if (node[i].is_number()) value = node[i].template get<float>();
-        else get(node[i], where + "[" + std::to_string(i) + "]", value);
+        if (node[i].is_number())
+          value = node[i].template get<float>();
+        else
+          get(node[i], where + "[" + std::to_string(i) + "]", value);
       } else {
         get(node[i], where + "[" + std::to_string(i) + "]", value);
       }

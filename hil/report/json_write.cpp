@@ -53,9 +53,12 @@ class Writer {
   }
   template <class T>
   void real(T value) {
-    if (std::isnan(value)) out_ += "null";
-    else if (std::isinf(value)) out_ += value > 0 ? "\"inf\"" : "\"-inf\"";
-    else number(value == 0 ? T{0} : value);
+    if (std::isnan(value))
+      out_ += "null";
+    else if (std::isinf(value))
+      out_ += value > 0 ? "\"inf\"" : "\"-inf\"";
+    else
+      number(value == 0 ? T{0} : value);
   }
   void put(double value) { real(value); }
   void put(float value) { real(value); }
@@ -69,11 +72,16 @@ class Writer {
     static const char kHex[] = "0123456789abcdef";
     out_ += '"';
     for (const char c : printable_utf8(value)) {
-      if (c == '"' || c == '\\') (out_ += '\\') += c;
-      else if (c == '\n') out_ += "\\n";
-      else if (c == '\t') out_ += "\\t";
-      else if (static_cast<unsigned char>(c) < 0x20) ((out_ += "\\u00") += kHex[c >> 4]) += kHex[c & 15];
-      else out_ += c;
+      if (c == '"' || c == '\\')
+        (out_ += '\\') += c;
+      else if (c == '\n')
+        out_ += "\\n";
+      else if (c == '\t')
+        out_ += "\\t";
+      else if (static_cast<unsigned char>(c) < 0x20)
+        ((out_ += "\\u00") += kHex[c >> 4]) += kHex[c & 15];
+      else
+        out_ += c;
     }
     out_ += '"';
   }

@@ -18,15 +18,15 @@ struct JudgedRow {
   double ratio = 0.0;  ///< ratio_to_limit
 };
 
-/// value / limit for an upper limit, limit / value for a lower one: above 1 is outside. NaN without a limit, without
-/// a value, for "equal", and where the quotient has no meaning (limit <= 0).
+/// value / limit for an upper limit, limit / value for a lower one: above 1 is outside. NaN without a limit,
+/// without a value, for "equal", and where the quotient has no meaning (limit <= 0).
 double ratio_to_limit(const Check& check);
 
 /// All checks: whole run first, then case by case, in the order of the result.
 std::vector<JudgedRow> judged_rows(const RunResult& result);
 
-/// Those that are not pass, worst first: required before not required, then fail, rig_error, inconclusive, not_run,
-/// marginal, waived, then ratio descending, then place in the result.
+/// Those that are not pass, worst first: required before not required, then fail, rig_error, inconclusive,
+/// not_run, marginal, waived, then ratio descending, then place in the result.
 std::vector<JudgedRow> rows_to_look_at(const RunResult& result);
 
 /// Worst verdict of the required checks; not_run when there is none.

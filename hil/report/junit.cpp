@@ -1,5 +1,6 @@
-// "junit": one suite a case, one test a check. fail -> failure, rig_error and inconclusive -> error, not_run and
-// waived -> skipped; a check that is not required never turns a suite red. The decision itself is the first test.
+// "junit": one suite a case, one test a check. fail -> failure, rig_error and inconclusive -> error, not_run
+// and waived -> skipped; a check that is not required never turns a suite red. The decision itself is the
+// first test.
 
 #include <cmath>
 
@@ -36,8 +37,10 @@ std::string test_of(const Check& c, const std::string& class_name, Counts& count
   const std::string message = value_text(c, Glyphs::ascii) + ", limit " + limit_text(c, Glyphs::ascii);
   const auto outcome = [&](const char* element, const std::string& type) {
     out += std::string("      <") + element + " message=\"" + escape(message) + "\"";
-    if (element != std::string_view("skipped")) out += " type=\"" + escape(type) + "\">" + escape(c.evidence) + "</" + element + ">\n";
-    else out += "/>\n";
+    if (element != std::string_view("skipped"))
+      out += " type=\"" + escape(type) + "\">" + escape(c.evidence) + "</" + element + ">\n";
+    else
+      out += "/>\n";
   };
   if (c.verdict == Verdict::not_run || c.verdict == Verdict::waived ||
       (!c.required && c.verdict != Verdict::pass && c.verdict != Verdict::marginal)) {
@@ -72,8 +75,8 @@ std::string decision_test(const RunResult& result, Counts& counts) {
     const bool reject = d.kind == DecisionKind::reject;
     ++(reject ? counts.failures : counts.errors);
     const std::string element = reject ? "failure" : "error";
-    out += "      <" + element + " message=\"" + escape(d.reason) + "\" type=\"" + std::string(to_string(d.kind)) +
-           "\"/>\n";
+    out += "      <" + element + " message=\"" + escape(d.reason) + "\" type=\"" +
+           std::string(to_string(d.kind)) + "\"/>\n";
   }
   return out + "    </testcase>\n";
 }
@@ -81,7 +84,8 @@ std::string decision_test(const RunResult& result, Counts& counts) {
 std::string render(const RunResult& result) {
   Counts all;
   std::string suites;
-  const auto add = [&](const std::string& name, double time_s, const std::string& tests, const Counts& counts) {
+  const auto add = [&](const std::string& name, double time_s, const std::string& tests,
+                       const Counts& counts) {
     suites += suite(name, time_s, tests, counts);
     all.tests += counts.tests;
     all.failures += counts.failures;
@@ -98,10 +102,10 @@ std::string render(const RunResult& result) {
     for (const Check& c : r.checks) of_case_tests += test_of(c, r.id, of_case);
     add(r.id, r.duration_s, of_case_tests, of_case);
   }
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"forcegate " + escape(result.plan_name) +
-         "\" tests=\"" + std::to_string(all.tests) + "\" failures=\"" + std::to_string(all.failures) +
-         "\" errors=\"" + std::to_string(all.errors) + "\" skipped=\"" + std::to_string(all.skipped) + "\">\n" +
-         suites + "</testsuites>\n";
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"forcegate " +
+         escape(result.plan_name) + "\" tests=\"" + std::to_string(all.tests) + "\" failures=\"" +
+         std::to_string(all.failures) + "\" errors=\"" + std::to_string(all.errors) + "\" skipped=\"" +
+         std::to_string(all.skipped) + "\">\n" + suites + "</testsuites>\n";
 }
 
 const Registration<ReporterKind> kRegistered{

@@ -16,13 +16,20 @@ constexpr std::size_t kMaxBytes = 60000, kMaxTableBytes = 24000, kMaxText = 400;
 std::string plain(std::string_view text) {
   std::string out;
   for (const char c : figures::shorten(printable_utf8(text), kMaxText)) {
-    if (c == '\n' || c == '\t' || c == '\r') out += ' ';
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '&') out += "&amp;";
-    else if (c == '@') out += "&#64;";
-    else if (std::string_view("|`*_[]\\#~!").find(c) != std::string_view::npos) (out += '\\') += c;
-    else out += c;
+    if (c == '\n' || c == '\t' || c == '\r')
+      out += ' ';
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else if (c == '@')
+      out += "&#64;";
+    else if (std::string_view("|`*_[]\\#~!").find(c) != std::string_view::npos)
+      (out += '\\') += c;
+    else
+      out += c;
   }
   return out;
 }
@@ -59,15 +66,15 @@ std::string table(const std::vector<JudgedRow>& rows) {
 
 std::string render(const RunResult& result) {
   const Decision& d = result.decision;
-  std::string out = "## " + std::string(symbol(d.kind, Glyphs::unicode)) + " " + std::string(to_string(d.kind)) + ": " +
-                    plain(d.reason) + "\n\n";
+  std::string out = "## " + std::string(symbol(d.kind, Glyphs::unicode)) + " " +
+                    std::string(to_string(d.kind)) + ": " + plain(d.reason) + "\n\n";
   if (d.kind != DecisionKind::accept)
     if (const std::string who = who_must_act(d.blame); !who.empty())
       out += "To act: **" + who + "**" + (d.safety_stop ? " (safety stop)" : "") + "\n\n";
   out += case_counts(result) + ", " + std::to_string(judged_rows(result).size()) + " checks. Firmware " +
-         code(result.firmware_path) + " on " + plain(result.firmware.board) + ", rig " + plain(result.rig.name) + " " +
-         plain(result.rig.version) + ", plan " + plain(result.plan_name) + ", calibration " +
-         calibration_levels(result) + ".\n\n";
+         code(result.firmware_path) + " on " + plain(result.firmware.board) + ", rig " +
+         plain(result.rig.name) + " " + plain(result.rig.version) + ", plan " + plain(result.plan_name) +
+         ", calibration " + calibration_levels(result) + ".\n\n";
 
   const std::vector<JudgedRow> rows = rows_to_look_at(result);
   if (!rows.empty()) out += "### To look at\n\n" + table(rows) + "\n";

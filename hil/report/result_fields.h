@@ -1,18 +1,21 @@
 #pragma once
-// The fields of a result in the order of the file: one list, walked by the writer and by the reader, so that the two
-// cannot differ. An archive has operator()(name, value) for numbers, texts, vectors, maps and the structs below.
+// The fields of a result in the order of the file: one list, walked by the writer and by the reader, so that
+// the two cannot differ. An archive has operator()(name, value) for numbers, texts, vectors, maps and the
+// structs below.
 
 #include "hil/interface/run_result.h"
 
 namespace forcegate::result_fields {
 
-template <class A> void walk(A& a, Limit& v) {
+template <class A>
+void walk(A& a, Limit& v) {
   a.choice("kind", v.kind, {"none", "upper", "lower", "equal"});
   a("value", v.value);
   a("source", v.source);
 }
 
-template <class A> void walk(A& a, Check& v) {
+template <class A>
+void walk(A& a, Check& v) {
   a("id", v.id);
   a("case_id", v.case_id);
   a("title", v.title);
@@ -21,13 +24,15 @@ template <class A> void walk(A& a, Check& v) {
   a("u", v.u);
   a("n", v.n);
   a("limit", v.limit);
-  a.choice("verdict", v.verdict, {"pass", "marginal", "fail", "inconclusive", "rig_error", "not_run", "waived"});
+  a.choice("verdict", v.verdict,
+           {"pass", "marginal", "fail", "inconclusive", "rig_error", "not_run", "waived"});
   a.blame("blame", v.blame);
   a("required", v.required);
   a("evidence", v.evidence);
 }
 
-template <class A> void walk(A& a, Decision& v) {
+template <class A>
+void walk(A& a, Decision& v) {
   a.choice("kind", v.kind, {"ACCEPT", "REJECT", "NO-DECISION"});
   a.blame("blame", v.blame);
   a("reason", v.reason);
@@ -35,7 +40,8 @@ template <class A> void walk(A& a, Decision& v) {
   a("exit_code", v.exit_code);
 }
 
-template <class A> void walk(A& a, Calibration& v) {
+template <class A>
+void walk(A& a, Calibration& v) {
   a("gain_N_per_V", v.gain_N_per_V);
   a("offset_N", v.offset_N);
   a("adc_bits", v.adc_bits);
@@ -46,7 +52,8 @@ template <class A> void walk(A& a, Calibration& v) {
   a("id", v.id);
 }
 
-template <class A> void walk(A& a, DutInfo& v) {
+template <class A>
+void walk(A& a, DutInfo& v) {
   a("protocol_major", v.protocol_major);
   a("protocol_minor", v.protocol_minor);
   a("board", v.board);
@@ -57,7 +64,8 @@ template <class A> void walk(A& a, DutInfo& v) {
   a("rate_Hz", v.rate_Hz);
 }
 
-template <class A> void walk(A& a, DutCounters& v) {
+template <class A>
+void walk(A& a, DutCounters& v) {
   a("samples", v.samples);
   a("frames_dropped", v.frames_dropped);
   a("frames_bad", v.frames_bad);
@@ -66,7 +74,8 @@ template <class A> void walk(A& a, DutCounters& v) {
   a("naks", v.naks);
 }
 
-template <class A> void walk(A& a, RigGeometry& v) {
+template <class A>
+void walk(A& a, RigGeometry& v) {
   a("spring_N_per_mm", v.spring_N_per_mm);
   a("eccentricity_mm", v.eccentricity_mm);
   a("preload_mm", v.preload_mm);
@@ -75,7 +84,8 @@ template <class A> void walk(A& a, RigGeometry& v) {
   a("velocity_max_rad_per_s", v.velocity_max_rad_per_s);
 }
 
-template <class A> void walk(A& a, RigInfo& v) {
+template <class A>
+void walk(A& a, RigInfo& v) {
   a("name", v.name);
   a("id", v.id);
   a("version", v.version);
@@ -92,7 +102,8 @@ template <class A> void walk(A& a, RigInfo& v) {
   a("details", v.details);
 }
 
-template <class A> void walk(A& a, StimulusFacts& v) {
+template <class A>
+void walk(A& a, StimulusFacts& v) {
   a("mean_N", v.mean_N);
   a("amplitude_N", v.amplitude_N);
   a("lowest_frequency_Hz", v.lowest_frequency_Hz);
@@ -102,7 +113,8 @@ template <class A> void walk(A& a, StimulusFacts& v) {
   a("dynamic", v.dynamic);
 }
 
-template <class A> void walk(A& a, ExtremaSeries& v) {
+template <class A>
+void walk(A& a, ExtremaSeries& v) {
   a("name", v.name);
   a("t_s", v.t_s);
   a("expected_N", v.expected_N);
@@ -110,7 +122,8 @@ template <class A> void walk(A& a, ExtremaSeries& v) {
   a("raw_N", v.raw_N);
 }
 
-template <class A> void walk(A& a, DecayFit& v) {
+template <class A>
+void walk(A& a, DecayFit& v) {
   a("valid", v.valid);
   a("a_V", v.a_V);
   a("b_per_s", v.b_per_s);
@@ -124,14 +137,16 @@ template <class A> void walk(A& a, DecayFit& v) {
   a("n", v.n);
 }
 
-template <class A> void walk(A& a, PlotTrace& v) {
+template <class A>
+void walk(A& a, PlotTrace& v) {
   a("name", v.name);
   a("unit", v.unit);
   a("t_s", v.t_s);
   a("value", v.value);
 }
 
-template <class A> void walk(A& a, CaseResult& v) {
+template <class A>
+void walk(A& a, CaseResult& v) {
   a("id", v.id);
   a("title", v.title);
   a("lane", v.lane);
@@ -159,7 +174,8 @@ template <class A> void walk(A& a, CaseResult& v) {
   a("note", v.note);
 }
 
-template <class A> void walk(A& a, RunResult& v) {
+template <class A>
+void walk(A& a, RunResult& v) {
   a("format", v.format);
   a("tool_version", v.tool_version);
   a("command_line", v.command_line);

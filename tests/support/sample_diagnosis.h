@@ -35,17 +35,23 @@ inline Diagnosis diagnosis() {
   h.effect_rms = 0.0198;
   h.records_improved = 9;
   h.records_excited = 9;
-  h.evidence = "The output lags 30 mV behind while unloading, whatever the rate: the loop stays open on slow triangles.";
-  h.confounded_with = {{"lag", 0.93, "triangles at three rates"}, {"backlash", 0.91, "reverse the wheel at constant force"}};
-  EvidenceSeries loop{"C07_r05", "residual against force, coloured by direction", "force", "N", "V", {}, {}, {}, {}};
+  h.evidence =
+      "The output lags 30 mV behind while unloading, whatever the rate: the loop stays open on slow "
+      "triangles.";
+  h.confounded_with = {{"lag", 0.93, "triangles at three rates"},
+                       {"backlash", 0.91, "reverse the wheel at constant force"}};
+  EvidenceSeries loop{
+      "C07_r05", "residual against force, coloured by direction", "force", "N", "V", {}, {}, {}, {}};
   for (int i = 0; i < 6000; ++i) {
-    const double phase = 2.0 * pi * i / 500.0, F = 2.2 + 1.8 * std::sin(phase), side = std::cos(phase) > 0 ? 1.0 : -1.0;
+    const double phase = 2.0 * pi * i / 500.0, F = 2.2 + 1.8 * std::sin(phase),
+                 side = std::cos(phase) > 0 ? 1.0 : -1.0;
     loop.x.push_back(F);
     loop.colour.push_back(side);
     loop.before.push_back(-0.030 * side * (1.0 - std::pow((F - 2.2) / 1.8, 2)) + 0.004 * rng.normal());
     loop.after.push_back(0.004 * rng.normal());
   }
-  EvidenceSeries hold{"C07_r02", "residual against time since the step", "time since change", "s", "V", {}, {}, {}, {}};
+  EvidenceSeries hold{
+      "C07_r02", "residual against time since the step", "time since change", "s", "V", {}, {}, {}, {}};
   for (int i = 0; i < 160; ++i) {
     hold.x.push_back(0.05 * std::pow(10.0, i / 40.0));
     hold.before.push_back(0.006 * std::log10(hold.x.back() / 0.05) + 0.001 * rng.normal());
@@ -72,7 +78,8 @@ inline Diagnosis diagnosis() {
   c.records_excited = 6;
   d.findings = {h, c};
 
-  const char* names[] = {"hysteresis", "lag", "backlash", "creep", "thermal", "static_nonlinearity", "slow_recovery", "rc"};
+  const char* names[] = {"hysteresis",          "lag",           "backlash", "creep", "thermal",
+                         "static_nonlinearity", "slow_recovery", "rc"};
   for (int i = 0; i < 8; ++i) {
     RankedEffect r;
     r.effect = names[i];
@@ -88,29 +95,40 @@ inline Diagnosis diagnosis() {
   const struct {
     const char *name, *group, *unit, *sentence;
     double low, high, slope, share;
-  } maps[] = {{"force while unloading", "history", "N", "+28 mV where force while unloading is about 2.2 N", 0.4, 4.0, 0.028, 0.41},
-              {"force while loading", "history", "N", "-27 mV where force while loading is about 2.1 N", 0.4, 4.0, -0.027, 0.39},
+  } maps[] = {{"force while unloading", "history", "N", "+28 mV where force while unloading is about 2.2 N",
+               0.4, 4.0, 0.028, 0.41},
+              {"force while loading", "history", "N", "-27 mV where force while loading is about 2.1 N", 0.4,
+               4.0, -0.027, 0.39},
               {"rate", "rate", "N/s", "-19 mV where rate is about 3.1 N/s", -4.0, 4.0, -0.02, 0.22},
-              {"time since the last turn", "history", "log10 s", "-12 mV where time since the last turn is about 0.8 log10 s", 0.0, 2.8, 0.01, 0.12},
-              {"temperature", "temperature", "degC", "no cell of temperature stands out of its scatter", 21.0, 24.0, 0.001, -0.01},
-              {"campaign time", "time", "s", "no cell of campaign time stands out of its scatter", 0.0, 9000.0, 0.001, -0.02}};
+              {"time since the last turn", "history", "log10 s",
+               "-12 mV where time since the last turn is about 0.8 log10 s", 0.0, 2.8, 0.01, 0.12},
+              {"temperature", "temperature", "degC", "no cell of temperature stands out of its scatter", 21.0,
+               24.0, 0.001, -0.01},
+              {"campaign time", "time", "s", "no cell of campaign time stands out of its scatter", 0.0,
+               9000.0, 0.001, -0.02}};
   for (const auto& m : maps)
     for (const bool after : {false, true}) {
-      ResidualMap map{m.name, m.group, m.unit, after ? 0.0 : m.share, {}, after ? "no cell stands out" : m.sentence};
+      ResidualMap map{
+          m.name, m.group, m.unit, after ? 0.0 : m.share, {}, after ? "no cell stands out" : m.sentence};
       for (int i = 0; i < 16; ++i) {
-        const double f = (i + 0.5) / 16.0, shape = std::string(m.name).find("force") == 0 ? 4.0 * f * (1.0 - f) : 2.0 * f - 1.0;
-        MapCell cell{m.low + f * (m.high - m.low), (after ? 0.05 : 1.0) * m.slope * shape + 0.0008 * rng.normal(), 0.0009, 900, i == 15 ? 1 : 11};
+        const double f = (i + 0.5) / 16.0,
+                     shape = std::string(m.name).find("force") == 0 ? 4.0 * f * (1.0 - f) : 2.0 * f - 1.0;
+        MapCell cell{m.low + f * (m.high - m.low),
+                     (after ? 0.05 : 1.0) * m.slope * shape + 0.0008 * rng.normal(), 0.0009, 900,
+                     i == 15 ? 1 : 11};
         map.cells.push_back(cell);
       }
       (after ? d.maps_after : d.maps).push_back(map);
     }
-  const char* kinds[] = {"ramp", "staircase", "sine", "sine", "multisine", "sweep", "prbs", "rest", "hold", "switch"};
+  const char* kinds[] = {"ramp",  "staircase", "sine", "sine", "multisine",
+                         "sweep", "prbs",      "rest", "hold", "switch"};
   for (int i = 0; i < 10; ++i) {
     const double noise = 0.0045 + 0.0002 * i, before = i == 7 ? 0.0052 : 0.018 + 0.006 * rng.uniform();
-    d.records.push_back({"C07_r0" + std::to_string(i), kinds[i], i % 3 == 0, before, noise * 1.2, before * 1.4, noise * 1.6, noise,
-                         1.0 - noise * noise / (before * before)});
+    d.records.push_back({"C07_r0" + std::to_string(i), kinds[i], i % 3 == 0, before, noise * 1.2,
+                         before * 1.4, noise * 1.6, noise, 1.0 - noise * noise / (before * before)});
     if (i > 1) continue;
-    EvidenceSeries overlay{"C07_r0" + std::to_string(i), "measured and modelled", "time", "s", "V", {}, {}, {}, {}};
+    EvidenceSeries overlay{
+        "C07_r0" + std::to_string(i), "measured and modelled", "time", "s", "V", {}, {}, {}, {}};
     for (int k = 0; k < 2000; ++k) {
       const double t = 0.03 * k, F = 2.2 - 1.8 * std::cos(0.5 * t);
       overlay.x.push_back(t);

@@ -22,16 +22,19 @@ std::string bullet_svg(const Bullet& b) {
     return "<rect class=\"" + classes + "\" x=\"" + x + "\" y=\"" + coordinate(top) + "\" width=\"" + width +
            "\" height=\"" + coordinate(height) + "\"/>";
   };
-  std::string out = "<svg class=\"fig bu\" role=\"img\" width=\"" + coordinate(b.width_px) + "\" height=\"18\" viewBox=\"0 0 " +
-                    coordinate(b.width_px) + " 18\"><title>" + escape(b.text) + "</title>";
-  out += b.lower ? rect("zo", at(b.limit), coordinate(usable - std::min(1.0, b.limit / end) * usable), 2, kHeight - 4)
+  std::string out = "<svg class=\"fig bu\" role=\"img\" width=\"" + coordinate(b.width_px) +
+                    "\" height=\"18\" viewBox=\"0 0 " + coordinate(b.width_px) + " 18\"><title>" +
+                    escape(b.text) + "</title>";
+  out += b.lower ? rect("zo", at(b.limit), coordinate(usable - std::min(1.0, b.limit / end) * usable), 2,
+                        kHeight - 4)
                  : rect("zo", "0", at(b.limit), 2, kHeight - 4);
   out += rect("f " + role, "0", at(b.value), kBarTop, kBarHeight);
   if (beyond)
-    out += "<path class=\"f " + role + "\" d=\"M" + coordinate(usable) + " " + coordinate(kBarTop - 2) + "l7 5l-7 5z\"/>";
+    out += "<path class=\"f " + role + "\" d=\"M" + coordinate(usable) + " " + coordinate(kBarTop - 2) +
+           "l7 5l-7 5z\"/>";
   else if (u > 0.0)
-    out += "<path class=\"l rf\" stroke-width=\"1.3\" d=\"M" + at(b.value - u) + " 9H" + at(b.value + u) + "M" +
-           at(b.value - u) + " 5.5v7M" + at(b.value + u) + " 5.5v7\"/>";
+    out += "<path class=\"l rf\" stroke-width=\"1.3\" d=\"M" + at(b.value - u) + " 9H" + at(b.value + u) +
+           "M" + at(b.value - u) + " 5.5v7M" + at(b.value + u) + " 5.5v7\"/>";
   return out + "<path class=\"l rf\" stroke-width=\"2\" d=\"M" + at(b.limit) + " 0V18\"/></svg>";
 }
 

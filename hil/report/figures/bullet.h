@@ -17,8 +17,9 @@ struct Bullet {
   double width_px = 190.0;
 };
 
-/// Bar from 0 to the value, whisker +-U, tick at the limit over the allowed zone. The axis ends at 2.2 limits; a bar
-/// that would leave it ends in an arrow. "" when value or limit cannot be drawn (NaN, negative, limit <= 0).
+/// Bar from 0 to the value, whisker +-U, tick at the limit over the allowed zone. The axis ends at 2.2
+/// limits; a bar that would leave it ends in an arrow. "" when value or limit cannot be drawn (NaN, negative,
+/// limit <= 0).
 std::string bullet_svg(const Bullet& bullet);
 
 }  // namespace forcegate::figures

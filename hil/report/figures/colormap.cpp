@@ -15,16 +15,17 @@ using Rgb = std::array<double, 3>;
 
 // Ten equidistant points of cividis, linear between them.
 constexpr std::array<Rgb, 10> kCividis{{{0, 32, 77},
-                                       {0, 51, 111},
-                                       {57, 72, 107},
-                                       {87, 92, 109},
-                                       {112, 113, 115},
-                                       {138, 135, 121},
-                                       {166, 157, 117},
-                                       {196, 181, 108},
-                                       {228, 207, 91},
-                                       {255, 234, 70}}};
-constexpr std::array<Rgb, 5> kDiverging{{{0, 84, 140}, {86, 160, 211}, {247, 247, 247}, {236, 146, 84}, {176, 70, 0}}};
+                                        {0, 51, 111},
+                                        {57, 72, 107},
+                                        {87, 92, 109},
+                                        {112, 113, 115},
+                                        {138, 135, 121},
+                                        {166, 157, 117},
+                                        {196, 181, 108},
+                                        {228, 207, 91},
+                                        {255, 234, 70}}};
+constexpr std::array<Rgb, 5> kDiverging{
+    {{0, 84, 140}, {86, 160, 211}, {247, 247, 247}, {236, 146, 84}, {176, 70, 0}}};
 
 template <std::size_t N>
 std::string interpolate(const std::array<Rgb, N>& table, int level) {

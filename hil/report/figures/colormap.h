@@ -1,6 +1,7 @@
 #pragma once
-// Colours for maps. Sequential: cividis (Nunez et al. 2018), even in lightness for every colour vision. Signed:
-// blue - white - vermillion, symmetric about 0. Fraction in [0, 1]; quantised to 17 levels to keep files small.
+// Colours for maps. Sequential: cividis (Nunez et al. 2018), even in lightness for every colour vision.
+// Signed: blue - white - vermillion, symmetric about 0. Fraction in [0, 1]; quantised to 17 levels to keep
+// files small.
 
 #include <string>
 

@@ -15,6 +15,7 @@ std::vector<std::size_t> m4_indices(std::span<const double> x, std::span<const s
   const auto column_of = [&](std::size_t i) {
     if (!(width > 0.0)) return std::size_t{0};
     const double c = std::floor((x[i] - low) / width * static_cast<double>(columns));
+    if (std::isnan(c)) return std::size_t{0};
     return static_cast<std::size_t>(std::clamp(c, 0.0, static_cast<double>(columns - 1)));
   };
   for (std::size_t begin = 0; begin < n;) {

@@ -29,7 +29,8 @@ std::string open_path(std::string_view kind, Role role) {
 }
 
 // The line as pixels: NaN breaks it, long stretches are reduced.
-void add_polyline(PathData& path, std::span<const double> x, std::span<const double> y, const PlotArea& area) {
+void add_polyline(PathData& path, std::span<const double> x, std::span<const double> y,
+                  const PlotArea& area) {
   const std::size_t n = std::min(x.size(), y.size());
   std::size_t begin = 0;
   while (begin < n) {
@@ -47,7 +48,8 @@ void add_polyline(PathData& path, std::span<const double> x, std::span<const dou
     const bool dense = ascending && end - begin > 4 * columns;
     if (dense) {
       const std::span<const double> segment = y.subspan(begin, end - begin);
-      for (const std::size_t i : m4_indices(x.subspan(begin, end - begin), {&segment, 1}, columns)) add(begin + i);
+      for (const std::size_t i : m4_indices(x.subspan(begin, end - begin), {&segment, 1}, columns))
+        add(begin + i);
     } else {
       for (std::size_t i = begin; i < end; ++i) {
         const Point p{area.x(x[i]), area.y(y[i])};
@@ -76,11 +78,13 @@ std::string marker_path(const Style& style, std::span<const Point> points) {
       case Marker::ring: path.dot(p.x, p.y); break;
       case Marker::square: path.rectangle(p.x - r, p.y - r, 2 * r, 2 * r); break;
       case Marker::up:
-        path.move(p.x, p.y - 1.15 * r), path.line(p.x + r, p.y + 0.75 * r), path.line(p.x - r, p.y + 0.75 * r);
+        path.move(p.x, p.y - 1.15 * r), path.line(p.x + r, p.y + 0.75 * r),
+            path.line(p.x - r, p.y + 0.75 * r);
         path.close();
         break;
       case Marker::down:
-        path.move(p.x, p.y + 1.15 * r), path.line(p.x + r, p.y - 0.75 * r), path.line(p.x - r, p.y - 0.75 * r);
+        path.move(p.x, p.y + 1.15 * r), path.line(p.x + r, p.y - 0.75 * r),
+            path.line(p.x - r, p.y - 0.75 * r);
         path.close();
         break;
       case Marker::cross:
@@ -91,16 +95,19 @@ std::string marker_path(const Style& style, std::span<const Point> points) {
   }
   if (path.empty()) return {};
   const auto stroke = [](double px) { return " stroke-width=\"" + tenths(px) + "\""; };
-  if (style.marker == Marker::ring)  // a dot with a hole in the colour of the page: far fewer bytes than circles
-    return open_path("p", style.role) + stroke(style.size_px + 0.8) + opacity_attribute(style.opacity) + " d=\"" +
-           path.text() + "\"/><path class=\"p hole\"" + stroke(style.size_px - 1.2) + " d=\"" + path.text() + "\"/>";
+  if (style.marker ==
+      Marker::ring)  // a dot with a hole in the colour of the page: far fewer bytes than circles
+    return open_path("p", style.role) + stroke(style.size_px + 0.8) + opacity_attribute(style.opacity) +
+           " d=\"" + path.text() + "\"/><path class=\"p hole\"" + stroke(style.size_px - 1.2) + " d=\"" +
+           path.text() + "\"/>";
   if (style.marker == Marker::dot || style.marker == Marker::none)
     attributes = stroke(style.size_px);
   else if (style.marker == Marker::cross)
     attributes = " stroke-width=\"" + tenths(std::max(1.0, style.size_px / 4.0)) + "\"";
   else
     kind = "f";
-  return open_path(kind, style.role) + attributes + opacity_attribute(style.opacity) + " d=\"" + path.text() + "\"/>";
+  return open_path(kind, style.role) + attributes + opacity_attribute(style.opacity) + " d=\"" + path.text() +
+         "\"/>";
 }
 
 struct DrawClipped {
@@ -111,12 +118,12 @@ struct DrawClipped {
     add_polyline(path, s.x, s.y, area);
     if (path.empty()) return {};
     std::string out = open_path("l", s.style.role) + " stroke-width=\"" + tenths(s.style.width_px) + "\"" +
-                      dash_attribute(s.style.dash, s.style.width_px, 10.0) + opacity_attribute(s.style.opacity) +
-                      " d=\"" + path.text() + "\"/>";
+                      dash_attribute(s.style.dash, s.style.width_px, 10.0) +
+                      opacity_attribute(s.style.opacity) + " d=\"" + path.text() + "\"/>";
     if (s.style.marker != Marker::none) {
       std::vector<Point> points;
       for (std::size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
-        if (!std::isnan(s.y[i])) points.push_back({area.x(s.x[i]), area.y(s.y[i])});
+        if (!std::isnan(s.x[i]) && !std::isnan(s.y[i])) points.push_back({area.x(s.x[i]), area.y(s.y[i])});
       out += marker_path(s.style, points);
     }
     return out;
@@ -152,7 +159,7 @@ struct DrawClipped {
     const std::size_t n = std::min({s.x.size(), s.low.size(), s.high.size()});
     std::vector<Point> upper, lower;
     for (std::size_t i = 0; i < n; ++i) {
-      if (std::isnan(s.low[i]) || std::isnan(s.high[i])) continue;
+      if (std::isnan(s.x[i]) || std::isnan(s.low[i]) || std::isnan(s.high[i])) continue;
       upper.push_back({area.x(s.x[i]), area.y(s.high[i])});
       lower.push_back({area.x(s.x[i]), area.y(s.low[i])});
     }
@@ -180,7 +187,8 @@ struct DrawClipped {
       const double inset = b.hollow ? 0.7 : 0.0;
       PathData path;
       path.rectangle(std::min(a.x, c.x) + inset, std::min(a.y, c.y) + inset,
-                     std::max(0.4, std::abs(c.x - a.x) - 2 * inset), std::max(0.4, std::abs(c.y - a.y) - 2 * inset));
+                     std::max(0.4, std::abs(c.x - a.x) - 2 * inset),
+                     std::max(0.4, std::abs(c.y - a.y) - 2 * inset));
       out += open_path(b.hollow ? "h" : "f", b.role);
       if (b.hollow) out += " stroke-width=\"14\"";
       out += " d=\"" + path.text() + "\"/>";
@@ -234,7 +242,8 @@ struct DrawClipped {
       const PathData& path = cells[static_cast<std::size_t>(level)];
       if (path.empty()) continue;
       const std::string colour = s.diverging ? diverging_colour(level) : sequential_colour(level);
-      out += "<path fill=\"" + colour + "\" stroke=\"" + colour + "\" stroke-width=\"2\" d=\"" + path.text() + "\"/>";
+      out += "<path fill=\"" + colour + "\" stroke=\"" + colour + "\" stroke-width=\"2\" d=\"" + path.text() +
+             "\"/>";
     }
     if (!hatch.empty())
       out += open_path("l", Role::muted) + " stroke-width=\"8\" d=\"" + hatch.text() + "\"/>";
@@ -249,7 +258,8 @@ struct DrawClipped {
     if (!(most > 0.0)) return {};
     const double dx = (s.x_high - s.x_low) / s.nx, dy = (s.y_high - s.y_low) / s.ny;
     const auto level_of = [&](int i, int j) {
-      const double c = s.count[static_cast<std::size_t>(j) * static_cast<std::size_t>(s.nx) + static_cast<std::size_t>(i)];
+      const double c =
+          s.count[static_cast<std::size_t>(j) * static_cast<std::size_t>(s.nx) + static_cast<std::size_t>(i)];
       return c > 0.0 ? static_cast<int>(std::min(kLevels - 1.0, std::sqrt(c / most) * kLevels)) : -1;
     };
     for (int j = 0; j < s.ny; ++j)
@@ -270,11 +280,13 @@ struct DrawClipped {
     for (std::size_t level = 0; level < kLevels; ++level)
       if (!runs[level].empty())
         out += open_path("l", s.role) + " stroke-width=\"" + tenths(height) + "\"" +
-               opacity_attribute(0.25 + 0.13 * static_cast<double>(level)) + " d=\"" + runs[level].text() + "\"/>";
+               opacity_attribute(0.25 + 0.13 * static_cast<double>(level)) + " d=\"" + runs[level].text() +
+               "\"/>";
     return out;
   }
 
   std::string operator()(const Rule& s) const {
+    if (!std::isfinite(s.at)) return {};
     PathData path;
     if (s.horizontal)
       path.move(0, area.y(s.at)), path.line(area.width, area.y(s.at));
@@ -285,6 +297,7 @@ struct DrawClipped {
   }
 
   std::string operator()(const Span& s) const {
+    if (std::isnan(s.x_low) || std::isnan(s.x_high)) return {};
     const double left = std::clamp(area.x(s.x_low), 0.0, area.width);
     const double right = std::clamp(area.x(s.x_high), 0.0, area.width);
     PathData path;
@@ -324,18 +337,20 @@ std::string draw_swatch(const Series& series, double x_px, double y_px, double w
   const std::string x0 = coordinate(x_px), x1 = coordinate(x_px + width_px), y = coordinate(y_px);
   const auto line = [&](const Style& style) {
     return "<path class=\"l " + std::string(role_class(style.role)) + "\" stroke-width=\"" +
-           coordinate(std::max(1.6, style.width_px)) + "\"" + dash_attribute(style.dash, style.width_px, 1.0) +
-           " d=\"M" + x0 + " " + y + "H" + x1 + "\"/>";
+           coordinate(std::max(1.6, style.width_px)) + "\"" +
+           dash_attribute(style.dash, style.width_px, 1.0) + " d=\"M" + x0 + " " + y + "H" + x1 + "\"/>";
   };
   const auto marker = [&](Style style) {
     style.opacity = 1.0;
     style.size_px = std::max(4.5, style.size_px);
     const Point centre{width_px / 2, 0.0};
-    return "<g transform=\"translate(" + x0 + " " + y + ")scale(.1)\">" + marker_path(style, {&centre, 1}) + "</g>";
+    return "<g transform=\"translate(" + x0 + " " + y + ")scale(.1)\">" + marker_path(style, {&centre, 1}) +
+           "</g>";
   };
   const auto block = [&](Role role, double opacity) {
-    return "<rect class=\"f " + std::string(role_class(role)) + "\"" + opacity_attribute(opacity) + " x=\"" + x0 +
-           "\" y=\"" + coordinate(y_px - 5) + "\" width=\"" + coordinate(width_px) + "\" height=\"10\"/>";
+    return "<rect class=\"f " + std::string(role_class(role)) + "\"" + opacity_attribute(opacity) + " x=\"" +
+           x0 + "\" y=\"" + coordinate(y_px - 5) + "\" width=\"" + coordinate(width_px) +
+           "\" height=\"10\"/>";
   };
   if (const auto* s = std::get_if<LineSeries>(&series))
     return line(s->style) + (s->style.marker == Marker::none ? std::string() : marker(s->style));

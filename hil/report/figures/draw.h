@@ -29,6 +29,7 @@ std::string draw_swatch(const Series& series, double x_px, double y_px, double w
 std::string legend_label(const Series& series);
 
 /// <text>; `classes` such as "k b fw".
-std::string text_element(double x_px, double y_px, std::string_view text, Anchor anchor, std::string_view classes);
+std::string text_element(double x_px, double y_px, std::string_view text, Anchor anchor,
+                         std::string_view classes);
 
 }  // namespace forcegate::figures

@@ -4,7 +4,8 @@
 
 namespace forcegate::figures {
 
-std::string text_element(double x_px, double y_px, std::string_view text, Anchor anchor, std::string_view classes) {
+std::string text_element(double x_px, double y_px, std::string_view text, Anchor anchor,
+                         std::string_view classes) {
   if (text.empty()) return {};
   std::string out = "<text x=\"" + coordinate(x_px) + "\" y=\"" + coordinate(y_px) + "\"";
   if (anchor == Anchor::middle) out += " text-anchor=\"middle\"";
@@ -27,7 +28,8 @@ struct DrawTexts {
     const double shift = left < 0.0 ? -left : std::min(0.0, area.width - left - width);
     if (width < area.width) x += shift;
     const std::string classes = "u " + std::string(role_class(role));
-    return text_element(area.left + x, area.top + std::clamp(y, 9.0, area.height - 2.0), text, anchor, classes);
+    return text_element(area.left + x, area.top + std::clamp(y, 9.0, area.height - 2.0), text, anchor,
+                        classes);
   }
 
   std::string operator()(const LineSeries&) const { return {}; }
@@ -66,7 +68,8 @@ struct DrawTexts {
         const double left = area.x(s.x_edges[i]), right = area.x(s.x_edges[i + 1]);
         if (right - left < text_width_px(s.text[cell], 11.0)) continue;
         const double y = (area.y(s.y_edges[j]) + area.y(s.y_edges[j + 1])) / 2;
-        const int level = cell < s.value.size() ? colour_level((s.value[cell] - range.low) / (range.high - range.low)) : -1;
+        const int level =
+            cell < s.value.size() ? colour_level((s.value[cell] - range.low) / (range.high - range.low)) : -1;
         std::string text = text_element(area.left + (left + right) / 2, area.top + y + 4.0, s.text[cell],
                                         Anchor::middle, level < 0 ? "rf" : "");
         if (level >= 0) {
@@ -79,6 +82,7 @@ struct DrawTexts {
   }
 
   std::string operator()(const Rule& s) const {
+    if (!std::isfinite(s.at)) return {};
     if (s.horizontal) {
       const double y = area.y(s.at);
       if (!inside(0.0, y)) return {};
@@ -91,6 +95,7 @@ struct DrawTexts {
   }
 
   std::string operator()(const Span& s) const {
+    if (std::isnan(s.x_low) || std::isnan(s.x_high)) return {};
     const double left = std::clamp(area.x(s.x_low), 0.0, area.width);
     const double right = std::clamp(area.x(s.x_high), 0.0, area.width);
     return at((left + right) / 2, 11.0, s.label, Anchor::middle, s.role);

@@ -10,7 +10,8 @@
 namespace forcegate::figures {
 namespace {
 
-constexpr double kFont_px = 11.0, kRow_px = 16.0, kSwatch_px = 18.0, kColumnGap_px = 22.0, kPanelGap_px = 10.0;
+constexpr double kFont_px = 11.0, kRow_px = 16.0, kSwatch_px = 18.0, kColumnGap_px = 22.0,
+                 kPanelGap_px = 10.0;
 
 std::string axis_label(const Axis& axis) {
   if (axis.unit.empty()) return axis.quantity;
@@ -61,7 +62,8 @@ struct HeaderFlow {
   }
 };
 
-std::string draw_header(const Cell& cell, double cell_left, double cell_top, double cell_width, double* height) {
+std::string draw_header(const Cell& cell, double cell_left, double cell_top, double cell_width,
+                        double* height) {
   const Panel& panel = *cell.panel;
   std::string out;
   double top = cell_top;
@@ -124,7 +126,8 @@ std::string draw_axes(const Cell& cell) {
   }
   frame += h(a.left, std::round(a.top + a.height) + 0.5, a.left + a.width);
   if (panel.show_x_labels)
-    labels += text_element(a.left + a.width / 2, a.top + a.height + 31.0, axis_label(panel.x_axis), Anchor::middle, "");
+    labels += text_element(a.left + a.width / 2, a.top + a.height + 31.0, axis_label(panel.x_axis),
+                           Anchor::middle, "");
   std::string out;
   if (!grid.empty()) out += "<path class=\"g\" d=\"" + grid + "\"/>";
   return out + "<path class=\"ax\" d=\"" + frame + "\"/>" + labels;
@@ -177,8 +180,8 @@ std::string draw_direct_labels(const Cell& cell) {
   std::string out;
   for (const End& end : ends)
     out += text_element(cell.area.left + cell.area.width + 6.0,
-                        cell.area.top + std::clamp(end.y, 2.0, cell.area.height) + 4.0, end.label, Anchor::left,
-                        "b " + std::string(role_class(end.style->role)));
+                        cell.area.top + std::clamp(end.y, 2.0, cell.area.height) + 4.0, end.label,
+                        Anchor::left, "b " + std::string(role_class(end.style->role)));
   return out;
 }
 
@@ -190,7 +193,8 @@ double right_margin(const Panel& panel) {
       margin = std::max(margin, text_width_px(legend_label(s), kFont_px) * 1.06 + 10.0);
   for (const Series& s : panel.series)
     if (const auto* bars = std::get_if<BarSeries>(&s); bars != nullptr && bars->horizontal)
-      for (const Bar& b : bars->bars) margin = std::max(margin, 12.0 + 0.75 * text_width_px(b.text, kFont_px));
+      for (const Bar& b : bars->bars)
+        margin = std::max(margin, 12.0 + 0.75 * text_width_px(b.text, kFont_px));
   return margin;
 }
 
@@ -261,15 +265,18 @@ std::string Figure::svg(Target target) const {
       Cell& cell = cells[i];
       const double left = static_cast<double>(i % n_columns) * (cell_width + kColumnGap_px) + cell.left_px;
       const double width = std::max(40.0, cell_width - cell.left_px - cell.right_px);
-      cell.area = {left, y + header, width, cell.panel->height_px,
+      cell.area = {left,
+                   y + header,
+                   width,
+                   cell.panel->height_px,
                    Mapping{cell.range.x, cell.panel->x_axis.scale, width, false},
                    Mapping{cell.range.y, cell.panel->y_axis.scale, cell.panel->height_px, true}};
       body += headers[i - row * n_columns] + draw_axes(cell);
       const std::string w = coordinate(width), h = coordinate(cell.area.height);
       body += "<svg x=\"" + coordinate(left) + "\" y=\"" + coordinate(cell.area.top) + "\" width=\"" + w +
               "\" height=\"" + h + "\" viewBox=\"0 0 " + coordinate(width * 10) + " " +
-              coordinate(cell.area.height * 10) + "\" overflow=\"hidden\">" + draw_clipped(*cell.panel, cell.area) +
-              "</svg>" + draw_texts(*cell.panel, cell.area);
+              coordinate(cell.area.height * 10) + "\" overflow=\"hidden\">" +
+              draw_clipped(*cell.panel, cell.area) + "</svg>" + draw_texts(*cell.panel, cell.area);
       if (const HeatMap* map = colour_bar_of(*cell.panel)) body += draw_colour_bar(*map, cell);
       if (cell.panel->direct_labels) body += draw_direct_labels(cell);
     }
@@ -282,7 +289,8 @@ std::string Figure::svg(Target target) const {
   const std::string w = coordinate(width_px + 2 * margin), h = coordinate(y + (alone ? 4.0 : 0.0));
   std::string out = "<svg class=\"fig\" role=\"img\" ";
   if (alone) out += "xmlns=\"http://www.w3.org/2000/svg\" ";
-  out += "width=\"" + w + "\" height=\"" + h + "\" viewBox=\"" + coordinate(-margin) + " 0 " + w + " " + h + "\">";
+  out += "width=\"" + w + "\" height=\"" + h + "\" viewBox=\"" + coordinate(-margin) + " 0 " + w + " " + h +
+         "\">";
   out += "<title>" + escape(title) + "</title>";
   if (!summary.empty()) out += "<desc>" + escape(summary) + "</desc>";
   if (alone)

@@ -33,11 +33,11 @@ enum class Marker { none, dot, ring, square, up, down, cross };
 /// A drawn quantity, labelled "Force / N".
 struct Axis {
   std::string quantity;
-  std::string unit;            ///< "" for a pure number
+  std::string unit;  ///< "" for a pure number
   double low = kAuto, high = kAuto;
   Scale scale = Scale::linear;
   bool include_zero = false;
-  bool symmetric = false;      ///< low = -high
+  bool symmetric = false;  ///< low = -high
   /// Non-empty: positions 0, 1, 2 ... carry these words instead of numbers.
   std::vector<std::string> categories{};
 };
@@ -84,10 +84,10 @@ struct BarSeries {
 /// Cells over x_edges (nx + 1) and y_edges (ny + 1), row-major from the lowest y. NaN = nothing measured.
 struct HeatMap {
   std::vector<double> x_edges, y_edges, value;
-  bool diverging = false;     ///< blue - white - vermillion about 0, else cividis from `low` to `high`
+  bool diverging = false;  ///< blue - white - vermillion about 0, else cividis from `low` to `high`
   double low = kAuto, high = kAuto;
-  std::string label, unit;    ///< of the colour bar; "" = no bar
-  std::vector<char> hatched;  ///< empty, or one a cell: too little data behind the value
+  std::string label, unit;        ///< of the colour bar; "" = no bar
+  std::vector<char> hatched;      ///< empty, or one a cell: too little data behind the value
   std::vector<std::string> text;  ///< empty, or one a cell
 };
 /// Counts of samples in cells; drawn with the role's colour, denser where there are more (square root).
@@ -119,7 +119,8 @@ struct Note {
   double dx_px = 0.0, dy_px = 0.0;
 };
 
-using Series = std::variant<LineSeries, PointSeries, BandSeries, BarSeries, HeatMap, Density, Rule, Span, Note>;
+using Series =
+    std::variant<LineSeries, PointSeries, BandSeries, BarSeries, HeatMap, Density, Rule, Span, Note>;
 
 template <class T>
 std::vector<double> doubles(const std::vector<T>& values) {
@@ -145,8 +146,8 @@ class Panel {
               double dx_px = 0.0, double dy_px = 0.0);
 
   Axis x_axis, y_axis;
-  double height_px;          ///< of the plot area, without labels
-  std::string title;         ///< above the panel, left
+  double height_px;            ///< of the plot area, without labels
+  std::string title;           ///< above the panel, left
   bool direct_labels = false;  ///< line labels at their right ends instead of in a legend row
   bool show_x_labels = true;   ///< false for the upper panel of a stack with shared x
   bool no_grid = false;
@@ -160,20 +161,21 @@ class Figure {
     embedded,    ///< inside a page that carries figure_css(true) and theme_css()
   };
 
-  explicit Figure(std::string title_text, double width = 720.0) : title(std::move(title_text)), width_px(width) {}
+  explicit Figure(std::string title_text, double width = 720.0)
+      : title(std::move(title_text)), width_px(width) {}
 
   /// Adds a panel; panels fill `columns` row by row. The reference stays valid.
   Panel& panel(Axis x, Axis y, double height_px);
 
   std::string svg(Target target) const;
 
-  std::string title;        ///< accessible name; also drawn when show_title
-  std::string summary;      ///< one or two sentences: what one should see; <desc>
+  std::string title;    ///< accessible name; also drawn when show_title
+  std::string summary;  ///< one or two sentences: what one should see; <desc>
   double width_px;
   int columns = 1;
   bool show_title = false;
-  bool share_x = false;     ///< panels of a column have one x range
-  bool share_y = false;     ///< panels of a row have one y range
+  bool share_x = false;  ///< panels of a column have one x range
+  bool share_y = false;  ///< panels of a row have one y range
   const std::deque<Panel>& panels() const { return panels_; }
 
  private:

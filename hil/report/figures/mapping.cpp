@@ -51,7 +51,8 @@ struct Collect {
 
 PanelRange data_range(const Panel& panel) {
   PanelRange range;
-  const Collect collect{range, panel.x_axis.scale == Scale::logarithmic, panel.y_axis.scale == Scale::logarithmic};
+  const Collect collect{range, panel.x_axis.scale == Scale::logarithmic,
+                        panel.y_axis.scale == Scale::logarithmic};
   for (const Series& s : panel.series) std::visit(collect, s);
   return range;
 }
@@ -75,7 +76,8 @@ Range finish_range(const Axis& axis, Range data, double margin) {
       data = {data.low - half, data.high + half};
     }
     const double pad = margin * (data.high - data.low);
-    const bool zero_edge_low = axis.include_zero && data.low == 0.0, zero_edge_high = axis.include_zero && data.high == 0.0;
+    const bool zero_edge_low = axis.include_zero && data.low == 0.0,
+               zero_edge_high = axis.include_zero && data.high == 0.0;
     data = {zero_edge_low ? 0.0 : data.low - pad, zero_edge_high ? 0.0 : data.high + pad};
   }
   if (axis.symmetric) {

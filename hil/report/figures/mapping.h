@@ -25,8 +25,8 @@ struct PanelRange {
 /// What the series of a panel cover, before padding.
 PanelRange data_range(const Panel& panel);
 
-/// The axis' own limits win; then padding (`margin` of the width on each side), zero, symmetry, and a width when
-/// all data are equal.
+/// The axis' own limits win; then padding (`margin` of the width on each side), zero, symmetry, and a width
+/// when all data are equal.
 Range finish_range(const Axis& axis, Range data, double margin);
 
 /// One axis on `length` pixels; inverted = pixel 0 is the high end (y).
@@ -42,7 +42,9 @@ struct Mapping {
       f = v > 0.0 ? std::log(v / range.low) / std::log(range.high / range.low) : (std::isnan(v) ? v : -10.0);
     else
       f = (v - range.low) / (range.high - range.low);
-    return std::isnan(f) ? f : (inverted ? 1.0 - std::clamp(f, -10.0, 10.0) : std::clamp(f, -10.0, 10.0)) * length;
+    return std::isnan(f)
+               ? f
+               : (inverted ? 1.0 - std::clamp(f, -10.0, 10.0) : std::clamp(f, -10.0, 10.0)) * length;
   }
 };
 

@@ -19,7 +19,8 @@ Panel& Panel::points(std::vector<double> x, std::vector<double> y, Style style, 
 
 Panel& Panel::band(std::vector<double> x, std::vector<double> low, std::vector<double> high, Role role,
                    std::string label, double opacity) {
-  series.emplace_back(BandSeries{std::move(x), std::move(low), std::move(high), role, opacity, std::move(label)});
+  series.emplace_back(
+      BandSeries{std::move(x), std::move(low), std::move(high), role, opacity, std::move(label)});
   return *this;
 }
 
@@ -53,7 +54,8 @@ Panel& Panel::span(double x_low, double x_high, std::string label, Role role) {
   return *this;
 }
 
-Panel& Panel::note(double x, double y, std::string text, Role role, Anchor anchor, double dx_px, double dy_px) {
+Panel& Panel::note(double x, double y, std::string text, Role role, Anchor anchor, double dx_px,
+                   double dy_px) {
   series.emplace_back(Note{x, y, std::move(text), role, anchor, dx_px, dy_px});
   return *this;
 }

@@ -8,47 +8,55 @@
 
 namespace forcegate::figures {
 
-Figure waterfall(const std::string& title, const std::string& start, const std::vector<WaterfallStep>& steps, const std::string& end,
-                 const std::string& unit, double noise_floor) {
+Figure waterfall(const std::string& title, const std::string& start, const std::vector<WaterfallStep>& steps,
+                 const std::string& end, const std::string& unit, double noise_floor) {
   Figure figure(title, std::clamp(190.0 + 105.0 * static_cast<double>(steps.size()), 420.0, 900.0));
   const double first = steps.empty() ? kAuto : steps.front().before;
   const Scaled scale = readable_unit(first, unit);
   Panel& panel = figure.panel({"", ""}, {"RMSE", scale.unit}, 190.0);
   panel.y_axis.include_zero = true;
   panel.x_axis.categories.push_back(shorten(start, 16));
-  std::vector<Bar> bars{{0.0, 0.0, first * scale.factor, 0.0, false, Role::muted, display(first * scale.factor, 3)}};
+  std::vector<Bar> bars{
+      {0.0, 0.0, first * scale.factor, 0.0, false, Role::muted, display(first * scale.factor, 3)}};
   double last = first;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const WaterfallStep& s = steps[i];
     const double change = (s.after - s.before) * scale.factor;
     const bool hollow = !s.claimed || (s.u > 0.0 && std::abs(s.after - s.before) <= 2.0 * s.u);
-    const std::string text = s.u > 0.0 ? typographic_minus(with_uncertainty(change, s.u * scale.factor)) : display(change, 2);
-    bars.push_back({static_cast<double>(i) + 1.0, s.before * scale.factor, s.after * scale.factor, s.u * scale.factor, hollow,
-                    hollow ? Role::muted : change < 0.0 ? Role::pass : Role::fail, text});
+    const std::string text =
+        s.u > 0.0 ? typographic_minus(with_uncertainty(change, s.u * scale.factor)) : display(change, 3);
+    bars.push_back({static_cast<double>(i) + 1.0, s.before * scale.factor, s.after * scale.factor,
+                    s.u * scale.factor, hollow,
+                    hollow         ? Role::muted
+                    : change < 0.0 ? Role::pass
+                                   : Role::fail,
+                    text});
     panel.x_axis.categories.push_back(shorten(s.name, 16));
     last = s.after;
   }
-  bars.push_back({static_cast<double>(steps.size()) + 1.0, 0.0, last * scale.factor, 0.0, false, Role::model, display(last * scale.factor, 3)});
+  bars.push_back({static_cast<double>(steps.size()) + 1.0, 0.0, last * scale.factor, 0.0, false, Role::model,
+                  display(last * scale.factor, 3)});
   panel.x_axis.categories.push_back(shorten(end, 16));
   panel.bars(std::move(bars), false, true);
   if (std::isfinite(noise_floor)) {
     panel.x_axis.high = static_cast<double>(panel.x_axis.categories.size()) + 0.2;
     panel.hline(noise_floor * scale.factor, "noise floor", Role::muted, Dash::dotted);
   }
-  figure.summary = "The error goes from " + display(first * scale.factor, 3) + " to " + display(last * scale.factor, 3) + " " + scale.unit +
-                   ". A hollow bar is not significant.";
+  figure.summary = "The error goes from " + display(first * scale.factor, 3) + " to " +
+                   display(last * scale.factor, 3) + " " + scale.unit + ". A hollow bar is not significant.";
   return figure;
 }
 
-Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter>& rows, const std::string& quantity,
-                         const std::string& unit) {
+Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter>& rows,
+                         const std::string& quantity, const std::string& unit) {
   Figure figure(title, 560.0);
   double most = 0.0;
   for (const BeforeAfter& r : rows)
     for (const double v : {r.before, r.after})
       if (std::isfinite(v)) most = std::max(most, v);
   const Scaled scale = readable_unit(most, unit);
-  Panel& panel = figure.panel({quantity, scale.unit}, {"", ""}, 20.0 * static_cast<double>(rows.size()) + 10.0);
+  Panel& panel =
+      figure.panel({quantity, scale.unit}, {"", ""}, 20.0 * static_cast<double>(rows.size()) + 10.0);
   panel.x_axis.include_zero = true;
   std::vector<double> before, after, floors, y;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -66,8 +74,8 @@ Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter
   return figure;
 }
 
-void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& direction,
-                  double y_reach) {
+void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
+                  const std::vector<double>& direction, double y_reach) {
   constexpr std::size_t kMostMarks = 800;
   const std::size_t n = std::min(x.size(), y.size());
   const bool split = direction.size() >= n && n > 0;
@@ -91,12 +99,22 @@ void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<
       (up ? ux : dx).push_back(x[i]);
       (up ? uy : dy).push_back(y[i]);
     }
-    panel.points(ux, uy, {split ? Role::rising : Role::model, Dash::solid, 1.0, split ? Marker::up : Marker::dot, 4.0, 0.75},
-                 split ? "rising" : "");
+    panel.points(
+        ux, uy,
+        {split ? Role::rising : Role::model, Dash::solid, 1.0, split ? Marker::up : Marker::dot, 4.0, 0.75},
+        split ? "rising" : "");
     if (split) panel.points(dx, dy, {Role::falling, Dash::solid, 1.0, Marker::down, 4.0, 0.75}, "falling");
     return;
   }
-  Density rising{x_low, x_high, y_low, y_high, 64, 36, {}, split ? Role::rising : Role::model, split ? "\u25b2 rising" : ""};
+  Density rising{x_low,
+                 x_high,
+                 y_low,
+                 y_high,
+                 64,
+                 36,
+                 {},
+                 split ? Role::rising : Role::model,
+                 split ? "\u25b2 rising" : ""};
   rising.count.assign(static_cast<std::size_t>(rising.nx * rising.ny), 0.0);
   Density falling = rising;
   falling.role = Role::falling;

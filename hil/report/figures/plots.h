@@ -12,25 +12,26 @@ namespace forcegate::figures {
 struct WaterfallStep {
   std::string name;
   double before = 0.0, after = 0.0;
-  double u = 0.0;      ///< standard uncertainty of before - after; 0 = not known
-  bool claimed = true; ///< false: drawn hollow whatever u says
+  double u = 0.0;       ///< standard uncertainty of before - after; 0 = not known
+  bool claimed = true;  ///< false: drawn hollow whatever u says
 };
 
-/// First bar: the error at the start; then one hanging bar a step, hollow when |before - after| <= 2 u or not claimed;
-/// last bar: the error at the end. A dotted line at `noise_floor` (NaN = unknown).
-Figure waterfall(const std::string& title, const std::string& start, const std::vector<WaterfallStep>& steps, const std::string& end,
-                 const std::string& unit, double noise_floor);
+/// First bar: the error at the start; then one hanging bar a step, hollow when |before - after| <= 2 u or not
+/// claimed; last bar: the error at the end. A dotted line at `noise_floor` (NaN = unknown).
+Figure waterfall(const std::string& title, const std::string& start, const std::vector<WaterfallStep>& steps,
+                 const std::string& end, const std::string& unit, double noise_floor);
 
-/// Before and after of many things, one row each: ring, line, dot; a small tick at the row's floor (NaN = none).
+/// Before and after of many things, one row each: ring, line, dot; a small tick at the row's floor (NaN =
+/// none).
 struct BeforeAfter {
   std::string name;
   double before = 0.0, after = 0.0, floor = kAuto;
 };
-Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter>& rows, const std::string& quantity,
-                         const std::string& unit);
+Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter>& rows,
+                         const std::string& quantity, const std::string& unit);
 
-/// y over x split by the sign of `direction` (empty: not split): a density per direction when there are more than 800
-/// points, marks otherwise. `y_reach` > 0 sets the y range to +-y_reach.
+/// y over x split by the sign of `direction` (empty: not split): a density per direction when there are more
+/// than 800 points, marks otherwise. `y_reach` > 0 sets the y range to +-y_reach.
 void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
                   const std::vector<double>& direction, double y_reach);
 

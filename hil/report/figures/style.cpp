@@ -61,19 +61,37 @@ std::string figure_css(bool variables) {
   };
   std::string css =
       ".fig{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:11px}"
-      ".fig text{fill:" + colour("quiet", kQuietLight) + "}"
+      ".fig text{fill:" +
+      colour("quiet", kQuietLight) +
+      "}"
       ".fig .b{font-weight:600}"
-      ".fig text.k{fill:" + colour("ink", kInkLight) + "}"
-      ".fig .g{stroke:" + colour("grid", kGridLight) + ";stroke-width:1;fill:none}"
-      ".fig .ax{stroke:" + colour("quiet", kQuietLight) + ";stroke-width:1;fill:none}"
-      ".fig .pg{fill:" + colour("page", kPageLight) + "}"
+      ".fig text.k{fill:" +
+      colour("ink", kInkLight) +
+      "}"
+      ".fig .g{stroke:" +
+      colour("grid", kGridLight) +
+      ";stroke-width:1;fill:none}"
+      ".fig .ax{stroke:" +
+      colour("quiet", kQuietLight) +
+      ";stroke-width:1;fill:none}"
+      ".fig .pg{fill:" +
+      colour("page", kPageLight) +
+      "}"
       ".fig .l{fill:none;stroke:currentColor;stroke-linejoin:round}"
       ".fig .p{fill:none;stroke:currentColor;stroke-linecap:round}"
-      ".fig .hole{stroke:" + colour("page", kPageLight) + "}"
+      ".fig .hole{stroke:" +
+      colour("page", kPageLight) +
+      "}"
       ".fig .f{fill:currentColor;stroke:none}"
-      ".fig .h{fill:" + colour("page", kPageLight) + ";stroke:currentColor}"
-      ".fig text.u{paint-order:stroke;stroke:" + colour("page", kPageLight) + ";stroke-width:3px;stroke-linejoin:round}"
-      ".fig .zo{fill:" + colour("grid", kGridLight) + "}"
+      ".fig .h{fill:" +
+      colour("page", kPageLight) +
+      ";stroke:currentColor}"
+      ".fig text.u{paint-order:stroke;stroke:" +
+      colour("page", kPageLight) +
+      ";stroke-width:3px;stroke-linejoin:round}"
+      ".fig .zo{fill:" +
+      colour("grid", kGridLight) +
+      "}"
       ".fig text.iw{fill:#fff}.fig text.ib{fill:#000}";
   for (const RoleColours& r : kRoles) {
     const std::string name(r.name);

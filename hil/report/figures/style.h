@@ -2,9 +2,9 @@
 // What a colour means. Palette of Okabe and Ito (readable with any colour vision); never colour alone: every
 // role also has its dash or marker, chosen by the caller, and a word in the legend.
 
+#include <span>
 #include <string>
 #include <string_view>
-#include <span>
 
 namespace forcegate::figures {
 
@@ -28,7 +28,7 @@ std::string_view role_class(Role role);
 
 struct RoleColours {
   Role role;
-  std::string_view name;  ///< class and custom property "--fw"
+  std::string_view name;                   ///< class and custom property "--fw"
   std::string_view line_light, line_dark;  ///< contrast to the page >= 3 : 1
   std::string_view text_light, text_dark;  ///< contrast to the page >= 4.5 : 1
 };
@@ -40,7 +40,8 @@ inline constexpr std::string_view kQuietLight = "#595959", kQuietDark = "#a8a5a0
 inline constexpr std::string_view kGridLight = "#e3e3e3", kGridDark = "#33383d";
 
 /// Rules for elements inside an SVG of class "fig". With variables the colours are custom properties that
-/// theme_css() sets, else they are the light ones, written out (viewers outside a browser know no properties).
+/// theme_css() sets, else they are the light ones, written out (viewers outside a browser know no
+/// properties).
 std::string figure_css(bool variables);
 
 /// :root{--fw:...} for a light page and the same inside prefers-color-scheme: dark. Print is always light.

@@ -38,9 +38,10 @@ std::string coordinate(double value, int decimals) {
 std::string typographic_minus(std::string_view number) {
   std::string out;
   for (std::size_t i = 0; i < number.size(); ++i) {
-    const bool starts_number = number[i] == '-' && i + 1 < number.size() &&
-                               ((number[i + 1] >= '0' && number[i + 1] <= '9') || number[i + 1] == '.') &&
-                               (i == 0 || number[i - 1] == ' ' || number[i - 1] == '(' || number[i - 1] == 'e');
+    const bool starts_number =
+        number[i] == '-' && i + 1 < number.size() &&
+        ((number[i + 1] >= '0' && number[i + 1] <= '9') || number[i + 1] == '.') &&
+        (i == 0 || number[i - 1] == ' ' || number[i - 1] == '(' || number[i - 1] == 'e');
     if (starts_number)
       out += "\u2212";
     else
@@ -55,7 +56,8 @@ std::string display(double value, int digits) {
   if (value == 0.0) return "0";
   const double size = std::abs(value);
   std::string text;
-  if (size >= 1e6 && size < 1e15 && value == std::floor(value)) return typographic_minus(coordinate(value, 0));
+  if (size >= 1e6 && size < 1e15 && value == std::floor(value))
+    return typographic_minus(coordinate(value, 0));
   if (size >= 1e-4 && size < 1e6) {
     const int before = static_cast<int>(std::floor(std::log10(size))) + 1;
     text = coordinate(value, std::max(0, digits - before));
@@ -76,11 +78,16 @@ double text_width_px(std::string_view utf8, double size_px) {
   for (const char ch : utf8) {
     const auto c = static_cast<unsigned char>(ch);
     if ((c & 0xC0) == 0x80) continue;
-    if (c >= 0x80) em += 0.68;
-    else if (std::string_view("iljtfrI.,:;|'!()[]/ ").find(ch) != std::string_view::npos) em += 0.37;
-    else if (std::string_view("mwMW%@").find(ch) != std::string_view::npos) em += 0.93;
-    else if (c >= 'A' && c <= 'Z') em += 0.69;
-    else em += 0.62;
+    if (c >= 0x80)
+      em += 0.68;
+    else if (std::string_view("iljtfrI.,:;|'!()[]/ ").find(ch) != std::string_view::npos)
+      em += 0.37;
+    else if (std::string_view("mwMW%@").find(ch) != std::string_view::npos)
+      em += 0.93;
+    else if (c >= 'A' && c <= 'Z')
+      em += 0.69;
+    else
+      em += 0.62;
   }
   return em * size_px;
 }

@@ -14,7 +14,8 @@ std::string escape(std::string_view text);
 std::string coordinate(double value, int decimals = 1);
 
 /// A number for people: U+2212 for minus, at most `digits` significant digits, powers of ten written as
-/// "2.5e−6" outside [1e-4, 1e6); whole numbers below 1e15 are written out. "not measured" for NaN, "∞" for infinity.
+/// "2.5e−6" outside [1e-4, 1e6); whole numbers below 1e15 are written out. "not measured" for NaN, "∞" for
+/// infinity.
 std::string display(double value, int digits = 4);
 
 /// ASCII minus signs that start a number become U+2212.

@@ -33,13 +33,15 @@ TEST(DiagnosisPage, says_when_nothing_is_missing_and_when_it_does_not_know) {
 
 TEST(DiagnosisPage, holds_every_picture_of_the_chain) {
   const std::string page = diagnosis_html(sample::diagnosis(), {"0.1.0", "forcegate diagnose C07"});
-  for (const char* title : {"residual against force, coloured by direction, record C07_r05", "spectrum of the residual, record C07_r05",
-                            "Residual map before", "Residual map after", "Residual against rate", "Ranking of the effects",
-                            "Error of every record", "Held-out error over the model&#39;s versions",
-                            "Measured and modelled output, record C07_r00"})
+  for (const char* title :
+       {"residual against force, coloured by direction, record C07_r05",
+        "spectrum of the residual, record C07_r05", "Residual map before", "Residual map after",
+        "Residual against rate", "Ranking of the effects", "Error of every record",
+        "Held-out error over the model&#39;s versions", "Measured and modelled output, record C07_r00"})
     EXPECT_THAT(page, HasSubstr("<title>" + std::string(title) + "</title>"));
-  for (const char* text : {"triangles at three rates", "0.142(6) N", "21.3 mV falls to 6.8 mV", "ramp A_N=1.8 rate_N_per_s=0.05",
-                           "forcegate diagnose C07", "not claimed, probability 0.34"})
+  for (const char* text :
+       {"triangles at three rates", "0.142(6) N", "21.3 mV falls to 6.8 mV", "ramp A_N=1.8 rate_N_per_s=0.05",
+        "forcegate diagnose C07", "not claimed, probability 0.34"})
     EXPECT_THAT(page, HasSubstr(text));
 }
 
@@ -61,7 +63,9 @@ TEST(DiagnosisPage, has_equal_bytes_for_equal_diagnoses) {
   EXPECT_EQ(diagnosis_html(sample::diagnosis(), {}), diagnosis_html(sample::diagnosis(), {}));
 }
 
-TEST(DiagnosisPage, survives_an_empty_diagnosis) { EXPECT_THAT(diagnosis_html({}, {}), HasSubstr("</html>")); }
+TEST(DiagnosisPage, survives_an_empty_diagnosis) {
+  EXPECT_THAT(diagnosis_html({}, {}), HasSubstr("</html>"));
+}
 
 TEST(ResidualMapPicture, hatches_cells_without_enough_blocks) {
   Diagnosis d = sample::diagnosis();
@@ -75,7 +79,8 @@ TEST(ResidualMapPicture, hatches_cells_without_enough_blocks) {
 
 TEST(Waterfall, draws_a_step_hollow_when_its_interval_holds_zero) {
   const auto hollow = [](double u, bool claimed) {
-    const std::string svg = figures::waterfall("w", "M0", {{"creep", 2.0, 1.5, u, claimed}}, "M1", "V", NAN).svg(figures::Figure::Target::embedded);
+    const std::string svg = figures::waterfall("w", "M0", {{"creep", 2.0, 1.5, u, claimed}}, "M1", "V", NAN)
+                                .svg(figures::Figure::Target::embedded);
     return count(svg, "class=\"h ");
   };
   EXPECT_EQ(hollow(0.1, true), 0u);

@@ -26,13 +26,16 @@ std::vector<std::string> labels(const std::vector<Tick>& ticks) {
 }
 
 TEST(Ticks, lie_at_round_numbers_with_equal_decimals) {
-  EXPECT_THAT(labels(linear_ticks(0.0, 1.0, 5)), testing::ElementsAre("0.0", "0.2", "0.4", "0.6", "0.8", "1.0"));
+  EXPECT_THAT(labels(linear_ticks(0.0, 1.0, 5)),
+              testing::ElementsAre("0.0", "0.2", "0.4", "0.6", "0.8", "1.0"));
   EXPECT_THAT(labels(linear_ticks(-0.13, 0.12, 4)), testing::ElementsAre("\u22120.1", "0.0", "0.1"));
-  EXPECT_THAT(labels(linear_ticks(1180.0, 1190.0, 5)), testing::ElementsAre("1180", "1182", "1184", "1186", "1188", "1190"));
+  EXPECT_THAT(labels(linear_ticks(1180.0, 1190.0, 5)),
+              testing::ElementsAre("1180", "1182", "1184", "1186", "1188", "1190"));
 }
 
 TEST(Ticks, of_a_logarithmic_axis_are_decades) {
-  EXPECT_THAT(labels(logarithmic_ticks(0.01, 1000.0, 8)), testing::ElementsAre("0.01", "0.1", "1", "10", "100", "1000"));
+  EXPECT_THAT(labels(logarithmic_ticks(0.01, 1000.0, 8)),
+              testing::ElementsAre("0.01", "0.1", "1", "10", "100", "1000"));
   EXPECT_THAT(labels(logarithmic_ticks(2.0, 60.0, 8)), testing::ElementsAre("2", "5", "10", "20", "50"));
 }
 
@@ -77,7 +80,8 @@ TEST(Decimation, of_a_polyline_stays_within_the_tolerance) {
     while (kept[k + 1].x < p.x) ++k;
     const double f = (p.x - kept[k].x) / (kept[k + 1].x - kept[k].x);
     const double slope = (kept[k + 1].y - kept[k].y) / (kept[k + 1].x - kept[k].x);
-    const double distance = std::abs(p.y - kept[k].y - f * (kept[k + 1].y - kept[k].y)) / std::hypot(1.0, slope);
+    const double distance =
+        std::abs(p.y - kept[k].y - f * (kept[k + 1].y - kept[k].y)) / std::hypot(1.0, slope);
     ASSERT_LE(distance, 0.1501);
   }
 }
@@ -127,7 +131,8 @@ Figure busy_figure() {
   figure.panel({"Force", "N"}, {"Rate", "N/s"}, 120).heat(map);
   Panel& bars = figure.panel({"", ""}, {"RMSE", "V"}, 120);
   bars.x_axis.categories = {"M0", "M1"};
-  bars.bars({{0, 0, 2, 0.1, false, Role::muted, "2"}, {1, 2, 1, 0.1, true, Role::pass, "\u22121"}}, false, true);
+  bars.bars({{0, 0, 2, 0.1, false, Role::muted, "2"}, {1, 2, 1, 0.1, true, Role::pass, "\u22121"}}, false,
+            true);
   Density d{0, 1, 0, 1, 2, 2, {1, 0, 3, 4}, Role::rising, "rising"};
   figure.panel({"F", "N"}, {"E", "N"}, 120).density(d);
   return figure;
@@ -170,7 +175,8 @@ TEST(Figure, survives_empty_and_constant_data) {
 TEST(Figure, of_a_long_noisy_record_stays_small) {
   std::vector<double> x, y;
   Rng rng(1);
-  for (int i = 0; i < 1200000; ++i) x.push_back(1e-3 * i), y.push_back(std::sin(3.14e-3 * i) + 0.01 * rng.normal());
+  for (int i = 0; i < 1200000; ++i)
+    x.push_back(1e-3 * i), y.push_back(std::sin(3.14e-3 * i) + 0.01 * rng.normal());
   Figure figure("long");
   figure.panel({"t", "s"}, {"F", "N"}, 100).line(x, y, {});
   EXPECT_LT(figure.svg(Figure::Target::embedded).size(), 30000u);

@@ -16,7 +16,9 @@ using sample::Variant;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string html(const RunResult& result) { return Registry<ReporterKind>::instance().find("html")->render(result); }
+std::string html(const RunResult& result) {
+  return Registry<ReporterKind>::instance().find("html")->render(result);
+}
 
 std::string between(const std::string& text, const std::string& open, const std::string& close) {
   const std::size_t at = text.find(open);
@@ -30,7 +32,8 @@ std::size_t count(const std::string& text, const std::string& what) {
   return n;
 }
 
-/// Every element that is opened is closed in order; void elements and self-closed ones aside. "" when balanced.
+/// Every element that is opened is closed in order; void elements and self-closed ones aside. "" when
+/// balanced.
 std::string first_unbalanced(const std::string& page) {
   std::vector<std::string> open;
   const std::regex tag("<(/?)([a-zA-Z0-9]+)((?:[^<>\"]|\"[^\"]*\")*?)(/?)>");
@@ -42,7 +45,8 @@ std::string first_unbalanced(const std::string& page) {
       open.push_back(name);
       if (name == "script") break;  // the last element; its text is not markup
     } else {
-      if (open.empty() || open.back() != name) return name + " after " + (open.empty() ? "nothing" : open.back());
+      if (open.empty() || open.back() != name)
+        return name + " after " + (open.empty() ? "nothing" : open.back());
       open.pop_back();
     }
   }
@@ -64,7 +68,8 @@ TEST(Html, policy_allows_only_its_own_style_and_script) {
 
 TEST(Html, is_one_file_that_asks_for_nothing) {
   const std::string page = html(sample::run(Variant::reject, 60.0));
-  for (const char* what : {"http://", "https://", "<iframe", "<link", "src=", "@import", "url(", " style=", " onclick"})
+  for (const char* what :
+       {"http://", "https://", "<iframe", "<link", "src=", "@import", "url(", " style=", " onclick"})
     EXPECT_THAT(page, Not(HasSubstr(what))) << what;
 }
 
@@ -99,7 +104,8 @@ TEST(Html, draws_every_case_that_has_samples) {
 TEST(Html, tells_how_to_repeat_the_run) {
   const RunResult r = sample::run(Variant::reject, 60.0);
   const std::string page = html(r);
-  for (const std::string& what : {r.command_line, r.firmware_sha256, r.plan_sha256, r.decision_rule, r.started_at, r.cases[0].digest})
+  for (const std::string& what :
+       {r.command_line, r.firmware_sha256, r.plan_sha256, r.decision_rule, r.started_at, r.cases[0].digest})
     EXPECT_THAT(page, HasSubstr(what == r.decision_rule ? "value - U &gt; limit rejects" : what));
 }
 
@@ -126,6 +132,30 @@ TEST(Html, has_equal_bytes_for_equal_results) {
 TEST(Html, survives_a_case_without_anything) {
   RunResult r;
   r.cases.resize(1);
+  EXPECT_EQ(first_unbalanced(html(r)), "");
+}
+
+TEST(Html, survives_curves_with_missing_infinite_and_unequal_columns) {
+  const float inf = INFINITY, nan = NAN, odd[] = {nan, inf, -inf, 3e38f, -3e38f, 1e-40f, 0.0f};
+  RunResult r = sample::run(Variant::reject, 30.0);
+  std::size_t k = 0;
+  for (CaseResult& c : r.cases) {
+    for (std::vector<PlotTrace>* traces : {&c.window, &c.overview})
+      for (PlotTrace& t : *traces) {
+        for (std::size_t i = ++k % 5; i < t.value.size(); i += 7) t.value[i] = odd[k++ % 7];
+        for (std::size_t i = 3; i < t.t_s.size(); i += 11) t.t_s[i] = odd[k++ % 7];
+      }
+    c.window[k % 4].value.resize(5);
+    for (ExtremaSeries& e : c.extrema) {
+      if (!e.t_s.empty()) e.t_s[0] = nan;
+      if (e.actual_N.size() > 1) e.actual_N[1] = inf;
+      e.expected_N.resize(e.expected_N.size() / 2);
+      e.raw_N.clear();
+    }
+    c.decay = {true, 1e300, -1e300, 1e300, 1e300, nan, -1.0, inf, nan, nan, 3};
+    for (Check& check : c.checks) check.value = check.limit.value = odd[k++ % 7], check.u = odd[k++ % 7];
+    c.duration_s = odd[k++ % 7];
+  }
   EXPECT_EQ(first_unbalanced(html(r)), "");
 }
 

@@ -22,9 +22,12 @@ json schema() {
 }
 
 /// The part of JSON Schema 2020-12 that the schema uses; any other keyword is an error of the schema.
-void validate(const json& root, const json& rule, const json& value, const std::string& where, std::vector<std::string>& errors) {
-  static const std::set<std::string> kKnown{"$schema", "$id", "$defs", "$ref", "title", "description", "type", "properties",
-                                            "required", "additionalProperties", "items", "enum", "const", "minimum", "pattern"};
+void validate(const json& root, const json& rule, const json& value, const std::string& where,
+              std::vector<std::string>& errors) {
+  static const std::set<std::string> kKnown{
+      "$schema",     "$id",  "$defs",      "$ref",     "title",
+      "description", "type", "properties", "required", "additionalProperties",
+      "items",       "enum", "const",      "minimum",  "pattern"};
   for (const auto& item : rule.items())
     if (!kKnown.contains(item.key())) errors.push_back("schema keyword " + item.key() + " at " + where);
   if (rule.contains("$ref")) {
@@ -39,19 +42,25 @@ void validate(const json& root, const json& rule, const json& value, const std::
   };
   if (rule.contains("type")) {
     bool fits = false;
-    if (rule["type"].is_string()) fits = is(rule["type"]);
-    else for (const auto& t : rule["type"]) fits |= is(t);
+    if (rule["type"].is_string())
+      fits = is(rule["type"]);
+    else
+      for (const auto& t : rule["type"]) fits |= is(t);
     if (!fits) return errors.push_back(where + " is not " + rule["type"].dump());
   }
-  if (rule.contains("const") && value != rule["const"]) errors.push_back(where + " is not " + rule["const"].dump());
-  if (rule.contains("enum") && std::find(rule["enum"].begin(), rule["enum"].end(), value) == rule["enum"].end())
+  if (rule.contains("const") && value != rule["const"])
+    errors.push_back(where + " is not " + rule["const"].dump());
+  if (rule.contains("enum") &&
+      std::find(rule["enum"].begin(), rule["enum"].end(), value) == rule["enum"].end())
     errors.push_back(where + " = " + value.dump() + " is not allowed");
-  if (rule.contains("minimum") && value.is_number() && value < rule["minimum"]) errors.push_back(where + " is too small");
+  if (rule.contains("minimum") && value.is_number() && value < rule["minimum"])
+    errors.push_back(where + " is too small");
   if (rule.contains("pattern") && value.is_string() && !(value == "inf" || value == "-inf"))
     errors.push_back(where + " is a text that is no number");
   if (value.is_object()) {
     for (const auto& name : rule.value("required", json::array()))
-      if (!value.contains(name.get<std::string>())) errors.push_back(where + "." + name.get<std::string>() + " is missing");
+      if (!value.contains(name.get<std::string>()))
+        errors.push_back(where + "." + name.get<std::string>() + " is missing");
     for (const auto& item : value.items()) {
       const json& properties = rule.contains("properties") ? rule["properties"] : json::object();
       if (properties.contains(item.key()))
@@ -160,15 +169,30 @@ TEST_P(ResultJsonMistake, is_named_with_its_place) {
   EXPECT_THAT(result.error().text, HasSubstr(GetParam().expect));
 }
 
-INSTANTIATE_TEST_SUITE_P(Places, ResultJsonMistake,
-                         testing::Values(Mistake{"\"format\": 1", "\"format\": 2", "format 2"},
-                                         Mistake{"\"format\": 1", "\"format\": \"1\"", "whole number 'format'"},
-                                         Mistake{"\"seed\": 7", "\"seed\": -7", "seed is not a whole number"},
-                                         Mistake{"\"exit_code\": 0", "\"exit_code\": 1e99", "decision.exit_code"},
-                                         Mistake{"\"level\": \"identified\"", "\"level\": \"best\"", "cases[0].calibration.level"},
-                                         Mistake{"\"safety_stop\"", "\"safety_stopp\"", "decision.safety_stop is missing"},
-                                         Mistake{"\"tool_version\"", "\"x\": 1, \"tool_version\"", "x is not a field"},
-                                         Mistake{"\"notes\": [", "\"notes\": [{},", "notes[0] is not a text"}));
+INSTANTIATE_TEST_SUITE_P(
+    Places, ResultJsonMistake,
+    testing::Values(Mistake{"\"format\": 1", "\"format\": 2", "format 2"},
+                    Mistake{"\"format\": 1", "\"format\": \"1\"", "whole number 'format'"},
+                    Mistake{"\"seed\": 7", "\"seed\": -7", "seed is not a whole number"},
+                    Mistake{"\"exit_code\": 0", "\"exit_code\": 1e99", "decision.exit_code"},
+                    Mistake{"\"level\": \"identified\"", "\"level\": \"best\"", "cases[0].calibration.level"},
+                    Mistake{"\"safety_stop\"", "\"safety_stopp\"", "decision.safety_stop is missing"},
+                    Mistake{"\"tool_version\"", "\"x\": 1, \"tool_version\"", "x is not a field"},
+                    Mistake{"\"notes\": [", "\"notes\": [{},", "notes[0] is not a text"}));
+
+/// A small result as format 1 was written; it is never made anew while the format is 1.
+TEST(ResultJson, reads_the_stored_sample_of_format_1) {
+  const std::string path = FORCEGATE_SOURCE_DIR "/tests/data/report/result_format1.json";
+  const auto result = read_result(path);
+  ASSERT_TRUE(result.has_value()) << result.error().to_text();
+  EXPECT_EQ(result->decision.kind, DecisionKind::reject);
+  EXPECT_EQ(result->cases.size(), 3u);
+  EXPECT_EQ(result->cases[1].calibration.level, CalibrationLevel::identified);
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream stored;
+  stored << in.rdbuf();
+  EXPECT_EQ(to_json(*result), stored.str());
+}
 
 TEST(ResultJson, refuses_what_is_not_json) {
   for (const char* text : {"", "[]", "{", "null", "{}", "\xff\xfe"}) {

@@ -35,10 +35,12 @@ std::string name_of(Variant v) {
   return "";
 }
 
-/// FORCEGATE_UPDATE_GOLDEN=1 rewrites the file instead of comparing (docs/report.md); never set where builds are judged.
+/// FORCEGATE_UPDATE_GOLDEN=1 rewrites the file instead of comparing (docs/report.md); never set where builds
+/// are judged.
 void expect_golden(const std::string& file, const std::string& text) {
   const std::string path = FORCEGATE_SOURCE_DIR "/tests/data/report/" + file;
-  if (const char* update = std::getenv("FORCEGATE_UPDATE_GOLDEN"); update != nullptr && std::string(update) == "1") {
+  if (const char* update = std::getenv("FORCEGATE_UPDATE_GOLDEN");
+      update != nullptr && std::string(update) == "1") {
     ASSERT_EQ(std::getenv("CI"), nullptr) << "goldens are not rewritten on a CI server";
     std::ofstream(path, std::ios::binary) << text;
     GTEST_SKIP() << "rewrote " << path;
@@ -83,7 +85,8 @@ TEST_P(View, first_line_is_decision_and_reason_everywhere) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Variants, View,
-                         testing::Values(Variant::accept, Variant::reject, Variant::no_decision, Variant::rig_fault),
+                         testing::Values(Variant::accept, Variant::reject, Variant::no_decision,
+                                         Variant::rig_fault),
                          [](const auto& tested) { return name_of(tested.param); });
 
 TEST(Console, uses_colour_only_when_asked) {
@@ -193,7 +196,8 @@ TEST(Annotations, cannot_be_injected) {
   const std::string text = render("github", sample::hostile());
   std::istringstream lines(text);
   std::string line;
-  while (std::getline(lines, line)) EXPECT_THAT(line, testing::MatchesRegex("::(error|warning|notice) title=[^:]*::.*"));
+  while (std::getline(lines, line))
+    EXPECT_THAT(line, testing::MatchesRegex("::(error|warning|notice) title=[^:]*::.*"));
 }
 
 TEST(Ratio, is_above_one_exactly_outside_the_limit) {
