@@ -139,7 +139,10 @@ std::string pictures(const CaseResult& c) {
   if (case_verdict(c) !=
       Verdict::pass)  // explains an error; a passed case does without, for the size of the page
     add(loop, "Where in the cycle the error sits, darker = more samples. " + escape(loop.summary));
-  return out.empty() ? out : "<div class=\"figs\">\n" + out + "</div>\n";
+  if (out.empty())
+    return "<p class=\"q\">The result holds no curves of this case" +
+           std::string(case_verdict(c) == Verdict::pass ? ": every required check passed" : "") + ".</p>\n";
+  return "<div class=\"figs\">\n" + out + "</div>\n";
 }
 
 }  // namespace
