@@ -14,7 +14,8 @@ namespace {
 constexpr hidden::Tier kTiers[] = {hidden::Tier::weak, hidden::Tier::medium, hidden::Tier::strong};
 
 bool wanted(const LeagueRequest& request, const std::string& name) {
-  return request.only.empty() || std::find(request.only.begin(), request.only.end(), name) != request.only.end();
+  return request.only.empty() ||
+         std::find(request.only.begin(), request.only.end(), name) != request.only.end();
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -24,7 +25,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// Two different effects of the catalogue; not two that both only change a channel's noise.
 std::vector<std::string> draw_pair(Rng& rng, const std::vector<std::string>& names) {
   const std::vector<std::string> noises = {"reference_noise", "outliers", "dropouts", "hum"};
-  const auto noise = [&](const std::string& n) { return std::find(noises.begin(), noises.end(), n) != noises.end(); };
+  const auto noise = [&](const std::string& n) {
+    return std::find(noises.begin(), noises.end(), n) != noises.end();
+  };
   for (;;) {
     const std::string &a = names[rng.below(names.size())], &b = names[rng.below(names.size())];
     if (a != b && !(noise(a) && noise(b))) return {a, b};
@@ -59,7 +62,8 @@ std::vector<LeagueMatch> league_programme(const LeagueRequest& request) {
   const int each = request.per_effect > 0 ? request.per_effect : request.full ? 5 : 1;
   const double minutes = request.full ? 20.0 : 5.0;
   std::vector<LeagueMatch> programme;
-  const auto add = [&](LeagueClass kind, const std::string& id, std::vector<std::string> effects, hidden::Tier tier) {
+  const auto add = [&](LeagueClass kind, const std::string& id, std::vector<std::string> effects,
+                       hidden::Tier tier) {
     LeagueMatch match;
     match.id = id;
     match.kind = kind;
@@ -70,22 +74,26 @@ std::vector<LeagueMatch> league_programme(const LeagueRequest& request) {
     programme.push_back(std::move(match));
   };
   if (wanted(request, "none"))
-    for (int k = 0; k < controls; ++k) add(LeagueClass::control, "none/" + std::to_string(k), {}, hidden::Tier::none);
+    for (int k = 0; k < controls; ++k)
+      add(LeagueClass::control, "none/" + std::to_string(k), {}, hidden::Tier::none);
   const std::vector<std::string> known = hidden::effect_names(false), foreign = hidden::effect_names(true);
   for (const std::string& name : known)
     for (const hidden::Tier tier : kTiers)
       for (int k = 0; k < each && wanted(request, name); ++k)
-        add(LeagueClass::single, name + "/" + std::string(to_string(tier)) + "/" + std::to_string(k), {name}, tier);
+        add(LeagueClass::single, name + "/" + std::string(to_string(tier)) + "/" + std::to_string(k), {name},
+            tier);
   Rng rng(request.seed, "pairs");
   for (int k = 0; k < others; ++k) {
     std::vector<std::string> pair = draw_pair(rng, known);
     const hidden::Tier tier = kTiers[1 + k % 2];
-    if (wanted(request, "pairs")) add(LeagueClass::pair, "pair/" + pair[0] + "+" + pair[1] + "/" + std::to_string(k), pair, tier);
+    if (wanted(request, "pairs"))
+      add(LeagueClass::pair, "pair/" + pair[0] + "+" + pair[1] + "/" + std::to_string(k), pair, tier);
   }
   for (int k = 0; k < others; ++k) {
     const std::string& name = foreign[static_cast<std::size_t>(k) % foreign.size()];
     if (wanted(request, "foreign") || (!request.only.empty() && wanted(request, name)))
-      add(LeagueClass::foreign, name + "/" + std::to_string(k), {name}, kTiers[1 + k / static_cast<int>(foreign.size()) % 2]);
+      add(LeagueClass::foreign, name + "/" + std::to_string(k), {name},
+          kTiers[1 + k / static_cast<int>(foreign.size()) % 2]);
   }
   return programme;
 }
@@ -98,7 +106,8 @@ Result<LeagueResult> play_league(const LeagueRequest& request, const LeagueEngin
   result.engine = engine.name;
   result.matches = league_programme(request);
   if (result.matches.empty())
-    return fail(ErrorCode::usage, "no campaign is left to play", "--only", "names are listed by: forcegate mystery --list");
+    return fail(ErrorCode::usage, "no campaign is left to play", "--only",
+                "names are listed by: forcegate mystery --list");
   std::atomic<std::size_t> done{0};
   std::mutex turn;
   parallel_for(result.matches.size(), request.threads, [&](std::size_t i) {

@@ -1,8 +1,8 @@
 #pragma once
 // `forcegate league`: the engine against many mysteries, and the table of how it did.
 //
-// Every campaign has its own seed, mixed from the league's; the campaigns of two league seeds share nothing. Results
-// land in their own place, so that the tables do not depend on the number of threads.
+// Every campaign has its own seed, mixed from the league's; the campaigns of two league seeds share nothing.
+// Results land in their own place, so that the tables do not depend on the number of threads.
 
 #include <cstdint>
 #include <functional>
@@ -25,8 +25,8 @@ struct LeagueEngine {
 /// The built-in diagnosis with the model that is used when none is given.
 LeagueEngine built_in_engine();
 
-/// An external engine: `command` with a campaign folder appended, answer on its stdout. Folders are made below the
-/// system's temporary folder and removed.
+/// An external engine: `command` with a campaign folder appended, answer on its stdout. Folders are made
+/// below the system's temporary folder and removed.
 LeagueEngine command_engine(std::string command);
 
 struct LeagueRequest {
@@ -34,7 +34,7 @@ struct LeagueRequest {
   bool full = false;              ///< else the small corpus of shorter records
   unsigned threads = 0;           ///< 0: one a processor
   std::vector<std::string> only;  ///< effects to play, "none", "foreign", "pairs"; empty: all
-  int per_effect = 0;             ///< campaigns per effect and strength; 0: 5 in the full league, 1 in the small one
+  int per_effect = 0;  ///< campaigns per effect and strength; 0: 5 in the full league, 1 in the small one
 };
 
 enum class LeagueClass { control, single, pair, foreign };
@@ -50,7 +50,7 @@ struct LeagueMatch {
   hidden::Truth truth;
   Answer answer;
   Score score;
-  std::string error;         ///< the engine's, when it gave no answer; counts as a miss
+  std::string error;  ///< the engine's, when it gave no answer; counts as a miss
   double engine_s = 0.0, generation_s = 0.0;
 };
 
@@ -61,8 +61,8 @@ struct LeagueResult {
   double seconds = 0.0;
 };
 
-/// At least 100 controls, 5 campaigns per effect and strength, 40 pairs and 40 foreign ones when full; 16, 1, 8 and 8
-/// of them with long sines of five minutes otherwise.
+/// At least 100 controls, 5 campaigns per effect and strength, 40 pairs and 40 foreign ones when full; 16, 1,
+/// 8 and 8 of them with long sines of five minutes otherwise.
 std::vector<LeagueMatch> league_programme(const LeagueRequest& request);
 
 Result<LeagueResult> play_league(const LeagueRequest& request, const LeagueEngine& engine,

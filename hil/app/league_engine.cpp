@@ -41,10 +41,14 @@ Result<std::string> output_of(const std::string& command) {
   if (!pipe) return fail(ErrorCode::io, "cannot start the engine", command);
   std::string text;
   std::array<char, 65536> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    text.append(buffer.data(), n);
   const int status = ::pclose(pipe);
   if (text.empty())
-    return fail(ErrorCode::io, fmt::format("the engine printed nothing (exit {})", WIFEXITED(status) ? WEXITSTATUS(status) : -1), command);
+    return fail(
+        ErrorCode::io,
+        fmt::format("the engine printed nothing (exit {})", WIFEXITED(status) ? WEXITSTATUS(status) : -1),
+        command);
   return text;
 }
 
@@ -53,7 +57,8 @@ Result<std::string> output_of(const std::string& command) {
 LeagueEngine built_in_engine() {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  LeagueEngine engine = command_engine("'" + (error ? fs::path("forcegate") : self).string() + "' diagnose --json");
+  LeagueEngine engine =
+      command_engine("'" + (error ? fs::path("forcegate") : self).string() + "' diagnose --json");
   engine.name = "built-in";
   return engine;
 }

@@ -31,7 +31,11 @@ Json to_json(const TierTally& tier) {
 Json to_json(const LeagueMatch& m) {
   Json truth = Json::array(), findings = Json::array();
   for (const auto& e : m.truth.effects)
-    truth.push_back({{"effect", e.name}, {"side", e.side}, {"rms_pct", e.rms_pct}, {"excited", e.excited}, {"form", e.form}});
+    truth.push_back({{"effect", e.name},
+                     {"side", e.side},
+                     {"rms_pct", e.rms_pct},
+                     {"excited", e.excited},
+                     {"form", e.form}});
   for (const auto& f : m.answer.findings)
     findings.push_back({{"effect", f.effect}, {"side", f.side}, {"probability", f.probability}});
   Json j = {{"id", m.id},
@@ -81,11 +85,12 @@ std::string league_json(const LeagueResult& result) {
                   {"no_answer", to_json(t.no_answer)},
                   {"calibration", calibration},
                   {"matches", matches},
-                  {"seconds", {{"engine_median", number(quantile(t.engine_s, 0.5))},
-                               {"engine_95", number(quantile(t.engine_s, 0.95))},
-                               {"engine_max", number(quantile(t.engine_s, 1.0))},
-                               {"generation_median", number(quantile(t.generation_s, 0.5))},
-                               {"whole", result.seconds}}}};
+                  {"seconds",
+                   {{"engine_median", number(quantile(t.engine_s, 0.5))},
+                    {"engine_95", number(quantile(t.engine_s, 0.95))},
+                    {"engine_max", number(quantile(t.engine_s, 1.0))},
+                    {"generation_median", number(quantile(t.generation_s, 0.5))},
+                    {"whole", result.seconds}}}};
   return j.dump(1);
 }
 

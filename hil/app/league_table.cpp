@@ -13,8 +13,9 @@ namespace {
 std::string share(const Count& count) {
   if (count.n == 0) return "-";
   const Interval i = wilson_95(count.k, count.n);
-  return fmt::format("{}/{} = {:.0f} % [{:.0f}, {:.0f}]", count.k, count.n, 100.0 * static_cast<double>(count.k) / static_cast<double>(count.n),
-                     100.0 * i.low, 100.0 * i.high);
+  return fmt::format("{}/{} = {:.0f} % [{:.0f}, {:.0f}]", count.k, count.n,
+                     100.0 * static_cast<double>(count.k) / static_cast<double>(count.n), 100.0 * i.low,
+                     100.0 * i.high);
 }
 
 std::string percent(double value) { return std::isnan(value) ? "-" : fmt::format("{:.0f} %", 100.0 * value); }
@@ -23,7 +24,8 @@ std::string first_answer(const LeagueMatch& m) {
   if (!m.error.empty()) return "no answer: " + m.error.substr(0, m.error.find('\n'));
   std::string text = m.answer.verdict;
   for (std::size_t i = 0; i < m.answer.findings.size() && i < 3; ++i)
-    text += fmt::format("{} {} {:.2f}", i ? "," : ":", m.answer.findings[i].effect, m.answer.findings[i].probability);
+    text += fmt::format("{} {} {:.2f}", i ? "," : ":", m.answer.findings[i].effect,
+                        m.answer.findings[i].probability);
   return text;
 }
 
@@ -44,7 +46,8 @@ std::string league_text(const LeagueResult& result) {
   const LeagueTally t = tally(result);
   std::string out = fmt::format("league seed {}, {} corpus, {} campaigns, engine {}\n\n", result.request.seed,
                                 result.request.full ? "full" : "small", result.matches.size(), result.engine);
-  out += fmt::format("{:<34}{:<28}{:<28}{:<28}{}\n", "one hidden effect", "weak", "medium", "strong", "target");
+  out +=
+      fmt::format("{:<34}{:<28}{:<28}{:<28}{}\n", "one hidden effect", "weak", "medium", "strong", "target");
   const auto row = [&](const char* label, auto member, const char* target) {
     out += fmt::format("{:<34}", label);
     for (const TierTally& tier : t.tiers) out += fmt::format("{:<28}", share(tier.*member));
@@ -60,8 +63,10 @@ std::string league_text(const LeagueResult& result) {
   out += fmt::format("{:<34}", "  reducible error removed, median");
   for (const TierTally& tier : t.tiers) out += fmt::format("{:<28}", percent(quantile(tier.removed, 0.5)));
   out += "85 %\n\n";
-  out += fmt::format("{:<34}{:<28}{}\n", "clean campaigns, false discovery", share(t.control_false), "<= 3 %");
-  out += fmt::format("{:<34}{:<28}{}\n", "foreign effects called unknown", share(t.foreign_honest), ">= 90 %");
+  out +=
+      fmt::format("{:<34}{:<28}{}\n", "clean campaigns, false discovery", share(t.control_false), "<= 3 %");
+  out +=
+      fmt::format("{:<34}{:<28}{}\n", "foreign effects called unknown", share(t.foreign_honest), ">= 90 %");
   out += fmt::format("{:<34}{:<28}{}\n", "  a known effect claimed instead", share(t.foreign_claimed), "");
   out += fmt::format("{:<34}{:<28}{}\n", "  the right coordinate named", share(t.foreign_coordinate), "");
   out += fmt::format("{:<34}{:<28}{}\n", "pairs, both within three", share(t.pairs), ">= 85 %");
@@ -72,8 +77,8 @@ std::string league_text(const LeagueResult& result) {
   out += "stated probability against truth\n";
   for (const CalibrationBin& bin : t.calibration)
     if (bin.truth.n > 0)
-      out += fmt::format("  {:.2f} - {:.2f}   stated {:.2f}   true {}\n", bin.low, bin.high, bin.stated / static_cast<double>(bin.truth.n),
-                         share(bin.truth));
+      out += fmt::format("  {:.2f} - {:.2f}   stated {:.2f}   true {}\n", bin.low, bin.high,
+                         bin.stated / static_cast<double>(bin.truth.n), share(bin.truth));
 
   out += "\nby effect: named first, weak / medium / strong\n";
   for (const auto& [name, counts] : t.by_effect) {
@@ -88,9 +93,11 @@ std::string league_text(const LeagueResult& result) {
   out += "\nmisses (id, seed of `forcegate mystery`, size, answer)\n";
   for (const LeagueMatch& m : result.matches)
     if (is_miss(m)) out += miss_line(m) + '\n';
-  out += fmt::format("\nseconds: engine median {:.2f}, 95 % {:.2f}, worst {:.2f}; making a campaign {:.2f}; whole league {:.0f}\n",
-                     quantile(t.engine_s, 0.5), quantile(t.engine_s, 0.95), quantile(t.engine_s, 1.0),
-                     quantile(t.generation_s, 0.5), result.seconds);
+  out += fmt::format(
+      "\nseconds: engine median {:.2f}, 95 % {:.2f}, worst {:.2f}; making a campaign {:.2f}; whole league "
+      "{:.0f}\n",
+      quantile(t.engine_s, 0.5), quantile(t.engine_s, 0.95), quantile(t.engine_s, 1.0),
+      quantile(t.generation_s, 0.5), result.seconds);
   return out;
 }
 

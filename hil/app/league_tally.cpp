@@ -14,7 +14,8 @@ std::vector<CalibrationBin> empty_bins() {
 
 std::string first_of(const LeagueMatch& m) {
   if (!m.error.empty()) return "(no answer)";
-  return m.answer.verdict == "known" && !m.answer.findings.empty() ? m.answer.findings[0].effect : m.answer.verdict;
+  return m.answer.verdict == "known" && !m.answer.findings.empty() ? m.answer.findings[0].effect
+                                                                   : m.answer.verdict;
 }
 
 void count_single(const LeagueMatch& m, LeagueTally& t) {
@@ -40,9 +41,9 @@ void count_foreign(const LeagueMatch& m, LeagueTally& t) {
   t.foreign_honest.add(m.score.honest);
   t.foreign_claimed.add(m.score.false_claims > 0);
   const auto& right = m.truth.effects.empty() ? std::vector<std::string>{} : m.truth.effects[0].depends_on;
-  t.foreign_coordinate.add(std::any_of(m.answer.depends_on.begin(), m.answer.depends_on.end(), [&](const std::string& name) {
-    return std::find(right.begin(), right.end(), name) != right.end();
-  }));
+  t.foreign_coordinate.add(std::any_of(
+      m.answer.depends_on.begin(), m.answer.depends_on.end(),
+      [&](const std::string& name) { return std::find(right.begin(), right.end(), name) != right.end(); }));
   if (!m.score.honest) ++t.confusions[m.effects[0]][first_of(m)];
 }
 
@@ -77,8 +78,9 @@ LeagueTally tally(const LeagueResult& result) {
         t.pairs_one.add(m.score.top3);
         break;
     }
-    const bool others = !m.truth.effects.empty() &&
-                        std::none_of(m.truth.effects.begin(), m.truth.effects.end(), [](const auto& e) { return e.side == "sensor"; });
+    const bool others =
+        !m.truth.effects.empty() && std::none_of(m.truth.effects.begin(), m.truth.effects.end(),
+                                                 [](const auto& e) { return e.side == "sensor"; });
     if (others) t.sensor_blamed.add(m.score.sensor_blamed);
     for (const AnswerFinding& finding : m.answer.findings)
       for (CalibrationBin& bin : t.calibration)

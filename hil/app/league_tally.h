@@ -29,7 +29,8 @@ struct CalibrationBin {
 
 struct LeagueTally {
   std::array<TierTally, 3> tiers;
-  Count control_false, foreign_honest, foreign_claimed, foreign_coordinate, pairs, pairs_one, sensor_blamed, no_answer;
+  Count control_false, foreign_honest, foreign_claimed, foreign_coordinate, pairs, pairs_one, sensor_blamed,
+      no_answer;
   std::vector<CalibrationBin> calibration;  ///< over every finding of every match
   std::map<std::string, std::array<Count, 3>> by_effect;
   std::map<std::string, std::map<std::string, int>> confusions;  ///< hidden -> first answer instead

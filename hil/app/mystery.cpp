@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kShareClean = 0.12, kShareForeign = 0.10, kSharePair = 0.08;
 
-const std::string& pick(Rng& rng, const std::vector<std::string>& names) { return names[rng.below(names.size())]; }
+const std::string& pick(Rng& rng, const std::vector<std::string>& names) {
+  return names[rng.below(names.size())];
+}
 
 std::vector<std::string> choose_effects(const MysteryRequest& request, Rng& rng) {
   if (!request.pair.empty()) return request.pair;

@@ -29,7 +29,9 @@ Result<Answer> read_answer(const RevealRequest& request) {
                 "write it with: forcegate diagnose CAMPAIGN --json > answer.json");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   auto answer = answer_from_json(text);
-  if (!answer) answer.error().where = request.answer_file.string() + (answer.error().where.empty() ? "" : ": ") + answer.error().where;
+  if (!answer)
+    answer.error().where =
+        request.answer_file.string() + (answer.error().where.empty() ? "" : ": ") + answer.error().where;
   return answer;
 }
 
@@ -44,11 +46,13 @@ std::string sentence_of(const hidden::Truth& truth, const Answer& answer, const 
   const std::string first = answer.findings.empty() ? answer.verdict : answer.findings.front().effect;
   if (right && truth.effects.empty()) return "Right: nothing was hidden.";
   if (right && truth.foreign()) return "Right: what was hidden is in no catalogue.";
-  std::string text = right ? "Right: " + names_of(truth) + "." : "Wrong: hidden was " + names_of(truth) + ", the answer was " + first + ".";
+  std::string text = right ? "Right: " + names_of(truth) + "."
+                           : "Wrong: hidden was " + names_of(truth) + ", the answer was " + first + ".";
   if (!right && s.rank > 1) text += fmt::format(" It stands at place {} of the findings.", s.rank);
   if (!right && s.look_alike) text += " The answer says that the two cannot be told apart here.";
   if (s.rank > 0 && !s.side_right) text += " The side is wrong.";
-  if (s.removed) text += fmt::format(" {:.0f} % of the reducible held-out error is removed.", 100.0 * *s.removed);
+  if (s.removed)
+    text += fmt::format(" {:.0f} % of the reducible held-out error is removed.", 100.0 * *s.removed);
   if (!right && !truth.effects.empty() && !truth.effects[0].excited)
     text += " The records did not excite it: nobody could have known.";
   return text;
@@ -63,10 +67,11 @@ std::string truth_text(const hidden::Truth& truth) {
     text += fmt::format("hidden: {} ({}{}), {}\n", e.name, e.foreign ? "outside the catalogue, " : "", e.side,
                         hidden::to_string(truth.tier));
     text += fmt::format("        {}\n", e.form);
-    text += fmt::format("        RMS {:.2f} % of the span of {} where it acts most; the noise there is {:.2f} %{}\n", e.rms_pct,
-                        e.measure == "force" ? "F_ref" : "U",
-                        e.measure == "force" ? truth.force_noise_pct : truth.voltage_noise_pct,
-                        e.excited ? "" : "; not excited by these records");
+    text += fmt::format(
+        "        RMS {:.2f} % of the span of {} where it acts most; the noise there is {:.2f} %{}\n",
+        e.rms_pct, e.measure == "force" ? "F_ref" : "U",
+        e.measure == "force" ? truth.force_noise_pct : truth.voltage_noise_pct,
+        e.excited ? "" : "; not excited by these records");
   }
   return text;
 }
@@ -85,10 +90,10 @@ Result<RevealResult> reveal(const RevealRequest& request) {
   if (!result.answer) return result;
   const Score s = score(result.truth, *result.answer);
   const hidden::Truth& truth = result.truth;
-  result.right = truth.effects.empty()        ? s.clean
-                 : truth.foreign()            ? s.honest
+  result.right = truth.effects.empty()       ? s.clean
+                 : truth.foreign()           ? s.honest
                  : truth.effects.size() == 2 ? s.pair_in_three
-                                              : s.named;
+                                             : s.named;
   result.score = s;
   result.sentence = sentence_of(truth, *result.answer, s, result.right);
   return result;

@@ -21,8 +21,8 @@ struct RevealResult {
   std::string truth_json;
   std::optional<Answer> answer;
   std::optional<Score> score;
-  bool right = false;      ///< the answer names what was hidden (of a pair: both within the first three)
-  std::string sentence;    ///< the score in one sentence
+  bool right = false;    ///< the answer names what was hidden (of a pair: both within the first three)
+  std::string sentence;  ///< the score in one sentence
 };
 
 Result<RevealResult> reveal(const RevealRequest& request);

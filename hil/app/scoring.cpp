@@ -47,11 +47,13 @@ Result<Answer> answer_from_json(const std::string& text) {
     Answer answer;
     j.at("verdict").get_to(answer.verdict);
     if (answer.verdict != "none" && answer.verdict != "known" && answer.verdict != "unknown")
-      return fail(ErrorCode::parse, "the verdict is \"" + answer.verdict + "\"", "verdict", "it is none, known or unknown");
+      return fail(ErrorCode::parse, "the verdict is \"" + answer.verdict + "\"", "verdict",
+                  "it is none, known or unknown");
     for (const Json& f : j.value("findings", Json::array())) {
       AnswerFinding finding{f.at("effect"), f.value("side", ""), f.value("probability", 1.0), {}};
       for (const Json& other : f.value("confounded_with", Json::array()))
-        finding.confounded_with.push_back(other.is_string() ? other.get<std::string>() : other.at("effect").get<std::string>());
+        finding.confounded_with.push_back(other.is_string() ? other.get<std::string>()
+                                                            : other.at("effect").get<std::string>());
       answer.findings.push_back(std::move(finding));
     }
     for (const Json& name : j.value("depends_on", Json::array())) answer.depends_on.push_back(name);
@@ -79,9 +81,8 @@ Answer answer_of(const std::string& effect) {
 Score score(const hidden::Truth& truth, const Answer& answer) {
   Score s;
   const bool foreign = truth.foreign(), clean = truth.effects.empty();
-  const bool elsewhere = std::none_of(truth.effects.begin(), truth.effects.end(), [](const auto& e) {
-    return accepts_side(e, "sensor");
-  });
+  const bool elsewhere = std::none_of(truth.effects.begin(), truth.effects.end(),
+                                      [](const auto& e) { return accepts_side(e, "sensor"); });
   std::size_t in_three = 0;
   for (std::size_t i = 0; i < answer.findings.size(); ++i) {
     const AnswerFinding& finding = answer.findings[i];

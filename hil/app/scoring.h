@@ -1,6 +1,6 @@
 #pragma once
-// An answer of `forcegate diagnose --json` (or of a person) against the truth sheet of a campaign, and the arithmetic of
-// the tables made from many of them.
+// An answer of `forcegate diagnose --json` (or of a person) against the truth sheet of a campaign, and the
+// arithmetic of the tables made from many of them.
 
 #include <optional>
 #include <string>
@@ -24,7 +24,7 @@ struct Answer {
   std::vector<std::string> depends_on;
   std::optional<double> error_before, error_after;              ///< V, over the held-out records
   std::optional<double> force_error_before, force_error_after;  ///< N, when the rig side is at fault
-  std::string reason;                   ///< free text of the engine, may be empty
+  std::string reason;                                           ///< free text of the engine, may be empty
 };
 
 /// Errors name the missing or mistyped key.
@@ -37,22 +37,22 @@ Answer answer_of(const std::string& effect);
 inline constexpr double kClaim = 0.5;
 
 struct Score {
-  int rank = 0;               ///< place of the first true effect among the findings; 0 = not listed
-  bool named = false;         ///< verdict "known" and the first finding is true
+  int rank = 0;        ///< place of the first true effect among the findings; 0 = not listed
+  bool named = false;  ///< verdict "known" and the first finding is true
   bool top2 = false, top3 = false;
-  bool look_alike = false;    ///< not named, but the first finding admits a true one as inseparable from it
-  bool pair_in_three = false; ///< of two true effects, both among the first three findings
-  bool side_right = false;    ///< of the first true finding
-  bool honest = false;        ///< foreign: the verdict is "unknown" and no catalogue effect is claimed
-  bool clean = false;         ///< nothing hidden: the verdict is "none" and there is no claim
-  bool sensor_blamed = false; ///< the fault is elsewhere and an absent sensor effect is claimed
-  int false_claims = 0;       ///< claims of effects that are not there
+  bool look_alike = false;     ///< not named, but the first finding admits a true one as inseparable from it
+  bool pair_in_three = false;  ///< of two true effects, both among the first three findings
+  bool side_right = false;     ///< of the first true finding
+  bool honest = false;         ///< foreign: the verdict is "unknown" and no catalogue effect is claimed
+  bool clean = false;          ///< nothing hidden: the verdict is "none" and there is no claim
+  bool sensor_blamed = false;  ///< the fault is elsewhere and an absent sensor effect is claimed
+  int false_claims = 0;        ///< claims of effects that are not there
   std::optional<double> removed;  ///< share of the reducible held-out error that the answer removes
 };
 
 /// The reducible part is what the hidden effect adds: best = sqrt(max(0, before^2 - effect^2)),
-/// removed = (before - after) / (before - best), clipped to [-1, 1]; only where a model can predict the effect and
-/// it makes up at least a tenth of the error.
+/// removed = (before - after) / (before - best), clipped to [-1, 1]; only where a model can predict the
+/// effect and it makes up at least a tenth of the error.
 Score score(const hidden::Truth& truth, const Answer& answer);
 
 struct Interval {

@@ -19,10 +19,11 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
 
-EmulatedRig::EmulatedRig(const EmulatedOptions& options)
+EmulatedRig::EmulatedRig(const EmulatedOptions& options, std::unique_ptr<SensorHook> hidden)
     : options_(options),
       step_s_(1.0 / options.rate_Hz),
-      samples_per_tick_(static_cast<std::int64_t>(options.rate_Hz * kTick_s + 0.5)) {
+      samples_per_tick_(static_cast<std::int64_t>(options.rate_Hz * kTick_s + 0.5)),
+      hidden_(std::move(hidden)) {
   geometry_.spring_N_per_mm = spring_.stiffness_N_per_mm;
   geometry_.eccentricity_mm = wheel_.eccentricity_mm();
   geometry_.velocity_max_rad_per_s = VelocityMotor::Parameters{}.velocity_max_rad_per_s;
@@ -87,6 +88,7 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
       mix_seed(mix_seed(request.seed, "record/" + request.specimen),
                std::to_string(request.session) + "/" + std::to_string(request.record));
   film_.begin(film_parameters_, step_s_, force_N, kUsualLoss, request.rest_before_s, record_seed);
+  if (hidden_) hidden_->begin(step_s_, force_N);
   ati_noise_ = WhiteNoise(record_seed, "ati_noise");
   adc_noise_ = WhiteNoise(record_seed, "adc_noise");
   loss_ = Rng(record_seed, "sample_loss");
@@ -117,7 +119,10 @@ Result<std::size_t> EmulatedRig::run(std::size_t n, RigBlock& out, std::size_t a
     const auto to_tick = static_cast<std::size_t>(samples_per_tick_ - index_ % samples_per_tick_);
     const std::size_t chunk = std::min({n - done, to_tick, kChunk});
     run_to_tick(chunk, out, at + done);
-    if (index_ % samples_per_tick_ == 0) film_.tick(kTick_s);
+    if (index_ % samples_per_tick_ == 0) {
+      film_.tick(kTick_s);
+      if (hidden_) hidden_->tick(kTick_s);
+    }
     done += chunk;
   }
   if (faults_.touches_rows()) spoil_rows(n, out, at);
@@ -140,7 +145,8 @@ void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
     status[i] = motor_.at_stop() ? static_cast<std::uint16_t>(fault | kRigTravelStop) : fault;
   }
   for (std::size_t i = 0; i < n; ++i) force[i] = spring_.force_N(wheel_.travel_mm(force[i]));
-  film_.run(n, force, voltage);
+  if (hidden_) hidden_->feel(n, force, film_N_.data());
+  film_.run(n, hidden_ ? film_N_.data() : force, voltage);
   float* const reading = out.force_ref_N.data() + at;
   for (std::size_t i = 0; i < n; ++i) {
     reading[i] = static_cast<float>(ati_.read(force[i], ati_noise_.next()));
@@ -207,14 +213,17 @@ Result<bool> switch_option(const std::string& name, const std::string& text) {
 }
 
 Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::string>& texts) {
-  static const std::vector<std::string> kKnown{"adc_bits", "noise", "rate_Hz", "sensor", "session_spread"};
+  static const std::vector<std::string> kKnown{"adc_bits", "hidden", "noise", "rate_Hz", "sensor", "session_spread"};
   EmulatedOptions options;
+  std::unique_ptr<SensorHook> hidden;
   for (const auto& [name, text] : texts) {
     if (name == "sensor") {
       if (text != "flexiforce" && text != "fsr")
         return fail(ErrorCode::config, "the emulated rig has no sensor '" + printable_utf8(text) + "'", {},
                     "use flexiforce or fsr");
       options.sensor = text == "fsr" ? SensorType::fsr : SensorType::flexiforce;
+    } else if (name == "hidden") {
+      FORCEGATE_TRY(hidden, make_sensor_hook(text));
     } else if (name == "adc_bits") {
       FORCEGATE_TRY(const double bits, number_option(name, text, 8, 16));
       options.adc_bits = static_cast<int>(bits);
@@ -232,13 +241,13 @@ Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::stri
                   near.empty() ? "it has: " + join(kKnown, ", ") : "did you mean '" + near + "'?");
     }
   }
-  return std::unique_ptr<Rig>(std::make_unique<EmulatedRig>(options));
+  return std::unique_ptr<Rig>(std::make_unique<EmulatedRig>(options, std::move(hidden)));
 }
 
 const Registration<RigKind> kRegistered{
     {"emulated",
      "The bench of Lebosse 2011 in virtual time. Options: sensor=flexiforce|fsr, adc_bits=8..16, rate_Hz, "
-     "session_spread=on|off, noise=on|off",
+     "session_spread=on|off, noise=on|off, hidden=hysteresis|creep[:weak|medium|strong|SHARE]",
      make_emulated}};
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "rigs/emulated/film.h"
 #include "rigs/emulated/motor.h"
 #include "rigs/emulated/population.h"
+#include "rigs/emulated/sensor_hook.h"
 #include "rigs/emulated/spring.h"
 #include "rigs/emulated/wheel.h"
 #include "rigs/emulated/white_noise.h"
@@ -36,7 +37,8 @@ struct EmulatedOptions {
 
 class EmulatedRig final : public Rig {
  public:
-  explicit EmulatedRig(const EmulatedOptions& options);
+  /// `hidden`: what the film of this rig has and the starting model lacks; null: nothing.
+  explicit EmulatedRig(const EmulatedOptions& options, std::unique_ptr<SensorHook> hidden = nullptr);
 
   RigInfo info() const override;
   Result<void> begin(const RigRecordRequest& request) override;
@@ -75,7 +77,8 @@ class EmulatedRig final : public Rig {
   WhiteNoise ati_noise_{0, ""}, adc_noise_{0, ""};
   Rng loss_{0};
   static constexpr std::size_t kChunk = 100;
-  std::array<double, kChunk> force_N_{}, voltage_V_{};
+  std::array<double, kChunk> force_N_{}, film_N_{}, voltage_V_{};
+  std::unique_ptr<SensorHook> hidden_;
 };
 
 }  // namespace forcegate::emulated

@@ -33,18 +33,32 @@ const Registration<Command> kRow{Command{
     .name = "league",
     .group = "Diagnosis",
     .summary = "score the diagnosis on many campaigns with hidden effects",
-    .description =
-        "Makes clean campaigns, campaigns with each effect of the catalogue at three strengths, with pairs and with foreign "
-        "effects, lets the engine answer each without knowing, and prints how often it was right: intervals are Wilson's, "
-        "95 %. Every miss is listed with the seed that makes the same campaign with `forcegate mystery`.\n\nThe table does "
-        "not depend on the number of threads. Use a seed that nobody has tuned on.",
+    .description = "Makes clean campaigns, campaigns with each effect of the catalogue at three strengths, "
+                   "with pairs and with foreign "
+                   "effects, lets the engine answer each without knowing, and prints how often it was right: "
+                   "intervals are Wilson's, "
+                   "95 %. Every miss is listed with the seed that makes the same campaign with `forcegate "
+                   "mystery`.\n\nThe table does "
+                   "not depend on the number of threads. Use a seed that nobody has tuned on.",
     .options = {{.name = "seed", .value_name = "N", .doc = "Seed of the corpus.", .fallback = "1"},
-                {.name = "size", .value_name = "SIZE", .doc = "small: 119 campaigns of short records; full: 615.",
-                 .fallback = "small", .choices = sizes},
-                {.name = "threads", .value_name = "T", .doc = "Campaigns at a time; 0: one a processor.", .fallback = "0"},
-                {.name = "each", .value_name = "N", .doc = "Campaigns per effect and strength; 0: 1 small, 5 full.", .fallback = "0"},
-                {.name = "only", .value_name = "LIST", .doc = "Effects to play, or none, pairs, foreign; separated by commas."},
-                {.name = "engine", .value_name = "COMMAND",
+                {.name = "size",
+                 .value_name = "SIZE",
+                 .doc = "small: 119 campaigns of short records; full: 615.",
+                 .fallback = "small",
+                 .choices = sizes},
+                {.name = "threads",
+                 .value_name = "T",
+                 .doc = "Campaigns at a time; 0: one a processor.",
+                 .fallback = "0"},
+                {.name = "each",
+                 .value_name = "N",
+                 .doc = "Campaigns per effect and strength; 0: 1 small, 5 full.",
+                 .fallback = "0"},
+                {.name = "only",
+                 .value_name = "LIST",
+                 .doc = "Effects to play, or none, pairs, foreign; separated by commas."},
+                {.name = "engine",
+                 .value_name = "COMMAND",
                  .doc = "Score another engine: COMMAND FOLDER prints the JSON of diagnose."},
                 {.name = "out", .value_name = "FILE", .doc = "Write all results as JSON."}},
     .examples = {{"forcegate league --seed 20261121", "The small league:"},

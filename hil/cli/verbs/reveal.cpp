@@ -12,8 +12,12 @@ using Json = nlohmann::ordered_json;
 Json score_json(const RevealResult& result) {
   if (!result.score) return nullptr;
   const Score& s = *result.score;
-  Json j = {{"right", result.right},       {"sentence", result.sentence},     {"rank", s.rank},
-            {"named", s.named},            {"look_alike", s.look_alike},      {"side_right", s.side_right},
+  Json j = {{"right", result.right},
+            {"sentence", result.sentence},
+            {"rank", s.rank},
+            {"named", s.named},
+            {"look_alike", s.look_alike},
+            {"side_right", s.side_right},
             {"false_claims", s.false_claims}};
   if (s.removed) j["reducible_error_removed"] = *s.removed;
   return j;
@@ -40,12 +44,16 @@ const Registration<Command> kRow{Command{
     .name = "reveal",
     .group = "Diagnosis",
     .summary = "open the sealed truth of a mystery and score an answer",
-    .description = "Opens DIR/sealed_truth.json, checks it against the commitment that `forcegate mystery` printed, says what "
-                   "was hidden and how large it was in the recorded channels, and scores an answer: a name, or the JSON of "
+    .description = "Opens DIR/sealed_truth.json, checks it against the commitment that `forcegate mystery` "
+                   "printed, says what "
+                   "was hidden and how large it was in the recorded channels, and scores an answer: a name, "
+                   "or the JSON of "
                    "`forcegate diagnose`.",
     .positionals = {{.name = "DIR", .doc = "Folder of the mystery."}},
     .options = {{.name = "answer", .value_name = "FILE", .doc = "Answer of `forcegate diagnose DIR --json`."},
-                {.name = "effect", .value_name = "NAME", .doc = "Your own answer: an effect's name, none or unknown."}},
+                {.name = "effect",
+                 .value_name = "NAME",
+                 .doc = "Your own answer: an effect's name, none or unknown."}},
     .examples = {{"forcegate reveal m7 --effect hysteresis", "Was it hysteresis?"},
                  {"forcegate reveal m7 --answer answer.json", "Did the engine find it?"}},
     .run = run,

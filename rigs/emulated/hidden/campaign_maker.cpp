@@ -45,8 +45,9 @@ Result<Stage> set_stage(const CampaignRequest& request) {
     const HiddenKind* kind = Registry<HiddenKind>::instance().find(name);
     if (!kind) {
       const std::string near = nearest_name(name, Registry<HiddenKind>::instance().names());
-      return fail(ErrorCode::usage, "there is no effect \"" + name + "\"", "",
-                  near.empty() ? "names are listed by `forcegate mystery --list`" : "did you mean \"" + near + "\"?");
+      return fail(
+          ErrorCode::usage, "there is no effect \"" + name + "\"", "",
+          near.empty() ? "names are listed by `forcegate mystery --list`" : "did you mean \"" + near + "\"?");
     }
     stage.kinds.push_back(kind);
     needs.theta |= kind->needs_theta;
@@ -96,8 +97,9 @@ double target_pct(const HiddenKind& kind, const Conditions& c, Tier tier, Rng& r
   return std::min(target, 8.0);
 }
 
-/// Search on coarse previews until the size is within a tenth of the target: regula falsi in logarithms, bisection
-/// where that leaves the bracket. Effects with a threshold (a rail, a gap) jump; then the nearest size found counts.
+/// Search on coarse previews until the size is within a tenth of the target: regula falsi in logarithms,
+/// bisection where that leaves the bracket. Effects with a threshold (a rail, a gap) jump; then the nearest
+/// size found counts.
 double find_strength(const Stage& stage, const HiddenKind& kind, std::uint64_t seed, double target) {
   const auto clean = run_campaign(stage.conditions, stage.climate, stage.plans, {}, kPreview);
   const double span = span_of(clean, kind.measure);
@@ -112,11 +114,14 @@ double find_strength(const Stage& stage, const HiddenKind& kind, std::uint64_t s
     const double size = size_at(s), error = std::abs(portable::log((size + 1e-6) / target));
     if (error < best_error) best = s, best_error = error;
     if (error < 0.1 || (s >= kind.strength_max && size < target)) break;
-    if (size < target) low = s, low_size = size;
-    else high = s, high_size = size;
+    if (size < target)
+      low = s, low_size = size;
+    else
+      high = s, high_size = size;
     if (low > 0.0 && high > 0.0) {
       const double middle = std::sqrt(low * high);
-      const double power = low_size > 0.0 ? portable::log(high_size / low_size) / portable::log(high / low) : 0.0;
+      const double power =
+          low_size > 0.0 ? portable::log(high_size / low_size) / portable::log(high / low) : 0.0;
       s = power > 0.0 ? low * portable::pow(target / low_size, 1.0 / power) : middle;
       if (run > 4 || !(s > 1.02 * low && s < 0.98 * high)) s = middle;
     } else {
@@ -171,7 +176,8 @@ std::map<std::string, std::string> describe(const Conditions& c) {
           {"climate_swing_C", shortest(c.climate_swing_C)}};
 }
 
-MadeCampaign perform(const CampaignRequest& request, const Stage& stage, const std::vector<double>& strengths) {
+MadeCampaign perform(const CampaignRequest& request, const Stage& stage,
+                     const std::vector<double>& strengths) {
   const auto effects_but = [&](std::size_t left_out) {
     Effects effects;
     for (std::size_t k = 0; k < stage.kinds.size(); ++k)
@@ -200,7 +206,8 @@ MadeCampaign perform(const CampaignRequest& request, const Stage& stage, const s
   truth.repeatability_pct = repeatability_pct(c);
   for (std::size_t k = 0; k < stage.kinds.size(); ++k) {
     const auto without = run(effects_but(k), Clocking{800.0, 1e9, false});
-    truth.effects.push_back(describe(*stage.kinds[k], *all[k], difference(made.records, without, Measure::voltage),
+    truth.effects.push_back(describe(*stage.kinds[k], *all[k],
+                                     difference(made.records, without, Measure::voltage),
                                      difference(made.records, without, Measure::force), truth));
   }
   return made;
@@ -220,7 +227,8 @@ Result<MadeCampaign> make_campaign(const CampaignRequest& request) {
   std::vector<double> strengths;
   for (const HiddenKind* kind : stage.kinds) {
     Rng rng(request.seed, "tier/" + kind->name);
-    strengths.push_back(find_strength(stage, *kind, request.seed, target_pct(*kind, stage.conditions, request.tier, rng)));
+    strengths.push_back(
+        find_strength(stage, *kind, request.seed, target_pct(*kind, stage.conditions, request.tier, rng)));
   }
   return perform(request, stage, strengths);
 }
@@ -266,7 +274,8 @@ Campaign to_campaign(MadeCampaign&& made) {
     record.dynamic = said.dynamic;
     record.trace.name = record.name;
     record.trace.time_bases.push_back({"rig", std::move(data.stamp_s), data.plan.rate_Hz, {}, false});
-    const auto add = [&](const char* name, const char* unit, const char* quantity, std::vector<double>& column) {
+    const auto add = [&](const char* name, const char* unit, const char* quantity,
+                         std::vector<double>& column) {
       if (column.empty()) return;
       record.trace.channels.push_back({name, unit, quantity, 0, std::move(column), {}});
     };

@@ -1,11 +1,11 @@
 #pragma once
-// Makes a campaign with a hidden effect, with two, with a foreign one, or with none; sets the strength so that
-// the effect's RMS in its channel falls into the tier, and measures what was really hidden.
+// Makes a campaign with a hidden effect, with two, with a foreign one, or with none; sets the strength so
+// that the effect's RMS in its channel falls into the tier, and measures what was really hidden.
 //
-// Size of an effect: difference of its channel with and without it, less the best gain and offset over the whole
-// campaign, RMS over the third of the records that it changes most, in % of the channel's span. Tiers: weak
-// 0.15-0.30, medium 0.40-0.85, strong 1.2-2.6. Effects that act from record to record, or as noise of the reference, are raised to at
-// least 0.7 / 1.5 / 3 times the scatter that hides them.
+// Size of an effect: difference of its channel with and without it, less the best gain and offset over the
+// whole campaign, RMS over the third of the records that it changes most, in % of the channel's span. Tiers:
+// weak 0.15-0.30, medium 0.40-0.85, strong 1.2-2.6. Effects that act from record to record, or as noise of
+// the reference, are raised to at least 0.7 / 1.5 / 3 times the scatter that hides them.
 
 #include <string>
 #include <vector>
@@ -22,7 +22,7 @@ struct CampaignRequest {
   std::string name = "mystery";
   std::vector<std::string> effects;  ///< names from the registry; none: a clean campaign
   Tier tier = Tier::medium;
-  double minutes = 20.0;             ///< length of the long sines
+  double minutes = 20.0;  ///< length of the long sines
 };
 
 struct MadeCampaign {
@@ -40,8 +40,8 @@ Result<MadeCampaign> make_campaign(const CampaignRequest& request);
 /// Strength as given instead of a tier; for tests and sensor decorators. One strength per effect.
 Result<MadeCampaign> make_campaign_at(const CampaignRequest& request, const std::vector<double>& strengths);
 
-/// The same data as a diagnosis reads it, without going through files: channels F_ref, U, theta, ... and those
-/// facts that the lab wrote down. The caller gives the records away.
+/// The same data as a diagnosis reads it, without going through files: channels F_ref, U, theta, ... and
+/// those facts that the lab wrote down. The caller gives the records away.
 Campaign to_campaign(MadeCampaign&& made);
 
 }  // namespace forcegate::hidden

@@ -33,14 +33,13 @@ struct Column {
   const char* name;
   const std::vector<double>* values;
   int decimals;
-  double factor = 1.0;         ///< written = value * factor
-  const char* exponent = "";   ///< text after the number
+  double factor = 1.0;        ///< written = value * factor
+  const char* exponent = "";  ///< text after the number
 };
 
 std::string csv_text(const RecordData& record) {
-  std::vector<Column> columns = {{"t_s", &record.stamp_s, 6},
-                                 {"F_ref_N", &record.force_ref_N, 3},
-                                 {"U_V", &record.voltage_V, 5}};
+  std::vector<Column> columns = {
+      {"t_s", &record.stamp_s, 6}, {"F_ref_N", &record.force_ref_N, 3}, {"U_V", &record.voltage_V, 5}};
   if (!record.theta_rad.empty()) columns.push_back({"theta_rad", &record.theta_rad, 4});
   if (!record.temperature_C.empty()) columns.push_back({"temp_C", &record.temperature_C, 2});
   if (!record.capacitance_F.empty()) columns.push_back({"C_F", &record.capacitance_F, 0, 1e15, "e-15"});
@@ -74,8 +73,10 @@ std::string csv_text(const RecordData& record) {
 
 Result<void> write_text(const fs::path& path, const std::string& text) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wb"), &std::fclose);
-  if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() || std::fflush(file.get()) != 0)
-    return fail(ErrorCode::io, "cannot write the file", path.string(), "is the folder writable and the disk not full?");
+  if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() ||
+      std::fflush(file.get()) != 0)
+    return fail(ErrorCode::io, "cannot write the file", path.string(),
+                "is the folder writable and the disk not full?");
   return {};
 }
 
@@ -114,7 +115,8 @@ Json description(const MadeCampaign& made) {
     put(r, "mounting", said.mounting);
     records.push_back(std::move(r));
   }
-  return Json{{"campaign", made.truth.campaign}, {"sensor", notes.sensor}, {"bench", bench}, {"records", records}};
+  return Json{
+      {"campaign", made.truth.campaign}, {"sensor", notes.sensor}, {"bench", bench}, {"records", records}};
 }
 
 }  // namespace
@@ -123,7 +125,8 @@ Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bo
   std::error_code error;
   const fs::path list = folder / "campaign.json";
   if (!overwrite && fs::exists(list, error))
-    return fail(ErrorCode::usage, "there is a campaign already", list.string(), "choose another folder, or --force");
+    return fail(ErrorCode::usage, "there is a campaign already", list.string(),
+                "choose another folder, or --force");
   fs::create_directory(folder, error);
   if (error) return fail(ErrorCode::io, "cannot create the folder: " + error.message(), folder.string());
   const Json json = description(made);

@@ -12,14 +12,18 @@ constexpr double kTwoPi = 6.28318530717958647692;
 Climate::Climate(Rng& rng, double swing_C, double swing_humidity_pct, double span_s) {
   mean_C_ = rng.uniform(20.0, 25.0);
   mean_pct_ = rng.uniform(30.0, 60.0);
-  temperature_[0] = {swing_C * rng.uniform(0.5, 0.9), span_s * rng.uniform(0.8, 2.2), rng.uniform(0.0, kTwoPi)};
-  temperature_[1] = {swing_C * rng.uniform(0.1, 0.4), span_s * rng.uniform(0.2, 0.5), rng.uniform(0.0, kTwoPi)};
+  temperature_[0] = {swing_C * rng.uniform(0.5, 0.9), span_s * rng.uniform(0.8, 2.2),
+                     rng.uniform(0.0, kTwoPi)};
+  temperature_[1] = {swing_C * rng.uniform(0.1, 0.4), span_s * rng.uniform(0.2, 0.5),
+                     rng.uniform(0.0, kTwoPi)};
   temperature_[2] = {rng.uniform(0.02, 0.25), rng.uniform(500.0, 1500.0), rng.uniform(0.0, kTwoPi)};
   heating_C_ = rng.uniform() < 0.4 ? swing_C * rng.uniform(0.3, 0.8) : 0.0;
   heating_at_s_ = span_s * rng.uniform(0.1, 0.8);
   heating_tau_s_ = rng.uniform(600.0, 2500.0);
-  humidity_[0] = {swing_humidity_pct * rng.uniform(0.6, 1.0), span_s * rng.uniform(1.0, 2.5), rng.uniform(0.0, kTwoPi)};
-  humidity_[1] = {swing_humidity_pct * rng.uniform(0.1, 0.4), span_s * rng.uniform(0.3, 0.7), rng.uniform(0.0, kTwoPi)};
+  humidity_[0] = {swing_humidity_pct * rng.uniform(0.6, 1.0), span_s * rng.uniform(1.0, 2.5),
+                  rng.uniform(0.0, kTwoPi)};
+  humidity_[1] = {swing_humidity_pct * rng.uniform(0.1, 0.4), span_s * rng.uniform(0.3, 0.7),
+                  rng.uniform(0.0, kTwoPi)};
   humidity_[2] = {rng.uniform(0.1, 0.6), rng.uniform(700.0, 2000.0), rng.uniform(0.0, kTwoPi)};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Air of the laboratory over a campaign: temperature and relative humidity as smooth functions of campaign time.
+// Air of the laboratory over a campaign: temperature and relative humidity as smooth functions of campaign
+// time.
 
 #include <array>
 
@@ -7,7 +8,8 @@
 
 namespace forcegate::hidden {
 
-/// T(t) = mean + slow swell + air-conditioning cycle + step heating, degree Celsius; RH(t) likewise in percent.
+/// T(t) = mean + slow swell + air-conditioning cycle + step heating, degree Celsius; RH(t) likewise in
+/// percent.
 class Climate {
  public:
   Climate() = default;

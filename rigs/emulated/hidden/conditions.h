@@ -1,6 +1,7 @@
 #pragma once
-// Conditions of a campaign: bench, instruments, repeatability and what the lab wrote down. Everything is drawn
-// from the seed over wide ranges, from a careful laboratory to the spreads of Lebosse 2011, section III-D.
+// Conditions of a campaign: bench, instruments, repeatability and what the lab wrote down. Everything is
+// drawn from the seed over wide ranges, from a careful laboratory to the spreads of Lebosse 2011, section
+// III-D.
 
 #include <cstdint>
 
@@ -12,7 +13,8 @@ namespace forcegate::hidden {
 
 /// What effects ask of the bench so that they can act at all.
 struct ConditionNeeds {
-  bool theta = false, command = false, drive = false, remounting = false, climate = false, fast_reference = false;
+  bool theta = false, command = false, drive = false, remounting = false, climate = false,
+       fast_reference = false;
 };
 
 struct Conditions {
@@ -20,12 +22,13 @@ struct Conditions {
   double fast_rate_Hz = 400.0, slow_rate_Hz = 200.0;  ///< of short and of long records
   double jitter_share = 0.0;                          ///< sd of a sampling instant / period
   double clock_ppm = 0.0;
-  bool stamps_true = false;                           ///< recorder stamps true instants (else nominal ones)
+  bool stamps_true = false;  ///< recorder stamps true instants (else nominal ones)
   bool log_theta = true, log_command = false, log_temperature = false, log_capacitance = false;
   // sensor
   DecayLaw decay = DecayLaw::ratio;
   double gain_N_per_V = 0.5, offset_N = -0.1, b_scale = 1.0, q_scale = 1.0;
-  double sd_b = 0.05, sd_q = 0.04, sd_gain = 0.003, sd_offset_pct = 0.1;  ///< record to record, relative / % of range
+  double sd_b = 0.05, sd_q = 0.04, sd_gain = 0.003,
+         sd_offset_pct = 0.1;  ///< record to record, relative / % of range
   // channels
   int adc_bits = 12;
   double voltage_max_V = 10.0, voltage_noise_V = 0.003, wander_V = 0.002, wander_tau_s = 600.0;

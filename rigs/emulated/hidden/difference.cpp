@@ -14,7 +14,8 @@ const std::vector<double>& column(const RecordData& record, Measure measure) {
 
 }  // namespace
 
-Difference difference(const std::vector<RecordData>& with, const std::vector<RecordData>& without, Measure measure) {
+Difference difference(const std::vector<RecordData>& with, const std::vector<RecordData>& without,
+                      Measure measure) {
   double n = 0, sx = 0, sxx = 0, sd = 0, sxd = 0, sdd = 0;
   Difference out;
   for (std::size_t r = 0; r < with.size(); ++r) {

@@ -9,14 +9,15 @@
 namespace forcegate::hidden {
 
 struct Difference {
-  double rms = 0.0;                 ///< V or N, beyond the best gain and offset, most changed third of the records
-  double plain_rms = 0.0;           ///< V or N, all samples
-  double heldout_rms = 0.0;         ///< as rms, over all samples of the held-out records
-  std::vector<double> record_rms;   ///< plain, per record
+  double rms = 0.0;          ///< V or N, beyond the best gain and offset, most changed third of the records
+  double plain_rms = 0.0;    ///< V or N, all samples
+  double heldout_rms = 0.0;  ///< as rms, over all samples of the held-out records
+  std::vector<double> record_rms;  ///< plain, per record
 };
 
 /// `with` and `without` have the same plans; missing samples are left out.
-Difference difference(const std::vector<RecordData>& with, const std::vector<RecordData>& without, Measure measure);
+Difference difference(const std::vector<RecordData>& with, const std::vector<RecordData>& without,
+                      Measure measure);
 
 /// Largest minus smallest value of the channel over the campaign, missing samples left out.
 double span_of(const std::vector<RecordData>& records, Measure measure);

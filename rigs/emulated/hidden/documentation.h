@@ -1,6 +1,6 @@
 #pragma once
-// What campaign.json says: the lab's notes of a campaign, with keys left out as labs do. One source for the file and
-// for the structure in memory, so that both tell the same.
+// What campaign.json says: the lab's notes of a campaign, with keys left out as labs do. One source for the
+// file and for the structure in memory, so that both tell the same.
 
 #include <optional>
 #include <string>
@@ -13,8 +13,8 @@ namespace forcegate::hidden {
 struct RecordNotes {
   std::string file, kind;
   std::optional<std::string> role;
-  std::optional<double> rate_Hz, duration_s, start_s, rest_before_s, excitation_start_s, f_min_Hz, A_N, m_N, drive_V,
-      eccentricity_mm, preload_mm;
+  std::optional<double> rate_Hz, duration_s, start_s, rest_before_s, excitation_start_s, f_min_Hz, A_N, m_N,
+      drive_V, eccentricity_mm, preload_mm;
   std::optional<bool> dynamic;
   std::optional<int> mounting;
 };

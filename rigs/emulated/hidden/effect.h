@@ -1,6 +1,7 @@
 #pragma once
 // A hidden effect: one physical departure of sensor, rig, reference or instrument from the ideal bench, with
-// a strength. At strength 0 every hook is the identity. One file each in effects/, found through the registry.
+// a strength. At strength 0 every hook is the identity. One file each in effects/, found through the
+// registry.
 
 #include <functional>
 #include <memory>
@@ -38,9 +39,9 @@ class HiddenEffect {
   virtual void electronics(Waves&, const RecordContext&) {}  ///< circuit and amplifier
   /// Instant at which the voltage channel is really read when the recorder means t.
   virtual double voltage_instant_s(double t_s, const RecordContext&) { return t_s; }
-  virtual void samples(Samples&, const RecordContext&) {}    ///< before rounding
+  virtual void samples(Samples&, const RecordContext&) {}  ///< before rounding
   virtual void codes(std::vector<int>&, int /*adc_bits*/, const RecordContext&) {}
-  virtual void logged(Samples&, const RecordContext&) {}     ///< after rounding: the file itself
+  virtual void logged(Samples&, const RecordContext&) {}  ///< after rounding: the file itself
 
  protected:
   double strength_ = 0.0;
@@ -57,14 +58,14 @@ struct HiddenKind {
   std::string side = {};                    ///< "sensor", "rig", "reference", "instrument"; foreign ones too
   std::vector<std::string> also_side = {};  ///< sides that a fair judge accepts as well
   Measure measure = Measure::voltage;
-  bool foreign = false;                ///< outside the catalogue: the right answer is "unknown"
+  bool foreign = false;  ///< outside the catalogue: the right answer is "unknown"
   Rival rival = Rival::none;
-  bool reducible = true;               ///< a model with the effect can predict the samples
-  bool needs_theta = false, needs_command = false;                             ///< columns
+  bool reducible = true;                            ///< a model with the effect can predict the samples
+  bool needs_theta = false, needs_command = false;  ///< columns
   bool needs_drive = false, needs_remounting = false, needs_climate = false,
-       needs_fast_reference = false;  ///< variations; a reference without lag of its own
-  std::vector<std::string> needs_kinds = {};   ///< records without which it is not excited
-  std::vector<std::string> depends_on = {};    ///< foreign: coordinates a good answer may name
+       needs_fast_reference = false;          ///< variations; a reference without lag of its own
+  std::vector<std::string> needs_kinds = {};  ///< records without which it is not excited
+  std::vector<std::string> depends_on = {};   ///< foreign: coordinates a good answer may name
   double strength_max = 50.0;
   std::function<std::unique_ptr<HiddenEffect>(Rng&)> make = {};
 };

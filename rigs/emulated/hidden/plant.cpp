@@ -109,7 +109,8 @@ Samples sample(const Conditions& c, const RecordContext& context, const Waves& w
     double at = t;
     for (const auto& effect : effects) at = effect->voltage_instant_s(at, context);
     wander_V += leave * noise.normal() - wander_V * period_s / c.wander_tau_s;
-    s.voltage_V[i] = interpolate(waves.voltage_V, at * per_step) + wander_V + c.voltage_noise_V * noise.normal();
+    s.voltage_V[i] =
+        interpolate(waves.voltage_V, at * per_step) + wander_V + c.voltage_noise_V * noise.normal();
     s.reference_N[i] = interpolate(waves.reference_N, t * per_step) + c.reference_noise_N * cell.normal();
     s.theta_rad[i] = interpolate(waves.theta_rad, t * per_step);
     s.setpoint_N[i] = interpolate(waves.setpoint_N, t * per_step);
@@ -121,7 +122,8 @@ void convert(const Conditions& c, const RecordContext& context, const Effects& e
   const int top = (1 << c.adc_bits) - 1;
   std::vector<int> codes(s.size());
   for (std::size_t i = 0; i < s.size(); ++i)
-    codes[i] = static_cast<int>(std::clamp(std::round(s.voltage_V[i] / c.voltage_max_V * top), 0.0, 1.0 * top));
+    codes[i] =
+        static_cast<int>(std::clamp(std::round(s.voltage_V[i] / c.voltage_max_V * top), 0.0, 1.0 * top));
   for (const auto& effect : effects) effect->codes(codes, c.adc_bits, context);
   for (std::size_t i = 0; i < s.size(); ++i) s.voltage_V[i] = c.voltage_max_V * codes[i] / top;
   for (double& force : s.reference_N) force = std::round(force / c.reference_step_N) * c.reference_step_N;

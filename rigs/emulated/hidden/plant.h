@@ -1,6 +1,6 @@
 #pragma once
-// One record of the hidden bench: controller and motor, eccentric wheel, spring, contact, film, decay, circuit,
-// reference cell and the recorder that samples them. Effects change the signals in this order.
+// One record of the hidden bench: controller and motor, eccentric wheel, spring, contact, film, decay,
+// circuit, reference cell and the recorder that samples them. Effects change the signals in this order.
 
 #include <memory>
 #include <vector>
@@ -22,13 +22,14 @@ using Effects = std::vector<std::unique_ptr<HiddenEffect>>;
 
 /// Clock of a run. A preview uses coarse ones and leaves the slow columns out.
 struct Clocking {
-  double internal_Hz = 800.0;       ///< at least; the internal step divides the sampling period
-  double sampling_Hz_max = 1e9;     ///< log no faster than this
-  bool slow_columns = true;         ///< temperature, capacitance, angle, command
+  double internal_Hz = 800.0;    ///< at least; the internal step divides the sampling period
+  double sampling_Hz_max = 1e9;  ///< log no faster than this
+  bool slow_columns = true;      ///< temperature, capacitance, angle, command
 };
 
-/// Runs the records in order. Effects are told begin_campaign first, so that the same object may be run again.
-/// Noise depends on the record's seed alone: two runs that differ in an effect share every random draw.
+/// Runs the records in order. Effects are told begin_campaign first, so that the same object may be run
+/// again. Noise depends on the record's seed alone: two runs that differ in an effect share every random
+/// draw.
 std::vector<RecordData> run_campaign(const Conditions& conditions, const Climate& climate,
                                      const std::vector<RecordPlan>& plans, const Effects& effects,
                                      const Clocking& clocking);

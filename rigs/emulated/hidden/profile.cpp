@@ -76,8 +76,10 @@ std::vector<double> levels_of(const RecordPlan& plan) {
   Rng rng(plan.seed, "levels");
   const auto count = static_cast<std::size_t>(plan.duration_s / plan.dwell_s) + 1;
   for (std::size_t k = 0; k < count; ++k) {
-    if (plan.kind == "prbs") levels.push_back(rng.uniform() < 0.5 ? plan.low_N : plan.high_N);
-    else levels.push_back(k % 3 == 2 ? plan.low_N : plan.low_N + span * rng.uniform(0.25, 1.0));
+    if (plan.kind == "prbs")
+      levels.push_back(rng.uniform() < 0.5 ? plan.low_N : plan.high_N);
+    else
+      levels.push_back(k % 3 == 2 ? plan.low_N : plan.low_N + span * rng.uniform(0.25, 1.0));
   }
   return levels;
 }

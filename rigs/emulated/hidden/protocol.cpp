@@ -33,9 +33,12 @@ class Planner {
     p.kind = kind;
     p.rate_Hz = conditions_.fast_rate_Hz;
     p.excitation_start_s = rounded(rng_.uniform(2.0, 5.0), 0.5);
-    if (kind == "ramp" || kind == "staircase" || kind == "hold" || kind == "rest") plan_static(p);
-    else if (kind == "sine" || kind == "multisine") plan_periodic(p, is_long);
-    else plan_transient(p);
+    if (kind == "ramp" || kind == "staircase" || kind == "hold" || kind == "rest")
+      plan_static(p);
+    else if (kind == "sine" || kind == "multisine")
+      plan_periodic(p, is_long);
+    else
+      plan_transient(p);
     return p;
   }
 
@@ -159,8 +162,8 @@ std::vector<RecordPlan> draw_protocol(std::uint64_t seed, const Conditions& cond
   };
   if (missing("ramp")) kinds.push_back("ramp");
   while (std::count(kinds.begin(), kinds.end(), "sine") < 2) kinds.push_back("sine");
-  std::vector<std::string> pool = {"staircase", "sine", "sine", "sweep", "multisine", "multisine", "prbs",
-                                   "steps",     "switch", "hold", "rest", "ramp"};
+  std::vector<std::string> pool = {"staircase", "sine",  "sine",   "sweep", "multisine", "multisine",
+                                   "prbs",      "steps", "switch", "hold",  "rest",      "ramp"};
   const std::size_t count = std::max<std::size_t>(kinds.size(), 7 + rng.below(5));
   while (kinds.size() < count && !pool.empty()) {
     const std::size_t i = rng.below(pool.size());

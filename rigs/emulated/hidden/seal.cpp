@@ -61,13 +61,16 @@ Result<std::string> open(const SealedSheet& sheet) {
   FORCEGATE_TRY(std::string bytes, bytes_of(sheet.sealed));
   std::string text = masked(std::move(bytes), sheet.nonce);
   if (sha256_hex(sheet.nonce + text) != sheet.commitment)
-    return fail(ErrorCode::parse, "the sheet does not fit its commitment: it was changed after it was sealed");
+    return fail(ErrorCode::parse,
+                "the sheet does not fit its commitment: it was changed after it was sealed");
   return text;
 }
 
 Result<void> write_sealed(const SealedSheet& sheet, const std::filesystem::path& folder) {
-  const nlohmann::ordered_json j = {
-      {"format", 1}, {"commitment_sha256", sheet.commitment}, {"nonce", sheet.nonce}, {"sealed", sheet.sealed}};
+  const nlohmann::ordered_json j = {{"format", 1},
+                                    {"commitment_sha256", sheet.commitment},
+                                    {"nonce", sheet.nonce},
+                                    {"sealed", sheet.sealed}};
   std::ofstream file(folder / kSealedFile, std::ios::binary);
   file << j.dump(1) << '\n';
   file.close();
@@ -84,7 +87,8 @@ Result<SealedSheet> read_sealed(const std::filesystem::path& folder) {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   try {
     const auto j = nlohmann::json::parse(text);
-    if (j.at("format") != 1) return fail(ErrorCode::parse, "unknown format of the sealed sheet", path.string());
+    if (j.at("format") != 1)
+      return fail(ErrorCode::parse, "unknown format of the sealed sheet", path.string());
     return SealedSheet{j.at("commitment_sha256"), j.at("nonce"), j.at("sealed")};
   } catch (const nlohmann::json::exception& e) {
     return fail(ErrorCode::parse, std::string("the sealed sheet is damaged: ") + e.what(), path.string());

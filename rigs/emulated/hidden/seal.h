@@ -1,7 +1,8 @@
 #pragma once
-// Commit and reveal. The commitment is the SHA-256 of a nonce and the truth sheet; it is printed before anybody answers
-// and proves afterwards that the sheet was not changed. The sheet itself is masked, not secret: the key lies beside it
-// so that `reveal` works without a server. Whoever unmasks it by hand plays alone.
+// Commit and reveal. The commitment is the SHA-256 of a nonce and the truth sheet; it is printed before
+// anybody answers and proves afterwards that the sheet was not changed. The sheet itself is masked, not
+// secret: the key lies beside it so that `reveal` works without a server. Whoever unmasks it by hand plays
+// alone.
 
 #include <filesystem>
 #include <string>

@@ -84,7 +84,8 @@ std::string to_json(const Truth& t) {
 Result<Truth> truth_from_json(const std::string& text) {
   try {
     const Json j = Json::parse(text);
-    if (j.at("format") != 1) return fail(ErrorCode::parse, "the sheet has a format that this version cannot read");
+    if (j.at("format") != 1)
+      return fail(ErrorCode::parse, "the sheet has a format that this version cannot read");
     Truth t;
     j.at("campaign").get_to(t.campaign);
     j.at("seed").get_to(t.seed);

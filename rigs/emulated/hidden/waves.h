@@ -13,22 +13,22 @@ namespace forcegate::hidden {
 
 /// One record as the protocol plans it.
 struct RecordPlan {
-  std::string kind;            ///< "ramp", "staircase", "sine", ... as CAMPAIGN files name them
+  std::string kind;  ///< "ramp", "staircase", "sine", ... as CAMPAIGN files name them
   double duration_s = 0.0;
-  double rate_Hz = 200.0;      ///< of the logged samples
-  double start_s = 0.0;        ///< campaign time of the first sample
+  double rate_Hz = 200.0;  ///< of the logged samples
+  double start_s = 0.0;    ///< campaign time of the first sample
   double rest_before_s = 0.0;
   double excitation_start_s = 0.0;
-  bool dynamic = false;        ///< cyclic loading: the sensor's decay of the maxima acts
-  bool wheel = false;          ///< the wheel turns through; otherwise it servoes within half a turn
+  bool dynamic = false;              ///< cyclic loading: the sensor's decay of the maxima acts
+  bool wheel = false;                ///< the wheel turns through; otherwise it servoes within half a turn
   double low_N = 0.0, high_N = 0.0;  ///< range of the profile
-  double f_min_Hz = 0.0;       ///< lowest frequency at the start of the excitation
+  double f_min_Hz = 0.0;             ///< lowest frequency at the start of the excitation
   std::vector<double> frequencies_Hz, weights;  ///< of the sines; of a jump, the successive frequencies
-  std::vector<double> event_s; ///< instants of frequency jumps
-  double dwell_s = 0.0;        ///< of staircase, PRBS and steps
-  int repeats = 2;             ///< triangles of a ramp
+  std::vector<double> event_s;                  ///< instants of frequency jumps
+  double dwell_s = 0.0;                         ///< of staircase, PRBS and steps
+  int repeats = 2;                              ///< triangles of a ramp
   double drive_V = 5.0;
-  int mounting = 0;            ///< counts how often the sensor has been taken off and put back
+  int mounting = 0;  ///< counts how often the sensor has been taken off and put back
   std::uint64_t seed = 0;
   bool heldout = false;
 
@@ -49,7 +49,7 @@ struct RecordContext {
   const RecordPlan& plan;
   const RecordTruth& truth;
   const Climate& climate;
-  std::size_t index = 0;       ///< in the campaign
+  std::size_t index = 0;  ///< in the campaign
   double force_range_N = 5.0;
   double voltage_range_V = 10.0;
 };
@@ -57,13 +57,13 @@ struct RecordContext {
 /// Signals of one record on the internal clock, t = i * step_s.
 struct Waves {
   double step_s = 0.001;
-  std::vector<double> setpoint_N;   ///< what the controller asks for
-  std::vector<double> theta_rad;    ///< true wheel angle
-  std::vector<double> travel_mm;    ///< compression of the spring
-  std::vector<double> force_N;      ///< true contact force
-  std::vector<double> film_N;       ///< force as the film feels it
-  std::vector<double> voltage_V;    ///< output of the conditioning circuit
-  std::vector<double> reference_N;  ///< force as the reference cell feels it, before its noise
+  std::vector<double> setpoint_N;       ///< what the controller asks for
+  std::vector<double> theta_rad;        ///< true wheel angle
+  std::vector<double> travel_mm;        ///< compression of the spring
+  std::vector<double> force_N;          ///< true contact force
+  std::vector<double> film_N;           ///< force as the film feels it
+  std::vector<double> voltage_V;        ///< output of the conditioning circuit
+  std::vector<double> reference_N;      ///< force as the reference cell feels it, before its noise
   std::vector<unsigned char> airborne;  ///< 1 while the trolley has left the sensor; empty = never
 
   std::size_t size() const { return setpoint_N.size(); }
@@ -71,8 +71,8 @@ struct Waves {
 
 /// Logged columns before they are rounded by converters (voltage) or by the reference (force).
 struct Samples {
-  std::vector<double> instant_s;   ///< when the sample was truly taken
-  std::vector<double> stamp_s;     ///< what the recorder wrote
+  std::vector<double> instant_s;  ///< when the sample was truly taken
+  std::vector<double> stamp_s;    ///< what the recorder wrote
   std::vector<double> voltage_V, reference_N, theta_rad, setpoint_N;
 
   std::size_t size() const { return instant_s.size(); }

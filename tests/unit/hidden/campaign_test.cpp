@@ -1,3 +1,5 @@
+#include "hil/trace/campaign.h"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -6,7 +8,6 @@
 #include <fstream>
 #include <iterator>
 
-#include "hil/trace/campaign.h"
 #include "rigs/emulated/hidden/campaign_maker.h"
 #include "rigs/emulated/hidden/campaign_writer.h"
 #include "rigs/emulated/hidden/seal.h"
@@ -18,7 +19,8 @@ namespace fs = std::filesystem;
 
 class Folder {
  public:
-  explicit Folder(const std::string& name) : path_(fs::path(::testing::TempDir()) / ("forcegate_hidden_" + name)) {
+  explicit Folder(const std::string& name)
+      : path_(fs::path(::testing::TempDir()) / ("forcegate_hidden_" + name)) {
     fs::remove_all(path_);
   }
   ~Folder() { fs::remove_all(path_); }
@@ -56,7 +58,9 @@ TEST(HiddenCampaign, HasSevenToElevenRecordsWithTwoSinesAndARampFirst) {
     EXPECT_GE(m.records.size(), 7u);
     EXPECT_LE(m.records.size(), 11u);
     EXPECT_EQ(m.records.front().plan.kind, "ramp");
-    EXPECT_GE(std::count_if(m.records.begin(), m.records.end(), [](const RecordData& r) { return r.plan.kind == "sine"; }), 2);
+    EXPECT_GE(std::count_if(m.records.begin(), m.records.end(),
+                            [](const RecordData& r) { return r.plan.kind == "sine"; }),
+              2);
     std::size_t heldout = 0;
     for (const RecordData& r : m.records) heldout += r.plan.heldout;
     EXPECT_GE(heldout, 1u) << "seed " << seed;
@@ -123,8 +127,11 @@ TEST(HiddenCampaign, FilesAreReadBackAsTheyWereMade) {
         const Channel* other = a.trace.find(channel.name);
         ASSERT_NE(other, nullptr) << channel.name;
         for (std::size_t i = 0; i < channel.value.size(); i += 37) {
-          if (std::isnan(channel.value[i])) EXPECT_TRUE(std::isnan(other->value[i]));
-          else EXPECT_NEAR(channel.value[i], other->value[i], channel.name == "temp" ? 6e-3 : 6e-5) << channel.name;
+          if (std::isnan(channel.value[i]))
+            EXPECT_TRUE(std::isnan(other->value[i]));
+          else
+            EXPECT_NEAR(channel.value[i], other->value[i], channel.name == "temp" ? 6e-3 : 6e-5)
+                << channel.name;
         }
       }
     }
@@ -178,7 +185,8 @@ TEST(Sheet, AChangedSheetDoesNotFitItsCommitment) {
 
 TEST(Sheet, TheCommitmentIsTheHashOfNonceAndSheet) {
   // printf noncetext | sha256sum
-  EXPECT_EQ(seal("text", "nonce").commitment, "97b9bf91383c4908119931d98ef41d91c2b93901fe7079e946daccbe1c32cba1");
+  EXPECT_EQ(seal("text", "nonce").commitment,
+            "97b9bf91383c4908119931d98ef41d91c2b93901fe7079e946daccbe1c32cba1");
 }
 
 }  // namespace

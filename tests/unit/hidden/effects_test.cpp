@@ -56,11 +56,35 @@ std::string test_name(const ::testing::TestParamInfo<std::string>& info) { retur
 INSTANTIATE_TEST_SUITE_P(Hidden, EveryEffect, ::testing::ValuesIn(all_names()), test_name);
 
 TEST(Catalogue, HoldsEveryNameOfTheCampaignFormat) {
-  const std::set<std::string> wanted = {
-      "hysteresis", "creep", "lag", "delay", "clock_skew", "static_nonlinearity", "dead_zone", "wear", "frequency_bump",
-      "slow_recovery", "thermal", "humidity", "rc", "piezocapacitance", "bias", "self_heating", "spring_nonlinearity",
-      "backlash", "off_axis", "contact_loss", "motor", "reference_drift", "reference_noise", "clipping", "hum", "outliers",
-      "dropouts", "adc_codes", "mounting"};
+  const std::set<std::string> wanted = {"hysteresis",
+                                        "creep",
+                                        "lag",
+                                        "delay",
+                                        "clock_skew",
+                                        "static_nonlinearity",
+                                        "dead_zone",
+                                        "wear",
+                                        "frequency_bump",
+                                        "slow_recovery",
+                                        "thermal",
+                                        "humidity",
+                                        "rc",
+                                        "piezocapacitance",
+                                        "bias",
+                                        "self_heating",
+                                        "spring_nonlinearity",
+                                        "backlash",
+                                        "off_axis",
+                                        "contact_loss",
+                                        "motor",
+                                        "reference_drift",
+                                        "reference_noise",
+                                        "clipping",
+                                        "hum",
+                                        "outliers",
+                                        "dropouts",
+                                        "adc_codes",
+                                        "mounting"};
   const std::vector<std::string> known = effect_names(false);
   EXPECT_EQ(std::set<std::string>(known.begin(), known.end()), wanted);
   for (const std::string& foreign : effect_names(true)) EXPECT_EQ(wanted.count(foreign), 0u) << foreign;
@@ -69,12 +93,13 @@ TEST(Catalogue, HoldsEveryNameOfTheCampaignFormat) {
 
 TEST(Catalogue, EverySideIsOneOfTheFour) {
   const std::set<std::string> sides = {"sensor", "rig", "reference", "instrument"};
-  for (const HiddenKind& kind : Registry<HiddenKind>::instance().all()) EXPECT_EQ(sides.count(kind.side), 1u) << kind.name;
+  for (const HiddenKind& kind : Registry<HiddenKind>::instance().all())
+    EXPECT_EQ(sides.count(kind.side), 1u) << kind.name;
 }
 
 /// Runs the film hook of an effect on a path of forces.
-std::vector<double> film_response(const std::string& name, double strength, std::uint64_t seed, std::vector<double> path_N,
-                                  double step_s) {
+std::vector<double> film_response(const std::string& name, double strength, std::uint64_t seed,
+                                  std::vector<double> path_N, double step_s) {
   const HiddenKind* kind = Registry<HiddenKind>::instance().find(name);
   Rng rng(seed);
   const auto effect = kind->make(rng);
@@ -94,8 +119,10 @@ std::vector<double> film_response(const std::string& name, double strength, std:
 
 std::vector<double> triangle(std::size_t points, double low_N, double high_N) {
   std::vector<double> path;
-  for (std::size_t i = 0; i < points; ++i) path.push_back(low_N + (high_N - low_N) * static_cast<double>(i) / static_cast<double>(points));
-  for (std::size_t i = 0; i < points; ++i) path.push_back(high_N - (high_N - low_N) * static_cast<double>(i) / static_cast<double>(points));
+  for (std::size_t i = 0; i < points; ++i)
+    path.push_back(low_N + (high_N - low_N) * static_cast<double>(i) / static_cast<double>(points));
+  for (std::size_t i = 0; i < points; ++i)
+    path.push_back(high_N - (high_N - low_N) * static_cast<double>(i) / static_cast<double>(points));
   return path;
 }
 
@@ -103,7 +130,8 @@ TEST(Hysteresis, DoesNotDependOnTheSpeedOfLoading) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const auto fast = film_response("hysteresis", 1.0, seed, triangle(1000, 0.2, 4.0), 0.001);
     const auto slow = film_response("hysteresis", 1.0, seed, triangle(10000, 0.2, 4.0), 0.001);
-    for (std::size_t i = 0; i < fast.size(); i += 50) EXPECT_NEAR(fast[i], slow[10 * i], 2e-3) << "seed " << seed;
+    for (std::size_t i = 0; i < fast.size(); i += 50)
+      EXPECT_NEAR(fast[i], slow[10 * i], 2e-3) << "seed " << seed;
   }
 }
 

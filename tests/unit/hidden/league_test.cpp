@@ -12,12 +12,14 @@ namespace {
 
 /// Answers from the data alone, differently for different campaigns: enough to see mixed-up results.
 LeagueEngine fake_engine() {
-  return {"fake", [](hidden::MadeCampaign&& made) -> Result<std::string> {
-            const bool even = made.records.size() % 2 == 0;
-            if (made.records.size() == 9) return fail(ErrorCode::internal, "nine records are too many");
-            return even ? std::string(R"({"verdict":"none"})")
-                        : R"({"verdict":"known","findings":[{"effect":"hum","side":"instrument","probability":0.8}]})";
-          }};
+  return {
+      "fake", [](hidden::MadeCampaign&& made) -> Result<std::string> {
+        const bool even = made.records.size() % 2 == 0;
+        if (made.records.size() == 9) return fail(ErrorCode::internal, "nine records are too many");
+        return even
+                   ? std::string(R"({"verdict":"none"})")
+                   : R"({"verdict":"known","findings":[{"effect":"hum","side":"instrument","probability":0.8}]})";
+      }};
 }
 
 TEST(LeagueProgramme, TheFullOneHasAHundredControlsAndFiveOfEachEffectAndStrength) {
@@ -25,7 +27,8 @@ TEST(LeagueProgramme, TheFullOneHasAHundredControlsAndFiveOfEachEffectAndStrengt
   request.full = true;
   const auto programme = league_programme(request);
   const auto count = [&](LeagueClass kind) {
-    return std::count_if(programme.begin(), programme.end(), [&](const LeagueMatch& m) { return m.kind == kind; });
+    return std::count_if(programme.begin(), programme.end(),
+                         [&](const LeagueMatch& m) { return m.kind == kind; });
   };
   EXPECT_GE(count(LeagueClass::control), 100);
   EXPECT_EQ(count(LeagueClass::single), static_cast<long>(hidden::effect_names(false).size() * 15));
@@ -64,7 +67,9 @@ TEST(League, AnEngineThatGivesNoAnswerMisses) {
   LeagueRequest request;
   request.seed = 4;
   request.only = {"hum"};
-  const LeagueEngine broken{"broken", [](hidden::MadeCampaign&&) -> Result<std::string> { return fail(ErrorCode::internal, "no"); }};
+  const LeagueEngine broken{"broken", [](hidden::MadeCampaign&&) -> Result<std::string> {
+                              return fail(ErrorCode::internal, "no");
+                            }};
   const auto result = play_league(request, broken, nullptr);
   ASSERT_TRUE(result);
   const LeagueTally t = tally(*result);

@@ -53,8 +53,15 @@ TEST(Quantile, InterpolatesBetweenOrderStatistics) {
 
 TEST(Score, TheFirstFindingCountsOnlyUnderTheVerdictKnown) {
   const auto truth = truth_of({"creep"});
-  EXPECT_TRUE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"creep","side":"sensor","probability":0.9}]})")).named);
-  EXPECT_FALSE(score(truth, answer(R"({"verdict":"none","findings":[{"effect":"creep","side":"sensor","probability":0.3}]})")).named);
+  EXPECT_TRUE(
+      score(
+          truth,
+          answer(R"({"verdict":"known","findings":[{"effect":"creep","side":"sensor","probability":0.9}]})"))
+          .named);
+  EXPECT_FALSE(
+      score(truth,
+            answer(R"({"verdict":"none","findings":[{"effect":"creep","side":"sensor","probability":0.3}]})"))
+          .named);
 }
 
 TEST(Score, PlacesAreCountedAndLookAlikesSeen) {
@@ -72,33 +79,53 @@ TEST(Score, PlacesAreCountedAndLookAlikesSeen) {
 
 TEST(Score, ACleanCampaignIsMissedByAnyClaimOrVerdict) {
   const hidden::Truth clean;
-  EXPECT_TRUE(score(clean, answer(R"({"verdict":"none","findings":[{"effect":"creep","probability":0.2}]})")).clean);
+  EXPECT_TRUE(
+      score(clean, answer(R"({"verdict":"none","findings":[{"effect":"creep","probability":0.2}]})")).clean);
   EXPECT_FALSE(score(clean, answer(R"({"verdict":"unknown"})")).clean);
-  EXPECT_FALSE(score(clean, answer(R"({"verdict":"none","findings":[{"effect":"creep","probability":0.5}]})")).clean);
+  EXPECT_FALSE(
+      score(clean, answer(R"({"verdict":"none","findings":[{"effect":"creep","probability":0.5}]})")).clean);
 }
 
 TEST(Score, AForeignEffectWantsUnknownAndNoNames) {
   auto truth = truth_of({"foreign_telegraph"});
   truth.effects[0].foreign = true;
   EXPECT_TRUE(score(truth, answer(R"({"verdict":"unknown","depends_on":["time"]})")).honest);
-  EXPECT_FALSE(score(truth, answer(R"({"verdict":"unknown","findings":[{"effect":"creep","probability":0.8}]})")).honest);
+  EXPECT_FALSE(
+      score(truth, answer(R"({"verdict":"unknown","findings":[{"effect":"creep","probability":0.8}]})"))
+          .honest);
   EXPECT_FALSE(score(truth, answer(R"({"verdict":"none"})")).honest);
 }
 
 TEST(Score, OfAPairBothMustStandInTheFirstThree) {
   const auto truth = truth_of({"creep", "hysteresis"});
-  EXPECT_TRUE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"hysteresis"},{"effect":"lag"},{"effect":"creep"}]})")).pair_in_three);
-  EXPECT_FALSE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"hysteresis"}]})")).pair_in_three);
+  EXPECT_TRUE(
+      score(
+          truth,
+          answer(
+              R"({"verdict":"known","findings":[{"effect":"hysteresis"},{"effect":"lag"},{"effect":"creep"}]})"))
+          .pair_in_three);
+  EXPECT_FALSE(
+      score(truth, answer(R"({"verdict":"known","findings":[{"effect":"hysteresis"}]})")).pair_in_three);
 }
 
 TEST(Score, BlamingTheSensorForTheRigIsNoticed) {
   const auto truth = truth_of({"backlash"}, "rig");
-  EXPECT_TRUE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"hysteresis","side":"sensor","probability":0.9}]})")).sensor_blamed);
-  EXPECT_FALSE(score(truth, answer(R"({"verdict":"known","findings":[{"effect":"backlash","side":"rig","probability":0.9}]})")).sensor_blamed);
+  EXPECT_TRUE(
+      score(
+          truth,
+          answer(
+              R"({"verdict":"known","findings":[{"effect":"hysteresis","side":"sensor","probability":0.9}]})"))
+          .sensor_blamed);
+  EXPECT_FALSE(
+      score(
+          truth,
+          answer(R"({"verdict":"known","findings":[{"effect":"backlash","side":"rig","probability":0.9}]})"))
+          .sensor_blamed);
 }
 
 TEST(Score, RemovedIsTheShareOfWhatTheEffectAdds) {
-  auto a = answer(R"({"verdict":"known","findings":[{"effect":"creep"}],"error_before":0.05,"error_after":0.04})");
+  auto a =
+      answer(R"({"verdict":"known","findings":[{"effect":"creep"}],"error_before":0.05,"error_after":0.04})");
   EXPECT_NEAR(*score(truth_of({"creep"}), a).removed, 1.0, 1e-12) << "sqrt(0.05^2 - 0.03^2) = 0.04";
   a.error_after = 0.05;
   EXPECT_NEAR(*score(truth_of({"creep"}), a).removed, 0.0, 1e-12);

@@ -14,10 +14,13 @@ namespace {
 
 class WildSamples final : public HiddenEffect {
  public:
-  explicit WildSamples(Rng& rng) : share_(2e-4 * portable::pow(10.0, rng.uniform())), one_sided_(rng.uniform() < 0.4), seed_(rng.next()) {}
+  explicit WildSamples(Rng& rng)
+      : share_(2e-4 * portable::pow(10.0, rng.uniform())),
+        one_sided_(rng.uniform() < 0.4),
+        seed_(rng.next()) {}
   std::string form() const override {
-    return fmt::format("{:.3f} % of the samples are off by up to {:.2f} V{}", 100 * share_, kSize_V * strength_,
-                       one_sided_ ? ", upwards" : "");
+    return fmt::format("{:.3f} % of the samples are off by up to {:.2f} V{}", 100 * share_,
+                       kSize_V * strength_, one_sided_ ? ", upwards" : "");
   }
   void samples(Samples& samples, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -39,10 +42,15 @@ class WildSamples final : public HiddenEffect {
 /// Runs of lost samples: the recorder repeats the last one, writes zeros, or leaves cells empty.
 class LostRuns final : public HiddenEffect {
  public:
-  explicit LostRuns(Rng& rng) : stale_(rng.uniform() < 0.6), length_s_(rng.uniform(0.03, 0.2)), empty_(rng.uniform(0.0, 0.3)), seed_(rng.next()) {}
+  explicit LostRuns(Rng& rng)
+      : stale_(rng.uniform() < 0.6),
+        length_s_(rng.uniform(0.03, 0.2)),
+        empty_(rng.uniform(0.0, 0.3)),
+        seed_(rng.next()) {}
   std::string form() const override {
     return fmt::format("{} for about {:.0f} ms, {:.2f} times a minute; a share of {:.2f} left empty",
-                       stale_ ? "last value repeated" : "zero written", 1e3 * length_s_, 60.0 * rate_Hz(), empty_);
+                       stale_ ? "last value repeated" : "zero written", 1e3 * length_s_, 60.0 * rate_Hz(),
+                       empty_);
   }
   void logged(Samples& samples, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -69,11 +77,10 @@ class LostRuns final : public HiddenEffect {
   std::uint64_t seed_;
 };
 
-const HiddenRegistration kOutliers{{.name = "outliers",
-                                    .side = "instrument",
-                                    .reducible = false,
-                                    .strength_max = 5.0,
-                                    .make = [](Rng& rng) { return std::make_unique<WildSamples>(rng); }}};
+const HiddenRegistration kOutliers{
+    {.name = "outliers", .side = "instrument", .reducible = false, .strength_max = 5.0, .make = [](Rng& rng) {
+       return std::make_unique<WildSamples>(rng);
+     }}};
 
 const HiddenRegistration kDropouts{{.name = "dropouts",
                                     .side = "instrument",

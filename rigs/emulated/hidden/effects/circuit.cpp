@@ -1,5 +1,5 @@
-// Sensor and circuit as electric parts: R(F) with parasitic capacitance, current of a changing capacitance, dependence
-// on the drive voltage, and the gain that each mounting gives anew.
+// Sensor and circuit as electric parts: R(F) with parasitic capacitance, current of a changing capacitance,
+// dependence on the drive voltage, and the gain that each mounting gives anew.
 
 #include <fmt/format.h>
 
@@ -18,8 +18,8 @@ class LoadedCable final : public HiddenEffect {
   explicit LoadedCable(Rng& rng)
       : tau_s_(rng.uniform(0.02, 0.05)), knee_N_(rng.uniform(0.1, 0.4)), second_(rng.uniform(0.1, 0.35)) {}
   std::string form() const override {
-    return fmt::format("R(F) C of {:.2f} ms at no load, half of it at {:.2f} N, in two cells", 1e3 * tau_s_ * strength_,
-                       knee_N_);
+    return fmt::format("R(F) C of {:.2f} ms at no load, half of it at {:.2f} N, in two cells",
+                       1e3 * tau_s_ * strength_, knee_N_);
   }
   void electronics(Waves& waves, const RecordContext&) override {
     if (strength_ == 0.0) return;
@@ -42,7 +42,8 @@ class DisplacementCurrent final : public HiddenEffect {
  public:
   explicit DisplacementCurrent(Rng& rng) : power_(rng.uniform(0.45, 0.75)) {}
   std::string form() const override {
-    return fmt::format("current of C ~ F^{:.2f}: {:.2f} mV s times its rate", power_, 1e3 * kSize_Vs * strength_);
+    return fmt::format("current of C ~ F^{:.2f}: {:.2f} mV s times its rate", power_,
+                       1e3 * kSize_Vs * strength_);
   }
   void electronics(Waves& waves, const RecordContext&) override {
     if (strength_ == 0.0) return;
@@ -65,12 +66,14 @@ class DriveDependence final : public HiddenEffect {
  public:
   explicit DriveDependence(Rng& rng) : knee_V_(rng.uniform(0.8, 2.2)), hold_(rng.uniform(0.2, 0.7)) {}
   std::string form() const override {
-    return fmt::format("output varies by {:.2f} % as tanh(V / {:.2f} V), loss of the maxima smaller at low drive",
-                       100 * kSize * strength_, knee_V_);
+    return fmt::format(
+        "output varies by {:.2f} % as tanh(V / {:.2f} V), loss of the maxima smaller at low drive",
+        100 * kSize * strength_, knee_V_);
   }
   void voltage(Waves& waves, const RecordContext& context) override {
     if (strength_ == 0.0) return;
-    const double bend = hyperbolic_tangent(context.plan.drive_V / knee_V_) - hyperbolic_tangent(5.0 / knee_V_);
+    const double bend =
+        hyperbolic_tangent(context.plan.drive_V / knee_V_) - hyperbolic_tangent(5.0 / knee_V_);
     const double gain = 1.0 + kSize * strength_ * bend;
     const double hold = std::clamp(-hold_ * kSize * strength_ * bend * 4.0, 0.0, 0.6);
     const double G = context.truth.gain_N_per_V, F0 = context.truth.offset_N;
@@ -92,14 +95,15 @@ class Remounted final : public HiddenEffect {
     for (Seat& seat : seats_) seat = {rng.normal(), rng.normal(), rng.normal()};
   }
   std::string form() const override {
-    return fmt::format("each mounting draws its gain with {:.2f} % and its zero with {:.1f} mN", 100 * kGain * strength_,
-                       1e3 * kZero_N * strength_);
+    return fmt::format("each mounting draws its gain with {:.2f} % and its zero with {:.1f} mN",
+                       100 * kGain * strength_, 1e3 * kZero_N * strength_);
   }
   void film(Waves& waves, const RecordContext& context) override {
     if (strength_ == 0.0) return;
     const Seat& seat = seats_[static_cast<std::size_t>(context.plan.mounting) % kSeats];
     const Seat& first = seats_[0];
-    const double gain = kGain * strength_ * (seat.gain - first.gain - (context.plan.mounting > 0 ? kTurn : 0.0));
+    const double gain =
+        kGain * strength_ * (seat.gain - first.gain - (context.plan.mounting > 0 ? kTurn : 0.0));
     const double zero_N = kZero_N * strength_ * (seat.zero - first.zero), bend = 0.2 * gain * seat.bend;
     for (double& film_N : waves.film_N) {
       const double x = std::clamp(film_N / context.force_range_N, 0.0, 1.5);
@@ -124,12 +128,13 @@ const HiddenRegistration kRc{{.name = "rc",
                               .strength_max = 20.0,
                               .make = [](Rng& rng) { return std::make_unique<LoadedCable>(rng); }}};
 
-const HiddenRegistration kPiezo{{.name = "piezocapacitance",
-                                 .side = "sensor",
-                                 .needs_fast_reference = true,
-                                 .needs_kinds = {"prbs", "steps", "sweep"},
-                                 .strength_max = 50.0,
-                                 .make = [](Rng& rng) { return std::make_unique<DisplacementCurrent>(rng); }}};
+const HiddenRegistration kPiezo{
+    {.name = "piezocapacitance",
+     .side = "sensor",
+     .needs_fast_reference = true,
+     .needs_kinds = {"prbs", "steps", "sweep"},
+     .strength_max = 50.0,
+     .make = [](Rng& rng) { return std::make_unique<DisplacementCurrent>(rng); }}};
 
 const HiddenRegistration kBias{{.name = "bias",
                                 .side = "sensor",

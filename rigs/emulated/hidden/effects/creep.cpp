@@ -1,5 +1,5 @@
-// Growth of the output under constant load. Two forms: fractional (power-law) compliance as a continuous spectrum of
-// relaxation times, and thermally activated closing of gaps with Eyring's hyperbolic-sine rate.
+// Growth of the output under constant load. Two forms: fractional (power-law) compliance as a continuous
+// spectrum of relaxation times, and thermally activated closing of gaps with Eyring's hyperbolic-sine rate.
 
 #include <fmt/format.h>
 
@@ -39,11 +39,13 @@ class FractionalCreep final : public HiddenEffect {
   }
 
   std::string form() const override {
-    return fmt::format("fractional compliance t^{:.3f}, {:.2f} % of the load in two hours", order_, 100 * kShare * strength_);
+    return fmt::format("fractional compliance t^{:.3f}, {:.2f} % of the load in two hours", order_,
+                       100 * kShare * strength_);
   }
   void begin_campaign() override { state_.fill(0.0); }
   void begin_record(const RecordContext& context) override {
-    for (std::size_t k = 0; k < kModes; ++k) state_[k] *= portable::exp(-context.plan.rest_before_s / tau_s_[k]);
+    for (std::size_t k = 0; k < kModes; ++k)
+      state_[k] *= portable::exp(-context.plan.rest_before_s / tau_s_[k]);
     length_s_ = 0.0;
   }
   void film(Waves& waves, const RecordContext&) override {
@@ -72,11 +74,13 @@ class FractionalCreep final : public HiddenEffect {
 class EyringCreep final : public HiddenEffect {
  public:
   explicit EyringCreep(Rng& rng)
-      : tau_s_(portable::exp(rng.uniform(portable::log(800.0), portable::log(6000.0)))), activation_(rng.uniform(0.12, 0.3)) {}
+      : tau_s_(portable::exp(rng.uniform(portable::log(800.0), portable::log(6000.0)))),
+        activation_(rng.uniform(0.12, 0.3)) {}
 
   std::string form() const override {
-    return fmt::format("gaps close at a rate ~ sinh((F - z) / {:.2f} N), time constant {:.0f} s, {:.2f} % of the load",
-                       activation_ * 5.0, tau_s_, 100 * kShare * strength_);
+    return fmt::format(
+        "gaps close at a rate ~ sinh((F - z) / {:.2f} N), time constant {:.0f} s, {:.2f} % of the load",
+        activation_ * 5.0, tau_s_, 100 * kShare * strength_);
   }
   void begin_campaign() override { z_N_ = 0.0; }
   void begin_record(const RecordContext& context) override { relax(0.0, context.plan.rest_before_s); }
@@ -105,7 +109,8 @@ const HiddenRegistration kRegistered{{.name = "creep",
                                       .needs_kinds = {"hold", "hold", "staircase"},
                                       .strength_max = 12.0,
                                       .make = [](Rng& rng) -> std::unique_ptr<HiddenEffect> {
-                                        if (rng.uniform() < 0.6) return std::make_unique<FractionalCreep>(rng);
+                                        if (rng.uniform() < 0.6)
+                                          return std::make_unique<FractionalCreep>(rng);
                                         return std::make_unique<EyringCreep>(rng);
                                       }}};
 

@@ -1,4 +1,5 @@
-// Air on the film: temperature through two thermal lags, humidity by sorption, and heat of the film's own current.
+// Air on the film: temperature through two thermal lags, humidity by sorption, and heat of the film's own
+// current.
 
 #include <fmt/format.h>
 
@@ -48,11 +49,15 @@ void modulate(Waves& waves, const RecordContext& context, State state) {
 class ThermalFilm final : public HiddenEffect {
  public:
   explicit ThermalFilm(Rng& rng)
-      : body_s_(rng.uniform(60.0, 700.0)), film_s_(rng.uniform(10.0, 80.0)), sign_(rng.uniform() < 0.8 ? 1.0 : -1.0),
-        offset_V_per_C_(rng.uniform(-0.008, 0.012)), bend_(rng.uniform(-0.05, 0.05)) {}
+      : body_s_(rng.uniform(60.0, 700.0)),
+        film_s_(rng.uniform(10.0, 80.0)),
+        sign_(rng.uniform() < 0.8 ? 1.0 : -1.0),
+        offset_V_per_C_(rng.uniform(-0.008, 0.012)),
+        bend_(rng.uniform(-0.05, 0.05)) {}
   std::string form() const override {
     return fmt::format("gain {:+.3f} %/C (1 {:+.3f} dT), offset {:+.2f} mV/C, lags {:.0f} s and {:.0f} s",
-                       100 * kGain * sign_ * strength_, bend_, 1e3 * offset_V_per_C_ * strength_, body_s_, film_s_);
+                       100 * kGain * sign_ * strength_, bend_, 1e3 * offset_V_per_C_ * strength_, body_s_,
+                       film_s_);
   }
   void begin_campaign() override { walker_.restart(); }
   void voltage(Waves& waves, const RecordContext& context) override {
@@ -94,7 +99,8 @@ class HumidFilm final : public HiddenEffect {
           at_s, [&] { water_ = air.humidity_pct(0.0) / 50.0; },
           [&](double now_s, double length_s) {
             const double target = std::max(0.0, air.humidity_pct(now_s)) / 50.0;
-            water_ += (1.0 - portable::exp(-length_s / (target > water_ ? in_s_ : out_s_))) * (target - water_);
+            water_ +=
+                (1.0 - portable::exp(-length_s / (target > water_ ? in_s_ : out_s_))) * (target - water_);
           });
       const double dry = portable::pow(air.mean_humidity_pct() / 50.0, 1.4), wet = portable::pow(water_, 1.4);
       return std::pair((1.0 + kLoss * strength_ * dry) / (1.0 + kLoss * strength_ * wet), 0.0);
@@ -111,10 +117,13 @@ class HumidFilm final : public HiddenEffect {
 class SelfHeating final : public HiddenEffect {
  public:
   explicit SelfHeating(Rng& rng)
-      : film_s_(rng.uniform(4.0, 20.0)), backing_s_(rng.uniform(60.0, 240.0)), share_(rng.uniform(0.3, 0.7)) {}
+      : film_s_(rng.uniform(4.0, 20.0)),
+        backing_s_(rng.uniform(60.0, 240.0)),
+        share_(rng.uniform(0.3, 0.7)) {}
   std::string form() const override {
-    return fmt::format("own power warms film ({:.1f} s) and backing ({:.0f} s): {:+.2f} % at full load and 5 V", film_s_,
-                       backing_s_, 100 * kGain * strength_);
+    return fmt::format(
+        "own power warms film ({:.1f} s) and backing ({:.0f} s): {:+.2f} % at full load and 5 V", film_s_,
+        backing_s_, 100 * kGain * strength_);
   }
   void begin_campaign() override { film_ = backing_ = 0.0; }
   void begin_record(const RecordContext& context) override {

@@ -1,5 +1,5 @@
-// Outside the catalogue, driven by motion and history: gain that turns with the wheel, a hardening resonance, the
-// memory of earlier maxima, alternating cycles, and gain that switches with the loading rate.
+// Outside the catalogue, driven by motion and history: gain that turns with the wheel, a hardening resonance,
+// the memory of earlier maxima, alternating cycles, and gain that switches with the loading rate.
 
 #include <fmt/format.h>
 
@@ -15,7 +15,8 @@ namespace {
 /// Gain varies with the wheel's angle in a high harmonic and so not as a function of force.
 class AngleGain final : public HiddenEffect {
  public:
-  explicit AngleGain(Rng& rng) : order_(static_cast<double>(3 + rng.below(4))), phase_rad_(rng.uniform(0.0, 2.0 * kPi)) {}
+  explicit AngleGain(Rng& rng)
+      : order_(static_cast<double>(3 + rng.below(4))), phase_rad_(rng.uniform(0.0, 2.0 * kPi)) {}
   std::string form() const override {
     return fmt::format("gain swings by {:.2f} % with {:.0f} theta", 100 * kSize * strength_, order_);
   }
@@ -30,13 +31,17 @@ class AngleGain final : public HiddenEffect {
   double order_, phase_rad_;
 };
 
-/// A mass on a hardening spring rides on the film (Duffing), driven by the force; its motion adds to the output.
+/// A mass on a hardening spring rides on the film (Duffing), driven by the force; its motion adds to the
+/// output.
 class HardeningResonance final : public HiddenEffect {
  public:
   explicit HardeningResonance(Rng& rng)
-      : natural_Hz_(rng.uniform(1.2, 4.0)), damping_(rng.uniform(0.02, 0.06)), hardening_(rng.uniform(0.3, 1.5)) {}
+      : natural_Hz_(rng.uniform(1.2, 4.0)),
+        damping_(rng.uniform(0.02, 0.06)),
+        hardening_(rng.uniform(0.3, 1.5)) {}
   std::string form() const override {
-    return fmt::format("Duffing oscillator, {:.2f} Hz, damping {:.3f}, hardening {:.2f}", natural_Hz_, damping_, hardening_);
+    return fmt::format("Duffing oscillator, {:.2f} Hz, damping {:.3f}, hardening {:.2f}", natural_Hz_,
+                       damping_, hardening_);
   }
   void film(Waves& waves, const RecordContext&) override {
     if (strength_ == 0.0) return;
@@ -57,13 +62,15 @@ class HardeningResonance final : public HiddenEffect {
   double natural_Hz_, damping_, hardening_;
 };
 
-/// Softening below the largest force of the recent past, as in filled rubber (Mullins), with a memory that fades.
+/// Softening below the largest force of the recent past, as in filled rubber (Mullins), with a memory that
+/// fades.
 class MaximumMemory final : public HiddenEffect {
  public:
   explicit MaximumMemory(Rng& rng) : reach_N_(rng.uniform(0.3, 1.0)) {}
   std::string form() const override {
-    return fmt::format("below the largest force of the last 25 s the output sinks by {:.2f} % within {:.2f} N",
-                       100 * kSize * strength_, reach_N_);
+    return fmt::format(
+        "below the largest force of the last 25 s the output sinks by {:.2f} % within {:.2f} N",
+        100 * kSize * strength_, reach_N_);
   }
   void film(Waves& waves, const RecordContext&) override {
     if (strength_ == 0.0) return;
@@ -110,10 +117,13 @@ class AlternatingCycles final : public HiddenEffect {
 /// Above one loading rate the film answers stiffer, until the rate falls below another.
 class RateSwitch final : public HiddenEffect {
  public:
-  explicit RateSwitch(Rng& rng) : on_N_per_s_(rng.uniform(1.0, 3.0)), off_share_(rng.uniform(0.3, 0.7)), stay_s_(rng.uniform(0.5, 4.0)) {}
+  explicit RateSwitch(Rng& rng)
+      : on_N_per_s_(rng.uniform(1.0, 3.0)),
+        off_share_(rng.uniform(0.3, 0.7)),
+        stay_s_(rng.uniform(0.5, 4.0)) {}
   std::string form() const override {
-    return fmt::format("gain {:+.2f} % once the rate exceeds {:.2f} N/s, back {:.1f} s after it fell", -100 * kSize * strength_,
-                       on_N_per_s_, stay_s_);
+    return fmt::format("gain {:+.2f} % once the rate exceeds {:.2f} N/s, back {:.1f} s after it fell",
+                       -100 * kSize * strength_, on_N_per_s_, stay_s_);
   }
   void film(Waves& waves, const RecordContext&) override {
     if (strength_ == 0.0) return;
@@ -122,8 +132,10 @@ class RateSwitch final : public HiddenEffect {
       const double now = std::abs(film_N - before) / waves.step_s;
       before = film_N;
       rate += waves.step_s / 0.03 * (now - rate);
-      if (rate > on_N_per_s_) left_s = stay_s_;
-      else if (rate < off_share_ * on_N_per_s_) left_s = std::max(0.0, left_s - waves.step_s);
+      if (rate > on_N_per_s_)
+        left_s = stay_s_;
+      else if (rate < off_share_ * on_N_per_s_)
+        left_s = std::max(0.0, left_s - waves.step_s);
       gain += waves.step_s / 0.05 * ((left_s > 0.0 ? 1.0 : 0.0) - gain);
       film_N *= 1.0 - kSize * strength_ * gain;
     }
@@ -142,13 +154,14 @@ const HiddenRegistration kAngle{{.name = "foreign_angle_gain",
                                  .strength_max = 12.0,
                                  .make = [](Rng& rng) { return std::make_unique<AngleGain>(rng); }}};
 
-const HiddenRegistration kResonance{{.name = "foreign_resonance",
-                                     .side = "sensor",
-                                     .foreign = true,
-                                     .needs_kinds = {"prbs", "steps"},
-                                     .depends_on = {"rate", "frequency", "history"},
-                                     .strength_max = 12.0,
-                                     .make = [](Rng& rng) { return std::make_unique<HardeningResonance>(rng); }}};
+const HiddenRegistration kResonance{
+    {.name = "foreign_resonance",
+     .side = "sensor",
+     .foreign = true,
+     .needs_kinds = {"prbs", "steps"},
+     .depends_on = {"rate", "frequency", "history"},
+     .strength_max = 12.0,
+     .make = [](Rng& rng) { return std::make_unique<HardeningResonance>(rng); }}};
 
 const HiddenRegistration kMemory{{.name = "foreign_maximum_memory",
                                   .side = "sensor",
@@ -158,12 +171,13 @@ const HiddenRegistration kMemory{{.name = "foreign_maximum_memory",
                                   .strength_max = 12.0,
                                   .make = [](Rng& rng) { return std::make_unique<MaximumMemory>(rng); }}};
 
-const HiddenRegistration kAlternating{{.name = "foreign_alternating_cycles",
-                                       .side = "sensor",
-                                       .foreign = true,
-                                       .depends_on = {"history", "time"},
-                                       .strength_max = 12.0,
-                                       .make = [](Rng& rng) { return std::make_unique<AlternatingCycles>(rng); }}};
+const HiddenRegistration kAlternating{
+    {.name = "foreign_alternating_cycles",
+     .side = "sensor",
+     .foreign = true,
+     .depends_on = {"history", "time"},
+     .strength_max = 12.0,
+     .make = [](Rng& rng) { return std::make_unique<AlternatingCycles>(rng); }}};
 
 const HiddenRegistration kRate{{.name = "foreign_rate_switch",
                                 .side = "sensor",

@@ -16,7 +16,8 @@ class ChaoticGain final : public HiddenEffect {
  public:
   explicit ChaoticGain(Rng& rng) : clock_s_(rng.uniform(6.0, 25.0)), start_(rng.uniform(-8.0, 8.0)) {}
   std::string form() const override {
-    return fmt::format("gain follows a Lorenz system, {:.1f} s a unit, {:.2f} %", clock_s_, 100 * kSize * strength_);
+    return fmt::format("gain follows a Lorenz system, {:.1f} s a unit, {:.2f} %", clock_s_,
+                       100 * kSize * strength_);
   }
   void begin_record(const RecordContext& context) override {
     x_ = start_ + 0.7 * static_cast<double>(context.index), y_ = 1.0, z_ = 20.0;
@@ -42,9 +43,11 @@ class ChaoticGain final : public HiddenEffect {
 /// Two levels of gain with exponential dwell times.
 class TelegraphGain final : public HiddenEffect {
  public:
-  explicit TelegraphGain(Rng& rng) : low_s_(rng.uniform(4.0, 40.0)), high_s_(rng.uniform(2.0, 25.0)), seed_(rng.next()) {}
+  explicit TelegraphGain(Rng& rng)
+      : low_s_(rng.uniform(4.0, 40.0)), high_s_(rng.uniform(2.0, 25.0)), seed_(rng.next()) {}
   std::string form() const override {
-    return fmt::format("gain switches by {:.2f} %, {:.1f} s and {:.1f} s on average", 100 * kSize * strength_, low_s_, high_s_);
+    return fmt::format("gain switches by {:.2f} %, {:.1f} s and {:.1f} s on average", 100 * kSize * strength_,
+                       low_s_, high_s_);
   }
   void voltage(Waves& waves, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -70,10 +73,13 @@ class TelegraphGain final : public HiddenEffect {
 class NeighbourMachine final : public HiddenEffect {
  public:
   explicit NeighbourMachine(Rng& rng)
-      : cycle_s_(rng.uniform(90.0, 400.0)), duty_(rng.uniform(0.25, 0.6)), swing_Hz_(rng.uniform(0.4, 2.3)), sign_(rng.uniform() < 0.5 ? 1.0 : -1.0) {}
+      : cycle_s_(rng.uniform(90.0, 400.0)),
+        duty_(rng.uniform(0.25, 0.6)),
+        swing_Hz_(rng.uniform(0.4, 2.3)),
+        sign_(rng.uniform() < 0.5 ? 1.0 : -1.0) {}
   std::string form() const override {
-    return fmt::format("every {:.0f} s for a share of {:.2f}: {:+.1f} mV and a swing at {:.2f} Hz", cycle_s_, duty_,
-                       1e3 * sign_ * kSize_V * strength_, swing_Hz_);
+    return fmt::format("every {:.0f} s for a share of {:.2f}: {:+.1f} mV and a swing at {:.2f} Hz", cycle_s_,
+                       duty_, 1e3 * sign_ * kSize_V * strength_, swing_Hz_);
   }
   void voltage(Waves& waves, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -106,12 +112,13 @@ const HiddenRegistration kTelegraph{{.name = "foreign_telegraph",
                                      .strength_max = 12.0,
                                      .make = [](Rng& rng) { return std::make_unique<TelegraphGain>(rng); }}};
 
-const HiddenRegistration kNeighbour{{.name = "foreign_neighbour_machine",
-                                     .side = "instrument",
-                                     .foreign = true,
-                                     .depends_on = {"time"},
-                                     .strength_max = 12.0,
-                                     .make = [](Rng& rng) { return std::make_unique<NeighbourMachine>(rng); }}};
+const HiddenRegistration kNeighbour{
+    {.name = "foreign_neighbour_machine",
+     .side = "instrument",
+     .foreign = true,
+     .depends_on = {"time"},
+     .strength_max = 12.0,
+     .make = [](Rng& rng) { return std::make_unique<NeighbourMachine>(rng); }}};
 
 }  // namespace
 }  // namespace forcegate::hidden

@@ -15,9 +15,11 @@ namespace {
 /// Soft corner of the output stage; charge of the overload leaves with a tail.
 class SoftRail final : public HiddenEffect {
  public:
-  explicit SoftRail(Rng& rng) : corner_V_(rng.uniform(0.03, 0.15)), tail_s_(rng.uniform(0.02, 0.2)), tail_(rng.uniform(0.05, 0.3)) {}
+  explicit SoftRail(Rng& rng)
+      : corner_V_(rng.uniform(0.03, 0.15)), tail_s_(rng.uniform(0.02, 0.2)), tail_(rng.uniform(0.05, 0.3)) {}
   std::string form() const override {
-    return fmt::format("rail at {:.2f} V, corner {:.2f} V, overload tail {:.0f} ms", rail_V(), corner_V_, 1e3 * tail_s_);
+    return fmt::format("rail at {:.2f} V, corner {:.2f} V, overload tail {:.0f} ms", rail_V(), corner_V_,
+                       1e3 * tail_s_);
   }
   void electronics(Waves& waves, const RecordContext&) override {
     if (strength_ == 0.0) return;
@@ -36,15 +38,18 @@ class SoftRail final : public HiddenEffect {
   double corner_V_, tail_s_, tail_;
 };
 
-/// Mains at 50 Hz with its third harmonic, larger while the sensor's resistance is high; the grid's frequency wanders.
+/// Mains at 50 Hz with its third harmonic, larger while the sensor's resistance is high; the grid's frequency
+/// wanders.
 class MainsHum final : public HiddenEffect {
  public:
   explicit MainsHum(Rng& rng)
-      : mains_Hz_(50.0 + 0.02 * rng.normal()), third_(rng.uniform(0.05, 0.4)), high_(rng.uniform(0.2, 1.5)),
+      : mains_Hz_(50.0 + 0.02 * rng.normal()),
+        third_(rng.uniform(0.05, 0.4)),
+        high_(rng.uniform(0.2, 1.5)),
         phase_rad_(rng.uniform(0.0, 2.0 * kPi)) {}
   std::string form() const override {
-    return fmt::format("{:.3f} Hz of {:.1f} mV, third harmonic {:.2f}, {:.2f} times more at no load", mains_Hz_,
-                       1e3 * kSize_V * strength_, third_, high_);
+    return fmt::format("{:.3f} Hz of {:.1f} mV, third harmonic {:.2f}, {:.2f} times more at no load",
+                       mains_Hz_, 1e3 * kSize_V * strength_, third_, high_);
   }
   void samples(Samples& samples, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -68,7 +73,9 @@ class MainsHum final : public HiddenEffect {
 class ChannelDelay final : public HiddenEffect {
  public:
   explicit ChannelDelay(Rng& rng) : delay_s_(rng.uniform(0.006, 0.02) * (rng.uniform() < 0.9 ? 1.0 : -1.0)) {}
-  std::string form() const override { return fmt::format("voltage is {:+.3f} ms late", 1e3 * delay_s_ * strength_); }
+  std::string form() const override {
+    return fmt::format("voltage is {:+.3f} ms late", 1e3 * delay_s_ * strength_);
+  }
   double voltage_instant_s(double t_s, const RecordContext&) override { return t_s - delay_s_ * strength_; }
 
  private:
@@ -79,10 +86,12 @@ class ChannelDelay final : public HiddenEffect {
 class ClockSkew final : public HiddenEffect {
  public:
   explicit ClockSkew(Rng& rng)
-      : skew_(rng.uniform(3e-5, 9e-5) * (rng.uniform() < 0.5 ? 1.0 : -1.0)), block_s_(rng.uniform(0.0, 0.02)), seed_(rng.next()) {}
+      : skew_(rng.uniform(3e-5, 9e-5) * (rng.uniform() < 0.5 ? 1.0 : -1.0)),
+        block_s_(rng.uniform(0.0, 0.02)),
+        seed_(rng.next()) {}
   std::string form() const override {
-    return fmt::format("voltage clock runs {:+.1f} ppm off and loses blocks of {:.1f} ms", 1e6 * skew_ * strength_,
-                       1e3 * block_s_ * strength_);
+    return fmt::format("voltage clock runs {:+.1f} ppm off and loses blocks of {:.1f} ms",
+                       1e6 * skew_ * strength_, 1e3 * block_s_ * strength_);
   }
   void begin_record(const RecordContext& context) override {
     Rng rng(seed_ ^ context.plan.seed, "blocks");
@@ -110,8 +119,9 @@ class BitWeights final : public HiddenEffect {
       error_V_[k] = (k == 0 ? 1.0 : 0.6) * rng.uniform(0.4, 1.2) * (rng.uniform() < 0.5 ? 1.0 : -1.0);
   }
   std::string form() const override {
-    return fmt::format("leading bits weigh {:+.1f}, {:+.1f} and {:+.1f} mV too much", 1e3 * kSize_V * strength_ * error_V_[0],
-                       1e3 * kSize_V * strength_ * error_V_[1], 1e3 * kSize_V * strength_ * error_V_[2]);
+    return fmt::format("leading bits weigh {:+.1f}, {:+.1f} and {:+.1f} mV too much",
+                       1e3 * kSize_V * strength_ * error_V_[0], 1e3 * kSize_V * strength_ * error_V_[1],
+                       1e3 * kSize_V * strength_ * error_V_[2]);
   }
   void codes(std::vector<int>& codes, int adc_bits, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -123,7 +133,8 @@ class BitWeights final : public HiddenEffect {
         if (eighth >> (2 - k) & 1u) error_V += kSize_V * strength_ * error_V_[k];
       shift[eighth] = static_cast<int>(std::round(error_V / context.voltage_range_V * top));
     }
-    for (int& code : codes) code = std::clamp(code + shift[static_cast<std::size_t>(code >> (adc_bits - 3))], 0, top);
+    for (int& code : codes)
+      code = std::clamp(code + shift[static_cast<std::size_t>(code >> (adc_bits - 3))], 0, top);
   }
 
  private:
@@ -134,10 +145,11 @@ class BitWeights final : public HiddenEffect {
 /// One bit of the converter sticks in a share of the conversions.
 class StickyBit final : public HiddenEffect {
  public:
-  explicit StickyBit(Rng& rng) : from_top_(3 + static_cast<int>(rng.below(2))), high_(rng.uniform() < 0.5), seed_(rng.next()) {}
+  explicit StickyBit(Rng& rng)
+      : from_top_(3 + static_cast<int>(rng.below(2))), high_(rng.uniform() < 0.5), seed_(rng.next()) {}
   std::string form() const override {
-    return fmt::format("bit {} below the top reads {} in {:.2f} % of the conversions", from_top_, high_ ? 1 : 0,
-                       100 * share());
+    return fmt::format("bit {} below the top reads {} in {:.2f} % of the conversions", from_top_,
+                       high_ ? 1 : 0, 100 * share());
   }
   void codes(std::vector<int>& codes, int adc_bits, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -160,10 +172,10 @@ const HiddenRegistration kClipping{{.name = "clipping",
                                     .strength_max = 4.5,
                                     .make = [](Rng& rng) { return std::make_unique<SoftRail>(rng); }}};
 
-const HiddenRegistration kHum{{.name = "hum",
-                               .side = "instrument",
-                               .strength_max = 20.0,
-                               .make = [](Rng& rng) { return std::make_unique<MainsHum>(rng); }}};
+const HiddenRegistration kHum{
+    {.name = "hum", .side = "instrument", .strength_max = 20.0, .make = [](Rng& rng) {
+       return std::make_unique<MainsHum>(rng);
+     }}};
 
 const HiddenRegistration kDelay{{.name = "delay",
                                  .side = "instrument",

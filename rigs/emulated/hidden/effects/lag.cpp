@@ -1,4 +1,5 @@
-// The film seats late. Two forms: diffusion through a slab (modes 1 / (2n + 1)^2) and a chain of three layers.
+// The film seats late. Two forms: diffusion through a slab (modes 1 / (2n + 1)^2) and a chain of three
+// layers.
 
 #include <fmt/format.h>
 
@@ -15,7 +16,10 @@ class Relaxation {
  public:
   Relaxation() = default;
   Relaxation(double tau_s, double step_s, double start)
-      : keep_(portable::exp(-step_s / tau_s)), lead_(1.0 - tau_s / step_s * (1.0 - keep_)), y_(start), before_(start) {}
+      : keep_(portable::exp(-step_s / tau_s)),
+        lead_(1.0 - tau_s / step_s * (1.0 - keep_)),
+        y_(start),
+        before_(start) {}
   double next(double u) {
     y_ = keep_ * y_ + (1.0 - keep_) * before_ + lead_ * (u - before_);
     before_ = u;

@@ -1,4 +1,5 @@
-// What cycling leaves behind: wear by damage at reversals, slow recovery at rest, and the bump after a frequency jump.
+// What cycling leaves behind: wear by damage at reversals, slow recovery at rest, and the bump after a
+// frequency jump.
 
 #include <fmt/format.h>
 
@@ -16,8 +17,8 @@ class ReversalWear final : public HiddenEffect {
  public:
   explicit ReversalWear(Rng& rng) : power_(rng.uniform(1.0, 2.5)), scale_(rng.uniform(300.0, 3000.0)) {}
   std::string form() const override {
-    return fmt::format("damage (dF / 3 N)^{:.2f} at each reversal, gain (1 + D / {:.0f})^-{:.4f}", power_, scale_,
-                       kExponent * strength_);
+    return fmt::format("damage (dF / 3 N)^{:.2f} at each reversal, gain (1 + D / {:.0f})^-{:.4f}", power_,
+                       scale_, kExponent * strength_);
   }
   void begin_campaign() override { damage_ = 0.0; }
   void film(Waves& waves, const RecordContext&) override {
@@ -44,11 +45,14 @@ class ReversalWear final : public HiddenEffect {
   double power_, scale_, damage_ = 0.0;
 };
 
-/// State r in [0, 1]: builds up in cycling, relaxes as a stretched exponential of the time since; output (1 - k r).
+/// State r in [0, 1]: builds up in cycling, relaxes as a stretched exponential of the time since; output (1 -
+/// k r).
 class SlowRecovery final : public HiddenEffect {
  public:
   explicit SlowRecovery(Rng& rng)
-      : build_s_(rng.uniform(250.0, 900.0)), tau_s_(rng.uniform(1200.0, 4000.0)), beta_(rng.uniform(0.45, 0.8)) {}
+      : build_s_(rng.uniform(250.0, 900.0)),
+        tau_s_(rng.uniform(1200.0, 4000.0)),
+        beta_(rng.uniform(0.45, 0.8)) {}
   std::string form() const override {
     return fmt::format("cycling lowers the output by {:.2f} %, which relaxes as exp(-(t / {:.0f} s)^{:.2f})",
                        100 * kLoss * strength_, tau_s_, beta_);
@@ -87,8 +91,8 @@ class FrequencyBump final : public HiddenEffect {
  public:
   explicit FrequencyBump(Rng& rng) : fade_s_(rng.uniform(8.0, 30.0)), power_(rng.uniform(1.2, 2.2)) {}
   std::string form() const override {
-    return fmt::format("swing grows by {:.2f} % at a jump and fades as (1 + t / {:.1f} s)^-{:.2f}", 100 * kSize * strength_,
-                       fade_s_, power_);
+    return fmt::format("swing grows by {:.2f} % at a jump and fades as (1 + t / {:.1f} s)^-{:.2f}",
+                       100 * kSize * strength_, fade_s_, power_);
   }
   void voltage(Waves& waves, const RecordContext& context) override {
     const RecordPlan& plan = context.plan;

@@ -15,11 +15,14 @@ namespace {
 class WarmUp final : public HiddenEffect {
  public:
   explicit WarmUp(Rng& rng)
-      : start_s_(rng.uniform(200.0, 2000.0)), tau_s_(rng.uniform(1500.0, 6000.0)), sign_(rng.uniform() < 0.5 ? 1.0 : -1.0),
-        wander_(rng.uniform(0.1, 0.5)), seed_(rng.next()) {}
+      : start_s_(rng.uniform(200.0, 2000.0)),
+        tau_s_(rng.uniform(1500.0, 6000.0)),
+        sign_(rng.uniform() < 0.5 ? 1.0 : -1.0),
+        wander_(rng.uniform(0.1, 0.5)),
+        seed_(rng.next()) {}
   std::string form() const override {
-    return fmt::format("zero {:+.4f} N log(1 + t / {:.0f} s) and a walk of {:.4f} N over {:.0f} s", sign_ * kSize_N * strength_,
-                       start_s_, wander_ * kSize_N * strength_, tau_s_);
+    return fmt::format("zero {:+.4f} N log(1 + t / {:.0f} s) and a walk of {:.4f} N over {:.0f} s",
+                       sign_ * kSize_N * strength_, start_s_, wander_ * kSize_N * strength_, tau_s_);
   }
   void begin_campaign() override {
     rng_ = Rng(seed_);
@@ -58,10 +61,13 @@ class WarmUp final : public HiddenEffect {
 /// White or low-passed noise of the amplifier, with bursts.
 class LoudCell final : public HiddenEffect {
  public:
-  explicit LoudCell(Rng& rng) : colour_s_(rng.uniform() < 0.6 ? 0.0 : rng.uniform(0.004, 0.03)), burst_(rng.uniform(0.0, 1.0)), seed_(rng.next()) {}
+  explicit LoudCell(Rng& rng)
+      : colour_s_(rng.uniform() < 0.6 ? 0.0 : rng.uniform(0.004, 0.03)),
+        burst_(rng.uniform(0.0, 1.0)),
+        seed_(rng.next()) {}
   std::string form() const override {
-    return fmt::format("additional noise of {:.1f} mN, correlated over {:.1f} ms, bursts {:.2f}", 1e3 * kSize_N * strength_,
-                       1e3 * colour_s_, burst_);
+    return fmt::format("additional noise of {:.1f} mN, correlated over {:.1f} ms, bursts {:.2f}",
+                       1e3 * kSize_N * strength_, 1e3 * colour_s_, burst_);
   }
   void samples(Samples& samples, const RecordContext& context) override {
     if (strength_ == 0.0) return;

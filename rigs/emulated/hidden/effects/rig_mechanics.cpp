@@ -1,5 +1,5 @@
-// The bench itself: coils that close, play with a compliant flank, the wheel's transverse push, loss of contact with a
-// bounce, and a drive that does not turn evenly.
+// The bench itself: coils that close, play with a compliant flank, the wheel's transverse push, loss of
+// contact with a bounce, and a drive that does not turn evenly.
 
 #include <fmt/format.h>
 
@@ -19,14 +19,15 @@ class ClosingCoils final : public HiddenEffect {
  public:
   explicit ClosingCoils(Rng& rng) : width_mm_(rng.uniform(0.4, 1.5)) {
     const double first_mm = rng.uniform(3.0, 8.0);
-    for (std::size_t k = 0; k < kCoils; ++k) closes_mm_[k] = first_mm + rng.uniform(1.0, 3.0) * static_cast<double>(k + 1);
+    for (std::size_t k = 0; k < kCoils; ++k)
+      closes_mm_[k] = first_mm + rng.uniform(1.0, 3.0) * static_cast<double>(k + 1);
     for (std::size_t i = 0; i < extra_mm_.size(); ++i)
       for (const double at_mm : closes_mm_)
         extra_mm_[i] += width_mm_ * softplus((kCell_mm * static_cast<double>(i) - at_mm) / width_mm_);
   }
   std::string form() const override {
-    return fmt::format("five coils close between {:.1f} and {:.1f} mm, each stiffens by {:.2f} %", closes_mm_.front(),
-                       closes_mm_.back(), 100 * kShare * strength_);
+    return fmt::format("five coils close between {:.1f} and {:.1f} mm, each stiffens by {:.2f} %",
+                       closes_mm_.front(), closes_mm_.back(), 100 * kShare * strength_);
   }
   void force(Waves& waves, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -71,7 +72,8 @@ class CompliantPlay final : public HiddenEffect {
 /// Transverse share of the wheel's push by its pressure angle; the reference cell does not see it.
 class TransversePush final : public HiddenEffect {
  public:
-  explicit TransversePush(Rng& rng) : sign_(rng.uniform() < 0.5 ? 1.0 : -1.0), lever_(rng.uniform(0.02, 0.06)) {}
+  explicit TransversePush(Rng& rng)
+      : sign_(rng.uniform() < 0.5 ? 1.0 : -1.0), lever_(rng.uniform(0.02, 0.06)) {}
   std::string form() const override {
     return fmt::format("film feels {:+.3f} F tan(phi), tan(phi) = e sin(theta) / (R + e cos(theta))",
                        sign_ * lever_ * strength_);
@@ -93,9 +95,12 @@ class TransversePush final : public HiddenEffect {
 class LostContact final : public HiddenEffect {
  public:
   explicit LostContact(Rng& rng)
-      : gap_mm_(rng.uniform(0.8, 1.4)), bounce_Hz_(rng.uniform(9.0, 14.0)), damping_(rng.uniform(0.08, 0.25)) {}
+      : gap_mm_(rng.uniform(0.8, 1.4)),
+        bounce_Hz_(rng.uniform(9.0, 14.0)),
+        damping_(rng.uniform(0.08, 0.25)) {}
   std::string form() const override {
-    return fmt::format("gap of {:.2f} mm, bounce at {:.1f} Hz with damping {:.2f}", gap_mm_ * strength_, bounce_Hz_, damping_);
+    return fmt::format("gap of {:.2f} mm, bounce at {:.1f} Hz with damping {:.2f}", gap_mm_ * strength_,
+                       bounce_Hz_, damping_);
   }
   void force(Waves& waves, const RecordContext& context) override {
     if (strength_ == 0.0) return;
@@ -134,11 +139,14 @@ class LostContact final : public HiddenEffect {
 class UnevenDrive final : public HiddenEffect {
  public:
   explicit UnevenDrive(Rng& rng)
-      : poles_(static_cast<double>(5 + 2 * rng.below(5))), cog_rad_(rng.uniform(0.01, 0.03)), sag_s_(rng.uniform(0.01, 0.03)),
+      : poles_(static_cast<double>(5 + 2 * rng.below(5))),
+        cog_rad_(rng.uniform(0.01, 0.03)),
+        sag_s_(rng.uniform(0.01, 0.03)),
         phase_rad_(rng.uniform(0.0, 2.0 * kPi)) {}
   std::string form() const override {
-    return fmt::format("cogging of {:.4f} rad at {:.0f} per turn, eccentric rotor, {:.1f} ms behind under load",
-                       cog_rad_ * strength_, poles_, 1e3 * sag_s_ * strength_);
+    return fmt::format(
+        "cogging of {:.4f} rad at {:.0f} per turn, eccentric rotor, {:.1f} ms behind under load",
+        cog_rad_ * strength_, poles_, 1e3 * sag_s_ * strength_);
   }
   void angle(Waves& waves, const RecordContext&) override {
     if (strength_ == 0.0) return;
@@ -147,9 +155,10 @@ class UnevenDrive final : public HiddenEffect {
       const double speed = (theta_rad - before) / waves.step_s;
       before = theta_rad;
       const double load = 0.5 * (1.0 - portable::cos(theta_rad));
-      theta_rad += strength_ * (cog_rad_ * (portable::sin(poles_ * theta_rad + phase_rad_) - portable::sin(phase_rad_)) +
-                                1.5 * cog_rad_ * (portable::sin(theta_rad + phase_rad_) - portable::sin(phase_rad_)) -
-                                sag_s_ * speed * load);
+      theta_rad += strength_ *
+                   (cog_rad_ * (portable::sin(poles_ * theta_rad + phase_rad_) - portable::sin(phase_rad_)) +
+                    1.5 * cog_rad_ * (portable::sin(theta_rad + phase_rad_) - portable::sin(phase_rad_)) -
+                    sag_s_ * speed * load);
     }
   }
 

@@ -1,5 +1,5 @@
-// Shape of the static law: conductance power law or saturating contact area (static_nonlinearity), and contacts that
-// close at distributed forces (dead_zone).
+// Shape of the static law: conductance power law or saturating contact area (static_nonlinearity), and
+// contacts that close at distributed forces (dead_zone).
 
 #include <fmt/format.h>
 
@@ -35,9 +35,7 @@ class CurveEffect : public HiddenEffect {
 class PowerLaw final : public CurveEffect {
  public:
   explicit PowerLaw(Rng& rng) : bend_(rng.uniform() < 0.7 ? -0.06 : 0.06) {}
-  std::string form() const override {
-    return fmt::format("conductance ~ F^{:.4f}", 1.0 + bend_ * strength_);
-  }
+  std::string form() const override { return fmt::format("conductance ~ F^{:.4f}", 1.0 + bend_ * strength_); }
 
  private:
   void fill(std::vector<double>& table) const override {
@@ -53,7 +51,8 @@ class AreaSaturation final : public CurveEffect {
  public:
   explicit AreaSaturation(Rng& rng) : onset_N_(rng.uniform(1.0, 4.0)), steep_(rng.uniform(1.6, 3.5)) {}
   std::string form() const override {
-    return fmt::format("contact area saturates: F / (1 + {:.4f} (F / {:.2f} N)^{:.2f})", kSize * strength_, onset_N_, steep_);
+    return fmt::format("contact area saturates: F / (1 + {:.4f} (F / {:.2f} N)^{:.2f})", kSize * strength_,
+                       onset_N_, steep_);
   }
 
  private:
@@ -71,7 +70,8 @@ class DistributedThreshold final : public CurveEffect {
  public:
   explicit DistributedThreshold(Rng& rng) : force_N_(rng.uniform(0.08, 0.2)), order_(rng.uniform(2.0, 5.0)) {}
   std::string form() const override {
-    return fmt::format("share of closed contacts 1 / (1 + ({:.3f} N / F)^{:.2f})", force_N_ * strength_, order_);
+    return fmt::format("share of closed contacts 1 / (1 + ({:.3f} N / F)^{:.2f})", force_N_ * strength_,
+                       order_);
   }
 
  private:
@@ -98,11 +98,12 @@ const HiddenRegistration kNonlinearity{{.name = "static_nonlinearity",
                                           return std::make_unique<AreaSaturation>(rng);
                                         }}};
 
-const HiddenRegistration kDeadZone{{.name = "dead_zone",
-                                    .side = "sensor",
-                                    .needs_kinds = {"ramp", "ramp"},
-                                    .strength_max = 8.0,
-                                    .make = [](Rng& rng) { return std::make_unique<DistributedThreshold>(rng); }}};
+const HiddenRegistration kDeadZone{
+    {.name = "dead_zone",
+     .side = "sensor",
+     .needs_kinds = {"ramp", "ramp"},
+     .strength_max = 8.0,
+     .make = [](Rng& rng) { return std::make_unique<DistributedThreshold>(rng); }}};
 
 }  // namespace
 }  // namespace forcegate::hidden

@@ -1,0 +1,95 @@
+#include "rigs/emulated/sensor_hook.h"
+
+#include <array>
+#include <charconv>
+
+#include "hil/base/portable_math.h"
+#include "hil/base/text.h"
+#include "rigs/emulated/preisach_plane.h"
+
+namespace forcegate::emulated {
+namespace {
+
+/// Adds a share of the loop of a Preisach plane.
+class LoopHook final : public SensorHook {
+ public:
+  explicit LoopHook(double share) : share_(share), everett_(0.22, 0.5, 2.2), plane_(everett_) {}
+
+  void begin(double, double force_N) override {
+    plane_ = PreisachPlane(everett_);
+    plane_.next(force_N);
+  }
+  void feel(std::size_t n, const double* force_N, double* film_N) override {
+    for (std::size_t i = 0; i < n; ++i) film_N[i] = force_N[i] + share_ * plane_.next(force_N[i]);
+  }
+  void tick(double) override {}
+
+ private:
+  double share_;
+  Everett everett_;
+  PreisachPlane plane_;
+};
+
+/// Adds a share of the load that grows as t^0.12 between half a second and an hour: a spectrum of relaxation
+/// times.
+class CreepHook final : public SensorHook {
+ public:
+  explicit CreepHook(double share) : share_(share) {
+    double total = 0.0;
+    for (std::size_t k = 0; k < kModes; ++k) {
+      tau_s_[k] = 0.5 * portable::pow(8000.0, static_cast<double>(k) / (kModes - 1));
+      total += weight_[k] = portable::pow(tau_s_[k], 0.12);
+    }
+    for (double& w : weight_) w /= total;
+  }
+
+  void begin(double, double force_N) override {
+    state_.fill(0.0);
+    creep_N_ = 0.0;
+    last_N_ = force_N;
+  }
+  void feel(std::size_t n, const double* force_N, double* film_N) override {
+    for (std::size_t i = 0; i < n; ++i) film_N[i] = force_N[i] + share_ * creep_N_;
+    last_N_ = force_N[n - 1];
+  }
+  void tick(double dt_s) override {
+    creep_N_ = 0.0;
+    for (std::size_t k = 0; k < kModes; ++k) {
+      state_[k] += dt_s / (tau_s_[k] + 0.5 * dt_s) * (last_N_ - state_[k]);
+      creep_N_ += weight_[k] * state_[k];
+    }
+  }
+
+ private:
+  static constexpr std::size_t kModes = 18;
+  double share_, creep_N_ = 0.0, last_N_ = 0.0;
+  std::array<double, kModes> tau_s_{}, weight_{}, state_{};
+};
+
+const Registration<SensorHookKind> kLoop{{"hysteresis", "loop of a Preisach plane, rate-independent", 0.12,
+                                          [](double share) { return std::make_unique<LoopHook>(share); }}};
+const Registration<SensorHookKind> kCreep{{"creep", "growth under load as a power of time", 0.08,
+                                           [](double share) { return std::make_unique<CreepHook>(share); }}};
+
+}  // namespace
+
+Result<std::unique_ptr<SensorHook>> make_sensor_hook(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const std::string name = text.substr(0, colon),
+                    how = colon == std::string::npos ? "medium" : text.substr(colon + 1);
+  const SensorHookKind* kind = Registry<SensorHookKind>::instance().find(name);
+  if (!kind)
+    return fail(ErrorCode::config, "the emulated sensor cannot hide '" + printable_utf8(name) + "'", {},
+                "it has: " + join(Registry<SensorHookKind>::instance().names(), ", "));
+  if (how == "weak") return kind->make(0.4 * kind->medium);
+  if (how == "medium") return kind->make(kind->medium);
+  if (how == "strong") return kind->make(2.5 * kind->medium);
+  double share = 0.0;
+  const auto [end, error] = std::from_chars(how.data(), how.data() + how.size(), share);
+  if (error != std::errc{} || end != how.data() + how.size() || !(share >= 0.0 && share <= 1.0))
+    return fail(ErrorCode::config, "'" + printable_utf8(how) + "' is no strength", {},
+                "use weak, medium, strong, or a share of the load from 0 to 1");
+  return kind->make(share);
+}
+
+}  // namespace forcegate::emulated
