@@ -100,7 +100,7 @@ template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::
 template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, OutputFacts> {
   f("nan", v.not_finite), f("first_nan", v.first_not_finite_s), f("min", v.minimum_N), f("max", v.maximum_N);
   f("longest", v.learning_longest_s), f("end", v.learning_end_s), f("held", v.held), f("rail", v.input_rail);
-  f("clamped", v.clamped);
+  f("clamped", v.clamped), f("departure", v.departure_N);
 }
 template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, HoldFacts> {
   f("seconds", v.seconds), f("dut", v.dut_N), f("raw", v.raw_N), f("ati", v.ati_N);

@@ -84,8 +84,9 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
 }  // namespace
 
 std::string check_in_words(const Check& c) {
+  const std::string title = !c.title.empty() ? c.title : !c.id.empty() ? c.id : "a check without a name";
   if (c.limit.kind == Limit::Kind::none || !std::isfinite(c.value))
-    return c.evidence.empty() ? c.title : c.title + ": " + c.evidence;
+    return c.evidence.empty() ? title : title + ": " + c.evidence;
   const bool good = c.limit.kind == Limit::Kind::upper   ? c.value <= c.limit.value
                     : c.limit.kind == Limit::Kind::lower ? c.value >= c.limit.value
                                                          : c.value == c.limit.value;
@@ -94,7 +95,7 @@ std::string check_in_words(const Check& c) {
                                                               : (good ? "=" : "is not");
   const std::string unit = c.unit == "1" ? "" : " " + c.unit;
   const std::string value = c.u > 0.0 ? with_uncertainty(c.value, c.u) : shortest(c.value);
-  return fmt::format("{} {}{} {} {}{} ({})", c.title, value, unit, relation, fmt::format("{:.6g}", c.limit.value),
+  return fmt::format("{} {}{} {} {}{} ({})", title, value, unit, relation, fmt::format("{:.6g}", c.limit.value),
                      unit, c.limit.source);
 }
 

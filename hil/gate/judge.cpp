@@ -119,16 +119,13 @@ class CaseJudge {
   // when everything that does not depend on it is sound and its output had left the ATI.
   bool firmware_left_the_reference() const {
     if (record_.output.not_finite > 0) return true;
-    double worst = 0.0;
+    double worst = record_.output.departure_N;
     int seen = 0;
     for (auto at = record_.pairs.rbegin(); at != record_.pairs.rend() && seen < 6; ++at)
       if (std::isfinite(at->ati_N) && std::isfinite(at->dut_N)) {
         worst = std::max(worst, std::fabs(at->dut_N - at->ati_N));
         ++seen;
       }
-    if (seen < 2)
-      worst = std::max(std::fabs(record_.output.maximum_N - record_.observed.reference_max_N),
-                       std::fabs(record_.output.minimum_N - record_.observed.reference_min_N));
     return worst > kDeparture_N;
   }
 

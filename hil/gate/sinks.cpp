@@ -32,12 +32,15 @@ std::vector<PlotTrace> to_traces(const Rows& rows) {
 void OutputWatch::begin(double rate_Hz, double excitation_start_s) {
   *this = OutputWatch();
   period_s_ = 1.0 / rate_Hz;
+  follow_ = std::min(1.0, period_s_ / kDeparture_s);
   excitation_start_s_ = excitation_start_s;
 }
 
 void OutputWatch::push(const RecordBlock& b) {
   for (std::size_t i = 0; i < b.n; ++i) {
     const float force_N = b.dut_N[i];
+    const double departure_N = std::fabs(static_cast<double>(force_N) - b.rig->force_ref_N[i]);
+    if (std::isfinite(departure_N)) facts_.departure_N += follow_ * (departure_N - facts_.departure_N);
     if (std::isfinite(force_N)) {
       if (!any_finite_) facts_.minimum_N = facts_.maximum_N = force_N;
       any_finite_ = true;

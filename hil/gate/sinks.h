@@ -24,13 +24,14 @@ struct RecordBlock {
 /// Output bounds, NaN, flags.
 class OutputWatch {
  public:
+  static constexpr double kDeparture_s = 0.2;  ///< of OutputFacts::departure_N
   void begin(double rate_Hz, double excitation_start_s);
   void push(const RecordBlock& block);
   OutputFacts finish() const { return facts_; }
 
  private:
   OutputFacts facts_;
-  double period_s_ = 1e-3, excitation_start_s_ = 0.0;
+  double period_s_ = 1e-3, excitation_start_s_ = 0.0, follow_ = 0.005;
   std::uint64_t learning_run_ = 0;
   bool first_episode_over_ = false, any_finite_ = false;
 };

@@ -29,8 +29,7 @@ Result<ConfigNode> convert(const toml::node& from, const std::string& name, int 
     to.kind = ConfigNode::Kind::table;
     for (const auto& [key, value] : *table) {
       FORCEGATE_TRY(ConfigNode item, convert(value, name, depth + 1));
-      if (item.kind != ConfigNode::Kind::table && item.kind != ConfigNode::Kind::array)
-        item.where = position(name, key.source());
+      if (key.source().begin.line > 0) item.where = position(name, key.source());
       to.names.push_back(printable_utf8(key.str()));
       to.items.push_back(std::move(item));
     }
