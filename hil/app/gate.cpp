@@ -211,7 +211,7 @@ class GateRun {
       const auto& specimens = specimens_of(setup_.plan, planned);
       std::vector<const JudgedCase*> group;
       for (std::size_t k = 0; k < specimens.size(); ++k) group.push_back(&judged_[i++]);
-      for (JudgedCheck& check : judge_panel(planned, specimens, group)) panel_.push_back(std::move(check));
+      for (JudgedCheck& check : judge_panel(setup_.plan, planned, specimens, group)) panel_.push_back(std::move(check));
     }
     std::vector<JudgedCheck*> all;
     for (JudgedCheck& check : panel_) all.push_back(&check);

@@ -36,8 +36,11 @@ struct JudgedCase {
 JudgedCase judge_case(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
                       const DerivedLimits& limits);
 
-/// Checks of the panel for one case with the check `promise`: means over the specimens.
-std::vector<JudgedCheck> judge_panel(const PlanCase& planned, const std::vector<std::string>& specimens,
+/// Checks of the panel for one case with the check `promise`: means over the specimens. The panel is fixed, so its
+/// mean is the measurand and the spread over its specimens no uncertainty of it; that is
+///   u = sqrt(u_systematic^2 + u_repeat^2 / n),
+/// u_repeat from the plan (what a record of one specimen varies by when it is made again). The spread is reported.
+std::vector<JudgedCheck> judge_panel(const Plan& plan, const PlanCase& planned, const std::vector<std::string>& specimens,
                                      const std::vector<const JudgedCase*>& judged);
 
 /// Instant from which extrema count: ramp-in and start window are over, or the last tail_s of the record.

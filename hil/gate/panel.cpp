@@ -10,7 +10,7 @@
 namespace forcegate {
 namespace {
 
-JudgedCheck panel_check(const PlanCase& planned, bool maximum, const std::vector<std::string>& specimens,
+JudgedCheck panel_check(const Plan& plan, const PlanCase& planned, bool maximum, const std::vector<std::string>& specimens,
                         const std::vector<const JudgedCase*>& judged) {
   const char* which = maximum ? "maxima" : "minima";
   JudgedCheck j;
@@ -47,25 +47,25 @@ JudgedCheck panel_check(const PlanCase& planned, bool maximum, const std::vector
     return j;
   }
   const double n = static_cast<double>(values.size());
-  const double spread = values.size() > 1 ? m.sd / std::sqrt(n) : 0.0;
-  c.u = std::hypot(spread, u_systematic);
-  // Welch-Satterthwaite: the systematic part counts as known well.
-  j.dof = spread > 0.0 ? (n - 1.0) * std::pow(c.u / spread, 4.0) : 0.0;
+  const double repeat = plan.uncertainty.record_repeat_pct / std::sqrt(n);
+  c.u = std::hypot(repeat, u_systematic);
   const auto inside = std::count_if(values.begin(), values.end(), [&](double v) { return v <= c.limit.value; });
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  c.evidence = fmt::format("specimens {:.2f} to {:.2f} %, {} of {} inside singly; spread of the mean {:.2f}, systematic {:.2f}",
-                           *low, *high, inside, values.size(), spread, u_systematic);
+  c.evidence = fmt::format(
+      "specimens {:.2f} to {:.2f} %, standard deviation {:.2f}, {} of {} inside singly; u from repeatability {:.2f}, "
+      "systematic {:.2f}",
+      *low, *high, values.size() > 1 ? m.sd : 0.0, inside, values.size(), repeat, u_systematic);
   return j;
 }
 
 }  // namespace
 
-std::vector<JudgedCheck> judge_panel(const PlanCase& planned, const std::vector<std::string>& specimens,
+std::vector<JudgedCheck> judge_panel(const Plan& plan, const PlanCase& planned, const std::vector<std::string>& specimens,
                                      const std::vector<const JudgedCase*>& judged) {
   std::vector<JudgedCheck> checks;
   if (!(planned.checks & kCheckPromise) || !planned.maxima_pct || !planned.minima_pct) return checks;
-  checks.push_back(panel_check(planned, true, specimens, judged));
-  checks.push_back(panel_check(planned, false, specimens, judged));
+  checks.push_back(panel_check(plan, planned, true, specimens, judged));
+  checks.push_back(panel_check(plan, planned, false, specimens, judged));
   return checks;
 }
 

@@ -77,6 +77,7 @@ struct PlanLimits {
 struct PlanUncertainty {
   double reference_rel = 0.0;   ///< relative, k = 1; 0: what the rig declares
   double alignment_rel = 0.002; ///< sensor axis against ATI axis: 1 - cos 3.6 deg
+  double record_repeat_pct = 1.5;  ///< sd of the MRE of one record of one specimen when it is made again
 };
 
 struct Plan {

@@ -203,6 +203,7 @@ Result<void> read_uncertainty(const ConfigNode& node, PlanUncertainty& u) {
   ConfigReader r(node, "[uncertainty]");
   r.number("reference_rel", u.reference_rel, 0.0, 1.0);
   r.number("alignment_rel", u.alignment_rel, 0.0, 1.0);
+  r.number("record_repeat_pct", u.record_repeat_pct, 0.0, 100.0);
   return r.finish();
 }
 

@@ -54,7 +54,8 @@ void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
     Check& c = j->check;
     const double U = c.u > 0.0 ? coverage_factor(rule.coverage, j->dof) * c.u : c.u;
     c.verdict = zone(c, U);
-    if (c.required && c.limit.kind != Limit::Kind::none) {
+    // An exact count cannot be beyond its limit by chance: it is not part of the family.
+    if (c.required && c.limit.kind != Limit::Kind::none && c.u > 0.0) {
       p_values.push_back(exceedance_p(c, j->dof));
       family.push_back(j);
     }

@@ -30,7 +30,7 @@ struct JudgedCheck {
   bool judgeable = true;  ///< false: verdict and blame are already final (rig_error, not_run ...)
 };
 
-/// Applies the rule to all checks of a run together; Holm runs over the required judgeable ones.
+/// Applies the rule to all checks of a run together; Holm runs over the required judgeable ones with u > 0.
 void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks);
 
 /// Zone of one check without the multiple-testing step.

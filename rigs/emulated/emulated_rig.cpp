@@ -83,7 +83,8 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   converter_.begin(converter);
 
   film_parameters_ =
-      draw_session(options_.sensor, specimen, request.seed, request.session, options_.session_spread);
+      draw_session(options_.sensor, specimen, request.seed, request.session, options_.session_spread,
+                   request.record);
   const std::uint64_t record_seed =
       mix_seed(mix_seed(request.seed, "record/" + request.specimen),
                std::to_string(request.session) + "/" + std::to_string(request.record));

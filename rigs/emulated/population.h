@@ -38,10 +38,11 @@ const std::vector<std::string>& panel_names();  ///< "q05" "q15" "q25" "q38" "q5
 /// "nominal", a name of the panel, any "qNN" (01-99, b and q at that quantile and its mirror), or "seed:N".
 Result<Specimen> find_specimen(SensorType type, std::string_view name);
 
-/// The film of this specimen in a session: draws G, F0 and the repeatability from (seed, session).
+/// The film of this specimen in a session: draws G, F0 and the repeatability from (seed, session);
+/// record > 0 draws the repeatability of b and q for that record of the session.
 /// `spread` = false gives nominal G and F0 and exact repeatability.
 FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint64_t seed,
-                            std::uint64_t session, bool spread = true);
+                            std::uint64_t session, bool spread = true, std::uint64_t record = 0);
 
 /// Standard normal quantile, 0 < p < 1, error below 5e-9.
 double normal_quantile(double p);
