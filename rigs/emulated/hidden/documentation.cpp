@@ -48,8 +48,11 @@ BenchNotes write_down(std::uint64_t seed, const std::string& name, const Conditi
     if (dynamic) r.dynamic = p.dynamic;
     if (facts && p.dynamic) {
       r.f_min_Hz = p.f_min_Hz;
-      r.A_N = to_step(p.amplitude_N(), 0.01);
-      r.m_N = to_step(p.mean_N(), 0.01);
+      // a single sine is known from its settings, everything else is read off the reference
+      const double low_N = p.kind == "sine" ? p.low_N : t.reached_low_N;
+      const double high_N = p.kind == "sine" ? p.high_N : t.reached_high_N;
+      r.A_N = to_step(0.5 * (high_N - low_N), 0.01);
+      r.m_N = to_step(0.5 * (high_N + low_N), 0.01);
     }
     if (drive) r.drive_V = p.drive_V;
     if (geometry) {

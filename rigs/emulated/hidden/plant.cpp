@@ -165,7 +165,7 @@ std::vector<RecordData> run_campaign(const Conditions& c, const Climate& climate
   Waves waves;
   for (std::size_t index = 0; index < plans.size(); ++index) {
     RecordPlan plan = plans[index];
-    const RecordTruth truth = draw_truth(c, plan);
+    RecordTruth truth = draw_truth(c, plan);
     const RecordContext context{plan, truth, climate, index, 5.0, c.voltage_max_V};
     const double rate_Hz = std::min(plan.rate_Hz, clocking.sampling_Hz_max);
     waves.step_s = 1.0 / (rate_Hz * std::ceil(clocking.internal_Hz / rate_Hz));
@@ -184,6 +184,8 @@ std::vector<RecordData> run_campaign(const Conditions& c, const Climate& climate
     push(truth, waves);
     for (const auto& effect : effects) effect->force(waves, context);
     measure_range(waves, plan);
+    truth.reached_low_N = plan.low_N;
+    truth.reached_high_N = plan.high_N;
     read_reference(c, waves);
     for (const auto& effect : effects) effect->reference(waves, context);
     waves.film_N = waves.force_N;

@@ -42,6 +42,7 @@ struct RecordTruth {
   double b_scale = 1.0, q_scale = 1.0;         ///< of the decay law
   double spring_N_per_mm = 0.25, eccentricity_mm = 10.0, preload_mm = 0.0;
   double wheel_radius_mm = 30.0;
+  double reached_low_N = 0.0, reached_high_N = 0.0;  ///< of the settled loading
 };
 
 /// What an effect may look at.
