@@ -58,7 +58,7 @@ LeagueEngine built_in_engine() {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   LeagueEngine engine =
-      command_engine("'" + (error ? fs::path("forcegate") : self).string() + "' diagnose --json");
+      command_engine("'" + (error ? fs::path("forcegate") : self).string() + "' diagnose --json --threads 1");
   engine.name = "built-in";
   return engine;
 }
