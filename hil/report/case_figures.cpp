@@ -64,9 +64,9 @@ Envelope envelope(const PlotTrace& trace, int columns) {
   if (!(width > 0.0)) return out;
   std::map<int, std::pair<double, double>> cells;
   for (std::size_t i = 0; i < trace.t_s.size(); ++i) {
-    if (!std::isfinite(trace.value[i]) || !(trace.t_s[i] >= first) || !(trace.t_s[i] <= first + width))
-      continue;
-    const int column = std::min(columns - 1, static_cast<int>((trace.t_s[i] - first) / width * columns));
+    const double f = (trace.t_s[i] - first) / width;
+    if (!std::isfinite(trace.value[i]) || !(f >= 0.0 && f <= 1.0)) continue;
+    const int column = std::min(columns - 1, static_cast<int>(f * columns));
     const double v = trace.value[i];
     const auto [at, added] = cells.try_emplace(column, v, v);
     if (!added) at->second = {std::min(at->second.first, v), std::max(at->second.second, v)};
@@ -272,8 +272,9 @@ Figure loop_figure(const CaseResult& c) {
     if (!std::isfinite(error.value[i]) || !std::isfinite(expected->value[i])) continue;
     const double fx = (expected->value[i] - rising.x_low) / (rising.x_high - rising.x_low);
     const double fy = (error.value[i] - rising.y_low) / (rising.y_high - rising.y_low);
-    const int ix = std::clamp(static_cast<int>(fx * rising.nx), 0, rising.nx - 1),
-              iy = std::clamp(static_cast<int>(fy * rising.ny), 0, rising.ny - 1);
+    if (!(fx >= 0.0 && fx <= 1.0 && fy >= 0.0 && fy <= 1.0)) continue;
+    const int ix = std::min(static_cast<int>(fx * rising.nx), rising.nx - 1),
+              iy = std::min(static_cast<int>(fy * rising.ny), rising.ny - 1);
     Density& side = direction[i + reach] >= direction[i - reach] ? rising : falling;
     side.count[static_cast<std::size_t>(iy * rising.nx + ix)] += 1.0;
   }

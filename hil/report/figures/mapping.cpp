@@ -63,7 +63,7 @@ Range finish_range(const Axis& axis, Range data, double margin) {
     const double last = static_cast<double>(axis.categories.size()) - 1.0;
     return {std::isnan(axis.low) ? -0.6 : axis.low, std::isnan(axis.high) ? last + 0.6 : axis.high};
   }
-  if (!data.known()) data = log ? Range{1.0, 10.0} : Range{0.0, 1.0};
+  if (!data.known() || !std::isfinite(data.high - data.low)) data = log ? Range{1.0, 10.0} : Range{0.0, 1.0};
   if (axis.include_zero && !log) data.include(0.0);
   if (log) {
     double low = std::log(data.low), high = std::log(data.high);

@@ -121,8 +121,10 @@ void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<
   falling.label = "\u25bc falling";
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(x[i]) || !std::isfinite(y[i]) || y[i] < y_low || y[i] > y_high) continue;
-    const int ix = std::min(rising.nx - 1, static_cast<int>((x[i] - x_low) / (x_high - x_low) * rising.nx));
-    const int iy = std::min(rising.ny - 1, static_cast<int>((y[i] - y_low) / (y_high - y_low) * rising.ny));
+    const double fx = (x[i] - x_low) / (x_high - x_low), fy = (y[i] - y_low) / (y_high - y_low);
+    if (!(fx >= 0.0 && fx <= 1.0 && fy >= 0.0 && fy <= 1.0)) continue;
+    const int ix = std::min(rising.nx - 1, static_cast<int>(fx * rising.nx));
+    const int iy = std::min(rising.ny - 1, static_cast<int>(fy * rising.ny));
     Density& side = !split || direction[i] > 0.0 ? rising : falling;
     side.count[static_cast<std::size_t>(iy * rising.nx + ix)] += 1.0;
   }

@@ -24,7 +24,7 @@ std::string power_label(int exponent) {
 
 std::vector<Tick> linear_ticks(double low, double high, int target) {
   std::vector<Tick> ticks;
-  if (!(high > low) || !std::isfinite(low) || !std::isfinite(high)) return ticks;
+  if (!(high > low) || !std::isfinite(high - low)) return ticks;
   const double rough = (high - low) / std::max(1, target);
   const int power = static_cast<int>(std::floor(std::log10(rough)));
   const double base = std::pow(10.0, power);

@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <regex>
-
 #include "hil/interface/reporter.h"
 #include "hil/report/case_figures.h"
 #include "hil/report/figures/bullet.h"
@@ -36,12 +34,17 @@ std::size_t count(const std::string& text, const std::string& what) {
 /// balanced.
 std::string first_unbalanced(const std::string& page) {
   std::vector<std::string> open;
-  const std::regex tag("<(/?)([a-zA-Z0-9]+)((?:[^<>\"]|\"[^\"]*\")*?)(/?)>");
-  const std::string body = page.substr(page.find("<body>"));
-  for (auto it = std::sregex_iterator(body.begin(), body.end(), tag); it != std::sregex_iterator(); ++it) {
-    const std::string name = (*it)[2];
-    if ((*it)[4] == "/" || name == "br" || name == "input" || name == "meta") continue;
-    if ((*it)[1] != "/") {
+  std::size_t at = page.find("<body>");
+  while ((at = page.find('<', at)) != std::string::npos) {
+    bool quoted = false;
+    std::size_t end = at + 1;
+    for (; end < page.size() && (quoted || page[end] != '>'); ++end) quoted ^= page[end] == '"';
+    const bool closing = page[at + 1] == '/', closed = page[end - 1] == '/';
+    const std::size_t start = at + (closing ? 2 : 1);
+    const std::string name = page.substr(start, page.find_first_of(" />", start) - start);
+    at = end;
+    if (closed || name == "br" || name == "input" || name == "meta") continue;
+    if (!closing) {
       open.push_back(name);
       if (name == "script") break;  // the last element; its text is not markup
     } else {
