@@ -48,6 +48,11 @@ Result<MysteryResult> make_mystery(const MysteryRequest& request,
     return fail(ErrorCode::usage, "a pair has two effects", "--pair", "write --pair creep,thermal");
   if (!request.pair.empty() && !request.effect.empty())
     return fail(ErrorCode::usage, "--pair and --effect exclude each other");
+  std::error_code error;
+  const std::filesystem::path list = request.folder / "campaign.json";
+  if (!request.overwrite && std::filesystem::exists(list, error))
+    return fail(ErrorCode::usage, "there is a campaign already", list.string(),
+                "choose another folder, or --force");
   Rng rng(request.seed, "mystery");
   hidden::CampaignRequest wanted;
   wanted.seed = request.seed;
