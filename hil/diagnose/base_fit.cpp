@@ -8,7 +8,7 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr int kShapes = 5, kWaves = 4;
+constexpr int kShapes = 5, kWaves = 4, kFirstShape = 6;
 constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
 constexpr std::size_t kRowLimit = 2500;
 
@@ -44,6 +44,7 @@ double row_noise_of(const std::vector<double>& e) {
 // Errors in variables: what the instruments' steps leave in a row although they do as declared.
 void set_noise(Workspace& w) {
   w.noise_V.assign(w.input.records.size(), 0.0);
+  w.white_V.assign(w.input.records.size(), 0.0);
   for (std::size_t k = 0; k < w.input.records.size(); ++k) {
     const RecordInput& r = w.input.records[k];
     std::vector<double> e(r.rows());
@@ -57,6 +58,7 @@ void set_noise(Workspace& w) {
     const double quantised = std::hypot(w.gain_V_per_N * decay * step_F, step_U) / std::sqrt(12.0);
     // steps are only averaged away when noise dithers them
     const double dithered = h != nullptr && h->noise_F_N > 0.4 * step_F ? 0.4 : 1.0;
+    w.white_V[k] = white + 1e-4 * w.input.U_range_V;
     w.noise_V[k] = std::hypot(white, dithered * quantised) + 1e-4 * w.input.U_range_V;
   }
 }
@@ -78,19 +80,20 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
 }
 
 void set_repeatability(MixedProblem& problem) {
-  problem.nz = 5 + kShapes + kWaves;
+  problem.nz = kFirstShape + kShapes + kWaves;
   problem.n_fixed = 4;
   problem.components = {{"gain", 0.02, 1.0},  {"offset", 0.01, 1.0}, {"log_b", 0.25, 1.0}, {"log_q", 0.14, 1.0},
-                        {"F_min", 0.01, 1.0}, {"shape", 0.02, 2.0},  {"wander", 0.002, 2.0}};
-  problem.component_of_z = {0, 1, 2, 3, 4};
-  for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(5);
-  for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(6);
+                        {"F_min", 0.01, 1.0}, {"swing", 0.03, 1.0},  {"shape", 0.02, 2.0},
+                        {"wander", 0.002, 2.0}};
+  problem.component_of_z = {0, 1, 2, 3, 4, 5};
+  for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(6);
+  for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(7);
   problem.fixed_prior_sd = Eigen::Vector4d(10.0, 10.0, 1.0, 1.0);
 }
 
 Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, const std::vector<std::size_t>& rows) {
   const RecordInput& r = w.input.records[index];
-  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), 5 + kShapes + kWaves);
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), kFirstShape + kShapes + kWaves);
   const double g = w.gain_V_per_N / w.input.U_range_V;
   const double b = w.law.decay_rate_per_s(r.f_Hz) * std::exp(w.shifts[index].log_b);
   const double q = w.law.depth_ratio(r.A_N) * std::exp(w.shifts[index].log_q);
@@ -109,10 +112,12 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, con
         Z(row, 3) = g * swing * q * (1.0 - e) / ((1.0 + q) * (1.0 + q));
         Z(row, 4) = (1.0 - D) * g * w.input.range_N;
       }
-      for (int k = 0; k < kShapes; ++k) Z(row, 5 + k) = g * swing * hat(since, k);
+      // laws a(A), c(A) in volts do not start at the static gain: the swing has a size of its own
+      if (since > 0.0 && w.law.decays) Z(row, 5) = g * D * swing;
+      for (int k = 0; k < kShapes; ++k) Z(row, kFirstShape + k) = g * swing * hat(since, k);
     }
     for (int k = 0; k < kWaves; ++k)
-      if (length > 60.0 * (k + 1)) Z(row, 5 + kShapes + k) = std::cos(3.14159265358979 * (k + 1) * r.t_s[i] / length);
+      if (length > 60.0 * (k + 1)) Z(row, kFirstShape + kShapes + k) = std::cos(3.14159265358979 * (k + 1) * r.t_s[i] / length);
   }
   return Z;
 }

@@ -11,8 +11,8 @@
 
 namespace forcegate {
 
-enum class Verdict { none, known, unknown };
-std::string to_string(Verdict verdict);
+enum class DiagnosisVerdict { none, known, unknown };
+std::string to_string(DiagnosisVerdict verdict);
 
 struct FoundParameter {
   std::string name;
@@ -116,7 +116,7 @@ struct Repeatability {        ///< spread between records, estimated from the ca
 struct Diagnosis {
   std::string campaign;
   std::string model;
-  Verdict verdict = Verdict::none;
+  DiagnosisVerdict verdict = DiagnosisVerdict::none;
   bool residual_unknown = false;
   std::vector<Finding> findings;          ///< claims first, then weaker ones
   std::vector<std::string> depends_on;    ///< at most three groups

@@ -191,19 +191,38 @@ bool is_structure(const Structure& s, double noise_rms) {
 
 double noise_rms(const ResidualChannel& channel) {
   double sum = 0.0;
-  for (const RecordGram& g : channel.problem.records) sum += g.noise_variance;
+  for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
   return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
-}  // namespace
-
-Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
-  Diagnosis out;
+void set_scales(const Workspace& w, const EngineOptions& options, Diagnosis& out) {
   out.campaign = w.input.name;
   out.model = options.model_name;
   out.notes = w.input.notes;
   out.force_range_N = w.input.range_N;
   out.voltage_range_V = w.input.U_range_V;
+}
+
+}  // namespace
+
+Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
+  Diagnosis out;
+  set_scales(w, options, out);
+  Selection nothing;
+  nothing.base = nothing.final = fit_mixed(w.output.problem, model_columns(w.output, options.in_model), nullptr, 20);
+  if (!nothing.base.valid) return out;
+  const auto residual = residual_rows(w.output, nothing.base);
+  out.maps = residual_maps(w, w.output, residual);
+  add_records(w, nothing.base, nothing.base, out);
+  const auto sd = [&](int k) { return std::sqrt(nothing.base.variance[k]); };
+  out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
+  add_pictures(w, nothing, residual, residual, out);
+  return out;
+}
+
+Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
+  Diagnosis out;
+  set_scales(w, options, out);
   const SelectionRules rules;
 
   const std::vector<HealthClaim> raw = health_claims(w.health, w.scales, w.input.bench);
@@ -214,7 +233,14 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   Selection rig;
   bool reference_moves = false;
   if (w.has_rig) {
-    rig = select_effects(w.rig, model_columns(w.rig, options.in_model), options.in_model, rules, options.threads);
+    // the rig's own law is only nearly linear and its guide only nearly free: a finding must explain most of the misfit
+    SelectionRules rig_rules = rules;
+    rig_rules.first_gain = 20.0;
+    rig_rules.first_fall = 0.3;
+    rig_rules.later_fall = 0.6;
+    rig_rules.first_total_fall = rig_rules.later_total_fall = 1.1;
+    rig_rules.smallest_rms = 1e-3;
+    rig = select_effects(w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules, options.threads);
     for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
   }
   std::vector<std::string> skip = options.in_model;
@@ -271,14 +297,14 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       unique.push_back(std::move(f));
   out.findings = std::move(unique);
   const bool claims = std::any_of(out.findings.begin(), out.findings.end(), [](const Finding& f) { return f.probability >= 0.5; });
-  out.verdict = claims ? Verdict::known : structured ? Verdict::unknown : Verdict::none;
+  out.verdict = claims ? DiagnosisVerdict::known : structured ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
   out.residual_unknown = claims && structured && explained < 0.8;
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual);
   const auto residual_after = residual_rows(w.output, selection.final);
   out.maps_after = residual_maps(w, w.output, residual_after);
-  if (out.verdict == Verdict::unknown || out.residual_unknown) out.depends_on = depends_on(out.maps_after);
+  if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown) out.depends_on = depends_on(out.maps_after);
   add_records(w, selection.base, selection.final, out);
   for (Finding& f : out.findings)
     if (f.form == "raw") {
@@ -289,6 +315,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   if (w.has_rig && rig.base.valid) add_ranking(w.rig, rig, out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
+  for (const std::string& what : selection.nuisance) out.notes.push_back(what);
   for (const std::string& why : selection.rejected) out.notes.push_back("not taken: " + why);
   if (options.pictures) add_pictures(w, selection, residual, residual_after, out);
   return out;

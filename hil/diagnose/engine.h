@@ -27,6 +27,9 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
 /// S4 to S9 on a prepared workspace.
 Diagnosis diagnose_workspace(Workspace& workspace, const EngineOptions& options);
 
+/// Records, maps and overlays of the base law (with the effects that the model has), without any search.
+Diagnosis compare_workspace(Workspace& workspace, const EngineOptions& options);
+
 Result<Diagnosis> diagnose_campaign(Campaign campaign, const EngineOptions& options);
 
 /// Columns that the effects already in the model put into the fit (their most flexible forms).

@@ -24,7 +24,8 @@ struct RecordGram {
   std::string name;
   Eigen::MatrixXd gram;        ///< (nz + ns + 1)^2, means over rows; the last column is y
   double n_eff = 1.0;
-  double noise_variance = 0.0; ///< s_i^2 is not estimated below this
+  double noise_variance = 0.0; ///< white noise: s_i^2 is not estimated below this
+  double allowed_variance = 0.0; ///< what the declared instruments may leave, steps of the reference included
   bool heldout = false;
 };
 

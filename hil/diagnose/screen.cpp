@@ -35,10 +35,20 @@ double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < fit.adapted.size(); ++i) {
     if (channel.problem.records[i].heldout) continue;
-    sum += std::max(0.0, fit.adapted[i] - channel.problem.records[i].noise_variance);
+    sum += std::max(0.0, fit.adapted[i] - channel.problem.records[i].allowed_variance);
     n += 1.0;
   }
   return n > 0.0 ? sum / n : 0.0;
+}
+
+double total_fall(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after) {
+  double a = 0.0, b = 0.0;
+  for (std::size_t i = 0; i < before.adapted.size(); ++i)
+    if (!channel.problem.records[i].heldout) {
+      b += before.adapted[i];
+      a += after.adapted[i];
+    }
+  return b > 0.0 ? 1.0 - a / b : 0.0;
 }
 
 double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
@@ -82,6 +92,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     if (score.wrong_sign) score.gain *= score.gain > 0.0 ? 0.3 : 1.0;
     const double excess = excess_mean_square(channel, score.fit);
     score.fall = base_excess > 0.0 ? 1.0 - excess / base_excess : 0.0;
+    score.total_fall = total_fall(channel, out.base, score.fit);
     used[v] = 1;
   });
   for (const EffectKind& kind : EffectRegistry::instance().all()) {

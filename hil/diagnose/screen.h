@@ -14,6 +14,7 @@ struct VariantScore {
   double gain = 0.0;            ///< log evidence over the present model
   double effect_rms = 0.0;      ///< of what the columns add, share of the span, mean over records
   double fall = 0.0;            ///< share of the excess mean square (above noise) that goes away, all fit records
+  double total_fall = 0.0;      ///< share of the whole adapted mean square that goes away
   bool wrong_sign = false;
   MixedFit fit;
 };
@@ -35,6 +36,9 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
 
 /// Mean over fit records of the adapted mean square above the noise, never below 0.
 double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit);
+
+/// Share of the adapted mean square of the fit records that goes away between two fits.
+double total_fall(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);
 
 /// Signed size of what the columns add: RMS over rows, sign from the strengths weighted by their columns' size.
 double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns);

@@ -26,12 +26,14 @@ struct Selection {
   std::vector<ChosenEffect> chosen;
   MixedFit base, final;
   double excess_before = 0.0, excess_after = 0.0;  ///< mean squares above the noise
+  std::vector<std::string> nuisance;  ///< what was carried along without being a finding
   std::vector<std::string> rejected;  ///< why the next one was not taken
 };
 
 struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
   double first_fall = 0.10, later_fall = 0.40;
+  double first_total_fall = 0.06, later_total_fall = 0.25;  ///< where the declared noise allows the whole residual
   double smallest_rms = 2.5e-4;  ///< of the span: less is below what the declared instruments can tell
   int most = 3;
 };

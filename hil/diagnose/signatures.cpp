@@ -4,6 +4,7 @@
 #include "hil/base/parallel.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
+#include "hil/model/states.h"
 
 namespace forcegate::diagnose {
 
@@ -101,7 +102,8 @@ void build_output_channel(Workspace& w, unsigned threads) {
     RecordGram& gram = channel.problem.records[k];
     gram.name = r.name;
     gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
-    gram.noise_variance = std::pow(w.noise_V[k] / channel.scale, 2) + 1e-8;
+    gram.noise_variance = std::pow(w.white_V[k] / channel.scale, 2) + 1e-8;
+    gram.allowed_variance = std::pow(w.noise_V[k] / channel.scale, 2) + 1e-8;
     gram.heldout = r.heldout && !w.all_fit;
     build_record(w, channel, k, Z, y, w.gain_V_per_N / channel.scale);
   });
@@ -150,10 +152,11 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   w.has_rig = true;
 
   MixedProblem& p = channel.problem;
-  p.nz = 2 + 3;
+  p.nz = 2 + 3 + 2;
   p.n_fixed = 2;
-  p.components = {{"rig_gain", 0.02, 1.0}, {"rig_offset", 0.02, 1.0}, {"rig_wander", 0.002, 2.0}};
-  p.component_of_z = {0, 1, 2, 2, 2};
+  // a command reaches the force through a motor: its ordinary lag is no finding
+  p.components = {{"rig_gain", 0.02, 1.0}, {"rig_offset", 0.02, 1.0}, {"rig_wander", 0.002, 2.0}, {"motor_lag", 1.0, 1.0}};
+  p.component_of_z = {0, 1, 2, 2, 2, 3, 3};
   p.fixed_prior_sd = Eigen::Vector2d(10.0, 10.0);
   list_candidates(w.input, EffectChannel::rig, false, channel);
   const std::size_t n = channel.record_of.size();
@@ -174,13 +177,20 @@ void build_rig_channel(Workspace& w, unsigned threads) {
           Z(row, 2 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
       y.push_back(r.F_N[rows[j]] / channel.scale);
     }
+    if (r.theta_rad.empty())
+      for (int q = 0; q < 2; ++q) {
+        const auto late = low_pass_channel(r, r.rig_force_N, q == 0 ? 0.03 : 0.1, r.rig_force_N[0]);
+        for (std::size_t j = 0; j < rows.size(); ++j)
+          Z(static_cast<Eigen::Index>(j), 5 + q) = (late[rows[j]] - r.rig_force_N[rows[j]]) / channel.scale;
+      }
     RecordGram& gram = p.records[k];
     gram.name = r.name;
     gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
     const RecordHealth* h = channel.record_of[k] < w.health.size() ? &w.health[channel.record_of[k]] : nullptr;
     const double step = h != nullptr ? h->lsb_F_N : 0.0, white = h != nullptr ? h->noise_F_N : 0.0;
     const double per_row = std::max<double>(1.0, r.row_begin[1] - r.row_begin[0]);
-    gram.noise_variance = (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
+    gram.allowed_variance = (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
+    gram.noise_variance = 0.25 * gram.allowed_variance;
     gram.heldout = r.heldout && !w.all_fit;
     build_record(w, channel, k, Z, y, 1.0 / channel.scale);
   });

@@ -7,11 +7,11 @@ namespace forcegate {
 
 using Json = nlohmann::ordered_json;
 
-std::string to_string(Verdict verdict) {
+std::string to_string(DiagnosisVerdict verdict) {
   switch (verdict) {
-    case Verdict::none: return "none";
-    case Verdict::known: return "known";
-    case Verdict::unknown: return "unknown";
+    case DiagnosisVerdict::none: return "none";
+    case DiagnosisVerdict::known: return "known";
+    case DiagnosisVerdict::unknown: return "unknown";
   }
   return "none";
 }

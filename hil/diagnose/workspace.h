@@ -57,6 +57,7 @@ struct Workspace {
   double gain_V_per_N = 2.0;           ///< slope of the static law at the current fit
   std::vector<RecordShift> shifts;     ///< per record
   std::vector<double> noise_V;         ///< row noise of U at given F_ref, errors in variables included
+  std::vector<double> white_V;         ///< its white part alone
   ResidualChannel output, rig;
   bool has_rig = false;
   bool all_fit = false;                ///< no record is marked held out: records are left out in turn

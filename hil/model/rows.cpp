@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace forcegate {
 
@@ -194,6 +195,16 @@ void finish_campaign_input(CampaignInput& campaign) {
     campaign.lowest_N = quantile(F, 0.001);
     campaign.range_N = std::max(1e-12, quantile(F, 0.999) - campaign.lowest_N);
     campaign.U_range_V = std::max(1e-12, quantile(U, 0.999) - quantile(U, 0.001));
+  }
+
+  // Where the force stands still its reading is resolution and noise only: as a regressor it would pull gains to zero.
+  for (RecordInput& r : records) {
+    const double span = quantile(r.F_N, 0.995) - quantile(r.F_N, 0.005);
+    if (!(span < 0.02 * campaign.range_N)) continue;
+    const double middle = std::accumulate(r.F_N.begin(), r.F_N.end(), 0.0) / static_cast<double>(r.F_N.size());
+    std::fill(r.F_N.begin(), r.F_N.end(), middle);
+    std::fill(r.fast_F_N.begin(), r.fast_F_N.end(), middle);
+    std::fill(r.rate_N_per_s.begin(), r.rate_N_per_s.end(), 0.0);
   }
 
   double travel = 0.0;

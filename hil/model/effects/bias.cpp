@@ -1,5 +1,6 @@
 // Drive-voltage dependence: tunnelling conduction is voltage dependent, the decay vanishes below 1.5 V.
-//   dU = g (c_gain W + c_decay (1 - D)(F - Fmin)) (V - Vref)/Vref,  V the drive of the record.
+//   dU = g (c_gain W + c_decay (1 - D)(F - Fmin)) (V - Vref)/Vref,  V the drive of the record;
+//   dU = g c_gain W (1 - Vref/V) for a gain that levels off at high drive.
 // Sensors (2017) static loading; tanh law below 1 V: Sensors 11 (2011) 8836; Proceedings 1 (2017) 813.
 
 #include "hil/model/effect.h"
@@ -45,7 +46,20 @@ const Registration<EffectKind> kRegistered{EffectKind{
                        out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
                      }
                    },
-               .singles = true}}}};
+               .singles = true},
+              {.name = "inverse",
+               .shape = {},
+               .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "relative gain lost per Vref/V"}},
+               .sign = StrengthSign::either,
+               .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+               .columns =
+                   [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                     out.setZero();
+                     if (!(r.drive_mean_V > 0.0)) return;
+                     const double v = 1.0 - reference_drive(c) / r.drive_mean_V;
+                     for (std::size_t i = 0; i < r.rows(); ++i)
+                       out(static_cast<Eigen::Index>(i), 0) = v * r.base_force_N(i);
+                   }}}}};
 
 }  // namespace
 }  // namespace forcegate

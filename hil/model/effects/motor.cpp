@@ -23,7 +23,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
                .shape = {{"tau_s", "s", 1e-3, 10.0, 0.05, "time constant"}},
                .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the command behind the pole"}},
                .sign = StrengthSign::positive,
-               .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.02}, {0.05}, {0.12}, {0.3}}; },
+               .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.3}, {0.8}}; },
                .columns =
                    [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                      out.setZero();

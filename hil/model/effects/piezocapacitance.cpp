@@ -1,5 +1,5 @@
-// Piezo-capacitance: displacement current d(C V)/dt leads the force.  dU = g c tau0 dF/dt / (1 + F/Fm), tau0 = 10 ms;
-// second form without the load factor. Hundreds of pF at 50 to 250 N (Paredes-Madrid et al. 2010).
+// Piezo-capacitance: displacement current d(C V)/dt leads the force.  dU = g c tau0 dF/dt / (1 + F/Fm), tau0 = 10 ms.
+// (A lead without the load factor cannot be told from a reference that is late.) Hundreds of pF at 50 to 250 N (Paredes-Madrid et al. 2010).
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
@@ -31,7 +31,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"delay", "rc", "lag"},
     .separates = "edges of equal height at low and high load, with the capacitance channel recorded",
     .needs = {},
-    .forms = {form("load_dependent", true), form("plain", false)}}};
+    .forms = {form("load_dependent", true)}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -1,0 +1,264 @@
+#include "hil/diagnose/next_experiment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "hil/diagnose/select.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Segment {
+  const char* name;
+  const char* stimulus;
+  double minutes;
+  bool dynamic;
+  std::map<std::string, double> numbers;
+  double (*force)(double t, double low, double high);  ///< N
+  double temperature_C;  ///< ramp over the segment, when the rig can heat
+};
+
+double triangle(double t, double period, double low, double high) {
+  const double phase = std::fmod(t / period, 1.0);
+  return low + (high - low) * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase);
+}
+double sine(double t, double f, double low, double high) {
+  return 0.5 * (low + high) - 0.5 * (high - low) * std::cos(2.0 * std::numbers::pi * f * t);
+}
+double edge(double t, double at, double from, double to) { return t < at ? from : to + (from - to) * std::exp(-(t - at) / 0.02); }
+
+// Twenty pieces of rig time; each holds the base law down in its own way.
+const std::vector<Segment>& segments() {
+  static const std::vector<Segment> kSegments = {
+      {"rest", "rest", 2.0, false, {}, [](double, double lo, double) { return lo; }, 0.0},
+      {"hold for 10 s", "step", 0.5, false, {{"hold_s", 10}}, [](double t, double lo, double hi) { return t > 10 && t < 20 ? hi : lo; }, 0.0},
+      {"hold for 100 s, then unload", "step", 4.0, false, {{"hold_s", 100}}, [](double t, double lo, double hi) { return t > 10 && t < 110 ? hi : lo; }, 0.0},
+      {"hold for 10 min, then unload", "step", 16.0, false, {{"hold_s", 600}}, [](double t, double lo, double hi) { return t > 10 && t < 610 ? hi : lo; }, 0.0},
+      {"holds at two levels", "staircase", 8.0, false, {{"hold_s", 120}}, [](double t, double lo, double hi) { return t < 120 ? lo : t < 240 ? 0.5 * (lo + hi) : t < 360 ? hi : lo; }, 0.0},
+      {"slow triangle", "ramp", 4.0, false, {{"period_s", 120}}, [](double t, double lo, double hi) { return triangle(t, 120.0, lo, hi); }, 0.0},
+      {"triangle", "ramp", 1.0, false, {{"period_s", 12}}, [](double t, double lo, double hi) { return triangle(t, 12.0, lo, hi); }, 0.0},
+      {"fast triangle", "ramp", 0.5, false, {{"period_s", 1.2}}, [](double t, double lo, double hi) { return triangle(t, 1.2, lo, hi); }, 0.0},
+      {"triangles at two speeds", "ramp", 3.0, false, {{"period_s", 120}, {"second_period_s", 6}}, [](double t, double lo, double hi) { return t < 120 ? triangle(t, 120.0, lo, hi) : triangle(t - 120, 6.0, lo, hi); }, 0.0},
+      {"shrinking minor loops", "staircase", 3.0, false, {{"loops", 8}}, [](double t, double lo, double hi) { const double k = 1.0 - std::min(0.9, std::floor(t / 20.0) * 0.11), m = 0.5 * (lo + hi); return triangle(t, 20.0, m - 0.5 * k * (hi - lo), m + 0.5 * k * (hi - lo)); }, 0.0},
+      {"chirp", "chirp", 2.0, false, {{"f_start_Hz", 0.05}, {"f_end_Hz", 5}}, [](double t, double lo, double hi) { return sine(1.0, 0.05 * 120.0 / std::log(100.0) * (std::pow(100.0, t / 120.0) - 1.0), lo, hi); }, 0.0},
+      {"sines at 0.2 and 4 Hz", "multisine", 2.0, false, {{"f1_Hz", 0.2}, {"f2_Hz", 4}}, [](double t, double lo, double hi) { return sine(t, t < 60 ? 0.2 : 4.0, lo, hi); }, 0.0},
+      {"fast edges", "step", 0.5, false, {{"edge_ms", 20}}, [](double t, double lo, double hi) { const double p = std::fmod(t, 4.0); return p < 2.0 ? edge(p, 0.5, lo, hi) : edge(p, 2.5, hi, lo); }, 0.0},
+      {"fast edges at low and high load", "step", 1.0, false, {{"edge_ms", 20}}, [](double t, double lo, double hi) { const double p = std::fmod(t, 4.0), m = t < 30 ? lo : hi - 0.25 * (hi - lo), h = m + 0.25 * (hi - lo); return p < 2.0 ? edge(p, 0.5, m, h) : edge(p, 2.5, h, m); }, 0.0},
+      {"fast edges at both ends of a long hold", "step", 16.0, false, {{"hold_s", 900}}, [](double t, double lo, double hi) { const double p = std::fmod(t, 4.0); return t < 30 || t > 930 ? (p < 2.0 ? edge(p, 0.5, lo, hi) : edge(p, 2.5, hi, lo)) : lo; }, 0.0},
+      {"touch and release", "ramp", 1.0, false, {{"F_top_N", 0.5}}, [](double t, double lo, double hi) { (void)lo; return std::max(0.0, triangle(t, 15.0, -0.05 * hi, 0.12 * hi)); }, 0.0},
+      {"small sine near zero", "sine", 1.0, false, {{"f_Hz", 0.5}}, [](double t, double lo, double hi) { return sine(t, 0.5, lo, lo + 0.15 * (hi - lo)); }, 0.0},
+      {"heat at constant load", "rest", 15.0, false, {{"ramp_C", 10}}, [](double, double lo, double hi) { return 0.5 * (lo + hi); }, 10.0},
+      {"repeat of the first ramp", "ramp", 2.0, false, {{"period_s", 60}}, [](double t, double lo, double hi) { return triangle(t, 60.0, lo, hi); }, 0.0},
+      {"sine, then a jump of frequency", "jump", 6.0, true, {{"f1_Hz", 0.5}, {"f2_Hz", 2}}, [](double t, double lo, double hi) { return sine(t, t < 180 ? 0.5 : 2.0, lo, hi); }, 0.0},
+  };
+  return kSegments;
+}
+
+RecordInput simulate(const Workspace& w, const Segment& s) {
+  RecordInput r;
+  r.name = s.name;
+  const double low = w.input.lowest_N + 0.05 * w.input.range_N, high = w.input.lowest_N + 0.95 * w.input.range_N;
+  const double fast = 0.005;
+  const auto per_row = std::max(4, static_cast<int>(std::ceil(60.0 * s.minutes / fast / 6000.0)));
+  const auto n_rows = static_cast<std::size_t>(60.0 * s.minutes / fast / per_row);
+  r.row_step_s = fast * per_row;
+  r.duration_s = 60.0 * s.minutes;
+  r.dynamic = s.dynamic;
+  for (std::size_t i = 0; i <= n_rows; ++i) r.row_begin.push_back(static_cast<std::uint32_t>(i * static_cast<std::size_t>(per_row)));
+  for (std::size_t i = 0; i < n_rows; ++i) {
+    double F = 0.0, t = 0.0;
+    for (int k = 0; k < per_row; ++k) {
+      const double at = fast * static_cast<double>(i * static_cast<std::size_t>(per_row) + static_cast<std::size_t>(k));
+      r.fast_t_s.push_back(at);
+      r.fast_F_N.push_back(s.force(at, low, high));
+      F += r.fast_F_N.back();
+      t += at;
+    }
+    r.F_N.push_back(F / per_row);
+    r.t_s.push_back(t / per_row);
+  }
+  r.U_V = r.F_N;
+  for (double& u : r.U_V) u *= w.gain_V_per_N;
+  r.ok.assign(n_rows, 1);
+  r.rate_N_per_s.assign(n_rows, 0.0);
+  r.travel_N.assign(n_rows, 0.0);
+  for (std::size_t i = 1; i < n_rows; ++i) {
+    r.rate_N_per_s[i] = (r.F_N[i] - r.F_N[i - 1]) / r.row_step_s;
+    r.travel_N[i] = r.travel_N[i - 1] + std::abs(r.F_N[i] - r.F_N[i - 1]);
+  }
+  const RecordInput& last = w.input.records.back();
+  r.index = w.input.records.size();
+  r.start_s = last.start_s + last.duration_s + 600.0;
+  r.travel_before_N = w.input.travel_total_N;
+  r.drive_mean_V = last.drive_mean_V;
+  if (w.input.has_temp) {
+    const double T = last.temp_C.empty() ? 23.0 : last.temp_C.back();
+    for (std::size_t i = 0; i < n_rows; ++i)
+      r.temp_C.push_back(T + s.temperature_C * static_cast<double>(i) / static_cast<double>(n_rows));
+  }
+  if (w.input.has_theta)
+    for (std::size_t i = 0; i < n_rows; ++i)
+      r.theta_rad.push_back((r.rate_N_per_s[i] < 0.0 ? -1.0 : 1.0) *
+                            std::acos(std::clamp(1.0 - 2.0 * (r.F_N[i] - low) / std::max(1e-9, high - low), -1.0, 1.0)));
+  r.F_min_N = s.dynamic ? low : 0.0;
+  r.f_Hz = s.dynamic ? 0.5 : 0.0;
+  r.A_N = 0.5 * (high - low);
+  set_decay(r, w.law);
+  return r;
+}
+
+// Squared length of a that b and the base cannot imitate, in units of the noise.
+struct Pair {
+  double aa = 0.0, ab = 0.0, bb = 0.0;
+  void add(const Pair& o) {
+    aa += o.aa;
+    ab += o.ab;
+    bb += o.bb;
+  }
+  double cosine() const { return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 1.0; }
+  double separation() const { return aa - (bb > 0.0 ? ab * ab / bb : 0.0); }
+};
+
+Pair project(const VectorXd& a, const VectorXd& b, const RecordInput& r, double noise) {
+  MatrixXd X(a.size(), 2);
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    X(i, 0) = r.base_force_N(static_cast<std::size_t>(i));
+    X(i, 1) = 1.0;
+  }
+  MatrixXd G = X.transpose() * X;
+  G.diagonal().array() += 1e-9 * G.trace();
+  const Eigen::LDLT<MatrixXd> solve(G);
+  const VectorXd pa = a - X * solve.solve(X.transpose() * a), pb = b - X * solve.solve(X.transpose() * b);
+  // a segment counts for its seconds, at most 150 of them, not for its rows
+  const double weight = std::min(150.0, r.duration_s) / static_cast<double>(a.size()) / (noise * noise);
+  return {pa.squaredNorm() * weight, pa.dot(pb) * weight, pb.squaredNorm() * weight};
+}
+
+struct Rival {
+  const EffectKind* kind;
+  const EffectForm* form;
+  std::vector<double> shape;
+  VectorXd strength;
+};
+
+VectorXd signature(const Workspace& w, const RecordInput& r, const Rival& rival) {
+  MatrixXd columns = MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()), static_cast<Eigen::Index>(rival.form->strength.size()));
+  rival.form->columns(w.input, r, rival.shape, columns);
+  return columns * rival.strength;
+}
+
+}  // namespace
+
+NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
+  NextExperiment out;
+  if (w.output.problem.records.empty()) return out;
+  // rivals: the best of the ranking that these data leave open, at least the first two
+  std::vector<Rival> rivals;
+  std::vector<std::string> open;
+  const double top = d.ranking.empty() ? 0.0 : d.ranking.front().score;
+  for (const RankedEffect& r : d.ranking) {
+    const EffectKind* kind = EffectRegistry::instance().find(r.effect);
+    if (kind == nullptr || kind->channel != EffectChannel::output || !r.note.empty()) continue;
+    if (open.size() < 2 || (open.size() < 4 && r.score > 0.6 * top && r.score > 3.0)) open.push_back(r.effect);
+  }
+  const ScreenResult screened = screen(w.output, {}, {}, nullptr, 1);
+  for (const std::string& name : open)
+    for (const FamilyScore& family : screened.families) {
+      if (family.kind->name != name) continue;
+      const Variant& v = w.output.variants[static_cast<std::size_t>(family.best.variant)];
+      const Candidate& c = w.output.candidates[static_cast<std::size_t>(v.candidate)];
+      Rival rival{c.kind, c.form, c.shape, VectorXd::Zero(c.count)};
+      for (std::size_t b = 0; b < v.columns.size(); ++b)
+        rival.strength[v.columns[b] - c.first] = family.best.fit.coefficient[w.output.problem.n_fixed + static_cast<Eigen::Index>(b)];
+      rivals.push_back(std::move(rival));
+    }
+  if (rivals.size() < 2) return out;
+
+  double noise = 0.0;
+  for (double v : w.noise_V) noise += v * v;
+  noise = std::sqrt(noise / static_cast<double>(w.noise_V.size())) / std::max(1e-9, std::abs(w.gain_V_per_N));
+  const std::size_t n_pairs = rivals.size() * (rivals.size() - 1) / 2;
+  std::vector<std::vector<Pair>> of_segment;
+  for (const Segment& s : segments()) {
+    const RecordInput r = simulate(w, s);
+    std::vector<VectorXd> sign;
+    for (const Rival& rival : rivals) sign.push_back(signature(w, r, rival));
+    std::vector<Pair> pairs;
+    for (std::size_t a = 0; a < rivals.size(); ++a)
+      for (std::size_t b = a + 1; b < rivals.size(); ++b) pairs.push_back(project(sign[a], sign[b], r, noise));
+    of_segment.push_back(std::move(pairs));
+  }
+  const auto evidence_now = [&](std::size_t a, std::size_t b) {
+    double sa = 0.0, sb = 0.0;
+    for (const FamilyScore& f : screened.families) {
+      if (f.kind == rivals[a].kind) sa = f.gain;
+      if (f.kind == rivals[b].kind) sb = f.gain;
+    }
+    return std::abs(sa - sb);
+  };
+  std::vector<Pair> have(n_pairs);
+  std::vector<char> used(of_segment.size(), 0);
+  std::size_t pair_of[2] = {0, 1};
+  for (int step = 0; step < 4; ++step) {
+    // the pair that is least separated by what is known and planned
+    std::size_t worst = 0, index = 0;
+    double least = 1e300;
+    for (std::size_t a = 0; a < rivals.size(); ++a)
+      for (std::size_t b = a + 1; b < rivals.size(); ++b, ++index) {
+        const double known = evidence_now(a, b) + 0.5 * have[index].separation();
+        if (known < least) {
+          least = known;
+          worst = index;
+          pair_of[0] = a;
+          pair_of[1] = b;
+        }
+      }
+    if (least > std::log(1000.0) && step > 0) break;
+    std::size_t best = of_segment.size();
+    double rate = 0.0;
+    for (std::size_t s = 0; s < of_segment.size(); ++s) {
+      if (used[s] != 0) continue;
+      Pair with = have[worst];
+      with.add(of_segment[s][worst]);
+      // beyond odds of a thousand more evidence is worth nothing
+      const double gain = std::min(0.5 * with.separation(), 7.0 + least) - 0.5 * have[worst].separation();
+      const double per_minute = gain / (segments()[s].minutes + 0.5);
+      if (per_minute > rate) {
+        rate = per_minute;
+        best = s;
+      }
+    }
+    if (best == of_segment.size() || rate < 1e-3) break;
+    used[best] = 1;
+    const Segment& s = segments()[best];
+    ExperimentSegment chosen;
+    chosen.name = s.name;
+    chosen.stimulus = s.stimulus;
+    chosen.numbers = s.numbers;
+    chosen.minutes = s.minutes;
+    chosen.separates = rivals[pair_of[0]].kind->name + " / " + rivals[pair_of[1]].kind->name;
+    chosen.cosine_before = step == 0 || have[worst].aa == 0.0 ? 1.0 : have[worst].cosine();
+    chosen.odds_before = std::exp(std::min(20.0, least));
+    for (std::size_t p = 0; p < n_pairs; ++p) have[p].add(of_segment[best][p]);
+    chosen.cosine_after = have[worst].cosine();
+    chosen.odds_after = std::exp(std::min(20.0, evidence_now(pair_of[0], pair_of[1]) + 0.5 * have[worst].separation()));
+    out.minutes += s.minutes;
+    out.segments.push_back(std::move(chosen));
+  }
+  if (!out.segments.empty()) {
+    const ExperimentSegment& s = out.segments.front();
+    char text[300];
+    std::snprintf(text, sizeof text, "%s (%.2g min) separates %s: odds %.3g to 1 now, %.3g to 1 expected", s.name.c_str(), s.minutes,
+                  s.separates.c_str(), s.odds_before, s.odds_after);
+    out.sentence = text;
+  }
+  return out;
+}
+
+}  // namespace forcegate::diagnose

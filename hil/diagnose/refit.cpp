@@ -1,0 +1,200 @@
+#include "hil/diagnose/refit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/text.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+double held_out_rms(const Workspace& w, const MixedFit& fit, bool plain) {
+  const std::vector<double> square = plain ? fit.plain : w.all_fit ? leave_one_out(w.output.problem, fit) : fit.adapted;
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < square.size(); ++i)
+    if (w.all_fit || w.output.problem.records[i].heldout) {
+      sum += square[i];
+      n += 1.0;
+    }
+  return w.output.scale * std::sqrt(sum / std::max(n, 1.0));
+}
+
+// Best variant of one family beside the columns that are in.
+Result<VariantScore> best_of(const Workspace& w, const std::string& name, const std::vector<int>& present, const MixedFit* warm,
+                             unsigned threads) {
+  std::vector<std::string> others;
+  for (const EffectKind& kind : EffectRegistry::instance().all())
+    if (kind.name != name) others.push_back(kind.name);
+  ScreenResult result = screen(w.output, present, others, warm, threads);
+  if (result.families.empty())
+    return fail(ErrorCode::config, "the campaign cannot show " + name, w.input.name,
+                "it needs a channel that these records do not have, or acts on the rig and not on the output");
+  return std::move(result.families.front().best);
+}
+
+ModelEffect effect_of(const Workspace& w, const Variant& variant, const MixedFit& fit) {
+  const Candidate& c = w.output.candidates[static_cast<std::size_t>(variant.candidate)];
+  ModelEffect out;
+  out.effect = c.kind->name;
+  out.form = c.form->name;
+  for (std::size_t k = 0; k < c.shape.size(); ++k) {
+    const ParameterSpec& s = c.form->shape[k];
+    out.shape.push_back({s.name, s.unit, c.shape[k], 0.0, s.minimum, s.maximum, s.neutral});
+  }
+  for (int j = 0; j < c.count; ++j) {
+    const ParameterSpec& s = c.form->strength[static_cast<std::size_t>(j)];
+    ModelParameter p{s.name, s.unit, 0.0, 0.0, s.minimum, s.maximum, s.neutral};
+    for (std::size_t b = 0; b < fit.columns.size(); ++b)
+      if (fit.columns[b] == c.first + j) {
+        const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
+        // the strengths were fitted beside the working gain; the law carries its own
+        p.value = std::clamp(fit.coefficient[at] / fit.coefficient[0], s.minimum, s.maximum);
+        p.se = std::sqrt(std::max(0.0, fit.covariance(at, at)));
+      }
+    out.strength.push_back(p);
+  }
+  return out;
+}
+
+Waterfall waterfall_of(const Workspace& w, const std::vector<std::pair<std::string, std::vector<int>>>& effects, const MixedFit& base) {
+  Waterfall out;
+  const std::size_t n = effects.size();
+  const auto error_of = [&](unsigned mask) {
+    std::vector<int> columns;
+    for (std::size_t k = 0; k < n; ++k)
+      if ((mask >> k & 1u) != 0) columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
+    const MixedFit fit = fit_mixed(w.output.problem, columns, &base, 10);
+    return fit.valid ? held_out_rms(w, fit, false) : 0.0;
+  };
+  const unsigned all = (1u << std::min<std::size_t>(n, 16)) - 1u;
+  std::vector<double> error(n <= 4 ? all + 1u : 0u);
+  for (unsigned mask = 0; mask < error.size(); ++mask) error[mask] = error_of(mask);
+  out.start = n <= 4 ? error[0] : error_of(0);
+  out.end = n <= 4 ? error[all] : error_of(all);
+  unsigned mask = 0;
+  double now = out.start;
+  for (std::size_t k = 0; k < n; ++k) {
+    Waterfall::Bar bar;
+    bar.effect = effects[k].first;
+    mask |= 1u << k;
+    const double next = n <= 4 ? error[mask] : error_of(mask);
+    bar.as_added = bar.average = bar.low = bar.high = now - next;
+    now = next;
+    if (n <= 4) {
+      // mean over subsets with the Shapley weights; range over all subsets
+      bar.low = 1e300;
+      bar.high = -1e300;
+      bar.average = 0.0;
+      for (unsigned s = 0; s <= all; ++s) {
+        if ((s >> k & 1u) != 0) continue;
+        const double fall = error[s] - error[s | 1u << k];
+        int size = 0;
+        for (unsigned b = s; b != 0; b >>= 1) size += static_cast<int>(b & 1u);
+        double weight = 1.0 / static_cast<double>(n);
+        for (int q = 0; q < size; ++q) weight *= static_cast<double>(q + 1) / static_cast<double>(static_cast<int>(n) - 1 - q);
+        bar.average += weight * fall;
+        bar.low = std::min(bar.low, fall);
+        bar.high = std::max(bar.high, fall);
+      }
+    }
+    bar.hollow = bar.low <= 0.0;
+    out.bars.push_back(bar);
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
+  std::vector<std::string> names = start.effect_names();
+  if (!add.empty()) {
+    const EffectKind* kind = EffectRegistry::instance().find(add);
+    if (kind == nullptr) {
+      const std::string near = nearest_name(add, EffectRegistry::instance().names());
+      return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add", near.empty() ? "" : "did you mean \"" + near + "\"?");
+    }
+    if (kind->channel != EffectChannel::output)
+      return fail(ErrorCode::config, add + " is not an effect of the sensor: it is mended at the " + kind->side + ", not in the model",
+                  "forcegate add", kind->separates);
+    if (std::find(names.begin(), names.end(), add) != names.end())
+      return fail(ErrorCode::config, "the model has " + add + " already", start.name, "forcegate fit refits it");
+    names.push_back(add);
+  }
+  const MixedFit base = fit_mixed(w.output.problem, {}, nullptr, 20);
+  if (!base.valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name, "more records, or records with more force");
+  std::vector<int> present;
+  std::vector<std::pair<std::string, std::vector<int>>> effects;
+  std::vector<int> variants;
+  MixedFit now = base, before = base;
+  for (const std::string& name : names) {
+    FORCEGATE_TRY(VariantScore best, best_of(w, name, present, &now, threads));
+    const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
+    before = now;
+    present.insert(present.end(), variant.columns.begin(), variant.columns.end());
+    effects.emplace_back(name, variant.columns);
+    variants.push_back(best.variant);
+    now = fit_mixed(w.output.problem, present, &best.fit, 15);
+  }
+  if (add.empty()) before = base;
+
+  Refit out;
+  out.model = start;
+  out.model.span_N = w.input.range_N;
+  Model& m = out.model;
+  m.law = w.law;
+  const double g = w.gain_V_per_N * now.coefficient[0];
+  m.law.gain_N_per_V = 1.0 / g;
+  m.law.offset_N = -now.coefficient[1] * w.output.scale / g;
+  m.law.b_scale = w.law.b_scale * std::exp(now.coefficient[2]);
+  m.law.q_scale = w.law.q_scale * std::exp(now.coefficient[3]);
+  const auto se = [&](int k) { return std::sqrt(std::max(0.0, now.covariance(k, k))); };
+  m.se_gain = m.law.gain_N_per_V * se(0) / std::abs(now.coefficient[0]);
+  m.se_offset = se(1) * w.output.scale / std::abs(g);
+  m.se_b_scale = m.law.b_scale * se(2);
+  m.se_q_scale = m.law.q_scale * se(3);
+  const auto move = [&](const char* name, const char* unit, double a, double b, double u) { out.moves.push_back({name, unit, a, b, u}); };
+  move("gain_N_per_V", "N/V", start.law.gain_N_per_V, m.law.gain_N_per_V, m.se_gain);
+  move("offset_N", "N", start.law.offset_N, m.law.offset_N, m.se_offset);
+  if (m.law.decays) {
+    move("b_scale", "1", start.law.b_scale, m.law.b_scale, m.se_b_scale);
+    move("q_scale", "1", start.law.q_scale, m.law.q_scale, m.se_q_scale);
+  }
+  m.effects.clear();
+  for (int v : variants) {
+    m.effects.push_back(effect_of(w, w.output.variants[static_cast<std::size_t>(v)], now));
+    const ModelEffect* old = nullptr;
+    for (const ModelEffect& e : start.effects)
+      if (e.effect == m.effects.back().effect && e.form == m.effects.back().form) old = &e;
+    for (std::size_t j = 0; j < m.effects.back().strength.size(); ++j) {
+      const ModelParameter& p = m.effects.back().strength[j];
+      out.moves.push_back({m.effects.back().effect + "." + p.name, p.unit, old != nullptr ? old->strength[j].value : p.neutral, p.value, p.se});
+    }
+  }
+  out.error_before = held_out_rms(w, before, false);
+  out.error_after = held_out_rms(w, now, false);
+  out.plain_before = held_out_rms(w, before, true);
+  out.plain_after = held_out_rms(w, now, true);
+  double floor = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < w.noise_V.size(); ++i)
+    if (w.all_fit || w.output.problem.records[i].heldout) {
+      floor += w.noise_V[i] * w.noise_V[i];
+      n += 1.0;
+    }
+  out.floor = std::min(std::sqrt(floor / std::max(n, 1.0)), out.error_after);
+  out.waterfall = waterfall_of(w, effects, base);
+  out.waterfall.floor = out.floor;
+  HistoryStep step;
+  step.effect = add;
+  step.campaign = w.input.name;
+  step.error_before = out.error_before;
+  step.error_after = out.error_after;
+  step.plain_before = out.plain_before;
+  step.plain_after = out.plain_after;
+  step.floor = out.floor;
+  step.accepted = add.empty() || out.error_after < out.error_before;
+  m.history.push_back(step);
+  return out;
+}
+
+}  // namespace forcegate::diagnose

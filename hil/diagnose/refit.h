@@ -1,0 +1,38 @@
+#pragma once
+// Joint refit of a model on a campaign: law, effects, and one effect more if asked. All parameters move together.
+
+#include <vector>
+
+#include "hil/diagnose/engine.h"
+#include "hil/model/model.h"
+
+namespace forcegate::diagnose {
+
+struct ParameterMove {
+  std::string name, unit;
+  double before = 0.0, after = 0.0, u = 0.0;
+};
+
+struct Waterfall {
+  struct Bar {
+    std::string effect;
+    double as_added = 0.0;                 ///< fall of the held-out error in the order given
+    double average = 0.0, low = 0.0, high = 0.0;  ///< over all orders (at most 4 effects: all; more: as added only)
+    bool hollow = false;                   ///< the range holds 0
+  };
+  double start = 0.0, end = 0.0, floor = 0.0;
+  std::vector<Bar> bars;
+};
+
+struct Refit {
+  Model model;
+  std::vector<ParameterMove> moves;
+  double error_before = 0.0, error_after = 0.0, floor = 0.0;   ///< held-out, adapted, V
+  double plain_before = 0.0, plain_after = 0.0;
+  Waterfall waterfall;
+};
+
+/// `add` empty: refit only. Errors (config): effect unknown, not available with these channels, or not excited.
+Result<Refit> refit_model(Workspace& workspace, const Model& start, const std::string& add, unsigned threads);
+
+}  // namespace forcegate::diagnose

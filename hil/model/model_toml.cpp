@@ -1,0 +1,224 @@
+#include <fmt/format.h>
+
+#include <fstream>
+#include <sstream>
+#include <toml++/toml.h>
+
+#include "hil/base/text.h"
+#include "hil/model/model.h"
+
+namespace forcegate {
+
+namespace {
+
+std::string place(const std::string& where, const toml::node& node) {
+  return fmt::format("{}:{}:{}", where, node.source().begin.line, node.source().begin.column);
+}
+
+Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name, const std::string& where) {
+  ModelParameter p;
+  p.name = name;
+  p.minimum = -1e300;
+  p.maximum = 1e300;
+  if (const auto plain = node.value<double>()) {
+    p.value = *plain;
+    return p;
+  }
+  const toml::table* table = node.as_table();
+  if (table == nullptr || !(*table)["value"].value<double>())
+    return fail(ErrorCode::config, "parameter " + name + " has no value", place(where, node), "write name = { value = 0.1, unit = \"N\" }");
+  p.value = *(*table)["value"].value<double>();
+  p.se = (*table)["se"].value_or(0.0);
+  p.unit = (*table)["unit"].value_or(std::string());
+  p.minimum = (*table)["min"].value_or(-1e300);
+  p.maximum = (*table)["max"].value_or(1e300);
+  p.neutral = (*table)["neutral"].value_or(0.0);
+  if (p.value < p.minimum || p.value > p.maximum)
+    return fail(ErrorCode::config, fmt::format("{} = {} lies outside [{}, {}]", name, p.value, p.minimum, p.maximum),
+                place(where, node), "change the value or its bounds");
+  return p;
+}
+
+Result<UserEffect> read_user_effect(const toml::table& table, const std::string& name, const std::string& where) {
+  UserEffect out;
+  out.name = name;
+  out.output = table["output"].value_or(std::string());
+  if (const toml::table* states = table["state"].as_table())
+    for (const auto& [key, node] : *states) out.states.emplace_back(std::string(key.str()), node.value_or(std::string("0")));
+  if (const toml::table* parameters = table["parameter"].as_table())
+    for (const auto& [key, node] : *parameters) {
+      FORCEGATE_TRY(ModelParameter p, read_parameter(node, std::string(key.str()), where));
+      out.parameters.push_back(std::move(p));
+    }
+  return out;
+}
+
+Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind, const std::string& where) {
+  ModelEffect out;
+  out.effect = kind.name;
+  out.form = table["form"].value_or(kind.forms.empty() ? std::string() : kind.forms.front().name);
+  const EffectForm* form = find_form(kind, out.form);
+  if (form == nullptr) {
+    std::vector<std::string> names;
+    for (const EffectForm& f : kind.forms) names.push_back(f.name);
+    return fail(ErrorCode::config, kind.name + " has no form \"" + out.form + "\"", place(where, table),
+                "its forms are " + join(names, ", "));
+  }
+  const auto fill = [&](const char* section, const std::vector<ParameterSpec>& specs,
+                        std::vector<ModelParameter>& parameters) -> Result<bool> {
+    for (const ParameterSpec& spec : specs) {
+      ModelParameter p{spec.name, spec.unit, spec.neutral, 0.0, spec.minimum, spec.maximum, spec.neutral};
+      if (const toml::node* node = table[section][spec.name].node()) {
+        FORCEGATE_TRY(ModelParameter given, read_parameter(*node, spec.name, where));
+        p.value = given.value;
+        p.se = given.se;
+        if (p.value < spec.minimum || p.value > spec.maximum)
+          return fail(ErrorCode::config, fmt::format("{} = {} lies outside [{}, {}]", spec.name, p.value, spec.minimum, spec.maximum),
+                      place(where, *node), spec.doc);
+      }
+      parameters.push_back(p);
+    }
+    return true;
+  };
+  FORCEGATE_CHECK_OK(fill("shape", form->shape, out.shape));
+  FORCEGATE_CHECK_OK(fill("strength", form->strength, out.strength));
+  return out;
+}
+
+std::string number(double v) {
+  const std::string text = shortest(v);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+}
+
+std::string parameter_text(const ModelParameter& p) {
+  std::string out = fmt::format("{{ value = {}, se = {}, unit = \"{}\"", number(p.value), number(p.se), p.unit);
+  if (p.minimum > -1e299) out += fmt::format(", min = {}", number(p.minimum));
+  if (p.maximum < 1e299) out += fmt::format(", max = {}", number(p.maximum));
+  return out + fmt::format(", neutral = {} }}", number(p.neutral));
+}
+
+}  // namespace
+
+std::vector<std::string> Model::effect_names() const {
+  std::vector<std::string> out;
+  for (const ModelEffect& e : effects) out.push_back(e.effect);
+  return out;
+}
+
+Result<Model> parse_model(std::string_view text, const std::string& where) {
+  toml::table root;
+  try {
+    root = toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    return fail(ErrorCode::config, std::string(error.description()),
+                fmt::format("{}:{}:{}", where, error.source().begin.line, error.source().begin.column), "");
+  }
+  Model out;
+  const auto format = root["format"].value_or<std::int64_t>(1);
+  if (format != 1)
+    return fail(ErrorCode::config, fmt::format("format {} of the model file is not known", format), where, "this program reads format 1");
+  out.name = root["name"].value_or(std::string("model"));
+  out.sensor = root["sensor"].value_or(std::string());
+  out.source = root["source"].value_or(std::string());
+  const toml::table* law = root["law"].as_table();
+  if (law == nullptr) return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
+  out.law.decays = (*law)["kind"].value_or(std::string("decaying")) != "static";
+  out.span_N = (*law)["span_N"].value_or(5.0);
+  const auto take = [&](const char* name, double& value, double* se) -> Result<bool> {
+    if (const toml::node* node = (*law)[name].node()) {
+      FORCEGATE_TRY(const ModelParameter p, read_parameter(*node, name, where));
+      value = p.value;
+      if (se != nullptr) *se = p.se;
+    }
+    return true;
+  };
+  FORCEGATE_CHECK_OK(take("gain_N_per_V", out.law.gain_N_per_V, &out.se_gain));
+  FORCEGATE_CHECK_OK(take("offset_N", out.law.offset_N, &out.se_offset));
+  FORCEGATE_CHECK_OK(take("b_scale", out.law.b_scale, &out.se_b_scale));
+  FORCEGATE_CHECK_OK(take("q_scale", out.law.q_scale, &out.se_q_scale));
+  FORCEGATE_CHECK_OK(take("b_slope_s_per_s", out.law.b_slope, nullptr));
+  FORCEGATE_CHECK_OK(take("b_intercept_per_s", out.law.b_intercept_per_s, nullptr));
+  FORCEGATE_CHECK_OK(take("q_curvature_per_N2", out.law.q_curvature, nullptr));
+  if (out.law.gain_N_per_V == 0.0) return fail(ErrorCode::config, "gain_N_per_V must not be 0", where, "");
+
+  if (const toml::array* effects = root["effect"].as_array())
+    for (const toml::node& node : *effects) {
+      const toml::table* table = node.as_table();
+      if (table == nullptr) continue;
+      const std::string name = (*table)["name"].value_or(std::string());
+      if (!(*table)["output"].value_or(std::string()).empty()) {
+        FORCEGATE_TRY(UserEffect user, read_user_effect(*table, name, where));
+        out.user_effects.push_back(std::move(user));
+        continue;
+      }
+      const EffectKind* kind = EffectRegistry::instance().find(name);
+      if (kind == nullptr || kind->forms.empty()) {
+        const std::string near = nearest_name(name, EffectRegistry::instance().names());
+        return fail(ErrorCode::config, "no effect \"" + name + "\"", place(where, node),
+                    near.empty() ? "give equations (output = ...) for an effect of your own" : "did you mean \"" + near + "\"?");
+      }
+      FORCEGATE_TRY(ModelEffect effect, read_effect(*table, *kind, where));
+      out.effects.push_back(std::move(effect));
+    }
+  if (const toml::array* history = root["history"].as_array())
+    for (const toml::node& node : *history) {
+      const toml::table* t = node.as_table();
+      if (t == nullptr) continue;
+      HistoryStep step;
+      step.effect = (*t)["effect"].value_or(std::string());
+      step.campaign = (*t)["campaign"].value_or(std::string());
+      step.error_before = (*t)["error_before"].value_or(0.0);
+      step.error_after = (*t)["error_after"].value_or(0.0);
+      step.plain_before = (*t)["plain_before"].value_or(0.0);
+      step.plain_after = (*t)["plain_after"].value_or(0.0);
+      step.floor = (*t)["floor"].value_or(0.0);
+      step.unit = (*t)["unit"].value_or(std::string("V"));
+      step.accepted = (*t)["accepted"].value_or(true);
+      out.history.push_back(std::move(step));
+    }
+  return out;
+}
+
+Result<Model> read_model(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return fail(ErrorCode::io, "cannot read the model", path.string(), "the models that come with the program are flexiforce and fsr");
+  std::stringstream text;
+  text << file.rdbuf();
+  return parse_model(text.str(), path.string());
+}
+
+std::string write_model(const Model& m) {
+  std::string out = "format = 1\n";
+  out += fmt::format("name = \"{}\"\nsensor = \"{}\"\nsource = \"{}\"\n\n[law]\n", m.name, m.sensor, m.source);
+  out += fmt::format("kind = \"{}\"\nspan_N = {}\n", m.law.decays ? "decaying" : "static", number(m.span_N));
+  const auto line = [&](const char* name, double value, double se, const char* unit) {
+    out += fmt::format("{} = {{ value = {}, se = {}, unit = \"{}\" }}\n", name, number(value), number(se), unit);
+  };
+  line("gain_N_per_V", m.law.gain_N_per_V, m.se_gain, "N/V");
+  line("offset_N", m.law.offset_N, m.se_offset, "N");
+  if (m.law.decays) {
+    line("b_scale", m.law.b_scale, m.se_b_scale, "1");
+    line("q_scale", m.law.q_scale, m.se_q_scale, "1");
+    out += fmt::format("b_slope_s_per_s = {}\nb_intercept_per_s = {}\nq_curvature_per_N2 = {}\n", number(m.law.b_slope),
+                       number(m.law.b_intercept_per_s), number(m.law.q_curvature));
+  }
+  for (const ModelEffect& e : m.effects) {
+    out += fmt::format("\n[[effect]]\nname = \"{}\"\nform = \"{}\"\n", e.effect, e.form);
+    for (const ModelParameter& p : e.shape) out += fmt::format("shape.{} = {}\n", p.name, parameter_text(p));
+    for (const ModelParameter& p : e.strength) out += fmt::format("strength.{} = {}\n", p.name, parameter_text(p));
+  }
+  for (const UserEffect& e : m.user_effects) {
+    out += fmt::format("\n[[effect]]\nname = \"{}\"\noutput = \"{}\"\n", e.name, e.output);
+    for (const auto& [name, derivative] : e.states) out += fmt::format("state.{} = \"{}\"\n", name, derivative);
+    for (const ModelParameter& p : e.parameters) out += fmt::format("parameter.{} = {}\n", p.name, parameter_text(p));
+  }
+  for (const HistoryStep& s : m.history)
+    out += fmt::format(
+        "\n[[history]]\neffect = \"{}\"\ncampaign = \"{}\"\nerror_before = {}\nerror_after = {}\nplain_before = {}\n"
+        "plain_after = {}\nfloor = {}\nunit = \"{}\"\naccepted = {}\n",
+        s.effect, s.campaign, number(s.error_before), number(s.error_after), number(s.plain_before), number(s.plain_after),
+        number(s.floor), s.unit, s.accepted);
+  return out;
+}
+
+}  // namespace forcegate
