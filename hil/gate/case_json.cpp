@@ -88,7 +88,7 @@ template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::
   f("gaps", v.time_gaps), f("worst_step", v.worst_step_s), f("lost", v.lost), f("saturated", v.reference_saturated);
   f("fault", v.reference_fault), f("nan", v.reference_not_finite), f("motor", v.motor_fault), f("stop", v.travel_stop);
   f("rail", v.adc_rail), f("min", v.reference_min_N), f("max", v.reference_max_N), f("mean", v.reference_mean_N);
-  f("noise", v.reference_noise_N), f("frozen", v.reference_frozen_s), f("still", v.reference_still_s);
+  f("noise", v.reference_noise_N), f("frozen", v.reference_frozen_s), f("still", v.reference_still_s), f("sensor_dead", v.sensor_dead_s);
   f("wheel_still", v.theta_still_while_commanded_s), f("adc_min", v.adc_min), f("adc_max", v.adc_max);
   f("stuck", v.adc_bits_stuck), f("spring_n", v.spring_samples), f("spring_bias", v.spring_bias_N);
   f("spring_worst", v.spring_worst_bias_N), f("spring_slope", v.spring_slope), f("spring_rms", v.spring_rms_N);

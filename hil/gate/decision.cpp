@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -39,6 +41,14 @@ const Check* worst(const std::vector<const Check*>& checks) {
   };
   return *std::max_element(checks.begin(), checks.end(),
                            [&](const Check* a, const Check* b) { return rank(*a) < rank(*b); });
+}
+
+// A value that could not be judged says less than what made it so.
+const Check* cause(const std::vector<const Check*>& checks, std::initializer_list<std::string_view> ids) {
+  for (const std::string_view id : ids)
+    for (const Check* c : checks)
+      if (c->id.starts_with(id)) return c;
+  return nullptr;
 }
 
 bool is_algorithm_check(const Check& c) {
@@ -94,7 +104,7 @@ std::string check_in_words(const Check& c) {
                          : c.limit.kind == Limit::Kind::lower ? (good ? ">=" : "<")
                                                               : (good ? "=" : "is not");
   const std::string unit = c.unit == "1" ? "" : " " + c.unit;
-  const std::string value = c.u > 0.0 ? with_uncertainty(c.value, c.u) : shortest(c.value);
+  const std::string value = c.u > 0.0 ? with_uncertainty(c.value, c.u) : fmt::format("{:.6g}", c.value);
   return fmt::format("{} {}{} {} {}{} ({})", title, value, unit, relation, fmt::format("{:.6g}", c.limit.value),
                      unit, c.limit.source);
 }
@@ -120,7 +130,8 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
     return d;
   }
   if (!rig.empty()) {
-    const Check& first = *worst(rig);
+    const Check* root = cause(rig, {"rig_", "link_", "time_base", "firmware_runs", "safety_stop"});
+    const Check& first = root != nullptr ? *root : *worst(rig);
     d = no_decision(first.blame == Blame::none ? Blame::rig : first.blame, 4,
                     (first.evidence.empty() ? check_in_words(first) : first.title + ": " + first.evidence) +
                         named(first) + more(rig.size()));
@@ -128,9 +139,10 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
     return d;
   }
   if (!open.empty()) {
-    // Something that was not run explains more than something that was close.
+    // Something that is missing explains more than something that was close.
     const auto missing = std::find_if(open.begin(), open.end(), [](const Check* c) { return c->verdict == Verdict::not_run; });
-    const Check& first = missing != open.end() ? **missing : *worst(open);
+    const Check* root = cause(open, {"coverage", "extrema_count"});
+    const Check& first = root != nullptr ? *root : missing != open.end() ? **missing : *worst(open);
     std::string reason;
     if (first.verdict == Verdict::marginal)
       reason = "inside the limit by less than its uncertainty: " + check_in_words(first);

@@ -354,6 +354,11 @@ class CaseJudge {
   void hold() {
     if (!(planned_.checks & kCheckHold)) return;
     const HoldFacts& h = record_.hold;
+    if (!out_.sound) {
+      value_check("hold_amplification", "Amplification of a static hold", kNan, "%", 0.0, 0,
+                  {Limit::Kind::upper, plan_.limits.hold_pct, "ours: plan"}, "the record is not whole and sound");
+      return;
+    }
     if (h.seconds <= 0.0 || !(std::fabs(h.raw_N) > 0.05)) {
       final_check("hold_amplification", "Amplification of a static hold", Verdict::not_run, Blame::user,
                   "the profile holds no force for more than 30 s after cycling");

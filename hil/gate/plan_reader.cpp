@@ -216,6 +216,7 @@ Result<void> read_self_check(const ConfigNode& node, SelfCheckLimits& s) {
   r.number("lost_share", s.lost_share, 0.0, 1.0);
   r.number("frozen_s", s.frozen_s, 0.0, kDay_s);
   r.number("wheel_still_s", s.wheel_still_s, 0.0, kDay_s);
+  r.number("sensor_dead_s", s.sensor_dead_s, 0.0, kDay_s);
   return r.finish();
 }
 

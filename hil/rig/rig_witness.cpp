@@ -8,7 +8,8 @@
 namespace forcegate {
 namespace {
 constexpr int kSpringEvery = 10;  // cos() of one sample in ten: the witness is about levels, not edges
-constexpr float kWheelMoved_rad = 0.02f;
+constexpr double kMoved_N = 0.1;      // four resolutions of the Nano17
+constexpr float kLoaded_N = 0.6f;     // above the offset F0 of any sensor of the kind
 constexpr float kCommandMoves_rad_per_s = 0.05f;
 }  // namespace
 
@@ -26,10 +27,39 @@ void RigWitness::close_spring_block() {
   if (std::fabs(mean_N) > std::fabs(o_.spring_worst_bias_N)) o_.spring_worst_bias_N = mean_N;
 }
 
-void RigWitness::push_spring(double theta_rad, double force_N) {
+double RigWitness::spring_N(double theta_rad) const {
   const RigGeometry& g = info_.geometry;
-  const double spring_N =
-      g.spring_N_per_mm * (g.preload_mm + g.eccentricity_mm * (1.0 - std::cos(theta_rad)));
+  return g.spring_N_per_mm * (g.preload_mm + g.eccentricity_mm * (1.0 - std::cos(theta_rad)));
+}
+
+// The cosines are asked for only once in 32 samples of a run that is already suspicious.
+bool RigWitness::moved(Still& still, float theta_rad) const {
+  if (!still.moved && still.run % 32 == 0)
+    still.moved = std::fabs(spring_N(theta_rad) - spring_N(still.theta_rad)) > kMoved_N;
+  return still.moved;
+}
+
+void RigWitness::watch_still(std::uint16_t code, float force_N, float theta_rad) {
+  const auto count = [&](Still& still, bool same, double& longest_s) {
+    if (!same) {
+      still = {0, theta_rad, false};
+      return;
+    }
+    ++still.run;
+    if (moved(still, theta_rad)) longest_s = std::max(longest_s, static_cast<double>(still.run) * period_s_);
+  };
+  count(reference_still_, valid_run_ > 0 && force_N == x1_, o_.reference_frozen_s);
+  o_.reference_still_s = std::max(o_.reference_still_s, static_cast<double>(reference_still_.run) * period_s_);
+  // At a rail one code is what a sound sensor gives too: below F0 at the first, above the range at the last.
+  const bool rail = code == 0 || code == (1u << info_.adc_bits) - 1u;
+  count(sensor_still_, code == previous_code_ && !rail, o_.sensor_dead_s);
+  previous_code_ = code;
+  dead_run_ = code == 0 && force_N > kLoaded_N ? dead_run_ + 1 : 0;
+  o_.sensor_dead_s = std::max(o_.sensor_dead_s, static_cast<double>(dead_run_) * period_s_);
+}
+
+void RigWitness::push_spring(double theta_rad, double force_N) {
+  const double spring_N = this->spring_N(theta_rad);
   ++o_.spring_samples;
   sx_ += spring_N;
   sy_ += force_N;
@@ -81,7 +111,7 @@ void RigWitness::push(const RigBlock& block, std::size_t n, const float* command
     const float force_N = block.force_ref_N[i];
     const float theta = block.theta_rad[i];
     if (!std::isfinite(force_N)) {
-      ++o_.reference_not_finite;
+      o_.reference_not_finite += (status & kRigSampleLost) == 0;  // a lost row is the link's
       valid_run_ = 0;
       continue;
     }
@@ -93,15 +123,7 @@ void RigWitness::push(const RigBlock& block, std::size_t n, const float* command
     o_.reference_max_N = std::max(o_.reference_max_N, static_cast<double>(force_N));
     sum_force_ += force_N;
     ++force_n_;
-    if (valid_run_ > 0 && force_N == x1_) {
-      ++still_run_;
-      if (std::fabs(theta - still_theta_) > kWheelMoved_rad) ++frozen_run_;
-      o_.reference_still_s = std::max(o_.reference_still_s, static_cast<double>(still_run_) * period_s_);
-      o_.reference_frozen_s = std::max(o_.reference_frozen_s, static_cast<double>(frozen_run_) * period_s_);
-    } else {
-      still_run_ = frozen_run_ = 0;
-      still_theta_ = theta;
-    }
+    watch_still(code, force_N, theta);
     if (valid_run_ >= 2) {
       const double second = static_cast<double>(x2_) - 2.0 * x1_ + force_N;
       sum_second_ += second * second;

@@ -24,8 +24,9 @@ struct RigObservation {
   std::uint64_t motor_fault = 0, travel_stop = 0, adc_rail = 0;
   double reference_min_N = 0.0, reference_max_N = 0.0, reference_mean_N = 0.0;
   double reference_noise_N = 0.0;
-  double reference_frozen_s = 0.0;      ///< longest time without a change of the reading while the wheel moved
+  double reference_frozen_s = 0.0;      ///< longest time without a change of the reading while the spring moved by 0.1 N
   double reference_still_s = 0.0;       ///< longest time without any change of the reading
+  double sensor_dead_s = 0.0;           ///< longest time with one code between the rails while the spring moved, or code 0 under load
   double theta_still_while_commanded_s = 0.0;  ///< longest time a commanded wheel stood still inside its travel
   std::uint16_t adc_min = 0xFFFF, adc_max = 0;
   std::uint16_t adc_bits_stuck = 0;     ///< bits below the range actually spanned that never changed
@@ -47,7 +48,9 @@ class RigWitness {
   RigObservation finish() const;
 
  private:
+  double spring_N(double theta_rad) const;
   void push_spring(double theta_rad, double force_N);
+  void watch_still(std::uint16_t code, float force_N, float theta_rad);
   void close_spring_block();
 
   RigInfo info_;
@@ -58,8 +61,17 @@ class RigWitness {
   int valid_run_ = 0;
   double sum_second_ = 0.0, sum_force_ = 0.0;
   std::uint64_t second_n_ = 0, force_n_ = 0;
-  std::uint64_t still_run_ = 0, frozen_run_ = 0, theta_run_ = 0;
-  float still_theta_ = 0.0f, previous_theta_ = 0.0f;
+  /// How long a reading has not changed, and whether the spring has moved meanwhile.
+  struct Still {
+    std::uint64_t run = 0;
+    float theta_rad = 0.0f;
+    bool moved = false;
+  };
+  bool moved(Still& still, float theta_rad) const;
+  Still reference_still_, sensor_still_;
+  std::uint16_t previous_code_ = 0;
+  std::uint64_t theta_run_ = 0, dead_run_ = 0;
+  float previous_theta_ = 0.0f;
   std::uint16_t adc_or_ = 0, adc_and_ = 0xFFFF;
   int spring_skip_ = 0;
   double sx_ = 0, sy_ = 0, sxx_ = 0, sxy_ = 0, syy_ = 0;

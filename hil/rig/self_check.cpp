@@ -79,6 +79,8 @@ std::vector<Check> self_check(const RigInfo& info, const RigObservation& o, cons
          o.motor_fault > 0 ? fmt::format("the drive reported a fault on {} samples", o.motor_fault)
                            : fmt::format("the wheel stood still for {:.2f} s while it was told to move",
                                          o.theta_still_while_commanded_s)});
+  add({"rig_sensor", "Longest time the sensor channel was dead", o.sensor_dead_s, "s", limits.sensor_dead_s,
+       Blame::sensor, fmt::format("one code for {:.2f} s of motion, or code 0 under load", o.sensor_dead_s)});
   add({"rig_samples", "Share of samples that never arrived", share(o.lost + o.time_gaps), "1",
        limits.lost_share, Blame::link,
        fmt::format("{} samples lost, {} gaps in time, of {}", o.lost, o.time_gaps, o.samples)});

@@ -94,6 +94,17 @@ TEST(SelfCheck, sees_a_stuck_converter_bit) {
   EXPECT_EQ(unsound(rig), "rig_adc");
 }
 
+TEST(SelfCheck, blames_the_sensor_that_came_unplugged) {
+  testing::FakeRig rig;
+  rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {
+    if (t_s > 15.0) b.adc[row] = 0;
+  };
+  const auto checks = checks_of(rig);
+  ASSERT_NE(first_unsound(checks), nullptr);
+  EXPECT_EQ(first_unsound(checks)->id, "rig_sensor");
+  EXPECT_EQ(first_unsound(checks)->blame, Blame::sensor);
+}
+
 TEST(SelfCheck, sees_lost_samples_and_gaps_of_time) {
   testing::FakeRig rig;
   rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {
