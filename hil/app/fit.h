@@ -1,0 +1,15 @@
+#pragma once
+// `forcegate fit` and `forcegate add`: joint refit of a model on a campaign, with one effect more or without.
+
+#include "hil/app/model_input.h"
+#include "hil/diagnose/refit.h"
+
+namespace forcegate {
+
+/// `add` empty: refit only.
+Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add);
+std::string refit_text(const diagnose::Refit& refit, const std::string& add);
+std::string refit_json(const diagnose::Refit& refit, const std::string& add);
+std::string waterfall_text(const diagnose::Waterfall& waterfall);
+
+}  // namespace forcegate

@@ -1,0 +1,33 @@
+#include "hil/app/next.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace forcegate {
+
+Result<NextExperiment> next_request(const CampaignRequest& request) {
+  FORCEGATE_TRY(Diagnosis diagnosis, diagnose_request(request));
+  return std::move(diagnosis.next_experiment);
+}
+
+std::string next_text(const NextExperiment& n) {
+  if (n.segments.empty()) return "nothing competes: no further measurement is needed to tell effects apart\n";
+  std::string out = fmt::format("measure next, {:.2g} minutes of rig time:\n", n.minutes);
+  for (const ExperimentSegment& s : n.segments) {
+    out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {:.3g} -> {:.3g} to 1, likeness {:.2f} -> {:.2f}\n", s.name, s.minutes, s.separates,
+                       s.odds_before, s.odds_after, s.cosine_before, s.cosine_after);
+    for (const auto& [name, value] : s.numbers) out += fmt::format("      {} = {:g}\n", name, value);
+  }
+  return out;
+}
+
+std::string next_json(const NextExperiment& n) {
+  Diagnosis d;
+  d.next_experiment = n;
+  nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_json(d))["next_experiment"];
+  out["format"] = 1;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate

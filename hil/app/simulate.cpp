@@ -1,0 +1,36 @@
+#include "hil/app/simulate.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hil/app/write_file.h"
+#include "hil/model/rows.h"
+
+namespace forcegate {
+
+Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder) {
+  FORCEGATE_TRY(const Model model, load_model(request.model));
+  FORCEGATE_TRY(const Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "");
+  Simulation out;
+  for (RecordInput& r : input.records) {
+    set_decay(r, model.law);
+    FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
+    std::string text = "t_s,F_ref_N,U_V,U_model_V\n";
+    double square = 0.0;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g}\n", r.t_s[i], r.F_N[i], r.U_V[i], U[i]);
+      square += (r.U_V[i] - U[i]) * (r.U_V[i] - U[i]);
+    }
+    const auto file = folder / (r.name + ".csv");
+    FORCEGATE_CHECK_OK(write_file_atomically(file, text));
+    out.items.push_back({r.name, file, r.rows(), std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, r.rows())))});
+  }
+  return out;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,21 @@
+#pragma once
+// `forcegate simulate`: what a model says to the forces of a campaign; one CSV per record.
+
+#include "hil/app/model_input.h"
+
+namespace forcegate {
+
+struct Simulation {
+  struct Item {
+    std::string record;
+    std::filesystem::path file;
+    std::size_t rows = 0;
+    double rmse_V = 0.0;  ///< against the measured output
+  };
+  std::vector<Item> items;
+};
+
+/// Columns t_s, F_ref_N, U_V (measured), U_model_V on the rows (at most 50 a second).
+Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder);
+
+}  // namespace forcegate

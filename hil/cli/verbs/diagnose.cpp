@@ -1,0 +1,59 @@
+#include "hil/app/diagnose.h"
+
+#include <fmt/format.h>
+
+#include "hil/app/write_file.h"
+#include "hil/cli/command.h"
+#include "hil/cli/parse.h"
+#include "hil/report/diagnosis_html.h"
+
+namespace forcegate {
+namespace {
+
+Result<int> run(const Invocation& in) {
+  CampaignRequest request;
+  request.campaign = in.text("CAMPAIGN");
+  request.model = in.text("model");
+  request.maps = in.texts("map");
+  FORCEGATE_TRY(request.assumed_rate_Hz, in.number("rate", 0.0, 1e6));
+  FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 256));
+  request.threads = static_cast<unsigned>(threads);
+  Console& console = in.console();
+  FORCEGATE_TRY(const Diagnosis answer, diagnose_request(request));
+  if (const std::string html = in.text("html"); !html.empty()) {
+    FORCEGATE_CHECK_OK(write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line()})));
+    console.note("wrote " + html);
+  }
+  console.print(diagnosis_text(answer));
+  console.print_json(to_json(answer));
+  const std::string campaign = shell_quoted(request.campaign.string());
+  if (!answer.findings.empty() && answer.findings.front().probability >= 0.5 && answer.findings.front().form != "raw" &&
+      answer.findings.front().unit == "V")
+    console.next("forcegate add " + answer.findings.front().effect + " --fit " + campaign + " -o better.toml");
+  else if (in.text("html").empty())
+    console.next("forcegate diagnose " + campaign + " --html diagnosis.html");
+  return kExitSuccess;
+}
+
+const Registration<Command> kRow{Command{
+    .name = "diagnose",
+    .group = "Diagnosis",
+    .summary = "say which physical effect is missing between a model and measurements",
+    .description =
+        "Reads a campaign (folder with campaign.json, or one CSV), fits the starting model with the repeatability of "
+        "the records, and compares every effect of the library on what is left: which one explains it, on which side "
+        "(sensor, rig, reference, instrument), how sure, what it can be mistaken for, and what to measure next. The "
+        "answer can be \"none\", or \"unknown\" with the quantities that the remaining structure depends on.",
+    .positionals = {{.name = "CAMPAIGN", .doc = "Campaign folder, campaign.json, one CSV or one HDF5 run."}},
+    .options = {{.name = "model", .value_name = "MODEL", .doc = "flexiforce, fsr, or a model file.", .fallback = "flexiforce"},
+                {.name = "map", .value_name = "COLUMN=NAME", .doc = "Foreign column, for instance pressure_bar=F_ref_N.", .repeatable = true},
+                {.name = "rate", .value_name = "HZ", .doc = "Sampling rate of files without a clock.", .fallback = "0"},
+                {.name = "threads", .value_name = "N", .doc = "0: one per processor. The answer does not depend on it.", .fallback = "0"},
+                {.name = "html", .value_name = "FILE", .doc = "Write the report with its pictures."}},
+    .examples = {{"forcegate diagnose m7", "What is missing in the campaign m7:"},
+                 {"forcegate diagnose m7 --html m7.html", "The same with pictures:"}},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate
