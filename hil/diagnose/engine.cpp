@@ -238,6 +238,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     rig_rules.first_gain = 20.0;
     rig_rules.first_fall = 0.3;
     rig_rules.later_fall = 0.6;
+    rig_rules.sure_gain = 1e9;
     rig_rules.first_total_fall = rig_rules.later_total_fall = 1.1;
     rig_rules.smallest_rms = 1e-3;
     rig = select_effects(w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules, options.threads);
@@ -278,6 +279,10 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     f.form = "raw";
     out.findings.push_back(std::move(f));
   }
+  // a noisy reference bends and delays everything that is regressed on it: only what explains nearly all stands beside it
+  if (raw_says("reference_noise"))
+    for (Finding& f : out.findings)
+      if (f.form != "raw" && explained < 0.85) f.probability *= 0.5;
   if (w.has_rig && rig.base.valid) {
     const double rig_explained = rig.excess_before > 0.0 ? 1.0 - rig.excess_after / rig.excess_before : 1.0;
     add_findings(w, w.rig, rig, std::max(rig_explained, 0.51), out);

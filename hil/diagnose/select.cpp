@@ -210,8 +210,10 @@ Selection select_effects(const ResidualChannel& channel, const std::vector<int>&
     else if (family.best.wrong_sign) why = "its sign is unphysical";
     else if (between && plain_share < 0.25 && chosen.fall < rules.later_fall) why = "it does not make records predictable from each other";
     else if (!between && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
-             family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall))
+             family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
+             !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall))
       why = "it leaves most of the residual";
+    else if (family.kind->name == "adc_codes" && chosen.fall < 0.5) why = "jumps at codes explain too little of it";
     else if (!between && std::max(removed_rms, total_rms) < rules.smallest_rms) why = "too small for the declared instruments";
     else if (!between && chosen.records_excited >= 3 && (chosen.records_improved * 2 <= chosen.records_excited || left_out_share < 0.02))
       why = "it does not help records that were left out";
@@ -237,9 +239,8 @@ Selection select_effects(const ResidualChannel& channel, const std::vector<int>&
     for (std::size_t k = 0; k + 1 < out.chosen.size();) {
       std::vector<int> without = always, with = always;
       for (std::size_t j = 0; j < out.chosen.size(); ++j) {
-        std::vector<int> columns = out.chosen[j].columns;
-        for (int b : bank_columns(channel, *out.chosen[j].kind))
-          if (std::find(columns.begin(), columns.end(), b) == columns.end()) columns.push_back(b);
+        // own columns only: a bank is there to soak up remains, not to take the place of another effect
+        const std::vector<int>& columns = out.chosen[j].columns;
         with.insert(with.end(), columns.begin(), columns.end());
         if (j != k) without.insert(without.end(), columns.begin(), columns.end());
       }

@@ -34,6 +34,7 @@ struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
   double first_fall = 0.10, later_fall = 0.40;
   double first_total_fall = 0.06, later_total_fall = 0.25;  ///< where the declared noise allows the whole residual
+  double sure_gain = 40.0, sure_total_fall = 0.02;  ///< a small share is enough where the evidence is overwhelming
   double smallest_rms = 2.5e-4;  ///< of the span: less is below what the declared instruments can tell
   int most = 3;
 };

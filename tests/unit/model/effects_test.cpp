@@ -1,0 +1,200 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include <cmath>
+
+#include "hil/base/rng.h"
+#include "hil/model/effect.h"
+#include "hil/model/model.h"
+#include "synthetic.h"
+
+namespace forcegate {
+namespace {
+
+CampaignInput input() {
+  auto made = make_campaign_input(test::campaign([](double, double F) { return 2.0 * F - 0.2; }));
+  EXPECT_TRUE(made.has_value());
+  for (RecordInput& r : made->records) r.drive_mean_V = r.index % 2 == 0 ? 5.0 : 3.3;
+  made->has_drive = true;
+  return std::move(*made);
+}
+
+class EveryForm : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};
+
+std::vector<std::pair<std::string, std::string>> all_forms() {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const EffectKind& kind : EffectRegistry::instance().all())
+    for (const EffectForm& form : kind.forms) out.emplace_back(kind.name, form.name);
+  return out;
+}
+
+TEST_P(EveryForm, DocumentsItselfAndItsParameters) {
+  const EffectKind& kind = *EffectRegistry::instance().find(GetParam().first);
+  const EffectForm& form = *find_form(kind, GetParam().second);
+  EXPECT_FALSE(kind.summary.empty() || kind.equation.empty() || kind.source.empty() || kind.separates.empty());
+  EXPECT_FALSE(form.strength.empty());
+  for (const ParameterSpec& p : form.strength) {
+    EXPECT_LT(p.minimum, p.neutral) << p.name;
+    EXPECT_GT(p.maximum, p.neutral) << p.name;
+    EXPECT_EQ(p.neutral, 0.0) << p.name;
+    EXPECT_FALSE(p.unit.empty() || p.doc.empty()) << p.name;
+  }
+  for (const std::string& other : kind.look_alikes)
+    EXPECT_NE(EffectRegistry::instance().find(other), nullptr) << other << " is not an effect of the library";
+}
+
+TEST_P(EveryForm, GivesFiniteColumnsAndTheSameOnesTwice) {
+  const EffectKind& kind = *EffectRegistry::instance().find(GetParam().first);
+  const EffectForm& form = *find_form(kind, GetParam().second);
+  const CampaignInput campaign = input();
+  for (const auto& shape : form.grid(campaign)) {
+    ASSERT_EQ(shape.size(), form.shape.size());
+    for (const RecordInput& r : campaign.records) {
+      Eigen::MatrixXd a = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()), static_cast<Eigen::Index>(form.strength.size())), b = a;
+      form.columns(campaign, r, shape, a);
+      form.columns(campaign, r, shape, b);
+      EXPECT_TRUE(a.allFinite());
+      EXPECT_EQ(a, b);
+    }
+  }
+}
+
+TEST_P(EveryForm, ChangesNothingAtItsNeutralValueAndFollowsItsDerivativeElsewhere) {
+  const EffectKind& kind = *EffectRegistry::instance().find(GetParam().first);
+  if (kind.channel != EffectChannel::output) GTEST_SKIP() << "acts on the rig, not on the output";
+  const EffectForm& form = *find_form(kind, GetParam().second);
+  const CampaignInput campaign = input();
+  const RecordInput& r = campaign.records[1];
+  Model plain = *library_model("flexiforce");
+  const auto base = model_output_V(plain, campaign, r);
+  ASSERT_TRUE(base.has_value());
+  ModelEffect effect{kind.name, form.name, {}, {}};
+  const std::vector<double> shape = form.grid(campaign).front();
+  for (std::size_t k = 0; k < shape.size(); ++k)
+    effect.shape.push_back({form.shape[k].name, form.shape[k].unit, shape[k], 0, form.shape[k].minimum, form.shape[k].maximum, 0});
+  for (const ParameterSpec& p : form.strength) effect.strength.push_back({p.name, p.unit, 0.0, 0, p.minimum, p.maximum, 0.0});
+  Model with = plain;
+  with.effects.push_back(effect);
+  const auto neutral = model_output_V(with, campaign, r);
+  ASSERT_TRUE(neutral.has_value());
+  EXPECT_EQ(*neutral, *base);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()), static_cast<Eigen::Index>(form.strength.size()));
+  form.columns(campaign, r, shape, columns);
+  for (std::size_t j = 0; j < form.strength.size(); ++j) {
+    const double step = 1e-3;
+    with.effects[0].strength[j].value = step;
+    const auto moved = model_output_V(with, campaign, r);
+    with.effects[0].strength[j].value = 0.0;
+    for (std::size_t i = 0; i < r.rows(); i += 97)
+      EXPECT_NEAR(((*moved)[i] - (*base)[i]) / step, columns(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) / plain.law.gain_N_per_V, 1e-6);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Library, EveryForm, ::testing::ValuesIn(all_forms()),
+                         [](const auto& info) { return info.param.first + "__" + info.param.second; });
+
+TEST(Library, HoldsEveryEffectThatACampaignMayName) {
+  for (const char* name : {"hysteresis", "creep", "lag", "delay", "clock_skew", "static_nonlinearity", "dead_zone", "wear", "frequency_bump",
+                           "slow_recovery", "thermal", "humidity", "rc", "piezocapacitance", "bias", "self_heating", "spring_nonlinearity",
+                           "backlash", "off_axis", "contact_loss", "motor", "reference_drift", "reference_noise", "clipping", "hum", "outliers",
+                           "dropouts", "adc_codes", "mounting"})
+    EXPECT_NE(EffectRegistry::instance().find(name), nullptr) << name;
+}
+
+// Recovered from data made by another form: columns of the effect against the other form's output by least squares.
+double explained_by(const std::string& effect, const std::string& form_name, const CampaignInput& campaign, const std::vector<std::vector<double>>& added) {
+  const EffectKind& kind = *EffectRegistry::instance().find(effect);
+  const EffectForm& form = *find_form(kind, form_name);
+  double best = 0.0;
+  for (const auto& shape : form.grid(campaign)) {
+    const auto p = static_cast<Eigen::Index>(form.strength.size()) + 2;
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(p, p);
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(p);
+    Eigen::MatrixXd G0 = Eigen::MatrixXd::Zero(2, 2);
+    Eigen::VectorXd b0 = Eigen::VectorXd::Zero(2);
+    double yy = 0.0;
+    for (std::size_t k = 0; k < campaign.records.size(); ++k) {
+      const RecordInput& r = campaign.records[k];
+      Eigen::MatrixXd X = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()), p);
+      form.columns(campaign, r, shape, X.leftCols(p - 2));
+      Eigen::VectorXd y(static_cast<Eigen::Index>(r.rows()));
+      for (std::size_t i = 0; i < r.rows(); ++i) {
+        X(static_cast<Eigen::Index>(i), p - 2) = r.F_N[i];
+        X(static_cast<Eigen::Index>(i), p - 1) = 1.0;
+        y[static_cast<Eigen::Index>(i)] = added[k][i];
+      }
+      G += X.transpose() * X;
+      b += X.transpose() * y;
+      G0 += X.rightCols(2).transpose() * X.rightCols(2);
+      b0 += X.rightCols(2).transpose() * y;
+      yy += y.squaredNorm();
+    }
+    G.diagonal().array() += 1e-9 * G.trace();
+    const double without = yy - b0.dot(G0.ldlt().solve(b0)), with = yy - b.dot(G.ldlt().solve(b));
+    best = std::max(best, 1.0 - with / without);
+  }
+  return best;
+}
+
+TEST(Recovery, PlayOperatorsFollowALoopMadeByAPreisachPlane) {
+  const CampaignInput campaign = input();
+  std::vector<std::vector<double>> added;
+  for (const RecordInput& r : campaign.records) {
+    std::vector<double> y(r.rows(), 0.0);
+    int relays = 0;
+    for (double alpha = 0.3; alpha < 4.4; alpha += 0.2)
+      for (double beta = 0.1; beta < alpha; beta += 0.2) {
+        ++relays;
+        bool up = r.F_N[0] >= alpha;
+        for (std::size_t i = 0; i < r.rows(); ++i) {
+          if (r.F_N[i] >= alpha) up = true;
+          if (r.F_N[i] <= beta) up = false;
+          y[i] += up ? 1.0 : 0.0;
+        }
+      }
+    for (double& v : y) v /= relays;
+    added.push_back(y);
+  }
+  EXPECT_GT(explained_by("hysteresis", "play_bank", campaign, added), 0.85);
+  EXPECT_LT(explained_by("delay", "shift", campaign, added), 0.7);
+}
+
+TEST(Recovery, PronySeriesFollowsCreepThatGrowsWithTheLogarithmOfTime) {
+  const CampaignInput campaign = input();
+  std::vector<std::vector<double>> added;
+  for (const RecordInput& r : campaign.records) {
+    // superposition of log10(1 + t/1 s) responses to every step of the force, on a coarse grid of steps
+    std::vector<double> y(r.rows(), 0.0);
+    const std::size_t stride = 10;
+    for (std::size_t k = 0; k < r.rows(); k += stride) {
+      const double dF = r.F_N[k] - (k >= stride ? r.F_N[k - stride] : 0.0);
+      if (std::abs(dF) < 1e-9) continue;
+      for (std::size_t i = k; i < r.rows(); ++i) y[i] += 0.03 * dF * std::log10(1.0 + r.t_s[i] - r.t_s[k]);
+    }
+    added.push_back(y);
+  }
+  EXPECT_GT(explained_by("creep", "prony", campaign, added), 0.97);
+}
+
+TEST(Recovery, OnePoleFollowsADistributedLag) {
+  const CampaignInput campaign = input();
+  std::vector<std::vector<double>> added;
+  for (const RecordInput& r : campaign.records) {
+    double a = r.fast_F_N[0], b = a;
+    std::vector<double> y(r.rows(), 0.0);
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      for (std::uint32_t k = r.row_begin[i]; k < r.row_begin[i + 1]; ++k) {
+        a += 0.005 / 0.05 * (r.fast_F_N[k] - a);
+        b += 0.005 / 0.03 * (a - b);
+        y[i] += b - r.fast_F_N[k];
+      }
+      y[i] /= r.row_begin[i + 1] - r.row_begin[i];
+    }
+    added.push_back(y);
+  }
+  EXPECT_GT(explained_by("lag", "one_pole", campaign, added), 0.9);
+}
+
+}  // namespace
+}  // namespace forcegate

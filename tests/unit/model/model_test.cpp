@@ -1,0 +1,93 @@
+#include "hil/model/model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "synthetic.h"
+
+namespace forcegate {
+namespace {
+
+TEST(LibraryModels, AreReadAndHoldThePapersNumbers) {
+  const auto model = library_model("flexiforce");
+  ASSERT_TRUE(model.has_value());
+  EXPECT_NEAR(model->law.decay_rate_per_s(0.5), 0.0019 * 0.5 + 0.0056, 1e-15);
+  EXPECT_NEAR(model->law.depth_ratio(1.5), 1.0 / (1.0 + 1.377 * 2.25), 1e-15);
+  EXPECT_TRUE(library_model("fsr").has_value());
+  EXPECT_FALSE(library_model("fsr")->law.decays);
+  EXPECT_FALSE(library_model("nosuch").has_value());
+}
+
+TEST(DecayFactor, StartsAtOneAndEndsAtTheDepthRatio) {
+  EXPECT_EQ(decay_factor(0.0, 0.01, 0.3), 1.0);
+  EXPECT_EQ(decay_factor(-5.0, 0.01, 0.3), 1.0);
+  EXPECT_NEAR(decay_factor(1e6, 0.01, 0.3), 0.3 / 1.3, 1e-12);
+}
+
+TEST(ModelFile, SurvivesWritingAndReading) {
+  Model model = *library_model("fsr");
+  model.law.gain_N_per_V = 0.4375;
+  model.history.push_back({"lag", "C01", 0.02, 0.01, 0.005, 0.1, 0.09, "V", true});
+  const auto again = parse_model(write_model(model), "test");
+  ASSERT_TRUE(again.has_value()) << again.error().to_text();
+  EXPECT_EQ(again->law.gain_N_per_V, 0.4375);
+  ASSERT_EQ(again->effects.size(), 1u);
+  EXPECT_EQ(again->effects[0].shape[0].value, model.effects[0].shape[0].value);
+  ASSERT_EQ(again->history.size(), 1u);
+  EXPECT_EQ(again->history[0].error_after, 0.01);
+}
+
+TEST(ModelFile, NamesThePlaceOfAMistakeAndGuessesTheEffect) {
+  const auto wrong = parse_model("[law]\ngain_N_per_V = 0.5\n[[effect]]\nname = \"hysterisis\"\n", "m.toml");
+  ASSERT_FALSE(wrong.has_value());
+  EXPECT_NE(wrong.error().where.find("m.toml:3"), std::string::npos) << wrong.error().where;
+  EXPECT_NE(wrong.error().hint.find("hysteresis"), std::string::npos);
+  EXPECT_FALSE(parse_model("[law\n", "m.toml").has_value());
+  EXPECT_FALSE(parse_model("[law]\ngain_N_per_V = { value = 5.0, max = 1.0 }\n", "m.toml").has_value());
+}
+
+TEST(UserEffect, FollowsItsDifferentialEquation) {
+  const auto model = parse_model(
+      "[law]\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\noutput = \"k*x\"\nstate.x = \"(F-x)/tau\"\n"
+      "parameter.tau = { value = 20.0, unit = \"s\" }\nparameter.k = { value = 0.1, unit = \"1\" }\n", "m.toml");
+  ASSERT_TRUE(model.has_value()) << model.error().to_text();
+  const auto input = make_campaign_input(test::campaign([](double, double F) { return F; }));
+  const RecordInput& hold = input->records[2];
+  const auto added = user_effect_N(model->user_effects[0], hold);
+  ASSERT_TRUE(added.has_value());
+  double x = 0.0;
+  for (std::size_t i = 1; i < hold.rows(); ++i) {
+    const double dt = hold.t_s[i] - hold.t_s[i - 1], mean = 0.5 * (hold.F_N[i] + hold.F_N[i - 1]);
+    x = mean + (x - mean) * std::exp(-dt / 20.0);
+    EXPECT_NEAR((*added)[i], 0.1 * x, 1e-4);
+  }
+}
+
+TEST(UserEffect, ReportsAnEquationThatCannotBeRead) {
+  UserEffect effect;
+  effect.name = "bad";
+  effect.output = "F * (";
+  const auto input = make_campaign_input(test::campaign([](double, double F) { return F; }));
+  const auto added = user_effect_N(effect, input->records[0]);
+  ASSERT_FALSE(added.has_value());
+  EXPECT_EQ(added.error().code, ErrorCode::config);
+}
+
+TEST(Rows, NeedForceAndOutput) {
+  Record record = test::campaign([](double, double F) { return F; }).records[0];
+  record.trace.channels.erase(record.trace.channels.begin() + 1);
+  const auto made = make_record_input(record);
+  ASSERT_FALSE(made.has_value());
+  EXPECT_NE(made.error().text.find("U"), std::string::npos);
+}
+
+TEST(Rows, AreBlockMeansOfAtMostFiftyASecond) {
+  const auto made = make_record_input(test::campaign([](double, double F) { return 2.0 * F; }).records[0]);
+  ASSERT_TRUE(made.has_value());
+  EXPECT_NEAR(made->row_step_s, 0.02, 1e-9);
+  for (std::size_t i = 0; i < made->rows(); ++i) EXPECT_NEAR(made->U_V[i], 2.0 * made->F_N[i], 1e-12);
+}
+
+}  // namespace
+}  // namespace forcegate
