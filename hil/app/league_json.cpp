@@ -24,8 +24,8 @@ Json to_json(const TierTally& tier) {
           {"look_alike", to_json(tier.look_alike)},
           {"side_right", to_json(tier.side)},
           {"with_false_claim", to_json(tier.false_claims)},
-          {"removed_median", number(quantile(tier.removed, 0.5))},
-          {"removed_lower_quartile", number(quantile(tier.removed, 0.25))}};
+          {"removed_median", number(score_quantile(tier.removed, 0.5))},
+          {"removed_lower_quartile", number(score_quantile(tier.removed, 0.25))}};
 }
 
 Json to_json(const LeagueMatch& m) {
@@ -86,10 +86,10 @@ std::string league_json(const LeagueResult& result) {
                   {"calibration", calibration},
                   {"matches", matches},
                   {"seconds",
-                   {{"engine_median", number(quantile(t.engine_s, 0.5))},
-                    {"engine_95", number(quantile(t.engine_s, 0.95))},
-                    {"engine_max", number(quantile(t.engine_s, 1.0))},
-                    {"generation_median", number(quantile(t.generation_s, 0.5))},
+                   {{"engine_median", number(score_quantile(t.engine_s, 0.5))},
+                    {"engine_95", number(score_quantile(t.engine_s, 0.95))},
+                    {"engine_max", number(score_quantile(t.engine_s, 1.0))},
+                    {"generation_median", number(score_quantile(t.generation_s, 0.5))},
                     {"whole", result.seconds}}}};
   return j.dump(1);
 }

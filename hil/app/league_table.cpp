@@ -61,7 +61,7 @@ std::string league_text(const LeagueResult& result) {
   row("  side right, of those listed", &TierTally::side, "97 %");
   row("  with a false claim beside", &TierTally::false_claims, "");
   out += fmt::format("{:<34}", "  reducible error removed, median");
-  for (const TierTally& tier : t.tiers) out += fmt::format("{:<28}", percent(quantile(tier.removed, 0.5)));
+  for (const TierTally& tier : t.tiers) out += fmt::format("{:<28}", percent(score_quantile(tier.removed, 0.5)));
   out += "85 %\n\n";
   out +=
       fmt::format("{:<34}{:<28}{}\n", "clean campaigns, false discovery", share(t.control_false), "<= 3 %");
@@ -96,8 +96,8 @@ std::string league_text(const LeagueResult& result) {
   out += fmt::format(
       "\nseconds: engine median {:.2f}, 95 % {:.2f}, worst {:.2f}; making a campaign {:.2f}; whole league "
       "{:.0f}\n",
-      quantile(t.engine_s, 0.5), quantile(t.engine_s, 0.95), quantile(t.engine_s, 1.0),
-      quantile(t.generation_s, 0.5), result.seconds);
+      score_quantile(t.engine_s, 0.5), score_quantile(t.engine_s, 0.95), score_quantile(t.engine_s, 1.0),
+      score_quantile(t.generation_s, 0.5), result.seconds);
   return out;
 }
 

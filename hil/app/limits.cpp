@@ -61,7 +61,7 @@ Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProg
     DerivedLimit limit;
     limit.n = list.size();
     limit.unit = units[key];
-    limit.p99 = quantile(list, 0.99);
+    limit.p99 = sample_quantile(list, 0.99);
     limit.sd = moments(list).sd;
     limit.value = limit.p99 + 2.0 * limit.sd;
     limits.by_case_and_check[key] = limit;

@@ -120,7 +120,7 @@ Interval wilson_95(std::size_t k, std::size_t n) {
   return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
-double quantile(std::vector<double> values, double p) {
+double score_quantile(std::vector<double> values, double p) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());
   const double at = p * static_cast<double>(values.size() - 1);

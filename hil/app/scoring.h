@@ -63,6 +63,6 @@ struct Interval {
 Interval wilson_95(std::size_t k, std::size_t n);
 
 /// Value below which a share p of the values lies, linear between order statistics; NaN when there are none.
-double quantile(std::vector<double> values, double p);
+double score_quantile(std::vector<double> values, double p);
 
 }  // namespace forcegate

@@ -72,7 +72,7 @@ Moments moments(std::span<const double> values) {
   return m;
 }
 
-double quantile(std::vector<double> values, double p) {
+double sample_quantile(std::vector<double> values, double p) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());

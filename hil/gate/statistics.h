@@ -22,7 +22,7 @@ struct Moments {
 Moments moments(std::span<const double> values);
 
 /// Value below which the share p of the items lies (linear between order statistics, type 7); NaN when empty.
-double quantile(std::vector<double> values, double p);
+double sample_quantile(std::vector<double> values, double p);
 
 /// Step-down rule of Holm (1979): true for each hypothesis that is rejected while the probability of any false
 /// rejection stays <= alpha. NaN p-values are never rejected but count as hypotheses.

@@ -34,7 +34,7 @@ TEST(Statistics, holm_never_rejects_what_is_not_a_number) {
 }
 
 TEST(Statistics, quantile_and_moments_leave_out_what_is_not_finite) {
-  EXPECT_DOUBLE_EQ(quantile({3.0, std::nan(""), 1.0, 2.0}, 0.5), 2.0);
+  EXPECT_DOUBLE_EQ(sample_quantile({3.0, std::nan(""), 1.0, 2.0}, 0.5), 2.0);
   const double v[] = {1.0, std::nan(""), 3.0};
   EXPECT_DOUBLE_EQ(moments(v).mean, 2.0);
   EXPECT_DOUBLE_EQ(moments(v).sd, std::sqrt(2.0));

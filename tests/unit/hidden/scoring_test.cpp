@@ -46,9 +46,9 @@ TEST(Wilson, IsSymmetricAndKnowsNothingWithoutTrials) {
 }
 
 TEST(Quantile, InterpolatesBetweenOrderStatistics) {
-  EXPECT_DOUBLE_EQ(quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
-  EXPECT_DOUBLE_EQ(quantile({1.0, 2.0}, 0.5), 1.5);
-  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+  EXPECT_DOUBLE_EQ(score_quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
+  EXPECT_DOUBLE_EQ(score_quantile({1.0, 2.0}, 0.5), 1.5);
+  EXPECT_TRUE(std::isnan(score_quantile({}, 0.5)));
 }
 
 TEST(Score, TheFirstFindingCountsOnlyUnderTheVerdictKnown) {
