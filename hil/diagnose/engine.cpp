@@ -223,7 +223,8 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
 Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
-  const SelectionRules rules;
+  SelectionRules rules;
+  rules.clock_slack = !w.input.generic;  // columns of one file share one clock
 
   const std::vector<HealthClaim> raw = health_claims(w.health, w.scales, w.input.bench);
   const auto raw_says = [&](const std::string& name) {
@@ -241,7 +242,10 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     rig_rules.sure_gain = 1e9;
     rig_rules.first_total_fall = rig_rules.later_total_fall = 1.1;
     rig_rules.smallest_rms = 1e-3;
-    rig = select_effects(w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules, options.threads);
+    // every command reaches the force late; without a data sheet of the motor that is no finding
+    std::vector<std::string> rig_skip = options.in_model;
+    rig_skip.push_back("motor");
+    rig = select_effects(w.rig, model_columns(w.rig, options.in_model), rig_skip, rig_rules, options.threads);
     for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
   }
   std::vector<std::string> skip = options.in_model;
@@ -279,10 +283,6 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     f.form = "raw";
     out.findings.push_back(std::move(f));
   }
-  // a noisy reference bends and delays everything that is regressed on it: only what explains nearly all stands beside it
-  if (raw_says("reference_noise"))
-    for (Finding& f : out.findings)
-      if (f.form != "raw" && explained < 0.85) f.probability *= 0.5;
   if (w.has_rig && rig.base.valid) {
     const double rig_explained = rig.excess_before > 0.0 ? 1.0 - rig.excess_after / rig.excess_before : 1.0;
     add_findings(w, w.rig, rig, std::max(rig_explained, 0.51), out);
@@ -292,6 +292,11 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
                          scale * std::sqrt(judged(w.rig, judge(w.rig, rig.final, w.all_fit).adapted, w.all_fit)), "N"};
     }
   }
+
+  // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
+  if (raw_says("reference_noise"))
+    for (Finding& f : out.findings)
+      if (f.form != "raw") f.probability *= 0.5;
 
   // one entry per effect, claims first
   std::stable_sort(out.findings.begin(), out.findings.end(),

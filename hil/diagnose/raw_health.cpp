@@ -228,7 +228,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                              ? std::hypot(bench.reference_noise_N, resolution / std::sqrt(12.0))
                              : resolution;
   const double found = quantile(noise_F, 0.5);
-  if (allowed > 0.0 && found > (std::isfinite(bench.reference_noise_N) ? 2.0 : 1.3) * allowed && found > 0.0025 * scales.range_N)
+  const bool declared = std::isfinite(bench.reference_noise_N) || std::isfinite(bench.reference_resolution_N);
+  if (declared && allowed > 0.0 && found > (std::isfinite(bench.reference_noise_N) ? 2.0 : 1.3) * allowed && found > 0.0025 * scales.range_N)
     out.push_back({"reference_noise", 0.93, "the reference scatters by " + std::to_string(found).substr(0, 6) +
                                                 " N where " + std::to_string(allowed).substr(0, 6) + " N are allowed",
                    "noise_N", "N", found, 0.05 * found});

@@ -179,9 +179,9 @@ Selection select_effects(const ResidualChannel& channel, const std::vector<int>&
     const double excess_now = excess_mean_square(channel, result.base);
     const double total_rms = std::sqrt(std::max(0.0, family.best.total_fall * mean_adapted(channel, result.base)));
     const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess_now));
-    const bool slight_shift = is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
+    const bool slight_shift = rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
                               chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
-    if ((is_reference_latency(channel, family) && family.gain > 4.0) || slight_shift) {
+    if ((rules.clock_slack && is_reference_latency(channel, family) && family.gain > 4.0) || slight_shift) {
       // all leads: they span a shift and a first-order lag of the reference alike
       if (slight_shift) present.insert(present.end(), variant.columns.begin(), variant.columns.end());
       for (const Candidate& c : channel.candidates)

@@ -36,6 +36,7 @@ struct SelectionRules {
   double first_total_fall = 0.06, later_total_fall = 0.25;  ///< where the declared noise allows the whole residual
   double sure_gain = 40.0, sure_total_fall = 0.02;  ///< a small share is enough where the evidence is overwhelming
   double smallest_rms = 2.5e-4;  ///< of the span: less is below what the declared instruments can tell
+  bool clock_slack = true;       ///< a few milliseconds between two instruments are nobody's fault
   int most = 3;
 };
 

@@ -1,5 +1,7 @@
 #include "hil/model/effect.h"
 
+#include <cmath>
+
 namespace forcegate {
 
 bool is_available(const EffectKind& kind, const CampaignInput& campaign) {
@@ -9,6 +11,7 @@ bool is_available(const EffectKind& kind, const CampaignInput& campaign) {
     if (need == "humidity" && !campaign.has_humidity) return false;
     if (need == "drive" && !campaign.has_drive) return false;
     if (need == "command" && !campaign.has_command) return false;
+    if (need == "range" && !std::isfinite(campaign.bench.voltage_max_V)) return false;
     if (need == "witness" && !campaign.has_theta && !campaign.has_command) return false;
   }
   return true;

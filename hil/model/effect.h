@@ -61,7 +61,7 @@ struct EffectKind {
   std::string source;
   std::vector<std::string> look_alikes;
   std::string separates;                 ///< stimulus that settles it
-  std::vector<std::string> needs;        ///< "theta", "temp", "drive", "humidity", "command"; empty: only F and U
+  std::vector<std::string> needs;        ///< "theta", "temp", "drive", "humidity", "command", "range", "witness"; empty: only F and U
   std::vector<EffectForm> forms;
 };
 

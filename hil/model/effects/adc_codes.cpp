@@ -16,7 +16,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .source = "bit weight error of successive approximation converters",
     .look_alikes = {"static_nonlinearity"},
     .separates = "a slow ramp: histogram of codes has gaps or piles at binary fractions",
-    .needs = {},
+    .needs = {"range"},
     .forms = {{.name = "bit_weights",
                .shape = {},
                .strength = {{"bit1_N", "N", -10.0, 10.0, 0.0, "error of the highest bit"},
