@@ -219,7 +219,7 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
           pair_of[1] = b;
         }
       }
-    if (least > std::log(1000.0) && step > 0) break;
+    if (least > std::log(1000.0)) break;
     std::size_t best = of_segment.size();
     double rate = 0.0;
     for (std::size_t s = 0; s < of_segment.size(); ++s) {

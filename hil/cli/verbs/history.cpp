@@ -25,7 +25,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const History answer, history_request(request));
   in.console().print(history_text(answer));
   in.console().print_json(history_json(answer));
-  in.console().next("forcegate export " + shell_quoted(request.model) + " --c compensator.h");
+  in.console().next("forcegate compare CAMPAIGN --model " + shell_quoted(request.model));
   return kExitSuccess;
 }
 
