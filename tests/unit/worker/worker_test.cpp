@@ -1,0 +1,182 @@
+#include "hil/app/worker.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "hil/app/run_folder.h"
+#include "hil/gate/case_json.h"
+#include "hil/interface/firmware_guard.h"
+#include "hil/interface/reporter.h"
+#include "tests/support/fake_dut.h"
+#include "tests/support/fake_rig.h"
+
+namespace forcegate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Misbehaves at sample 30000 in the way its image's name says.
+class EvilDut : public testing::FakeDut {
+ public:
+  Result<DutInfo> open(const DutSession& session) override {
+    how_ = session.image.filename().string();
+    return FakeDut::open(session);
+  }
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
+                       std::span<std::uint8_t> flags) override {
+    if (first_index >= 30000) {
+      if (how_ == "segv_outside") std::raise(SIGSEGV);
+      const InFirmware inside(first_index);
+      if (how_ == "segv") std::raise(SIGSEGV);
+      if (how_ == "abort") std::abort();
+      if (how_ == "exit") std::exit(3);
+      if (how_ == "loop")
+        for (volatile bool forever = true; forever;) {
+        }
+    }
+    return FakeDut::process(first_index, adc, force_N, flags);
+  }
+
+ private:
+  std::string how_;
+};
+
+const Registration<LaneKind> kLane{{"evil", "for tests", [](const fs::path&) { return true; },
+                                    [](const std::map<std::string, std::string>&) -> Result<std::unique_ptr<Dut>> {
+                                      return std::make_unique<EvilDut>();
+                                    }}};
+const Registration<RigKind> kRig{{"fake", "for tests",
+                                  [](const std::map<std::string, std::string>&) -> Result<std::unique_ptr<Rig>> {
+                                    return std::make_unique<testing::FakeRig>();
+                                  }}};
+const Registration<ReporterKind> kReporter{{"json", "result.json", "for tests", [](const RunResult&) { return std::string("{}"); }}};
+
+CaseJob job(const std::string& how) {
+  CaseJob j;
+  j.id = how;
+  j.rig = "fake";
+  j.lane = "evil";
+  j.image = "/images/" + how;
+  j.planned.name = how;
+  j.planned.controller = "open_loop";
+  j.planned.stimulus.name = "sine";
+  j.planned.stimulus.numbers = {{"f_Hz", 0.5}, {"A_N", 1.0}, {"m_N", 2.0}, {"duration_s", 60.0}, {"ramp_s", 2.0}};
+  j.calibration.offset_N = 0.1;
+  return j;
+}
+
+CaseFailure failure_of(const std::string& how) {
+  WorkerOptions options;
+  options.workers = 1;
+  options.hang_cpu_s = 0.3;
+  const auto records = run_in_workers({job(how)}, options);
+  EXPECT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].id, how);
+  EXPECT_TRUE(records[0].failure) << how;
+  return records[0].failure.value_or(CaseFailure{});
+}
+
+TEST(Worker, a_crash_inside_the_firmware_is_the_firmware_s_with_signal_and_sample) {
+  const CaseFailure f = failure_of("segv");
+  EXPECT_EQ(f.stage, CaseFailure::Stage::firmware);
+  EXPECT_EQ(f.error.code, ErrorCode::firmware);
+  EXPECT_NE(f.error.text.find("SEGV"), std::string::npos) << f.error.text;
+  EXPECT_NE(f.error.text.find("32720"), std::string::npos) << f.error.text;  // first block that begins after 30000
+  EXPECT_NE(failure_of("abort").error.text.find("ABRT"), std::string::npos);
+  EXPECT_NE(failure_of("exit").error.text.find("exit code 3"), std::string::npos);
+}
+
+TEST(Worker, a_crash_outside_the_firmware_is_ours) {
+  const CaseFailure f = failure_of("segv_outside");
+  EXPECT_EQ(f.stage, CaseFailure::Stage::harness);
+  EXPECT_EQ(f.error.code, ErrorCode::internal);
+}
+
+TEST(Worker, an_endless_loop_is_ended_and_charged_to_the_firmware) {
+  const CaseFailure f = failure_of("loop");
+  EXPECT_EQ(f.stage, CaseFailure::Stage::firmware);
+  EXPECT_NE(f.error.text.find("endless loop"), std::string::npos) << f.error.text;
+}
+
+TEST(Worker, one_bad_record_does_not_end_the_others_and_order_is_that_of_the_jobs) {
+  std::vector<CaseJob> jobs{job("good_1"), job("segv"), job("good_2"), job("abort"), job("good_3")};
+  std::vector<std::string> first;
+  for (const unsigned workers : {1u, 2u, 5u}) {
+    WorkerOptions options;
+    options.workers = workers;
+    const auto records = run_in_workers(jobs, options);
+    std::vector<std::string> texts;
+    for (const CaseRecord& r : records) texts.push_back(to_json(r));
+    ASSERT_EQ(records.size(), 5u);
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      EXPECT_EQ(records[i].id, jobs[i].id);
+      EXPECT_EQ(records[i].failure.has_value(), i % 2 == 1);
+    }
+    if (first.empty()) first = texts;
+    EXPECT_EQ(texts, first) << workers << " workers";
+  }
+}
+
+TEST(Worker, makes_a_record_from_a_job_in_text_form) {
+  const auto text = execute_job_text(to_json(job("good")));
+  ASSERT_TRUE(text);
+  const auto record = record_from_json(*text);
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->samples, 60000u);
+  EXPECT_FALSE(execute_job_text("not a job"));
+}
+
+TEST(Worker, stops_when_it_is_told_to) {
+  std::atomic<bool> cancelled{true};
+  WorkerOptions options;
+  options.cancelled = &cancelled;
+  const auto records = run_in_workers({job("good"), job("good")}, options);
+  for (const CaseRecord& r : records) {
+    ASSERT_TRUE(r.failure);
+    EXPECT_EQ(r.failure->error.code, ErrorCode::cancelled);
+  }
+}
+
+struct Folder {
+  fs::path root = fs::temp_directory_path() / ("forcegate_run_folder_" + std::to_string(getpid()));
+  Folder() { fs::create_directories(root); }
+  ~Folder() { fs::remove_all(root); }
+};
+
+TEST(RunFolder, has_its_name_only_when_it_is_complete) {
+  Folder f;
+  auto folder = RunFolder::open(f.root / "run");
+  ASSERT_TRUE(folder);
+  EXPECT_FALSE(fs::exists(f.root / "run"));
+  ASSERT_TRUE(folder->publish({}));
+  EXPECT_TRUE(fs::exists(f.root / "run" / "result.json"));
+}
+
+TEST(RunFolder, removes_an_older_result_before_the_run) {
+  Folder f;
+  ASSERT_TRUE(RunFolder::open(f.root / "run")->publish({}));
+  auto folder = RunFolder::open(f.root / "run");
+  ASSERT_TRUE(folder);
+  EXPECT_FALSE(fs::exists(f.root / "run" / "result.json")) << "it could be taken for the result of this run";
+}
+
+TEST(RunFolder, clears_what_a_killed_run_left_and_keeps_what_is_not_ours) {
+  Folder f;
+  fs::create_directories(f.root / "run.part-999999999");
+  ASSERT_TRUE(RunFolder::open(f.root / "run"));
+  EXPECT_FALSE(fs::exists(f.root / "run.part-999999999"));
+  fs::create_directories(f.root / "photos");
+  std::ofstream(f.root / "photos" / "cat.jpg") << "x";
+  const auto refused = RunFolder::open(f.root / "photos");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
+  EXPECT_TRUE(fs::exists(f.root / "photos" / "cat.jpg"));
+}
+
+}  // namespace
+}  // namespace forcegate
