@@ -11,10 +11,11 @@ Result<void> CaseRecorder::begin(const CaseJob& job, const CaseRecord& so_far) {
   JournalHeader header;
   header.name = job.id;
   header.time_bases.push_back({"rig", so_far.rig.rate_Hz});
-  header.channels = {{"F_cmd", "N", "force", SampleType::f32, 0},   {"F_ref", "N", "force", SampleType::f32, 0},
-                     {"U", "V", "voltage", SampleType::f32, 0},     {"U", "counts", "voltage", SampleType::u16, 0},
-                     {"theta", "rad", "angle", SampleType::f32, 0}, {"status", "counts", "status", SampleType::u16, 0},
-                     {"F_dut", "N", "force", SampleType::f32, 0},   {"flags", "counts", "flags", SampleType::u8, 0}};
+  header.channels = {
+      {"F_cmd", "N", "force", SampleType::f32, 0},   {"F_ref", "N", "force", SampleType::f32, 0},
+      {"U", "V", "voltage", SampleType::f32, 0},     {"U", "counts", "voltage", SampleType::u16, 0},
+      {"theta", "rad", "angle", SampleType::f32, 0}, {"status", "counts", "status", SampleType::u16, 0},
+      {"F_dut", "N", "force", SampleType::f32, 0},   {"flags", "counts", "flags", SampleType::u8, 0}};
   header.provenance = {{"rig", so_far.rig.name + "/" + so_far.rig.version},
                        {"firmware_build", so_far.firmware.build_id},
                        {"algorithm", so_far.firmware.algorithm_id},
@@ -41,8 +42,9 @@ Result<void> CaseRecorder::push(const RigBlock& block, std::span<const float> du
   volts_.resize(n);
   for (std::size_t i = 0; i < n; ++i) volts_[i] = static_cast<float>(volts_per_code_ * block.adc[i]);
   const auto part = [n](const auto& column) { return ColumnView(std::span(column.data(), n)); };
-  const ColumnView columns[] = {part(block.setpoint_N), part(block.force_ref_N), ColumnView(volts_), part(block.adc),
-                                part(block.theta_rad),  part(block.status),      ColumnView(dut_N),  ColumnView(flags)};
+  const ColumnView columns[] = {part(block.setpoint_N), part(block.force_ref_N), ColumnView(volts_),
+                                part(block.adc),        part(block.theta_rad),   part(block.status),
+                                ColumnView(dut_N),      ColumnView(flags)};
   return recorder_->append({block.t_s.data(), n}, columns);
 }
 

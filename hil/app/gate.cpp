@@ -1,9 +1,9 @@
 #include "hil/app/gate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "hil/app/gate_jobs.h"
 #include "hil/app/run_folder.h"
@@ -56,7 +56,7 @@ class GateRun {
     }
     head();
     calibration_jobs_ = calibration_jobs(request_, setup_);
-      double total_s = 0.0;
+    double total_s = 0.0;
     for (const CaseJob& job : calibration_jobs_) total_s += rig_time_s(job);
     for (const PlanCase& c : setup_.plan.cases) {
       CaseJob job;
@@ -82,7 +82,8 @@ class GateRun {
     const std::filesystem::path path = plan.path.parent_path() / plan.limits.derived;
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) {
-      result_.notes.push_back("there is no limits file " + plan.limits.derived + ": derive it with forcegate limits");
+      result_.notes.push_back("there is no limits file " + plan.limits.derived +
+                              ": derive it with forcegate limits");
       return {};
     }
     FORCEGATE_TRY(limits_, read_limits(path));
@@ -123,10 +124,12 @@ class GateRun {
     if (!request_.calibration_file.empty()) {
       FORCEGATE_TRY(base, read_calibration_file(request_.calibration_file, setup_.rig));
       level_ = base.level;
-      result_.notes.push_back(fmt::format("calibration '{}' from {}", base.id, request_.calibration_file.string()));
+      result_.notes.push_back(
+          fmt::format("calibration '{}' from {}", base.id, request_.calibration_file.string()));
     } else if (!setup_.rig.can_move) {
       level_ = CalibrationLevel::nominal;
-      result_.notes.push_back("no calibration was given: the nominal values of the sensor type are used (--cal FILE)");
+      result_.notes.push_back(
+          "no calibration was given: the nominal values of the sensor type are used (--cal FILE)");
     }
     calibrations_.assign(setup_.specimens.size(), base);
     meter.begin(calibration_jobs_);
@@ -156,7 +159,8 @@ class GateRun {
         records_[i].id = jobs_[i].id;
         records_[i].index = i;
         records_[i].failure = bad->failure;
-        records_[i].failure->error.text = "calibration of " + jobs_[i].specimen + ": " + bad->failure->error.text;
+        records_[i].failure->error.text =
+            "calibration of " + jobs_[i].specimen + ": " + bad->failure->error.text;
         continue;
       }
       if (request_.keep && !folder.empty()) jobs_[i].keep_path = trace_path(folder, jobs_[i]).string();
@@ -184,9 +188,11 @@ class GateRun {
     std::vector<CaseJob> again;
     std::vector<std::size_t> place;
     for (std::size_t i = 0; i < jobs_.size() && again.size() < kMostKept; ++i) {
-      const bool doubt = std::any_of(judged_[i].checks.begin(), judged_[i].checks.end(), [](const JudgedCheck& j) {
-        return j.check.required && j.check.verdict != Verdict::pass && j.check.verdict != Verdict::not_run;
-      });
+      const bool doubt =
+          std::any_of(judged_[i].checks.begin(), judged_[i].checks.end(), [](const JudgedCheck& j) {
+            return j.check.required && j.check.verdict != Verdict::pass &&
+                   j.check.verdict != Verdict::not_run;
+          });
       if (!doubt || records_[i].failure) continue;
       again.push_back(jobs_[i]);
       again.back().keep_path = trace_path(folder, jobs_[i]).string();
@@ -195,7 +201,8 @@ class GateRun {
     }
     auto made = run_in_workers(again, worker_options());
     for (std::size_t k = 0; k < made.size(); ++k)
-      if (!made[k].failure && made[k].digest == records_[place[k]].digest) records_[place[k]] = std::move(made[k]);
+      if (!made[k].failure && made[k].digest == records_[place[k]].digest)
+        records_[place[k]] = std::move(made[k]);
   }
 
   // Verdicts of single records; the decision rule runs over all of them together.
@@ -211,7 +218,8 @@ class GateRun {
       const auto& specimens = specimens_of(setup_.plan, planned);
       std::vector<const JudgedCase*> group;
       for (std::size_t k = 0; k < specimens.size(); ++k) group.push_back(&judged_[i++]);
-      for (JudgedCheck& check : judge_panel(setup_.plan, planned, specimens, group)) panel_.push_back(std::move(check));
+      for (JudgedCheck& check : judge_panel(setup_.plan, planned, specimens, group))
+        panel_.push_back(std::move(check));
     }
     std::vector<JudgedCheck*> all;
     for (JudgedCheck& check : panel_) all.push_back(&check);
@@ -252,7 +260,8 @@ class GateRun {
       const auto& specimens = specimens_of(setup_.plan, planned);
       for (std::size_t k = 0; k < specimens.size(); ++k, ++i) {
         const bool curves = jobs_[i].curves;
-        result_.cases.push_back(to_case_result(planned, jobs_[i], std::move(records_[i]), judged_[i], curves));
+        result_.cases.push_back(
+            to_case_result(planned, jobs_[i], std::move(records_[i]), judged_[i], curves));
       }
     }
   }
@@ -283,7 +292,8 @@ class GateRun {
 
 }  // namespace
 
-Result<RunResult> gate(const GateRequest& request, const GateProgress& progress, const std::atomic<bool>* cancelled) {
+Result<RunResult> gate(const GateRequest& request, const GateProgress& progress,
+                       const std::atomic<bool>* cancelled) {
   FORCEGATE_TRY(GateSetup setup, prepare_gate(request));
   return GateRun(request, std::move(setup), cancelled).run(progress);
 }

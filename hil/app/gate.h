@@ -18,8 +18,8 @@ namespace forcegate {
 
 struct GateRequest {
   std::filesystem::path firmware;
-  std::string plan = "smoke";       ///< file, or name of a plan in ci/plans
-  std::string lane;                 ///< "": the one that accepts the image
+  std::string plan = "smoke";  ///< file, or name of a plan in ci/plans
+  std::string lane;            ///< "": the one that accepts the image
   std::map<std::string, std::string> lane_options;
   std::string rig = "emulated";
   std::map<std::string, std::string> rig_options;  ///< replay: "record" = path
@@ -27,20 +27,21 @@ struct GateRequest {
   std::filesystem::path calibration_file;          ///< used instead of a calibration on the rig
   std::optional<std::uint64_t> seed;
   std::map<std::string, double> faults;
-  std::vector<std::string> only_cases;             ///< names; empty = all
-  std::vector<std::string> panel;                  ///< overrides the plan's; empty = the plan's
+  std::vector<std::string> only_cases;  ///< names; empty = all
+  std::vector<std::string> panel;       ///< overrides the plan's; empty = the plan's
   unsigned threads = 0;
-  bool keep = false;                               ///< samples of every record, not only of those in doubt
-  std::filesystem::path output;                    ///< folder of the result; empty = none is written
-  std::string command_line;                        ///< that repeats the run
-  std::string started_at;                          ///< ISO 8601; the only wall-clock text of the result
+  bool keep = false;             ///< samples of every record, not only of those in doubt
+  std::filesystem::path output;  ///< folder of the result; empty = none is written
+  std::string command_line;      ///< that repeats the run
+  std::string started_at;        ///< ISO 8601; the only wall-clock text of the result
 };
 
 /// fraction of the rig time of the whole run in [0, 1] and what is being done now.
 using GateProgress = std::function<void(double fraction, std::string_view now)>;
 
-/// Errors are those of the request (exit 2) and of the machine; everything that happens after the first record is
-/// in the decision. A written folder appears whole or not at all; result.json is the last file in it.
+/// Errors are those of the request (exit 2) and of the machine; everything that happens after the first
+/// record is in the decision. A written folder appears whole or not at all; result.json is the last file in
+/// it.
 Result<RunResult> gate(const GateRequest& request, const GateProgress& progress = {},
                        const std::atomic<bool>* cancelled = nullptr);
 

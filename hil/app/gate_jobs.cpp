@@ -1,10 +1,9 @@
 #include "hil/app/gate_jobs.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
-
-#include <fmt/format.h>
 
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
@@ -21,17 +20,19 @@ Result<std::string> choose_lane(const GateRequest& request) {
     const LaneKind* lane = lanes.find(request.lane);
     if (lane == nullptr) {
       const std::string near = nearest_name(request.lane, lanes.names());
-      return fail(ErrorCode::usage, "there is no lane named '" + printable_utf8(request.lane) + "'", {},
-                  near.empty() ? "choose one of: " + join(lanes.names(), ", ") : "did you mean '" + near + "'?");
+      return fail(
+          ErrorCode::usage, "there is no lane named '" + printable_utf8(request.lane) + "'", {},
+          near.empty() ? "choose one of: " + join(lanes.names(), ", ") : "did you mean '" + near + "'?");
     }
     if (!lane->accepts(request.firmware))
-      return fail(ErrorCode::usage, "lane '" + request.lane + "' cannot run this image", request.firmware.string(),
-                  lane->doc);
+      return fail(ErrorCode::usage, "lane '" + request.lane + "' cannot run this image",
+                  request.firmware.string(), lane->doc);
     return lane->name;
   }
   for (const LaneKind& lane : lanes.all())
     if (lane.accepts(request.firmware)) return lane.name;
-  return fail(ErrorCode::usage, "this file is not a firmware image that any lane can run", request.firmware.string(),
+  return fail(ErrorCode::usage, "this file is not a firmware image that any lane can run",
+              request.firmware.string(),
               "give an ELF image built for one of the ports: " + join(lanes.names(), ", "));
 }
 
@@ -42,11 +43,13 @@ Result<void> select_cases(const GateRequest& request, Plan& plan) {
   for (const std::string& wanted : request.only_cases)
     if (std::find(names.begin(), names.end(), wanted) == names.end()) {
       const std::string near = nearest_name(wanted, names);
-      return fail(ErrorCode::usage, "the plan has no case '" + printable_utf8(wanted) + "'", plan.path.string(),
+      return fail(ErrorCode::usage, "the plan has no case '" + printable_utf8(wanted) + "'",
+                  plan.path.string(),
                   near.empty() ? "it has: " + join(names, ", ") : "did you mean '" + near + "'?");
     }
   std::erase_if(plan.cases, [&](const PlanCase& c) {
-    return std::find(request.only_cases.begin(), request.only_cases.end(), c.name) == request.only_cases.end();
+    return std::find(request.only_cases.begin(), request.only_cases.end(), c.name) ==
+           request.only_cases.end();
   });
   return {};
 }
@@ -54,7 +57,8 @@ Result<void> select_cases(const GateRequest& request, Plan& plan) {
 // The profile of a recording is its own force channel.
 Result<void> take_profile_of_recording(const GateRequest& request, PlanCase& planned) {
   const auto path = request.rig_options.find("record");
-  if (path == request.rig_options.end()) return {};  // another rig that cannot move: the plan's profile stands
+  if (path == request.rig_options.end())
+    return {};  // another rig that cannot move: the plan's profile stands
   StimulusSpec spec;
   spec.name = "replay";
   spec.texts["path"] = path->second;
@@ -96,8 +100,9 @@ Result<std::filesystem::path> find_plan(const std::string& name) {
       if (entry.path().extension() == ".toml") known.push_back(entry.path().stem().string());
   }
   const std::string near = nearest_name(name, known);
-  return fail(ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", {},
-              !near.empty() ? "did you mean '" + near + "'?" : "give a file, or the name of a file in ci/plans");
+  return fail(
+      ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", {},
+      !near.empty() ? "did you mean '" + near + "'?" : "give a file, or the name of a file in ci/plans");
 }
 
 Result<GateSetup> prepare_gate(const GateRequest& request) {
@@ -186,8 +191,8 @@ std::vector<CaseJob> record_jobs(const GateRequest& request, const GateSetup& se
       job.planned = planned;
       job.curves = specimen == specimens[specimens.size() / 2];  // one stands for its case
       job.record = static_cast<std::uint64_t>(k) + 1;
-      job.nonce = static_cast<std::uint32_t>(
-          mix_seed(job.seed, setup.firmware_sha256 + "/" + job.id) & 0xFFFFFFFFu);
+      job.nonce =
+          static_cast<std::uint32_t>(mix_seed(job.seed, setup.firmware_sha256 + "/" + job.id) & 0xFFFFFFFFu);
       job.faults = request.faults;
       const auto at = std::find(setup.specimens.begin(), setup.specimens.end(), specimen);
       job.calibration = calibrations[static_cast<std::size_t>(at - setup.specimens.begin())];

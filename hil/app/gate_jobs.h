@@ -23,7 +23,8 @@ Result<GateSetup> prepare_gate(const GateRequest& request);
 /// One per specimen; empty when there is nothing to measure (nominal level, a calibration file, a recording).
 std::vector<CaseJob> calibration_jobs(const GateRequest& request, const GateSetup& setup);
 
-/// Every case on each of its specimens, in the plan's order. calibrations: one per specimen of setup.specimens.
+/// Every case on each of its specimens, in the plan's order. calibrations: one per specimen of
+/// setup.specimens.
 std::vector<CaseJob> record_jobs(const GateRequest& request, const GateSetup& setup,
                                  const std::vector<Calibration>& calibrations);
 

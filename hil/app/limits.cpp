@@ -1,9 +1,9 @@
 #include "hil/app/limits.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "hil/gate/statistics.h"
 
@@ -23,7 +23,8 @@ Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProg
   gated.plan = path.string();
   gated.threads = request.threads;
   for (const PlanCase& c : plan.cases)
-    if (c.loop == LoopMode::open && c.checks & kCheckAccuracy && !c.maxima_pct) gated.only_cases.push_back(c.name);
+    if (c.loop == LoopMode::open && c.checks & kCheckAccuracy && !c.maxima_pct)
+      gated.only_cases.push_back(c.name);
   if (gated.only_cases.empty())
     return fail(ErrorCode::config, "no case of this plan needs a derived limit", path.string());
 
@@ -35,10 +36,13 @@ Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProg
   for (std::size_t first = 0; first < request.n; first += kBatch) {
     const std::size_t count = std::min(kBatch, request.n - first);
     gated.panel.clear();
-    for (std::size_t k = 0; k < count; ++k) gated.panel.push_back(fmt::format("seed:{}", request.first_seed + first + k));
+    for (std::size_t k = 0; k < count; ++k)
+      gated.panel.push_back(fmt::format("seed:{}", request.first_seed + first + k));
     const auto part = [&](double fraction, std::string_view now) {
       if (progress)
-        progress((static_cast<double>(first) + fraction * static_cast<double>(count)) / static_cast<double>(request.n), now);
+        progress((static_cast<double>(first) + fraction * static_cast<double>(count)) /
+                     static_cast<double>(request.n),
+                 now);
     };
     FORCEGATE_TRY(const RunResult result, gate(gated, part, cancelled));
     if (result.decision.exit_code == 130) return fail(ErrorCode::cancelled, "interrupted");

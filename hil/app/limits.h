@@ -12,11 +12,12 @@ struct LimitsRequest {
   std::size_t n = 300;              ///< specimens, each with its own session
   std::uint64_t first_seed = 1000;  ///< specimens "seed:1000", "seed:1001" ... : none of any panel
   unsigned threads = 0;
-  std::string date;                 ///< "2026-11-21", for the file
+  std::string date;  ///< "2026-11-21", for the file
 };
 
-/// p99 and standard deviation of the judged errors of every open-loop case with the check `accuracy`; the limit is
-/// p99 + 2 sd. Errors: those of gate(); config when a record gave no value (the file would claim too much).
+/// p99 and standard deviation of the judged errors of every open-loop case with the check `accuracy`; the
+/// limit is p99 + 2 sd. Errors: those of gate(); config when a record gave no value (the file would claim too
+/// much).
 Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress = {},
                                     const std::atomic<bool>* cancelled = nullptr);
 

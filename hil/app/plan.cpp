@@ -1,9 +1,9 @@
 #include "hil/app/plan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
-
-#include <fmt/format.h>
 
 #include "hil/base/text.h"
 #include "hil/gate/case_result.h"
@@ -62,8 +62,9 @@ PlanEstimate estimate_plan(const Plan& plan, double rate_Hz, double ns_per_sampl
 }
 
 std::string plan_in_words(const Plan& plan, const PlanEstimate& e, bool with_times) {
-  std::string out = fmt::format("plan {}: {} cases, {} records, calibration {}, rule {}\n", plan.name, plan.cases.size(),
-                                e.records, to_string(plan.calibration.level), plan.rule.name);
+  std::string out =
+      fmt::format("plan {}: {} cases, {} records, calibration {}, rule {}\n", plan.name, plan.cases.size(),
+                  e.records, to_string(plan.calibration.level), plan.rule.name);
   if (!plan.doc.empty()) out += plan.doc + "\n";
   for (const PlanEstimateRow& row : e.cases) {
     out += fmt::format("  {:<26} {:<6} x {:<3} {}", row.name, row.loop, row.specimens, row.stimulus);
@@ -71,8 +72,10 @@ std::string plan_in_words(const Plan& plan, const PlanEstimate& e, bool with_tim
     out += fmt::format("  [{}]\n", row.source);
   }
   if (with_times)
-    out += fmt::format("on a bench {} (of it calibration {}, rests included); emulated {} of rig time, about {} on one core\n",
-                       hours(e.bench_s), hours(e.calibration_bench_s), hours(e.rig_s), hours(e.emulated_cpu_s));
+    out += fmt::format(
+        "on a bench {} (of it calibration {}, rests included); emulated {} of rig time, about {} on one "
+        "core\n",
+        hours(e.bench_s), hours(e.calibration_bench_s), hours(e.rig_s), hours(e.emulated_cpu_s));
   return out;
 }
 

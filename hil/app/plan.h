@@ -19,9 +19,9 @@ struct PlanEstimate {
   std::vector<PlanEstimateRow> cases;
   std::size_t records = 0;
   double calibration_bench_s = 0.0;
-  double bench_s = 0.0;          ///< calibration, records and rests, one after the other
-  double rig_s = 0.0;            ///< without rests
-  double emulated_cpu_s = 0.0;   ///< on one core of this machine's kind, native lane
+  double bench_s = 0.0;         ///< calibration, records and rests, one after the other
+  double rig_s = 0.0;           ///< without rests
+  double emulated_cpu_s = 0.0;  ///< on one core of this machine's kind, native lane
 };
 
 /// `ns_per_sample`: cost of one emulated sample with everything (measured: tests/speed).

@@ -1,13 +1,12 @@
 #include "hil/app/run_folder.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "hil/app/write_file.h"
 #include "hil/interface/reporter.h"
@@ -60,19 +59,24 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
   if (folder.final_.filename().empty()) folder.final_ = folder.final_.parent_path();
   if (fs::exists(folder.final_, error)) {
     if (!fs::is_directory(folder.final_, error))
-      return fail(ErrorCode::usage, "the output is a file", folder.final_.string(), "give a folder with --output");
+      return fail(ErrorCode::usage, "the output is a file", folder.final_.string(),
+                  "give a folder with --output");
     if (!is_ours(folder.final_))
-      return fail(ErrorCode::usage, "the output folder holds files that are not of a run", folder.final_.string(),
-                  "give a new or empty folder with --output");
+      return fail(ErrorCode::usage, "the output folder holds files that are not of a run",
+                  folder.final_.string(), "give a new or empty folder with --output");
     fs::remove(folder.final_ / "result.json", error);
     fs::remove_all(folder.final_, error);
-    if (error) return fail(ErrorCode::io, "the older result cannot be removed: " + error.message(), folder.final_.string());
+    if (error)
+      return fail(ErrorCode::io, "the older result cannot be removed: " + error.message(),
+                  folder.final_.string());
   }
   fs::create_directories(folder.final_.parent_path(), error);
   remove_leftovers(folder.final_);
   folder.temporary_ = folder.final_.string() + kPart + std::to_string(getpid());
   fs::create_directories(folder.temporary_, error);
-  if (error) return fail(ErrorCode::io, "the output folder cannot be made: " + error.message(), folder.final_.string());
+  if (error)
+    return fail(ErrorCode::io, "the output folder cannot be made: " + error.message(),
+                folder.final_.string());
   return folder;
 }
 
@@ -97,11 +101,13 @@ Result<void> RunFolder::publish(const RunResult& result) {
     }
     FORCEGATE_CHECK_OK(write_file_atomically(temporary_ / reporter.file_name, reporter.render(result)));
   }
-  if (last != nullptr) FORCEGATE_CHECK_OK(write_file_atomically(temporary_ / last->file_name, last->render(result)));
+  if (last != nullptr)
+    FORCEGATE_CHECK_OK(write_file_atomically(temporary_ / last->file_name, last->render(result)));
   sync_folder(temporary_);
   std::error_code error;
   fs::rename(temporary_, final_, error);
-  if (error) return fail(ErrorCode::io, "the result cannot be given its name: " + error.message(), final_.string());
+  if (error)
+    return fail(ErrorCode::io, "the result cannot be given its name: " + error.message(), final_.string());
   temporary_.clear();
   sync_folder(final_.parent_path());
   return {};

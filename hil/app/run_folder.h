@@ -1,6 +1,6 @@
 #pragma once
-// The folder of a run. It is filled under a temporary name and renamed when it is complete; result.json is the last
-// file. Whatever kills the program, the final name holds a whole result or none.
+// The folder of a run. It is filled under a temporary name and renamed when it is complete; result.json is
+// the last file. Whatever kills the program, the final name holds a whole result or none.
 
 #include <filesystem>
 
@@ -11,8 +11,8 @@ namespace forcegate {
 
 class RunFolder {
  public:
-  /// Removes an older result of that name at once (it must not be taken for this run's) and what killed runs left.
-  /// Refuses a folder that holds anything but a result of ours (usage).
+  /// Removes an older result of that name at once (it must not be taken for this run's) and what killed runs
+  /// left. Refuses a folder that holds anything but a result of ours (usage).
   static Result<RunFolder> open(const std::filesystem::path& final_path);
   RunFolder(RunFolder&& other) noexcept;
   RunFolder& operator=(RunFolder&&) = delete;

@@ -17,8 +17,8 @@ CaseRecord failed(const CaseJob& job, CaseFailure::Stage stage, Error error) {
   return record;
 }
 
-// The lane is opened by the runner, which alone knows the rig's rate; the comparator is chosen by what the image
-// then declares. This one waits for the declaration.
+// The lane is opened by the runner, which alone knows the rig's rate; the comparator is chosen by what the
+// image then declares. This one waits for the declaration.
 class LateComparator final : public Comparator {
  public:
   Result<void> begin(const ComparatorSession& session) override {
@@ -49,7 +49,8 @@ CaseRecord execute_job(const CaseJob& job, const std::function<void(double)>& pr
 
   const LaneKind* lane = Registry<LaneKind>::instance().find(job.lane);
   if (lane == nullptr)
-    return failed(job, CaseFailure::Stage::setup, {ErrorCode::usage, "there is no lane named '" + job.lane + "'", {}, {}});
+    return failed(job, CaseFailure::Stage::setup,
+                  {ErrorCode::usage, "there is no lane named '" + job.lane + "'", {}, {}});
   auto dut = lane->make(job.lane_options);
   if (!dut) return failed(job, CaseFailure::Stage::setup, dut.error());
 

@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -12,8 +13,6 @@
 #include <cstring>
 #include <ctime>
 #include <thread>
-
-#include <fmt/format.h>
 
 #include "hil/app/worker.h"
 #include "hil/gate/case_json.h"
@@ -72,7 +71,8 @@ class Pool {
       : jobs_(jobs), options_(options), events_(events), records_(jobs.size()) {}
 
   std::vector<CaseRecord> run() {
-    unsigned workers = options_.workers > 0 ? options_.workers : std::max(1u, std::thread::hardware_concurrency());
+    unsigned workers =
+        options_.workers > 0 ? options_.workers : std::max(1u, std::thread::hardware_concurrency());
     std::size_t next = 0;
     while (next < jobs_.size() || !running_.empty()) {
       if (cancelled()) {
@@ -113,10 +113,12 @@ class Pool {
 
   void start(std::size_t job) {
     int ends[2];
-    void* memory = mmap(nullptr, sizeof(WorkerPage), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* memory =
+        mmap(nullptr, sizeof(WorkerPage), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED || pipe2(ends, O_CLOEXEC) != 0) {
       if (memory != MAP_FAILED) munmap(memory, sizeof(WorkerPage));
-      records_[job] = gone(job, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
+      records_[job] =
+          gone(job, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
       return;
     }
     auto* page = new (memory) WorkerPage;
@@ -129,7 +131,8 @@ class Pool {
     if (pid < 0) {
       close(ends[0]);
       munmap(memory, sizeof(WorkerPage));
-      records_[job] = gone(job, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
+      records_[job] =
+          gone(job, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
       return;
     }
     Worker w;
@@ -185,11 +188,16 @@ class Pool {
     }
     const bool in_firmware = w.page->guard.in_firmware.load() != 0;
     if (in_firmware && cpu_s - w.cpu_at_mark_s > options_.hang_cpu_s)
-      return end(w, fmt::format("the firmware does not return: endless loop after sample {} ({:.0f} s of CPU time)",
-                                w.page->guard.sample_index.load(), options_.hang_cpu_s), false);
+      return end(
+          w,
+          fmt::format("the firmware does not return: endless loop after sample {} ({:.0f} s of CPU time)",
+                      w.page->guard.sample_index.load(), options_.hang_cpu_s),
+          false);
     // A calibration marks nothing for as long as it lasts; only the firmware is watched closely.
     if (in_firmware && wall_s - w.wall_at_mark_s > options_.blocked_s)
-      return end(w, fmt::format("the firmware does not return: blocked after sample {}", w.page->guard.sample_index.load()),
+      return end(w,
+                 fmt::format("the firmware does not return: blocked after sample {}",
+                             w.page->guard.sample_index.load()),
                  false);
   }
 
@@ -211,14 +219,15 @@ class Pool {
       const bool in_firmware = w.page->guard.in_firmware.load() != 0;
       const std::string how =
           WIFSIGNALED(status)
-              ? fmt::format("signal {} ({})", sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
+              ? fmt::format("signal {} ({})",
+                            sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
                             strsignal(WTERMSIG(status)))
               : fmt::format("exit code {}", WEXITSTATUS(status));
-      records_[w.job] =
-          in_firmware ? gone(w.job, ErrorCode::firmware,
-                             fmt::format("the firmware crashed with {} after sample {}", how,
-                                         w.page->guard.sample_index.load()))
-                      : gone(w.job, ErrorCode::internal, fmt::format("a worker ended with {} outside the firmware", how));
+      records_[w.job] = in_firmware ? gone(w.job, ErrorCode::firmware,
+                                           fmt::format("the firmware crashed with {} after sample {}", how,
+                                                       w.page->guard.sample_index.load()))
+                                    : gone(w.job, ErrorCode::internal,
+                                           fmt::format("a worker ended with {} outside the firmware", how));
     }
     release(w);
   }

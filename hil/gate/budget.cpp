@@ -1,9 +1,9 @@
 #include "hil/gate/budget.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 namespace forcegate {
 namespace {
@@ -31,8 +31,8 @@ std::string Budget::to_text() const {
   return out;
 }
 
-Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, double standard_error,
-                  std::size_t n, double half_width_s) {
+Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N,
+                  double standard_error, std::size_t n, double half_width_s) {
   Budget b;
   if (n == 0 || !(typical_N > 0.0)) return b;
   const double root_n = std::sqrt(static_cast<double>(n));
@@ -40,11 +40,15 @@ Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
   const double reference = plan.reference_rel > 0.0 ? plan.reference_rel : record.rig.reference_u_rel;
   b.lines.push_back({"ATI calibration", 100.0 * reference, true});
   b.lines.push_back({"alignment", 100.0 * plan.alignment_rel, true});
-  b.lines.push_back({"resolution", 100.0 * record.rig.reference_resolution_N / std::sqrt(12.0) / typical_N / root_n, false});
+  b.lines.push_back({"resolution",
+                     100.0 * record.rig.reference_resolution_N / std::sqrt(12.0) / typical_N / root_n,
+                     false});
   b.lines.push_back({"noise", 100.0 * record.rig.reference_noise_N / averaged / typical_N / root_n, false});
-  const double f_Hz = std::isfinite(record.facts.lowest_frequency_Hz) ? record.facts.lowest_frequency_Hz : 0.0;
+  const double f_Hz =
+      std::isfinite(record.facts.lowest_frequency_Hz) ? record.facts.lowest_frequency_Hz : 0.0;
   const double u_lag_s = std::isfinite(record.u_lag_s) ? record.u_lag_s : 0.0;
-  b.lines.push_back({"synchronisation", 100.0 * (1.0 - std::cos(std::min(kPi, 2.0 * kPi * f_Hz * u_lag_s))), true});
+  b.lines.push_back(
+      {"synchronisation", 100.0 * (1.0 - std::cos(std::min(kPi, 2.0 * kPi * f_Hz * u_lag_s))), true});
   if (std::isfinite(standard_error)) b.lines.push_back({"repeatability", 100.0 * standard_error, false});
   return b;
 }

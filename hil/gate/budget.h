@@ -1,6 +1,6 @@
 #pragma once
-// Uncertainty of a mean relative error of extrema, in percentage points (k = 1). Systematic parts do not shrink
-// with the number of extrema; random ones do.
+// Uncertainty of a mean relative error of extrema, in percentage points (k = 1). Systematic parts do not
+// shrink with the number of extrema; random ones do.
 //
 //   ATI calibration   100 u_rel                      systematic
 //   alignment         100 u_align                    systematic
@@ -24,14 +24,14 @@ struct BudgetLine {
 
 struct Budget {
   std::vector<BudgetLine> lines;
-  double u() const;             ///< root of the sum of squares
+  double u() const;  ///< root of the sum of squares
   double u_systematic() const;
   std::string to_text() const;  ///< "ATI calibration 0.50, alignment 0.20, ..."
 };
 
 /// `typical_N` is the mean expected extremum, `standard_error` in 1 (not %), n the number of extrema.
-Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, double standard_error,
-                  std::size_t n, double half_width_s);
+Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N,
+                  double standard_error, std::size_t n, double half_width_s);
 
 /// The same parts for a mean absolute error, in newtons.
 Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N, std::size_t n,

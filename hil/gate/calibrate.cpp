@@ -1,12 +1,12 @@
 #include "hil/gate/calibrate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <memory>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "hil/base/text.h"
 #include "hil/gate/runner.h"
@@ -23,7 +23,8 @@ namespace {
 
 constexpr double kMeanOver_s = 0.05;
 
-// Triangle between two forces, one sweep up and down in sweep_s: quasi-static, so that the film is not worked.
+// Triangle between two forces, one sweep up and down in sweep_s: quasi-static, so that the film is not
+// worked.
 class CalibrationSweep final : public Stimulus {
  public:
   explicit CalibrationSweep(const PlanCalibration& c) : c_(c) {}
@@ -87,7 +88,8 @@ class CalibrationRun {
     const RigInfo info = rig_.info();
     const ControllerKind* kind = Registry<ControllerKind>::instance().find("open_loop");
     if (kind == nullptr)
-      return failed(CaseFailure::Stage::harness, {ErrorCode::internal, "the open-loop controller is not linked", {}, {}});
+      return failed(CaseFailure::Stage::harness,
+                    {ErrorCode::internal, "the open-loop controller is not linked", {}, {}});
     const auto controller = kind->make();
     controller->reset(info.geometry);
     RigWitness witness;
@@ -131,15 +133,21 @@ class CalibrationRun {
     out_.expected_samples += total;
     out_.rig = info;
     if (const auto checks = self_check(info, out_.observed); const Check* bad = first_unsound(checks))
-      return failed(CaseFailure::Stage::rig, {ErrorCode::device, bad->title + ": " + bad->evidence, job_.id, {}});
+      return failed(CaseFailure::Stage::rig,
+                    {ErrorCode::device, bad->title + ": " + bad->evidence, job_.id, {}});
     if (out_.safety.stopped())
       return failed(CaseFailure::Stage::rig,
-                    {ErrorCode::safety, fmt::format("the calibration record was stopped at {:.1f} s: {}",
-                                                    out_.safety.t_s, to_string(out_.safety.reason)), job_.id, {}});
+                    {ErrorCode::safety,
+                     fmt::format("the calibration record was stopped at {:.1f} s: {}", out_.safety.t_s,
+                                 to_string(out_.safety.reason)),
+                     job_.id,
+                     {}});
     if (done < total)
       return failed(CaseFailure::Stage::setup,
-                    {ErrorCode::timeout, fmt::format("the calibration record is truncated: {} of {} samples", done, total),
-                     job_.id, {}});
+                    {ErrorCode::timeout,
+                     fmt::format("the calibration record is truncated: {} of {} samples", done, total),
+                     job_.id,
+                     {}});
     return true;
   }
 
@@ -180,9 +188,10 @@ class CalibrationRun {
     out_.u_gain_rel = u_gain / c.gain_N_per_V;
     out_.u_offset_N = residual * std::sqrt((1.0 + su * su / (n * n) / vuu) / independent);
     out_.calibration_rmse_N = residual;
-    out_.calibration_text = fmt::format("{}: G {} N/V, F0 {} N from {} sweeps, residual {:.3f} N", job_.specimen,
-                                        with_uncertainty(c.gain_N_per_V, u_gain),
-                                        with_uncertainty(c.offset_N, out_.u_offset_N), job_.calibrate.sweeps, residual);
+    out_.calibration_text =
+        fmt::format("{}: G {} N/V, F0 {} N from {} sweeps, residual {:.3f} N", job_.specimen,
+                    with_uncertainty(c.gain_N_per_V, u_gain), with_uncertainty(c.offset_N, out_.u_offset_N),
+                    job_.calibrate.sweeps, residual);
     return true;
   }
 
@@ -220,8 +229,10 @@ class CalibrationRun {
     const double u_min_V = moments(minima_V).mean;
     const auto fit = fit_decay(t_s, maxima_V, u_min_V);
     if (!fit)
-      return failed(CaseFailure::Stage::rig, {ErrorCode::device, "the dynamic record does not determine b and c/a: " + fit.error().text,
-                                              job_.id, "take a longer record or a greater amplitude"});
+      return failed(
+          CaseFailure::Stage::rig,
+          {ErrorCode::device, "the dynamic record does not determine b and c/a: " + fit.error().text, job_.id,
+           "take a longer record or a greater amplitude"});
     const double amplitude_N = 0.5 * (moments(maxima_N).mean - moments(minima_N).mean);
     const double b_law = 0.0019 * facts.lowest_frequency_Hz + 0.0056;
     Calibration& c = out_.calibration;
@@ -229,17 +240,30 @@ class CalibrationRun {
     c.q_scale = fit->c_V / fit->a_V * (1.0 + 1.377 * amplitude_N * amplitude_N);
     if (!(c.b_scale > 0.0 && c.q_scale > 0.0) || !std::isfinite(c.b_scale * c.q_scale))
       return failed(CaseFailure::Stage::rig,
-                    {ErrorCode::device, fmt::format("the fitted decay is not one: a {:.3f} V, b {:.5f} 1/s, c {:.3f} V",
-                                                    fit->a_V, fit->b_per_s, fit->c_V), job_.id, {}});
+                    {ErrorCode::device,
+                     fmt::format("the fitted decay is not one: a {:.3f} V, b {:.5f} 1/s, c {:.3f} V",
+                                 fit->a_V, fit->b_per_s, fit->c_V),
+                     job_.id,
+                     {}});
     c.level = CalibrationLevel::identified;
     c.id = job_.specimen.substr(0, 14) + "/i";
     DecayFit& d = out_.decay;
-    d = {true, fit->a_V, fit->b_per_s, fit->c_V, u_min_V, fit->u_a_V, fit->u_b_per_s, fit->u_c_V, fit->rmse_V, 0.0,
+    d = {true,
+         fit->a_V,
+         fit->b_per_s,
+         fit->c_V,
+         u_min_V,
+         fit->u_a_V,
+         fit->u_b_per_s,
+         fit->u_c_V,
+         fit->rmse_V,
+         0.0,
          static_cast<std::uint64_t>(fit->n)};
     const double start_V = fit->a_V + fit->c_V;
     d.loss_pct = 100.0 * (1.0 - (fit->a_V * std::exp(-fit->b_per_s * t_s.back()) + fit->c_V) / start_V);
-    out_.calibration_text += fmt::format("; b {} 1/s = {:.3f} x eq. (5), c/a = {:.3f} x eq. (5), {:.1f} % of the swing lost",
-                                         with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.b_scale, c.q_scale, d.loss_pct);
+    out_.calibration_text +=
+        fmt::format("; b {} 1/s = {:.3f} x eq. (5), c/a = {:.3f} x eq. (5), {:.1f} % of the swing lost",
+                    with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.b_scale, c.q_scale, d.loss_pct);
     return true;
   }
 
@@ -289,7 +313,9 @@ Result<Calibration> read_calibration_file(const std::filesystem::path& path, con
   r.text("id", id);
   FORCEGATE_CHECK_OK(r.finish());
   c.adc_bits = static_cast<int>(bits);
-  c.level = level == "nominal" ? CalibrationLevel::nominal : level == "static" ? CalibrationLevel::statical : CalibrationLevel::identified;
+  c.level = level == "nominal"  ? CalibrationLevel::nominal
+            : level == "static" ? CalibrationLevel::statical
+                                : CalibrationLevel::identified;
   c.id = id.substr(0, 16);
   return c;
 }

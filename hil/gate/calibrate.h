@@ -2,7 +2,8 @@
 // What the harness finds out about a specimen before any sample counts (GATE section 1).
 //
 //   static      slow sweeps on the rig, least squares of F_ref = G U + F0 (Lebosse 2011, eq. 1)
-//   identified  and an earlier dynamic record: U_max(t) = U_min + a exp(-b t) + c fitted to the maxima (eq. 3), then
+//   identified  and an earlier dynamic record: U_max(t) = U_min + a exp(-b t) + c fitted to the maxima (eq.
+//   3), then
 //               b_scale = b / (0.0019 f + 0.0056), q_scale = (c / a) (1 + 1.377 A^2)  (eq. 5)
 
 #include <atomic>
@@ -16,11 +17,12 @@ namespace forcegate {
 /// The paper's values for the type of sensor: what the rig declares as nominal, else 0.5 N/V and 0 N.
 Calibration nominal_calibration(const RigInfo& info);
 
-/// Makes the records that job.calibrate asks for and fills CaseRecord::calibration, its uncertainties, decay and
-/// calibration_text. Never fails: see CaseRecord::failure.
+/// Makes the records that job.calibrate asks for and fills CaseRecord::calibration, its uncertainties, decay
+/// and calibration_text. Never fails: see CaseRecord::failure.
 CaseRecord run_calibration(const CaseJob& job, Rig& rig, const std::atomic<bool>* cancelled = nullptr);
 
-/// Keys gain_N_per_V, offset_N, b_scale, q_scale, level, id (all optional but the first two), adc_bits, v_range_V.
+/// Keys gain_N_per_V, offset_N, b_scale, q_scale, level, id (all optional but the first two), adc_bits,
+/// v_range_V.
 Result<Calibration> read_calibration_file(const std::filesystem::path& path, const RigInfo& info);
 
 }  // namespace forcegate

@@ -2,9 +2,8 @@
 
 #include <cmath>
 #include <limits>
-#include <type_traits>
-
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "hil/base/text.h"
 
@@ -25,116 +24,153 @@ struct Get {
   void operator()(const char* name, T& value);
 };
 
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Error> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Error> {
   f("code", v.code), f("text", v.text), f("where", v.where), f("hint", v.hint);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseFailure> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseFailure> {
   f("stage", v.stage), f("error", v.error);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Calibration> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Calibration> {
   f("gain", v.gain_N_per_V), f("offset", v.offset_N), f("bits", v.adc_bits), f("range", v.v_range_V);
   f("b", v.b_scale), f("q", v.q_scale), f("level", v.level), f("id", v.id);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusSpec> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusSpec> {
   f("name", v.name), f("numbers", v.numbers), f("lists", v.lists), f("texts", v.texts), f("seed", v.seed);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCase> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCase> {
   f("name", v.name), f("title", v.title), f("source", v.source), f("stimulus", v.stimulus), f("loop", v.loop);
-  f("controller", v.controller), f("checks", v.checks), f("specimens", v.specimens), f("rest", v.rest_before_s);
-  f("prominence", v.prominence_N), f("half_width", v.half_width_s), f("tail", v.tail_s), f("maxima", v.maxima_pct);
+  f("controller", v.controller), f("checks", v.checks), f("specimens", v.specimens),
+      f("rest", v.rest_before_s);
+  f("prominence", v.prominence_N), f("half_width", v.half_width_s), f("tail", v.tail_s),
+      f("maxima", v.maxima_pct);
   f("minima", v.minima_pct), f("limit_source", v.limit_source), f("where", v.where);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanIdentification> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanIdentification> {
   f("stimulus", v.stimulus), f("source", v.source);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCalibration> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCalibration> {
   f("level", v.level), f("low", v.sweep_low_N), f("high", v.sweep_high_N), f("sweep_s", v.sweep_s);
   f("sweeps", v.sweeps), f("rest", v.rest_s), f("identification", v.identification);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyLimits> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyLimits> {
   f("force", v.force_max_N), f("velocity", v.velocity_max_rad_per_s), f("lost", v.reference_lost_samples);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseJob> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseJob> {
   f("kind", v.kind), f("id", v.id), f("index", v.index), f("rig", v.rig), f("rig_options", v.rig_options);
   f("lane", v.lane), f("lane_options", v.lane_options), f("image", v.image), f("nonce", v.nonce);
   f("planned", v.planned), f("specimen", v.specimen), f("seed", v.seed), f("session", v.session);
   f("record", v.record), f("calibration", v.calibration), f("calibrate", v.calibrate), f("safety", v.safety);
   f("faults", v.faults), f("keep", v.keep_path), f("curves", v.curves);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigGeometry> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigGeometry> {
   f("k", v.spring_N_per_mm), f("e", v.eccentricity_mm), f("preload", v.preload_mm), f("low", v.theta_min_rad);
   f("high", v.theta_max_rad), f("velocity", v.velocity_max_rad_per_s);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigInfo> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigInfo> {
   f("name", v.name), f("id", v.id), f("version", v.version), f("rate", v.rate_Hz), f("bits", v.adc_bits);
   f("range", v.v_range_V), f("force", v.force_max_N), f("resolution", v.reference_resolution_N);
   f("noise", v.reference_noise_N), f("u_rel", v.reference_u_rel), f("geometry", v.geometry);
   f("can_move", v.can_move), f("emulated", v.emulated), f("details", v.details);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutInfo> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutInfo> {
   f("major", v.protocol_major), f("minor", v.protocol_minor), f("board", v.board), f("build", v.build_id);
   f("algorithm", v.algorithm_id), f("nonce", v.nonce), f("bits", v.adc_bits), f("rate", v.rate_Hz);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutCounters> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutCounters> {
   f("samples", v.samples), f("dropped", v.frames_dropped), f("bad", v.frames_bad), f("lost", v.indices_lost);
   f("overruns", v.overruns), f("naks", v.naks);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusFacts> {
-  f("mean", v.mean_N), f("amplitude", v.amplitude_N), f("f", v.lowest_frequency_Hz), f("start", v.excitation_start_s);
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusFacts> {
+  f("mean", v.mean_N), f("amplitude", v.amplitude_N), f("f", v.lowest_frequency_Hz),
+      f("start", v.excitation_start_s);
   f("low", v.minimum_N), f("high", v.maximum_N), f("dynamic", v.dynamic);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigObservation> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigObservation> {
   f("samples", v.samples), f("first", v.first_t_s), f("last", v.last_t_s), f("backward", v.time_not_monotone);
-  f("gaps", v.time_gaps), f("worst_step", v.worst_step_s), f("lost", v.lost), f("saturated", v.reference_saturated);
-  f("fault", v.reference_fault), f("nan", v.reference_not_finite), f("motor", v.motor_fault), f("stop", v.travel_stop);
-  f("rail", v.adc_rail), f("min", v.reference_min_N), f("max", v.reference_max_N), f("mean", v.reference_mean_N);
-  f("noise", v.reference_noise_N), f("frozen", v.reference_frozen_s), f("still", v.reference_still_s), f("sensor_dead", v.sensor_dead_s);
+  f("gaps", v.time_gaps), f("worst_step", v.worst_step_s), f("lost", v.lost),
+      f("saturated", v.reference_saturated);
+  f("fault", v.reference_fault), f("nan", v.reference_not_finite), f("motor", v.motor_fault),
+      f("stop", v.travel_stop);
+  f("rail", v.adc_rail), f("min", v.reference_min_N), f("max", v.reference_max_N),
+      f("mean", v.reference_mean_N);
+  f("noise", v.reference_noise_N), f("frozen", v.reference_frozen_s), f("sensor_dead", v.sensor_dead_s);
   f("wheel_still", v.theta_still_while_commanded_s), f("adc_min", v.adc_min), f("adc_max", v.adc_max);
   f("stuck", v.adc_bits_stuck), f("spring_n", v.spring_samples), f("spring_bias", v.spring_bias_N);
-  f("spring_worst", v.spring_worst_bias_N), f("spring_slope", v.spring_slope), f("spring_rms", v.spring_rms_N);
+  f("spring_worst", v.spring_worst_bias_N), f("spring_slope", v.spring_slope),
+      f("spring_rms", v.spring_rms_N);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyReport> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyReport> {
   f("reason", v.reason), f("t", v.t_s), f("force", v.force_N), f("clipped", v.clipped_commands);
   f("travel", v.travel_samples), f("travel_first", v.travel_first_s);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, OutputFacts> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, OutputFacts> {
   f("nan", v.not_finite), f("first_nan", v.first_not_finite_s), f("min", v.minimum_N), f("max", v.maximum_N);
   f("longest", v.learning_longest_s), f("end", v.learning_end_s), f("held", v.held), f("rail", v.input_rail);
   f("clamped", v.clamped), f("departure", v.departure_N);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, HoldFacts> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, HoldFacts> {
   f("seconds", v.seconds), f("dut", v.dut_N), f("raw", v.raw_N), f("ati", v.ati_N);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CasePair> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CasePair> {
   f("max", v.maximum), f("t", v.t_s), f("s", v.setpoint_N), f("a", v.ati_N), f("d", v.dut_N), f("r", v.raw_N);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlotTrace> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlotTrace> {
   f("name", v.name), f("unit", v.unit), f("t", v.t_s), f("v", v.value);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecayFit> {
-  f("valid", v.valid), f("a", v.a_V), f("b", v.b_per_s), f("c", v.c_V), f("u_min", v.u_min_V), f("u_a", v.u_a_V);
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecayFit> {
+  f("valid", v.valid), f("a", v.a_V), f("b", v.b_per_s), f("c", v.c_V), f("u_min", v.u_min_V),
+      f("u_a", v.u_a_V);
   f("u_b", v.u_b_per_s), f("u_c", v.u_c_V), f("rmse", v.rmse_V), f("loss", v.loss_pct), f("n", v.n);
 }
-template <class F, class P> void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecord> {
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecord> {
   f("id", v.id), f("index", v.index), f("failure", v.failure), f("rig", v.rig), f("firmware", v.firmware);
   f("link", v.link), f("facts", v.facts), f("duration", v.duration_s), f("samples", v.samples);
   f("expected", v.expected_samples), f("expected_extrema", v.expected_extrema), f("observed", v.observed);
   f("safety", v.safety), f("output", v.output), f("hold", v.hold), f("pairs", v.pairs), f("lag", v.lag_s);
   f("u_lag", v.u_lag_s), f("conf_known", v.conformance_known), f("conf", v.conformance);
-  f("conf_limit", v.conformance_limit), f("conf_unit", v.conformance_unit), f("conf_source", v.conformance_source);
-  f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n),
-  f("overview", v.overview), f("window", v.window);
+  f("conf_limit", v.conformance_limit), f("conf_unit", v.conformance_unit),
+      f("conf_source", v.conformance_source);
+  f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n), f("overview", v.overview),
+      f("window", v.window);
   f("window_reason", v.window_reason), f("decay", v.decay), f("digest", v.digest), f("trace", v.trace_file);
   f("calibration", v.calibration), f("u_gain", v.u_gain_rel), f("u_offset", v.u_offset_N);
   f("cal_rmse", v.calibration_rmse_N), f("cal_text", v.calibration_text);
 }
 
-template <class T> struct IsVector : std::false_type {};
-template <class T> struct IsVector<std::vector<T>> : std::true_type {};
-template <class T> struct IsMap : std::false_type {};
-template <class K, class T> struct IsMap<std::map<K, T>> : std::true_type {};
-template <class T> struct IsOptional : std::false_type {};
-template <class T> struct IsOptional<std::optional<T>> : std::true_type {};
+template <class T>
+struct IsVector : std::false_type {};
+template <class T>
+struct IsVector<std::vector<T>> : std::true_type {};
+template <class T>
+struct IsMap : std::false_type {};
+template <class K, class T>
+struct IsMap<std::map<K, T>> : std::true_type {};
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {};
 
 template <class T>
 Json put(const T& value) {
@@ -172,8 +208,9 @@ void get(const Json& from, T& value) {
   } else if constexpr (std::is_floating_point_v<T>) {
     if (from.is_string()) {
       const auto& text = from.get_ref<const std::string&>();
-      value = text == "inf" ? std::numeric_limits<T>::infinity()
-              : text == "-inf" ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::quiet_NaN();
+      value = text == "inf"    ? std::numeric_limits<T>::infinity()
+              : text == "-inf" ? -std::numeric_limits<T>::infinity()
+                               : std::numeric_limits<T>::quiet_NaN();
     } else {
       value = from.get<T>();
     }
@@ -213,7 +250,8 @@ Result<T> parse(std::string_view text, const char* what) {
     get(Json::parse(text), value);
     return value;
   } catch (const Json::exception& e) {
-    return fail(ErrorCode::internal, std::string("the ") + what + " cannot be read: " + printable_utf8(e.what()));
+    return fail(ErrorCode::internal,
+                std::string("the ") + what + " cannot be read: " + printable_utf8(e.what()));
   }
 }
 
@@ -222,6 +260,8 @@ Result<T> parse(std::string_view text, const char* what) {
 std::string to_json(const CaseJob& job) { return put(job).dump(); }
 Result<CaseJob> job_from_json(std::string_view text) { return parse<CaseJob>(text, "job"); }
 std::string to_json(const CaseRecord& record) { return put(record).dump(); }
-Result<CaseRecord> record_from_json(std::string_view text) { return parse<CaseRecord>(text, "record of the worker"); }
+Result<CaseRecord> record_from_json(std::string_view text) {
+  return parse<CaseRecord>(text, "record of the worker");
+}
 
 }  // namespace forcegate

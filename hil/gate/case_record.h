@@ -20,9 +20,9 @@ namespace forcegate {
 /// Everything a worker needs; no reference to the plan is left in it.
 struct CaseJob {
   enum class Kind { record, calibration } kind = Kind::record;
-  std::string id;          ///< "sine_f0.50/q50"
+  std::string id;  ///< "sine_f0.50/q50"
   std::uint64_t index = 0;
-  std::string rig;         ///< registry name
+  std::string rig;  ///< registry name
   std::map<std::string, std::string> rig_options;
   std::string lane;
   std::map<std::string, std::string> lane_options;
@@ -35,8 +35,8 @@ struct CaseJob {
   PlanCalibration calibrate;  ///< for Kind::calibration
   SafetyLimits safety;
   std::map<std::string, double> faults;
-  std::string keep_path;      ///< samples are written there; "" = not kept
-  bool curves = true;         ///< overview and window are collected
+  std::string keep_path;  ///< samples are written there; "" = not kept
+  bool curves = true;     ///< overview and window are collected
 };
 
 /// Where a record broke off.
@@ -56,10 +56,10 @@ struct OutputFacts {
   std::uint64_t not_finite = 0;
   double first_not_finite_s = 0.0;
   double minimum_N = 0.0, maximum_N = 0.0;
-  double learning_longest_s = 0.0;    ///< longest episode with the flag
-  double learning_end_s = 0.0;        ///< end of the first episode after the excitation began
+  double learning_longest_s = 0.0;  ///< longest episode with the flag
+  double learning_end_s = 0.0;      ///< end of the first episode after the excitation began
   std::uint64_t held = 0, input_rail = 0, clamped = 0;
-  double departure_N = 0.0;           ///< mean |F_dut - ATI| over about the last 0.2 s of the record
+  double departure_N = 0.0;  ///< mean |F_dut - ATI| over about the last 0.2 s of the record
 };
 
 /// Static hold after cycling: means over the part of the hold that follows its first 30 s.

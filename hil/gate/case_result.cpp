@@ -1,10 +1,10 @@
 #include "hil/gate/case_result.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "hil/base/text.h"
 #include "hil/gate/statistics.h"
@@ -26,7 +26,8 @@ ExtremaSeries series(const CaseRecord& record, bool closed, bool maximum) {
   return s;
 }
 
-// Decay of the raw maxima in volts, as the paper fits it (eq. 3). Only where the ATI maxima stay where they are.
+// Decay of the raw maxima in volts, as the paper fits it (eq. 3). Only where the ATI maxima stay where they
+// are.
 DecayFit decay(const CaseRecord& record, const Calibration& calibration) {
   std::vector<double> t_s, maxima_V, minima_V;
   const double start_s = record.facts.excitation_start_s;
@@ -45,9 +46,19 @@ DecayFit decay(const CaseRecord& record, const Calibration& calibration) {
   const double u_min_V = moments(minima_V).mean;
   const auto fit = fit_decay(t_s, maxima_V, u_min_V);
   if (!fit) return d;
-  d = {true, fit->a_V, fit->b_per_s, fit->c_V, u_min_V, fit->u_a_V, fit->u_b_per_s, fit->u_c_V, fit->rmse_V, 0.0,
+  d = {true,
+       fit->a_V,
+       fit->b_per_s,
+       fit->c_V,
+       u_min_V,
+       fit->u_a_V,
+       fit->u_b_per_s,
+       fit->u_c_V,
+       fit->rmse_V,
+       0.0,
        static_cast<std::uint64_t>(fit->n)};
-  d.loss_pct = 100.0 * (1.0 - (fit->a_V * std::exp(-fit->b_per_s * t_s.back()) + fit->c_V) / (fit->a_V + fit->c_V));
+  d.loss_pct =
+      100.0 * (1.0 - (fit->a_V * std::exp(-fit->b_per_s * t_s.back()) + fit->c_V) / (fit->a_V + fit->c_V));
   return d;
 }
 
@@ -64,8 +75,8 @@ std::string stimulus_in_words(const StimulusSpec& spec) {
   return out;
 }
 
-CaseResult to_case_result(const PlanCase& planned, const CaseJob& job, CaseRecord record, const JudgedCase& judged,
-                          bool with_curves) {
+CaseResult to_case_result(const PlanCase& planned, const CaseJob& job, CaseRecord record,
+                          const JudgedCase& judged, bool with_curves) {
   const bool closed = planned.loop == LoopMode::closed;
   CaseResult c;
   c.id = job.id;

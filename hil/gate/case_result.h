@@ -6,10 +6,10 @@
 
 namespace forcegate {
 
-/// Curves and extrema are left out of a record that passed unless with_curves says that it stands for its case:
-/// a nightly has hundreds of records.
-CaseResult to_case_result(const PlanCase& planned, const CaseJob& job, CaseRecord record, const JudgedCase& judged,
-                          bool with_curves);
+/// Curves and extrema are left out of a record that passed unless with_curves says that it stands for its
+/// case: a nightly has hundreds of records.
+CaseResult to_case_result(const PlanCase& planned, const CaseJob& job, CaseRecord record,
+                          const JudgedCase& judged, bool with_curves);
 
 /// "sine A_N=1.05 f_Hz=0.5 m_N=2.15"
 std::string stimulus_in_words(const StimulusSpec& spec);

@@ -1,12 +1,12 @@
 #include "hil/gate/decision.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <string_view>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "hil/base/text.h"
 
@@ -28,9 +28,7 @@ bool truly_passed(const Check& c, const DecisionRule& rule) {
 
 std::string named(const Check& c) { return c.case_id.empty() ? "" : fmt::format(" in {}", c.case_id); }
 
-std::string more(std::size_t n) {
-  return n > 1 ? fmt::format(" (and {} more)", n - 1) : std::string();
-}
+std::string more(std::size_t n) { return n > 1 ? fmt::format(" (and {} more)", n - 1) : std::string(); }
 
 // The check to name first: one of the whole run before one of a case, then the one furthest beyond its limit.
 const Check* worst(const std::vector<const Check*>& checks) {
@@ -73,7 +71,8 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
   d.blame = first.blame == Blame::none ? Blame::firmware : first.blame;
   d.reason = check_in_words(first) + named(first) + more(failed.size());
   // Below level `identified` an image that does what its algorithm says fails for want of calibration.
-  const bool only_algorithm = std::all_of(failed.begin(), failed.end(), [](const Check* c) { return is_algorithm_check(*c); });
+  const bool only_algorithm =
+      std::all_of(failed.begin(), failed.end(), [](const Check* c) { return is_algorithm_check(*c); });
   const bool conforms = std::any_of(all.begin(), all.end(), [](const Check* c) {
     return c->id == "conformance" && c->verdict == Verdict::pass;
   });
@@ -105,8 +104,8 @@ std::string check_in_words(const Check& c) {
                                                               : (good ? "=" : "is not");
   const std::string unit = c.unit == "1" ? "" : " " + c.unit;
   const std::string value = c.u > 0.0 ? with_uncertainty(c.value, c.u) : fmt::format("{:.6g}", c.value);
-  return fmt::format("{} {}{} {} {}{} ({})", title, value, unit, relation, fmt::format("{:.6g}", c.limit.value),
-                     unit, c.limit.source);
+  return fmt::format("{} {}{} {} {}{} ({})", title, value, unit, relation,
+                     fmt::format("{:.6g}", c.limit.value), unit, c.limit.source);
 }
 
 Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, const RunEvents& events) {
@@ -118,14 +117,18 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
   for (const Check* c : checks) {
     if (c == nullptr || !c->required) continue;
     required.push_back(c);
-    if (c->verdict == Verdict::fail) failed.push_back(c);
-    else if (c->verdict == Verdict::rig_error) rig.push_back(c);
-    else if (c->verdict != Verdict::waived && !truly_passed(*c, rule)) open.push_back(c);
+    if (c->verdict == Verdict::fail)
+      failed.push_back(c);
+    else if (c->verdict == Verdict::rig_error)
+      rig.push_back(c);
+    else if (c->verdict != Verdict::waived && !truly_passed(*c, rule))
+      open.push_back(c);
   }
   if (!failed.empty()) return reject(failed, checks, events);
   Decision d;
   if (events.safety_stop && !events.safety_cause_decided) {
-    d = no_decision(Blame::rig, 5, events.safety_text.empty() ? "safety stop of undecided cause" : events.safety_text);
+    d = no_decision(Blame::rig, 5,
+                    events.safety_text.empty() ? "safety stop of undecided cause" : events.safety_text);
     d.safety_stop = true;
     return d;
   }
@@ -140,7 +143,8 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
   }
   if (!open.empty()) {
     // Something that is missing explains more than something that was close.
-    const auto missing = std::find_if(open.begin(), open.end(), [](const Check* c) { return c->verdict == Verdict::not_run; });
+    const auto missing =
+        std::find_if(open.begin(), open.end(), [](const Check* c) { return c->verdict == Verdict::not_run; });
     const Check* root = cause(open, {"coverage", "extrema_count"});
     const Check& first = root != nullptr ? *root : missing != open.end() ? **missing : *worst(open);
     std::string reason;

@@ -1,7 +1,7 @@
 #pragma once
-// From all checks to one decision. A total function: whatever the checks hold (none at all, NaN, contradictory
-// verdicts), there is an answer, and it is ACCEPT only if every required check was run, carries a finite value
-// inside its limit, and passed.
+// From all checks to one decision. A total function: whatever the checks hold (none at all, NaN,
+// contradictory verdicts), there is an answer, and it is ACCEPT only if every required check was run, carries
+// a finite value inside its limit, and passed.
 
 #include <span>
 
@@ -14,7 +14,7 @@ namespace forcegate {
 /// What happened besides the checks.
 struct RunEvents {
   bool cancelled = false;
-  bool harness_error = false;        ///< a defect of ours: exit 6
+  bool harness_error = false;  ///< a defect of ours: exit 6
   std::string harness_text;
   bool safety_stop = false;          ///< some record was stopped for safety
   bool safety_cause_decided = true;  ///< false: exit 5
@@ -22,8 +22,8 @@ struct RunEvents {
   CalibrationLevel level = CalibrationLevel::identified;
 };
 
-/// Order of precedence: cancelled, harness error, REJECT, safety stop of undecided cause, rig error, any other
-/// reason for NO-DECISION, ACCEPT. Exit codes as in docs/gate.md.
+/// Order of precedence: cancelled, harness error, REJECT, safety stop of undecided cause, rig error, any
+/// other reason for NO-DECISION, ACCEPT. Exit codes as in docs/gate.md.
 Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, const RunEvents& events);
 
 /// "mean relative error of the maxima 11.7(4) % > 4.5 % (Lebosse 2011, IV-B2)"

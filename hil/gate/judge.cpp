@@ -1,11 +1,12 @@
 #include "hil/gate/judge.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
+#include "hil/gate/blame.h"
 #include "hil/gate/statistics.h"
 #include "hil/rig/self_check.h"
 #include "hil/trace/extrema.h"
@@ -14,9 +15,8 @@ namespace forcegate {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDeparture_N = 0.4;       // F_dut this far from a sound ATI has driven the loop astray
 constexpr double kExtremaMissing = 0.02;
-constexpr double kExtremumFloor_N = 0.1;   // below, a relative error says nothing
+constexpr double kExtremumFloor_N = 0.1;  // below, a relative error says nothing
 
 class CaseJudge {
  public:
@@ -53,8 +53,8 @@ class CaseJudge {
   }
 
   // A value against a limit; when the record cannot carry a judgement the verdict says why instead.
-  Check& value_check(std::string id, std::string title, double value, std::string unit, double u, std::uint64_t n,
-                     Limit limit, std::string evidence) {
+  Check& value_check(std::string id, std::string title, double value, std::string unit, double u,
+                     std::uint64_t n, Limit limit, std::string evidence) {
     JudgedCheck j;
     Check& c = j.check;
     c.id = std::move(id);
@@ -92,13 +92,15 @@ class CaseJudge {
     switch (f.stage) {
       case CaseFailure::Stage::firmware:
         if (f.error.code == ErrorCode::firmware) {
-          final_check("firmware_runs", "The firmware answers every sample", Verdict::fail, Blame::firmware, text);
+          final_check("firmware_runs", "The firmware answers every sample", Verdict::fail, Blame::firmware,
+                      text);
         } else if (f.error.code == ErrorCode::internal) {
           out_.harness_error = true;
           out_.harness_text = text;
           final_check("record", "Record", Verdict::not_run, Blame::harness, text);
         } else {
-          final_check("firmware_runs", "The firmware answers every sample", Verdict::rig_error, Blame::link, text);
+          final_check("firmware_runs", "The firmware answers every sample", Verdict::rig_error, Blame::link,
+                      text);
         }
         return false;
       case CaseFailure::Stage::rig:
@@ -115,35 +117,22 @@ class CaseJudge {
     return false;
   }
 
-  // In a closed loop a bad build drives the force where the reference cannot follow. It is charged with that
-  // when everything that does not depend on it is sound and its output had left the ATI.
-  bool firmware_left_the_reference() const {
-    if (record_.output.not_finite > 0) return true;
-    double worst = record_.output.departure_N;
-    int seen = 0;
-    for (auto at = record_.pairs.rbegin(); at != record_.pairs.rend() && seen < 6; ++at)
-      if (std::isfinite(at->ati_N) && std::isfinite(at->dut_N)) {
-        worst = std::max(worst, std::fabs(at->dut_N - at->ati_N));
-        ++seen;
-      }
-    return worst > kDeparture_N;
-  }
-
   void rig() {
     std::vector<Check> checks = self_check(record_.rig, record_.observed, plan_.self_check);
     const bool closed = planned_.loop == LoopMode::closed;
     const RigObservation& o = record_.observed;
     for (Check& c : checks) {
       if (c.verdict == Verdict::pass) continue;
-      const bool driven = closed && c.id == "rig_reference_valid" && o.reference_fault + o.reference_not_finite == 0 &&
-                          o.reference_saturated > 0;
+      const bool driven = closed && c.id == "rig_reference_valid" &&
+                          o.reference_fault + o.reference_not_finite == 0 && o.reference_saturated > 0;
       if (driven) {
         const bool others_sound = std::all_of(checks.begin(), checks.end(), [&](const Check& other) {
           return other.id == c.id || other.verdict == Verdict::pass;
         });
         // Overload below the reference's own range is its fault, whoever drove the force.
-        const bool real = o.reference_max_N >= 0.9 * std::min(record_.rig.force_max_N, plan_.safety.force_max_N);
-        if (others_sound && real && firmware_left_the_reference()) {
+        const bool real =
+            o.reference_max_N >= 0.9 * std::min(record_.rig.force_max_N, plan_.safety.force_max_N);
+        if (others_sound && real && firmware_left_the_reference(record_)) {
           charged_ = true;
           c.evidence += "; the build drove the force there, spring witness, motor and link are sound";
           c.verdict = Verdict::pass;
@@ -167,7 +156,8 @@ class CaseJudge {
     const SafetyReport& s = record_.safety;
     if (!s.stopped()) return;
     out_.safety_stop = true;
-    out_.safety_text = fmt::format("safety stop at {:.1f} s: {} ({:.2f} N)", s.t_s, to_string(s.reason), s.force_N);
+    out_.safety_text =
+        fmt::format("safety stop at {:.1f} s: {} ({:.2f} N)", s.t_s, to_string(s.reason), s.force_N);
     const bool closed = planned_.loop == LoopMode::closed;
     const bool rig_reason = s.reason == StopReason::motor_fault || s.reason == StopReason::rig_stopped ||
                             (s.reason == StopReason::reference_lost && !charged_);
@@ -175,10 +165,11 @@ class CaseJudge {
       rig_sound_ = false;
       final_check("safety_stop", "No safety stop", Verdict::rig_error,
                   rig_blame_ == Blame::none ? Blame::rig : rig_blame_, out_.safety_text);
-    } else if (closed && firmware_left_the_reference()) {
+    } else if (closed && firmware_left_the_reference(record_)) {
       charged_ = true;
-      final_check("safety_stop", "No safety stop", Verdict::fail, Blame::firmware,
-                  out_.safety_text + "; motor, spring witness and link are sound and the firmware had left the ATI");
+      final_check(
+          "safety_stop", "No safety stop", Verdict::fail, Blame::firmware,
+          out_.safety_text + "; motor, spring witness and link are sound and the firmware had left the ATI");
     } else {
       out_.safety_cause_decided = false;
       final_check("safety_stop", "No safety stop", Verdict::inconclusive, Blame::rig,
@@ -197,11 +188,12 @@ class CaseJudge {
                   fmt::format("time does not advance {} times", record_.observed.time_not_monotone));
     }
     if (!complete_) incomplete_blame_ = charged_ ? Blame::firmware : Blame::link;
-    Check& c = value_check("coverage", "Share of the record that is missing", missing, "1", 0.0, record_.expected_samples,
-                           {Limit::Kind::upper, 0.0, "ours: a record is whole"},
-                           complete_ ? fmt::format("{} samples, {:.0f} s", record_.samples, record_.duration_s)
-                                     : fmt::format("the record is truncated: {} of {} samples", record_.samples,
-                                                   record_.expected_samples));
+    Check& c =
+        value_check("coverage", "Share of the record that is missing", missing, "1", 0.0,
+                    record_.expected_samples, {Limit::Kind::upper, 0.0, "ours: a record is whole"},
+                    complete_ ? fmt::format("{} samples, {:.0f} s", record_.samples, record_.duration_s)
+                              : fmt::format("the record is truncated: {} of {} samples", record_.samples,
+                                            record_.expected_samples));
     if (!complete_ && charged_) c.required = false;  // the stop itself is the finding
     extrema_count();
   }
@@ -209,26 +201,28 @@ class CaseJudge {
   void extrema_count() {
     const auto expected = static_cast<double>(record_.expected_extrema);
     if (expected < 4.0 || !complete_) return;
-    const double found = static_cast<double>(
-        std::count_if(record_.pairs.begin(), record_.pairs.end(),
-                      [&](const CasePair& p) { return p.t_s >= record_.facts.excitation_start_s; }));
+    const double found =
+        static_cast<double>(std::count_if(record_.pairs.begin(), record_.pairs.end(), [&](const CasePair& p) {
+          return p.t_s >= record_.facts.excitation_start_s;
+        }));
     const double missing = std::max(0.0, (expected - found - 2.0) / expected);
     if (missing > kExtremaMissing) {
       complete_ = false;
       incomplete_blame_ = Blame::rig;
     }
     value_check("extrema_count", "Share of the profile's extrema that are missing", missing, "1", 0.0,
-                record_.expected_extrema, {Limit::Kind::upper, kExtremaMissing, "ours: the profile was played"},
+                record_.expected_extrema,
+                {Limit::Kind::upper, kExtremaMissing, "ours: the profile was played"},
                 fmt::format("{:.0f} extrema found, {:.0f} in the profile", found, expected));
   }
 
   void link() {
     const DutCounters& l = record_.link;
     const std::uint64_t bad = l.frames_dropped + l.frames_bad + l.indices_lost + l.overruns + l.naks;
-    Check& c = value_check("link_intact", "Frames and samples lost on the link", static_cast<double>(bad), "1", 0.0,
-                           l.samples, {Limit::Kind::upper, 0.0, "ours: a sound link loses nothing"},
-                           fmt::format("{} dropped, {} bad, {} indices lost, {} overruns, {} NAK", l.frames_dropped,
-                                       l.frames_bad, l.indices_lost, l.overruns, l.naks));
+    Check& c = value_check("link_intact", "Frames and samples lost on the link", static_cast<double>(bad),
+                           "1", 0.0, l.samples, {Limit::Kind::upper, 0.0, "ours: a sound link loses nothing"},
+                           fmt::format("{} dropped, {} bad, {} indices lost, {} overruns, {} NAK",
+                                       l.frames_dropped, l.frames_bad, l.indices_lost, l.overruns, l.naks));
     if (bad == 0) return;
     JudgedCheck& j = out_.checks.back();
     j.judgeable = false;
@@ -252,11 +246,12 @@ class CaseJudge {
     value_check("output_finite", "Samples that are not a number", static_cast<double>(o.not_finite), "1", 0.0,
                 record_.samples, {Limit::Kind::upper, 0.0, "ours: every sample is a number"},
                 o.not_finite == 0 ? "every sample is finite"
-                                  : fmt::format("{} samples are NaN or infinite, the first at {:.3f} s", o.not_finite,
-                                                o.first_not_finite_s));
+                                  : fmt::format("{} samples are NaN or infinite, the first at {:.3f} s",
+                                                o.not_finite, o.first_not_finite_s));
     judge_even_if_incomplete();
-    value_check("output_bounded", "Largest force the firmware reported", std::max(std::fabs(o.minimum_N), std::fabs(o.maximum_N)),
-                "N", 0.0, record_.samples, {Limit::Kind::upper, plan_.limits.output_max_N, "ours: plan"},
+    value_check("output_bounded", "Largest force the firmware reported",
+                std::max(std::fabs(o.minimum_N), std::fabs(o.maximum_N)), "N", 0.0, record_.samples,
+                {Limit::Kind::upper, plan_.limits.output_max_N, "ours: plan"},
                 fmt::format("{:.3f} to {:.3f} N", o.minimum_N, o.maximum_N));
     judge_even_if_incomplete();
     if (record_.facts.dynamic)
@@ -272,17 +267,20 @@ class CaseJudge {
   void conformance() {
     if (!(planned_.checks & kCheckConformance)) return;
     if (!record_.conformance_known) {
-      final_check("conformance", "Conformance with the declared algorithm", Verdict::not_run, Blame::none,
-                  fmt::format("no independent implementation of '{}' is known", record_.firmware.algorithm_id))
+      final_check(
+          "conformance", "Conformance with the declared algorithm", Verdict::not_run, Blame::none,
+          fmt::format("no independent implementation of '{}' is known", record_.firmware.algorithm_id))
           .required = false;
       return;
     }
-    value_check("conformance", "Conformance with the declared algorithm", record_.conformance, record_.conformance_unit, 0.0,
-                record_.conformance_n, {Limit::Kind::upper, record_.conformance_limit, record_.conformance_source},
+    value_check("conformance", "Conformance with the declared algorithm", record_.conformance,
+                record_.conformance_unit, 0.0, record_.conformance_n,
+                {Limit::Kind::upper, record_.conformance_limit, record_.conformance_source},
                 record_.conformance_evidence);
     // Arithmetic does not depend on the rig: the same codes went to both.
     JudgedCheck& j = out_.checks.back();
-    if (std::isfinite(record_.conformance) && !j.judgeable && record_.conformance > record_.conformance_limit) {
+    if (std::isfinite(record_.conformance) && !j.judgeable &&
+        record_.conformance > record_.conformance_limit) {
       j.judgeable = true;
       j.check.blame = Blame::firmware;
     }
@@ -319,15 +317,17 @@ class CaseJudge {
       const RelativeError e = mean_relative_error(s.actual, s.expected, kExtremumFloor_N);
       const double typical_N = std::fabs(moments(s.expected).mean);
       const std::size_t items = e.n + e.left_out;
-      const Budget relative = mre_budget(plan_.uncertainty, record_, typical_N, e.standard_error, e.n, planned_.half_width_s);
+      const Budget relative =
+          mre_budget(plan_.uncertainty, record_, typical_N, e.standard_error, e.n, planned_.half_width_s);
       const Budget absolute = mae_budget(plan_.uncertainty, record_, typical_N, items, planned_.half_width_s);
       const bool judge_relative = maximum || low_N >= plan_.limits.minima_floor_N;
       const std::string mre_id = fmt::format("mre_{}", which), mae_id = fmt::format("mae_{}", which);
-      const std::string tail = planned_.tail_s > 0.0 ? fmt::format(" over the last {:.0f} s", planned_.tail_s) : "";
+      const std::string tail =
+          planned_.tail_s > 0.0 ? fmt::format(" over the last {:.0f} s", planned_.tail_s) : "";
       const std::string mre_title = fmt::format("Mean relative error of the {}, {}{}", which, against, tail);
       const std::string mae_title = fmt::format("Mean absolute error of the {}, {}{}", which, against, tail);
-      const std::string evidence = fmt::format("{} {}, largest {:.2f} %; u from {}", e.n, which, 100.0 * e.largest,
-                                               relative.to_text());
+      const std::string evidence = fmt::format("{} {}, largest {:.2f} %; u from {}", e.n, which,
+                                               100.0 * e.largest, relative.to_text());
       const double mre = 100.0 * e.mean;
       if (closed) {
         PanelValue& panel = maximum ? out_.maxima : out_.minima;
@@ -345,9 +345,10 @@ class CaseJudge {
       value_check(mae_id, mae_title, e.mean_absolute, "N", absolute.u(), items, judge_relative ? none : limit,
                   fmt::format("{} {}", items, which));
       if (wanted && limit.kind == Limit::Kind::none)
-        final_check("accuracy_" + std::string(which), judge_relative ? mre_title : mae_title, Verdict::not_run,
-                    Blame::user, fmt::format("there is no limit for {} of {}: derive limits first (forcegate limits)",
-                                             judged_id, planned_.name));
+        final_check("accuracy_" + std::string(which), judge_relative ? mre_title : mae_title,
+                    Verdict::not_run, Blame::user,
+                    fmt::format("there is no limit for {} of {}: derive limits first (forcegate limits)",
+                                judged_id, planned_.name));
     }
   }
 
@@ -356,7 +357,8 @@ class CaseJudge {
     const HoldFacts& h = record_.hold;
     if (!out_.sound) {
       value_check("hold_amplification", "Amplification of a static hold", kNan, "%", 0.0, 0,
-                  {Limit::Kind::upper, plan_.limits.hold_pct, "ours: plan"}, "the record is not whole and sound");
+                  {Limit::Kind::upper, plan_.limits.hold_pct, "ours: plan"},
+                  "the record is not whole and sound");
       return;
     }
     if (h.seconds <= 0.0 || !(std::fabs(h.raw_N) > 0.05)) {
@@ -367,8 +369,8 @@ class CaseJudge {
     const double excess_pct = 100.0 * (h.dut_N / h.raw_N - 1.0);
     value_check("hold_amplification", "Amplification of a static hold", std::fabs(excess_pct), "%", 0.0, 1,
                 {Limit::Kind::upper, plan_.limits.hold_pct, "ours: plan"},
-                fmt::format("firmware {:.3f} N, static law {:.3f} N, ATI {:.3f} N over {:.0f} s of hold", h.dut_N, h.raw_N,
-                            h.ati_N, h.seconds));
+                fmt::format("firmware {:.3f} N, static law {:.3f} N, ATI {:.3f} N over {:.0f} s of hold",
+                            h.dut_N, h.raw_N, h.ati_N, h.seconds));
   }
 
   const Plan& plan_;
@@ -388,7 +390,8 @@ double judged_from_s(const PlanCase& planned, const CaseRecord& record) {
   return from_s;
 }
 
-JudgedCase judge_case(const Plan& plan, const PlanCase& planned, const CaseRecord& record, const DerivedLimits& limits) {
+JudgedCase judge_case(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
+                      const DerivedLimits& limits) {
   return CaseJudge(plan, planned, record, limits).run();
 }
 

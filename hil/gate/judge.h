@@ -1,6 +1,7 @@
 #pragma once
-// From the measured facts of a record to its checks (GATE section 4): rig first, then coverage, then values. A pure
-// function; nothing here touches a rig or a firmware, so that a stored record is judged again in the same way.
+// From the measured facts of a record to its checks (GATE section 4): rig first, then coverage, then values.
+// A pure function; nothing here touches a rig or a firmware, so that a stored record is judged again in the
+// same way.
 
 #include <string>
 #include <vector>
@@ -23,24 +24,26 @@ struct PanelValue {
 
 struct JudgedCase {
   std::vector<JudgedCheck> checks;
-  bool sound = false;          ///< the rig was sound and the record complete
+  bool sound = false;  ///< the rig was sound and the record complete
   bool safety_stop = false;
   bool safety_cause_decided = true;
   std::string safety_text;
   bool harness_error = false;
   std::string harness_text;
   bool cancelled = false;
-  PanelValue maxima, minima;   ///< closed loop: ATI against set-point
+  PanelValue maxima, minima;  ///< closed loop: ATI against set-point
 };
 
 JudgedCase judge_case(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
                       const DerivedLimits& limits);
 
-/// Checks of the panel for one case with the check `promise`: means over the specimens. The panel is fixed, so its
-/// mean is the measurand and the spread over its specimens no uncertainty of it; that is
+/// Checks of the panel for one case with the check `promise`: means over the specimens. The panel is fixed,
+/// so its mean is the measurand and the spread over its specimens no uncertainty of it; that is
 ///   u = sqrt(u_systematic^2 + u_repeat^2 / n),
-/// u_repeat from the plan (what a record of one specimen varies by when it is made again). The spread is reported.
-std::vector<JudgedCheck> judge_panel(const Plan& plan, const PlanCase& planned, const std::vector<std::string>& specimens,
+/// u_repeat from the plan (what a record of one specimen varies by when it is made again). The spread is
+/// reported.
+std::vector<JudgedCheck> judge_panel(const Plan& plan, const PlanCase& planned,
+                                     const std::vector<std::string>& specimens,
                                      const std::vector<const JudgedCase*>& judged);
 
 /// Instant from which extrema count: ramp-in and start window are over, or the last tail_s of the record.

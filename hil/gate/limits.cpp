@@ -55,7 +55,8 @@ std::string write_limits(const DerivedLimits& limits) {
       limits.plan, limits.firmware_sha256, limits.rig, limits.date);
   for (const auto& [key, limit] : limits.by_case_and_check)
     out += fmt::format(
-        "\n[[limit]]\ncase = \"{}\"\ncheck = \"{}\"\np99 = {:.4f}\nsd = {:.4f}\nvalue = {:.4f}\nunit = \"{}\"\nn = {}\n",
+        "\n[[limit]]\ncase = \"{}\"\ncheck = \"{}\"\np99 = {:.4f}\nsd = {:.4f}\nvalue = {:.4f}\nunit = "
+        "\"{}\"\nn = {}\n",
         key.first, key.second, limit.p99, limit.sd, limit.value, limit.unit, limit.n);
   return out;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Derived limits: what the reference build shows over many other seeds, kept in golden/limits/*.toml with n, date
-// and rig version. Never called the paper's.
+// Derived limits: what the reference build shows over many other seeds, kept in golden/limits/*.toml with n,
+// date and rig version. Never called the paper's.
 
 #include <filesystem>
 #include <map>
@@ -13,9 +13,9 @@
 namespace forcegate {
 
 struct DerivedLimit {
-  double p99 = 0.0;   ///< quantile 0.99 of the values
-  double sd = 0.0;    ///< their standard deviation
-  double value = 0.0; ///< the limit: p99 + 2 sd, so that a good record is not refused by chance
+  double p99 = 0.0;    ///< quantile 0.99 of the values
+  double sd = 0.0;     ///< their standard deviation
+  double value = 0.0;  ///< the limit: p99 + 2 sd, so that a good record is not refused by chance
   std::string unit;
   std::uint64_t n = 0;
 };

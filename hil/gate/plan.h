@@ -1,6 +1,6 @@
 #pragma once
-// What is to be played, on which specimens, and what is required of the firmware. docs/plan.md is the reference
-// of the file.
+// What is to be played, on which specimens, and what is required of the firmware. docs/plan.md is the
+// reference of the file.
 
 #include <cstdint>
 #include <filesystem>
@@ -32,21 +32,21 @@ enum CaseCheck : unsigned {
 };
 
 struct PlanCase {
-  std::string name;     ///< "sine_f0.50_A1.50_m2.70"
+  std::string name;  ///< "sine_f0.50_A1.50_m2.70"
   std::string title;
-  std::string source;   ///< "Lebosse 2011, Table II" or "ours"
+  std::string source;     ///< "Lebosse 2011, Table II" or "ours"
   StimulusSpec stimulus;  ///< its duration is in there, see Stimulus::duration_s
   LoopMode loop = LoopMode::open;
   std::string controller;  ///< default: "open_loop" or "force_integral"
   unsigned checks = 0;     ///< of CaseCheck; coverage, link, output and rig checks are always made
   std::vector<std::string> specimens;  ///< empty: the panel
   double rest_before_s = 7200.0;
-  double prominence_N = 0.0;     ///< of a turning point; 0: a quarter of the amplitude
-  double half_width_s = 0.005;   ///< averaging of an extremum
-  double tail_s = 0.0;           ///< promise and accuracy only over the last tail_s; 0: all
+  double prominence_N = 0.0;                     ///< of a turning point; 0: a quarter of the amplitude
+  double half_width_s = 0.005;                   ///< averaging of an extremum
+  double tail_s = 0.0;                           ///< promise and accuracy only over the last tail_s; 0: all
   std::optional<double> maxima_pct, minima_pct;  ///< limits given by the plan
   std::string limit_source;
-  std::string where;             ///< position in the file
+  std::string where;  ///< position in the file
 };
 
 /// Dynamic record from which b and q = c/a of a specimen are identified.
@@ -58,7 +58,7 @@ struct PlanIdentification {
 struct PlanCalibration {
   CalibrationLevel level = CalibrationLevel::identified;
   double sweep_low_N = 0.3, sweep_high_N = 4.0;
-  double sweep_s = 60.0;   ///< one sweep up and down
+  double sweep_s = 60.0;  ///< one sweep up and down
   int sweeps = 2;
   double rest_s = 7200.0;  ///< of the specimen before and after each record
   std::optional<PlanIdentification> identification;
@@ -75,8 +75,8 @@ struct PlanLimits {
 
 /// What the budget of uncertainty takes from elsewhere than the record.
 struct PlanUncertainty {
-  double reference_rel = 0.0;   ///< relative, k = 1; 0: what the rig declares
-  double alignment_rel = 0.002; ///< sensor axis against ATI axis: 1 - cos 3.6 deg
+  double reference_rel = 0.0;      ///< relative, k = 1; 0: what the rig declares
+  double alignment_rel = 0.002;    ///< sensor axis against ATI axis: 1 - cos 3.6 deg
   double record_repeat_pct = 1.5;  ///< sd of the MRE of one record of one specimen when it is made again
 };
 

@@ -1,10 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
-
-#include <fmt/format.h>
 
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
@@ -46,7 +46,8 @@ Result<StimulusSpec> read_stimulus(const ConfigNode& node, std::uint64_t seed) {
     } else if (item.kind == ConfigNode::Kind::array) {
       for (const ConfigNode& value : item.items) {
         if (value.kind != ConfigNode::Kind::number && value.kind != ConfigNode::Kind::integer)
-          return fail(ErrorCode::config, fmt::format("'{}' of a stimulus must hold numbers", name), value.where);
+          return fail(ErrorCode::config, fmt::format("'{}' of a stimulus must hold numbers", name),
+                      value.where);
         spec.lists[name].push_back(value.number);
       }
     } else {
@@ -184,7 +185,8 @@ Result<void> read_safety(const ConfigNode& node, SafetyLimits& s) {
   r.number("force_max_N", s.force_max_N, 0.1, 100.0);
   r.number("velocity_max_rad_per_s", s.velocity_max_rad_per_s, 0.0, 1000.0);
   std::int64_t lost = s.reference_lost_samples;
-  if (r.integer("reference_lost_samples", lost, 1, 1000000)) s.reference_lost_samples = static_cast<int>(lost);
+  if (r.integer("reference_lost_samples", lost, 1, 1000000))
+    s.reference_lost_samples = static_cast<int>(lost);
   return r.finish();
 }
 

@@ -1,9 +1,9 @@
 #include "hil/gate/rule.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 
 #include "hil/gate/statistics.h"
 
@@ -25,7 +25,8 @@ double inside_by(const Check& c) {
 
 std::string DecisionRule::to_text() const {
   return fmt::format(
-      "{}: accept when value + U <= limit ({:.4g} % coverage){}; reject when value - U > limit and Holm at {:.4g} % "
+      "{}: accept when value + U <= limit ({:.4g} % coverage){}; reject when value - U > limit and Holm at "
+      "{:.4g} % "
       "over the required checks agrees; in between no decision",
       name, 100.0 * coverage, name == "simple" ? " or value <= limit" : "", 100.0 * alpha);
 }
@@ -69,8 +70,10 @@ void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
   for (JudgedCheck* j : checks) {
     if (!j->judgeable) continue;
     Check& c = j->check;
-    if (c.verdict == Verdict::pass || c.verdict == Verdict::marginal) c.blame = Blame::none;
-    else if (c.blame == Blame::none) c.blame = Blame::firmware;
+    if (c.verdict == Verdict::pass || c.verdict == Verdict::marginal)
+      c.blame = Blame::none;
+    else if (c.blame == Blame::none)
+      c.blame = Blame::firmware;
   }
 }
 

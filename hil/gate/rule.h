@@ -4,7 +4,8 @@
 //   value + U <= limit             pass            U = k u, k for 95.45 % (Student when the items are few)
 //   value     <= limit < value + U marginal        inside, by less than U
 //   value - U <= limit < value     inconclusive    outside, by less than U
-//   limit < value - U              fail            if Holm at alpha over the required checks agrees, else inconclusive
+//   limit < value - U              fail            if Holm at alpha over the required checks agrees, else
+//   inconclusive
 //
 // A lower limit is the mirror image. u = 0 is an exact count: pass or fail. NaN is inconclusive.
 
@@ -19,7 +20,7 @@ struct DecisionRule {
   std::string name = "guarded";  ///< "guarded": marginal is not accepted; "simple": marginal is accepted
   double alpha = 0.01;           ///< family-wise probability of a false rejection
   double coverage = 0.9545;
-  std::string to_text() const;   ///< one line for reports
+  std::string to_text() const;  ///< one line for reports
 };
 
 /// Sets verdict and blame of every check that is still to be judged: verdict not_run with a limit and

@@ -1,10 +1,10 @@
 #include "hil/gate/runner.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 
 #include "hil/base/digest.h"
 #include "hil/gate/sinks.h"
@@ -69,13 +69,14 @@ class CaseRun {
     if (record_.rig.can_move) {
       const ControllerKind* kind = Registry<ControllerKind>::instance().find(job_.planned.controller);
       if (kind == nullptr)
-        return failed(Stage::setup, {ErrorCode::config, "there is no controller named '" + job_.planned.controller + "'",
-                                     job_.planned.where, "choose open_loop or force_integral"});
+        return failed(Stage::setup,
+                      {ErrorCode::config, "there is no controller named '" + job_.planned.controller + "'",
+                       job_.planned.where, "choose open_loop or force_integral"});
       controller_ = kind->make();
       controller_->reset(record_.rig.geometry);
     } else if (job_.planned.loop == LoopMode::closed) {
-      return failed(Stage::setup, {ErrorCode::config, "a recording cannot play a closed loop", job_.planned.where,
-                                   "use an open-loop plan with --rig replay"});
+      return failed(Stage::setup, {ErrorCode::config, "a recording cannot play a closed loop",
+                                   job_.planned.where, "use an open-loop plan with --rig replay"});
     }
 
     DutSession session;
@@ -88,8 +89,10 @@ class CaseRun {
     record_.firmware = *opened;
     dut_open_ = true;
     if (opened->nonce != job_.nonce)
-      return failed(Stage::firmware, {ErrorCode::firmware, "the image did not echo the nonce of this record: stale output",
-                                      job_.image, {}});
+      return failed(Stage::firmware, {ErrorCode::firmware,
+                                      "the image did not echo the nonce of this record: stale output",
+                                      job_.image,
+                                      {}});
 
     if (devices_.comparator != nullptr) {
       ComparatorSession c{opened->algorithm_id, job_.calibration, rate_Hz};
@@ -97,9 +100,11 @@ class CaseRun {
       record_.conformance_known = true;
     }
     if (devices_.writer != nullptr)
-      if (auto begun = devices_.writer->begin(job_, record_); !begun) return failed(Stage::harness, begun.error());
+      if (auto begun = devices_.writer->begin(job_, record_); !begun)
+        return failed(Stage::harness, begun.error());
 
-    period_samples_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(kControlPeriod_s * rate_Hz)));
+    period_samples_ =
+        std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(kControlPeriod_s * rate_Hz)));
     block_rows_ = record_.rig.can_move ? period_samples_ * kPeriodsPerBlock : kReplayBlock;
     block_.resize(block_rows_);
     dut_.resize(block_rows_);
@@ -201,8 +206,10 @@ class CaseRun {
     devices_.rig->park();
     if (dut_open_) {
       auto closed = devices_.dut->close();
-      if (closed) record_.link = *closed;
-      else failed(Stage::firmware, closed.error());
+      if (closed)
+        record_.link = *closed;
+      else
+        failed(Stage::firmware, closed.error());
     }
   }
 
@@ -231,7 +238,8 @@ class CaseRun {
     const float* guide = with_setpoint ? block_.setpoint_N.data() : block_.force_ref_N.data();
     pairer_->push({block_.t_s.data(), n}, {guide, n}, {followers, 3});
     look_for_worst();
-    if (record_.conformance_known) devices_.comparator->push({block_.adc.data(), n}, {dut_.data(), n}, {flags_.data(), n});
+    if (record_.conformance_known)
+      devices_.comparator->push({block_.adc.data(), n}, {dut_.data(), n}, {flags_.data(), n});
     if (devices_.writer != nullptr)
       if (auto written = devices_.writer->push(block_, {dut_.data(), n}, {flags_.data(), n}, n); !written)
         failed(Stage::harness, written.error());
@@ -263,8 +271,8 @@ class CaseRun {
     pairer_->finish();
     look_for_worst();
     for (const PairedExtremum& p : pairer_->pairs())
-      record_.pairs.push_back({p.turn == Turn::maximum, p.t_s, guide_is_setpoint_ ? p.guide : kNan, p.value[0],
-                               p.value[1], p.value[2]});
+      record_.pairs.push_back({p.turn == Turn::maximum, p.t_s, guide_is_setpoint_ ? p.guide : kNan,
+                               p.value[0], p.value[1], p.value[2]});
     record_.expected_extrema =
         record_.rig.can_move ? expected_extrema(*stimulus_, prominence_N_, record_.rig.rate_Hz) : 0;
     record_.observed = witness_.finish();
@@ -334,7 +342,8 @@ std::uint64_t expected_extrema(const Stimulus& stimulus, double prominence_N, do
     const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, total - first));
     stimulus.fill(static_cast<double>(first) * step_s, step_s, n, force_N);
     for (std::size_t i = 0; i < n; ++i)
-      if (turns.push(static_cast<double>(first + i) * step_s, force_N[i]) && turns.last().t_s >= start_s) ++count;
+      if (turns.push(static_cast<double>(first + i) * step_s, force_N[i]) && turns.last().t_s >= start_s)
+        ++count;
   }
   return count;
 }

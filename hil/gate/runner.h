@@ -1,7 +1,7 @@
 #pragma once
 // Plays one record: Stimulus -> Rig{ Controller -> SafetyGate } -> firmware -> sinks. It measures and judges
-// nothing. Open loop: the firmware gets whole blocks. Closed loop: the firmware gets the samples of one controller
-// period (10 ms) and its last force is the controller's estimate.
+// nothing. Open loop: the firmware gets whole blocks. Closed loop: the firmware gets the samples of one
+// controller period (10 ms) and its last force is the controller's estimate.
 
 #include <atomic>
 #include <functional>
@@ -29,10 +29,10 @@ class RecordWriter {
 
 struct RunDevices {
   Rig* rig = nullptr;
-  Dut* dut = nullptr;             ///< sees every sample
-  Comparator* comparator = nullptr;  ///< may be null
-  RecordWriter* writer = nullptr;    ///< may be null
-  std::function<void(double t_s)> progress;      ///< about once per four seconds of rig time
+  Dut* dut = nullptr;                        ///< sees every sample
+  Comparator* comparator = nullptr;          ///< may be null
+  RecordWriter* writer = nullptr;            ///< may be null
+  std::function<void(double t_s)> progress;  ///< about once per four seconds of rig time
   const std::atomic<bool>* cancelled = nullptr;
 };
 

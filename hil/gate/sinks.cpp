@@ -13,7 +13,8 @@ template <class Rows>
 std::vector<PlotTrace> to_traces(const Rows& rows) {
   std::vector<PlotTrace> traces;
   for (int k = 0; k < 4; ++k) {
-    const bool any = std::any_of(rows.begin(), rows.end(), [k](const auto& r) { return std::isfinite(r.value[k]); });
+    const bool any =
+        std::any_of(rows.begin(), rows.end(), [k](const auto& r) { return std::isfinite(r.value[k]); });
     if (!any) continue;
     PlotTrace trace{kNames[k], "N", {}, {}};
     trace.t_s.reserve(rows.size());
@@ -37,18 +38,36 @@ void OutputWatch::begin(double rate_Hz, double excitation_start_s) {
 }
 
 void OutputWatch::push(const RecordBlock& b) {
+  const float *dut_N = b.dut_N.data(), *ati_N = b.rig->force_ref_N.data();
+  const std::uint8_t* flags = b.flags.data();
+  double low = any_finite_ ? facts_.minimum_N : std::numeric_limits<double>::infinity();
+  double high = any_finite_ ? facts_.maximum_N : -std::numeric_limits<double>::infinity();
+  double departure_N = facts_.departure_N;
+  std::uint8_t any_flag = 0;
   for (std::size_t i = 0; i < b.n; ++i) {
-    const float force_N = b.dut_N[i];
-    const double departure_N = std::fabs(static_cast<double>(force_N) - b.rig->force_ref_N[i]);
-    if (std::isfinite(departure_N)) facts_.departure_N += follow_ * (departure_N - facts_.departure_N);
-    if (std::isfinite(force_N)) {
-      if (!any_finite_) facts_.minimum_N = facts_.maximum_N = force_N;
-      any_finite_ = true;
-      facts_.minimum_N = std::min(facts_.minimum_N, static_cast<double>(force_N));
-      facts_.maximum_N = std::max(facts_.maximum_N, static_cast<double>(force_N));
-    } else if (facts_.not_finite++ == 0) {
-      facts_.first_not_finite_s = b.rig->t_s[i];
+    const double force_N = dut_N[i];
+    any_flag |= flags[i];
+    if (!std::isfinite(force_N)) {
+      if (facts_.not_finite++ == 0) facts_.first_not_finite_s = b.rig->t_s[i];
+      continue;
     }
+    low = std::min(low, force_N);
+    high = std::max(high, force_N);
+    const double apart_N = std::fabs(force_N - ati_N[i]);
+    if (std::isfinite(apart_N)) departure_N += follow_ * (apart_N - departure_N);
+  }
+  facts_.departure_N = departure_N;
+  if (low <= high) {
+    any_finite_ = true;
+    facts_.minimum_N = low;
+    facts_.maximum_N = high;
+  }
+  constexpr std::uint8_t kCounted = kDutLearning | kDutHeld | kDutInputRail | kDutOutputClamped;
+  if ((any_flag & kCounted) != 0 || learning_run_ > 0) push_flags(b);
+}
+
+void OutputWatch::push_flags(const RecordBlock& b) {
+  for (std::size_t i = 0; i < b.n; ++i) {
     const std::uint8_t flags = b.flags[i];
     if (flags & kDutLearning) {
       ++learning_run_;
@@ -171,7 +190,8 @@ void Overview::close_column() {
   std::copy(std::begin(slot_), std::end(slot_), sorted);
   std::sort(std::begin(sorted), std::end(sorted), [](const Row& a, const Row& b) { return a.t_s < b.t_s; });
   for (const Row& row : sorted)
-    if (rows_.size() < rows_.capacity() && (rows_.empty() || row.t_s > rows_.back().t_s)) rows_.push_back(row);
+    if (rows_.size() < rows_.capacity() && (rows_.empty() || row.t_s > rows_.back().t_s))
+      rows_.push_back(row);
   in_column_ = 0;
 }
 
@@ -212,7 +232,8 @@ std::vector<PlotTrace> Overview::finish() {
 void WindowKeeper::begin(double rate_Hz, double length_s, std::size_t capacity) {
   *this = WindowKeeper();
   const double samples = std::max(1.0, length_s * rate_Hz);
-  stride_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(samples / static_cast<double>(capacity))));
+  stride_ = std::max<std::uint64_t>(
+      1, static_cast<std::uint64_t>(std::ceil(samples / static_cast<double>(capacity))));
   ring_.resize(std::max<std::size_t>(2, static_cast<std::size_t>(samples) / stride_));
   kept_.reserve(ring_.size());
 }

@@ -1,6 +1,6 @@
 #pragma once
-// What looks at a record while it streams past. Every sink takes whole blocks, allocates nothing after begin()
-// and uses memory independent of the record's length.
+// What looks at a record while it streams past. Every sink takes whole blocks, allocates nothing after
+// begin() and uses memory independent of the record's length.
 
 #include <cstdint>
 #include <limits>
@@ -30,6 +30,7 @@ class OutputWatch {
   OutputFacts finish() const { return facts_; }
 
  private:
+  void push_flags(const RecordBlock& block);
   OutputFacts facts_;
   double period_s_ = 1e-3, excitation_start_s_ = 0.0, follow_ = 0.005;
   std::uint64_t learning_run_ = 0;
@@ -53,8 +54,8 @@ class HoldWatch {
 };
 
 /// Lag of the firmware behind the ATI by least squares of y(t) = g x(t - lag) + o, linearised:
-/// y = g x - g lag x' + o, on means over kGroup samples; x' is the central difference. Standard error from the
-/// residuals, with their autocorrelation allowed for by an effective number of items.
+/// y = g x - g lag x' + o, on means over kGroup samples; x' is the central difference. Standard error from
+/// the residuals, with their autocorrelation allowed for by an effective number of items.
 class LagEstimator {
  public:
   static constexpr int kGroup = 10;
@@ -94,7 +95,8 @@ class Overview {
   std::vector<Row> rows_;
 };
 
-/// The last `capacity` rows, every stride-th sample; snapshot() copies them when something worth a look ended.
+/// The last `capacity` rows, every stride-th sample; snapshot() copies them when something worth a look
+/// ended.
 class WindowKeeper {
  public:
   void begin(double rate_Hz, double length_s, std::size_t capacity);

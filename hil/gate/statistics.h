@@ -24,8 +24,8 @@ Moments moments(std::span<const double> values);
 /// Value below which the share p of the items lies (linear between order statistics, type 7); NaN when empty.
 double sample_quantile(std::vector<double> values, double p);
 
-/// Step-down rule of Holm (1979): true for each hypothesis that is rejected while the probability of any false
-/// rejection stays <= alpha. NaN p-values are never rejected but count as hypotheses.
+/// Step-down rule of Holm (1979): true for each hypothesis that is rejected while the probability of any
+/// false rejection stays <= alpha. NaN p-values are never rejected but count as hypotheses.
 std::vector<bool> holm(std::span<const double> p_values, double alpha);
 
 }  // namespace forcegate

@@ -28,9 +28,9 @@ struct Comparison {
   std::string unit = "LSB";
   double limit = 0.0;
   std::string limit_source;
-  std::uint64_t n = 0;       ///< samples compared
+  std::uint64_t n = 0;  ///< samples compared
   double worst_at_s = 0.0;
-  std::string evidence;      ///< one sentence for a person
+  std::string evidence;  ///< one sentence for a person
 };
 
 class Comparator {

@@ -1,12 +1,12 @@
 #include "hil/rig/config.h"
 
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
-
-#include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include "hil/base/text.h"
 
@@ -85,8 +85,8 @@ Result<ConfigNode> parse_config(std::string_view text, const std::string& name) 
   try {
     return convert(toml::parse(text, name), name, 0);
   } catch (const toml::parse_error& e) {
-    return fail(ErrorCode::config, "not valid TOML: " + printable_utf8(e.description()), position(name, e.source()),
-                "see https://toml.io for the syntax");
+    return fail(ErrorCode::config, "not valid TOML: " + printable_utf8(e.description()),
+                position(name, e.source()), "see https://toml.io for the syntax");
   }
 }
 
@@ -101,7 +101,8 @@ Result<ConfigNode> read_config(const std::filesystem::path& path) {
   return parse_config(std::move(text).str(), path.string());
 }
 
-ConfigReader::ConfigReader(const ConfigNode& table, std::string what) : table_(table), what_(std::move(what)) {}
+ConfigReader::ConfigReader(const ConfigNode& table, std::string what)
+    : table_(table), what_(std::move(what)) {}
 
 void ConfigReader::complain(const ConfigNode& at, std::string text, std::string hint) {
   if (!good_) return;
@@ -132,9 +133,11 @@ const ConfigNode* ConfigReader::take(std::string_view name, ConfigNode::Kind kin
     }
     return nullptr;
   }
-  const bool number_from_integer = kind == ConfigNode::Kind::number && node->kind == ConfigNode::Kind::integer;
+  const bool number_from_integer =
+      kind == ConfigNode::Kind::number && node->kind == ConfigNode::Kind::integer;
   if (node->kind != kind && !number_from_integer) {
-    complain(*node, fmt::format("'{}' in {} must be {}, not {}", name, what_, name_of(kind), node->kind_name()));
+    complain(*node,
+             fmt::format("'{}' in {} must be {}, not {}", name, what_, name_of(kind), node->kind_name()));
     return nullptr;
   }
   return node;
@@ -158,8 +161,8 @@ bool ConfigReader::number(std::string_view name, double& out, double minimum, do
   return true;
 }
 
-bool ConfigReader::integer(std::string_view name, std::int64_t& out, std::int64_t minimum, std::int64_t maximum,
-                           Need need) {
+bool ConfigReader::integer(std::string_view name, std::int64_t& out, std::int64_t minimum,
+                           std::int64_t maximum, Need need) {
   const ConfigNode* node = take(name, ConfigNode::Kind::integer, need);
   if (node == nullptr) return false;
   if (node->integer < minimum || node->integer > maximum) {
@@ -183,7 +186,8 @@ bool ConfigReader::texts(std::string_view name, std::vector<std::string>& out, N
   std::vector<std::string> read;
   for (const ConfigNode& item : node->items) {
     if (item.kind != ConfigNode::Kind::text) {
-      complain(item, fmt::format("'{}' in {} must hold texts in quotes, not {}", name, what_, item.kind_name()));
+      complain(item,
+               fmt::format("'{}' in {} must hold texts in quotes, not {}", name, what_, item.kind_name()));
       return false;
     }
     read.push_back(item.text);

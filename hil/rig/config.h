@@ -20,11 +20,11 @@ struct ConfigNode {
   Kind kind = Kind::other;
   std::string where;  ///< "plan.toml:12:3"
   std::string text;
-  double number = 0.0;          ///< also set for integers
+  double number = 0.0;  ///< also set for integers
   std::int64_t integer = 0;
   bool boolean = false;
-  std::vector<std::string> names;     ///< of a table's items, in the file's alphabetical order
-  std::vector<ConfigNode> items;      ///< of a table or an array
+  std::vector<std::string> names;  ///< of a table's items, in the file's alphabetical order
+  std::vector<ConfigNode> items;   ///< of a table or an array
   const ConfigNode* find(std::string_view name) const;
   std::string_view kind_name() const;
 };

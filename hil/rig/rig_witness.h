@@ -3,11 +3,12 @@
 // be used to judge a build at all (hil/rig/self_check.h).
 //
 // Spring witness: the ATI force against F = k (preload + e (1 - cos theta)), theta read back from the drive.
-// Noise: standard deviation from second differences, sqrt(mean (x[i-1] - 2 x[i] + x[i+1])^2 / 6); the motion of
-// the profile drops out, the noise of a sound reference and its quantisation remain.
+// Noise: standard deviation from second differences, sqrt(mean (x[i-1] - 2 x[i] + x[i+1])^2 / 6); the motion
+// of the profile drops out, the noise of a sound reference and its quantisation remain.
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "hil/interface/rig.h"
 
@@ -24,18 +25,20 @@ struct RigObservation {
   std::uint64_t motor_fault = 0, travel_stop = 0, adc_rail = 0;
   double reference_min_N = 0.0, reference_max_N = 0.0, reference_mean_N = 0.0;
   double reference_noise_N = 0.0;
-  double reference_frozen_s = 0.0;      ///< longest time without a change of the reading while the spring moved by 0.1 N
-  double reference_still_s = 0.0;       ///< longest time without any change of the reading
-  double sensor_dead_s = 0.0;           ///< longest time with one code between the rails while the spring moved, or code 0 under load
-  double theta_still_while_commanded_s = 0.0;  ///< longest time a commanded wheel stood still inside its travel
+  double reference_frozen_s =
+      0.0;  ///< longest time without a change of the reading while the spring moved by 0.1 N
+  double sensor_dead_s =
+      0.0;  ///< longest time with one code between the rails while the spring moved, or code 0 under load
+  double theta_still_while_commanded_s =
+      0.0;  ///< longest time a commanded wheel stood still inside its travel
   std::uint16_t adc_min = 0xFFFF, adc_max = 0;
-  std::uint16_t adc_bits_stuck = 0;     ///< bits below the range actually spanned that never changed
+  std::uint16_t adc_bits_stuck = 0;  ///< bits below the range actually spanned that never changed
   // Spring witness, NaN when the rig has no wheel.
   std::uint64_t spring_samples = 0;
-  double spring_bias_N = 0.0;       ///< mean ATI - spring
-  double spring_worst_bias_N = 0.0; ///< signed mean over the worst block of RigWitness::kBlockSeconds
-  double spring_slope = 1.0;        ///< d ATI / d spring by least squares; 1 when the force hardly moves
-  double spring_rms_N = 0.0;        ///< about the mean
+  double spring_bias_N = 0.0;        ///< mean ATI - spring
+  double spring_worst_bias_N = 0.0;  ///< signed mean over the worst block of RigWitness::kBlockSeconds
+  double spring_slope = 1.0;         ///< d ATI / d spring by least squares; 1 when the force hardly moves
+  double spring_rms_N = 0.0;         ///< about the mean
 };
 
 class RigWitness {
@@ -49,8 +52,11 @@ class RigWitness {
 
  private:
   double spring_N(double theta_rad) const;
-  void push_spring(double theta_rad, double force_N);
-  void watch_still(std::uint16_t code, float force_N, float theta_rad);
+  void push_time(const RigBlock& block, std::size_t n);
+  void push_codes(const RigBlock& block, std::size_t n);
+  void push_force(const RigBlock& block, std::size_t n);
+  void push_motion(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s);
+  void push_spring(double t_s, double theta_rad, double force_N);
   void close_spring_block();
 
   RigInfo info_;
@@ -67,11 +73,11 @@ class RigWitness {
     float theta_rad = 0.0f;
     bool moved = false;
   };
-  bool moved(Still& still, float theta_rad) const;
+  void examine(Still& still, float theta_rad, double& longest_s) const;
   Still reference_still_, sensor_still_;
   std::uint16_t previous_code_ = 0;
   std::uint64_t theta_run_ = 0, dead_run_ = 0;
-  float previous_theta_ = 0.0f;
+  float previous_theta_ = 0.0f, previous_force_N_ = std::numeric_limits<float>::quiet_NaN();
   std::uint16_t adc_or_ = 0, adc_and_ = 0xFFFF;
   int spring_skip_ = 0;
   double sx_ = 0, sy_ = 0, sxx_ = 0, sxy_ = 0, syy_ = 0;

@@ -46,8 +46,8 @@ Result<double> SafetyGate::command(double velocity_rad_per_s) {
     stop(StopReason::bad_command, last_t_s_, rig_.force_ref_N());
     return 0.0;
   }
-  const double limit =
-      limits_.velocity_max_rad_per_s > 0.0 ? limits_.velocity_max_rad_per_s : geometry_.velocity_max_rad_per_s;
+  const double limit = limits_.velocity_max_rad_per_s > 0.0 ? limits_.velocity_max_rad_per_s
+                                                            : geometry_.velocity_max_rad_per_s;
   double velocity = velocity_rad_per_s;
   if (limit > 0.0) velocity = std::clamp(velocity, -limit, limit);
   const double theta = rig_.theta_rad();

@@ -11,9 +11,9 @@
 namespace forcegate {
 
 struct SafetyLimits {
-  double force_max_N = 5.0;        ///< ATI force that stops the record; the sensor's range ends there
+  double force_max_N = 5.0;             ///< ATI force that stops the record; the sensor's range ends there
   double velocity_max_rad_per_s = 0.0;  ///< 0: that of the rig's geometry
-  int reference_lost_samples = 250;  ///< consecutive samples without a valid ATI reading that stop it
+  int reference_lost_samples = 250;     ///< consecutive samples without a valid ATI reading that stop it
 };
 
 enum class StopReason { none, force_limit, reference_lost, motor_fault, bad_command, rig_stopped };
@@ -21,8 +21,8 @@ std::string_view to_string(StopReason reason);  ///< "none", "force above the li
 
 struct SafetyReport {
   StopReason reason = StopReason::none;
-  double t_s = 0.0;                  ///< rig time of the stop
-  double force_N = 0.0;              ///< ATI force that caused it
+  double t_s = 0.0;      ///< rig time of the stop
+  double force_N = 0.0;  ///< ATI force that caused it
   std::uint64_t clipped_commands = 0;
   std::uint64_t travel_samples = 0;  ///< samples with the wheel at the end of its travel
   double travel_first_s = 0.0;

@@ -1,11 +1,11 @@
 #include "hil/rig/self_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 
 namespace forcegate {
 namespace {
@@ -91,8 +91,8 @@ std::vector<Check> self_check(const RigInfo& info, const RigObservation& o, cons
 }
 
 const Check* first_unsound(const std::vector<Check>& checks) {
-  const auto at = std::find_if(checks.begin(), checks.end(),
-                               [](const Check& c) { return c.verdict != Verdict::pass; });
+  const auto at =
+      std::find_if(checks.begin(), checks.end(), [](const Check& c) { return c.verdict != Verdict::pass; });
   return at == checks.end() ? nullptr : &*at;
 }
 

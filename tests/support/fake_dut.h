@@ -26,9 +26,10 @@ class FakeDut : public Dut {
     info.rate_Hz = session.rate_Hz;
     return info;
   }
-  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
-                       std::span<std::uint8_t> flags) override {
-    if (first_index + adc.size() > dies_at) return fail(ErrorCode::firmware, "the image does not answer any more");
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
+                       std::span<float> force_N, std::span<std::uint8_t> flags) override {
+    if (first_index + adc.size() > dies_at)
+      return fail(ErrorCode::firmware, "the image does not answer any more");
     const Calibration& c = session_.calibration;
     for (std::size_t i = 0; i < adc.size(); ++i) {
       force_N[i] = static_cast<float>(c.gain_N_per_V * adc[i] / 65535.0 * c.v_range_V + c.offset_N);

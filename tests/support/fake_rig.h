@@ -1,6 +1,6 @@
 #pragma once
-// A small ideal bench for tests of the gate: the wheel is the force, the sensor is U = (F - F0) / G exactly, and the
-// tests can spoil what they want.
+// A small ideal bench for tests of the gate: the wheel is the force, the sensor is U = (F - F0) / G exactly,
+// and the tests can spoil what they want.
 
 #include <cmath>
 #include <functional>
@@ -35,7 +35,8 @@ class FakeRig : public Rig {
     last_request = request;
     index_ = 0;
     velocity_ = 0.0;
-    theta_ = std::acos(1.0 - request.force_low_N / (info_.geometry.spring_N_per_mm * info_.geometry.eccentricity_mm));
+    theta_ = std::acos(1.0 - request.force_low_N /
+                                 (info_.geometry.spring_N_per_mm * info_.geometry.eccentricity_mm));
     return {};
   }
   Result<void> command_velocity(double rad_per_s) override {

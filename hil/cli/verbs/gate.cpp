@@ -36,7 +36,8 @@ Result<std::map<std::string, double>> faults_of(const std::vector<std::string>& 
   return faults;
 }
 
-Result<std::map<std::string, std::string>> options_of(const std::vector<std::string>& words, const char* option) {
+Result<std::map<std::string, std::string>> options_of(const std::vector<std::string>& words,
+                                                      const char* option) {
   std::map<std::string, std::string> options;
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
@@ -92,8 +93,10 @@ Result<int> run(const Invocation& in) {
   console.end_progress();
   if (!made) return Unexpected(made.error());
   console.print(render_console(*made, {.colour = console.color()}));
-  if (const ReporterKind* json = Registry<ReporterKind>::instance().find("json")) console.print_json(json->render(*made));
-  if (made->decision.exit_code != kExitInterrupted) console.next("open " + (request.output / "report.html").string());
+  if (const ReporterKind* json = Registry<ReporterKind>::instance().find("json"))
+    console.print_json(json->render(*made));
+  if (made->decision.exit_code != kExitInterrupted)
+    console.next("open " + (request.output / "report.html").string());
   return made->decision.exit_code;
 }
 
@@ -102,34 +105,78 @@ const Registration<Command> kRow{Command{
     .group = "Gate",
     .summary = "accept or reject a firmware build",
     .description =
-        "Plays the force profiles of a plan on a rig, lets the firmware image turn the sensor's raw codes into force, and "
-        "decides: ACCEPT, REJECT or NO-DECISION with the cause and who must act. The rig is checked before the "
-        "firmware is judged, and every value carries its uncertainty (docs/gate.md).\n\nThe lane follows from the "
-        "image: a shared object runs natively in a watched process, an ARM ELF in qemu-system-arm. The specimen is "
+        "Plays the force profiles of a plan on a rig, lets the firmware image turn the sensor's raw codes "
+        "into force, and "
+        "decides: ACCEPT, REJECT or NO-DECISION with the cause and who must act. The rig is checked before "
+        "the "
+        "firmware is judged, and every value carries its uncertainty (docs/gate.md).\n\nThe lane follows "
+        "from the "
+        "image: a shared object runs natively in a watched process, an ARM ELF in qemu-system-arm. The "
+        "specimen is "
         "calibrated first; --calibration says how far.\n\nThe folder of the result appears whole at the end, "
-        "result.json last in it. The same command with the same seed gives the same bytes except one time stamp.",
+        "result.json last in it. The same command with the same seed gives the same bytes except one time "
+        "stamp.",
     .positionals = {{.name = "FIRMWARE", .doc = "Firmware image (ELF)."}},
-    .options = {{.name = "plan", .value_name = "PLAN", .doc = "Plan file, or the name of one in ci/plans.", .fallback = "smoke"},
-                {.name = "lane", .value_name = "LANE", .doc = "How the image runs; default: by its content.", .choices = lanes},
-                {.name = "rig", .value_name = "NAME|FILE", .doc = "Rig, or a bench file.", .fallback = "emulated", .choices = rigs, .only_choices = false},
-                {.name = "record", .value_name = "FILE", .doc = "Recording to judge on (rig replay): columns t_s, U_V, F_ref_N."},
-                {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen instead of measuring it."},
-                {.name = "calibration", .value_name = "LEVEL", .doc = "How much of the specimen is told to the firmware; default: the plan's.", .choices = levels},
-                {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
-                {.name = "fault", .value_name = "NAME=VALUE", .doc = "Fault of the rig to inject.", .repeatable = true},
-                {.name = "case", .value_name = "NAME", .doc = "Only this case of the plan.", .repeatable = true},
-                {.name = "specimen", .value_name = "NAME", .doc = "This specimen instead of the plan's.", .repeatable = true},
-                {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig.", .repeatable = true},
-                {.name = "lane-option", .value_name = "NAME=VALUE", .doc = "Option of the lane.", .repeatable = true},
-                {.name = "threads", .value_name = "N", .doc = "Worker processes at a time; 0: one per processor.", .fallback = "0"},
-                {.name = "keep", .value_name = "", .doc = "Keep the samples of every record as HDF5, not only of those in doubt."},
-                {.name = "output", .value_name = "FOLDER", .doc = "Folder of the result.", .fallback = "forcegate-run", .letter = 'o'}},
-    .examples = {{"forcegate gate build/firmware/reference-m4f.block.elf", "Is the image that ships any good, in a few seconds?"},
-                 {"forcegate gate build/firmware/reference.native.so --plan nightly -o run", "The whole nightly plan:"},
-                 {"forcegate gate build/firmware/reference.native.so --record run.csv --cal cal.toml", "On a recording:"},
-                 {"forcegate gate build/firmware/reference.native.so --fault reference_saturated=2.0", "What a broken reference looks like:"}},
-    .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitNoDecision, kExitRigFault, kExitSafetyStop, kExitInternal,
-                   kExitInterrupted},
+    .options =
+        {{.name = "plan",
+          .value_name = "PLAN",
+          .doc = "Plan file, or the name of one in ci/plans.",
+          .fallback = "smoke"},
+         {.name = "lane",
+          .value_name = "LANE",
+          .doc = "How the image runs; default: by its content.",
+          .choices = lanes},
+         {.name = "rig",
+          .value_name = "NAME|FILE",
+          .doc = "Rig, or a bench file.",
+          .fallback = "emulated",
+          .choices = rigs,
+          .only_choices = false},
+         {.name = "record",
+          .value_name = "FILE",
+          .doc = "Recording to judge on (rig replay): columns t_s, U_V, F_ref_N."},
+         {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen instead of measuring it."},
+         {.name = "calibration",
+          .value_name = "LEVEL",
+          .doc = "How much of the specimen is told to the firmware; default: the plan's.",
+          .choices = levels},
+         {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
+         {.name = "fault",
+          .value_name = "NAME=VALUE",
+          .doc = "Fault of the rig to inject.",
+          .repeatable = true},
+         {.name = "case", .value_name = "NAME", .doc = "Only this case of the plan.", .repeatable = true},
+         {.name = "specimen",
+          .value_name = "NAME",
+          .doc = "This specimen instead of the plan's.",
+          .repeatable = true},
+         {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig.", .repeatable = true},
+         {.name = "lane-option",
+          .value_name = "NAME=VALUE",
+          .doc = "Option of the lane.",
+          .repeatable = true},
+         {.name = "threads",
+          .value_name = "N",
+          .doc = "Worker processes at a time; 0: one per processor.",
+          .fallback = "0"},
+         {.name = "keep",
+          .value_name = "",
+          .doc = "Keep the samples of every record as HDF5, not only of those in doubt."},
+         {.name = "output",
+          .value_name = "FOLDER",
+          .doc = "Folder of the result.",
+          .fallback = "forcegate-run",
+          .letter = 'o'}},
+    .examples = {{"forcegate gate build/firmware/reference-m4f.block.elf",
+                  "Is the image that ships any good, in a few seconds?"},
+                 {"forcegate gate build/firmware/reference.native.so --plan nightly -o run",
+                  "The whole nightly plan:"},
+                 {"forcegate gate build/firmware/reference.native.so --record run.csv --cal cal.toml",
+                  "On a recording:"},
+                 {"forcegate gate build/firmware/reference.native.so --fault reference_saturated=2.0",
+                  "What a broken reference looks like:"}},
+    .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitNoDecision, kExitRigFault, kExitSafetyStop,
+                   kExitInternal, kExitInterrupted},
     .run = run,
 }};
 

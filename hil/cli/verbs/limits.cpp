@@ -36,17 +36,27 @@ const Registration<Command> kRow{Command{
     .name = "limits",
     .group = "Gate",
     .summary = "derive the limits of a plan from a known-good build",
-    .description = "Plays every open-loop case of a plan on many specimens that belong to no panel, and takes p99 + 2 sd of "
-                   "the errors of extrema as limits. The file says n, date, rig and the firmware it was made with; it is "
+    .description = "Plays every open-loop case of a plan on many specimens that belong to no panel, and "
+                   "takes p99 + 2 sd of "
+                   "the errors of extrema as limits. The file says n, date, rig and the firmware it was made "
+                   "with; it is "
                    "part of the goldens and changes only with a reason.",
     .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image."}},
-    .options = {{.name = "plan", .value_name = "PLAN", .doc = "Plan file, or the name of one in ci/plans.", .fallback = "smoke"},
-                {.name = "n", .value_name = "N", .doc = "Specimens.", .fallback = "300"},
-                {.name = "first-seed", .value_name = "N", .doc = "Seed of the first specimen.", .fallback = "1000"},
-                {.name = "threads", .value_name = "N", .doc = "Worker processes at a time; 0: one per processor.", .fallback = "0"},
-                {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}},
-    .examples = {{"forcegate limits build/firmware/reference.native.so --plan nightly -o golden/limits/nightly.toml",
-                  "Limits of the nightly plan:"}},
+    .options =
+        {{.name = "plan",
+          .value_name = "PLAN",
+          .doc = "Plan file, or the name of one in ci/plans.",
+          .fallback = "smoke"},
+         {.name = "n", .value_name = "N", .doc = "Specimens.", .fallback = "300"},
+         {.name = "first-seed", .value_name = "N", .doc = "Seed of the first specimen.", .fallback = "1000"},
+         {.name = "threads",
+          .value_name = "N",
+          .doc = "Worker processes at a time; 0: one per processor.",
+          .fallback = "0"},
+         {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}},
+    .examples =
+        {{"forcegate limits build/firmware/reference.native.so --plan nightly -o golden/limits/nightly.toml",
+          "Limits of the nightly plan:"}},
     .run = run,
 }};
 

@@ -20,8 +20,9 @@ const Registration<Command> kRow{Command{
     .name = "worker",
     .group = "Gate",
     .summary = "make one record: job as JSON on stdin, record as JSON on stdout",
-    .description = "What the gate does in a child process for every record, by hand: under a debugger, or with a "
-                   "sanitizer. Job and record are not a file format; both ends are one build.",
+    .description =
+        "What the gate does in a child process for every record, by hand: under a debugger, or with a "
+        "sanitizer. Job and record are not a file format; both ends are one build.",
     .examples = {{"forcegate worker < job.json", "One record:"}},
     .exit_codes = {kExitSuccess, kExitUsage, kExitInternal},
     .hidden = true,

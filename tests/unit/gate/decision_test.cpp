@@ -32,7 +32,8 @@ std::vector<Check> judged(std::vector<Check> checks, const DecisionRule& rule = 
   return out;
 }
 
-Decision decided(const std::vector<Check>& checks, const RunEvents& events = {}, const DecisionRule& rule = {}) {
+Decision decided(const std::vector<Check>& checks, const RunEvents& events = {},
+                 const DecisionRule& rule = {}) {
   std::vector<const Check*> pointers;
   for (const Check& c : checks) pointers.push_back(&c);
   return decide(pointers, rule, events);
@@ -124,7 +125,8 @@ TEST(Decision, without_any_check_there_is_no_decision) {
 }
 
 TEST(Decision, does_not_believe_a_pass_that_is_none) {
-  for (Check c : {check(std::nan(""), 4.5), check(9.0, 4.5), check(std::numeric_limits<double>::infinity(), 4.5)}) {
+  for (Check c :
+       {check(std::nan(""), 4.5), check(9.0, 4.5), check(std::numeric_limits<double>::infinity(), 4.5)}) {
     c.verdict = Verdict::pass;
     EXPECT_NE(decided({c}).kind, DecisionKind::accept);
   }
@@ -139,7 +141,14 @@ TEST(Decision, undecided_safety_stop_has_its_own_exit_code) {
 
 // Whatever the checks hold: ACCEPT only when each required one carries a finite value inside its limit.
 TEST(Decision, no_sequence_of_errors_missing_data_or_nan_yields_accept) {
-  const double values[] = {0.0, 1.0, 4.5, 4.6, -1.0, 1e308, std::nan(""), std::numeric_limits<double>::infinity(),
+  const double values[] = {0.0,
+                           1.0,
+                           4.5,
+                           4.6,
+                           -1.0,
+                           1e308,
+                           std::nan(""),
+                           std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()};
   Rng rng(20111);
   int accepted = 0;
@@ -174,7 +183,8 @@ TEST(Decision, no_sequence_of_errors_missing_data_or_nan_yields_accept) {
     EXPECT_EQ(d.kind == DecisionKind::reject, d.exit_code == 1);
     if (d.kind != DecisionKind::accept) continue;
     ++accepted;
-    ASSERT_TRUE(all_good && !events.cancelled && !events.harness_error && !events.safety_stop) << "round " << round;
+    ASSERT_TRUE(all_good && !events.cancelled && !events.harness_error && !events.safety_stop)
+        << "round " << round;
   }
   EXPECT_GT(accepted, 100) << "the test must also see what ACCEPT looks like";
 }

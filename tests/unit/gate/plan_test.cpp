@@ -82,8 +82,8 @@ TEST(Plan, all_committed_plans_are_good) {
   for (const auto& entry : std::filesystem::directory_iterator(FORCEGATE_SOURCE_DIR "/ci/plans")) {
     if (entry.path().extension() != ".toml") continue;
     const auto plan = read_plan(entry.path());
-    if (entry.path().stem() == "smoke" || entry.path().stem() == "nightly" || entry.path().stem() == "bench" ||
-        entry.path().stem() == "replay") {
+    if (entry.path().stem() == "smoke" || entry.path().stem() == "nightly" ||
+        entry.path().stem() == "bench" || entry.path().stem() == "replay") {
       EXPECT_TRUE(plan) << plan.error().to_text();
       ++n;
     }

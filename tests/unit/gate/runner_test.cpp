@@ -27,7 +27,8 @@ struct Bench {
     job.planned.maxima_pct = job.planned.minima_pct = 5.0;
     job.planned.limit_source = "test";
     job.planned.stimulus.name = "sine";
-    job.planned.stimulus.numbers = {{"f_Hz", 0.5}, {"A_N", 1.0}, {"m_N", 2.0}, {"duration_s", 60.0}, {"ramp_s", 2.0}};
+    job.planned.stimulus.numbers = {
+        {"f_Hz", 0.5}, {"A_N", 1.0}, {"m_N", 2.0}, {"duration_s", 60.0}, {"ramp_s", 2.0}};
     job.calibration.gain_N_per_V = rig.gain_N_per_V;
     job.calibration.offset_N = rig.offset_N;
   }
@@ -89,7 +90,9 @@ TEST(Runner, measures_a_gain_error_as_the_mean_relative_error) {
 TEST(Runner, measures_a_lag_in_either_direction_of_the_force) {
   Bench s;
   std::vector<float> line(30, 0.0f);
-  s.dut.spoil = [&](std::uint32_t index, float& force_N, std::uint8_t&) { std::swap(force_N, line[index % 30]); };
+  s.dut.spoil = [&](std::uint32_t index, float& force_N, std::uint8_t&) {
+    std::swap(force_N, line[index % 30]);
+  };
   const CaseRecord r = s.run();
   EXPECT_NEAR(r.lag_s, 0.030, 0.001);
 }

@@ -77,14 +77,18 @@ TEST(SelfCheck, sees_an_offset_of_the_reference_by_the_spring_witness) {
 
 TEST(SelfCheck, sees_a_reference_with_a_wrong_gain) {
   testing::FakeRig rig;
-  rig.spoil = [](std::size_t row, double, RigBlock& b) { b.force_ref_N[row] = 1.2f * b.force_ref_N[row] - 0.2f; };
+  rig.spoil = [](std::size_t row, double, RigBlock& b) {
+    b.force_ref_N[row] = 1.2f * b.force_ref_N[row] - 0.2f;
+  };
   EXPECT_NE(unsound(rig), "");
 }
 
 TEST(SelfCheck, sees_noise_far_above_what_the_reference_declares) {
   testing::FakeRig rig;
   auto rng = std::make_shared<Rng>(9);
-  rig.spoil = [rng](std::size_t row, double, RigBlock& b) { b.force_ref_N[row] += static_cast<float>(rng->normal(0.0, 0.1)); };
+  rig.spoil = [rng](std::size_t row, double, RigBlock& b) {
+    b.force_ref_N[row] += static_cast<float>(rng->normal(0.0, 0.1));
+  };
   EXPECT_EQ(unsound(rig), "rig_reference_noise");
 }
 

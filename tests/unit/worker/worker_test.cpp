@@ -1,7 +1,6 @@
 #include "hil/app/worker.h"
 
 #include <gtest/gtest.h>
-
 #include <unistd.h>
 
 #include <csignal>
@@ -27,8 +26,8 @@ class EvilDut : public testing::FakeDut {
     how_ = session.image.filename().string();
     return FakeDut::open(session);
   }
-  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
-                       std::span<std::uint8_t> flags) override {
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
+                       std::span<float> force_N, std::span<std::uint8_t> flags) override {
     if (first_index >= 30000) {
       if (how_ == "segv_outside") std::raise(SIGSEGV);
       const InFirmware inside(first_index);
@@ -46,15 +45,17 @@ class EvilDut : public testing::FakeDut {
   std::string how_;
 };
 
-const Registration<LaneKind> kLane{{"evil", "for tests", [](const fs::path&) { return true; },
-                                    [](const std::map<std::string, std::string>&) -> Result<std::unique_ptr<Dut>> {
-                                      return std::make_unique<EvilDut>();
-                                    }}};
-const Registration<RigKind> kRig{{"fake", "for tests",
-                                  [](const std::map<std::string, std::string>&) -> Result<std::unique_ptr<Rig>> {
-                                    return std::make_unique<testing::FakeRig>();
-                                  }}};
-const Registration<ReporterKind> kReporter{{"json", "result.json", "for tests", [](const RunResult&) { return std::string("{}"); }}};
+const Registration<LaneKind> kLane{
+    {"evil", "for tests", [](const fs::path&) { return true; },
+     [](const std::map<std::string, std::string>&) -> Result<std::unique_ptr<Dut>> {
+       return std::make_unique<EvilDut>();
+     }}};
+const Registration<RigKind> kRig{
+    {"fake", "for tests", [](const std::map<std::string, std::string>&) -> Result<std::unique_ptr<Rig>> {
+       return std::make_unique<testing::FakeRig>();
+     }}};
+const Registration<ReporterKind> kReporter{
+    {"json", "result.json", "for tests", [](const RunResult&) { return std::string("{}"); }}};
 
 CaseJob job(const std::string& how) {
   CaseJob j;
@@ -65,7 +66,8 @@ CaseJob job(const std::string& how) {
   j.planned.name = how;
   j.planned.controller = "open_loop";
   j.planned.stimulus.name = "sine";
-  j.planned.stimulus.numbers = {{"f_Hz", 0.5}, {"A_N", 1.0}, {"m_N", 2.0}, {"duration_s", 60.0}, {"ramp_s", 2.0}};
+  j.planned.stimulus.numbers = {
+      {"f_Hz", 0.5}, {"A_N", 1.0}, {"m_N", 2.0}, {"duration_s", 60.0}, {"ramp_s", 2.0}};
   j.calibration.offset_N = 0.1;
   return j;
 }
@@ -86,7 +88,8 @@ TEST(Worker, a_crash_inside_the_firmware_is_the_firmware_s_with_signal_and_sampl
   EXPECT_EQ(f.stage, CaseFailure::Stage::firmware);
   EXPECT_EQ(f.error.code, ErrorCode::firmware);
   EXPECT_NE(f.error.text.find("SEGV"), std::string::npos) << f.error.text;
-  EXPECT_NE(f.error.text.find("32720"), std::string::npos) << f.error.text;  // first block that begins after 30000
+  EXPECT_NE(f.error.text.find("32720"), std::string::npos)
+      << f.error.text;  // first block that begins after 30000
   EXPECT_NE(failure_of("abort").error.text.find("ABRT"), std::string::npos);
   EXPECT_NE(failure_of("exit").error.text.find("exit code 3"), std::string::npos);
 }
