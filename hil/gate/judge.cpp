@@ -310,7 +310,9 @@ class CaseJudge {
     if (!record_.facts.dynamic && record_.pairs.empty()) return;
     const bool closed = planned_.loop == LoopMode::closed;
     const char* against = closed ? "ATI against set-point" : "firmware against ATI";
-    const double low_N = record_.facts.mean_N - record_.facts.amplitude_N;
+    // A recording's own force channel begins with the loading: its bounds say nothing about the settled minima.
+    const double low_N = record_.rig.can_move ? record_.facts.mean_N - record_.facts.amplitude_N
+                                              : moments(series(false).expected).mean;
     for (const bool maximum : {true, false}) {
       const Series s = series(maximum);
       const char* which = maximum ? "maxima" : "minima";
