@@ -21,6 +21,10 @@ double root_of_squares(const std::vector<BudgetLine>& lines, bool only_systemati
 
 double Budget::u() const { return root_of_squares(lines, false); }
 double Budget::u_systematic() const { return root_of_squares(lines, true); }
+double Budget::u_random() const {
+  const double all = u(), systematic = u_systematic();
+  return std::sqrt(std::max(0.0, all * all - systematic * systematic));
+}
 
 std::string Budget::to_text() const {
   std::string out;

@@ -26,6 +26,8 @@ struct Budget {
   std::vector<BudgetLine> lines;
   double u() const;  ///< root of the sum of squares
   double u_systematic() const;
+  /// Without the systematic parts: against a limit that was derived on the same rig they cancel.
+  double u_random() const;
   std::string to_text() const;  ///< "ATI calibration 0.50, alignment 0.20, ..."
 };
 

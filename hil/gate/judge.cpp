@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "hil/gate/blame.h"
+#include "hil/gate/runner.h"
 #include "hil/gate/statistics.h"
 #include "hil/rig/self_check.h"
 #include "hil/trace/extrema.h"
@@ -310,7 +311,8 @@ class CaseJudge {
     if (!record_.facts.dynamic && record_.pairs.empty()) return;
     const bool closed = planned_.loop == LoopMode::closed;
     const char* against = closed ? "ATI against set-point" : "firmware against ATI";
-    // A recording's own force channel begins with the loading: its bounds say nothing about the settled minima.
+    // A recording's own force channel begins with the loading: its bounds say nothing about the settled
+    // minima.
     const double low_N = record_.rig.can_move ? record_.facts.mean_N - record_.facts.amplitude_N
                                               : moments(series(false).expected).mean;
     for (const bool maximum : {true, false}) {
@@ -343,9 +345,11 @@ class CaseJudge {
       const std::string judged_id = judge_relative ? mre_id : mae_id;
       const std::optional<double> given = maximum ? planned_.maxima_pct : planned_.minima_pct;
       const Limit limit = wanted ? limit_of(judged_id, judge_relative ? given : std::nullopt) : none;
-      value_check(mre_id, mre_title, mre, "%", relative.u(), e.n, judge_relative ? limit : none, evidence);
-      value_check(mae_id, mae_title, e.mean_absolute, "N", absolute.u(), items, judge_relative ? none : limit,
-                  fmt::format("{} {}", items, which));
+      const bool derived = limit.kind != Limit::Kind::none && !(judge_relative && given);
+      value_check(mre_id, mre_title, mre, "%", derived ? relative.u_random() : relative.u(), e.n,
+                  judge_relative ? limit : none, evidence);
+      value_check(mae_id, mae_title, e.mean_absolute, "N", derived ? absolute.u_random() : absolute.u(),
+                  items, judge_relative ? none : limit, fmt::format("{} {}", items, which));
       if (wanted && limit.kind == Limit::Kind::none)
         final_check("accuracy_" + std::string(which), judge_relative ? mre_title : mae_title,
                     Verdict::not_run, Blame::user,
@@ -385,12 +389,6 @@ class CaseJudge {
 };
 
 }  // namespace
-
-double judged_from_s(const PlanCase& planned, const CaseRecord& record) {
-  double from_s = std::max(record.facts.excitation_start_s, record.output.learning_end_s);
-  if (planned.tail_s > 0.0) from_s = std::max(from_s, record.duration_s - planned.tail_s);
-  return from_s;
-}
 
 JudgedCase judge_case(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
                       const DerivedLimits& limits) {

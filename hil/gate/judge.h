@@ -46,7 +46,4 @@ std::vector<JudgedCheck> judge_panel(const Plan& plan, const PlanCase& planned,
                                      const std::vector<std::string>& specimens,
                                      const std::vector<const JudgedCase*>& judged);
 
-/// Instant from which extrema count: ramp-in and start window are over, or the last tail_s of the record.
-double judged_from_s(const PlanCase& planned, const CaseRecord& record);
-
 }  // namespace forcegate

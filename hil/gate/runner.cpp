@@ -348,6 +348,12 @@ std::uint64_t expected_extrema(const Stimulus& stimulus, double prominence_N, do
   return count;
 }
 
+double judged_from_s(const PlanCase& planned, const CaseRecord& record) {
+  double from_s = std::max(record.facts.excitation_start_s, record.output.learning_end_s);
+  if (planned.tail_s > 0.0) from_s = std::max(from_s, record.duration_s - planned.tail_s);
+  return from_s;
+}
+
 CaseRecord run_case(const CaseJob& job, const RunDevices& devices) { return CaseRun(job, devices).run(); }
 
 }  // namespace forcegate

@@ -45,4 +45,7 @@ std::uint64_t expected_extrema(const Stimulus& stimulus, double prominence_N, do
 /// Prominence of the detector for a case: the plan's or a quarter of the amplitude, at least 0.05 N.
 double prominence_of(const PlanCase& planned, const StimulusFacts& facts);
 
+/// Instant from which extrema count: ramp-in and start window are over, or the last tail_s of the record.
+double judged_from_s(const PlanCase& planned, const CaseRecord& record);
+
 }  // namespace forcegate

@@ -12,7 +12,7 @@ Result<int> run(const Invocation& in) {
   LimitsRequest request;
   request.firmware = in.text("FIRMWARE");
   request.plan = in.text("plan");
-  FORCEGATE_TRY(const std::int64_t n, in.integer("n", 10, 100000));
+  FORCEGATE_TRY(const std::int64_t n, in.integer("count", 10, 100000));
   request.n = static_cast<std::size_t>(n);
   FORCEGATE_TRY(request.first_seed, in.seed("first-seed"));
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
@@ -47,7 +47,7 @@ const Registration<Command> kRow{Command{
           .value_name = "PLAN",
           .doc = "Plan file, or the name of one in ci/plans.",
           .fallback = "smoke"},
-         {.name = "n", .value_name = "N", .doc = "Specimens.", .fallback = "300"},
+         {.name = "count", .value_name = "N", .doc = "Specimens.", .fallback = "300"},
          {.name = "first-seed", .value_name = "N", .doc = "Seed of the first specimen.", .fallback = "1000"},
          {.name = "threads",
           .value_name = "N",
