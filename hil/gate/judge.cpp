@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kExtremaMissing = 0.02;
+constexpr std::size_t kExtremaNeeded = 4;  // two of each kind: one has no spread
 constexpr double kExtremumFloor_N = 0.1;  // below, a relative error says nothing
 
 class CaseJudge {
@@ -308,6 +309,10 @@ class CaseJudge {
   }
 
   void values() {
+    if (planned_.checks & kCheckAccuracy && record_.pairs.size() < kExtremaNeeded)
+      final_check("accuracy", "Extrema to judge the accuracy on", Verdict::not_run, Blame::user,
+                  fmt::format("the record holds {} extrema, an accuracy needs {}", record_.pairs.size(),
+                              kExtremaNeeded));
     if (!record_.facts.dynamic && record_.pairs.empty()) return;
     const bool closed = planned_.loop == LoopMode::closed;
     const char* against = closed ? "ATI against set-point" : "firmware against ATI";
