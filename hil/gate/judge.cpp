@@ -190,12 +190,11 @@ class CaseJudge {
                   fmt::format("time does not advance {} times", record_.observed.time_not_monotone));
     }
     if (!complete_) incomplete_blame_ = charged_ ? Blame::firmware : Blame::link;
-    Check& c =
-        value_check("coverage", "Share of the record that is missing", missing, "1", 0.0,
-                    record_.expected_samples, {Limit::Kind::upper, 0.0, "ours: a record is whole"},
-                    complete_ ? fmt::format("{} samples, {:.0f} s", record_.samples, record_.duration_s)
-                              : fmt::format("the record is truncated: {} of {} samples", record_.samples,
-                                            record_.expected_samples));
+    const std::uint64_t have = record_.samples, want = record_.expected_samples;
+    Check& c = value_check("coverage", "Share of the record that is missing", missing, "1", 0.0, want,
+                           {Limit::Kind::upper, 0.0, "ours: a record is whole"},
+                           complete_ ? fmt::format("{} samples, {:.0f} s", have, record_.duration_s)
+                                     : fmt::format("the record is truncated: {} of {} samples", have, want));
     if (!complete_ && charged_) c.required = false;  // the stop itself is the finding
     extrema_count();
   }
@@ -309,10 +308,9 @@ class CaseJudge {
   }
 
   void values() {
-    if (planned_.checks & kCheckAccuracy && record_.pairs.size() < kExtremaNeeded)
+    if (const std::size_t n = record_.pairs.size(); planned_.checks & kCheckAccuracy && n < kExtremaNeeded)
       final_check("accuracy", "Extrema to judge the accuracy on", Verdict::not_run, Blame::user,
-                  fmt::format("the record holds {} extrema, an accuracy needs {}", record_.pairs.size(),
-                              kExtremaNeeded));
+                  fmt::format("the record holds {} extrema, an accuracy needs {}", n, kExtremaNeeded));
     if (!record_.facts.dynamic && record_.pairs.empty()) return;
     const bool closed = planned_.loop == LoopMode::closed;
     const char* against = closed ? "ATI against set-point" : "firmware against ATI";
