@@ -207,10 +207,7 @@ class CaseJudge {
           return p.t_s >= record_.facts.excitation_start_s;
         }));
     const double missing = std::max(0.0, (expected - found - 2.0) / expected);
-    if (missing > kExtremaMissing) {
-      complete_ = false;
-      incomplete_blame_ = Blame::rig;
-    }
+    if (missing > kExtremaMissing) complete_ = false, incomplete_blame_ = Blame::rig;
     value_check("extrema_count", "Share of the profile's extrema that are missing", missing, "1", 0.0,
                 record_.expected_extrema,
                 {Limit::Kind::upper, kExtremaMissing, "ours: the profile was played"},
