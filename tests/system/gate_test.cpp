@@ -157,6 +157,7 @@ TEST_F(Gate, TwoRunsOfOneSeedDifferOnlyInTheTimeStamp) {
   EXPECT_EQ(one.dump(), four.dump());
 }
 
+// Not every seed is accepted: on seed 12 the mean of smoke's three specimens is marginal and nothing is decided.
 TEST_F(Gate, AnotherSeedGivesAnotherRun) {
   const auto digest = [&](const char* seed) {
     EXPECT_EQ(gate({kNative, "--seed", seed, "-o", folder / "run"}).exit_code, 0);
