@@ -5,42 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/app/gate_jobs.h"
+#include "hil/app/gate_player.h"
 #include "hil/app/run_folder.h"
-#include "hil/app/worker.h"
 #include "hil/base/text.h"
-#include "hil/gate/calibrate.h"
 #include "hil/gate/case_result.h"
 #include "hil/gate/decision.h"
-#include "hil/gate/judge.h"
 
 namespace forcegate {
 namespace {
-
-// Progress over all jobs by rig time.
-class Meter {
- public:
-  Meter(const GateProgress& sink, double total_s) : sink_(sink), total_s_(std::max(1.0, total_s)) {}
-  void begin(const std::vector<CaseJob>& jobs) {
-    at_s_.assign(jobs.size(), 0.0);
-    length_s_.clear();
-    for (const CaseJob& job : jobs) length_s_.push_back(rig_time_s(job));
-    jobs_ = &jobs;
-  }
-  void progress(std::size_t job, double t_s) { report(job, std::min(t_s, length_s_[job])); }
-  void done(std::size_t job) { report(job, length_s_[job]); }
-
- private:
-  void report(std::size_t job, double t_s) {
-    done_s_ += t_s - at_s_[job];
-    at_s_[job] = t_s;
-    if (sink_) sink_(std::clamp(done_s_ / total_s_, 0.0, 1.0), (*jobs_)[job].id);
-  }
-  const GateProgress& sink_;
-  double total_s_, done_s_ = 0.0;
-  std::vector<double> at_s_, length_s_;
-  const std::vector<CaseJob>* jobs_ = nullptr;
-};
 
 class GateRun {
  public:
@@ -54,28 +26,20 @@ class GateRun {
       FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
       folder.emplace(std::move(opened));
     }
+    const std::filesystem::path keep_folder = folder ? folder->path() : std::filesystem::path();
     head();
-    calibration_jobs_ = calibration_jobs(request_, setup_);
-    double total_s = 0.0;
-    for (const CaseJob& job : calibration_jobs_) total_s += rig_time_s(job);
-    for (const PlanCase& c : setup_.plan.cases) {
-      CaseJob job;
-      job.planned = c;
-      total_s += rig_time_s(job) * static_cast<double>(specimens_of(setup_.plan, c).size());
-    }
-    Meter meter(progress, total_s);
-    FORCEGATE_CHECK_OK(calibrate(meter));
-    jobs_ = record_jobs(request_, setup_, calibrations_);
-    play(meter, folder ? folder->path() : std::filesystem::path());
+    GatePlayer player(request_, setup_, limits_, progress, cancelled_);
+    player_ = &player;
+    FORCEGATE_CHECK_OK(player.take_base_calibration());
+    look(keep_folder);
     FORCEGATE_CHECK_OK(first_usage_error());
-    judge();
-    if (folder && !is_cancelled()) FORCEGATE_CHECK_OK(folder->publish(result_));
+    if (folder && !request_.keep && !player.cancelled()) keep_doubtful(keep_folder);
+    conclude();
+    if (folder && !player.cancelled()) FORCEGATE_CHECK_OK(folder->publish(result_));
     return std::move(result_);
   }
 
  private:
-  bool is_cancelled() const { return cancelled_ != nullptr && cancelled_->load(); }
-
   Result<void> read_derived_limits() {
     const Plan& plan = setup_.plan;
     if (plan.limits.derived.empty()) return {};
@@ -106,172 +70,153 @@ class GateRun {
     result_.environment["lane"] = setup_.lane;
   }
 
-  WorkerOptions worker_options() const {
-    WorkerOptions options;
-    options.workers = request_.threads;
-    options.cancelled = cancelled_;
-    return options;
-  }
+  using Wanted = std::vector<std::pair<std::size_t, std::size_t>>;
 
-  static WorkerEvents events(Meter& meter) {
-    return {[&meter](std::size_t job, double t_s) { meter.progress(job, t_s); },
-            [&meter](std::size_t job) { meter.done(job); }};
-  }
-
-  Result<void> calibrate(Meter& meter) {
-    Calibration base = nominal_calibration(setup_.rig);
-    level_ = setup_.plan.calibration.level;
-    if (!request_.calibration_file.empty()) {
-      FORCEGATE_TRY(base, read_calibration_file(request_.calibration_file, setup_.rig));
-      level_ = base.level;
-      result_.notes.push_back(
-          fmt::format("calibration '{}' from {}", base.id, request_.calibration_file.string()));
-    } else if (!setup_.rig.can_move) {
-      level_ = CalibrationLevel::nominal;
-      result_.notes.push_back(
-          "no calibration was given: the nominal values of the sensor type are used (--cal FILE)");
+  // First every record once; then more sessions of what is undecided only for want of evidence.
+  void look(const std::filesystem::path& keep_folder) {
+    Wanted wanted;
+    for (std::size_t k = 0; k < setup_.plan.cases.size(); ++k)
+      for (std::size_t i = 0; i < specimens_of(setup_.plan, setup_.plan.cases[k]).size(); ++i)
+        wanted.emplace_back(k, i);
+    const int looks = setup_.rig.can_move && !request_.single_look ? setup_.plan.rule.looks : 1;
+    for (int n = 1; !wanted.empty() && !player_->cancelled(); ++n) {
+      player_->play(static_cast<std::uint64_t>(n - 1), wanted, keep_folder);
+      judge();
+      wanted = n < looks ? undecided(n) : Wanted();
     }
-    calibrations_.assign(setup_.specimens.size(), base);
-    meter.begin(calibration_jobs_);
-    calibration_records_ = run_in_workers(calibration_jobs_, worker_options(), events(meter));
-    for (std::size_t i = 0; i < calibration_records_.size(); ++i) {
-      const CaseRecord& r = calibration_records_[i];
-      if (!r.failure) calibrations_[i] = r.calibration;
-      if (!r.calibration_text.empty()) result_.notes.push_back("calibration of " + r.calibration_text);
+  }
+
+  std::vector<JudgedCheck*> all_checks() {
+    std::vector<JudgedCheck*> all;
+    for (JudgedCheck& check : panel_) all.push_back(&check);
+    for (PlayedRecord& one : player_->records())
+      if (!one.superseded)
+        for (JudgedCheck& check : one.judged.checks) all.push_back(&check);
+    return all;
+  }
+
+  // Verdicts of single records; the decision rule runs over all of them together.
+  void judge() {
+    const Plan& plan = setup_.plan;
+    panel_.clear();
+    for (PlayedRecord& one : player_->records())
+      one.judged = judge_case(plan, plan.cases[one.case_index], one.record, limits_);
+    for (std::size_t k = 0; k < plan.cases.size(); ++k) {
+      std::vector<SpecimenSessions> table;
+      for (const std::string& specimen : specimens_of(plan, plan.cases[k])) table.push_back({specimen, {}});
+      for (PlayedRecord& one : player_->records())
+        if (one.case_index == k && !one.superseded)
+          table[one.specimen_index].sessions.push_back(&one.judged);
+      for (JudgedCheck& check : judge_panel(plan, plan.cases[k], table)) panel_.push_back(std::move(check));
     }
-    result_.notes.push_back(fmt::format("calibration level: {}", to_string(level_)));
-    return {};
+    std::vector<JudgedCheck*> all = all_checks();
+    apply_rule(plan.rule, all);
   }
 
-  const CaseRecord* calibration_failure(const std::string& specimen) const {
-    for (const CaseRecord& r : calibration_records_)
-      if (r.failure && r.id == "calibration/" + specimen) return &r;
-    return nullptr;
-  }
-
-  void play(Meter& meter, const std::filesystem::path& folder) {
-    // A record on a specimen without calibration would blame the firmware for it.
-    std::vector<CaseJob> runnable;
-    std::vector<std::size_t> place;
-    records_.resize(jobs_.size());
-    for (std::size_t i = 0; i < jobs_.size(); ++i) {
-      if (const CaseRecord* bad = calibration_failure(jobs_[i].specimen)) {
-        records_[i].id = jobs_[i].id;
-        records_[i].index = i;
-        records_[i].failure = bad->failure;
-        records_[i].failure->error.text =
-            "calibration of " + jobs_[i].specimen + ": " + bad->failure->error.text;
-        continue;
+  // Records that the next session needs: a panel's mean needs all its specimens.
+  Wanted undecided(int looks_so_far) {
+    Wanted wanted;
+    std::vector<std::string> names;
+    for (const JudgedCheck* open : worth_another_session(setup_.plan.rule, all_checks()))
+      for (std::size_t k = 0; k < setup_.plan.cases.size(); ++k) {
+        const PlanCase& planned = setup_.plan.cases[k];
+        const auto& specimens = specimens_of(setup_.plan, planned);
+        for (std::size_t i = 0; i < specimens.size(); ++i) {
+          const std::string record = planned.name + "/" + specimens[i];
+          const Check& c = open->check;
+          const bool one = c.case_id == record || c.id.ends_with("/" + record);
+          const bool panel = c.case_id.empty() && c.id.starts_with("promise_") && c.id.ends_with("/" + planned.name);
+          if ((one || panel) && std::find(wanted.begin(), wanted.end(), std::pair(k, i)) == wanted.end())
+            wanted.emplace_back(k, i);
+          if ((one || panel) && std::find(names.begin(), names.end(), planned.name) == names.end())
+            names.push_back(planned.name);
+        }
       }
-      if (request_.keep && !folder.empty()) jobs_[i].keep_path = trace_path(folder, jobs_[i]).string();
-      if (!setup_.rig.emulated) jobs_[i].curves = true;  // it cannot be played again
-      runnable.push_back(jobs_[i]);
-      place.push_back(i);
-    }
-    meter.begin(runnable);
-    auto made = run_in_workers(runnable, worker_options(), events(meter));
-    for (std::size_t k = 0; k < made.size(); ++k) records_[place[k]] = std::move(made[k]);
-    judge_records();
-    if (folder.empty() || request_.keep || is_cancelled()) return;
-    keep_doubtful(folder);
-  }
-
-  static std::filesystem::path trace_path(const std::filesystem::path& folder, const CaseJob& job) {
-    std::string name = job.id;
-    std::replace(name.begin(), name.end(), '/', '@');
-    return folder / "traces" / (name + ".h5");
+    if (!wanted.empty())
+      result_.notes.push_back(fmt::format(
+          "look {} left {} undecided for its uncertainty alone: session {} of {} records is played, all "
+          "sessions count",
+          looks_so_far, join(names, ", "), looks_so_far + 1, wanted.size()));
+    std::sort(wanted.begin(), wanted.end());
+    return wanted;
   }
 
   // Emulated records are recipes: those in doubt are played again with a recorder.
   void keep_doubtful(const std::filesystem::path& folder) {
     if (!setup_.rig.emulated) return;
-    std::vector<CaseJob> again;
-    std::vector<std::size_t> place;
-    for (std::size_t i = 0; i < jobs_.size() && again.size() < kMostKept; ++i) {
-      const bool doubt =
-          std::any_of(judged_[i].checks.begin(), judged_[i].checks.end(), [](const JudgedCheck& j) {
-            return j.check.required && j.check.verdict != Verdict::pass &&
-                   j.check.verdict != Verdict::not_run;
-          });
-      if (!doubt || records_[i].failure) continue;
-      again.push_back(jobs_[i]);
-      again.back().keep_path = trace_path(folder, jobs_[i]).string();
-      again.back().curves = true;
-      place.push_back(i);
+    std::vector<PlayedRecord*> doubtful;
+    for (PlayedRecord& one : player_->records()) {
+      const auto& checks = one.judged.checks;
+      const bool doubt = std::any_of(checks.begin(), checks.end(), [](const JudgedCheck& j) {
+        return j.check.required && j.check.verdict != Verdict::pass && j.check.verdict != Verdict::not_run;
+      });
+      if (doubt && !one.record.failure && doubtful.size() < kMostKept) doubtful.push_back(&one);
     }
-    auto made = run_in_workers(again, worker_options());
-    for (std::size_t k = 0; k < made.size(); ++k)
-      if (!made[k].failure && made[k].digest == records_[place[k]].digest)
-        records_[place[k]] = std::move(made[k]);
+    player_->keep(doubtful, folder);
   }
 
-  // Verdicts of single records; the decision rule runs over all of them together.
-  void judge_records() {
-    judged_.clear();
-    std::size_t i = 0;
-    for (const PlanCase& planned : setup_.plan.cases)
-      for (std::size_t k = 0; k < specimens_of(setup_.plan, planned).size(); ++k, ++i)
-        judged_.push_back(judge_case(setup_.plan, planned, records_[i], limits_));
-    panel_.clear();
-    i = 0;
-    for (const PlanCase& planned : setup_.plan.cases) {
-      const auto& specimens = specimens_of(setup_.plan, planned);
-      std::vector<const JudgedCase*> group;
-      for (std::size_t k = 0; k < specimens.size(); ++k) group.push_back(&judged_[i++]);
-      for (JudgedCheck& check : judge_panel(setup_.plan, planned, specimens, group))
-        panel_.push_back(std::move(check));
-    }
-    std::vector<JudgedCheck*> all;
-    for (JudgedCheck& check : panel_) all.push_back(&check);
-    for (JudgedCase& one : judged_)
-      for (JudgedCheck& check : one.checks) all.push_back(&check);
-    apply_rule(setup_.plan.rule, all);
-  }
-
-  void judge() {
+  void conclude() {
     RunEvents events;
-    events.level = level_;
-    events.cancelled = is_cancelled();
+    events.level = player_->level();
+    events.cancelled = player_->cancelled();
     std::vector<const Check*> all;
-    for (const JudgedCheck& check : panel_) all.push_back(&check.check);
-    for (const JudgedCase& one : judged_) {
-      for (const JudgedCheck& check : one.checks) all.push_back(&check.check);
-      events.cancelled = events.cancelled || one.cancelled;
-      if (one.harness_error && !events.harness_error) {
+    for (const JudgedCheck* j : all_checks()) all.push_back(&j->check);
+    for (const PlayedRecord& one : player_->records()) {
+      const JudgedCase& j = one.judged;
+      if (one.superseded) continue;
+      events.cancelled = events.cancelled || j.cancelled;
+      if (j.harness_error && !events.harness_error) {
         events.harness_error = true;
-        events.harness_text = one.harness_text;
+        events.harness_text = j.harness_text;
       }
-      if (one.safety_stop) {
-        if (!events.safety_stop || !one.safety_cause_decided) events.safety_text = one.safety_text;
+      if (j.safety_stop) {
+        if (!events.safety_stop || !j.safety_cause_decided) events.safety_text = j.safety_text;
         events.safety_stop = true;
-        events.safety_cause_decided = events.safety_cause_decided && one.safety_cause_decided;
+        events.safety_cause_decided = events.safety_cause_decided && j.safety_cause_decided;
       }
     }
     result_.decision = decide(all, setup_.plan.rule, events);
-    for (const CaseRecord& r : records_)
-      if (!r.firmware.algorithm_id.empty()) {
-        result_.firmware = r.firmware;
-        result_.rig = r.rig;
+    for (const PlayedRecord& one : player_->records())
+      if (!one.record.firmware.algorithm_id.empty()) {
+        result_.firmware = one.record.firmware;
+        result_.rig = one.record.rig;
         break;
       }
     for (const JudgedCheck& check : panel_) result_.checks.push_back(check.check);
-    std::size_t i = 0;
-    for (const PlanCase& planned : setup_.plan.cases) {
-      const auto& specimens = specimens_of(setup_.plan, planned);
-      for (std::size_t k = 0; k < specimens.size(); ++k, ++i) {
-        const bool curves = jobs_[i].curves;
-        result_.cases.push_back(
-            to_case_result(planned, jobs_[i], std::move(records_[i]), judged_[i], curves));
+    const auto& notes = player_->notes();
+    result_.notes.insert(result_.notes.end(), notes.begin(), notes.end());
+    add_cases();
+  }
+
+  // In the plan's order; sessions and attempts of one record follow each other.
+  void add_cases() {
+    std::vector<PlayedRecord*> order;
+    for (PlayedRecord& one : player_->records()) order.push_back(&one);
+    std::stable_sort(order.begin(), order.end(), [](const PlayedRecord* a, const PlayedRecord* b) {
+      return std::pair(a->case_index, a->specimen_index) < std::pair(b->case_index, b->specimen_index);
+    });
+    for (PlayedRecord* one : order) {
+      if (one->superseded)
+        for (JudgedCheck& j : one->judged.checks) j.check.required = false;
+      CaseResult c = to_case_result(setup_.plan.cases[one->case_index], one->job, std::move(one->record),
+                                    one->judged, one->job.curves);
+      c.attempts = one->job.attempt;
+      if (one->superseded) {
+        c.id += fmt::format("/attempt{}", one->job.attempt);
+        for (Check& check : c.checks) check.case_id = c.id;
+        c.note += fmt::format("{}the rig was at fault in attempt {}, a later attempt stands for this record",
+                              c.note.empty() ? "" : "; ", one->job.attempt);
       }
+      result_.cases.push_back(std::move(c));
     }
   }
 
   // A mistake in the request that only a record could show (a missing emulator, an instrument's option).
   Result<void> first_usage_error() const {
-    for (const CaseRecord& r : records_) {
-      if (!r.failure) continue;
-      const ErrorCode code = r.failure->error.code;
-      if (code == ErrorCode::usage || code == ErrorCode::config) return Unexpected(r.failure->error);
+    for (const PlayedRecord& one : player_->records()) {
+      if (!one.record.failure) continue;
+      const ErrorCode code = one.record.failure->error.code;
+      if (code == ErrorCode::usage || code == ErrorCode::config) return Unexpected(one.record.failure->error);
     }
     return {};
   }
@@ -281,11 +226,7 @@ class GateRun {
   GateSetup setup_;
   const std::atomic<bool>* cancelled_;
   DerivedLimits limits_;
-  CalibrationLevel level_ = CalibrationLevel::nominal;
-  std::vector<CaseJob> calibration_jobs_, jobs_;
-  std::vector<CaseRecord> calibration_records_, records_;
-  std::vector<Calibration> calibrations_;
-  std::vector<JudgedCase> judged_;
+  GatePlayer* player_ = nullptr;  ///< while run() lasts
   std::vector<JudgedCheck> panel_;
   RunResult result_;
 };

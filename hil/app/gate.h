@@ -30,6 +30,7 @@ struct GateRequest {
   std::vector<std::string> only_cases;  ///< names; empty = all
   std::vector<std::string> panel;       ///< overrides the plan's; empty = the plan's
   unsigned threads = 0;
+  bool single_look = false;      ///< no further sessions of what is undecided
   bool keep = false;             ///< samples of every record, not only of those in doubt
   std::filesystem::path output;  ///< folder of the result; empty = none is written
   std::string command_line;      ///< that repeats the run

@@ -79,6 +79,17 @@ CaseJob common_job(const GateRequest& request, const GateSetup& setup, const std
   return job;
 }
 
+std::string session_suffix(std::uint64_t session) {
+  return session == 0 ? std::string() : fmt::format("/session{}", session + 1);
+}
+
+// `transient` = n: only the first n attempts at a record have the faults.
+std::map<std::string, double> faults_of_attempt(const std::map<std::string, double>& faults, int attempt) {
+  const auto transient = faults.find("transient");
+  if (transient != faults.end() && attempt > transient->second) return {};
+  return faults;
+}
+
 }  // namespace
 
 Result<std::filesystem::path> find_plan(const std::string& name) {
@@ -159,47 +170,43 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
   return setup;
 }
 
-std::vector<CaseJob> calibration_jobs(const GateRequest& request, const GateSetup& setup) {
-  std::vector<CaseJob> jobs;
-  if (!setup.rig.can_move || !request.calibration_file.empty() ||
-      setup.plan.calibration.level == CalibrationLevel::nominal)
-    return jobs;
-  for (const std::string& specimen : setup.specimens) {
-    CaseJob job = common_job(request, setup, specimen);
-    job.kind = CaseJob::Kind::calibration;
-    job.id = "calibration/" + specimen;
-    job.index = jobs.size();
-    job.calibrate = setup.plan.calibration;
-    jobs.push_back(std::move(job));
-  }
-  return jobs;
+bool calibrates(const GateRequest& request, const GateSetup& setup) {
+  return setup.rig.can_move && request.calibration_file.empty() &&
+         setup.plan.calibration.level != CalibrationLevel::nominal;
 }
 
-std::vector<CaseJob> record_jobs(const GateRequest& request, const GateSetup& setup,
-                                 const std::vector<Calibration>& calibrations) {
-  std::vector<CaseJob> jobs;
-  for (std::size_t k = 0; k < setup.plan.cases.size(); ++k) {
-    const PlanCase& planned = setup.plan.cases[k];
-    const auto& specimens = specimens_of(setup.plan, planned);
-    for (const std::string& specimen : specimens) {
-      CaseJob job = common_job(request, setup, specimen);
-      job.id = planned.name + "/" + specimen;
-      job.index = jobs.size();
-      job.lane = setup.lane;
-      job.lane_options = request.lane_options;
-      job.image = std::filesystem::absolute(request.firmware).string();
-      job.planned = planned;
-      job.curves = specimen == specimens[specimens.size() / 2];  // one stands for its case
-      job.record = static_cast<std::uint64_t>(k) + 1;
-      job.nonce =
-          static_cast<std::uint32_t>(mix_seed(job.seed, setup.firmware_sha256 + "/" + job.id) & 0xFFFFFFFFu);
-      job.faults = request.faults;
-      const auto at = std::find(setup.specimens.begin(), setup.specimens.end(), specimen);
-      job.calibration = calibrations[static_cast<std::size_t>(at - setup.specimens.begin())];
-      jobs.push_back(std::move(job));
-    }
-  }
-  return jobs;
+CaseJob calibration_job(const GateRequest& request, const GateSetup& setup, const std::string& specimen,
+                        std::uint64_t session, int attempt) {
+  CaseJob job = common_job(request, setup, specimen);
+  job.kind = CaseJob::Kind::calibration;
+  job.id = "calibration/" + specimen + session_suffix(session);
+  job.session = session;
+  job.attempt = attempt;
+  job.calibrate = setup.plan.calibration;
+  return job;
+}
+
+CaseJob record_job(const GateRequest& request, const GateSetup& setup, std::size_t case_index,
+                   const std::string& specimen, std::uint64_t session, int attempt,
+                   const Calibration& calibration) {
+  const PlanCase& planned = setup.plan.cases[case_index];
+  const auto& specimens = specimens_of(setup.plan, planned);
+  CaseJob job = common_job(request, setup, specimen);
+  job.id = planned.name + "/" + specimen + session_suffix(session);
+  job.lane = setup.lane;
+  job.lane_options = request.lane_options;
+  job.image = std::filesystem::absolute(request.firmware).string();
+  job.planned = planned;
+  // One record stands for its case; what cannot be played again is drawn in any case.
+  job.curves = (session == 0 && specimen == specimens[specimens.size() / 2]) || !setup.rig.emulated;
+  job.session = session;
+  job.attempt = attempt;
+  job.record = static_cast<std::uint64_t>(case_index) + 1;
+  job.nonce = static_cast<std::uint32_t>(
+      mix_seed(job.seed, fmt::format("{}/{}/{}", setup.firmware_sha256, job.id, attempt)) & 0xFFFFFFFFu);
+  job.faults = faults_of_attempt(request.faults, attempt);
+  job.calibration = calibration;
+  return job;
 }
 
 double rig_time_s(const CaseJob& job) {

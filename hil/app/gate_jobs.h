@@ -20,13 +20,18 @@ struct GateSetup {
 /// Checks everything that can be wrong before a record is made (exit 2).
 Result<GateSetup> prepare_gate(const GateRequest& request);
 
-/// One per specimen; empty when there is nothing to measure (nominal level, a calibration file, a recording).
-std::vector<CaseJob> calibration_jobs(const GateRequest& request, const GateSetup& setup);
+/// Anything to measure before the records: not at nominal level, with a calibration file or on a recording.
+bool calibrates(const GateRequest& request, const GateSetup& setup);
 
-/// Every case on each of its specimens, in the plan's order. calibrations: one per specimen of
-/// setup.specimens.
-std::vector<CaseJob> record_jobs(const GateRequest& request, const GateSetup& setup,
-                                 const std::vector<Calibration>& calibrations);
+/// Calibration of a specimen in a session (0, 1 ...).
+CaseJob calibration_job(const GateRequest& request, const GateSetup& setup, const std::string& specimen,
+                        std::uint64_t session, int attempt);
+
+/// One record: the case's number in the plan, a specimen, a session. Its id is CASE/SPECIMEN, from the second
+/// session on CASE/SPECIMEN/session2 and so on.
+CaseJob record_job(const GateRequest& request, const GateSetup& setup, std::size_t case_index,
+                   const std::string& specimen, std::uint64_t session, int attempt,
+                   const Calibration& calibration);
 
 /// Rig time of a job, s.
 double rig_time_s(const CaseJob& job);

@@ -22,6 +22,7 @@ Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProg
   gated.firmware = request.firmware;
   gated.plan = path.string();
   gated.threads = request.threads;
+  gated.single_look = true;
   for (const PlanCase& c : plan.cases)
     if (c.loop == LoopMode::open && c.checks & kCheckAccuracy && !c.maxima_pct)
       gated.only_cases.push_back(c.name);

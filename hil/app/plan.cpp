@@ -76,6 +76,9 @@ std::string plan_in_words(const Plan& plan, const PlanEstimate& e, bool with_tim
         "on a bench {} (of it calibration {}, rests included); emulated {} of rig time, about {} on one "
         "core\n",
         hours(e.bench_s), hours(e.calibration_bench_s), hours(e.rig_s), hours(e.emulated_cpu_s));
+  if (with_times && plan.rule.looks > 1)
+    out += fmt::format("what stays undecided is measured in up to {} sessions: at most {} times as long\n",
+                       plan.rule.looks, plan.rule.looks);
   return out;
 }
 

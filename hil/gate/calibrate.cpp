@@ -78,7 +78,7 @@ class CalibrationRun {
     request.specimen = job_.specimen;
     request.seed = job_.seed;
     request.session = job_.session;
-    request.record = record;
+    request.record = record + kRecordsPerAttempt * static_cast<std::uint64_t>(job_.attempt - 1);
     request.rest_before_s = job_.calibrate.rest_s;
     request.duration_s = stimulus.duration_s();
     request.force_low_N = facts.minimum_N;

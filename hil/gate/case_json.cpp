@@ -68,7 +68,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseJob> 
   f("kind", v.kind), f("id", v.id), f("index", v.index), f("rig", v.rig), f("rig_options", v.rig_options);
   f("lane", v.lane), f("lane_options", v.lane_options), f("image", v.image), f("nonce", v.nonce);
   f("planned", v.planned), f("specimen", v.specimen), f("seed", v.seed), f("session", v.session);
-  f("record", v.record), f("calibration", v.calibration), f("calibrate", v.calibrate), f("safety", v.safety);
+  f("record", v.record), f("attempt", v.attempt), f("calibration", v.calibration), f("calibrate", v.calibrate), f("safety", v.safety);
   f("faults", v.faults), f("keep", v.keep_path), f("curves", v.curves);
 }
 template <class F, class P>

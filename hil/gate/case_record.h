@@ -17,6 +17,9 @@
 
 namespace forcegate {
 
+/// Distance between the record numbers of two attempts: above those of all cases and calibrations.
+inline constexpr std::uint64_t kRecordsPerAttempt = 10000000;
+
 /// Everything a worker needs; no reference to the plan is left in it.
 struct CaseJob {
   enum class Kind { record, calibration } kind = Kind::record;
@@ -31,6 +34,7 @@ struct CaseJob {
   PlanCase planned;
   std::string specimen;
   std::uint64_t seed = 1, session = 0, record = 0;
+  int attempt = 1;  ///< above 1 after rig errors; the emulated rig draws its noise anew
   Calibration calibration;
   PlanCalibration calibrate;  ///< for Kind::calibration
   SafetyLimits safety;

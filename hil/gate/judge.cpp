@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "hil/gate/blame.h"
-#include "hil/gate/runner.h"
+#include "hil/gate/judged_extrema.h"
 #include "hil/gate/statistics.h"
 #include "hil/rig/self_check.h"
 #include "hil/trace/extrema.h"
@@ -284,21 +284,6 @@ class CaseJudge {
     }
   }
 
-  struct Series {
-    std::vector<double> actual, expected;
-  };
-  Series series(bool maximum) const {
-    Series s;
-    const bool closed = planned_.loop == LoopMode::closed;
-    const double from_s = judged_from_s(planned_, record_);
-    for (const CasePair& p : record_.pairs) {
-      if (p.maximum != maximum || p.t_s < from_s) continue;
-      s.expected.push_back(closed ? p.setpoint_N : p.ati_N);
-      s.actual.push_back(closed ? p.ati_N : p.dut_N);
-    }
-    return s;
-  }
-
   Limit limit_of(const std::string& id, const std::optional<double>& given) const {
     if (given) return {Limit::Kind::upper, *given, planned_.limit_source};
     return limits_.find(planned_.name, id);
@@ -314,9 +299,9 @@ class CaseJudge {
     // A recording's own force channel begins with the loading: its bounds say nothing about the settled
     // minima.
     const double low_N = record_.rig.can_move ? record_.facts.mean_N - record_.facts.amplitude_N
-                                              : moments(series(false).expected).mean;
+                                              : moments(judged_extrema(planned_, record_, false).expected).mean;
     for (const bool maximum : {true, false}) {
-      const Series s = series(maximum);
+      const JudgedExtrema s = judged_extrema(planned_, record_, maximum);
       const char* which = maximum ? "maxima" : "minima";
       const RelativeError e = mean_relative_error(s.actual, s.expected, kExtremumFloor_N);
       const double typical_N = std::fabs(moments(s.expected).mean);
@@ -348,14 +333,21 @@ class CaseJudge {
       const bool derived = limit.kind != Limit::Kind::none && !(judge_relative && given);
       value_check(mre_id, mre_title, mre, "%", derived ? relative.u_random() : relative.u(), e.n,
                   judge_relative ? limit : none, evidence);
+      repeatable(derived ? 0.0 : relative.u_systematic());
       value_check(mae_id, mae_title, e.mean_absolute, "N", derived ? absolute.u_random() : absolute.u(),
                   items, judge_relative ? none : limit, fmt::format("{} {}", items, which));
+      repeatable(derived ? 0.0 : absolute.u_systematic());
       if (wanted && limit.kind == Limit::Kind::none)
         final_check("accuracy_" + std::string(which), judge_relative ? mre_title : mae_title,
                     Verdict::not_run, Blame::user,
                     fmt::format("there is no limit for {} of {}: derive limits first (forcegate limits)",
                                 judged_id, planned_.name));
     }
+  }
+
+  void repeatable(double u_systematic) {
+    out_.checks.back().repeatable = out_.checks.back().judgeable;
+    out_.checks.back().u_systematic = u_systematic;
   }
 
   void hold() {

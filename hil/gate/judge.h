@@ -37,13 +37,25 @@ struct JudgedCase {
 JudgedCase judge_case(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
                       const DerivedLimits& limits);
 
-/// Checks of the panel for one case with the check `promise`: means over the specimens. The panel is fixed,
-/// so its mean is the measurand and the spread over its specimens no uncertainty of it; that is
-///   u = sqrt(u_systematic^2 + u_repeat^2 / n),
-/// u_repeat from the plan (what a record of one specimen varies by when it is made again). The spread is
-/// reported.
+/// What one specimen gave in a case, one entry a session.
+struct SpecimenSessions {
+  std::string specimen;
+  std::vector<JudgedCase*> sessions;
+};
+
+/// Checks of a case over all its records.
+///
+/// `promise` (closed loop): mean over the specimens of the mean over their sessions. The panel is fixed, its
+/// mean is the measurand (a claim about these specimens, not about the population), so the spread between
+/// specimens is reported but is no uncertainty of the mean. What varies from session to session of one specimen
+/// is (calibration, identification, the record itself):
+///   u = sqrt(u_systematic^2 + s^2 / N^2 sum_i 1 / R_i)          N specimens, R_i sessions
+/// s from the plan, unless the pooled standard deviation within the specimens refutes it (chi-square test at
+/// 1 %): then the observed one with its sum (R_i - 1) degrees of freedom.
+///
+/// Accuracy (open loop) with more than one session: mean over the sessions of a specimen, the random part of u
+/// divided by sqrt(R); the checks of its single records are no longer required. No session is left out.
 std::vector<JudgedCheck> judge_panel(const Plan& plan, const PlanCase& planned,
-                                     const std::vector<std::string>& specimens,
-                                     const std::vector<const JudgedCase*>& judged);
+                                     const std::vector<SpecimenSessions>& specimens);
 
 }  // namespace forcegate

@@ -10,10 +10,41 @@
 namespace forcegate {
 namespace {
 
-JudgedCheck panel_check(const Plan& plan, const PlanCase& planned, bool maximum,
-                        const std::vector<std::string>& specimens,
-                        const std::vector<const JudgedCase*>& judged) {
+// Values of a closed-loop case, specimen by specimen.
+struct PanelTable {
+  std::vector<std::vector<double>> values;
+  double u_systematic = 0.0;
+  bool relative = true, whole = true, rig_error = false;
+  std::size_t records = 0;
+};
+
+PanelTable table_of(bool maximum, const std::vector<SpecimenSessions>& specimens) {
+  PanelTable table;
+  for (const SpecimenSessions& one : specimens) {
+    std::vector<double> row;
+    for (const JudgedCase* session : one.sessions) {
+      const PanelValue& v = maximum ? session->maxima : session->minima;
+      table.relative = table.relative && v.unit == "%";
+      table.rig_error = table.rig_error || std::any_of(session->checks.begin(), session->checks.end(),
+                                                       [](const JudgedCheck& j) {
+                                                         return j.check.required &&
+                                                                j.check.verdict == Verdict::rig_error;
+                                                       });
+      if (!v.usable || !std::isfinite(v.value)) continue;
+      row.push_back(v.value);
+      table.u_systematic = std::max(table.u_systematic, v.u_systematic);
+    }
+    table.whole = table.whole && !row.empty() && row.size() == one.sessions.size();
+    table.records += row.size();
+    if (!row.empty()) table.values.push_back(std::move(row));
+  }
+  return table;
+}
+
+JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
+                    const std::vector<SpecimenSessions>& specimens) {
   const char* which = maximum ? "maxima" : "minima";
+  const PanelTable table = table_of(maximum, specimens);
   JudgedCheck j;
   Check& c = j.check;
   c.id = fmt::format("promise_{}/{}", which, planned.name);
@@ -22,57 +53,104 @@ JudgedCheck panel_check(const Plan& plan, const PlanCase& planned, bool maximum,
                         planned.tail_s > 0.0 ? fmt::format(", last {:.0f} s", planned.tail_s) : "");
   c.unit = "%";
   c.limit = {Limit::Kind::upper, maximum ? *planned.maxima_pct : *planned.minima_pct, planned.limit_source};
-  std::vector<double> values;
-  double u_systematic = 0.0;
-  bool relative = true;
-  for (const JudgedCase* one : judged) {
-    const PanelValue& v = maximum ? one->maxima : one->minima;
-    relative = relative && v.unit == "%";
-    if (!v.usable || !std::isfinite(v.value)) continue;
-    values.push_back(v.value);
-    u_systematic = std::max(u_systematic, v.u_systematic);
+  c.n = table.records;
+  std::vector<double> means;
+  double squares = 0.0, dof = 0.0, per_session = 0.0;
+  for (const std::vector<double>& row : table.values) {
+    const Moments m = moments(row);
+    means.push_back(m.mean);
+    if (row.size() > 1) squares += m.sd * m.sd * static_cast<double>(row.size() - 1);
+    dof += static_cast<double>(row.size() - 1);
+    per_session += 1.0 / static_cast<double>(row.size());
   }
-  c.n = values.size();
-  const Moments m = moments(values);
+  const Moments m = moments(means);
   c.value = m.mean;
-  if (!relative || values.size() < specimens.size() || values.empty()) {
+  if (!table.relative || !table.whole || means.empty()) {
     j.judgeable = false;
-    const bool rig = std::any_of(judged.begin(), judged.end(), [](const JudgedCase* one) {
-      return std::any_of(one->checks.begin(), one->checks.end(), [](const JudgedCheck& x) {
-        return x.check.required && x.check.verdict == Verdict::rig_error;
-      });
-    });
-    c.verdict = rig ? Verdict::rig_error : Verdict::inconclusive;
-    c.blame = rig ? Blame::rig : Blame::firmware;
-    c.evidence = relative
-                     ? fmt::format("only {} of {} specimens gave a value", values.size(), specimens.size())
+    c.verdict = table.rig_error ? Verdict::rig_error : Verdict::inconclusive;
+    c.blame = table.rig_error ? Blame::rig : Blame::firmware;
+    c.evidence = table.relative
+                     ? fmt::format("{} records of {} specimens gave a value", table.records, specimens.size())
                      : "the profile's minima are too small for a relative error";
-    if (values.size() < 2) c.u = 0.0;
     return j;
   }
-  const double n = static_cast<double>(values.size());
-  const double repeat = plan.uncertainty.record_repeat_pct / std::sqrt(n);
-  c.u = std::hypot(repeat, u_systematic);
+  const double n = static_cast<double>(means.size());
+  const double observed = dof > 0.0 ? std::sqrt(squares / dof) : 0.0;
+  const double declared = plan.uncertainty.record_repeat_pct;
+  const bool believed = dof == 0.0 || observed * observed * dof <= declared * declared * chi_square_99(dof);
+  if (!believed) j.dof = dof;
+  const double repeat = (believed ? declared : observed) * std::sqrt(per_session) / n;
+  c.u = std::hypot(repeat, table.u_systematic);
+  j.u_systematic = table.u_systematic;
+  j.repeatable = true;
   const auto inside =
-      std::count_if(values.begin(), values.end(), [&](double v) { return v <= c.limit.value; });
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+      std::count_if(means.begin(), means.end(), [&](double v) { return v <= c.limit.value; });
+  const auto [low, high] = std::minmax_element(means.begin(), means.end());
   c.evidence = fmt::format(
       "specimens {:.2f} to {:.2f} %, standard deviation {:.2f}, {} of {} inside singly; u from repeatability "
-      "{:.2f}, "
-      "systematic {:.2f}",
-      *low, *high, values.size() > 1 ? m.sd : 0.0, inside, values.size(), repeat, u_systematic);
+      "{:.2f}, systematic {:.2f}",
+      *low, *high, means.size() > 1 ? m.sd : 0.0, inside, means.size(), repeat, table.u_systematic);
+  if (dof > 0.0)
+    c.evidence += fmt::format("; {} sessions, standard deviation within a specimen {:.2f}{}",
+                              specimens.front().sessions.size(), observed,
+                              believed ? "" : ", more than declared: the observed one counts");
   return j;
+}
+
+const JudgedCheck* find(const JudgedCase& one, const std::string& id) {
+  const auto at = std::find_if(one.checks.begin(), one.checks.end(),
+                               [&](const JudgedCheck& j) { return j.check.id == id; });
+  return at != one.checks.end() && at->judgeable && std::isfinite(at->check.value) ? &*at : nullptr;
+}
+
+// The mean over the sessions takes the place of the required checks of the single records.
+void join_sessions(const PlanCase& planned, const SpecimenSessions& one, std::vector<JudgedCheck>& out) {
+  if (one.sessions.size() < 2) return;
+  const double n = static_cast<double>(one.sessions.size());
+  std::vector<std::string> joined;
+  for (const JudgedCheck& first : one.sessions.front()->checks) {
+    if (!first.repeatable || !first.check.required || first.check.limit.kind == Limit::Kind::none) continue;
+    JudgedCheck mean = first;
+    Check& c = mean.check;
+    double value = 0.0, random = 0.0;
+    std::string list;
+    std::size_t found = 0;
+    c.n = 0;
+    for (const JudgedCase* session : one.sessions) {
+      const JudgedCheck* j = find(*session, first.check.id);
+      if (j == nullptr) continue;
+      ++found;
+      value += j->check.value;
+      mean.u_systematic = std::max(mean.u_systematic, j->u_systematic);
+      random += j->check.u * j->check.u - j->u_systematic * j->u_systematic;
+      c.n += j->check.n;
+      list += fmt::format("{}{:.3f}", list.empty() ? "" : ", ", j->check.value);
+    }
+    if (found < one.sessions.size()) continue;  // the record without a value says why
+    c.id = fmt::format("{}/{}/{}", first.check.id, planned.name, one.specimen);
+    c.case_id.clear();
+    c.title = fmt::format("{}, {} on {}, mean of {} sessions", first.check.title, planned.name, one.specimen,
+                          found);
+    c.value = value / n;
+    c.u = std::hypot(mean.u_systematic, std::sqrt(std::max(0.0, random)) / n);
+    c.evidence = "sessions " + list + " " + c.unit;
+    joined.push_back(first.check.id);
+    out.push_back(std::move(mean));
+  }
+  for (JudgedCase* session : one.sessions)
+    for (JudgedCheck& j : session->checks)
+      if (std::find(joined.begin(), joined.end(), j.check.id) != joined.end()) j.check.required = false;
 }
 
 }  // namespace
 
 std::vector<JudgedCheck> judge_panel(const Plan& plan, const PlanCase& planned,
-                                     const std::vector<std::string>& specimens,
-                                     const std::vector<const JudgedCase*>& judged) {
+                                     const std::vector<SpecimenSessions>& specimens) {
   std::vector<JudgedCheck> checks;
+  for (const SpecimenSessions& one : specimens) join_sessions(planned, one, checks);
   if (!(planned.checks & kCheckPromise) || !planned.maxima_pct || !planned.minima_pct) return checks;
-  checks.push_back(panel_check(plan, planned, true, specimens, judged));
-  checks.push_back(panel_check(plan, planned, false, specimens, judged));
+  checks.push_back(promise(plan, planned, true, specimens));
+  checks.push_back(promise(plan, planned, false, specimens));
   return checks;
 }
 

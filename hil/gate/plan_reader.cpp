@@ -177,6 +177,15 @@ Result<void> read_rule(const ConfigNode& node, DecisionRule& rule) {
   r.choice("name", rule.name, {"guarded", "simple"});
   r.number("alpha", rule.alpha, 1e-6, 0.2);
   r.number("coverage", rule.coverage, 0.5, 0.9999);
+  std::int64_t looks = rule.looks;
+  if (r.integer("looks", looks, 1, 10)) rule.looks = static_cast<int>(looks);
+  return r.finish();
+}
+
+Result<void> read_retry(const ConfigNode& node, PlanRetry& retry) {
+  ConfigReader r(node, "[retry]");
+  std::int64_t attempts = retry.attempts;
+  if (r.integer("attempts", attempts, 1, 10)) retry.attempts = static_cast<int>(attempts);
   return r.finish();
 }
 
@@ -244,6 +253,7 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
   r.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
   plan.seed = static_cast<std::uint64_t>(seed);
   const ConfigNode* const rule = r.table("rule");
+  const ConfigNode* const retry = r.table("retry");
   const ConfigNode* const panel = r.table("panel", ConfigReader::required);
   const ConfigNode* const calibration = r.table("calibration", ConfigReader::required);
   const ConfigNode* const safety = r.table("safety");
@@ -253,6 +263,7 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
   const ConfigNode* const cases = r.array("case", ConfigReader::required);
   FORCEGATE_CHECK_OK(r.finish());
   if (rule != nullptr) FORCEGATE_CHECK_OK(read_rule(*rule, plan.rule));
+  if (retry != nullptr) FORCEGATE_CHECK_OK(read_retry(*retry, plan.retry));
   {
     ConfigReader p(*panel, "[panel]");
     FORCEGATE_CHECK_OK(read_specimens(p, plan.panel, *panel));

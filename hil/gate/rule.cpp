@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -24,11 +25,14 @@ double inside_by(const Check& c) {
 }  // namespace
 
 std::string DecisionRule::to_text() const {
+  const std::string more =
+      looks > 1 ? fmt::format(", after up to {} sessions of what is undecided, each look at {:.4g} % and {:.4g} %",
+                              looks, 100.0 * coverage_per_look(), 100.0 * alpha_per_look())
+                : "";
   return fmt::format(
       "{}: accept when value + U <= limit ({:.4g} % coverage){}; reject when value - U > limit and Holm at "
-      "{:.4g} % "
-      "over the required checks agrees; in between no decision",
-      name, 100.0 * coverage, name == "simple" ? " or value <= limit" : "", 100.0 * alpha);
+      "{:.4g} % over the required checks agrees; in between no decision{}",
+      name, 100.0 * coverage, name == "simple" ? " or value <= limit" : "", 100.0 * alpha, more);
 }
 
 Verdict zone(const Check& check, double expanded_U) {
@@ -53,7 +57,8 @@ void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
   for (JudgedCheck* j : checks) {
     if (!j->judgeable) continue;
     Check& c = j->check;
-    const double U = c.u > 0.0 ? coverage_factor(rule.coverage, j->dof) * c.u : c.u;
+    const double U = c.u > 0.0 ? coverage_factor(rule.coverage_per_look(), j->dof) * c.u : c.u;
+    c.expanded_u = U;
     c.verdict = zone(c, U);
     // An exact count cannot be beyond its limit by chance: it is not part of the family.
     if (c.required && c.limit.kind != Limit::Kind::none && c.u > 0.0) {
@@ -61,7 +66,7 @@ void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
       family.push_back(j);
     }
   }
-  const std::vector<bool> rejected = holm(p_values, rule.alpha);
+  const std::vector<bool> rejected = holm(p_values, rule.alpha_per_look());
   for (std::size_t i = 0; i < family.size(); ++i)
     if (family[i]->check.verdict == Verdict::fail && !rejected[i]) {
       family[i]->check.verdict = Verdict::inconclusive;
@@ -75,6 +80,24 @@ void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
     else if (c.blame == Blame::none)
       c.blame = Blame::firmware;
   }
+}
+
+std::vector<const JudgedCheck*> worth_another_session(const DecisionRule& rule,
+                                                      const std::vector<JudgedCheck*>& checks) {
+  std::vector<const JudgedCheck*> open;
+  for (const JudgedCheck* j : checks) {
+    const Check& c = j->check;
+    if (!c.required || c.verdict == Verdict::pass || c.verdict == Verdict::waived) continue;
+    if (c.verdict == Verdict::marginal && rule.name == "simple") continue;
+    const bool undecided = c.verdict == Verdict::marginal || c.verdict == Verdict::inconclusive;
+    if (!undecided || !j->judgeable || !j->repeatable) return {};
+    // More sessions move the value by at most about k u_random and leave k u_systematic.
+    const double random = std::sqrt(std::max(0.0, c.u * c.u - j->u_systematic * j->u_systematic));
+    const double k = coverage_factor(rule.coverage_per_look(), j->dof);
+    if (!(std::fabs(inside_by(c)) + k * random > k * j->u_systematic)) return {};
+    open.push_back(j);
+  }
+  return open;
 }
 
 }  // namespace forcegate

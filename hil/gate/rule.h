@@ -8,6 +8,11 @@
 //   inconclusive
 //
 // A lower limit is the mirror image. u = 0 is an exact count: pass or fail. NaN is inconclusive.
+//
+// A plan may allow several looks: what is undecided only for want of evidence is measured in another session
+// and judged again with all sessions together. Whoever looks K times errs up to K times as often, so each look
+// gets the K-th part of both error probabilities (Bonferroni): coverage 1 - (1 - coverage) / K, Holm at
+// alpha / K. Over all looks together the stated levels hold, however the looks depend on each other.
 
 #include <string>
 #include <vector>
@@ -20,19 +25,31 @@ struct DecisionRule {
   std::string name = "guarded";  ///< "guarded": marginal is not accepted; "simple": marginal is accepted
   double alpha = 0.01;           ///< family-wise probability of a false rejection
   double coverage = 0.9545;
+  int looks = 1;  ///< most sessions of a record, the first included
+  double coverage_per_look() const { return 1.0 - (1.0 - coverage) / looks; }
+  double alpha_per_look() const { return alpha / looks; }
   std::string to_text() const;  ///< one line for reports
 };
 
-/// Sets verdict and blame of every check that is still to be judged: verdict not_run with a limit and
-/// evidence (see `judgeable`). dof: degrees of freedom behind u, 0 = many.
+/// A check on its way to a verdict. dof: degrees of freedom behind u, 0 = many.
 struct JudgedCheck {
   Check check;
   double dof = 0.0;
   bool judgeable = true;  ///< false: verdict and blame are already final (rig_error, not_run ...)
+  /// More sessions of this case make the random part of u smaller; the systematic part stays.
+  bool repeatable = false;
+  double u_systematic = 0.0;
 };
 
 /// Applies the rule to all checks of a run together; Holm runs over the required judgeable ones with u > 0.
 void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks);
+
+/// The judged checks for which another session can lead to ACCEPT: every required check is passed or undecided
+/// only because of its uncertainty, and none of the undecided ones stays within k times its systematic part of
+/// its limit, which no session makes smaller, even if the value moves by k times its random part. Empty when
+/// another session cannot help. Call apply_rule first.
+std::vector<const JudgedCheck*> worth_another_session(const DecisionRule& rule,
+                                                      const std::vector<JudgedCheck*>& checks);
 
 /// Zone of one check without the multiple-testing step.
 Verdict zone(const Check& check, double expanded_U);

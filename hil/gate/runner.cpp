@@ -55,7 +55,7 @@ class CaseRun {
     request.specimen = job_.specimen;
     request.seed = job_.seed;
     request.session = job_.session;
-    request.record = job_.record;
+    request.record = job_.record + kRecordsPerAttempt * static_cast<std::uint64_t>(job_.attempt - 1);
     request.rest_before_s = job_.planned.rest_before_s;
     request.duration_s = record_.duration_s;
     request.force_low_N = record_.facts.minimum_N;

@@ -56,6 +56,11 @@ double coverage_factor(double coverage, double dof) {
   return 0.5 * (low + high);
 }
 
+double chi_square_99(double dof) {
+  const double c = 2.0 / (9.0 * dof), root = 1.0 - c + 2.3263479 * std::sqrt(c);
+  return dof * root * root * root;
+}
+
 Moments moments(std::span<const double> values) {
   Moments m;
   double sum = 0.0;

@@ -15,6 +15,10 @@ double student_cdf(double t, double dof);
 /// k so that P(-k <= T <= k) = coverage; coverage in (0, 1). k(0.9545, inf) = 2.000.
 double coverage_factor(double coverage, double dof);
 
+/// Value that chi-square with `dof` degrees of freedom exceeds with probability 0.01 (Wilson and Hilferty 1931,
+/// error below 1 % from dof = 2).
+double chi_square_99(double dof);
+
 struct Moments {
   double mean = 0.0, sd = 0.0;  ///< sample standard deviation, n - 1; NaN below two items
   std::size_t n = 0;            ///< finite items

@@ -30,6 +30,7 @@ struct Check {
   double value = 0.0;   ///< NaN when it could not be measured
   std::string unit;     ///< "%", "N", "LSB", "1"
   double u = 0.0;       ///< standard uncertainty, k = 1; 0 = exact count
+  double expanded_u = 0.0;  ///< U = k u that the rule used; 0 = none was needed
   std::uint64_t n = 0;  ///< independent items behind the value (cycles, specimens)
   Limit limit;
   Verdict verdict = Verdict::not_run;

@@ -28,7 +28,7 @@ figures::Role role_of(Verdict v) {
 std::string bullet_of(const Check& c, double width_px) {
   if (c.limit.kind != Limit::Kind::upper && c.limit.kind != Limit::Kind::lower) return {};
   return figures::bullet_svg(
-      {c.value, 2.0 * c.u, c.limit.value, c.limit.kind == Limit::Kind::lower, role_of(c.verdict),
+      {c.value, c.expanded_u > 0.0 ? c.expanded_u : 2.0 * c.u, c.limit.value, c.limit.kind == Limit::Kind::lower, role_of(c.verdict),
        value_text(c, Glyphs::unicode) + ", limit " + limit_text(c, Glyphs::unicode), width_px});
 }
 

@@ -30,6 +30,12 @@ class Reader {
   void operator()(const char* name, T& value) {
     if (const json* child = find(name)) get(*child, place(name), value);
   }
+  /// A field that older files of this format do not have.
+  template <class T>
+  void optional(const char* name, T& value) {
+    known_.insert(name);
+    if (node_->contains(name)) (*this)(name, value);
+  }
   template <class E>
   void choice(const char* name, E& value, std::initializer_list<const char*> words) {
     const json* child = find(name);

@@ -16,6 +16,11 @@ class Writer {
     key(name);
     put(value);
   }
+  /// Left out where there is nothing to say, as in files of before the field.
+  template <class T>
+  void optional(const char* name, T& value) {
+    if (value != T{}) (*this)(name, value);
+  }
   template <class E>
   void choice(const char* name, E& value, std::initializer_list<const char*> words) {
     key(name);

@@ -22,6 +22,7 @@ void walk(A& a, Check& v) {
   a("value", v.value);
   a("unit", v.unit);
   a("u", v.u);
+  a.optional("expanded_u", v.expanded_u);
   a("n", v.n);
   a("limit", v.limit);
   a.choice("verdict", v.verdict,

@@ -26,6 +26,8 @@ const std::vector<FaultKind>& fault_kinds() {
        [](Faults& f, double m) { f.sample_loss = m; }},
       {"sensor_unplugged", "instant from which the sensor input is at 0 V, s", 0, 1e9,
        [](Faults& f, double m) { f.sensor_unplugged_s = m; }},
+      {"transient", "number of attempts at a record that have the faults; later ones are sound", 1, 10,
+       [](Faults&, double) {}},  // who plays a record again leaves them out
       {"truncated", "instant at which the record ends, s", 0, 1e9,
        [](Faults& f, double m) { f.truncated_s = m; }},
   };

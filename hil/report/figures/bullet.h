@@ -9,7 +9,7 @@ namespace forcegate::figures {
 
 struct Bullet {
   double value = 0.0;
-  double expanded_u = 0.0;  ///< U = 2 u; 0 or NaN: no whisker
+  double expanded_u = 0.0;  ///< U = k u; 0 or NaN: no whisker
   double limit = 0.0;       ///< > 0
   bool lower = false;       ///< the value must be at least the limit
   Role role = Role::pass;   ///< colour of the bar; the verdict stands beside it in words

@@ -70,6 +70,70 @@ TEST(DecisionRule, risk_at_the_acceptance_limit_is_that_of_JCGM_106) {
   EXPECT_NEAR(accepted / 20000.0, 0.0228, 0.003);
 }
 
+TEST(Looks, share_both_error_probabilities_between_them) {
+  DecisionRule one, three;
+  three.looks = 3;
+  EXPECT_NEAR(three.coverage_per_look(), 1.0 - 0.0455 / 3.0, 1e-12);
+  EXPECT_NEAR(three.alpha_per_look(), 0.01 / 3.0, 1e-12);
+  const Check doubtful = check(4.5 - 0.22, 4.5, 0.1);  // 2.2 u inside: enough for one look, not for one of three
+  EXPECT_EQ(judged({doubtful}, one)[0].verdict, Verdict::pass);
+  EXPECT_EQ(judged({doubtful}, three)[0].verdict, Verdict::marginal);
+  EXPECT_NEAR(judged({doubtful}, three)[0].expanded_u, 0.2427, 0.0005);
+}
+
+// Truth on the limit; one record more at each look until it is accepted or three were taken.
+TEST(Looks, keep_the_stated_risk_of_accepting_a_build_on_its_limit) {
+  DecisionRule rule;
+  rule.looks = 3;
+  Rng rng(7);
+  int accepted = 0;
+  constexpr int kRounds = 20000;
+  for (int round = 0; round < kRounds; ++round) {
+    double sum = 0.0;
+    for (int n = 1; n <= rule.looks; ++n) {
+      sum += rng.normal(4.5, 0.3);
+      if (judged({check(sum / n, 4.5, 0.3 / std::sqrt(n))}, rule)[0].verdict != Verdict::pass) continue;
+      ++accepted;
+      break;
+    }
+  }
+  EXPECT_LT(accepted / double{kRounds}, 0.0228 + 0.002);
+  EXPECT_GT(accepted / double{kRounds}, 0.0228 / 3.0) << "the rule would be needlessly strict";
+}
+
+std::size_t worth(const std::vector<JudgedCheck>& list, const DecisionRule& rule) {
+  std::vector<JudgedCheck> copy = list;
+  std::vector<JudgedCheck*> pointers;
+  for (JudgedCheck& j : copy) pointers.push_back(&j);
+  apply_rule(rule, pointers);
+  return worth_another_session(rule, pointers).size();
+}
+
+TEST(Looks, go_on_only_where_more_evidence_can_decide) {
+  DecisionRule rule;
+  rule.looks = 3;
+  const auto item = [](double value, double u, double systematic, bool repeatable = true) {
+    JudgedCheck j;
+    j.check = check(value, 4.5, u);
+    j.u_systematic = systematic;
+    j.repeatable = repeatable;
+    return j;
+  };
+  const JudgedCheck good = item(1.0, 0.1, 0.0), open = item(4.3, 0.3, 0.1), bad = item(9.0, 0.1, 0.0);
+  EXPECT_EQ(worth({good, open}, rule), 1u);
+  EXPECT_EQ(worth({good}, rule), 0u) << "nothing is open";
+  EXPECT_EQ(worth({open, bad}, rule), 0u) << "it is rejected already";
+  EXPECT_EQ(worth({open, item(4.4, 0.5, 0.499)}, rule), 0u) << "the systematic part dominates";
+  EXPECT_EQ(worth({open, item(4.4, 0.3, 0.0, false)}, rule), 0u) << "this one cannot be repeated";
+  JudgedCheck missing = open;
+  missing.judgeable = false;
+  missing.check.verdict = Verdict::not_run;
+  EXPECT_EQ(worth({open, missing}, rule), 0u) << "no session gives what is missing";
+  DecisionRule simple = rule;
+  simple.name = "simple";
+  EXPECT_EQ(worth({open}, simple), 0u) << "inside the limit is enough for this rule";
+}
+
 TEST(Decision, accepts_when_every_required_check_passed) {
   const Decision d = decided(judged({check(1.0, 4.5, 0.1), check(2.0, 7.5, 0.1)}));
   EXPECT_EQ(d.kind, DecisionKind::accept);

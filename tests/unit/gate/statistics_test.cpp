@@ -22,6 +22,13 @@ TEST(Statistics, coverage_factors_are_those_of_the_GUM) {
   EXPECT_NEAR(coverage_factor(0.9545, 0), 2.00, 0.001);
 }
 
+TEST(Statistics, chi_square_agrees_with_tables) {
+  EXPECT_NEAR(chi_square_99(1), 6.635, 0.15);
+  EXPECT_NEAR(chi_square_99(3), 11.345, 0.1);
+  EXPECT_NEAR(chi_square_99(10), 23.209, 0.1);
+  EXPECT_NEAR(chi_square_99(100), 135.807, 0.2);
+}
+
 TEST(Statistics, holm_rejects_step_by_step) {
   // Holm (1979): p = 0.01, 0.04, 0.03, 0.005 at 0.05 rejects 0.005 and 0.01 only.
   const double p[] = {0.01, 0.04, 0.03, 0.005};

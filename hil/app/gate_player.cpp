@@ -1,0 +1,198 @@
+#include "hil/app/gate_player.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hil/gate/calibrate.h"
+
+namespace forcegate {
+namespace {
+
+std::filesystem::path trace_path(const std::filesystem::path& folder, const CaseJob& job) {
+  std::string name = job.id;
+  std::replace(name.begin(), name.end(), '/', '@');
+  if (job.attempt > 1) name += fmt::format("@attempt{}", job.attempt);
+  return folder / "traces" / (name + ".h5");
+}
+
+bool rig_at_fault(const JudgedCase& judged) {
+  return std::any_of(judged.checks.begin(), judged.checks.end(), [](const JudgedCheck& j) {
+    return j.check.required && j.check.verdict == Verdict::rig_error;
+  });
+}
+
+// A part of the record that stands is the firmware's failure whatever the rig did later.
+bool firmware_failed(const JudgedCase& judged) {
+  return std::any_of(judged.checks.begin(), judged.checks.end(), [](const JudgedCheck& j) {
+    return j.check.required && j.check.verdict == Verdict::fail;
+  });
+}
+
+}  // namespace
+
+GatePlayer::GatePlayer(const GateRequest& request, const GateSetup& setup, const DerivedLimits& limits,
+                       const GateProgress& progress, const std::atomic<bool>* cancelled)
+    : request_(request),
+      setup_(setup),
+      limits_(limits),
+      progress_(progress),
+      cancelled_(cancelled),
+      attempts_(setup.rig.can_move ? setup.plan.retry.attempts : 1),
+      base_(nominal_calibration(setup.rig)) {}
+
+Result<void> GatePlayer::take_base_calibration() {
+  level_ = setup_.plan.calibration.level;
+  if (!request_.calibration_file.empty()) {
+    FORCEGATE_TRY(base_, read_calibration_file(request_.calibration_file, setup_.rig));
+    level_ = base_.level;
+    notes_.push_back(fmt::format("calibration '{}' from {}", base_.id, request_.calibration_file.string()));
+  } else if (!setup_.rig.can_move) {
+    level_ = CalibrationLevel::nominal;
+    notes_.push_back("no calibration was given: the nominal values of the sensor type are used (--cal FILE)");
+  }
+  notes_.push_back(fmt::format("calibration level: {}", to_string(level_)));
+  return {};
+}
+
+std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {
+  std::vector<double> at_s(jobs.size(), 0.0), length_s;
+  for (const CaseJob& job : jobs) length_s.push_back(rig_time_s(job));
+  const auto report = [&](std::size_t job, double t_s) {
+    done_s_ += t_s - at_s[job];
+    at_s[job] = t_s;
+    if (progress_) progress_(std::clamp(done_s_ / std::max(1.0, planned_s_), 0.0, 1.0), jobs[job].id);
+  };
+  WorkerOptions options;
+  options.workers = request_.threads;
+  options.cancelled = cancelled_;
+  return run_in_workers(jobs, options,
+                        {[&](std::size_t job, double t_s) { report(job, std::min(t_s, length_s[job])); },
+                         [&](std::size_t job) { report(job, length_s[job]); }});
+}
+
+void GatePlayer::calibrate(std::uint64_t session, const std::vector<std::string>& specimens) {
+  std::vector<std::string> open;
+  for (const std::string& specimen : specimens)
+    if (!calibrations_.contains({specimen, session})) open.push_back(specimen);
+  for (int attempt = 1; attempt <= attempts_ && !open.empty(); ++attempt) {
+    std::vector<CaseJob> jobs;
+    for (const std::string& specimen : open) {
+      jobs.push_back(calibration_job(request_, setup_, specimen, session, attempt));
+      jobs.back().index = jobs.size() - 1;
+    }
+    if (attempt > 1)
+      for (const CaseJob& job : jobs) planned_s_ += rig_time_s(job);
+    const std::vector<CaseRecord> made = run(jobs);
+    std::vector<std::string> again;
+    for (std::size_t i = 0; i < made.size(); ++i) {
+      const Key key{open[i], session};
+      const CaseRecord& r = made[i];
+      calibrations_[key] = r.failure ? base_ : r.calibration;
+      failures_.erase(key);
+      if (r.failure) {
+        failures_[key] = *r.failure;
+        if (r.failure->stage == CaseFailure::Stage::rig && attempt < attempts_) {
+          again.push_back(open[i]);
+          notes_.push_back(fmt::format("{}, attempt {}: {}; made again", r.id, attempt, r.failure->error.text));
+        }
+      }
+      if (!r.calibration_text.empty())
+        notes_.push_back((session == 0 ? "calibration of " : fmt::format("session {}, calibration of ", session + 1)) +
+                         r.calibration_text);
+    }
+    open = std::move(again);
+  }
+}
+
+// Into the list to be played, or straight into the records when there is nothing to judge a firmware by.
+void GatePlayer::add(PlayedRecord played, const std::filesystem::path& keep_folder,
+                     std::vector<PlayedRecord>& to_play) {
+  CaseJob& job = played.job;
+  if (const auto bad = failures_.find({job.specimen, job.session}); bad != failures_.end()) {
+    played.record.id = job.id;
+    played.record.failure = bad->second;
+    played.record.failure->error.text =
+        "calibration of " + job.specimen + ": " + played.record.failure->error.text;
+    const PlanCase& planned = setup_.plan.cases[played.case_index];
+    played.judged = judge_case(setup_.plan, planned, played.record, limits_);
+    records_.push_back(std::move(played));
+    return;
+  }
+  if (request_.keep && !keep_folder.empty()) job.keep_path = trace_path(keep_folder, job).string();
+  job.index = to_play.size();
+  to_play.push_back(std::move(played));
+}
+
+void GatePlayer::play(std::uint64_t session, const std::vector<std::pair<std::size_t, std::size_t>>& wanted,
+                      const std::filesystem::path& keep_folder) {
+  const auto specimen_of = [&](const std::pair<std::size_t, std::size_t>& at) -> const std::string& {
+    return specimens_of(setup_.plan, setup_.plan.cases[at.first])[at.second];
+  };
+  std::vector<std::string> specimens;
+  for (const auto& at : wanted)
+    if (std::find(specimens.begin(), specimens.end(), specimen_of(at)) == specimens.end())
+      specimens.push_back(specimen_of(at));
+  const auto planned = [&](const auto& at) {
+    PlayedRecord one;
+    one.case_index = at.first;
+    one.specimen_index = at.second;
+    const auto known = calibrations_.find({specimen_of(at), session});
+    one.job = record_job(request_, setup_, at.first, specimen_of(at), session, 1,
+                         known != calibrations_.end() ? known->second : base_);
+    return one;
+  };
+  for (const auto& at : wanted) planned_s_ += rig_time_s(planned(at).job);
+  if (calibrates(request_, setup_)) {
+    for (const std::string& specimen : specimens)
+      if (!calibrations_.contains({specimen, session}))
+        planned_s_ += rig_time_s(calibration_job(request_, setup_, specimen, session, 1));
+    calibrate(session, specimens);
+  }
+  std::vector<PlayedRecord> list;
+  for (const auto& at : wanted) add(planned(at), keep_folder, list);
+  for (int attempt = 1; !list.empty(); ++attempt) {
+    std::vector<CaseJob> jobs;
+    for (const PlayedRecord& one : list) jobs.push_back(one.job);
+    auto made = run(jobs);
+    std::vector<PlayedRecord> again;
+    for (std::size_t i = 0; i < made.size(); ++i) {
+      PlayedRecord& one = list[i];
+      one.record = std::move(made[i]);
+      one.judged = judge_case(setup_.plan, setup_.plan.cases[one.case_index], one.record, limits_);
+      one.superseded = attempt < attempts_ && !cancelled() && rig_at_fault(one.judged) &&
+                       !firmware_failed(one.judged);
+      if (one.superseded) {
+        PlayedRecord next;
+        next.case_index = one.case_index;
+        next.specimen_index = one.specimen_index;
+        next.job = record_job(request_, setup_, one.case_index, one.job.specimen, session, attempt + 1,
+                              one.job.calibration);
+        planned_s_ += rig_time_s(next.job);
+        notes_.push_back(fmt::format("{}, attempt {}: the rig was at fault; played again", one.job.id, attempt));
+        add(std::move(next), keep_folder, again);
+      }
+      records_.push_back(std::move(one));
+    }
+    list = std::move(again);
+  }
+}
+
+void GatePlayer::keep(const std::vector<PlayedRecord*>& doubtful, const std::filesystem::path& folder) {
+  std::vector<CaseJob> jobs;
+  for (const PlayedRecord* one : doubtful) {
+    jobs.push_back(one->job);
+    jobs.back().index = jobs.size() - 1;
+    jobs.back().keep_path = trace_path(folder, one->job).string();
+    jobs.back().curves = true;
+    planned_s_ += rig_time_s(jobs.back());
+  }
+  auto made = run(jobs);
+  for (std::size_t k = 0; k < made.size(); ++k)
+    if (!made[k].failure && made[k].digest == doubtful[k]->record.digest) {
+      doubtful[k]->job.curves = true;
+      doubtful[k]->record = std::move(made[k]);
+    }
+}
+
+}  // namespace forcegate

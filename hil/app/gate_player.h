@@ -1,0 +1,67 @@
+#pragma once
+// Makes the records of a run: calibration of the specimens, the cases on them, and again what the rig spoiled.
+
+#include <atomic>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/app/gate_jobs.h"
+#include "hil/app/worker.h"
+#include "hil/gate/judge.h"
+
+namespace forcegate {
+
+struct PlayedRecord {
+  std::size_t case_index = 0, specimen_index = 0;  ///< in the plan and in the case's list of specimens
+  CaseJob job;
+  CaseRecord record;
+  JudgedCase judged;
+  bool superseded = false;  ///< the rig was at fault and a later attempt stands for it
+};
+
+class GatePlayer {
+ public:
+  /// References must outlive the player.
+  GatePlayer(const GateRequest& request, const GateSetup& setup, const DerivedLimits& limits,
+             const GateProgress& progress, const std::atomic<bool>* cancelled);
+
+  /// Level and values that hold for every specimen: nominal ones or those of the calibration file.
+  Result<void> take_base_calibration();
+
+  /// One record for each (case, index of its specimen), with a calibration of this session before them.
+  void play(std::uint64_t session, const std::vector<std::pair<std::size_t, std::size_t>>& wanted,
+            const std::filesystem::path& keep_folder);
+
+  /// Again with curves and kept samples, for those of the emulated rig that are in doubt.
+  void keep(const std::vector<PlayedRecord*>& doubtful, const std::filesystem::path& folder);
+
+  std::vector<PlayedRecord>& records() { return records_; }
+  const std::vector<std::string>& notes() const { return notes_; }
+  CalibrationLevel level() const { return level_; }
+  bool cancelled() const { return cancelled_ != nullptr && cancelled_->load(); }
+
+ private:
+  using Key = std::pair<std::string, std::uint64_t>;  ///< specimen, session
+  void calibrate(std::uint64_t session, const std::vector<std::string>& specimens);
+  std::vector<CaseRecord> run(const std::vector<CaseJob>& jobs);
+  void add(PlayedRecord played, const std::filesystem::path& keep_folder, std::vector<PlayedRecord>& to_play);
+
+  const GateRequest& request_;
+  const GateSetup& setup_;
+  const DerivedLimits& limits_;
+  const GateProgress& progress_;
+  const std::atomic<bool>* cancelled_;
+  int attempts_;
+  CalibrationLevel level_ = CalibrationLevel::nominal;
+  Calibration base_;
+  std::map<Key, Calibration> calibrations_;
+  std::map<Key, CaseFailure> failures_;
+  double planned_s_ = 0.0, done_s_ = 0.0;  ///< rig time
+  std::vector<PlayedRecord> records_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace forcegate
