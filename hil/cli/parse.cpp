@@ -119,7 +119,7 @@ class Reader {
     const Option* option = line_.command != nullptr ? find_option(line_.command->options, name) : nullptr;
     const bool own = option != nullptr;
     if (!own) option = find_option(global_options(), name);
-    if (option == nullptr || (is_long && name.size() == 1)) {
+    if (option == nullptr || (is_long && name.size() == 1 && option->name != name)) {
       const std::string written = (is_long ? "--" : "-") + name;
       line_.error = usage_error(
           fmt::format("{} has no option \"{}\"", where(), written), where(),

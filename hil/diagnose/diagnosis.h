@@ -102,6 +102,8 @@ struct ExperimentSegment {
   std::string separates;      ///< "hysteresis / lag"
   double cosine_before = 0.0, cosine_after = 0.0;
   double odds_before = 1.0, odds_after = 1.0;    ///< expected odds of the better rival
+  std::vector<double> t_s, force_N;              ///< the force that was simulated: what a rig has to play
+  bool heats = false;                            ///< the temperature must rise meanwhile
 };
 struct NextExperiment {
   std::vector<ExperimentSegment> segments;

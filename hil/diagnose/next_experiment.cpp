@@ -248,6 +248,10 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
     for (std::size_t p = 0; p < n_pairs; ++p) have[p].add(of_segment[best][p]);
     chosen.cosine_after = have[worst].cosine();
     chosen.odds_after = std::exp(std::min(20.0, evidence_now(pair_of[0], pair_of[1]) + 0.5 * have[worst].separation()));
+    const RecordInput played = simulate(w, s);
+    chosen.t_s = played.fast_t_s;
+    chosen.force_N = played.fast_F_N;
+    chosen.heats = s.temperature_C != 0.0;
     out.minutes += s.minutes;
     out.segments.push_back(std::move(chosen));
   }

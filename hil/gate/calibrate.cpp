@@ -9,12 +9,10 @@
 #include <vector>
 
 #include "hil/base/text.h"
+#include "hil/gate/play_profile.h"
 #include "hil/gate/runner.h"
 #include "hil/gate/statistics.h"
-#include "hil/interface/controller.h"
 #include "hil/rig/config.h"
-#include "hil/rig/safety_gate.h"
-#include "hil/rig/self_check.h"
 #include "hil/trace/decay_fit.h"
 #include "hil/trace/extrema.h"
 
@@ -69,86 +67,31 @@ class CalibrationRun {
     return false;
   }
 
-  // Plays a profile in open loop; sink(block, rows) sees every block.
-  template <class Sink>
-  bool play(const Stimulus& stimulus, std::uint64_t record, Sink&& sink) {
-    SafetyGate gate(rig_, job_.safety);
-    const StimulusFacts facts = stimulus.facts();
+  bool play(const Stimulus& stimulus, std::uint64_t record, const ProfileSink& sink) {
     RigRecordRequest request;
     request.specimen = job_.specimen;
     request.seed = job_.seed;
     request.session = job_.session;
     request.record = record + kRecordsPerAttempt * static_cast<std::uint64_t>(job_.attempt - 1);
     request.rest_before_s = job_.calibrate.rest_s;
-    request.duration_s = stimulus.duration_s();
-    request.force_low_N = facts.minimum_N;
-    request.force_high_N = facts.maximum_N;
     request.faults = job_.faults;
-    if (auto begun = gate.begin(request); !begun) return failed(CaseFailure::Stage::rig, begun.error());
-    const RigInfo info = rig_.info();
-    const ControllerKind* kind = Registry<ControllerKind>::instance().find("open_loop");
-    if (kind == nullptr)
-      return failed(CaseFailure::Stage::harness,
-                    {ErrorCode::internal, "the open-loop controller is not linked", {}, {}});
-    const auto controller = kind->make();
-    controller->reset(info.geometry);
-    RigWitness witness;
-    witness.begin(info);
-    const auto step = static_cast<std::size_t>(std::llround(kControlPeriod_s * info.rate_Hz));
-    RigBlock block;
-    block.resize(step * 400);
-    std::vector<float> commanded(block.size());
-    const auto total = static_cast<std::uint64_t>(std::llround(request.duration_s * info.rate_Hz));
-    std::uint64_t done = 0;
-    while (done < total && !gate.report().stopped()) {
-      std::size_t rows = 0;
-      while (rows < block.size() && done + rows < total) {
-        ControllerInput in;
-        in.t_s = static_cast<double>(done + rows) / info.rate_Hz;
-        in.period_s = kControlPeriod_s;
-        in.setpoint_N = stimulus.force_N(in.t_s);
-        in.setpoint_next_N = stimulus.force_N(std::min(in.t_s + in.period_s, request.duration_s));
-        in.theta_rad = rig_.theta_rad();
-        auto told = gate.command(controller->velocity_rad_per_s(in));
-        if (!told) return failed(CaseFailure::Stage::rig, told.error());
-        auto got = gate.run(std::min<std::uint64_t>(step, total - done - rows), block, rows);
-        if (!got) return failed(CaseFailure::Stage::rig, got.error());
-        if (*got == 0) break;
-        for (std::size_t i = rows; i < rows + *got; ++i) {
-          block.setpoint_N[i] = static_cast<float>(in.setpoint_N);
-          commanded[i] = static_cast<float>(*told);
-        }
-        rows += *got;
-      }
-      if (rows == 0) break;
-      witness.push(block, rows, commanded.data());
-      sink(block, rows);
-      done += rows;
-      if (cancelled_ != nullptr && cancelled_->load(std::memory_order_relaxed))
-        return failed(CaseFailure::Stage::setup, {ErrorCode::cancelled, "interrupted", job_.id, {}});
-    }
-    out_.observed = witness.finish();
-    out_.safety = gate.report();
-    out_.samples += done;
-    out_.expected_samples += total;
-    out_.rig = info;
-    if (const auto checks = self_check(info, out_.observed); const Check* bad = first_unsound(checks))
-      return failed(CaseFailure::Stage::rig,
-                    {ErrorCode::device, bad->title + ": " + bad->evidence, job_.id, {}});
-    if (out_.safety.stopped())
-      return failed(CaseFailure::Stage::rig,
-                    {ErrorCode::safety,
-                     fmt::format("the calibration record was stopped at {:.1f} s: {}", out_.safety.t_s,
-                                 to_string(out_.safety.reason)),
-                     job_.id,
-                     {}});
-    if (done < total)
-      return failed(CaseFailure::Stage::setup,
-                    {ErrorCode::timeout,
-                     fmt::format("the calibration record is truncated: {} of {} samples", done, total),
-                     job_.id,
-                     {}});
-    return true;
+    PlayedProfile played;
+    auto done = play_profile(rig_, stimulus, request, job_.safety, sink, cancelled_, played);
+    out_.observed = played.observed;
+    out_.safety = played.safety;
+    out_.samples += played.samples;
+    out_.expected_samples += played.expected_samples;
+    if (!played.rig.name.empty()) out_.rig = played.rig;
+    if (done) return true;
+    Error error = std::move(done.error());
+    const bool ours = error.where.empty();  // the rig says which device
+    const CaseFailure::Stage stage =
+        ours && error.code == ErrorCode::internal ? CaseFailure::Stage::harness
+        : ours && (error.code == ErrorCode::cancelled || error.code == ErrorCode::timeout)
+            ? CaseFailure::Stage::setup
+            : CaseFailure::Stage::rig;
+    if (ours) error.where = job_.id;
+    return failed(stage, std::move(error));
   }
 
   bool sweep() {

@@ -231,6 +231,11 @@ static void tick(FwCompensator* c) {
 void fw_compensator_reset(FwCompensator* c, const FwCalibration* calibration) {
   memset(c, 0, sizeof *c);
   c->calibration = *calibration;
+#ifdef FW_COMPENSATION
+  fg_comp_reset(&c->effects);
+  fg_comp_calibrate(&c->calibration.gain_N_per_V, &c->calibration.offset_N, &c->calibration.b_scale,
+                    &c->calibration.q_scale);
+#endif
   c->code_max = (int32_t)((1u << calibration->adc_bits) - 1u);
   c->lsb_V = calibration->v_range_V / (float)c->code_max;
   c->lsb_sum_V = c->lsb_V * (1.0f / (float)FW_SMOOTH_SAMPLES);
@@ -252,6 +257,11 @@ float fw_compensator_step(FwCompensator* c, uint16_t code, uint8_t* flags) {
   const float above_V = voltage_V - c->floor_V;
   const float restored_V = above_V > 0.0f && c->factor > 1.0f ? c->factor * above_V + c->floor_V : voltage_V;
   float force_N = c->calibration.gain_N_per_V * restored_V + c->calibration.offset_N;
+#ifdef FW_COMPENSATION /* the inverse of the exported model, with the same factor and U_min */
+  force_N = fg_comp_step(&c->effects, c->calibration.gain_N_per_V * voltage_V + c->calibration.offset_N,
+                         above_V > 0.0f && c->factor > 1.0f ? 1.0f / c->factor : 1.0f,
+                         c->calibration.gain_N_per_V * c->floor_V + c->calibration.offset_N, 0.0f);
+#endif
 
   uint8_t f = 0;
   if (c->phase == FW_CYCLING) f |= FW_FLAG_EXCITED;

@@ -65,6 +65,9 @@ typedef struct {
   int fast;
   float factor;  /* (1 + q) / (e^(-b t) + q) as applied */
   float floor_V; /* U_min */
+#ifdef FW_COMPENSATION
+  FgComp effects; /* what the sensor has besides the law of eq. (7) */
+#endif
 } FwCompensator;
 
 /* The calibration must be valid. Forgets everything. */

@@ -4,7 +4,12 @@
 #ifndef FORCEGATE_FIRMWARE_PARAMETERS_H
 #define FORCEGATE_FIRMWARE_PARAMETERS_H
 
+#ifdef FW_COMPENSATION /* compensation.h: a header made by `forcegate export` */
+#include "compensation.h"
+#define FW_ALGORITHM_ID "lebosse-eq7/1+" FG_COMP_ID
+#else
 #define FW_ALGORITHM_ID "lebosse-eq7/1"
+#endif
 
 /* Lebosse et al. 2011, eq. (5): b = slope f + constant (1/s, f in Hz), c/a = 1 / (1 + curvature A^2) (A in
  * N). */

@@ -1,0 +1,51 @@
+#pragma once
+// Records force profiles on a rig into a campaign folder (docs/campaign.md): one CSV each and campaign.json, without any
+// firmware. What `forcegate record` does, and what `forcegate next --run` appends with.
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/base/result.h"
+#include "hil/gate/plan.h"
+
+namespace forcegate {
+
+struct ProfileToRecord {
+  std::string name;
+  StimulusSpec stimulus;
+  double rest_before_s = 7200.0;
+};
+
+/// Where and on what.
+struct RecordingBench {
+  std::string rig = "emulated";
+  std::map<std::string, std::string> rig_options;
+  std::string specimen = "q50";
+  std::uint64_t seed = 1, session = 1;
+  double rate_Hz = 200.0;  ///< of the files; samples are averaged down to it
+  SafetyLimits safety;
+};
+
+struct RecordedFile {
+  std::string name, file;
+  double duration_s = 0.0;
+  std::uint64_t rows = 0;
+};
+
+using RecordingProgress = std::function<void(double fraction, std::string_view now)>;
+
+/// Plays the profiles one after the other and writes them into `folder`, which must hold a campaign already (they are
+/// appended to its campaign.json) or none. Record numbers and campaign time go on where the campaign ends. An existing
+/// file is never overwritten. Errors: those of the rig; usage when the rig cannot move.
+Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench, const std::vector<ProfileToRecord>& profiles,
+                                                  const std::filesystem::path& folder,
+                                                  const RecordingProgress& progress = {},
+                                                  const std::atomic<bool>* cancelled = nullptr);
+
+}  // namespace forcegate

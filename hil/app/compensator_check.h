@@ -1,0 +1,40 @@
+#pragma once
+// Builds an exported compensator with the host's C compiler and replays a campaign through it.
+//
+//   arithmetic   the model answers to the recorded forces, the compensator inverts the answer: what is left is the header's
+//                single precision and its solver, since the model's own inverse of its own answer is the force itself
+//   recording    the recorded voltages, with U_min tracked as a firmware does it, against the recorded forces; both the plain
+//                law and the compensator get the best straight line over the campaign first, so that gain and offset of a
+//                session do not count
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hil/model/compensator/compensator.h"
+#include "hil/trace/campaign.h"
+
+namespace forcegate {
+
+struct ReplayedRecord {
+  std::string record;
+  double seconds = 0.0;
+  double largest_N = 0.0;          ///< |compensator - model's own inverse|
+  double plain_rms_N = 0.0;        ///< recorded voltage through the law without the effects
+  double compensated_rms_N = 0.0;
+};
+
+struct CompensatorCheck {
+  std::vector<ReplayedRecord> records;
+  double largest_N = 0.0;
+  double lsb_N = 0.0;              ///< G v_range / (2^bits - 1) of the campaign's converter
+  double plain_rms_N = 0.0, compensated_rms_N = 0.0;  ///< records weigh the same
+  std::string compiler;
+};
+
+/// Each record is replayed for at most `most_s` seconds. Errors: io when there is no C compiler (cc), config when the header
+/// does not compile (with the compiler's words), those of the campaign.
+Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz, const Campaign& campaign,
+                                           double most_s = 600.0);
+
+}  // namespace forcegate

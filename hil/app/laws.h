@@ -1,0 +1,27 @@
+#pragma once
+// `forcegate laws`: what a fitted parameter depends on, from a table with one row for each record.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hil/base/result.h"
+#include "hil/diagnose/parameter_level.h"
+
+namespace forcegate {
+
+struct LawsRequest {
+  std::filesystem::path table;      ///< CSV; "f_Hz" is covariate f in Hz, "u_b" the standard uncertainty of b
+  std::vector<std::string> of;      ///< parameters
+  std::vector<std::string> over;    ///< covariates; empty: every other column
+  std::vector<std::string> law;     ///< terms that the law has already
+  std::string scale = "linear";     ///< linear, log, reciprocal
+  double alpha = 0.05;              ///< of a false dependence, over all parameters asked for
+  std::uint64_t seed = 1;
+};
+
+Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request);
+std::string laws_text(const std::vector<ParameterAnswer>& answers);
+std::string laws_json(const std::vector<ParameterAnswer>& answers);
+
+}  // namespace forcegate

@@ -1,0 +1,229 @@
+#include "hil/app/next_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "hil/app/write_file.h"
+#include "hil/trace/csv.h"
+
+namespace forcegate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kProfiles = "profiles";  // forces that were asked for
+
+std::string slug(const std::string& text) {
+  std::string out;
+  for (char c : text)
+    out += std::isalnum(static_cast<unsigned char>(c)) ? static_cast<char>(std::tolower(static_cast<unsigned char>(c))) : '_';
+  return out;
+}
+
+// A whole campaign with a description, in a new folder.
+Result<void> copy_campaign(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  if (fs::exists(to, error)) return fail(ErrorCode::usage, "the output exists already", to.string(), "choose another folder with -o");
+  const bool single = fs::is_regular_file(from, error) && from.filename() != "campaign.json";
+  const fs::path folder = single ? fs::path() : fs::is_directory(from, error) ? from : from.parent_path();
+  fs::create_directories(to, error);
+  std::vector<fs::path> records;
+  if (single) {
+    fs::copy_file(from, to / from.filename(), error);
+    records.push_back(from.filename());
+  } else {
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+      if (!entry.is_regular_file()) continue;
+      fs::copy_file(entry.path(), to / entry.path().filename(), error);
+      if (error) break;
+      const std::string ending = entry.path().extension().string();
+      if (ending == ".csv" || ending == ".h5" || ending == ".mat") records.push_back(entry.path().filename());
+    }
+  }
+  if (error) return fail(ErrorCode::io, "the campaign cannot be copied: " + error.message(), to.string());
+  if (fs::exists(to / "campaign.json", error)) return {};
+  std::sort(records.begin(), records.end());
+  Json list = Json::array();
+  for (const fs::path& file : records) list.push_back({{"file", file.string()}});
+  return write_file_atomically(to / "campaign.json", Json{{"campaign", to.filename().string()}, {"records", list}}.dump(1) + "\n");
+}
+
+Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folder, std::size_t number) {
+  std::string text = "t_s,F_ref_N\n";
+  for (std::size_t i = 0; i < s.t_s.size(); ++i) fmt::format_to(std::back_inserter(text), "{:.4f},{:.5f}\n", s.t_s[i], s.force_N[i]);
+  const fs::path path = folder / kProfiles / fmt::format("{}_{}.csv", number, slug(s.name));
+  FORCEGATE_CHECK_OK(write_file_atomically(path, text));
+  return path;
+}
+
+// What tells pieces of rig time apart: length, range, mean and greatest speed of the force.
+struct Character {
+  double value[5];
+};
+Character character_of(const std::vector<double>& t_s, const std::vector<double>& F) {
+  double low = 1e300, high = -1e300, way = 0.0, fastest = 0.0;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (!std::isfinite(F[i])) continue;
+    low = std::min(low, F[i]), high = std::max(high, F[i]);
+    // over at least 50 ms, so that noise is no motion
+    if (t_s[i] - t_s[last] >= 0.05) {
+      way += std::fabs(F[i] - F[last]);
+      fastest = std::max(fastest, std::fabs(F[i] - F[last]) / (t_s[i] - t_s[last]));
+      last = i;
+    }
+  }
+  const double seconds = std::max(1e-3, t_s.back() - t_s.front());
+  return {{std::log(seconds), std::log(0.02 + way / seconds), std::log(0.1 + fastest), low, high}};
+}
+double distance(const Character& a, const Character& b) {
+  double sum = 0.0;
+  for (int k = 0; k < 5; ++k) sum += (a.value[k] - b.value[k]) * (a.value[k] - b.value[k]);
+  return std::sqrt(sum);
+}
+
+struct Recording {
+  fs::path path;
+  Character character;
+  bool used = false;
+};
+
+Result<std::vector<Recording>> read_recordings(const std::vector<fs::path>& paths) {
+  std::vector<Recording> out;
+  for (const fs::path& path : paths) {
+    FORCEGATE_TRY(const TraceFile file, read_csv(path));
+    const Channel* F = file.trace.find("F_ref");
+    if (F == nullptr) return fail(ErrorCode::config, "the recording has no reference force", path.string(), "name its column F_ref_N");
+    out.push_back({path, character_of(file.trace.time_bases[F->time_base].t_s, F->value), false});
+  }
+  return out;
+}
+
+// Appends a recorded file to the description of the campaign.
+Result<void> append_recording(const fs::path& source, const fs::path& folder, const std::string& kind) {
+  std::error_code error;
+  const fs::path target = folder / source.filename();
+  if (fs::exists(target, error)) return fail(ErrorCode::usage, "there is such a record already", target.string(), "rename the recording");
+  fs::copy_file(source, target, error);
+  if (error) return fail(ErrorCode::io, "the recording cannot be copied: " + error.message(), target.string());
+  std::ifstream file(folder / "campaign.json", std::ios::binary);
+  Json json = Json::parse(file, nullptr, false, true);
+  if (json.is_discarded()) return fail(ErrorCode::parse, "the campaign's description cannot be read", (folder / "campaign.json").string());
+  json["records"].push_back({{"file", source.filename().string()}, {"kind", kind}});
+  return write_file_atomically(folder / "campaign.json", json.dump(1) + "\n");
+}
+
+double log_odds(const Diagnosis& d, const std::string& first, const std::string& second) {
+  double a = 0.0, b = 0.0;
+  for (const RankedEffect& r : d.ranking) {
+    if (r.effect == first) a = r.score;
+    if (r.effect == second) b = r.score;
+  }
+  return std::clamp(a - b, -20.0, 20.0);
+}
+
+std::string odds_text(double log_odds_) { return fmt::format("{:.3g}", std::exp(std::fabs(log_odds_))); }
+
+}  // namespace
+
+Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress, const std::atomic<bool>* cancelled) {
+  NextRunResult out;
+  if (progress) progress(0.0, "diagnosing what there is");
+  FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
+  out.planned = out.before.next_experiment;
+  if (out.planned.segments.empty())
+    return fail(ErrorCode::usage, "nothing competes here: no further measurement is needed to tell effects apart", request.campaign.campaign.string(),
+                "forcegate diagnose shows the answer");
+  fs::path from = request.campaign.campaign;
+  if (from.filename().empty()) from = from.parent_path();
+  out.folder = !request.output.empty() ? request.output : from.parent_path() / (from.stem().string() + "-next");
+  FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
+  FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
+  std::vector<ProfileToRecord> profiles;
+  for (std::size_t k = 0; k < out.planned.segments.size(); ++k) {
+    const ExperimentSegment& s = out.planned.segments[k];
+    FORCEGATE_TRY(const fs::path profile, write_profile(s, out.folder, k + 1));
+    SegmentOdds odds;
+    odds.segment = s.name;
+    odds.rivals = s.separates;
+    if (request.bench.rig == "replay") {
+      const Character wanted = character_of(s.t_s, s.force_N);
+      Recording* best = nullptr;
+      for (Recording& r : recordings)
+        if (!r.used && (best == nullptr || distance(r.character, wanted) < distance(best->character, wanted))) best = &r;
+      if (best == nullptr || distance(best->character, wanted) > 2.0) {
+        out.skipped.push_back(s.name + ": none of the recordings is like it; the force to play is " + profile.string());
+        continue;
+      }
+      best->used = true;
+      FORCEGATE_CHECK_OK(append_recording(best->path, out.folder, s.stimulus));
+      odds.file = best->path.filename().string();
+    } else if (s.heats) {
+      out.skipped.push_back(s.name + ": this rig cannot heat");
+      continue;
+    } else {
+      ProfileToRecord p;
+      p.name = slug(s.name);
+      p.stimulus.name = "replay";
+      p.stimulus.texts["path"] = profile.string();
+      profiles.push_back(std::move(p));
+    }
+    out.segments.push_back(std::move(odds));
+  }
+  if (!profiles.empty()) {
+    FORCEGATE_TRY(const std::vector<RecordedFile> files,
+                  record_profiles(request.bench, profiles, out.folder,
+                                  [&](double fraction, std::string_view now) { if (progress) progress(0.2 + 0.5 * fraction, now); }, cancelled));
+    for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k].file;
+  }
+  if (out.segments.empty())
+    return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(), out.folder.string(),
+                "record one of them and give it with --record");
+  if (progress) progress(0.8, "diagnosing again");
+  CampaignRequest again = request.campaign;
+  again.campaign = out.folder;
+  FORCEGATE_TRY(out.after, diagnose_request(again));
+  for (SegmentOdds& odds : out.segments) {
+    const std::size_t at = odds.rivals.find(" / ");
+    const std::string first = odds.rivals.substr(0, at), second = at == std::string::npos ? "" : odds.rivals.substr(at + 3);
+    for (const ExperimentSegment& s : out.planned.segments)
+      if (s.name == odds.segment) odds.expected = s.odds_after;
+    odds.before = log_odds(out.before, first, second);
+    odds.after = log_odds(out.after, first, second);
+    odds.leads = odds.after >= 0.0 ? first : second;
+  }
+  return out;
+}
+
+std::string next_run_text(const NextRunResult& r) {
+  std::string out;
+  for (const SegmentOdds& s : r.segments)
+    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {:.3g} to 1 expected, {} to 1 now for {}\n", s.segment, s.file, s.rivals,
+                       odds_text(s.before), s.expected, odds_text(s.after), s.leads);
+  for (const std::string& s : r.skipped) out += "left out " + s + "\n";
+  const auto claims = [](const Diagnosis& d) {
+    std::string text = to_string(d.verdict);
+    for (const Finding& f : d.findings)
+      if (f.probability >= 0.5) text += fmt::format(", {} ({:.2f})", f.effect, f.probability);
+    return text;
+  };
+  out += "before: " + claims(r.before) + "\nnow:    " + claims(r.after) + "\n";
+  return out + diagnosis_text(r.after);
+}
+
+std::string next_run_json(const NextRunResult& r) {
+  Json segments = Json::array();
+  for (const SegmentOdds& s : r.segments)
+    segments.push_back({{"segment", s.segment}, {"file", s.file}, {"rivals", s.rivals}, {"log_odds_before", s.before},
+                        {"odds_expected", s.expected}, {"log_odds_after", s.after}, {"leads", s.leads}});
+  const Json out = {{"format", 1},       {"folder", r.folder.string()},          {"segments", segments},
+                    {"skipped", r.skipped}, {"before", Json::parse(to_json(r.before))}, {"after", Json::parse(to_json(r.after))}};
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate

@@ -1,0 +1,41 @@
+#pragma once
+// `forcegate next --run`: plays the segments that `next` chose, appends them to a copy of the campaign, and diagnoses again.
+
+#include <atomic>
+#include <optional>
+
+#include "hil/app/campaign_recorder.h"
+#include "hil/app/next.h"
+
+namespace forcegate {
+
+struct NextRunRequest {
+  CampaignRequest campaign;
+  RecordingBench bench;                        ///< rig "replay": segments are picked from `recorded`
+  std::vector<std::filesystem::path> recorded; ///< CSV files
+  std::filesystem::path output;                ///< new campaign; empty: beside the old one with "-next" behind its name
+};
+
+/// Odds of the first rival against the second.
+struct SegmentOdds {
+  std::string segment, rivals, file;
+  double before = 1.0, expected = 1.0, after = 1.0;
+  std::string leads;                           ///< the rival that the new data favour
+};
+
+struct NextRunResult {
+  std::filesystem::path folder;
+  NextExperiment planned;
+  std::vector<SegmentOdds> segments;
+  std::vector<std::string> skipped;            ///< with the reason
+  Diagnosis before, after;
+};
+
+/// Nothing of the old campaign is changed or overwritten. Errors: those of the diagnosis and of the rig; usage when the
+/// output exists, or when nothing competes.
+Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress = {},
+                               const std::atomic<bool>* cancelled = nullptr);
+std::string next_run_text(const NextRunResult& result);
+std::string next_run_json(const NextRunResult& result);
+
+}  // namespace forcegate

@@ -1,0 +1,26 @@
+#pragma once
+// `forcegate record`: a campaign of one specimen on a rig, from the profiles of a plan.
+
+#include "hil/app/campaign_recorder.h"
+
+namespace forcegate {
+
+struct RecordRequest {
+  std::string plan = "campaign";          ///< file, or name of a plan in ci/plans
+  std::vector<std::string> only_cases;    ///< names; empty: all
+  RecordingBench bench;
+  std::filesystem::path output;
+};
+
+struct RecordResult {
+  std::filesystem::path folder;
+  std::vector<RecordedFile> files;
+  double rig_minutes = 0.0;  ///< rests not counted
+};
+
+/// Refuses a folder that holds a campaign already.
+Result<RecordResult> record(const RecordRequest& request, const RecordingProgress& progress = {},
+                            const std::atomic<bool>* cancelled = nullptr);
+std::string record_json(const RecordResult& result);
+
+}  // namespace forcegate

@@ -1,0 +1,71 @@
+#include "hil/app/export.h"
+
+#include <cmath>
+
+#include "hil/cli/command.h"
+#include "hil/cli/parse.h"
+
+namespace forcegate {
+namespace {
+
+Result<int> run(const Invocation& in) {
+  ExportRequest request;
+  request.model = in.text("MODEL");
+  request.header = in.text("c");
+  request.plan = in.text("plan");
+  request.command_line = in.command_line();
+  FORCEGATE_TRY(request.rate_Hz, in.number("rate", 1.0, 1e6));
+  if (in.given("reference-temperature")) {
+    FORCEGATE_TRY(request.reference_temperature_C, in.number("reference-temperature", -273.0, 1000.0));
+  }
+  if (in.given("check")) {
+    request.check.emplace();
+    request.check->campaign = in.text("check");
+    request.check->maps = in.texts("map");
+  }
+  if (in.given("fit")) {
+    request.fit.emplace();
+    request.fit->campaign = in.text("fit");
+    request.fit->maps = in.texts("map");
+  }
+  request.fitted = in.text("output");
+  FORCEGATE_TRY(const ExportResult answer, export_model(request));
+  in.console().print(export_text(answer));
+  in.console().print_json(export_json(answer));
+  if (!answer.header.empty())
+    in.console().next("ci/firmware " + shell_quoted(answer.header.string()) + " mine, then: forcegate gate build/firmware-mine/mine.native.so");
+  return kExitSuccess;
+}
+
+const Registration<Command> kRow{Command{
+    .name = "export",
+    .group = "Diagnosis",
+    .summary = "write a model's inverse as a C header for firmware",
+    .description =
+        "Turns a fitted model with its added effects into one C11 header: voltage in, force out. No heap, no libm, no double, a "
+        "fixed bound on the work of a sample, which stands in the header's comment beside parameters and provenance. Hysteresis, "
+        "creep, lag, static curves, dead zone, thermal effects and your own equations can be inverted; what cannot be is refused "
+        "by name, with the reason.\n\n"
+        "A calibration by straight line and decay is wrong on a sensor that creeps. What the calibration of --plan makes of this "
+        "sensor is simulated, and the header takes it back.\n\n"
+        "The diagnosis lets every record have its own gain and decay; a firmware cannot. --fit refits one law for all records, "
+        "with the form of each effect that predicts left-out records best.\n\n"
+        "--check builds the header with the host's compiler and replays a campaign: how far it is from the model's own inverse, "
+        "in newtons and in LSB, and what it does to the recorded voltages.",
+    .positionals = {{.name = "MODEL", .doc = "Model file, or flexiforce, fsr."}},
+    .options = {{.name = "c", .value_name = "FILE", .doc = "Header to write."},
+                {.name = "fit", .value_name = "CAMPAIGN", .doc = "Refit one law for all records of this campaign first, as a firmware has it."},
+                {.name = "output", .value_name = "FILE", .doc = "Model file to write after --fit.", .letter = 'o'},
+                {.name = "check", .value_name = "CAMPAIGN", .doc = "Build the header and replay this campaign through it."},
+                {.name = "rate", .value_name = "HZ", .doc = "Samples a second in the firmware.", .fallback = "1000"},
+                {.name = "plan", .value_name = "PLAN", .doc = "Whose calibration is taken back; none: the firmware calibrates by the model.",
+                 .fallback = "smoke"},
+                {.name = "reference-temperature", .value_name = "DEGC", .doc = "Where a thermal effect is zero; default: mean of --check."},
+                {.name = "map", .value_name = "COLUMN=NAME", .doc = "Foreign column of the campaign.", .repeatable = true}},
+    .examples = {{"forcegate export better.toml --fit m7 --c comp.h --check m7", "Refit it, write it, build it, replay the campaign:"},
+                 {"ci/firmware comp.h mine", "Build the reference firmware around it:"}},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,294 @@
+#include "hil/diagnose/one_law.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kRounds = 8;
+constexpr double kStep = 0.02;       // of log b and log q, for differences
+constexpr double kRidge = 1e-9;
+constexpr double kWorth = 0.97;      // an effect must lower the error of left-out records to this
+
+struct Chosen {
+  const EffectKind* kind = nullptr;
+  const EffectForm* form = nullptr;
+  std::vector<double> shape;
+};
+
+struct Gram {
+  MatrixXd XX;
+  VectorXd Xy;
+  double yy = 0.0;
+};
+
+struct Solution {
+  VectorXd beta;
+  std::vector<char> active;
+};
+
+class Fitter {
+ public:
+  Fitter(CampaignInput input, const Model& start) : input_(std::move(input)), model_(start) {}
+
+  CampaignInput& input() { return input_; }
+
+  // Weighted rows of one record: sqrt(1/n) each, so that records weigh the same.
+  Result<Gram> gram(RecordInput& r, const BaseLaw& law, const std::vector<Chosen>& effects) const {
+    set_decay(r, law);
+    Index columns = 2;
+    for (const Chosen& c : effects) columns += static_cast<Index>(c.form->strength.size());
+    const auto n = static_cast<Index>(r.rows());
+    MatrixXd X = MatrixXd::Zero(n, columns);
+    for (Index i = 0; i < n; ++i) X(i, 0) = r.base_force_N(static_cast<std::size_t>(i));
+    X.col(1).setOnes();
+    Index at = 2;
+    for (const Chosen& c : effects) {
+      const auto count = static_cast<Index>(c.form->strength.size());
+      c.form->columns(input_, r, c.shape, X.middleCols(at, count));
+      at += count;
+    }
+    VectorXd y(n);
+    for (Index i = 0; i < n; ++i) y[i] = r.U_V[static_cast<std::size_t>(i)];
+    for (const UserEffect& e : model_.user_effects) {
+      FORCEGATE_TRY(const std::vector<double> added, user_effect_N(e, r));
+      for (Index i = 0; i < n; ++i) X(i, 0) += added[static_cast<std::size_t>(i)];
+    }
+    double used = 0.0;
+    for (Index i = 0; i < n; ++i)
+      if (r.ok[static_cast<std::size_t>(i)] == 0 || !std::isfinite(y[i]) || y[i] <= 0.0) {
+        X.row(i).setZero();
+        y[i] = 0.0;
+      } else {
+        used += 1.0;
+      }
+    used = std::max(1.0, used);
+    return Gram{X.transpose() * X / used, X.transpose() * y / used, y.squaredNorm() / used};
+  }
+
+  Result<std::vector<Gram>> grams(const BaseLaw& law, const std::vector<Chosen>& effects) {
+    std::vector<Gram> out;
+    for (RecordInput& r : input_.records) {
+      FORCEGATE_TRY(Gram g, gram(r, law, effects));
+      out.push_back(std::move(g));
+    }
+    return out;
+  }
+
+  // Least squares with physical signs: the most negative coefficient leaves until none is.
+  Solution solve(const std::vector<Gram>& grams, const std::vector<Chosen>& effects, std::size_t left_out) const {
+    const Index m = grams.front().Xy.size();
+    MatrixXd A = MatrixXd::Zero(m, m);
+    VectorXd b = VectorXd::Zero(m);
+    for (std::size_t k = 0; k < grams.size(); ++k)
+      if (k != left_out) A += grams[k].XX, b += grams[k].Xy;
+    std::vector<int> sign(static_cast<std::size_t>(m), 0);
+    std::size_t at = 2;
+    for (const Chosen& c : effects)
+      for (std::size_t j = 0; j < c.form->strength.size(); ++j)
+        sign[at++] = c.form->sign == StrengthSign::positive ? 1 : c.form->sign == StrengthSign::negative ? -1 : 0;
+    Solution out{VectorXd::Zero(m), std::vector<char>(static_cast<std::size_t>(m), 1)};
+    for (Index j = 0; j < m; ++j) out.active[static_cast<std::size_t>(j)] = A(j, j) > 1e-12;
+    for (Index round = 0; round <= m; ++round) {
+      std::vector<Index> in;
+      for (Index j = 0; j < m; ++j)
+        if (out.active[static_cast<std::size_t>(j)]) in.push_back(j);
+      MatrixXd S(static_cast<Index>(in.size()), static_cast<Index>(in.size()));
+      VectorXd t(S.rows());
+      for (Index p = 0; p < S.rows(); ++p) {
+        t[p] = b[in[static_cast<std::size_t>(p)]];
+        for (Index q = 0; q < S.rows(); ++q) S(p, q) = A(in[static_cast<std::size_t>(p)], in[static_cast<std::size_t>(q)]);
+      }
+      S.diagonal() *= 1.0 + kRidge;
+      const VectorXd x = S.ldlt().solve(t);
+      Index worst = -1;
+      double least = 0.0;
+      out.beta.setZero();
+      for (Index p = 0; p < S.rows(); ++p) {
+        const Index j = in[static_cast<std::size_t>(p)];
+        out.beta[j] = x[p];
+        const double against = static_cast<double>(sign[static_cast<std::size_t>(j)]) * x[p] / std::max(1e-12, x[0]);
+        if (against < least) least = against, worst = j;
+      }
+      if (worst < 0) break;
+      out.active[static_cast<std::size_t>(worst)] = 0;
+    }
+    return out;
+  }
+
+  static double square_error(const Gram& g, const VectorXd& beta) {
+    return std::max(0.0, g.yy - 2.0 * beta.dot(g.Xy) + beta.dot(g.XX * beta));
+  }
+
+  double error(const std::vector<Gram>& g, const std::vector<Chosen>& effects) const {
+    const VectorXd beta = solve(g, effects, g.size()).beta;
+    double sum = 0.0;
+    for (const Gram& one : g) sum += square_error(one, beta);
+    return std::sqrt(sum / static_cast<double>(g.size()));
+  }
+
+  double left_out(const std::vector<Gram>& g, const std::vector<Chosen>& effects) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < g.size(); ++k) sum += square_error(g[k], solve(g, effects, k).beta);
+    return std::sqrt(sum / static_cast<double>(g.size()));
+  }
+
+  // b and q by a quadratic through nine points around the present ones; the step shrinks when it does not help.
+  Result<BaseLaw> refine(BaseLaw law, const std::vector<Chosen>& effects) {
+    if (!law.decays) return law;
+    const auto at = [&](double b, double q) -> Result<double> {
+      BaseLaw changed = law;
+      changed.b_scale *= std::exp(b);
+      changed.q_scale *= std::exp(q);
+      FORCEGATE_TRY(const std::vector<Gram> g, grams(changed, effects));
+      const double e = error(g, effects);
+      return e * e;
+    };
+    FORCEGATE_TRY(double here, at(0.0, 0.0));
+    for (int round = 0; round < kRounds; ++round) {
+      FORCEGATE_TRY(const double b1, at(kStep, 0.0));
+      FORCEGATE_TRY(const double b0, at(-kStep, 0.0));
+      FORCEGATE_TRY(const double q1, at(0.0, kStep));
+      FORCEGATE_TRY(const double q0, at(0.0, -kStep));
+      FORCEGATE_TRY(const double both, at(kStep, kStep));
+      const double gb = (b1 - b0) / (2.0 * kStep), gq = (q1 - q0) / (2.0 * kStep);
+      Eigen::Matrix2d H;
+      H(0, 0) = (b1 - 2.0 * here + b0) / (kStep * kStep);
+      H(1, 1) = (q1 - 2.0 * here + q0) / (kStep * kStep);
+      H(0, 1) = H(1, 0) = (both - b1 - q1 + here) / (kStep * kStep);
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(H);
+      const Eigen::Vector2d d = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-3 * eigen.eigenvalues().cwiseAbs().maxCoeff() + 1e-15);
+      Eigen::Vector2d step = -(eigen.eigenvectors() * d.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose()) * Eigen::Vector2d(gb, gq);
+      const double longest = step.cwiseAbs().maxCoeff();
+      if (longest > 0.3) step *= 0.3 / longest;
+      bool better = false;
+      for (int half = 0; half < 5 && !better; ++half, step *= 0.5) {
+        FORCEGATE_TRY(const double there, at(step[0], step[1]));
+        if (there >= here) continue;
+        law.b_scale *= std::exp(step[0]);
+        law.q_scale *= std::exp(step[1]);
+        better = here - there > 1e-5 * here;
+        here = there;
+        if (!better) break;
+      }
+      if (!better) break;
+    }
+    return law;
+  }
+
+ private:
+  CampaignInput input_;
+  const Model& model_;
+};
+
+std::vector<Chosen> variants_of(const EffectKind& kind, const CampaignInput& input) {
+  std::vector<Chosen> out;
+  for (const EffectForm& form : kind.forms) {
+    // the widest banks exist to soak up remains, not to be a law
+    if (form.bank && kind.forms.size() > 1 && form.sign == StrengthSign::either) continue;
+    for (std::vector<double>& shape : form.grid(input)) out.push_back({&kind, &form, std::move(shape)});
+  }
+  return out;
+}
+
+ModelEffect effect_from(const Chosen& c, const VectorXd& beta, const VectorXd& se, Index first) {
+  ModelEffect out;
+  out.effect = c.kind->name;
+  out.form = c.form->name;
+  for (std::size_t k = 0; k < c.shape.size(); ++k) {
+    const ParameterSpec& s = c.form->shape[k];
+    out.shape.push_back({s.name, s.unit, c.shape[k], 0.0, s.minimum, s.maximum, s.neutral});
+  }
+  for (std::size_t j = 0; j < c.form->strength.size(); ++j) {
+    const ParameterSpec& s = c.form->strength[j];
+    const Index at = first + static_cast<Index>(j);
+    out.strength.push_back({s.name, s.unit, std::clamp(beta[at] / beta[0], s.minimum, s.maximum), se[at] / std::fabs(beta[0]), s.minimum, s.maximum, s.neutral});
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
+  FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
+  if (input.records.size() < 3)
+    return fail(ErrorCode::config, "one law for all records needs at least three of them", campaign.name, "forcegate record makes a campaign");
+  Fitter fitter(std::move(input), start);
+  OneLawFit out;
+  out.model = start;
+  FORCEGATE_TRY(BaseLaw law, fitter.refine(start.law, {}));
+  FORCEGATE_TRY(std::vector<Gram> grams, fitter.grams(law, {}));
+  std::vector<Chosen> effects;
+  const std::vector<Gram> bare = grams;
+  out.law_left_out_V = fitter.left_out(grams, effects);
+  const VectorXd bare_beta = fitter.solve(grams, {}, grams.size()).beta;
+  double now = out.law_left_out_V;
+  for (const ModelEffect& wanted : start.effects) {
+    const EffectKind* kind = EffectRegistry::instance().find(wanted.effect);
+    if (kind == nullptr || kind->channel != EffectChannel::output) continue;
+    if (!is_available(*kind, fitter.input()))
+      return fail(ErrorCode::config, "the campaign lacks a channel that " + wanted.effect + " needs", campaign.name);
+    // every form of this effect and of those already in: a later effect may change which form of an earlier one is right
+    double best = 1e300;
+    std::vector<Chosen> best_effects;
+    for (Chosen& variant : variants_of(*kind, fitter.input())) {
+      std::vector<Chosen> with = effects;
+      with.push_back(variant);
+      FORCEGATE_TRY(grams, fitter.grams(law, with));
+      const double e = fitter.left_out(grams, with);
+      if (e < best) best = e, best_effects = with;
+    }
+    if (best_effects.empty()) continue;
+    effects = best_effects;
+    FORCEGATE_TRY(law, fitter.refine(law, effects));
+    FORCEGATE_TRY(grams, fitter.grams(law, effects));
+    now = fitter.left_out(grams, effects);
+  }
+  out.left_out_V = now;
+  if (!effects.empty() && now > kWorth * out.law_left_out_V)
+    return fail(ErrorCode::config, "with one law for all records the effects do not lower the error of records left out", campaign.name,
+                "they may differ from record to record: forcegate compare shows where the error sits");
+
+  const Solution all = fitter.solve(grams, effects, grams.size());
+  const auto n = static_cast<double>(grams.size());
+  VectorXd mean = VectorXd::Zero(all.beta.size()), square = mean;
+  for (std::size_t k = 0; k < grams.size(); ++k) {
+    const VectorXd beta = fitter.solve(grams, effects, k).beta;
+    mean += beta / n;
+    square += beta.cwiseProduct(beta) / n;
+  }
+  const VectorXd se = ((square - mean.cwiseProduct(mean)).cwiseMax(0.0) * (n - 1.0)).cwiseSqrt();
+  Model& m = out.model;
+  m.law = law;
+  m.span_N = fitter.input().range_N;
+  const double g = all.beta[0];
+  m.law.gain_N_per_V = 1.0 / g;
+  m.law.offset_N = -all.beta[1] / g;
+  m.se_gain = se[0] / (g * g);
+  m.se_offset = se[1] / std::fabs(g);
+  m.effects.clear();
+  Index at = 2;
+  for (const Chosen& c : effects) {
+    m.effects.push_back(effect_from(c, all.beta, se, at));
+    at += static_cast<Index>(c.form->strength.size());
+  }
+  for (std::size_t k = 0; k < grams.size(); ++k)
+    out.records.push_back({fitter.input().records[k].name, std::sqrt(Fitter::square_error(bare[k], bare_beta)),
+                           std::sqrt(Fitter::square_error(grams[k], all.beta))});
+  HistoryStep step;
+  step.campaign = campaign.name;
+  step.error_before = step.plain_before = out.law_left_out_V;
+  step.error_after = step.plain_after = out.left_out_V;
+  m.history.push_back(step);
+  return out;
+}
+
+}  // namespace forcegate::diagnose

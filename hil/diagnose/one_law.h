@@ -1,0 +1,33 @@
+#pragma once
+// Joint fit of one law for all records, as a firmware has it. The diagnosis lets every record follow its own gain, offset,
+// b and q within their spread, so that repeatability is not taken for an effect; what that leaves open (how much of a step is
+// gain and how much is fast creep) an exported compensator must decide. Here there are no such liberties:
+//
+//   U = g W(b, q) + o + g sum_j c_j s_j(W, F, history),   minimised over g, o, c (linear) and b, q (Gauss-Newton on the
+//   variable projection), every record weighing the same; signs of strengths are those that are physical; for each effect the
+//   form and shape of its library entry that predicts left-out records best.
+
+#include <string>
+#include <vector>
+
+#include "hil/model/model.h"
+#include "hil/trace/campaign.h"
+
+namespace forcegate::diagnose {
+
+struct OneLawFit {
+  Model model;
+  struct Item {
+    std::string record;
+    double law_V = 0.0;      ///< RMS, law without effects, refitted too
+    double model_V = 0.0;
+  };
+  std::vector<Item> records;
+  double law_left_out_V = 0.0, left_out_V = 0.0;  ///< RMS over records that were left out of the linear fit in turn
+};
+
+/// Uncertainties in the model are those of the jackknife over records. The user's own equations stay as they are.
+/// Errors (config): fewer than 3 records, an effect that these records do not excite or whose channels are missing.
+Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start);
+
+}  // namespace forcegate::diagnose

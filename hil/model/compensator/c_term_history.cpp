@@ -1,0 +1,222 @@
+#include "hil/model/compensator/c_term_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace forcegate {
+
+LowPassWeights low_pass_weights(double tau_s, double rate_Hz) {
+  const double h = 1.0 / (rate_Hz * tau_s);
+  const double keep = std::exp(-h), mean = h > 1e-6 ? -std::expm1(-h) / h : 1.0 - 0.5 * h;
+  return {mean - keep, 1.0 - mean};
+}
+
+namespace c_terms {
+namespace {
+
+constexpr double kRadii[] = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.35};  // of the span, as the library's play banks
+
+// Relaxations in parallel: sum_k c_k L_k[drive]. The states are sums of two floats: a time constant of 1000 s moves them by
+// less than the last bit of one.
+CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const std::vector<double>& weight, bool decayed, bool settled,
+                  double rate_Hz) {
+  CTerm t;
+  std::vector<double> c, keep_old, keep_new;
+  double first = 0.0, direct = 0.0;
+  for (std::size_t k = 0; k < tau_s.size(); ++k) {
+    if (weight[k] == 0.0) continue;
+    const LowPassWeights w = low_pass_weights(tau_s[k], rate_Hz);
+    c.push_back(weight[k]);
+    keep_old.push_back(w.to_old);
+    keep_new.push_back(w.to_new);
+    first += settled ? weight[k] : 0.0;
+    direct += weight[k] * w.to_new;
+  }
+  const std::size_t n = c.size();
+  if (n == 0) return t;
+  t.constants = array("k_" + id + "_c", c) + array("k_" + id + "_old", keep_old) + array("k_" + id + "_new", keep_new) +
+                constant("k_" + id + "_first", first) + constant("k_" + id + "_direct", direct);
+  t.state = fmt::format("  float {0}_hi[{1}], {0}_lo[{1}], {0}_x, {0}_a, {0}_b;\n", id, n);
+  t.prepare = fmt::format(
+      "  if (c->running) {{\n"
+      "    float a = 0.0f;\n"
+      "    for (int k = 0; k < {1}; ++k) {{\n"
+      "      const float y = c->{0}_hi[k];\n"
+      "      a += k_{0}_c[k] * (y + (k_{0}_old[k] * (c->{0}_x - y) - k_{0}_new[k] * y));\n"
+      "    }}\n"
+      "    c->{0}_a = a;\n"
+      "    c->{0}_b = k_{0}_direct;\n"
+      "  }} else {{\n"
+      "    c->{0}_a = 0.0f;\n"
+      "    c->{0}_b = k_{0}_first;\n"
+      "  }}\n",
+      id, n);
+  const char* drive = decayed ? "W" : "F";
+  t.value = fmt::format("c->{0}_a + c->{0}_b * {1}", id, drive);
+  t.commit = fmt::format(
+      "  for (int k = 0; k < {1}; ++k) {{\n"
+      "    if (c->running) {{\n"
+      "      const float y = c->{0}_hi[k];\n"
+      "      const float step = (k_{0}_old[k] * (c->{0}_x - y) + k_{0}_new[k] * ({2} - y)) + c->{0}_lo[k];\n"
+      "      const float sum = y + step;\n"
+      "      c->{0}_lo[k] = step - (sum - y);\n"
+      "      c->{0}_hi[k] = sum;\n"
+      "    }} else {{\n"
+      "      c->{0}_hi[k] = {3};\n"
+      "    }}\n"
+      "  }}\n"
+      "  c->{0}_x = {2};\n",
+      id, n, drive, settled ? drive : "0.0f");
+  t.slope_min = std::min(0.0, direct);
+  t.once = static_cast<int>(n) * 16;
+  t.each = 2;
+  t.bytes = 8 * n + 12;
+  return t;
+}
+
+}  // namespace
+
+Result<CTerm> creep(const ModelEffect& e, const CTermContext& x) {
+  const bool decayed = e.form.ends_with("_decayed"), settled = e.form.ends_with("_settled");
+  std::vector<double> tau, weight;
+  if (e.form.starts_with("prony")) {
+    tau = {1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
+    for (std::size_t k = 0; k < tau.size(); ++k) weight.push_back(strength_of(e, k));
+  } else {
+    for (int k = 0; k < 9; ++k) {
+      tau.push_back(0.3 * std::pow(10.0, 0.5 * k));
+      weight.push_back(strength_of(e, 0) * 0.5 * std::pow(tau.back() / 10.0, shape_of(e, 0)));
+    }
+  }
+  CTerm t = relaxations(x.id, tau, weight, decayed, settled, x.rate_Hz);
+  t.title = fmt::format("creep: dU = g sum c_k L_k[{}], {} relaxations", decayed ? "W" : "F", t.bytes > 12 ? (t.bytes - 12) / 8 : 0);
+  return t;
+}
+
+Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
+  CTerm t;
+  const std::string& id = x.id;
+  if (e.form == "bouc_wen") {
+    const double z0 = shape_of(e, 0), c = strength_of(e, 0);
+    t.title = "hysteresis: Bouc-Wen loop, dU = -g D c z";
+    t.constants = constant("k_" + id + "_z0", z0) + constant("k_" + id + "_rate", 1.0 / z0) + constant("k_" + id + "_c", c);
+    t.state = fmt::format("  float {0}_z, {0}_x;\n", id);
+    t.constants += fmt::format(
+        "static inline float {0}_next(float z, float from, float F, int running) {{\n"
+        "  if (!running) return F >= k_{0}_z0 ? k_{0}_z0 : F;\n"
+        "  if (F == from) return z;\n"
+        "  const float target = F > from ? k_{0}_z0 : -k_{0}_z0;\n"
+        "  const float way = F > from ? F - from : from - F;\n"
+        "  return target + (z - target) * fg_exp(-(way * k_{0}_rate));\n"
+        "}}\n",
+        id);
+    t.value = fmt::format("-(c->shrink * k_{0}_c * {0}_next(c->{0}_z, c->{0}_x, F, c->running))", id);
+    t.commit = fmt::format("  c->{0}_z = {0}_next(c->{0}_z, c->{0}_x, F, c->running);\n  c->{0}_x = F;\n", id);
+    t.slope_min = std::min(0.0, -2.0 * c);
+    t.once = t.each = 32;
+    t.bytes = 8;
+    t.needs_exp = true;
+    return t;
+  }
+  const bool decayed = e.form != "play_bank_undecayed", curved = e.form == "play_bank_curved";
+  std::vector<double> radius, w, v;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double wk = strength_of(e, k), vk = curved && k >= 1 && k <= 4 ? strength_of(e, 5 + k) : 0.0;
+    if (wk == 0.0 && vk == 0.0) continue;
+    radius.push_back(kRadii[k] * x.span_N);
+    w.push_back(wk);
+    v.push_back(vk / x.span_N);
+  }
+  const std::size_t n = radius.size();
+  if (n == 0) return t;
+  t.title = fmt::format("hysteresis: {} play operators{}, dU = g {}sum w_k (P_k[F] - F)", n, curved ? " with curved parts" : "", decayed ? "D " : "");
+  t.constants = array("k_" + id + "_r", radius) + array("k_" + id + "_w", w) + (curved ? array("k_" + id + "_v", v) : "");
+  t.state = fmt::format("  float {}_p[{}];\n", id, n);
+  t.constants += fmt::format(
+      "static inline float {0}_sum(const float* p, float F) {{\n"
+      "  float sum = 0.0f;\n"
+      "  for (int k = 0; k < {1}; ++k) {{\n"
+      "    const float q = fg_clamp(p[k], F - k_{0}_r[k], F + k_{0}_r[k]);\n"
+      "    sum += {2};\n"
+      "  }}\n"
+      "  return sum;\n"
+      "}}\n",
+      id, n, curved ? fmt::format("(k_{0}_w[k] + k_{0}_v[k] * (q + F)) * (q - F)", id) : fmt::format("k_{0}_w[k] * (q - F)", id));
+  t.value = fmt::format("{}{}_sum(c->{}_p, F)", decayed ? "c->shrink * " : "", id, id);
+  t.commit = fmt::format("  for (int k = 0; k < {1}; ++k) c->{0}_p[k] = fg_clamp(c->{0}_p[k], F - k_{0}_r[k], F + k_{0}_r[k]);\n", id, n);
+  double stuck = 0.0;
+  for (std::size_t k = 0; k < n; ++k) stuck -= std::max(0.0, w[k]) + std::max(0.0, 2.0 * v[k] * (x.lowest_N + x.span_N));
+  t.slope_min = stuck;
+  t.each = static_cast<int>(n) * (curved ? 9 : 7);
+  t.once = static_cast<int>(n) * 4;
+  t.bytes = 4 * n;
+  return t;
+}
+
+Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
+  const double tau = shape_of(e, 0), c = strength_of(e, 0);
+  const std::string& id = x.id;
+  if (e.form == "two_poles") {
+    const LowPassWeights w = low_pass_weights(0.5 * tau, x.rate_Hz);
+    CTerm t;
+    t.title = fmt::format("lag: two poles of {:g} s, share {:g}", 0.5 * tau, c);
+    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_old", w.to_old) + constant("k_" + id + "_new", w.to_new);
+    t.state = fmt::format("  float {0}_y, {0}_z, {0}_x, {0}_a, {0}_b;\n", id);
+    t.prepare = fmt::format(
+        "  if (c->running) {{\n"
+        "    const float a = c->{0}_y + (k_{0}_old * (c->{0}_x - c->{0}_y) - k_{0}_new * c->{0}_y);\n"
+        "    c->{0}_a = c->{0}_z + (k_{0}_old * (c->{0}_y - c->{0}_z) + k_{0}_new * (a - c->{0}_z));\n"
+        "    c->{0}_b = k_{0}_new * k_{0}_new;\n"
+        "  }} else {{\n"
+        "    c->{0}_a = 0.0f;\n"
+        "    c->{0}_b = 1.0f;\n"
+        "  }}\n",
+        id);
+    t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
+    t.commit = fmt::format(
+        "  if (c->running) {{\n"
+        "    const float y = c->{0}_y + (k_{0}_old * (c->{0}_x - c->{0}_y) + k_{0}_new * (F - c->{0}_y));\n"
+        "    c->{0}_z += k_{0}_old * (c->{0}_y - c->{0}_z) + k_{0}_new * (y - c->{0}_z);\n"
+        "    c->{0}_y = y;\n"
+        "  }} else {{\n"
+        "    c->{0}_y = c->{0}_z = F;\n"
+        "  }}\n"
+        "  c->{0}_x = F;\n",
+        id);
+    t.slope_min = -c * (1.0 - w.to_new * w.to_new);
+    t.once = 24;
+    t.each = 4;
+    t.bytes = 20;
+    return t;
+  }
+  std::vector<double> taus{tau}, weights{c};
+  double through = 1.0;  // share of F that the modes carry
+  if (e.form == "diffusive") {
+    taus.clear();
+    weights.clear();
+    double total = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const double odd = 2.0 * k + 1.0, w = 8.0 / (std::numbers::pi * std::numbers::pi * odd * odd);
+      taus.push_back(tau / (odd * odd));
+      weights.push_back(c * w);
+      total += w;
+    }
+    through = total;
+  }
+  CTerm t = relaxations(id, taus, weights, false, true, x.rate_Hz);
+  if (t.bytes == 0) return t;
+  t.constants += constant("k_" + id + "_share", c * through);
+  t.value = fmt::format("c->shrink * ({} - k_{}_share * F)", t.value, id);
+  double direct = 0.0;
+  for (std::size_t k = 0; k < taus.size(); ++k) direct += weights[k] * low_pass_weights(taus[k], x.rate_Hz).to_new;
+  t.slope_min = direct - c * through;
+  t.each += 3;
+  t.title = fmt::format("lag: {}, tau {:g} s, share {:g}", e.form, tau, c);
+  return t;
+}
+
+}  // namespace c_terms
+}  // namespace forcegate

@@ -1,0 +1,25 @@
+#pragma once
+// What the files of this folder share: definitions in C, refusals, and one function for each family of effects.
+
+#include <string>
+#include <vector>
+
+#include "hil/model/compensator/c_term.h"
+
+namespace forcegate::c_terms {
+
+std::string array(const std::string& name, const std::vector<double>& values);
+std::string constant(const std::string& name, double value);
+tl::unexpected<Error> refuse(const std::string& effect, const std::string& why, const std::string& hint);
+
+inline double shape_of(const ModelEffect& e, std::size_t k) { return e.shape[k].value; }
+inline double strength_of(const ModelEffect& e, std::size_t k) { return e.strength[k].value; }
+
+Result<CTerm> creep(const ModelEffect& e, const CTermContext& x);
+Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x);
+Result<CTerm> lag(const ModelEffect& e, const CTermContext& x);
+Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x);
+Result<CTerm> curve(const ModelEffect& e, const CTermContext& x);
+Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x);
+
+}  // namespace forcegate::c_terms

@@ -1,0 +1,117 @@
+#include "hil/model/compensator/c_term_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace forcegate::c_terms {
+
+Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
+  if (std::isnan(x.reference_temperature_C))
+    return refuse("thermal", "the model file does not say at which temperature the effect is zero",
+                  "give the campaign it was fitted on with --check, or --reference-temperature");
+  CTerm t;
+  const std::string& id = x.id;
+  const double tau = shape_of(e, 0), gain = strength_of(e, 0), offset = strength_of(e, 1) * x.span_N;
+  const LowPassWeights w = tau > 0.0 ? low_pass_weights(tau, x.rate_Hz) : LowPassWeights{0.0, 1.0};
+  t.title = fmt::format("thermal: gain {:g} 1/degC, offset {:g} N/degC from {:g} degC behind {:g} s", gain, offset, x.reference_temperature_C, tau);
+  t.constants = constant("k_" + id + "_gain", gain) + constant("k_" + id + "_offset", offset) + constant("k_" + id + "_T0", x.reference_temperature_C) +
+                constant("k_" + id + "_old", w.to_old) + constant("k_" + id + "_new", w.to_new);
+  t.state = fmt::format("  float {0}_hi, {0}_lo, {0}_x;\n", id);
+  t.prepare = fmt::format(
+      "  if (c->running) {{\n"
+      "    const float y = c->{0}_hi;\n"
+      "    const float step = (k_{0}_old * (c->{0}_x - y) + k_{0}_new * (c->temperature_C - y)) + c->{0}_lo;\n"
+      "    const float sum = y + step;\n"
+      "    c->{0}_lo = step - (sum - y);\n"
+      "    c->{0}_hi = sum;\n"
+      "  }} else {{\n"
+      "    c->{0}_hi = c->temperature_C;\n"
+      "  }}\n"
+      "  c->{0}_x = c->temperature_C;\n",
+      id);
+  t.value = fmt::format("(c->{0}_hi - k_{0}_T0) * (k_{0}_gain * W + k_{0}_offset)", id);
+  t.slope_min = -20.0 * std::fabs(gain);
+  t.once = 10;
+  t.each = 4;
+  t.bytes = 12;
+  t.needs_temperature = true;
+  return t;
+}
+
+// A curve h of the force: h(low) + D (h(F) - h(low)), or h(W) when it acts on the decayed force.
+Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
+  CTerm t;
+  const std::string& id = x.id;
+  const double R = x.span_N;
+  const bool after = e.form.ends_with("_after_decay");
+  std::string body;
+  std::function<double(double)> h;
+  if (e.form.starts_with("polynomial")) {
+    const double c2 = strength_of(e, 0) / R, c3 = strength_of(e, 1) / (R * R);
+    t.constants = constant("k_" + id + "_c2", c2) + constant("k_" + id + "_c3", c3);
+    body = fmt::format("return F * F * (k_{0}_c2 + k_{0}_c3 * F);", id);
+    h = [=](double F) { return F * F * (c2 + c3 * F); };
+    t.each = 4;
+  } else if (e.form.starts_with("power_law")) {
+    const double c = strength_of(e, 0);
+    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_low", 1e-3 * R) + constant("k_" + id + "_R", R);
+    body = fmt::format("return k_{0}_c * F * (F > k_{0}_low ? fg_ln(F / k_{0}_R) : -6.9077554f);", id);
+    h = [=](double F) { return c * F * (F > 1e-3 * R ? std::log(F / R) : std::log(1e-3)); };
+    t.each = 28;
+    t.needs_ln = true;
+  } else if (e.form.starts_with("saturation")) {
+    const double c = strength_of(e, 0), F1 = shape_of(e, 0), width = shape_of(e, 1);
+    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F1", F1) + constant("k_" + id + "_width", width);
+    body = fmt::format(
+        "const float z = (F - k_{0}_F1) / k_{0}_width;\n"
+        "  if (z > 16.0f) return -(k_{0}_c * (F - k_{0}_F1));\n"
+        "  if (z < -16.0f) return 0.0f;\n"
+        "  return -(k_{0}_c * k_{0}_width * fg_ln(1.0f + fg_exp(z)));",
+        id);
+    h = [=](double F) {
+      const double z = (F - F1) / width;
+      return -c * (z > 30.0 ? F - F1 : width * std::log1p(std::exp(z)));
+    };
+    t.each = 60;
+    t.needs_ln = t.needs_exp = true;
+  } else {
+    return refuse(e.effect, "the form " + e.form + " is a bank for the diagnosis, not a law",
+                  "add " + e.effect + " in one of its plain forms (set form = \"polynomial\" and refit with forcegate fit)");
+  }
+  t.title = fmt::format("{}: {}", e.effect, e.form);
+  t.constants += fmt::format("static inline float {}_h(float F) {{\n  {}\n}}\n", id, body);
+  t.value = after ? fmt::format("{}_h(W)", id)
+                  : fmt::format("{0}_h(c->low_N) + c->shrink * ({0}_h(F) - {0}_h(c->low_N))", id);
+  t.each = after ? t.each : 2 * t.each + 3;
+  for (int k = 0; k < 200; ++k) {
+    const double F = x.lowest_N + 1.2 * R * (k + 0.5) / 200.0, step = 1e-4 * R;
+    t.slope_min = std::min(t.slope_min, (h(F + step) - h(F - step)) / (2.0 * step));
+  }
+  return t;
+}
+
+Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
+  if (e.form == "hard" && strength_of(e, 0) > 0.9)
+    return refuse("dead_zone", "below the turn-on force the output does not change, so nothing can be inverted there",
+                  "use the form distributed, or keep the force above the turn-on");
+  CTerm t;
+  const std::string& id = x.id;
+  const double F0 = shape_of(e, 0), c = strength_of(e, 0);
+  const bool after = e.form.ends_with("_after_decay"), hard = e.form == "hard";
+  t.title = fmt::format("dead_zone: {}, F0 {:g} N", e.form, F0);
+  t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F0", F0);
+  t.constants += fmt::format("static inline float {0}_h(float F) {{\n  if (F <= 0.0f) return 0.0f;\n  return {1};\n}}\n", id,
+                             hard ? fmt::format("-(k_{0}_c * (F < k_{0}_F0 ? F : k_{0}_F0))", id)
+                                  : fmt::format("k_{0}_c * k_{0}_F0 * (fg_exp(-(F / k_{0}_F0)) - 1.0f)", id));
+  t.value = after ? fmt::format("{}_h(W)", id)
+                  : fmt::format("{0}_h(c->low_N) + c->shrink * ({0}_h(F) - {0}_h(c->low_N))", id);
+  t.slope_min = std::min(0.0, -c);
+  t.each = hard ? 8 : 64;
+  t.needs_exp = !hard;
+  return t;
+}
+
+}  // namespace forcegate::c_terms

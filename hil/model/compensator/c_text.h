@@ -1,0 +1,17 @@
+#pragma once
+// The parts of the exported header that every model shares.
+
+#include <string>
+
+namespace forcegate::c_text {
+
+/// fg_min, fg_max, fg_clamp ... and those of exp, ln, sqrt, tanh that are needed (relative error below 5e-7).
+std::string elementary(bool exponential, bool logarithm, bool root, bool tangent);
+
+/// fg_comp_residual(c, F): right side less u.
+std::string residual();
+
+/// fg_comp_step. `reach`: reciprocal of the least slope of the right side at rest.
+std::string step(const std::string& prepare, const std::string& commit, double reach, double step_s, int iterations);
+
+}  // namespace forcegate::c_text

@@ -1,0 +1,199 @@
+// Exported compensators are built with the host's compiler and replayed: the model answers to forces, the C inverts.
+
+#include "hil/model/compensator/compensator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hil/app/calibration_map.h"
+#include "hil/app/compensator_check.h"
+#include "hil/app/gate.h"
+
+namespace forcegate {
+namespace {
+
+ModelEffect effect(const std::string& name, const std::string& form, const std::vector<double>& strength,
+                   const std::vector<double>& shape = {}) {
+  const EffectKind* kind = EffectRegistry::instance().find(name);
+  EXPECT_NE(kind, nullptr) << name;
+  const EffectForm* found = find_form(*kind, form);
+  EXPECT_NE(found, nullptr) << form;
+  ModelEffect out{name, form, {}, {}};
+  for (std::size_t k = 0; k < found->shape.size(); ++k)
+    out.shape.push_back({found->shape[k].name, found->shape[k].unit, k < shape.size() ? shape[k] : found->shape[k].neutral, 0, -1e9, 1e9, 0});
+  for (std::size_t k = 0; k < found->strength.size(); ++k)
+    out.strength.push_back({found->strength[k].name, found->strength[k].unit, k < strength.size() ? strength[k] : 0.0, 0, -1e9, 1e9, 0});
+  return out;
+}
+
+Model model_with(std::vector<ModelEffect> effects) {
+  Model m;
+  m.name = "tested";
+  m.span_N = 4.0;
+  m.law.gain_N_per_V = 0.5;
+  m.law.offset_N = 0.12;
+  m.effects = std::move(effects);
+  return m;
+}
+
+Record record_of(const std::string& name, bool dynamic, double seconds, double (*force)(double)) {
+  Record r;
+  r.name = name;
+  r.dynamic = dynamic;
+  if (dynamic) {
+    r.excitation_start_s = 2.0;
+    r.f_min_Hz = 0.5;
+    r.A_N = 1.05;
+    r.m_N = 2.15;
+  }
+  TimeBase clock;
+  clock.nominal_rate_Hz = 200.0;
+  Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}}, T{"temp", "degC", "temperature", 0, {}, {}};
+  for (int i = 0; i < static_cast<int>(200.0 * seconds); ++i) {
+    const double t = i / 200.0;
+    clock.t_s.push_back(t);
+    F.value.push_back(force(t));
+    U.value.push_back((force(t) - 0.12) / 0.5);
+    T.value.push_back(23.0 + 3.0 * std::sin(t / 40.0));
+  }
+  r.trace.time_bases.push_back(clock);
+  r.trace.channels = {F, U, T};
+  return r;
+}
+
+Campaign campaign() {
+  Campaign c;
+  c.name = "forces";
+  c.bench.adc_bits = 16;
+  c.bench.voltage_max_V = 10.0;
+  c.records.push_back(record_of("sine", true, 60, [](double t) { return t < 2.0 ? 1.1 : 2.15 - 1.05 * std::cos(3.14159265 * (t - 2.0)); }));
+  c.records.push_back(record_of("triangle", false, 40, [](double t) { return 0.2 + 3.8 * std::fabs(std::fmod(t / 10.0, 2.0) - 1.0); }));
+  c.records.push_back(record_of("minor", false, 40, [](double t) { return 2.0 + std::cos(0.6 * t) + 0.7 * std::cos(2.3 * t); }));
+  return c;
+}
+
+// Largest difference in LSB; a failure to build is a failure of the test.
+double replay_LSB(const Model& model, CompensatorOptions options = {}) {
+  double sum = 0.0, n = 0.0;
+  for (const Record& r : campaign().records)
+    for (double T : r.trace.find("temp")->value) sum += T, n += 1.0;
+  options.reference_temperature_C = sum / n;
+  const auto made = make_compensator(model, options);
+  EXPECT_TRUE(made) << made.error().to_text();
+  if (!made) return 1e9;
+  const auto check = check_compensator(model, *made, options.rate_Hz, campaign());
+  EXPECT_TRUE(check) << check.error().to_text();
+  return check ? check->largest_N / check->lsb_N : 1e9;
+}
+
+TEST(Compensator, TheLawAloneIsInverted) { EXPECT_LT(replay_LSB(model_with({})), 0.05); }
+
+TEST(Compensator, EveryFormOfHysteresisIsUndone) {
+  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank", {0.02, 0.03, 0.05, 0.04, 0.03, 0.02})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank_undecayed", {0, 0.03, 0, 0.04})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank_curved", {0.03, 0.04, 0.02, 0, 0, 0, 0.02, 0.01, 0.02, 0.01})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "bouc_wen", {0.15}, {0.3})})), 0.1);
+}
+
+TEST(Compensator, EveryFormOfCreepIsUndone) {
+  const std::vector<double> prony{0.01, 0.01, 0.02, 0.02, 0.03, 0.03, 0.05};
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "prony", prony)})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "prony_settled", prony)})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "prony_decayed", prony)})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "power_law", {0.03}, {0.12})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "power_law_decayed", {0.03}, {0.0})})), 0.1);
+}
+
+TEST(Compensator, EveryFormOfLagIsUndone) {
+  EXPECT_LT(replay_LSB(model_with({effect("lag", "one_pole", {0.6}, {0.05})})), 0.2);
+  EXPECT_LT(replay_LSB(model_with({effect("lag", "two_poles", {0.6}, {0.05})})), 0.2);
+  EXPECT_LT(replay_LSB(model_with({effect("lag", "diffusive", {0.6}, {0.064})})), 0.2);
+}
+
+TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
+  EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "polynomial", {0.05, -0.03})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "polynomial_after_decay", {0.05, -0.03})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "power_law", {0.1})})), 0.3);
+  EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "saturation", {0.2}, {3.0, 0.5})})), 0.3);
+  EXPECT_LT(replay_LSB(model_with({effect("thermal", "lagged", {0.003, 0.001}, {60.0})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "distributed", {0.5}, {0.2})})), 0.3);
+}
+
+TEST(Compensator, EffectsTogetherAreUndone) {
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "prony", {0.01, 0.01, 0.02, 0.02}), effect("hysteresis", "play_bank", {0.02, 0.03, 0.05, 0.04}),
+                                   effect("static_nonlinearity", "polynomial", {0.03, -0.02})})),
+            0.1);
+}
+
+TEST(Compensator, AUsersEquationIsUndone) {
+  Model m = model_with({});
+  m.user_effects.push_back({"relax", {{"k", "1", 0.08}, {"tau", "s", 12.0}}, {{"x", "(F - x) / tau"}}, "k * x * (1 + 0.1 * tanh(F - 2))"});
+  // causal steps where the model looks half a step ahead: a few LSB at 1 kHz
+  EXPECT_LT(replay_LSB(m), 3.0);
+  m.user_effects[0].output = "F > 2 ? k * (F - 2)^2 : 0";
+  m.user_effects[0].states.clear();
+  EXPECT_LT(replay_LSB(m), 0.1);
+}
+
+TEST(Compensator, WhatAMicrocontrollerCannotUndoIsRefusedByNameWithTheReason) {
+  for (const char* name : {"delay", "wear", "hum", "mounting", "slow_recovery"}) {
+    const EffectKind* kind = EffectRegistry::instance().find(name);
+    ASSERT_NE(kind, nullptr) << name;
+    ModelEffect e{name, kind->forms.empty() ? "" : kind->forms[0].name, {}, {}};
+    const auto made = make_compensator(model_with({e}), {});
+    ASSERT_FALSE(made) << name;
+    EXPECT_NE(made.error().text.find(name), std::string::npos) << made.error().text;
+    EXPECT_FALSE(made.error().hint.empty());
+  }
+  const auto lag = make_compensator(model_with({effect("lag", "one_pole", {1.0}, {0.2})}), {});
+  ASSERT_FALSE(lag);
+  EXPECT_NE(lag.error().text.find("noise"), std::string::npos);
+  const auto rig = make_compensator(model_with({ModelEffect{"backlash", "", {}, {}}}), {});
+  ASSERT_FALSE(rig);
+  EXPECT_NE(rig.error().text.find("must not copy"), std::string::npos) << rig.error().text;
+}
+
+TEST(Compensator, AnEquationThatNeedsLibmOrTheWheelIsRefusedWithItsPlace) {
+  Model m = model_with({});
+  m.user_effects.push_back({"mine", {}, {}, "sin(F)"});
+  auto made = make_compensator(m, {});
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().text.find("sin"), std::string::npos);
+  m.user_effects[0].output = "0.1 * th";
+  made = make_compensator(m, {});
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().text.find("'th'"), std::string::npos);
+  EXPECT_NE(made.error().where.find("mine"), std::string::npos);
+}
+
+TEST(Compensator, TheHeaderStatesItsCostAndUsesNoLibraryBeyondFixedIntegers) {
+  const auto made = make_compensator(model_with({effect("creep", "prony", {0.01, 0.02})}), {});
+  ASSERT_TRUE(made);
+  EXPECT_NE(made->header.find("floating-point operations"), std::string::npos);
+  EXPECT_NE(made->header.find("bytes of\n   state"), std::string::npos);
+  EXPECT_EQ(made->header.find("math.h"), std::string::npos);
+  EXPECT_EQ(made->header.find("double "), std::string::npos);
+  EXPECT_EQ(made->header.find("malloc"), std::string::npos);
+  EXPECT_EQ(made->id, "creep");
+}
+
+TEST(CalibrationMap, TakesBackWhatTheSweepsMakeOfCreep) {
+  const auto path = find_plan("smoke");
+  ASSERT_TRUE(path);
+  const auto plan = read_plan(*path);
+  ASSERT_TRUE(plan);
+  const auto none = calibration_map(model_with({}), *plan);
+  ASSERT_TRUE(none);
+  EXPECT_NEAR(none->alpha, 1.0, 1e-9);
+  EXPECT_NEAR(none->beta_N, 0.0, 1e-9);
+  EXPECT_NEAR(none->b[1], 1.0, 0.02);
+  EXPECT_NEAR(none->q[2], 1.0, 0.02);
+  const auto creep = calibration_map(model_with({effect("creep", "prony", {0.1})}), *plan);
+  ASSERT_TRUE(creep);
+  EXPECT_NEAR(creep->alpha, 1.0 / 1.1, 0.01);  // a second is nothing to a sweep: creep of 10 % is a gain of 10 %
+  EXPECT_LT(creep->residual_pct, 1.0);
+}
+
+}  // namespace
+}  // namespace forcegate
