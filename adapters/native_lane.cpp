@@ -2,8 +2,11 @@
 // The object keeps its state in static memory and may crash or hang: run one case per worker process.
 
 #include <dlfcn.h>
+#include <malloc.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "adapters/link/image.h"
 #include "hil/base/text.h"
@@ -14,6 +17,7 @@ namespace forcegate {
 namespace {
 
 constexpr std::uint32_t kAbi = 1;
+constexpr std::uint32_t kHeapSettled = 20000;  // buffers made at first use are no growth
 constexpr std::int32_t kBadCalibration = 1, kBadIndex = 2;
 
 struct NativeCalibration {
@@ -56,6 +60,7 @@ class NativeDut final : public Dut {
   Result<DutInfo> open(const DutSession& session) override {
     unload();
     counters_ = {};
+    heap_growth_ = std::numeric_limits<double>::quiet_NaN();
     where_ = printable_utf8(session.image.string());
     FORCEGATE_TRY(const link::Image image, link::inspect_image(session.image));
     if (image.kind != link::ImageKind::host_shared_object)
@@ -72,6 +77,54 @@ class NativeDut final : public Dut {
         !load("forcegate_native_process", process_) || !load("forcegate_native_close", close_))
       return fail(ErrorCode::usage, "the shared object does not export the functions of the native port",
                   where_, "build it with rigs/firmware/ports/native.h");
+    image_ = image;
+    return greet(session);
+  }
+
+  Result<DutInfo> restart(const DutSession& session) override {
+    if (handle_ == nullptr) return open(session);
+    counters_ = {};
+    return greet(session);
+  }
+
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
+                       std::span<float> force_N, std::span<std::uint8_t> flags) override {
+    if (process_ == nullptr) return fail(ErrorCode::internal, "the native lane is not open", where_);
+    std::int32_t status = 0;
+    // Asking costs a microsecond: too much for the ten samples of a control period.
+    const bool watch_heap = first_index >= kHeapSettled && adc.size() >= 256;
+    const std::int64_t before = watch_heap ? heap_bytes() : 0;
+    {
+      const InFirmware marker(first_index);
+      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), force_N.data(),
+                        flags.data());
+    }
+    if (watch_heap)
+      heap_growth_ =
+          (std::isnan(heap_growth_) ? 0.0 : heap_growth_) + static_cast<double>(heap_bytes() - before);
+    if (status != 0)
+      return fail(ErrorCode::firmware,
+                  status == kBadIndex
+                      ? "the image expected another sample index than " + std::to_string(first_index)
+                      : "the image answers status " + std::to_string(status),
+                  where_);
+    counters_.samples += adc.size();
+    return {};
+  }
+
+  Result<DutCounters> close() override {
+    unload();
+    return counters_;
+  }
+
+  DutResources resources() const override {
+    DutResources r;
+    r.heap_growth_bytes = heap_growth_;
+    return r;
+  }
+
+ private:
+  Result<DutInfo> greet(const DutSession& session) {
     const NativeCalibration calibration = to_native(session.calibration);
     NativeInfo info{};
     std::int32_t status = 0;
@@ -104,6 +157,7 @@ class NativeDut final : public Dut {
                   "the image runs at " + std::to_string(info.rate_Hz) + " Hz, the rig at " +
                       shortest(session.rate_Hz) + " Hz",
                   where_);
+    FORCEGATE_CHECK_OK(link::check_build_id(image_, text_of(info.build_id), where_));
     return DutInfo{1,
                    info.protocol_minor,
                    text_of(info.board),
@@ -114,31 +168,11 @@ class NativeDut final : public Dut {
                    static_cast<double>(info.rate_Hz)};
   }
 
-  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
-                       std::span<float> force_N, std::span<std::uint8_t> flags) override {
-    if (process_ == nullptr) return fail(ErrorCode::internal, "the native lane is not open", where_);
-    std::int32_t status = 0;
-    {
-      const InFirmware marker(first_index);
-      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), force_N.data(),
-                        flags.data());
-    }
-    if (status != 0)
-      return fail(ErrorCode::firmware,
-                  status == kBadIndex
-                      ? "the image expected another sample index than " + std::to_string(first_index)
-                      : "the image answers status " + std::to_string(status),
-                  where_);
-    counters_.samples += adc.size();
-    return {};
+  static std::int64_t heap_bytes() {
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<std::int64_t>(info.uordblks + info.hblkhd);
   }
 
-  Result<DutCounters> close() override {
-    unload();
-    return counters_;
-  }
-
- private:
   template <class Function>
   bool load(const char* name, Function& function) {
     function = reinterpret_cast<Function>(dlsym(handle_, name));
@@ -157,6 +191,7 @@ class NativeDut final : public Dut {
     close_ = nullptr;
   }
 
+  link::Image image_;
   void* handle_ = nullptr;
   std::uint32_t (*abi_)() = nullptr;
   std::int32_t (*open_)(std::uint32_t, const NativeCalibration*, NativeInfo*) = nullptr;
@@ -164,6 +199,7 @@ class NativeDut final : public Dut {
                            std::uint8_t*) = nullptr;
   void (*close_)() = nullptr;
   DutCounters counters_;
+  double heap_growth_ = std::numeric_limits<double>::quiet_NaN();
   std::string where_;
 };
 

@@ -2,7 +2,9 @@
 // through a Unix socket. Every sample crosses the link twice; sequence numbers and indices make any loss
 // visible.
 
+#include <array>
 #include <chrono>
+#include <cmath>
 
 #include "adapters/emulator/qemu.h"
 #include "adapters/link/frame.h"
@@ -28,6 +30,7 @@ class UartDut final : public Dut {
     stream_.clear();
     sequence_ = 0;
     expects_sequence_ = false;
+    session_rate_Hz_ = session.rate_Hz;
     device_dropped_ = device_bad_ = 0;
     where_ = printable_utf8(session.image.string());
     FORCEGATE_TRY(const link::Image image, link::inspect_image(session.image));
@@ -44,6 +47,20 @@ class UartDut final : public Dut {
     FORCEGATE_TRY(transport_, listener.accept_peer(timeout_s_));
     if (transport_ == nullptr)
       return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent("no connection"));
+    FORCEGATE_CHECK_OK(receive(link::Type::info));  // the device speaks first
+    FORCEGATE_TRY(DutInfo info, handshake(session));
+    FORCEGATE_CHECK_OK(link::check_build_id(image, info.build_id, where_));
+    resources_ = {};
+    resources_.ram_bytes = image.ram_bytes;
+    resources_.flash_bytes = image.flash_bytes;
+    return info;
+  }
+
+  DutResources resources() const override { return resources_; }
+
+  Result<DutInfo> restart(const DutSession& session) override {
+    if (transport_ == nullptr) return open(session);
+    counters_ = {};
     return handshake(session);
   }
 
@@ -79,6 +96,8 @@ class UartDut final : public Dut {
         flags[done] = s.flags;
         ++done;
       }
+      FORCEGATE_CHECK_OK(
+          check_clock(frame.t_us, first_index + static_cast<std::uint32_t>(done), session_rate_Hz_));
       device_dropped_ = samples->dropped;
       device_bad_ = samples->bad;
     }
@@ -101,7 +120,6 @@ class UartDut final : public Dut {
   }
 
   Result<DutInfo> handshake(const DutSession& session) {
-    FORCEGATE_CHECK_OK(receive(link::Type::info));  // the device speaks first
     FORCEGATE_CHECK_OK(send(link::Type::hello, link::hello_payload(session.nonce)));
     FORCEGATE_TRY(const link::Frame reply, receive(link::Type::info));
     const auto info = link::decode_info(reply.payload);
@@ -122,12 +140,79 @@ class UartDut final : public Dut {
     const auto echoed = link::decode_param_value(value.payload);
     if (!echoed || !(echoed->calibration == calibration))
       return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
+    FORCEGATE_CHECK_OK(probe());
     FORCEGATE_CHECK_OK(send(link::Type::reset, {}));
     FORCEGATE_CHECK_OK(receive(link::Type::reset_done));
+    clock_known_ = false;
     batch_ = std::min<std::size_t>(info->batch_max, 32);
     return DutInfo{
         reply.version >> 4, reply.version & 15, info->board,          info->build_id,
         info->algorithm_id, info->nonce,        calibration.adc_bits, static_cast<double>(info->rate_Hz)};
+  }
+
+  // A few requests that a device must refuse or bear, before any sample counts. What they leave behind is for
+  // RESET to forget: an image that ignores RESET is at another index afterwards.
+  Result<void> probe() {
+    const std::vector<std::uint8_t> odd{0, 0xFF, 0, 0, 1, 0xFE, 0x55, 0}, marker{'o', 'k'};
+    FORCEGATE_CHECK_OK(send(link::Type{0x7E}, {}));
+    FORCEGATE_CHECK_OK(expect_nak(1, "an unknown request"));
+    FORCEGATE_CHECK_OK(send(link::Type::inject, link::inject_payload(7, std::array<std::uint16_t, 1>{1000})));
+    FORCEGATE_CHECK_OK(expect_nak(5, "samples that do not continue"));
+    FORCEGATE_CHECK_OK(send(link::Type::echo, odd));
+    FORCEGATE_TRY(const link::Frame echo, receive(link::Type::echo_reply));
+    if (echo.payload != odd)
+      return fail(ErrorCode::firmware, "the image does not echo the bytes it was sent", where_);
+    link::Frame damaged;
+    damaged.type = static_cast<std::uint8_t>(link::Type::echo);
+    damaged.sequence = sequence_;  // not counted on: a sound device never saw it
+    damaged.payload = odd;
+    std::vector<std::uint8_t> bytes = link::encode(damaged);
+    bytes[bytes.size() - 2] ^= bytes[bytes.size() - 2] == 0x40 ? 0x20 : 0x40;  // in the CRC, not made zero
+    FORCEGATE_CHECK_OK(write(bytes));
+    FORCEGATE_CHECK_OK(send(link::Type::echo, marker));
+    FORCEGATE_TRY(const link::Frame next, receive(link::Type::echo_reply));
+    if (next.payload != marker)
+      return fail(ErrorCode::firmware, "the image accepts a frame whose CRC is wrong", where_);
+    const std::array<std::uint16_t, 8> codes{0, 65535, 1, 30000, 30001, 2, 3, 4};
+    FORCEGATE_CHECK_OK(send(link::Type::inject, link::inject_payload(0, codes)));
+    FORCEGATE_CHECK_OK(receive(link::Type::samples));
+    return {};
+  }
+
+  Result<void> expect_nak(std::uint8_t code, const char* what) {
+    const std::vector<std::uint8_t> marker{'n'};
+    FORCEGATE_CHECK_OK(send(link::Type::echo, marker));  // comes back even if the request was ignored
+    FORCEGATE_TRY(const link::Frame reply, receive(link::Type::nak, link::Type::echo_reply));
+    const auto nak = link::decode_nak(reply.payload);
+    if (reply.type != static_cast<std::uint8_t>(link::Type::nak) || !nak || nak->code != code)
+      return fail(ErrorCode::firmware, std::string("the image does not refuse ") + what, where_);
+    FORCEGATE_CHECK_OK(receive(link::Type::echo_reply));
+    return {};
+  }
+
+  // With injected samples the sample count is the clock (docs/protocol.md); 100 ppm and a millisecond are
+  // allowed.
+  Result<void> check_clock(std::uint32_t t_us, std::uint32_t next_index, double rate_Hz) {
+    if (!clock_known_) {
+      clock_known_ = true;
+      clock_t_us_ = t_us;
+      clock_index_ = next_index;
+      return {};
+    }
+    const double expected_us = 1e6 * static_cast<double>(next_index - clock_index_) / rate_Hz;
+    const auto whole = static_cast<std::uint32_t>(static_cast<std::uint64_t>(expected_us));
+    const auto off_us = static_cast<double>(static_cast<std::int32_t>(t_us - clock_t_us_ - whole));
+    if (std::abs(off_us) <= 1000.0 + 1e-4 * expected_us) return {};
+    return fail(ErrorCode::firmware,
+                "the device clock is " + shortest(off_us / 1000.0) + " ms off after " +
+                    shortest(expected_us / 1e6) + " s of samples",
+                where_, "t_us counts microseconds and wraps at 2^32");
+  }
+
+  Result<void> write(const std::vector<std::uint8_t>& bytes) {
+    auto sent = transport_->write(bytes, timeout_s_);
+    if (!sent) return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent(sent.error().text));
+    return {};
   }
 
   Result<void> send(link::Type type, std::vector<std::uint8_t> payload) {
@@ -135,19 +220,19 @@ class UartDut final : public Dut {
     frame.type = static_cast<std::uint8_t>(type);
     frame.sequence = sequence_++;
     frame.payload = std::move(payload);
-    auto sent = transport_->write(link::encode(frame), timeout_s_);
-    if (!sent) return Unexpected(qemu_.dead() ? qemu_.death(where_) : silent(sent.error().text));
-    return {};
+    return write(link::encode(frame));
   }
 
-  /// The next frame of that type; EVENT frames pass by, a NAK is an error.
-  Result<link::Frame> receive(link::Type wanted) {
+  Result<link::Frame> receive(link::Type wanted) { return receive(wanted, wanted); }
+
+  /// The next frame of either type; EVENT frames pass by, a NAK that was not asked for is an error.
+  Result<link::Frame> receive(link::Type wanted, link::Type other) {
     const auto start = std::chrono::steady_clock::now();
     for (;;) {
       link::ParseResult parsed = link::parse(stream_);
       stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(parsed.consumed));
       if (parsed.kind == link::Parse::value) {
-        FORCEGATE_TRY(const bool is_wanted, examine(parsed.frame, wanted));
+        FORCEGATE_TRY(const bool is_wanted, examine(parsed.frame, wanted, other));
         if (is_wanted) return std::move(parsed.frame);
         continue;
       }
@@ -168,7 +253,7 @@ class UartDut final : public Dut {
     }
   }
 
-  Result<bool> examine(const link::Frame& frame, link::Type wanted) {
+  Result<bool> examine(const link::Frame& frame, link::Type wanted, link::Type other) {
     if (frame.version >> 4 != link::kVersion >> 4)
       return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(frame.version >> 4),
                   where_);
@@ -176,7 +261,8 @@ class UartDut final : public Dut {
       counters_.frames_dropped += static_cast<std::uint16_t>(frame.sequence - expected_sequence_);
     expects_sequence_ = true;
     expected_sequence_ = static_cast<std::uint16_t>(frame.sequence + 1);
-    if (frame.type == static_cast<std::uint8_t>(wanted)) return true;
+    if (frame.type == static_cast<std::uint8_t>(wanted) || frame.type == static_cast<std::uint8_t>(other))
+      return true;
     if (frame.type != static_cast<std::uint8_t>(link::Type::nak)) return false;
     ++counters_.naks;
     const auto nak = link::decode_nak(frame.payload);
@@ -197,9 +283,12 @@ class UartDut final : public Dut {
   std::unique_ptr<Transport> transport_;
   std::vector<std::uint8_t> stream_;
   std::uint16_t sequence_ = 0, expected_sequence_ = 0, device_dropped_ = 0, device_bad_ = 0;
-  bool expects_sequence_ = false;
+  bool expects_sequence_ = false, clock_known_ = false;
+  std::uint32_t clock_t_us_ = 0, clock_index_ = 0;
+  double session_rate_Hz_ = 1000.0;
   std::size_t batch_ = 32;
   DutCounters counters_;
+  DutResources resources_;
 };
 
 const Registration<LaneKind> kRegistered{{

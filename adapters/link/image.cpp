@@ -2,6 +2,7 @@
 
 #include <elf.h>
 
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
@@ -26,7 +27,7 @@ Unexpected refuse(const std::filesystem::path& path, const std::string& what) {
 
 std::string token(const std::string& bytes, std::size_t& at) {
   std::string word;
-  while (at < bytes.size() && word.size() < 32) {
+  while (at < bytes.size() && word.size() < 40) {
     const char c = bytes[at];
     if (!((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-')) break;
     word.push_back(c);
@@ -35,7 +36,39 @@ std::string token(const std::string& bytes, std::size_t& at) {
   return word;
 }
 
+// After the marker `key`, wherever it stands in the file.
+std::string marker(const std::string& bytes, std::string_view key) {
+  std::size_t at = bytes.find(key);
+  if (at == std::string::npos) return {};
+  at += key.size();
+  return token(bytes, at);
+}
+
+// Flash and RAM of the sections that are loaded (ELF32, little-endian). A broken table counts as nothing.
+void add_sizes(const std::string& bytes, Image& image) {
+  Elf32_Ehdr head;
+  std::memcpy(&head, bytes.data(), sizeof head);
+  for (unsigned i = 0; i < head.e_shnum; ++i) {
+    const std::size_t at = static_cast<std::size_t>(head.e_shoff) + i * sizeof(Elf32_Shdr);
+    if (at + sizeof(Elf32_Shdr) > bytes.size()) return;
+    Elf32_Shdr section;
+    std::memcpy(&section, bytes.data() + at, sizeof section);
+    if ((section.sh_flags & SHF_ALLOC) == 0) continue;
+    if (section.sh_type != SHT_NOBITS) image.flash_bytes += section.sh_size;
+    if (section.sh_type == SHT_NOBITS || (section.sh_flags & SHF_WRITE) != 0)
+      image.ram_bytes += section.sh_size;
+  }
+}
+
 }  // namespace
+
+Result<void> check_build_id(const Image& image, const std::string& announced, const std::string& where) {
+  if (image.build_id.empty() || image.build_id == announced) return {};
+  return fail(ErrorCode::firmware,
+              "another build answers: the image announces " + announced.substr(0, 12) + ", the file is " +
+                  image.build_id.substr(0, 12),
+              where, "flash the file that is to be judged");
+}
 
 Result<Image> inspect_image(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -53,6 +86,7 @@ Result<Image> inspect_image(const std::filesystem::path& path) {
   };
   const unsigned type = half(16), machine = half(18);
   Image image;
+  image.build_id = marker(bytes, "forcegate-build:");
   if (bytes[EI_CLASS] == ELFCLASS64 && machine == kHostMachine && type == ET_DYN) {
     image.kind = ImageKind::host_shared_object;
     image.port = "native";
@@ -68,6 +102,8 @@ Result<Image> inspect_image(const std::filesystem::path& path) {
     image.port = token(bytes, at);
     if (at < bytes.size() && bytes[at] == ':') image.board = token(bytes, ++at);
   }
+  image.ticks = marker(bytes, "forcegate-tick:") == "1";
+  add_sizes(bytes, image);
   return image;
 }
 

@@ -21,6 +21,9 @@ class GateRun {
 
   Result<RunResult> run(const GateProgress& progress) {
     FORCEGATE_CHECK_OK(read_derived_limits());
+    if (!request_.accepted.empty()) {
+      FORCEGATE_TRY(accepted_, open_accepted(request_, setup_));
+    }
     std::optional<RunFolder> folder;
     if (!request_.output.empty()) {
       FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
@@ -30,6 +33,7 @@ class GateRun {
     head();
     GatePlayer player(request_, setup_, limits_, progress, cancelled_);
     player_ = &player;
+    if (accepted_) player.set_accepted(&*accepted_);
     FORCEGATE_CHECK_OK(player.take_base_calibration());
     look(keep_folder);
     FORCEGATE_CHECK_OK(first_usage_error());
@@ -68,6 +72,10 @@ class GateRun {
     result_.decision_rule = plan.rule.to_text();
     result_.environment["compiler"] = "GCC " __VERSION__;
     result_.environment["lane"] = setup_.lane;
+    for (const std::string& note : setup_.notes) result_.notes.push_back(note);
+    if (accepted_)
+      result_.notes.push_back(fmt::format("accepted build: {} (sha256 {})", accepted_->path,
+                                          accepted_->sha256.substr(0, 12)));
   }
 
   using Wanted = std::vector<std::pair<std::size_t, std::size_t>>;
@@ -109,8 +117,20 @@ class GateRun {
           table[one.specimen_index].sessions.push_back(&one.judged);
       for (JudgedCheck& check : judge_panel(plan, plan.cases[k], table)) panel_.push_back(std::move(check));
     }
+    compare();
     std::vector<JudgedCheck*> all = all_checks();
     apply_rule(plan.rule, all);
+  }
+
+  void compare() {
+    if (!accepted_) return;
+    std::vector<ComparedRecord> pairs;
+    for (const PlayedRecord& one : player_->records())
+      if (!one.superseded)
+        pairs.push_back({&setup_.plan.cases[one.case_index], &one.record, player_->accepted(one.job),
+                         &one.judged.checks});
+    for (JudgedCheck& check : compare_with_accepted(setup_.plan, *accepted_, setup_.rig.emulated, pairs))
+      panel_.push_back(std::move(check));
   }
 
   // Records that the next session needs: a panel's mean needs all its specimens.
@@ -125,7 +145,8 @@ class GateRun {
           const std::string record = planned.name + "/" + specimens[i];
           const Check& c = open->check;
           const bool one = c.case_id == record || c.id.ends_with("/" + record);
-          const bool panel = c.case_id.empty() && c.id.starts_with("promise_") && c.id.ends_with("/" + planned.name);
+          const bool panel = c.case_id.empty() && (c.id.starts_with("promise_") || c.id.starts_with("no_worse_")) &&
+                             c.id.ends_with("/" + planned.name);
           if ((one || panel) && std::find(wanted.begin(), wanted.end(), std::pair(k, i)) == wanted.end())
             wanted.emplace_back(k, i);
           if ((one || panel) && std::find(names.begin(), names.end(), planned.name) == names.end())
@@ -226,6 +247,7 @@ class GateRun {
   GateSetup setup_;
   const std::atomic<bool>* cancelled_;
   DerivedLimits limits_;
+  std::optional<AcceptedBuild> accepted_;
   GatePlayer* player_ = nullptr;  ///< while run() lasts
   std::vector<JudgedCheck> panel_;
   RunResult result_;

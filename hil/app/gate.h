@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hil/base/result.h"
@@ -15,6 +16,11 @@
 #include "hil/interface/run_result.h"
 
 namespace forcegate {
+
+/// Calibrations by specimen and session that outlive one run, for several builds on one rig under one plan and seed.
+struct CalibrationCache {
+  std::map<std::pair<std::string, std::uint64_t>, Calibration> known;
+};
 
 struct GateRequest {
   std::filesystem::path firmware;
@@ -26,10 +32,15 @@ struct GateRequest {
   std::optional<CalibrationLevel> level;           ///< overrides the plan
   std::filesystem::path calibration_file;          ///< used instead of a calibration on the rig
   std::optional<std::uint64_t> seed;
+  /// Build to be no worse than: its image, played on the same rig in turn with the candidate, or the result of
+  /// its run under the same plan and seed. Empty: nothing is compared.
+  std::filesystem::path accepted;
   std::map<std::string, double> faults;
   std::vector<std::string> only_cases;  ///< names; empty = all
   std::vector<std::string> panel;       ///< overrides the plan's; empty = the plan's
   unsigned threads = 0;
+  double hang_cpu_s = 10.0;                  ///< see WorkerOptions
+  CalibrationCache* calibrations = nullptr;  ///< read and filled
   bool single_look = false;      ///< no further sessions of what is undecided
   bool keep = false;             ///< samples of every record, not only of those in doubt
   std::filesystem::path output;  ///< folder of the result; empty = none is written

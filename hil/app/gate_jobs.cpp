@@ -54,6 +54,27 @@ Result<void> select_cases(const GateRequest& request, Plan& plan) {
   return {};
 }
 
+// Cases of a lane of their own are for images that run there. The one given on the command line is for all.
+Result<void> select_lanes(const GateRequest& request, GateSetup& setup) {
+  std::vector<std::string> left_out;
+  std::erase_if(setup.plan.cases, [&](PlanCase& c) {
+    if (c.lane.empty() || !request.lane.empty()) {
+      c.lane = setup.lane;
+      return false;
+    }
+    const LaneKind* lane = Registry<LaneKind>::instance().find(c.lane);
+    if (lane != nullptr && lane->accepts(request.firmware)) return false;
+    left_out.push_back(c.name + " (" + c.lane + ")");
+    return true;
+  });
+  if (setup.plan.cases.empty())
+    return fail(ErrorCode::usage, "no case of this plan is for this image", setup.plan.path.string(),
+                "its cases want another lane: " + join(left_out, ", "));
+  if (!left_out.empty())
+    setup.notes.push_back("not played, the image is not built for the lane: " + join(left_out, ", "));
+  return {};
+}
+
 // The profile of a recording is its own force channel.
 Result<void> take_profile_of_recording(const GateRequest& request, PlanCase& planned) {
   const auto path = request.rig_options.find("record");
@@ -141,6 +162,7 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
     for (PlanCase& c : plan.cases) c.specimens.clear();
   }
   FORCEGATE_CHECK_OK(select_cases(request, plan));
+  FORCEGATE_CHECK_OK(select_lanes(request, setup));
   if (!setup.rig.can_move) {
     // A recording is one record of one specimen: the plan's open-loop cases would all be the same.
     std::erase_if(plan.cases, [](const PlanCase& c) { return c.loop == LoopMode::closed; });
@@ -193,7 +215,7 @@ CaseJob record_job(const GateRequest& request, const GateSetup& setup, std::size
   const auto& specimens = specimens_of(setup.plan, planned);
   CaseJob job = common_job(request, setup, specimen);
   job.id = planned.name + "/" + specimen + session_suffix(session);
-  job.lane = setup.lane;
+  job.lane = planned.lane;
   job.lane_options = request.lane_options;
   job.image = std::filesystem::absolute(request.firmware).string();
   job.planned = planned;

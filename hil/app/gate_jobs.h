@@ -12,7 +12,8 @@ namespace forcegate {
 struct GateSetup {
   Plan plan;
   std::string firmware_sha256;
-  std::string lane;
+  std::string lane;  ///< of the cases that name none; afterwards every case has one
+  std::vector<std::string> notes;
   RigInfo rig;
   std::vector<std::string> specimens;  ///< all that are needed, in order of first use
 };

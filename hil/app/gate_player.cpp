@@ -66,15 +66,47 @@ std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {
   WorkerOptions options;
   options.workers = request_.threads;
   options.cancelled = cancelled_;
+  options.hang_cpu_s = request_.hang_cpu_s;
   return run_in_workers(jobs, options,
                         {[&](std::size_t job, double t_s) { report(job, std::min(t_s, length_s[job])); },
                          [&](std::size_t job) { report(job, length_s[job]); }});
 }
 
+// Candidate and accepted build one after the other, every second pair the other way round: a drift of the rig hits both
+// alike.
+std::vector<CaseRecord> GatePlayer::run_in_turn(const std::vector<CaseJob>& jobs) {
+  if (accepted_build_ == nullptr || accepted_build_->stored) return run(jobs);
+  std::vector<CaseJob> both;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    both.push_back(jobs[i]);
+    both.insert(i % 2 == 0 ? both.end() : both.end() - 1, accepted_job(jobs[i], *accepted_build_));
+    planned_s_ += rig_time_s(jobs[i]);
+  }
+  for (std::size_t i = 0; i < both.size(); ++i) both[i].index = i;
+  auto made = run(both);
+  std::vector<CaseRecord> own;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const std::size_t candidate = 2 * i + i % 2;
+    accepted_[jobs[i].id] = std::move(made[2 * i + 1 - i % 2]);
+    made[candidate].index = i;
+    own.push_back(std::move(made[candidate]));
+  }
+  return own;
+}
+
+const CaseRecord* GatePlayer::accepted(const CaseJob& job) const {
+  const auto at = accepted_.find(job.id);
+  return at == accepted_.end() ? nullptr : &at->second;
+}
+
 void GatePlayer::calibrate(std::uint64_t session, const std::vector<std::string>& specimens) {
   std::vector<std::string> open;
-  for (const std::string& specimen : specimens)
+  CalibrationCache* cache = request_.calibrations;
+  for (const std::string& specimen : specimens) {
+    if (cache != nullptr && cache->known.contains({specimen, session}))
+      calibrations_[{specimen, session}] = cache->known[{specimen, session}];
     if (!calibrations_.contains({specimen, session})) open.push_back(specimen);
+  }
   for (int attempt = 1; attempt <= attempts_ && !open.empty(); ++attempt) {
     std::vector<CaseJob> jobs;
     for (const std::string& specimen : open) {
@@ -90,6 +122,7 @@ void GatePlayer::calibrate(std::uint64_t session, const std::vector<std::string>
       const CaseRecord& r = made[i];
       calibrations_[key] = r.failure ? base_ : r.calibration;
       failures_.erase(key);
+      if (cache != nullptr && !r.failure) cache->known[key] = r.calibration;
       if (r.failure) {
         failures_[key] = *r.failure;
         if (r.failure->stage == CaseFailure::Stage::rig && attempt < attempts_) {
@@ -154,7 +187,7 @@ void GatePlayer::play(std::uint64_t session, const std::vector<std::pair<std::si
   for (int attempt = 1; !list.empty(); ++attempt) {
     std::vector<CaseJob> jobs;
     for (const PlayedRecord& one : list) jobs.push_back(one.job);
-    auto made = run(jobs);
+    auto made = run_in_turn(jobs);
     std::vector<PlayedRecord> again;
     for (std::size_t i = 0; i < made.size(); ++i) {
       PlayedRecord& one = list[i];

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/app/accepted_build.h"
 #include "hil/app/gate_jobs.h"
 #include "hil/app/worker.h"
 #include "hil/gate/judge.h"
@@ -31,6 +32,11 @@ class GatePlayer {
   /// Level and values that hold for every specimen: nominal ones or those of the calibration file.
   Result<void> take_base_calibration();
 
+  /// Every record is played with this image too, in turn; it must outlive the player.
+  void set_accepted(const AcceptedBuild* build) { accepted_build_ = build; }
+  /// Of the accepted image for a record of the candidate; null when there is none.
+  const CaseRecord* accepted(const CaseJob& job) const;
+
   /// One record for each (case, index of its specimen), with a calibration of this session before them.
   void play(std::uint64_t session, const std::vector<std::pair<std::size_t, std::size_t>>& wanted,
             const std::filesystem::path& keep_folder);
@@ -47,6 +53,7 @@ class GatePlayer {
   using Key = std::pair<std::string, std::uint64_t>;  ///< specimen, session
   void calibrate(std::uint64_t session, const std::vector<std::string>& specimens);
   std::vector<CaseRecord> run(const std::vector<CaseJob>& jobs);
+  std::vector<CaseRecord> run_in_turn(const std::vector<CaseJob>& jobs);
   void add(PlayedRecord played, const std::filesystem::path& keep_folder, std::vector<PlayedRecord>& to_play);
 
   const GateRequest& request_;
@@ -61,6 +68,8 @@ class GatePlayer {
   std::map<Key, CaseFailure> failures_;
   double planned_s_ = 0.0, done_s_ = 0.0;  ///< rig time
   std::vector<PlayedRecord> records_;
+  const AcceptedBuild* accepted_build_ = nullptr;
+  std::map<std::string, CaseRecord> accepted_;  ///< by the candidate's id
   std::vector<std::string> notes_;
 };
 

@@ -44,6 +44,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusS
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanCase> {
   f("name", v.name), f("title", v.title), f("source", v.source), f("stimulus", v.stimulus), f("loop", v.loop);
+  f("lane", v.lane), f("prelude", v.prelude_s);
   f("controller", v.controller), f("checks", v.checks), f("specimens", v.specimens),
       f("rest", v.rest_before_s);
   f("prominence", v.prominence_N), f("half_width", v.half_width_s), f("tail", v.tail_s),
@@ -92,6 +93,18 @@ template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutCounters> {
   f("samples", v.samples), f("dropped", v.frames_dropped), f("bad", v.frames_bad), f("lost", v.indices_lost);
   f("overruns", v.overruns), f("naks", v.naks);
+}
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutResources> {
+  f("worst", v.instructions_worst), f("mean", v.instructions_mean), f("worst_at", v.worst_at_s),
+      f("late", v.late);
+  f("stack", v.stack_bytes), f("ram", v.ram_bytes), f("flash", v.flash_bytes), f("heap", v.heap_growth_bytes);
+}
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PreludeFacts> {
+  f("samples", v.samples), f("nan", v.not_finite), f("largest", v.largest_N), f("known", v.conformance_known);
+  f("value", v.conformance), f("limit", v.conformance_limit), f("unit", v.conformance_unit);
+  f("source", v.conformance_source), f("evidence", v.conformance_evidence);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, StimulusFacts> {
@@ -146,6 +159,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecayFit>
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecord> {
   f("id", v.id), f("index", v.index), f("failure", v.failure), f("rig", v.rig), f("firmware", v.firmware);
+  f("resources", v.resources), f("prelude", v.prelude);
   f("link", v.link), f("facts", v.facts), f("duration", v.duration_s), f("samples", v.samples);
   f("expected", v.expected_samples), f("expected_extrema", v.expected_extrema), f("observed", v.observed);
   f("safety", v.safety), f("output", v.output), f("hold", v.hold), f("pairs", v.pairs), f("lag", v.lag_s);

@@ -72,6 +72,16 @@ struct HoldFacts {
   double dut_N = 0.0, raw_N = 0.0, ati_N = 0.0;
 };
 
+/// What the image did before its RESET, in a session with another calibration and codes that no rig makes.
+struct PreludeFacts {
+  std::uint64_t samples = 0;  ///< 0: none was played
+  std::uint64_t not_finite = 0;
+  double largest_N = 0.0;
+  bool conformance_known = false;
+  double conformance = 0.0, conformance_limit = 0.0;
+  std::string conformance_unit, conformance_source, conformance_evidence;
+};
+
 struct CaseRecord {
   std::string id;
   std::uint64_t index = 0;
@@ -79,6 +89,8 @@ struct CaseRecord {
   RigInfo rig;
   DutInfo firmware;
   DutCounters link;
+  DutResources resources;
+  PreludeFacts prelude;
   StimulusFacts facts;
   double duration_s = 0.0;
   std::uint64_t samples = 0, expected_samples = 0;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "hil/gate/blame.h"
+#include "hil/gate/judge_target.h"
 #include "hil/gate/judged_extrema.h"
 #include "hil/gate/statistics.h"
 #include "hil/rig/self_check.h"
@@ -34,6 +35,7 @@ class CaseJudge {
     link();
     output();
     conformance();
+    for (JudgedCheck& check : judge_target(plan_, record_)) out_.checks.push_back(std::move(check));
     values();
     hold();
     return std::move(out_);

@@ -37,10 +37,12 @@ struct PlanCase {
   std::string source;     ///< "Lebosse 2011, Table II" or "ours"
   StimulusSpec stimulus;  ///< its duration is in there, see Stimulus::duration_s
   LoopMode loop = LoopMode::open;
+  std::string lane;        ///< "tick", "uart": only for images that run there; "" = the image's own
   std::string controller;  ///< default: "open_loop" or "force_integral"
   unsigned checks = 0;     ///< of CaseCheck; coverage, link, output and rig checks are always made
   std::vector<std::string> specimens;  ///< empty: the panel
   double rest_before_s = 7200.0;
+  double prelude_s = 0.0;  ///< of a session with other calibration and hostile codes, ended by RESET; 0: none
   double prominence_N = 0.0;                     ///< of a turning point; 0: a quarter of the amplitude
   double half_width_s = 0.005;                   ///< averaging of an extremum
   double tail_s = 0.0;                           ///< promise and accuracy only over the last tail_s; 0: all
@@ -71,6 +73,9 @@ struct PlanLimits {
   double output_max_N = 10.0;   ///< |F_dut|
   double hold_pct = 5.0;        ///< |F_dut| over the static value during a hold, in excess
   double minima_floor_N = 0.5;  ///< below: mean absolute error instead of relative
+  double increase_pct = 0.5;    ///< of a mean relative error against the accepted build, percentage points
+  double instructions = 0.0;    ///< of one sample, worst case; 0 here and below: reported, not judged
+  double stack_bytes = 0.0, ram_bytes = 0.0, flash_bytes = 0.0;  ///< ram: static data and stack
 };
 
 /// What the budget of uncertainty takes from elsewhere than the record.

@@ -114,6 +114,7 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   c.loop = loop == "closed" ? LoopMode::closed : LoopMode::open;
   c.controller = c.loop == LoopMode::closed ? "force_integral" : "open_loop";
   r.text("controller", c.controller);
+  r.text("lane", c.lane);
   FORCEGATE_CHECK_OK(read_checks(r, node, c));
   FORCEGATE_CHECK_OK(read_specimens(r, c.specimens, node));
   r.number("rest_before_s", c.rest_before_s = plan.calibration.rest_s, 0.0, 1e9);
@@ -121,6 +122,7 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   double half_width_ms = 1000.0 * c.half_width_s;
   if (r.number("half_width_ms", half_width_ms, 0.0, 1000.0)) c.half_width_s = half_width_ms / 1000.0;
   r.number("tail_s", c.tail_s, 0.0, kDay_s);
+  r.number("prelude_s", c.prelude_s, 0.0, kDay_s);
   double limit = 0.0;
   if (r.number("maxima_pct", limit, 0.0, 1000.0)) c.maxima_pct = limit;
   if (r.number("minima_pct", limit, 0.0, 1000.0)) c.minima_pct = limit;
@@ -207,6 +209,11 @@ Result<void> read_limits(const ConfigNode& node, PlanLimits& l) {
   r.number("output_max_N", l.output_max_N, 0.0, 1e6);
   r.number("hold_pct", l.hold_pct, 0.0, 1000.0);
   r.number("minima_floor_N", l.minima_floor_N, 0.0, 5.0);
+  r.number("increase_pct", l.increase_pct, 0.0, 100.0);
+  r.number("instructions", l.instructions, 0.0, 1e9);
+  r.number("stack_bytes", l.stack_bytes, 0.0, 1e9);
+  r.number("ram_bytes", l.ram_bytes, 0.0, 1e9);
+  r.number("flash_bytes", l.flash_bytes, 0.0, 1e9);
   return r.finish();
 }
 

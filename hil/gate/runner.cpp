@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "hil/base/digest.h"
+#include "hil/gate/prelude.h"
 #include "hil/gate/sinks.h"
 #include "hil/rig/safety_gate.h"
 #include "hil/trace/extrema.h"
@@ -84,7 +85,9 @@ class CaseRun {
     session.nonce = job_.nonce;
     session.rate_Hz = rate_Hz;
     session.calibration = job_.calibration;
-    auto opened = devices_.dut->open(session);
+    auto opened = job_.planned.prelude_s > 0.0 ? play_prelude(*devices_.dut, devices_.comparator, session,
+                                                              job_.planned.prelude_s, record_.prelude)
+                                               : devices_.dut->open(session);
     if (!opened) return failed(Stage::firmware, opened.error());
     record_.firmware = *opened;
     dut_open_ = true;
@@ -206,6 +209,7 @@ class CaseRun {
     devices_.rig->park();
     if (dut_open_) {
       auto closed = devices_.dut->close();
+      record_.resources = devices_.dut->resources();
       if (closed)
         record_.link = *closed;
       else

@@ -88,6 +88,25 @@ double sample_quantile(std::vector<double> values, double p) {
   return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
+Interval95 clopper_pearson_95(std::size_t k, std::size_t n) {
+  Interval95 out;
+  if (n == 0 || k > n) return out;
+  const double tail = k == 0 || k == n ? 0.05 : 0.025;
+  // p so that the regularised incomplete beta function I_p(a, b) = target.
+  const auto solve = [](double a, double b, double target) {
+    double low = 0.0, high = 1.0;
+    for (int i = 0; i < 200; ++i) {
+      const double middle = 0.5 * (low + high);
+      (incomplete_beta(a, b, middle) < target ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+  };
+  const auto hits = static_cast<double>(k), misses = static_cast<double>(n - k);
+  if (k > 0) out.low = solve(hits, misses + 1.0, tail);
+  if (k < n) out.high = solve(hits + 1.0, misses, 1.0 - tail);
+  return out;
+}
+
 std::vector<bool> holm(std::span<const double> p_values, double alpha) {
   std::vector<std::size_t> order(p_values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

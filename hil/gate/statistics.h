@@ -28,6 +28,14 @@ Moments moments(std::span<const double> values);
 /// Value below which the share p of the items lies (linear between order statistics, type 7); NaN when empty.
 double sample_quantile(std::vector<double> values, double p);
 
+/// Interval of Clopper and Pearson (1934) for a probability after k successes in n trials; n = 0: [0, 1].
+/// One-sided where k is 0 or n: then the bound alone has the coverage, as in "59 clean runs claim less than 5
+/// %".
+struct Interval95 {
+  double low = 0.0, high = 1.0;
+};
+Interval95 clopper_pearson_95(std::size_t k, std::size_t n);
+
 /// Step-down rule of Holm (1979): true for each hypothesis that is rejected while the probability of any
 /// false rejection stays <= alpha. NaN p-values are never rejected but count as hypotheses.
 std::vector<bool> holm(std::span<const double> p_values, double alpha);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -54,6 +55,19 @@ struct DutCounters {
   std::uint64_t naks = 0;
 };
 
+/// What a record cost on the target; NaN where the lane cannot tell.
+struct DutResources {
+  double instructions_worst = std::numeric_limits<double>::quiet_NaN();  ///< of one sample
+  double instructions_mean = std::numeric_limits<double>::quiet_NaN();
+  double worst_at_s = std::numeric_limits<double>::quiet_NaN();
+  double late = std::numeric_limits<double>::quiet_NaN();         ///< samples not done within a sample period
+  double stack_bytes = std::numeric_limits<double>::quiet_NaN();  ///< high-water mark
+  double ram_bytes = std::numeric_limits<double>::quiet_NaN();    ///< static data of the image
+  double flash_bytes = std::numeric_limits<double>::quiet_NaN();
+  double heap_growth_bytes =
+      std::numeric_limits<double>::quiet_NaN();  ///< not given back, first 20 s left out
+};
+
 class Dut {
  public:
   virtual ~Dut() = default;
@@ -69,10 +83,20 @@ class Dut {
 
   /// Ends the record; the image may be opened again.
   virtual Result<DutCounters> close() = 0;
+
+  /// RESET: a new session in the same running image, as after open(). Everything of the session before must
+  /// be forgotten. A lane whose image cannot be reset starts it anew.
+  virtual Result<DutInfo> restart(const DutSession& session) {
+    if (auto closed = close(); !closed) return Unexpected(closed.error());
+    return open(session);
+  }
+
+  /// Of the record that was closed last.
+  virtual DutResources resources() const { return {}; }
 };
 
 struct LaneKind {
-  std::string name;  ///< "native", "block", "uart"
+  std::string name;  ///< "native", "block", "tick", "uart"
   std::string doc;
   /// Images this lane can run, judged by content ("ELF 64-bit shared object", "ARM, semihosting").
   std::function<bool(const std::filesystem::path& image)> accepts;

@@ -68,6 +68,8 @@ Result<int> run(const Invocation& in) {
   if (in.given("record")) request.rig_options["record"] = in.text("record");
   if (in.given("record") && !in.given("rig")) request.rig = "replay";
   if (request.rig == "replay" && !in.given("plan")) request.plan = "replay";
+  if (request.lane == "tick" && !in.given("plan")) request.plan = "tick";
+  if (in.given("accepted")) request.accepted = in.text("accepted");
   if (in.given("cal")) request.calibration_file = in.text("cal");
   if (in.given("calibration")) {
     const std::string level = in.text("calibration");
@@ -140,6 +142,10 @@ const Registration<Command> kRow{Command{
           .value_name = "LEVEL",
           .doc = "How much of the specimen is told to the firmware; default: the plan's.",
           .choices = levels},
+         {.name = "accepted",
+          .value_name = "IMAGE|RUN",
+          .doc =
+              "Build to be no worse than: its image, or the folder of its run under the same plan and seed."},
          {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
          {.name = "fault",
           .value_name = "NAME=VALUE",
@@ -171,6 +177,10 @@ const Registration<Command> kRow{Command{
                   "Is the image that ships any good, in a few seconds?"},
                  {"forcegate gate build/firmware/reference.native.so --plan nightly -o run",
                   "The whole nightly plan:"},
+                 {"forcegate gate new.elf --accepted old.elf",
+                  "Is it any worse than the build in the field?"},
+                 {"forcegate gate build/firmware/reference-m4f.block.elf --lane tick",
+                  "Worst-case instructions of a sample, stack, RAM and flash:"},
                  {"forcegate gate build/firmware/reference.native.so --record run.csv --cal cal.toml",
                   "On a recording:"},
                  {"forcegate gate build/firmware/reference.native.so --fault reference_saturated=2.0",

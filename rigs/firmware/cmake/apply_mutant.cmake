@@ -1,4 +1,4 @@
-# cmake -DMUTANT=mutants/x.mutant -DSOURCE_DIR=rigs/firmware -DOUT=folder -P apply_mutant.cmake
+# cmake -DMUTANT=mutants/x.mutant -DSOURCE_DIR=rigs/firmware -DOUT=folder [-DLEVEL=2] -P apply_mutant.cmake
 # Copies the firmware and applies the one-place change of a .mutant file. The searched text must occur exactly once.
 file(READ ${MUTANT} text)
 if(NOT text MATCHES "(^|\n)file: ([^\n]+)\n")
@@ -18,9 +18,9 @@ file(GLOB sources ${SOURCE_DIR}/*.c ${SOURCE_DIR}/*.h)
 file(COPY ${sources} ${SOURCE_DIR}/ports DESTINATION ${OUT})
 if(NOT target STREQUAL "none")
   math(EXPR search_begin "${search_at} + 6")
-  math(EXPR search_size "${replace_at} - ${search_begin} + 1")
+  math(EXPR search_size "${replace_at} - ${search_begin}")
   math(EXPR replace_begin "${replace_at} + 6")
-  math(EXPR replace_size "${end_at} - ${replace_begin} + 1")
+  math(EXPR replace_size "${end_at} - ${replace_begin}")
   string(SUBSTRING "${text}" ${search_begin} ${search_size} search)
   string(SUBSTRING "${text}" ${replace_begin} ${replace_size} replacement)
   file(READ ${OUT}/${target} code)
@@ -30,5 +30,8 @@ if(NOT target STREQUAL "none")
     message(FATAL_ERROR "${MUTANT}: the text sought must occur exactly once in ${target}")
   endif()
   string(REPLACE "${search}" "${replacement}" code "${code}")
+  set(at "@") # a quoted at-sign pair would be a variable reference to cmake -P
+  string(REPLACE "${at}LEVEL${at}" "${LEVEL}" code "${code}")
   file(WRITE ${OUT}/${target} "${code}")
 endif()
+file(WRITE ${OUT}/applied "")

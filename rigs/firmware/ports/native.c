@@ -5,6 +5,9 @@
 #include "compensator.h"
 #include "identity.h"
 
+/* Read by the harness from the file, to know which build must answer. */
+__attribute__((used)) static const char kBuild[] = "forcegate-build:" FW_BUILD_ID;
+
 static FwCompensator compensator;
 static int is_open;
 

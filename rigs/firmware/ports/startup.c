@@ -2,6 +2,8 @@
    that the host sees a dead image and not a silent one. */
 #include <stdint.h>
 
+#include "ports/stack.h"
+
 extern uint32_t __data_load[], __data_start[], __data_end[], __bss_start[], __bss_end[], __stack_top[];
 int main(void);
 void port_exit(int status);
@@ -13,12 +15,22 @@ static void fault_handler(void) {
   }
 }
 
+void systick_handler(void) __attribute__((weak, alias("fault_handler")));
+
+static uint32_t* painted_bottom(void) { return __stack_top - STACK_PAINTED_BYTES / 4u; }
+
+uint32_t stack_used_bytes(void) {
+  const uint32_t* p = painted_bottom();
+  while (p < __stack_top && *(volatile const uint32_t*)p == STACK_PAINT) ++p;
+  return 4u * (uint32_t)(__stack_top - p);
+}
+
 __attribute__((section(".vectors"), used)) static const struct {
   uint32_t* stack;
   void (*handler[15])(void);
 } kVectors = {__stack_top,
               {reset_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, 0, 0,
-               0, 0, fault_handler, fault_handler, 0, fault_handler, fault_handler}};
+               0, 0, fault_handler, fault_handler, 0, fault_handler, systick_handler}};
 
 void reset_handler(void) {
 #ifdef __ARM_FP
@@ -29,6 +41,9 @@ void reset_handler(void) {
     for (uint32_t i = 0; &__data_start[i] < __data_end; ++i)
       ((volatile uint32_t*)__data_start)[i] = __data_load[i];
   for (volatile uint32_t* p = __bss_start; p < __bss_end; ++p) *p = 0;
+  uint32_t* stack;
+  __asm__ volatile("mov %0, sp" : "=r"(stack));
+  for (volatile uint32_t* p = painted_bottom(); p < stack; ++p) *p = STACK_PAINT;
   port_exit(main());
   for (;;) {
   }

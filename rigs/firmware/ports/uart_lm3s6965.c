@@ -3,10 +3,12 @@
    would be dropped and counted instead. */
 #include <stdint.h>
 
+#include "identity.h"
 #include "link_device.h"
 
 /* Read by the harness from the file, to know how to run the image. */
-__attribute__((section(".forcegate"), used)) static const char kPort[] = "forcegate-port:uart:lm3s6965evb";
+__attribute__((section(".forcegate"), used)) static const char kPort[] =
+    "forcegate-port:uart:lm3s6965evb\0forcegate-build:" FW_BUILD_ID;
 
 #define UART0 0x4000C000u
 #define REGISTER(offset) (*(volatile uint32_t*)(UART0 + (offset)))

@@ -97,7 +97,7 @@ TEST(Oracle, AgreesWithTheFirmwareAndSeesTwoPercentOfGain) {
   const Comparison fits = conformance(*good, c, r.adc);
   EXPECT_EQ(fits.n, r.adc.size());
   EXPECT_LT(fits.value, 0.2);
-  for (const char* name : {"mutants/gain_2pct.native.so", "mutants/compensation_off.native.so"}) {
+  for (const char* name : {"mutants/gain_pct@2.native.so", "mutants/compensation_off.native.so"}) {
     const auto bad = run("native", image(name), c, r.adc);
     ASSERT_TRUE(bad);
     const Comparison differs = conformance(*bad, c, r.adc);

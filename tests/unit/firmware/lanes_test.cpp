@@ -52,6 +52,42 @@ TEST_F(Lanes, BlocksOfAControlPeriodGiveTheSameBitsAsLongOnes) {
   EXPECT_EQ(many->force_N, few->force_N);
 }
 
+TEST_F(Lanes, TheCostOfASampleIsTheSameOnEveryRunAndTheForceThatOfTheOtherLanes) {
+  const Record r = decaying_sine({.duration_s = 25.0});
+  const auto native = run("native", image("reference.native.so"), calibration_, r.adc);
+  ASSERT_TRUE(native);
+  for (const char* name : {"reference-m4f.block.elf", "reference-m3.block.elf"}) {
+    const auto first = run("tick", image(name), calibration_, r.adc);
+    const auto second = run("tick", image(name), calibration_, r.adc, 10);
+    ASSERT_TRUE(first && second) << name;
+    EXPECT_EQ(first->force_N, native->force_N) << name;
+    EXPECT_EQ(first->flags, native->flags) << name;
+    EXPECT_GT(first->resources.instructions_worst, first->resources.instructions_mean);
+    EXPECT_GT(first->resources.instructions_mean, 50.0);
+    EXPECT_EQ(first->resources.instructions_worst, second->resources.instructions_worst) << name;
+    EXPECT_EQ(first->resources.instructions_mean, second->resources.instructions_mean) << name;
+    EXPECT_EQ(first->resources.late, 0.0);
+    EXPECT_GT(first->resources.stack_bytes, 50.0);
+    EXPECT_LT(first->resources.stack_bytes, 2000.0);
+    EXPECT_GT(first->resources.flash_bytes, 3000.0);
+    EXPECT_GT(first->resources.ram_bytes, 2000.0);
+  }
+}
+
+TEST_F(Lanes, AResetInTheRunningImageForgetsTheSessionBefore) {
+  const Record before = decaying_sine({.duration_s = 25.0}, 3), r = decaying_sine({.duration_s = 25.0});
+  for (const auto& [lane, file] : {std::pair{"native", "reference.native.so"},
+                                   {"block", "reference-m4f.block.elf"},
+                                   {"uart", "reference.uart.elf"}}) {
+    const auto fresh = run(lane, image(file), calibration_, r.adc);
+    const auto again =
+        run_after(lane, image(file), calibration_of(0.9, -0.2), before.adc, calibration_, r.adc);
+    ASSERT_TRUE(fresh && again) << lane << (again ? "" : again.error().to_text());
+    EXPECT_EQ(again->force_N, fresh->force_N) << lane;
+    EXPECT_EQ(again->flags, fresh->flags) << lane;
+  }
+}
+
 TEST_F(Lanes, AnImageInTheWrongLaneIsAUsageErrorThatNamesTheRightOne) {
   const auto wrong = run("block", image("reference.uart.elf"), calibration_, {});
   ASSERT_FALSE(wrong);

@@ -40,6 +40,16 @@ TEST(Statistics, holm_never_rejects_what_is_not_a_number) {
   EXPECT_EQ(holm(p, 0.05), (std::vector<bool>{false, true}));
 }
 
+TEST(Statistics, clopper_pearson_gives_the_published_intervals) {
+  EXPECT_NEAR(clopper_pearson_95(0, 59).high, 0.0495, 1e-4);  // "59 clean runs claim less than 5 %"
+  EXPECT_NEAR(clopper_pearson_95(0, 299).high, 0.00997, 1e-5);
+  EXPECT_EQ(clopper_pearson_95(0, 59).low, 0.0);
+  EXPECT_NEAR(clopper_pearson_95(59, 59).low, 0.9505, 1e-4);
+  EXPECT_NEAR(clopper_pearson_95(5, 20).low, 0.0866, 1e-4);
+  EXPECT_NEAR(clopper_pearson_95(5, 20).high, 0.4910, 1e-4);
+  EXPECT_EQ(clopper_pearson_95(0, 0).high, 1.0);
+}
+
 TEST(Statistics, quantile_and_moments_leave_out_what_is_not_finite) {
   EXPECT_DOUBLE_EQ(sample_quantile({3.0, std::nan(""), 1.0, 2.0}, 0.5), 2.0);
   const double v[] = {1.0, std::nan(""), 3.0};

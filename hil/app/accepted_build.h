@@ -1,0 +1,41 @@
+#pragma once
+// The build that the candidate must not be worse than: an image that is played in turn with it, or a stored
+// run.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/app/gate.h"
+#include "hil/app/gate_jobs.h"
+#include "hil/gate/no_worse.h"
+
+namespace forcegate {
+
+struct AcceptedBuild {
+  std::string path, sha256;
+  bool stored = false;
+  RunResult run;  ///< of a stored one
+};
+
+/// Opens GateRequest::accepted. Errors (usage): no such file, neither an image that a lane can run nor a
+/// result.json, a stored run of another plan, seed or rig.
+Result<AcceptedBuild> open_accepted(const GateRequest& request, const GateSetup& setup);
+
+/// The same record for the accepted image.
+CaseJob accepted_job(const CaseJob& job, const AcceptedBuild& build);
+
+/// A record of the candidate and what it is compared with.
+struct ComparedRecord {
+  const PlanCase* planned = nullptr;
+  const CaseRecord* candidate = nullptr;
+  const CaseRecord* accepted = nullptr;              ///< of the accepted image; null when it is a stored run
+  const std::vector<JudgedCheck>* judged = nullptr;  ///< of the candidate
+};
+
+/// Checks of the whole run, one of maxima and one of minima for each case; the decision rule is still to be
+/// applied.
+std::vector<JudgedCheck> compare_with_accepted(const Plan& plan, const AcceptedBuild& build, bool rig_repeats,
+                                               std::span<const ComparedRecord> pairs);
+
+}  // namespace forcegate

@@ -1,0 +1,278 @@
+#include "hil/app/power.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "hil/gate/decision.h"
+#include "hil/interface/dut.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kHang_cpu_s = 2.0;  // a mutant that hangs does so for good
+
+struct Gated {
+  DecisionKind kind = DecisionKind::no_decision;
+  std::set<std::string> failed;
+  bool conformance_known = false;
+  DecisionKind blind = DecisionKind::no_decision;
+  std::string reason;
+};
+
+std::string without_case(const std::string& id) { return id.substr(0, id.find('/')); }
+
+class PowerRun {
+ public:
+  PowerRun(const PowerRequest& request, Plan plan, const GateProgress& progress,
+           const std::atomic<bool>* cancelled)
+      : request_(request), plan_(std::move(plan)), progress_(progress), cancelled_(cancelled) {}
+
+  Result<PowerResult> run() {
+    result_.request = request_;
+    result_.plan_name = plan_.name;
+    result_.plan_sha256 = plan_.sha256;
+    result_.first_seed = plan_.seed;
+    FORCEGATE_TRY(std::vector<Mutant> mutants, read_mutants(request_.firmware / "mutants"));
+    if (!request_.only.empty())
+      std::erase_if(mutants, [&](const Mutant& m) {
+        return std::find(request_.only.begin(), request_.only.end(), m.name) == request_.only.end() &&
+               std::find(request_.only.begin(), request_.only.end(), m.family) == request_.only.end();
+      });
+    if (mutants.empty())
+      return fail(ErrorCode::usage, "there is no mutant of that name",
+                  (request_.firmware / "mutants").string());
+    const std::size_t turns = std::max(request_.seeds, request_.mutant_seeds);
+    total_ = static_cast<double>(request_.seeds + request_.mutant_seeds * mutants.size());
+    for (Mutant& m : mutants) {
+      result_.outcomes.emplace_back();
+      result_.outcomes.back().mutant = std::move(m);
+    }
+    // Seed by seed, so that a seed's calibrations are measured once.
+    for (std::size_t i = 0; i < turns; ++i) {
+      cache_ = {};
+      if (i < request_.seeds) FORCEGATE_CHECK_OK(run_reference(plan_.seed + i));
+      if (i < request_.mutant_seeds)
+        for (MutantOutcome& outcome : result_.outcomes)
+          FORCEGATE_CHECK_OK(run_mutant(outcome, plan_.seed + i));
+    }
+    for (const MutantOutcome& outcome : result_.outcomes)
+      if (outcome.mutant.images.empty()) result_.not_built.push_back(outcome.mutant.name);
+    std::erase_if(result_.outcomes, [](const MutantOutcome& o) { return o.mutant.images.empty(); });
+    return std::move(result_);
+  }
+
+ private:
+  // Cases of the plan that an image is played on. What runs natively is judged natively; a cross-compiled
+  // image is there for the cases of its own lane.
+  std::vector<std::string> cases_for(const std::filesystem::path& image, bool everything) const {
+    std::vector<std::string> names;
+    for (const PlanCase& c : plan_.cases) {
+      const LaneKind* lane = c.lane.empty() ? nullptr : Registry<LaneKind>::instance().find(c.lane);
+      const bool own = lane != nullptr && lane->accepts(image);
+      const bool common = c.lane.empty() && (image.extension() == ".so" || everything);
+      if (own || common) names.push_back(c.name);
+    }
+    return names;
+  }
+
+  Result<Gated> gate_cases(const std::filesystem::path& image, std::uint64_t seed,
+                           std::vector<std::string> cases) {
+    GateRequest request;
+    request.firmware = image;
+    request.plan = plan_.path.string();
+    request.seed = seed;
+    request.only_cases = std::move(cases);
+    request.threads = request_.threads;
+    request.hang_cpu_s = kHang_cpu_s;
+    request.calibrations = &cache_;
+    FORCEGATE_TRY(const RunResult r, gate(request, {}, cancelled_));
+    if (r.decision.exit_code == 130) return fail(ErrorCode::cancelled, "interrupted");
+    if (r.decision.exit_code == 6) return fail(ErrorCode::internal, r.decision.reason, image.string());
+    Gated out;
+    out.kind = r.decision.kind;
+    out.reason = r.decision.reason;
+    std::vector<const Check*> blind;
+    const auto look = [&](const Check& c) {
+      if (c.required && c.verdict == Verdict::fail) out.failed.insert(without_case(c.id));
+      if (c.id == "conformance")
+        out.conformance_known = true;
+      else
+        blind.push_back(&c);
+    };
+    for (const Check& c : r.checks) look(c);
+    for (const CaseResult& one : r.cases)
+      for (const Check& c : one.checks) look(c);
+    RunEvents events;
+    events.safety_stop = r.decision.safety_stop;
+    out.blind = decide(blind, plan_.rule, events).kind;
+    return out;
+  }
+
+  static bool expected(const Mutant& m, const std::set<std::string>& failed) {
+    return std::any_of(m.seen_by.begin(), m.seen_by.end(),
+                       [&](const std::string& id) { return failed.count(id) > 0; });
+  }
+
+  Result<Gated> gate_image(const Mutant* mutant, const std::filesystem::path& image, std::uint64_t seed) {
+    const bool cross_only = mutant != nullptr && mutant->images.front().extension() != ".so";
+    const bool everything =
+        cross_only && mutant->good() && image.string().find(".uart.") == std::string::npos;
+    const std::vector<std::string> cases = cases_for(image, everything);
+    if (cases.empty())
+      return fail(ErrorCode::config, "no case of the plan can be played on this image", image.string(),
+                  "add one with lane = \"tick\" or \"uart\"");
+    if (mutant == nullptr || mutant->good() || !request_.quick) return gate_cases(image, seed, cases);
+    // Quick: case by case until one rejects for the reason expected; a rejection anywhere is one.
+    Gated whole;
+    for (const std::string& one : cases) {
+      FORCEGATE_TRY(Gated part, gate_cases(image, seed, {one}));
+      if (part.kind == DecisionKind::reject && expected(*mutant, part.failed)) return part;
+      part.failed.insert(whole.failed.begin(), whole.failed.end());
+      const bool worse = part.kind == DecisionKind::reject || whole.kind == DecisionKind::accept;
+      if (!whole.reason.empty() && !worse) {
+        part.kind = whole.kind;
+        part.reason = whole.reason;
+      }
+      whole = std::move(part);
+    }
+    return whole;
+  }
+
+  Result<void> run_reference(std::uint64_t seed) {
+    step(fmt::format("reference, seed {}", seed));
+    bool accepted = true, rejected = false;
+    for (const char* name : {"reference.native.so", "reference-m4f.block.elf", "reference.uart.elf"}) {
+      const std::filesystem::path image = request_.firmware / name;
+      std::error_code ignored;
+      if (!std::filesystem::is_regular_file(image, ignored)) continue;
+      // The emulated targets run the same code on the same codes: once is enough for what does not depend on
+      // a seed.
+      if (image.extension() != ".so" && (seed != plan_.seed || cases_for(image, false).empty())) continue;
+      FORCEGATE_TRY(const Gated g, gate_image(nullptr, image, seed));
+      accepted = accepted && g.kind == DecisionKind::accept;
+      rejected = rejected || g.kind == DecisionKind::reject;
+      if (g.kind != DecisionKind::accept)
+        result_.reference_reasons.push_back(
+            fmt::format("seed {}: {}: {}", seed, to_string(g.kind), g.reason));
+    }
+    ++result_.reference_runs;
+    result_.reference_accepted += accepted ? 1 : 0;
+    result_.reference_rejected += rejected ? 1 : 0;
+    return {};
+  }
+
+  Result<void> run_mutant(MutantOutcome& outcome, std::uint64_t seed) {
+    const Mutant& m = outcome.mutant;
+    step(fmt::format("{}, seed {}", m.name, seed));
+    if (m.images.empty()) return {};
+    bool accepted = true, rejected = false, blind_known = true, blind_rejected = false;
+    std::set<std::string> failed;
+    std::string reason;
+    for (const std::filesystem::path& image : m.images) {
+      if (image.extension() != ".so" && m.images.size() > 1 && cases_for(image, false).empty()) continue;
+      FORCEGATE_TRY(const Gated g, gate_image(&m, image, seed));
+      accepted = accepted && g.kind == DecisionKind::accept;
+      rejected = rejected || g.kind == DecisionKind::reject;
+      blind_known = blind_known && g.conformance_known && !(request_.quick && !m.good());
+      blind_rejected = blind_rejected || g.blind == DecisionKind::reject;
+      failed.insert(g.failed.begin(), g.failed.end());
+      if (reason.empty() || (m.good() ? g.kind != DecisionKind::accept : g.kind == DecisionKind::reject))
+        reason = g.reason;
+    }
+    const bool as_expected = m.good() ? accepted : rejected && expected(m, failed);
+    if (outcome.runs == 0 || (outcome.as_expected && !as_expected)) outcome.reason = reason;
+    outcome.as_expected = outcome.as_expected && as_expected;
+    ++outcome.runs;
+    outcome.rejected += rejected ? 1 : 0;
+    outcome.accepted += accepted && !rejected ? 1 : 0;
+    for (const std::string& id : failed) ++outcome.checks[id];
+    if (blind_known) {
+      ++outcome.blind_runs;
+      outcome.blind_rejected += blind_rejected ? 1 : 0;
+    }
+    return {};
+  }
+
+  void step(const std::string& now) {
+    if (progress_) progress_(std::min(1.0, done_ / total_), now);
+    done_ += 1.0;
+  }
+
+  const PowerRequest& request_;
+  Plan plan_;
+  const GateProgress& progress_;
+  const std::atomic<bool>* cancelled_;
+  PowerResult result_;
+  CalibrationCache cache_;
+  double done_ = 0.0, total_ = 1.0;
+};
+
+}  // namespace
+
+std::vector<FamilyOutcome> PowerResult::families() const {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<FamilyOutcome> out;
+  for (const MutantOutcome& o : outcomes) {
+    if (!o.mutant.level) continue;
+    if (out.empty() || out.back().family != o.mutant.family) {
+      out.push_back({o.mutant.family, o.mutant.unit, o.mutant.breaks, kNan, kNan, o.runs, true});
+    }
+    FamilyOutcome& f = out.back();
+    const auto settle = [&](double& smallest, std::size_t k, std::size_t n) {
+      const bool found = n > 0 && static_cast<double>(k) >= 0.95 * static_cast<double>(n);
+      if (!found)
+        smallest = kNan;
+      else if (std::isnan(smallest))
+        smallest = *o.mutant.level;
+    };
+    settle(f.smallest, o.rejected, o.runs);
+    settle(f.smallest_blind, o.blind_rejected, o.blind_runs);
+    f.blind_known = f.blind_known && o.blind_runs > 0;
+  }
+  return out;
+}
+
+std::vector<const MutantOutcome*> PowerResult::survivors() const {
+  std::vector<const MutantOutcome*> out;
+  for (const MutantOutcome& o : outcomes)
+    if (!o.mutant.good() && o.rejected < o.runs) out.push_back(&o);
+  return out;
+}
+
+std::vector<const MutantOutcome*> PowerResult::refused() const {
+  std::vector<const MutantOutcome*> out;
+  for (const MutantOutcome& o : outcomes)
+    if (o.mutant.good() && o.accepted < o.runs) out.push_back(&o);
+  return out;
+}
+
+PowerCount PowerResult::slipped() const {
+  PowerCount c;
+  for (const MutantOutcome& o : outcomes)
+    if (!o.mutant.good() && o.mutant.seen_by.front() != "nothing") {
+      c.k += o.accepted;
+      c.n += o.runs;
+    }
+  return c;
+}
+
+bool PowerResult::good() const {
+  if (reference_rejected > 0) return false;
+  return std::all_of(outcomes.begin(), outcomes.end(), [](const MutantOutcome& o) {
+    if (o.mutant.good()) return o.rejected == 0;
+    return o.rejected == o.runs || o.mutant.seen_by.front() == "nothing";
+  });
+}
+
+Result<PowerResult> measure_power(const PowerRequest& request, const GateProgress& progress,
+                                  const std::atomic<bool>* cancelled) {
+  FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
+  FORCEGATE_TRY(Plan plan, read_plan(path));
+  return PowerRun(request, std::move(plan), progress, cancelled).run();
+}
+
+}  // namespace forcegate

@@ -1,0 +1,77 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hil/app/power.h"
+#include "hil/gate/statistics.h"
+
+namespace forcegate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json count(std::size_t k, std::size_t n) {
+  const Interval95 i = clopper_pearson_95(k, n);
+  return {{"k", k}, {"n", n}, {"low", i.low}, {"high", i.high}};
+}
+
+Json to_json(const MutantOutcome& o) {
+  Json checks = Json::object();
+  for (const auto& [id, n] : o.checks) checks[id] = n;
+  return {{"name", o.mutant.name},
+          {"family", o.mutant.family},
+          {"level", o.mutant.level ? number(*o.mutant.level) : Json(nullptr)},
+          {"unit", o.mutant.unit},
+          {"kind", o.mutant.good() ? "good" : "bad"},
+          {"breaks", o.mutant.breaks},
+          {"promise", o.mutant.promise},
+          {"expected", o.mutant.seen_by},
+          {"as_expected", o.as_expected},
+          {"runs", o.runs},
+          {"rejected", o.rejected},
+          {"accepted", o.accepted},
+          {"undecided", o.runs - o.rejected - o.accepted},
+          {"rejected_by", checks},
+          {"rejected_without_conformance",
+           o.blind_runs > 0 ? count(o.blind_rejected, o.blind_runs) : Json(nullptr)},
+          {"reason", o.reason},
+          {"note", o.mutant.note}};
+}
+
+}  // namespace
+
+std::string power_json(const PowerResult& r) {
+  Json mutants = Json::array(), families = Json::array(), survivors = Json::array(), refused = Json::array();
+  for (const MutantOutcome& o : r.outcomes) mutants.push_back(to_json(o));
+  for (const FamilyOutcome& f : r.families())
+    families.push_back(
+        {{"family", f.family},
+         {"unit", f.unit},
+         {"smallest", number(f.smallest)},
+         {"smallest_without_conformance", f.blind_known ? number(f.smallest_blind) : Json(nullptr)},
+         {"runs", f.runs}});
+  for (const MutantOutcome* o : r.survivors()) survivors.push_back(o->mutant.name);
+  for (const MutantOutcome* o : r.refused()) refused.push_back(o->mutant.name);
+  const PowerCount slipped = r.slipped();
+  const Json document = {{"format", 1},
+                         {"plan", r.plan_name},
+                         {"plan_sha256", r.plan_sha256},
+                         {"first_seed", r.first_seed},
+                         {"quick", r.request.quick},
+                         {"good", r.good()},
+                         {"slipped", count(slipped.k, slipped.n)},
+                         {"reference",
+                          {{"runs", r.reference_runs},
+                           {"accepted", r.reference_accepted},
+                           {"rejected", count(r.reference_rejected, r.reference_runs)},
+                           {"not_accepted", r.reference_reasons}}},
+                         {"families", families},
+                         {"survivors", survivors},
+                         {"good_builds_not_accepted", refused},
+                         {"not_built", r.not_built},
+                         {"mutants", mutants}};
+  return document.dump(2);
+}
+
+}  // namespace forcegate

@@ -1,0 +1,81 @@
+#include "hil/app/power.h"
+
+#include "hil/app/write_file.h"
+#include "hil/base/text.h"
+#include "hil/cli/command.h"
+
+namespace forcegate {
+namespace {
+
+Result<int> run(const Invocation& in) {
+  PowerRequest request;
+  request.firmware = in.text("firmware");
+  request.plan = in.text("plan");
+  FORCEGATE_TRY(const std::int64_t seeds, in.integer("seeds", 0, 100000));
+  FORCEGATE_TRY(const std::int64_t mutant_seeds, in.integer("mutant-seeds", 0, 100000));
+  FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
+  request.seeds = static_cast<std::size_t>(seeds);
+  request.mutant_seeds = static_cast<std::size_t>(mutant_seeds);
+  request.threads = static_cast<unsigned>(threads);
+  request.quick = in.flag("quick");
+  request.only = in.texts("mutant");
+  Console& console = in.console();
+  const auto result = measure_power(request, console.progress_callback(), &in.interrupt_flag());
+  console.end_progress();
+  if (!result) return Unexpected(result.error());
+  if (in.given("markdown"))
+    FORCEGATE_CHECK_OK(write_file_atomically(in.text("markdown"), power_markdown(*result)));
+  if (in.given("out")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("out"), power_json(*result) + "\n"));
+  console.print(power_text(*result));
+  console.print_json(power_json(*result));
+  console.next(result->good()
+                   ? "the gate sees what it claims to see; docs/power.md explains the table"
+                   : "write the check that sees a survivor, or say in its 'note:' why there is none");
+  return result->good() ? kExitSuccess : kExitReject;
+}
+
+const Registration<Command> kRow{Command{
+    .name = "power",
+    .group = "Gate",
+    .summary = "how good is the gate: reject every deliberately bad firmware, accept every good one",
+    .description = "Gates every mutant of the reference firmware (rigs/firmware/mutants) under the shortest "
+                   "plan that exercises "
+                   "each limit, and the reference itself over many seeds. Prints who is rejected by which "
+                   "check, the smallest "
+                   "defect found, the probability that a bad build slips through and that a good one is "
+                   "refused, and the "
+                   "survivors: those are the next checks to write.\n\nThe column \"blind\" says whether a "
+                   "build would have been "
+                   "rejected had no independent implementation of its algorithm been known.",
+    .options =
+        {{.name = "plan",
+          .value_name = "PLAN",
+          .doc = "Plan file, or the name of one in ci/plans.",
+          .fallback = "power"},
+         {.name = "firmware",
+          .value_name = "FOLDER",
+          .doc = "Folder of the images, mutants in its subfolder mutants.",
+          .fallback = "build/firmware"},
+         {.name = "seeds", .value_name = "N", .doc = "Runs of the reference.", .fallback = "59"},
+         {.name = "mutant-seeds", .value_name = "N", .doc = "Runs of each mutant.", .fallback = "1"},
+         {.name = "mutant", .value_name = "NAME", .doc = "Only this mutant or family.", .repeatable = true},
+         {.name = "quick",
+          .value_name = "",
+          .doc = "A bad build is done with at the first case that rejects it as expected."},
+         {.name = "threads",
+          .value_name = "N",
+          .doc = "Worker processes at a time; 0: one per processor.",
+          .fallback = "0"},
+         {.name = "markdown", .value_name = "FILE", .doc = "Write the page docs/power.md there."},
+         {.name = "out", .value_name = "FILE", .doc = "Write the table as JSON.", .letter = 'o'}},
+    .examples = {{"forcegate power --quick", "Every mutant once, the reference over 59 seeds:"},
+                 {"forcegate power --mutant gain_pct --mutant-seeds 59 --seeds 0",
+                  "How small a gain error is found:"},
+                 {"forcegate power --seeds 300 --mutant-seeds 20 --markdown docs/power.md",
+                  "The page of the documentation:"}},
+    .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitInternal, kExitInterrupted},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate

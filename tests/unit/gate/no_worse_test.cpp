@@ -1,0 +1,129 @@
+#include "hil/gate/no_worse.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace forcegate {
+namespace {
+
+PlanCase sine() {
+  PlanCase c;
+  c.name = "sine";
+  c.checks = kCheckAccuracy;
+  return c;
+}
+
+// 100 periods of 2 s; the firmware is off by `error` at every extremum and by `swing` alternately.
+CaseRecord record(const std::string& specimen, double error, double swing = 0.0) {
+  CaseRecord r;
+  r.id = "sine/" + specimen;
+  r.facts.mean_N = 2.0;
+  r.facts.amplitude_N = 1.0;
+  r.facts.dynamic = true;
+  for (int i = 0; i < 100; ++i)
+    for (const bool maximum : {true, false}) {
+      CasePair p;
+      p.maximum = maximum;
+      p.t_s = 2.0 * i + (maximum ? 0.0 : 1.0);
+      p.ati_N = maximum ? 3.0 : 1.0;
+      p.dut_N = p.ati_N * (1.0 + error + (i % 2 == 0 ? swing : -swing));
+      r.pairs.push_back(p);
+    }
+  return r;
+}
+
+std::vector<JudgedCheck> ruled(std::vector<JudgedCheck> checks) {
+  std::vector<JudgedCheck*> all;
+  for (JudgedCheck& j : checks) all.push_back(&j);
+  apply_rule({}, all);
+  return checks;
+}
+
+std::vector<JudgedCheck> compare(const std::vector<CaseRecord>& candidate,
+                                 const std::vector<CaseRecord>& accepted, bool repeats = true) {
+  const Plan plan;
+  std::vector<ErrorIncrease> all;
+  for (std::size_t i = 0; i < candidate.size(); ++i)
+    for (ErrorIncrease& e : error_increases(plan, sine(), candidate[i], accepted[i]))
+      all.push_back(std::move(e));
+  return ruled(judge_no_worse(plan, all, repeats));
+}
+
+TEST(NoWorse, the_same_build_has_no_increase_at_all) {
+  const auto checks = compare({record("q25", 0.05, 0.02)}, {record("q25", 0.05, 0.02)});
+  ASSERT_EQ(checks.size(), 2U);
+  EXPECT_EQ(checks[0].check.id, "no_worse_maxima/sine");
+  EXPECT_EQ(checks[0].check.value, 0.0);
+  EXPECT_EQ(checks[0].check.verdict, Verdict::pass);
+}
+
+TEST(NoWorse, the_mean_increase_over_the_specimens_is_limited_to_half_a_point) {
+  const auto inside =
+      compare({record("q25", 0.054), record("q75", 0.034)}, {record("q25", 0.050), record("q75", 0.030)});
+  EXPECT_NEAR(inside[0].check.value, 0.4, 1e-9);
+  EXPECT_EQ(inside[0].check.verdict, Verdict::pass);
+  const auto beyond =
+      compare({record("q25", 0.057), record("q75", 0.034)}, {record("q25", 0.050), record("q75", 0.030)});
+  EXPECT_NEAR(beyond[0].check.value, 0.55, 1e-9);
+  EXPECT_EQ(beyond[0].check.verdict, Verdict::fail);
+  EXPECT_TRUE(beyond[0].check.required);
+}
+
+TEST(NoWorse, a_better_build_passes_however_different_it_is) {
+  const auto checks = compare({record("q25", 0.01)}, {record("q25", 0.09)});
+  EXPECT_NEAR(checks[0].check.value, -8.0, 1e-9);
+  EXPECT_EQ(checks[0].check.verdict, Verdict::pass);
+}
+
+TEST(NoWorse, the_uncertainty_comes_from_the_pairs_and_shrinks_with_them) {
+  const auto checks = compare({record("q25", 0.054, 0.02)}, {record("q25", 0.050)});
+  EXPECT_NEAR(checks[0].check.u, 2.0 / std::sqrt(99.0), 1e-3);  // 2 points, 100 pairs
+  EXPECT_EQ(checks[0].check.verdict, Verdict::marginal) << "0.4 points, but by less than its uncertainty";
+  const auto many = compare(std::vector(4, record("q25", 0.054, 0.02)), std::vector(4, record("q25", 0.050)));
+  EXPECT_NEAR(many[0].check.u, checks[0].check.u / 2.0, 1e-9);
+}
+
+TEST(NoWorse, a_rig_that_does_not_repeat_itself_adds_what_two_records_differ_by) {
+  const auto checks = compare({record("q25", 0.05)}, {record("q25", 0.05)}, false);
+  EXPECT_NEAR(checks[0].check.u, PlanUncertainty{}.record_repeat_pct * std::sqrt(2.0), 1e-9);
+  EXPECT_NE(checks[0].check.verdict, Verdict::pass);
+}
+
+TEST(NoWorse, a_record_without_its_partner_is_no_pass) {
+  CaseRecord shorter = record("q25", 0.05);
+  shorter.pairs.resize(100);
+  CaseRecord failed = record("q25", 0.05);
+  failed.failure = CaseFailure{};
+  CaseRecord nan = record("q25", 0.05);
+  nan.pairs[10].dut_N = std::nan("");
+  for (const CaseRecord& bad : {shorter, failed, nan})
+    for (const JudgedCheck& j : compare({bad}, {record("q25", 0.05)})) {
+      if (j.check.id == "no_worse_minima/sine" && !bad.failure && bad.pairs.size() == 200) continue;
+      EXPECT_EQ(j.check.verdict, Verdict::inconclusive) << j.check.id;
+    }
+}
+
+TEST(NoWorse, a_stored_run_is_compared_by_its_values) {
+  const auto mre = [](const char* id, double value, double u) {
+    Check c;
+    c.id = id;
+    c.value = value;
+    c.u = u;
+    c.limit = {Limit::Kind::upper, 10.0, "test"};
+    return c;
+  };
+  CaseResult stored;
+  stored.checks = {mre("mre_maxima", 5.0, 0.03), mre("mre_minima", 2.0, 0.03)};
+  const std::vector<Check> candidate{mre("mre_maxima", 5.6, 0.04), mre("mre_minima", 2.0, 0.04)};
+  const auto increases = error_increases(sine(), "q50", candidate, stored);
+  ASSERT_EQ(increases.size(), 2U);
+  EXPECT_NEAR(increases[0].increase_pct, 0.6, 1e-9);
+  EXPECT_NEAR(increases[0].u_pct, 0.05, 1e-9);
+  const auto checks = ruled(judge_no_worse(Plan{}, increases, true));
+  EXPECT_EQ(checks[0].check.verdict, Verdict::inconclusive);
+  EXPECT_EQ(checks[1].check.verdict, Verdict::pass);
+}
+
+}  // namespace
+}  // namespace forcegate
