@@ -230,7 +230,7 @@ class CaseRun {
     digest_.update(flags_.data(), n);
     witness_.push(block_, n, controller_ ? commanded_.data() : nullptr);
     output_.push(b);
-    if (record_.rig.can_move) hold_.push(b);
+    if (record_.rig.can_move && job_.planned.checks & kCheckHold) hold_.push(b);
     lag_.push(b);
     if (job_.curves) {
       overview_.push(b);

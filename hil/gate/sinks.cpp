@@ -40,30 +40,60 @@ void OutputWatch::begin(double rate_Hz, double excitation_start_s) {
 void OutputWatch::push(const RecordBlock& b) {
   const float *dut_N = b.dut_N.data(), *ati_N = b.rig->force_ref_N.data();
   const std::uint8_t* flags = b.flags.data();
-  double low = any_finite_ ? facts_.minimum_N : std::numeric_limits<double>::infinity();
-  double high = any_finite_ ? facts_.maximum_N : -std::numeric_limits<double>::infinity();
-  double departure_N = facts_.departure_N;
+  // Independent lanes, because a minimum waits for its predecessor. NaN compares false and is left out.
+  constexpr std::size_t kLanes = 8;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  float low[kLanes], high[kLanes];
+  std::fill_n(low, kLanes, kInfinity);
+  std::fill_n(high, kLanes, -kInfinity);
+  std::uint32_t strange = 0;
   std::uint8_t any_flag = 0;
+  std::size_t i = 0;
+  for (; i + kLanes <= b.n; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float force_N = dut_N[i + k];
+      strange |= !(std::fabs(force_N) < kInfinity);
+      low[k] = force_N < low[k] ? force_N : low[k];
+      high[k] = force_N > high[k] ? force_N : high[k];
+    }
+  for (; i < b.n; ++i) {
+    strange |= !(std::fabs(dut_N[i]) < kInfinity);
+    low[0] = dut_N[i] < low[0] ? dut_N[i] : low[0];
+    high[0] = dut_N[i] > high[0] ? dut_N[i] : high[0];
+  }
+  for (i = 0; i < b.n; ++i) any_flag |= flags[i];
+  if (strange != 0) {
+    push_strange(b);
+  } else if (b.n > 0) {
+    const auto least = static_cast<double>(*std::min_element(low, low + kLanes));
+    const auto most = static_cast<double>(*std::max_element(high, high + kLanes));
+    facts_.minimum_N = any_finite_ ? std::min(facts_.minimum_N, least) : least;
+    facts_.maximum_N = any_finite_ ? std::max(facts_.maximum_N, most) : most;
+    any_finite_ = true;
+  }
+  // What lies more than ten time constants before the end of the block is forgotten by there (e^-10).
+  const auto memory = static_cast<std::size_t>(10.0 * kDeparture_s / period_s_);
+  double departure_N = facts_.departure_N;
+  for (i = b.n > memory ? b.n - memory : 0; i < b.n; ++i) {
+    const double apart_N = std::fabs(static_cast<double>(dut_N[i]) - static_cast<double>(ati_N[i]));
+    if (std::isfinite(apart_N)) departure_N += follow_ * (apart_N - departure_N);
+  }
+  facts_.departure_N = departure_N;
+  constexpr std::uint8_t kCounted = kDutLearning | kDutHeld | kDutInputRail | kDutOutputClamped;
+  if ((any_flag & kCounted) != 0 || learning_run_ > 0) push_flags(b);
+}
+
+void OutputWatch::push_strange(const RecordBlock& b) {
   for (std::size_t i = 0; i < b.n; ++i) {
-    const double force_N = dut_N[i];
-    any_flag |= flags[i];
+    const double force_N = b.dut_N[i];
     if (!std::isfinite(force_N)) {
       if (facts_.not_finite++ == 0) facts_.first_not_finite_s = b.rig->t_s[i];
       continue;
     }
-    low = std::min(low, force_N);
-    high = std::max(high, force_N);
-    const double apart_N = std::fabs(force_N - ati_N[i]);
-    if (std::isfinite(apart_N)) departure_N += follow_ * (apart_N - departure_N);
-  }
-  facts_.departure_N = departure_N;
-  if (low <= high) {
+    facts_.minimum_N = any_finite_ ? std::min(facts_.minimum_N, force_N) : force_N;
+    facts_.maximum_N = any_finite_ ? std::max(facts_.maximum_N, force_N) : force_N;
     any_finite_ = true;
-    facts_.minimum_N = low;
-    facts_.maximum_N = high;
   }
-  constexpr std::uint8_t kCounted = kDutLearning | kDutHeld | kDutInputRail | kDutOutputClamped;
-  if ((any_flag & kCounted) != 0 || learning_run_ > 0) push_flags(b);
 }
 
 void OutputWatch::push_flags(const RecordBlock& b) {

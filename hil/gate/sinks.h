@@ -31,6 +31,7 @@ class OutputWatch {
 
  private:
   void push_flags(const RecordBlock& block);
+  void push_strange(const RecordBlock& block);  ///< the slow way, for a block with values that are not finite
   OutputFacts facts_;
   double period_s_ = 1e-3, excitation_start_s_ = 0.0, follow_ = 0.005;
   std::uint64_t learning_run_ = 0;

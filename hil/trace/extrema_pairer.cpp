@@ -16,6 +16,7 @@ constexpr std::size_t kGroup = 256;
 // Above the limit, half of it is condensed to spans; older spans are joined up to 1/256 of their age.
 constexpr std::size_t kFullRateLimit = 65536;
 constexpr std::size_t kFirstSpan = 128;
+constexpr std::size_t kStretch = 64;
 constexpr std::uint64_t kSpansPerAge = 256;
 
 /// Extreme of one follower in one direction, with the span over which it was attained.
@@ -90,7 +91,13 @@ struct ExtremaPairer::Impl {
     for (std::size_t at = 0; at < t_s.size();) {
       const std::size_t n = std::min(t_s.size() - at, kGroup - static_cast<std::size_t>((base + t.size()) % kGroup));
       t.insert(t.end(), t_s.begin() + static_cast<std::ptrdiff_t>(at), t_s.begin() + static_cast<std::ptrdiff_t>(at + n));
-      for (std::size_t k = 0; k < x.size(); ++k) x[k].insert(x[k].end(), followers[k] + at, followers[k] + at + n);
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const std::size_t old = x[k].size();
+        x[k].resize(old + n);
+        double* to = x[k].data() + old;
+        const float* source = followers[k] + at;
+        for (std::size_t i = 0; i < n; ++i) to[i] = source[i];
+      }
       for (std::size_t i = at; i < at + n; ++i)
         if (turning.push(t_s[i], guide[i])) turned(turning.last());
       at += n;
@@ -187,6 +194,24 @@ struct ExtremaPairer::Impl {
     return smoothed.data();
   }
 
+  /// Extreme of the moving means of samples [from, to). No mean exceeds the largest of its samples: stretches whose
+  /// largest sample lies below a mean that is known already are passed over.
+  Extreme extreme_of_means(std::size_t k, std::size_t from, std::size_t to, double sign) {
+    if (half_width == 0 || to - from < 4 * kStretch)
+      return extreme(smooth(k, from, to), t.data() + from, to - from, sign);
+    double known = -kInfinity;
+    for (std::size_t i = from; i < to; i += kStretch / 2) known = std::max(known, largest(smooth(k, i, i + 1), 1, sign));
+    known -= 1e-9 * std::fabs(known);
+    Extreme found;
+    for (std::size_t a = from; a < to; a += kStretch) {
+      const std::size_t b = std::min(to, a + kStretch);
+      const std::size_t first = a > half_width ? a - half_width : 0, last = std::min(t.size(), b + half_width);
+      if (largest(x[k].data() + first, last - first, sign) < known) continue;
+      found.add(extreme(smooth(k, a, b), t.data() + a, b - a, sign));
+    }
+    return found;
+  }
+
   void condense() {
     const std::size_t n = kFullRateLimit / 2 + kept_before;
     for (std::size_t from = kept_before; from < n; from += kFirstSpan) {
@@ -243,7 +268,7 @@ struct ExtremaPairer::Impl {
         const Extremes& e = extremes[s * x.size() + k];
         found.add(maximum ? e.high : e.low);
       }
-      if (from < to) found.add(extreme(smooth(k, from, to), t.data() + from, to - from, sign));
+      if (from < to) found.add(extreme_of_means(k, from, to, sign));
       const bool any = std::isfinite(found.value);
       pair.value.push_back(any ? sign * found.value : kNone);
       pair.at_s.push_back(any ? 0.5 * (found.first_s + found.last_s) : kNone);
