@@ -257,6 +257,9 @@ class UartDut final : public Dut {
     if (frame.version >> 4 != link::kVersion >> 4)
       return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(frame.version >> 4),
                   where_);
+    if (expects_sequence_ && frame.sequence == static_cast<std::uint16_t>(expected_sequence_ - 1))
+      return fail(ErrorCode::firmware,
+                  "the image repeats the sequence number " + std::to_string(frame.sequence), where_);
     if (expects_sequence_)
       counters_.frames_dropped += static_cast<std::uint16_t>(frame.sequence - expected_sequence_);
     expects_sequence_ = true;

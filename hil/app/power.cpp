@@ -67,14 +67,14 @@ class PowerRun {
 
  private:
   // Cases of the plan that an image is played on. What runs natively is judged natively; a cross-compiled
-  // image is there for the cases of its own lane.
-  std::vector<std::string> cases_for(const std::filesystem::path& image, bool everything) const {
+  // image is there for the cases of its own lane, or, when nothing native exists of a good build, for the
+  // common ones.
+  std::vector<std::string> cases_for(const std::filesystem::path& image, bool common) const {
     std::vector<std::string> names;
     for (const PlanCase& c : plan_.cases) {
       const LaneKind* lane = c.lane.empty() ? nullptr : Registry<LaneKind>::instance().find(c.lane);
       const bool own = lane != nullptr && lane->accepts(image);
-      const bool common = c.lane.empty() && (image.extension() == ".so" || everything);
-      if (own || common) names.push_back(c.name);
+      if (common || image.extension() == ".so" ? c.lane.empty() : own) names.push_back(c.name);
     }
     return names;
   }
@@ -119,9 +119,8 @@ class PowerRun {
 
   Result<Gated> gate_image(const Mutant* mutant, const std::filesystem::path& image, std::uint64_t seed) {
     const bool cross_only = mutant != nullptr && mutant->images.front().extension() != ".so";
-    const bool everything =
-        cross_only && mutant->good() && image.string().find(".uart.") == std::string::npos;
-    const std::vector<std::string> cases = cases_for(image, everything);
+    const bool common = cross_only && mutant->good() && image.string().find(".uart.") == std::string::npos;
+    const std::vector<std::string> cases = cases_for(image, common);
     if (cases.empty())
       return fail(ErrorCode::config, "no case of the plan can be played on this image", image.string(),
                   "add one with lane = \"tick\" or \"uart\"");

@@ -17,10 +17,9 @@ std::string share(std::size_t k, std::size_t n) {
 }
 
 std::string verdict(const MutantOutcome& o) {
-  const std::size_t hits = o.mutant.good() ? o.accepted : o.rejected;
-  const char* word = o.mutant.good() ? "accepted" : "REJECTED";
-  if (hits == o.runs) return o.runs == 1 ? word : fmt::format("{} {}x", word, o.runs);
   const std::size_t undecided = o.runs - o.rejected - o.accepted;
+  for (const auto& [n, word] : {std::pair(o.accepted, "accepted"), {o.rejected, "REJECTED"}, {undecided, "undecided"}})
+    if (n == o.runs) return o.runs == 1 ? word : fmt::format("{} {}x", word, n);
   return fmt::format("{} accepted, {} rejected, {} undecided", o.accepted, o.rejected, undecided);
 }
 
@@ -90,7 +89,7 @@ std::string power_text(const PowerResult& r) {
     out += fmt::format("  {:<28} {}: {}\n", o->mutant.name, verdict(*o), o->reason);
   for (const std::string& why : r.reference_reasons) out += "  reference, " + why + "\n";
   if (r.refused().empty() && r.reference_reasons.empty()) out += "  none\n";
-  if (!r.not_built.empty()) out += "\nnot built (no cross compiler): " + join(r.not_built, ", ") + "\n";
+  if (!r.not_built.empty()) out += "\nnot built: " + join(r.not_built, ", ") + "\n";
   out += "\n" + slip(r) + "\n" + claims(r) + "\n";
   return out;
 }
