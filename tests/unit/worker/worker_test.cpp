@@ -6,9 +6,12 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 
 #include "hil/app/run_folder.h"
 #include "hil/gate/case_json.h"
+#include "hil/gate/decision.h"
+#include "hil/gate/judge.h"
 #include "hil/interface/firmware_guard.h"
 #include "hil/interface/reporter.h"
 #include "tests/support/fake_dut.h"
@@ -30,9 +33,11 @@ class EvilDut : public testing::FakeDut {
                        std::span<float> force_N, std::span<std::uint8_t> flags) override {
     if (first_index >= 30000) {
       if (how_ == "segv_outside") std::raise(SIGSEGV);
+      if (how_ == "throw_outside") throw std::runtime_error("a defect of ours");
       const InFirmware inside(first_index);
       if (how_ == "segv") std::raise(SIGSEGV);
       if (how_ == "abort") std::abort();
+      if (how_ == "throw") throw 42;
       if (how_ == "exit") std::exit(3);
       if (how_ == "loop")
         for (volatile bool forever = true; forever;) {
@@ -98,6 +103,25 @@ TEST(Worker, a_crash_outside_the_firmware_is_ours) {
   const CaseFailure f = failure_of("segv_outside");
   EXPECT_EQ(f.stage, CaseFailure::Stage::harness);
   EXPECT_EQ(f.error.code, ErrorCode::internal);
+}
+
+TEST(Worker, an_exception_ends_the_record_like_a_crash_and_is_never_an_acceptance) {
+  EXPECT_EQ(failure_of("throw_outside").stage, CaseFailure::Stage::harness);
+  EXPECT_EQ(failure_of("throw_outside").error.code, ErrorCode::internal);
+  for (const char* how : {"throw", "throw_outside", "segv", "segv_outside", "exit", "loop"}) {
+    CaseRecord record;
+    record.id = how;
+    record.failure = failure_of(how);
+    Plan plan;
+    PlanCase planned = job(how).planned;
+    planned.checks = kCheckConformance | kCheckAccuracy;
+    const JudgedCase judged = judge_case(plan, planned, record, {});
+    std::vector<const Check*> checks;
+    for (const JudgedCheck& j : judged.checks) checks.push_back(&j.check);
+    RunEvents events;
+    events.harness_error = judged.harness_error;
+    EXPECT_NE(decide(checks, plan.rule, events).kind, DecisionKind::accept) << how;
+  }
 }
 
 TEST(Worker, an_endless_loop_is_ended_and_charged_to_the_firmware) {
