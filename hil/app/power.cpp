@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "hil/base/text.h"
 #include "hil/gate/decision.h"
 #include "hil/interface/dut.h"
 
@@ -37,14 +38,13 @@ class PowerRun {
     result_.plan_sha256 = plan_.sha256;
     result_.first_seed = plan_.seed;
     FORCEGATE_TRY(std::vector<Mutant> mutants, read_mutants(request_.firmware / "mutants"));
-    if (!request_.only.empty())
+    if (!request_.only.empty()) {
+      FORCEGATE_CHECK_OK(know_all(mutants));
       std::erase_if(mutants, [&](const Mutant& m) {
         return std::find(request_.only.begin(), request_.only.end(), m.name) == request_.only.end() &&
                std::find(request_.only.begin(), request_.only.end(), m.family) == request_.only.end();
       });
-    if (mutants.empty())
-      return fail(ErrorCode::usage, "there is no mutant of that name",
-                  (request_.firmware / "mutants").string());
+    }
     const std::size_t turns = std::max(request_.seeds, request_.mutant_seeds);
     total_ = static_cast<double>(request_.seeds + request_.mutant_seeds * mutants.size());
     for (Mutant& m : mutants) {
@@ -66,6 +66,22 @@ class PowerRun {
   }
 
  private:
+  Result<void> know_all(const std::vector<Mutant>& mutants) const {
+    std::vector<std::string> names;
+    for (const Mutant& m : mutants) {
+      names.push_back(m.name);
+      names.push_back(m.family);
+    }
+    for (const std::string& wanted : request_.only)
+      if (std::find(names.begin(), names.end(), wanted) == names.end()) {
+        const std::string near = nearest_name(wanted, names);
+        return fail(ErrorCode::usage, "there is no mutant '" + printable_utf8(wanted) + "'",
+                    (request_.firmware / "mutants").string(),
+                    near.empty() ? "ls rigs/firmware/mutants lists them" : "did you mean '" + near + "'?");
+      }
+    return {};
+  }
+
   // Cases of the plan that an image is played on. What runs natively is judged natively; a cross-compiled
   // image is there for the cases of its own lane, or, when nothing native exists of a good build, for the
   // common ones.
