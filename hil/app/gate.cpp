@@ -46,6 +46,11 @@ class GateRun {
  private:
   Result<void> read_derived_limits() {
     const Plan& plan = setup_.plan;
+    if (!request_.limits_file.empty()) {
+      FORCEGATE_TRY(limits_, read_limits(request_.limits_file));
+      result_.notes.push_back(fmt::format("limits from {}", request_.limits_file.string()));
+      return {};
+    }
     if (plan.limits.derived.empty()) return {};
     const std::filesystem::path path = plan.path.parent_path() / plan.limits.derived;
     std::error_code ignored;

@@ -163,6 +163,9 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
   }
   FORCEGATE_CHECK_OK(select_cases(request, plan));
   FORCEGATE_CHECK_OK(select_lanes(request, setup));
+  if (!request.limits_file.empty())
+    for (PlanCase& c : plan.cases)
+      if (c.loop == LoopMode::open) c.maxima_pct = c.minima_pct = std::nullopt;
   if (!setup.rig.can_move) {
     // A recording is one record of one specimen: the plan's open-loop cases would all be the same.
     std::erase_if(plan.cases, [](const PlanCase& c) { return c.loop == LoopMode::closed; });

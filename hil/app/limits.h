@@ -9,6 +9,8 @@ namespace forcegate {
 struct LimitsRequest {
   std::filesystem::path firmware;
   std::string plan = "smoke";
+  std::vector<std::filesystem::path> records;  ///< recordings to judge on instead of an emulated rig
+  std::filesystem::path calibration_file;      ///< of the specimen in the recordings
   std::size_t n = 300;              ///< specimens, each with its own session
   std::uint64_t first_seed = 1000;  ///< specimens "seed:1000", "seed:1001" ... : none of any panel
   unsigned threads = 0;
@@ -16,7 +18,8 @@ struct LimitsRequest {
 };
 
 /// p99 and standard deviation of the judged errors of every open-loop case with the check `accuracy`; the
-/// limit is p99 + 2 sd. Errors: those of gate(); config when a record gave no value (the file would claim too
+/// limit is p99 + 2 sd. With recordings (at least 5 of one profile on one bench: its repeatability run) each of
+/// them gives one value, under the case name `recording` of the plan `replay`. Errors: those of gate(); config when a record gave no value (the file would claim too
 /// much).
 Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress = {},
                                     const std::atomic<bool>* cancelled = nullptr);

@@ -27,6 +27,10 @@ figures::Role role_of(Verdict v) {
 
 std::string bullet_of(const Check& c, double width_px) {
   if (c.limit.kind != Limit::Kind::upper && c.limit.kind != Limit::Kind::lower) return {};
+  // A passed value of less than a hundredth of its limit is no bar that an eye could see.
+  if (c.verdict == Verdict::pass && c.limit.kind == Limit::Kind::upper &&
+      std::fabs(c.value) + 2.0 * c.u < 0.01 * std::fabs(c.limit.value))
+    return {};
   return figures::bullet_svg(
       {c.value, c.expanded_u > 0.0 ? c.expanded_u : 2.0 * c.u, c.limit.value, c.limit.kind == Limit::Kind::lower, role_of(c.verdict),
        value_text(c, Glyphs::unicode) + ", limit " + limit_text(c, Glyphs::unicode), width_px});
@@ -183,15 +187,34 @@ std::string html_check_table(const std::vector<JudgedRow>& rows, const std::stri
   return out + "</tbody></table></div>\n";
 }
 
+namespace {
+
+// A sound rig is one line: its checks fill the page of every record and say nothing new. All are in result.json.
+std::string sound_rig_row(const std::vector<const Check*>& checks) {
+  std::string list;
+  for (const Check* c : checks)
+    list += (list.empty() ? "" : "; ") + escape(c->id) + " " + escape(value_text(*c, Glyphs::unicode)) + " " +
+            escape(limit_text(*c, Glyphs::unicode));
+  return "<tr><td>" + verdict_word(Verdict::pass) + "</td><td class=\"c\" colspan=\"4\">" +
+         std::to_string(checks.size()) + " checks of the rig<small>" + list + "</small></td></tr>\n";
+}
+
+}  // namespace
+
 std::string html_case(const CaseResult& c, std::size_t number, bool open) {
   const Verdict verdict = case_verdict(c);
   std::vector<JudgedRow> rows;
+  std::vector<const Check*> sound_rig;
   const Check* nearest = nullptr;
   double ratio = -1.0;
   for (const Check& check : c.checks) {
-    rows.push_back({&check, &c, ratio_to_limit(check)});
-    if (std::isfinite(rows.back().ratio) && rows.back().ratio > ratio) {
-      ratio = rows.back().ratio;
+    const double r = ratio_to_limit(check);
+    if (check.id.starts_with("rig_") && check.verdict == Verdict::pass)
+      sound_rig.push_back(&check);
+    else
+      rows.push_back({&check, &c, r});
+    if (std::isfinite(r) && r > ratio) {
+      ratio = r;
       nearest = &check;
     }
   }
@@ -209,7 +232,10 @@ std::string html_case(const CaseResult& c, std::size_t number, bool open) {
            escape(limit_text(*nearest, Glyphs::unicode)) + "</span>";
   out += "</summary><div class=\"in\">\n";
   if (!c.note.empty()) out += "<p><b>" + escape(c.note) + "</b></p>\n";
-  out += html_check_table(rows, "Checks of this case", false) + pictures(c) + extrema_table(c);
+  std::string table = html_check_table(rows, "Checks of this case", false);
+  if (const std::size_t end = table.rfind("</tbody>"); end != std::string::npos && !sound_rig.empty())
+    table.insert(end, sound_rig_row(sound_rig));
+  out += table + pictures(c) + extrema_table(c);
   return out + "<details><summary>Profile, calibration, link, hash</summary>" + facts(c) +
          "</details></div></details>\n";
 }

@@ -70,6 +70,7 @@ Result<int> run(const Invocation& in) {
   if (request.rig == "replay" && !in.given("plan")) request.plan = "replay";
   if (request.lane == "tick" && !in.given("plan")) request.plan = "tick";
   if (in.given("accepted")) request.accepted = in.text("accepted");
+  if (in.given("limits")) request.limits_file = in.text("limits");
   if (in.given("cal")) request.calibration_file = in.text("cal");
   if (in.given("calibration")) {
     const std::string level = in.text("calibration");
@@ -142,6 +143,9 @@ const Registration<Command> kRow{Command{
           .value_name = "LEVEL",
           .doc = "How much of the specimen is told to the firmware; default: the plan's.",
           .choices = levels},
+         {.name = "limits",
+          .value_name = "FILE",
+          .doc = "Limits of forcegate limits instead of the plan's, for its open-loop cases."},
          {.name = "accepted",
           .value_name = "IMAGE|RUN",
           .doc =

@@ -14,6 +14,8 @@ Result<int> run(const Invocation& in) {
   request.plan = in.text("plan");
   FORCEGATE_TRY(const std::int64_t n, in.integer("count", 10, 100000));
   request.n = static_cast<std::size_t>(n);
+  for (const std::string& record : in.texts("record")) request.records.emplace_back(record);
+  if (in.given("cal")) request.calibration_file = in.text("cal");
   FORCEGATE_TRY(request.first_seed, in.seed("first-seed"));
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
   request.threads = static_cast<unsigned>(threads);
@@ -49,13 +51,21 @@ const Registration<Command> kRow{Command{
           .fallback = "smoke"},
          {.name = "count", .value_name = "N", .doc = "Specimens.", .fallback = "300"},
          {.name = "first-seed", .value_name = "N", .doc = "Seed of the first specimen.", .fallback = "1000"},
+         {.name = "record",
+          .value_name = "FILE",
+          .doc = "Recording of a bench's repeatability run, at least five; then no rig is emulated.",
+          .repeatable = true},
+         {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen in the recordings."},
          {.name = "threads",
           .value_name = "N",
           .doc = "Worker processes at a time; 0: one per processor.",
           .fallback = "0"},
          {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}},
     .examples =
-        {{"forcegate limits build/firmware/reference.native.so --plan nightly -o golden/limits/nightly.toml",
+        {{"forcegate limits good.so --record 1.csv --record 2.csv --record 3.csv --record 4.csv --record 5.csv -o "
+          "bench.toml",
+          "Limits from a bench's own recordings, for gate --record new.csv --limits bench.toml:"},
+         {"forcegate limits build/firmware/reference.native.so --plan nightly -o golden/limits/nightly.toml",
           "Limits of the nightly plan:"}},
     .run = run,
 }};
