@@ -99,6 +99,10 @@ std::vector<std::uint8_t> set_cal_payload(const CalWire& c) {
   return w.out;
 }
 
+std::vector<std::uint8_t> stream_payload(bool run, std::uint16_t divider, std::uint8_t batch) {
+  return Writer{}.u8(run ? 1 : 0).u16(divider).u8(batch).out;
+}
+
 std::vector<std::uint8_t> inject_payload(std::uint32_t first_index, std::span<const std::uint16_t> adc) {
   Writer w;
   w.u32(first_index).u8(static_cast<std::uint8_t>(adc.size()));
@@ -153,6 +157,18 @@ std::optional<Nak> decode_nak(std::span<const std::uint8_t> payload) {
   nak.type = r.u8();
   if (!r.finished()) return std::nullopt;
   return nak;
+}
+
+std::optional<StreamState> decode_stream_state(std::span<const std::uint8_t> payload) {
+  Reader r(payload);
+  StreamState state;
+  state.request = r.u16();
+  const std::uint8_t run = r.u8();
+  r.u16();  // divider
+  r.u8();   // batch
+  if (!r.finished() || run > 1) return std::nullopt;
+  state.running = run == 1;
+  return state;
 }
 
 std::optional<ParamValue> decode_param_value(std::span<const std::uint8_t> payload) {

@@ -30,6 +30,7 @@ enum class Type : std::uint8_t {
   reset_done = 0x86,
   echo_reply = 0x87,
   time_reply = 0x88,
+  stream_state = 0x89,
 };
 
 /// CAL as it crosses the link: single precision.
@@ -79,12 +80,19 @@ std::string_view nak_text(std::uint8_t code);
 
 std::vector<std::uint8_t> hello_payload(std::uint32_t nonce);
 std::vector<std::uint8_t> set_cal_payload(const CalWire& calibration);
+/// Free-running stream of a board with its own converter: every divider-th sample, batch (1-32) to a frame.
+std::vector<std::uint8_t> stream_payload(bool run, std::uint16_t divider, std::uint8_t batch);
 /// At most 32 codes.
 std::vector<std::uint8_t> inject_payload(std::uint32_t first_index, std::span<const std::uint16_t> adc);
 
 std::optional<Info> decode_info(std::span<const std::uint8_t> payload);
 std::optional<Samples> decode_samples(std::span<const std::uint8_t> payload);
 std::optional<Nak> decode_nak(std::span<const std::uint8_t> payload);
+struct StreamState {
+  std::uint16_t request = 0;
+  bool running = false;
+};
+std::optional<StreamState> decode_stream_state(std::span<const std::uint8_t> payload);
 struct ParamValue {
   std::uint16_t request = 0;
   CalWire calibration;

@@ -22,7 +22,7 @@ Result<void> make_raw(int fd, const SerialSettings& s, const std::string& where)
   if (s.parity != Parity::none) t.c_cflag |= PARENB;
   if (s.parity == Parity::odd) t.c_cflag |= PARODD;
   t.c_ispeed = t.c_ospeed = s.baud;
-  t.c_cc[VMIN] = 0;
+  t.c_cc[VMIN] = 1;  // with O_NONBLOCK an idle line is EAGAIN, and 0 bytes mean that it was hung up
   t.c_cc[VTIME] = 0;
   if (ioctl(fd, TCSETS2, &t) != 0 || ioctl(fd, TCGETS2, &t) != 0)
     return fail(ErrorCode::device, "the port refuses its settings: " + system_text(errno), where);

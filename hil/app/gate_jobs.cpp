@@ -14,8 +14,10 @@
 namespace forcegate {
 namespace {
 
-Result<std::string> choose_lane(const GateRequest& request) {
+Result<std::string> choose_lane(const GateRequest& request, const Rig& rig) {
   const auto& lanes = Registry<LaneKind>::instance();
+  const std::string own = rig.board_lane();
+  if (!own.empty() && (request.lane.empty() || request.lane == own)) return own;
   if (!request.lane.empty()) {
     const LaneKind* lane = lanes.find(request.lane);
     if (lane == nullptr) {
@@ -144,10 +146,10 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
     return fail(ErrorCode::usage, "there is no firmware file", request.firmware.string(),
                 "build the images first (./ci/build) or mend the path");
   FORCEGATE_TRY(setup.firmware_sha256, sha256_file(request.firmware));
-  FORCEGATE_TRY(setup.lane, choose_lane(request));
+  FORCEGATE_TRY(const auto rig, make_rig(request.rig, request.rig_options));
+  FORCEGATE_TRY(setup.lane, choose_lane(request, *rig));
   FORCEGATE_TRY(const std::filesystem::path plan_path, find_plan(request.plan));
   FORCEGATE_TRY(setup.plan, read_plan(plan_path));
-  FORCEGATE_TRY(const auto rig, make_rig(request.rig, request.rig_options));
   setup.rig = rig->info();
   Plan& plan = setup.plan;
   if (request.seed) plan.seed = *request.seed;
@@ -187,7 +189,7 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
       probe.duration_s = 1.0;
       probe.force_high_N = 1.0;
       probe.faults = request.faults;
-      auto begun = setup.rig.emulated ? rig->begin(probe) : Result<void>{};
+      auto begun = setup.rig.name == "emulated" ? rig->begin(probe) : Result<void>{};
       if (!begun) return fail(ErrorCode::usage, begun.error().text, begun.error().where, begun.error().hint);
     }
   else if (!request.faults.empty())

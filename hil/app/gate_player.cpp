@@ -65,6 +65,8 @@ std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {
   };
   WorkerOptions options;
   options.workers = request_.threads;
+  // There is one bench on the table; only twins that a worker starts for itself can be had several times.
+  if (request_.rig == "bench" && (!setup_.rig.emulated || request_.rig_options.contains("attach"))) options.workers = 1;
   options.cancelled = cancelled_;
   options.hang_cpu_s = request_.hang_cpu_s;
   return run_in_workers(jobs, options,

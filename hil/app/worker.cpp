@@ -47,18 +47,24 @@ CaseRecord execute_job(const CaseJob& job, const std::function<void(double)>& pr
   if (!rig) return failed(job, CaseFailure::Stage::rig, rig.error());
   if (job.kind == CaseJob::Kind::calibration) return run_calibration(job, **rig, cancelled);
 
-  const LaneKind* lane = Registry<LaneKind>::instance().find(job.lane);
-  if (lane == nullptr)
-    return failed(job, CaseFailure::Stage::setup,
-                  {ErrorCode::usage, "there is no lane named '" + job.lane + "'", {}, {}});
-  auto dut = lane->make(job.lane_options);
-  if (!dut) return failed(job, CaseFailure::Stage::setup, dut.error());
+  std::unique_ptr<Dut> own_dut;
+  Dut* dut = (*rig)->board_lane() == job.lane ? (*rig)->board_firmware() : nullptr;
+  if (dut == nullptr) {
+    const LaneKind* lane = Registry<LaneKind>::instance().find(job.lane);
+    if (lane == nullptr)
+      return failed(job, CaseFailure::Stage::setup,
+                    {ErrorCode::usage, "there is no lane named '" + job.lane + "'", {}, {}});
+    auto made = lane->make(job.lane_options);
+    if (!made) return failed(job, CaseFailure::Stage::setup, made.error());
+    own_dut = std::move(*made);
+    dut = own_dut.get();
+  }
 
   LateComparator comparator;
   CaseRecorder recorder(job.keep_path);
   RunDevices devices;
   devices.rig = rig->get();
-  devices.dut = dut->get();
+  devices.dut = dut;
   devices.comparator = job.planned.checks & kCheckConformance ? &comparator : nullptr;
   devices.writer = job.keep_path.empty() ? nullptr : &recorder;
   devices.progress = progress;

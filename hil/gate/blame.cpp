@@ -19,4 +19,10 @@ bool firmware_left_the_reference(const CaseRecord& record) {
   return worst_N > kDeparture_N;
 }
 
+Blame blame_of_device(std::string_view where) {
+  if (where.starts_with("reference")) return Blame::reference;
+  if (where.starts_with("board")) return Blame::link;
+  return Blame::rig;
+}
+
 }  // namespace forcegate

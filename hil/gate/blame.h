@@ -9,4 +9,7 @@ namespace forcegate {
 /// more than 0.4 N away over the last 0.2 s or at one of the last six extrema.
 bool firmware_left_the_reference(const CaseRecord& record);
 
+/// Who is asked to act when an instrument fails; its errors say in `where` which one it was ("reference: ...").
+Blame blame_of_device(std::string_view where);
+
 }  // namespace forcegate

@@ -108,7 +108,7 @@ class CaseJudge {
         }
         return false;
       case CaseFailure::Stage::rig:
-        final_check("rig_runs", "The rig plays the record", Verdict::rig_error, Blame::rig, text);
+        final_check("rig_runs", "The rig plays the record", Verdict::rig_error, blame_of_device(f.error.where), text);
         return false;
       case CaseFailure::Stage::setup:
         final_check("record", "Record", Verdict::not_run, Blame::user, text);

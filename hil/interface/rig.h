@@ -68,6 +68,7 @@ struct RigInfo {
   double reference_noise_N = 0.0;      ///< standard deviation of one reading as declared
   double reference_u_rel = 0.0;        ///< relative standard uncertainty of its calibration
   RigGeometry geometry;
+  double force_rate_max_N_per_s = 0.0; ///< fastest change of force that a command may cause; 0: none
   bool can_move = false;               ///< false: replay, no closed loop, no calibration sweeps
   bool emulated = false;
   std::map<std::string, std::string> details;  ///< calibration ids, firmware of instruments ...
@@ -87,6 +88,8 @@ struct RigRecordRequest {
   std::map<std::string, double> faults;
 };
 
+class Dut;
+
 class Rig {
  public:
   virtual ~Rig() = default;
@@ -101,11 +104,19 @@ class Rig {
 
   /// Advances the rig's clock by at most n samples and writes them to rows [at, at + returned) of
   /// `out` (which has that size already). Returns fewer only at the end of a recording; 0 = ended.
+  /// Rows below `at`, written by earlier calls into the same block, may be refined: a slow reference is
+  /// interpolated once its next reading has come.
   virtual Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t at) = 0;
 
   /// Latest wheel angle, rad, and force by the ATI, newtons, as the controller may read them.
   virtual double theta_rad() const = 0;
   virtual double force_ref_N() const = 0;
+
+  /// The firmware that runs on the rig's own board and answers for the very samples that the rig delivers, and the
+  /// name of that lane ("serial", "hid"); nullptr and "": the rig only digitises. May be opened after begin(); lives
+  /// as long as the rig.
+  virtual Dut* board_firmware() { return nullptr; }
+  virtual std::string board_lane() const { return {}; }
 
   /// Stops the motor and unloads. Never fails, may be called in any state and twice.
   virtual void park() noexcept = 0;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/portable_math.h"
+
 namespace forcegate {
 
 std::string_view to_string(StopReason reason) {
@@ -23,12 +25,15 @@ SafetyGate::~SafetyGate() { rig_.park(); }
 
 Result<void> SafetyGate::begin(const RigRecordRequest& request) {
   report_ = {};
+  force_max_N_ = limits_.force_max_N;
   lost_run_ = 0;
   last_t_s_ = 0.0;
   FORCEGATE_CHECK_OK(rig_.begin(request));
   const RigInfo info = rig_.info();
   geometry_ = info.geometry;
   can_move_ = info.can_move;
+  rate_max_N_per_s_ = info.force_rate_max_N_per_s;
+  if (can_move_ && info.force_max_N > 0.0) force_max_N_ = std::min(limits_.force_max_N, info.force_max_N);
   return {};
 }
 
@@ -53,6 +58,11 @@ Result<double> SafetyGate::command(double velocity_rad_per_s) {
   const double theta = rig_.theta_rad();
   if (theta >= geometry_.theta_max_rad) velocity = std::min(velocity, 0.0);
   if (theta <= geometry_.theta_min_rad) velocity = std::max(velocity, 0.0);
+  if (rate_max_N_per_s_ > 0.0) {  // the force follows the angle by k e sin(theta)
+    const double slope =
+        std::fabs(geometry_.spring_N_per_mm * geometry_.eccentricity_mm * portable::sin(theta));
+    if (slope * std::fabs(velocity) > rate_max_N_per_s_) velocity = std::copysign(rate_max_N_per_s_ / slope, velocity);
+  }
   if (velocity != velocity_rad_per_s) ++report_.clipped_commands;
   FORCEGATE_CHECK_OK(rig_.command_velocity(velocity));
   return velocity;
@@ -60,7 +70,12 @@ Result<double> SafetyGate::command(double velocity_rad_per_s) {
 
 Result<std::size_t> SafetyGate::run(std::size_t n, RigBlock& out, std::size_t at) {
   if (report_.stopped()) return std::size_t{0};
-  FORCEGATE_TRY(const std::size_t got, rig_.run(n, out, at));
+  auto ran = rig_.run(n, out, at);
+  if (!ran) {
+    rig_.park();
+    return ran;
+  }
+  const std::size_t got = *ran;
   constexpr std::uint16_t kReferenceBad = kRigReferenceSaturated | kRigReferenceFault;
   for (std::size_t i = at; i < at + got; ++i) {
     const std::uint16_t status = out.status[i];
@@ -75,7 +90,7 @@ Result<std::size_t> SafetyGate::run(std::size_t n, RigBlock& out, std::size_t at
       if (++lost_run_ >= limits_.reference_lost_samples) reason = StopReason::reference_lost;
     } else {
       lost_run_ = 0;
-      if (force_N > limits_.force_max_N) reason = StopReason::force_limit;
+      if (force_N > force_max_N_) reason = StopReason::force_limit;
     }
     if (reason == StopReason::none) continue;
     stop(reason, out.t_s[i], force_N);

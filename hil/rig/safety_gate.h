@@ -38,7 +38,8 @@ class SafetyGate {
 
   Result<void> begin(const RigRecordRequest& request);
 
-  /// Clips to the velocity limit and, at an end of travel, to the inward direction. A command that is not
+  /// Clips to the velocity limit, to the rig's fastest change of force and, at an end of travel, to the inward
+  /// direction. A command that is not
   /// finite stops the record. After a stop commands are ignored. Returns what the rig was told.
   Result<double> command(double velocity_rad_per_s);
 
@@ -54,6 +55,8 @@ class SafetyGate {
 
   Rig& rig_;
   SafetyLimits limits_;
+  double rate_max_N_per_s_ = 0.0;
+  double force_max_N_ = 0.0;  ///< the weaker of plan and bench
   RigGeometry geometry_;
   bool can_move_ = false;
   int lost_run_ = 0;

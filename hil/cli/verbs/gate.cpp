@@ -65,6 +65,11 @@ Result<int> run(const Invocation& in) {
   request.rig = in.text("rig");
   FORCEGATE_TRY(request.rig_options, options_of(in.texts("rig-option"), "--rig-option"));
   FORCEGATE_TRY(request.lane_options, options_of(in.texts("lane-option"), "--lane-option"));
+  if (request.rig.ends_with(".toml")) {
+    request.rig_options["file"] = request.rig;
+    request.rig = "bench";
+  }
+  if (in.flag("arm")) request.rig_options["arm"] = "yes";
   if (in.given("record")) request.rig_options["record"] = in.text("record");
   if (in.given("record") && !in.given("rig")) request.rig = "replay";
   if (request.rig == "replay" && !in.given("plan")) request.plan = "replay";
@@ -135,6 +140,7 @@ const Registration<Command> kRow{Command{
           .fallback = "emulated",
           .choices = rigs,
           .only_choices = false},
+         {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."},
          {.name = "record",
           .value_name = "FILE",
           .doc = "Recording to judge on (rig replay): columns t_s, U_V, F_ref_N."},
@@ -187,6 +193,8 @@ const Registration<Command> kRow{Command{
                   "Worst-case instructions of a sample, stack, RAM and flash:"},
                  {"forcegate gate build/firmware/reference.native.so --record run.csv --cal cal.toml",
                   "On a recording:"},
+                 {"forcegate gate build/firmware/reference.uart.elf --rig rigs/twin.toml --plan twin",
+                  "Through the real adapters, on wire-level twins of the instruments:"},
                  {"forcegate gate build/firmware/reference.native.so --fault reference_saturated=2.0",
                   "What a broken reference looks like:"}},
     .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitNoDecision, kExitRigFault, kExitSafetyStop,

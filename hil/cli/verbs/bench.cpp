@@ -1,0 +1,172 @@
+#include "hil/app/bench.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "hil/cli/command.h"
+
+namespace forcegate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::map<std::string, std::string> options_of(const Invocation& in) {
+  std::map<std::string, std::string> options{{"purpose", in.command_line()}};
+  if (in.given("attach")) options["attach"] = in.text("attach");
+  if (in.flag("arm")) options["arm"] = "yes";
+  return options;
+}
+
+Result<std::string> file_of(const Invocation& in) {
+  if (const auto files = in.texts("FILE"); !files.empty()) return files.front();
+  return fail(ErrorCode::usage, "bench " + in.text("ACTION") + " needs a bench file", {}, "for example rigs/twin.toml");
+}
+
+Result<int> list(const Invocation& in) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string& f : in.texts("FILE")) files.emplace_back(f);
+  Json document = Json::array();
+  bool good = true;
+  for (const BenchRow& row : list_benches(files)) {
+    good = good && row.mistake.empty();
+    in.console().print(row.mistake.empty()
+                           ? fmt::format("{:<24} {}  {}\n{:24} {} + {} + {}", row.file, row.twins ? "twins" : "real ", row.doc, "",
+                                         row.motor, row.reference, row.board)
+                           : fmt::format("{:<24} {}", row.file, in.console().paint(Paint::fail, row.mistake)));
+    document.push_back({{"file", row.file}, {"name", row.name}, {"id", row.id}, {"doc", row.doc}, {"twins", row.twins},
+                        {"motor", row.motor}, {"reference", row.reference}, {"board", row.board}, {"mistake", row.mistake}});
+  }
+  in.console().print_json(Json({{"format", 1}, {"benches", document}}).dump(2));
+  in.console().next("forcegate bench doctor rigs/twin.toml");
+  return good ? kExitSuccess : kExitUsage;
+}
+
+Result<int> doctor(const Invocation& in) {
+  FORCEGATE_TRY(const std::string file, file_of(in));
+  FORCEGATE_TRY(const auto items, examine_bench(file, options_of(in)));
+  Json document = Json::array();
+  bool good = true;
+  for (const BenchItem& item : items) {
+    good = good && item.good;
+    in.console().print(fmt::format("{}  {:<24} {}", item.good ? in.console().paint(Paint::pass, "ok  ") : in.console().paint(Paint::fail, "BAD "),
+                                   item.name, item.found));
+    if (!item.remedy.empty()) in.console().print(fmt::format("{:30} help: {}", "", item.remedy));
+    document.push_back({{"name", item.name}, {"good", item.good}, {"found", item.found}, {"remedy", item.remedy}});
+  }
+  in.console().print_json(Json({{"format", 1}, {"ready", good}, {"items", document}}).dump(2));
+  in.console().next(good ? "forcegate gate build/firmware/reference.uart.elf --rig " + file + " --plan twin"
+                         : "mend what is BAD, then again: forcegate bench doctor " + file);
+  return good ? kExitSuccess : kExitRigFault;
+}
+
+Result<int> scan(const Invocation& in) {
+  Json document = Json::array();
+  const auto ports = scan_ports();
+  for (const ScannedPort& p : ports) {
+    in.console().print(fmt::format("{:<16} {}\n{:16} {}", p.port, p.description, "", p.stable_name));
+    document.push_back({{"port", p.port}, {"stable_name", p.stable_name}, {"description", p.description}});
+  }
+  if (ports.empty()) in.console().print("no serial or HID device is connected");
+  in.console().print_json(Json({{"format", 1}, {"ports", document}}).dump(2));
+  in.console().next("write the stable names under [ports] of a bench file (docs/bench.md)");
+  return kExitSuccess;
+}
+
+Result<int> serve(const Invocation& in) {
+  FORCEGATE_TRY(const std::string file, file_of(in));
+  const std::string folder = in.text("folder");
+  const auto ready = [&](const std::vector<std::string>& endpoints) {
+    for (const std::string& e : endpoints) in.console().print(e);
+    in.console().print_json(Json({{"format", 1}, {"folder", folder}, {"endpoints", endpoints}}).dump(2));
+    in.console().next("forcegate bench doctor " + file + " --attach " + folder + "; Ctrl-C ends the twins");
+    std::fflush(stdout);
+  };
+  FORCEGATE_CHECK_OK(serve_bench(file, folder, ready, in.interrupt_flag()));
+  return kExitSuccess;
+}
+
+Result<int> park(const Invocation& in) {
+  FORCEGATE_TRY(const std::string file, file_of(in));
+  FORCEGATE_TRY(const int holder, park_bench(file, options_of(in)));
+  in.console().print(holder > 0 ? fmt::format("the motor is stopped; process {} was told to end", holder) : "the motor is stopped");
+  in.console().print_json(Json({{"format", 1}, {"stopped", true}, {"holder", holder}}).dump(2));
+  in.console().next("forcegate bench doctor " + file);
+  return kExitSuccess;
+}
+
+Result<int> jog(const Invocation& in) {
+  FORCEGATE_TRY(const std::string file, file_of(in));
+  FORCEGATE_TRY(const double angle, in.number("angle", -6.3, 6.3));
+  FORCEGATE_TRY(const double speed, in.number("speed", 0.01, 5.0));
+  FORCEGATE_TRY(const JogResult r, jog_bench(file, options_of(in), angle, speed, in.interrupt_flag()));
+  in.console().print(fmt::format("from {:.3f} to {:.3f} rad; the reference reads {:.3f} N", r.from_rad, r.to_rad, r.force_N));
+  in.console().print_json(Json({{"format", 1}, {"from_rad", r.from_rad}, {"to_rad", r.to_rad}, {"force_N", r.force_N}}).dump(2));
+  in.console().next("forcegate bench park " + file);
+  return kExitSuccess;
+}
+
+Result<int> who(const Invocation& in) {
+  FORCEGATE_TRY(const std::string file, file_of(in));
+  FORCEGATE_TRY(const auto holder, bench_holder(file));
+  if (!holder) {
+    in.console().print("nobody holds the bench");
+    in.console().print_json(Json({{"format", 1}, {"held", false}}).dump(2));
+    in.console().next("forcegate bench doctor " + file);
+    return kExitSuccess;
+  }
+  in.console().print(fmt::format("process {} since {:.0f} s, last sign of life {:.0f} s ago\n{}", holder->pid, holder->held_s,
+                                 holder->silent_s, holder->purpose));
+  in.console().print_json(Json({{"format", 1}, {"held", true}, {"pid", holder->pid}, {"token", holder->token},
+                                {"held_s", holder->held_s}, {"silent_s", holder->silent_s}, {"purpose", holder->purpose}})
+                              .dump(2));
+  in.console().next("forcegate bench park " + file + " stops the motor and the holder");
+  return kExitSuccess;
+}
+
+Result<int> run(const Invocation& in) {
+  const std::string action = in.text("ACTION");
+  if (action == "list") return list(in);
+  if (action == "doctor") return doctor(in);
+  if (action == "scan") return scan(in);
+  if (action == "serve") return serve(in);
+  if (action == "park") return park(in);
+  if (action == "jog") return jog(in);
+  return who(in);
+}
+
+const Registration<Command> kRow{Command{
+    .name = "bench",
+    .group = "Bench",
+    .summary = "instruments on the table: list, doctor, scan, serve, park, jog, who",
+    .description =
+        "A bench is one TOML file: instruments, ports, limits, calibrations, geometry (docs/bench.md). A bench with "
+        "[twins] has wire-level twins instead of instruments and needs no hardware.\n\n"
+        "list    bench files, and what is wrong with them\n"
+        "doctor  opens every instrument, asks who it is and for one reading; nothing moves\n"
+        "scan    serial ports and HID devices with their stable names\n"
+        "serve   leaves the twins of a bench running for a person or another program\n"
+        "park    emergency stop: the motor at once, whoever holds the bench\n"
+        "jog     turns the wheel to an angle, slowly and under the limits\n"
+        "who     which process holds the bench\n\n"
+        "Nothing real moves without --arm. When the program dies while the bench is armed, a process of its own stops "
+        "the motor, and the drive's own timeout stands behind it.",
+    .positionals = {{.name = "ACTION",
+                     .doc = "What to do.",
+                     .choices = [] { return std::vector<std::string>{"list", "doctor", "scan", "serve", "park", "jog", "who"}; }},
+                    {.name = "FILE", .doc = "Bench file.", .required = false, .repeatable = true}},
+    .options = {{.name = "attach", .value_name = "FOLDER", .doc = "Twins that `bench serve` runs in that folder."},
+                {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."},
+                {.name = "folder", .value_name = "FOLDER", .doc = "serve: where the ports appear.", .fallback = "/tmp/forcegate-twins"},
+                {.name = "angle", .value_name = "RAD", .doc = "jog: where to.", .fallback = "0"},
+                {.name = "speed", .value_name = "RAD_PER_S", .doc = "jog: how fast.", .fallback = "0.5"}},
+    .examples = {{"forcegate bench list", "Which benches are there?"},
+                 {"forcegate bench doctor rigs/twin.toml", "Do all instruments answer?"},
+                 {"forcegate bench serve rigs/twin.toml", "Twins to talk to with any program:"},
+                 {"forcegate bench park rigs/lab.toml", "Emergency stop:"}},
+    .exit_codes = {kExitSuccess, kExitUsage, kExitRigFault, kExitSafetyStop, kExitInternal, kExitInterrupted},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,382 @@
+// Rig "bench": real instruments, or wire-level twins of them, behind the one interface that the gate knows.
+//
+// The board's conversions are the rows and their clock. A row is placed on the bench's time by the earliest arrivals of
+// frames (hil/base/arrival_clock.h); reference and wheel angle are interpolated to it. Where the next reading of the
+// reference has not come yet, the last one stands in until it has.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <deque>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "hil/base/arrival_clock.h"
+#include "hil/base/portable_math.h"
+#include "hil/base/text.h"
+#include "hil/rig/bench_session.h"
+
+namespace forcegate {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr double kPeriod_s = 0.01;       // between two looks at the drive
+constexpr double kUsableTravel = 0.95;    // the rest is for control
+constexpr double kStartTolerance_rad = 0.02;
+constexpr double kTravelTolerance_rad = 1e-3;
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[16];
+  std::strftime(text, sizeof text, "%Y-%m-%d", &utc);
+  return text;
+}
+
+class BenchRig final : public Rig, public Dut {
+ public:
+  BenchRig(BenchFile bench, std::map<std::string, std::string> options)
+      : bench_(std::move(bench)), options_(std::move(options)), info_(rig_info(bench_)) {}
+  ~BenchRig() override { BenchRig::park(); }
+
+  RigInfo info() const override { return info_; }
+  double theta_rad() const override { return theta_rad_; }
+  double force_ref_N() const override { return force_N_; }
+  std::string board_lane() const override { return bench_.board_adapter == "hid_board" ? "hid" : "serial"; }
+  Dut* board_firmware() override { return this; }
+
+  Result<void> begin(const RigRecordRequest& request) override {
+    begun_ = false;
+    if (const auto late = expired(bench_, today()); !late.empty())
+      return fail(ErrorCode::config, fmt::format("calibration {} of the {} is out of date since {}", late[0].id, late[0].what,
+                                                 late[0].expires),
+                  bench_.path.string(), "calibrate it and enter the new id and date under [calibration]");
+    const RigGeometry& g = bench_.geometry;
+    const double reach_N = kUsableTravel * g.spring_N_per_mm *
+                           (g.preload_mm + g.eccentricity_mm * (1.0 - portable::cos(g.theta_max_rad)));
+    if (request.force_high_N > std::min(reach_N, bench_.limits.force_max_N) + 1e-9)
+      return fail(ErrorCode::config, fmt::format("the bench reaches {:.3g} N, the profile needs {:.3g} N",
+                                                 std::min(reach_N, bench_.limits.force_max_N), request.force_high_N),
+                  bench_.path.string(), "set a larger eccentricity on the wheel and in [geometry]");
+    if (!session_) {
+      FORCEGATE_TRY(session_, BenchSession::make(bench_, options_));
+    }
+    session_->close();  // every record begins with instruments that have just proved who they are
+    FORCEGATE_CHECK_OK(safely(session_->world().mount(request)));
+    FORCEGATE_CHECK_OK(safely(session_->open()));
+    for (const auto& [key, value] : session_->details()) info_.details[key] = value;
+    FORCEGATE_TRY(const MotorState state, safely(session_->motor().read()));
+    theta_rad_ = state.theta_rad;
+    FORCEGATE_CHECK_OK(safely(go_to_start(request.force_low_N)));
+    FORCEGATE_CHECK_OK(safely(session_->reference().start()));
+    FORCEGATE_CHECK_OK(safely(start_stream()));
+    return {};
+  }
+
+  Result<void> command_velocity(double rad_per_s) override {
+    if (!begun_) return fail(ErrorCode::internal, "the bench got a command before a record began");
+    FORCEGATE_CHECK_OK(safely(session_->arm()));
+    commanded_rad_per_s_ = rad_per_s;
+    return safely(session_->motor().command_velocity(rad_per_s));
+  }
+
+  Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t at) override {
+    if (!begun_) return fail(ErrorCode::internal, "the bench was run before a record began");
+    block_first_ = index_ - std::min<std::uint64_t>(at, index_);
+    const auto period = std::max<std::size_t>(1, static_cast<std::size_t>(kPeriod_s * info_.rate_Hz));
+    for (std::size_t done = 0; done < n;) {
+      const std::size_t chunk = std::min(n - done, period);
+      FORCEGATE_CHECK_OK(safely(collect(chunk)));
+      for (std::size_t i = 0; i < chunk; ++i) fill_row(out, at + done + i);
+      done += chunk;
+      refine(out, at + done);
+    }
+    return n;
+  }
+
+  void park() noexcept override {
+    begun_ = false;
+    commanded_rad_per_s_ = 0.0;
+    if (session_) session_->make_safe();
+  }
+
+  // The firmware on the board.
+  Result<DutInfo> open(const DutSession& dut) override {
+    if (!begun_) return fail(ErrorCode::internal, "the board's firmware was opened before a record began");
+    FORCEGATE_CHECK_OK(session_->board().stop());
+    FORCEGATE_CHECK_OK(session_->world().flash(dut.image.string()));
+    FORCEGATE_TRY(const DutInfo info, session_->board().load(dut));
+    if (!session_->world().flashes()) FORCEGATE_CHECK_OK(same_build(dut.image, info.build_id));
+    FORCEGATE_CHECK_OK(start_stream());
+    return info;
+  }
+
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
+                       std::span<std::uint8_t> flags) override {
+    for (std::size_t i = 0; i < adc.size(); ++i) {
+      if (outputs_.empty() || outputs_.front().index != first_index + i)
+        return fail(ErrorCode::device, fmt::format("the board's sample {} was lost on the link", first_index + i), "board",
+                    "look for a disturbed or overloaded line between board and harness");
+      if (outputs_.front().adc != adc[i])
+        return fail(ErrorCode::internal, "force and code of a sample do not belong together", "board");
+      force_N[i] = outputs_.front().force_N;
+      flags[i] = outputs_.front().flags;
+      outputs_.pop_front();
+    }
+    return {};
+  }
+
+  Result<DutCounters> close() override { return session_ ? session_->board().counters() : DutCounters{}; }
+
+ private:
+  /// Whatever goes wrong, the motor is stopped before anybody hears of it.
+  template <class T>
+  T safely(T result) {
+    if (!result) park();
+    return result;
+  }
+
+  Result<void> start_stream() {
+    FORCEGATE_CHECK_OK(session_->board().stop());
+    FORCEGATE_CHECK_OK(session_->board().start());
+    t0_s_ = session_->world().now_s();
+    index_ = refined_ = 0;
+    arrived_ = 0;
+    row_clock_.begin(info_.rate_Hz, 2.0);
+    pending_.clear();
+    outputs_.clear();
+    readings_.clear();
+    angles_.assign(1, {t0_s_, theta_rad_});
+    last_code_ = 0;
+    force_N_ = std::numeric_limits<double>::quiet_NaN();
+    offset_s_ = t0_s_ + 1.0 / info_.rate_Hz;
+    begun_ = true;
+    return {};
+  }
+
+  // Slowly to the angle of the record's first force, watched like any other motion.
+  Result<void> go_to_start(double force_N) {
+    const RigGeometry& g = bench_.geometry;
+    const double cosine = 1.0 - (force_N / g.spring_N_per_mm - g.preload_mm) / g.eccentricity_mm;
+    const double goal = std::clamp(std::acos(std::clamp(cosine, -1.0, 1.0)), g.theta_min_rad, g.theta_max_rad);
+    if (std::fabs(theta_rad_ - goal) <= kStartTolerance_rad) return {};
+    FORCEGATE_CHECK_OK(session_->arm());
+    FORCEGATE_CHECK_OK(session_->reference().start());
+    BenchWorld& world = session_->world();
+    const double speed = bench_.limits.start_velocity_rad_per_s;
+    const double until_s = world.now_s() + 2.0 * std::fabs(goal - theta_rad_) / speed + 2.0;
+    std::vector<ReferenceReading> seen;
+    while (std::fabs(theta_rad_ - goal) > kStartTolerance_rad) {
+      if (world.now_s() > until_s)
+        return fail(ErrorCode::device, fmt::format("the wheel does not reach {:.2f} rad: it stands at {:.2f} rad", goal, theta_rad_),
+                    "motor", "check coupling, scale of 'position' and that the wheel is free");
+      const double way = goal - theta_rad_;
+      FORCEGATE_CHECK_OK(session_->motor().command_velocity(std::clamp(4.0 * way, -speed, speed)));
+      FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + kPeriod_s));
+      FORCEGATE_TRY(const MotorState state, session_->motor().read());
+      session_->beat();
+      theta_rad_ = state.theta_rad;
+      if (state.fault) return motor_fault(state);
+      seen.clear();
+      FORCEGATE_CHECK_OK(session_->reference().poll(seen));
+      for (const ReferenceReading& r : seen)
+        if (r.status != 0 || !(static_cast<double>(r.force_N) <= bench_.limits.force_max_N))
+          return fail(ErrorCode::safety, fmt::format("the force is {:.2f} N on the way to the start", static_cast<double>(r.force_N)),
+                      "reference", "unload the sensor and look for what blocks the wheel");
+    }
+    FORCEGATE_CHECK_OK(session_->motor().stop());
+    return session_->reference().stop();
+  }
+
+  Unexpected motor_fault(const MotorState& state) const {
+    return fail(ErrorCode::device, fmt::format("the drive reports fault {:#x}", state.fault_code), "motor",
+                "find its cause in the drive's manual, then reset it");
+  }
+
+  // Lets time go on until the board's next `chunk` samples are there, and looks at everything meanwhile.
+  Result<void> collect(std::size_t chunk) {
+    BenchWorld& world = session_->world();
+    const double due_s = offset_s_ + static_cast<double>(index_ + chunk - 1) / info_.rate_Hz;
+    FORCEGATE_CHECK_OK(world.advance_to(std::max(due_s, world.now_s())));
+    FORCEGATE_CHECK_OK(look());
+    const double patience_s = world.now_s() + bench_.limits.board_stale_s;
+    while (pending_.size() < chunk) {
+      if (world.now_s() > patience_s)
+        return fail(ErrorCode::timeout, fmt::format("the board has been silent for {:.0f} ms at sample {}",
+                                                    1e3 * bench_.limits.board_stale_s, index_),
+                    "board", "check power and cable of the sensor board, and that its firmware still runs");
+      FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + 0.2 * kPeriod_s));
+      FORCEGATE_CHECK_OK(look());
+    }
+    return {};
+  }
+
+  Result<void> look() {
+    BenchWorld& world = session_->world();
+    FORCEGATE_TRY(const MotorState state, session_->motor().read());
+    session_->beat();
+    theta_rad_ = state.theta_rad;
+    motor_fault_ = state.fault;
+    angles_.push_back({state.t_s, state.theta_rad});
+    while (angles_.size() > kHistory) angles_.pop_front();
+    samples_.clear();
+    FORCEGATE_CHECK_OK(session_->board().poll(samples_));
+    for (const BoardSample& s : samples_) {
+      // The distance in time that a hole in the indices stands for is told by the index itself.
+      for (; arrived_ < s.index; ++arrived_) {
+        row_clock_.next(world.now_s());
+        pending_.push_back({static_cast<std::uint32_t>(arrived_), 0, kNaN, 0});
+        lost_.push_back(arrived_);
+      }
+      offset_s_ = row_clock_.next(world.now_s()) - static_cast<double>(s.index) / info_.rate_Hz;
+      ++arrived_;
+      pending_.push_back(s);
+    }
+    fresh_.clear();
+    FORCEGATE_CHECK_OK(session_->reference().poll(fresh_));
+    for (const ReferenceReading& r : fresh_) {
+      readings_.push_back(r);
+      force_N_ = static_cast<double>(r.force_N);
+    }
+    while (readings_.size() > kHistory) readings_.pop_front();
+    return {};
+  }
+
+  double row_time_s(std::uint64_t index) const { return offset_s_ + static_cast<double>(index) / info_.rate_Hz; }
+
+  void fill_row(RigBlock& out, std::size_t row) {
+    const BoardSample sample = pending_.front();
+    pending_.pop_front();
+    const double t_s = row_time_s(index_);
+    out.t_s[row] = static_cast<double>(index_) / info_.rate_Hz;
+    std::uint16_t status = motor_fault_ ? kRigMotorFault : 0;
+    if (!lost_.empty() && lost_.front() == index_) {
+      lost_.pop_front();
+      status |= kRigSampleLost;
+      out.adc[row] = last_code_;
+    } else {
+      out.adc[row] = last_code_ = sample.adc;
+      outputs_.push_back(sample);
+      while (outputs_.size() > kOutputs) outputs_.pop_front();  // a calibration asks for no forces
+      if (sample.adc == 0 || sample.adc == (1U << info_.adc_bits) - 1U) status |= kRigAdcRail;
+    }
+    const double theta = angle_at(t_s);
+    out.theta_rad[row] = static_cast<float>(theta);
+    if ((theta >= bench_.geometry.theta_max_rad - kTravelTolerance_rad && commanded_rad_per_s_ > 0.0) ||
+        (theta <= bench_.geometry.theta_min_rad + kTravelTolerance_rad && commanded_rad_per_s_ < 0.0))
+      status |= kRigTravelStop;
+    out.status[row] = status;
+    set_force(out, row, t_s);
+    ++index_;
+  }
+
+  double angle_at(double t_s) const {
+    for (std::size_t i = angles_.size(); i-- > 1;) {
+      const auto& [t1, a1] = angles_[i - 1];
+      const auto& [t2, a2] = angles_[i];
+      if (t_s < t1 && i > 1) continue;
+      if (t2 <= t1) return a2;
+      return a1 + (a2 - a1) * std::clamp((t_s - t1) / (t2 - t1), 0.0, 1.0);
+    }
+    return angles_.empty() ? theta_rad_ : angles_.front().second;
+  }
+
+  // True when the value is final: a reading behind the row exists.
+  bool set_force(RigBlock& out, std::size_t row, double t_s) {
+    constexpr std::uint16_t kMask = kRigReferenceSaturated | kRigReferenceFault;
+    out.status[row] = static_cast<std::uint16_t>(out.status[row] & ~kMask);
+    const double stale_s = bench_.limits.reference_stale_s;
+    const auto behind = std::upper_bound(readings_.begin(), readings_.end(), t_s,
+                                         [](double t, const ReferenceReading& r) { return t < r.t_s; });
+    const ReferenceReading* before = behind == readings_.begin() ? nullptr : &*std::prev(behind);
+    const ReferenceReading* after = behind == readings_.end() ? nullptr : &*behind;
+    if (before != nullptr && t_s - before->t_s > stale_s) before = nullptr;
+    if (after != nullptr && after->t_s - t_s > stale_s) after = nullptr;
+    const ReferenceReading* only = before != nullptr ? before : after;
+    if (only == nullptr) {
+      out.force_ref_N[row] = kNaN;
+      out.status[row] |= kRigReferenceFault;
+      return false;
+    }
+    if (before != nullptr && after != nullptr) {
+      const double share = (t_s - before->t_s) / std::max(1e-9, after->t_s - before->t_s);
+      out.force_ref_N[row] = static_cast<float>(static_cast<double>(before->force_N) +
+                                                share * static_cast<double>(after->force_N - before->force_N));
+      out.status[row] = static_cast<std::uint16_t>(out.status[row] | before->status | after->status);
+    } else {
+      out.force_ref_N[row] = only->force_N;
+      out.status[row] = static_cast<std::uint16_t>(out.status[row] | only->status);
+    }
+    return after != nullptr;
+  }
+
+  // Rows of this block that still stood on the last reading before them.
+  void refine(RigBlock& out, std::size_t rows) {
+    refined_ = std::max(refined_, block_first_);
+    const std::uint64_t end = block_first_ + rows;
+    bool final_so_far = true;
+    for (std::uint64_t i = refined_; i < end; ++i) {
+      const bool is_final = set_force(out, static_cast<std::size_t>(i - block_first_), row_time_s(i));
+      final_so_far = final_so_far && is_final;
+      if (final_so_far) refined_ = i + 1;
+    }
+    if (end > kRefineBack) refined_ = std::max(refined_, end - kRefineBack);
+  }
+
+  // A board that was flashed by hand and runs another build than the file must not be judged for it. The image holds
+  // its build id as text (docs/protocol.md).
+  Result<void> same_build(const std::filesystem::path& image, const std::string& build_id) const {
+    std::ifstream file(image, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    if (bytes.find(build_id) != std::string::npos) return {};
+    return fail(ErrorCode::device, "the board runs build " + build_id.substr(0, 12) + ", which is not in " + image.string(),
+                "board", "flash this image, or name the program that does it under [board] flash");
+  }
+
+  static constexpr std::size_t kHistory = 256, kOutputs = 8192, kRefineBack = 200;
+  BenchFile bench_;
+  std::map<std::string, std::string> options_;
+  RigInfo info_;
+  std::unique_ptr<BenchSession> session_;
+  bool begun_ = false, motor_fault_ = false;
+  double theta_rad_ = 0.0, force_N_ = std::numeric_limits<double>::quiet_NaN(), commanded_rad_per_s_ = 0.0;
+  double t0_s_ = 0.0, offset_s_ = 0.0;
+  std::uint64_t index_ = 0, block_first_ = 0, refined_ = 0, arrived_ = 0;
+  ArrivalClock row_clock_;
+  std::deque<BoardSample> pending_, outputs_;
+  std::deque<std::uint64_t> lost_;
+  std::deque<ReferenceReading> readings_;
+  std::deque<std::pair<double, double>> angles_;
+  std::vector<BoardSample> samples_;
+  std::vector<ReferenceReading> fresh_;
+  std::uint16_t last_code_ = 0;
+};
+
+Result<std::unique_ptr<Rig>> make(const std::map<std::string, std::string>& options) {
+  const auto file = options.find("file");
+  if (file == options.end())
+    return fail(ErrorCode::usage, "a bench needs its file", {}, "for example --rig rigs/twin.toml");
+  static const std::vector<std::string> kKnown{"arm", "attach", "clock", "file"};
+  for (const auto& [name, value] : options)
+    if (std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) {
+      const std::string near = nearest_name(name, kKnown);
+      return fail(ErrorCode::usage, "a bench has no option '" + printable_utf8(name) + "'", {},
+                  near.empty() ? "it has: " + join(kKnown, ", ") : "did you mean '" + near + "'?");
+    }
+  FORCEGATE_TRY(BenchFile bench, read_bench(file->second));
+  FORCEGATE_CHECK_OK(check_devices(bench));
+  return std::unique_ptr<Rig>(std::make_unique<BenchRig>(std::move(bench), options));
+}
+
+const Registration<RigKind> kRegistered{
+    {"bench",
+     "The instruments of a bench file, real or as twins. Options: file=BENCH.toml, attach=FOLDER (twins that are "
+     "served), clock=virtual|paced, arm=yes (a real bench moves only then)",
+     make}};
+
+}  // namespace
+}  // namespace forcegate

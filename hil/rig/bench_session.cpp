@@ -1,0 +1,119 @@
+#include "hil/rig/bench_session.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kGuardSilence_s = 1.0;  // of a harness that hangs; the drive's own timeout is shorter
+
+const BenchWorldKind* world_kind(const BenchFile& bench) {
+  return Registry<BenchWorldKind>::instance().find(bench.twins ? "twins" : "real");
+}
+
+}  // namespace
+
+BenchSession::BenchSession(BenchFile bench, std::map<std::string, std::string> options)
+    : bench_(std::move(bench)), options_(std::move(options)) {}
+
+BenchSession::~BenchSession() { close(); }
+
+Result<std::unique_ptr<BenchSession>> BenchSession::make(BenchFile bench,
+                                                         const std::map<std::string, std::string>& options) {
+  FORCEGATE_CHECK_OK(check_devices(bench));
+  std::unique_ptr<BenchSession> s(new BenchSession(std::move(bench), options));
+  const BenchWorldKind* kind = world_kind(s->bench_);
+  if (kind == nullptr) return fail(ErrorCode::internal, "this build has no world for the bench", s->bench_.path.string());
+  FORCEGATE_TRY(s->world_, kind->make(s->bench_.root, options));
+  const BenchFile& b = s->bench_;
+  FORCEGATE_TRY(s->motor_, Registry<MotorKind>::instance().find(b.motor_adapter)->make(b.table("motor"), *s->world_));
+  FORCEGATE_TRY(s->reference_,
+                Registry<ReferenceKind>::instance().find(b.reference_adapter)->make(b.table("reference"), *s->world_));
+  FORCEGATE_TRY(s->board_, Registry<BoardKind>::instance().find(b.board_adapter)->make(b.table("board"), *s->world_));
+  return s;
+}
+
+Result<void> BenchSession::open() {
+  if (open_) return {};
+  // Twins that this process has started for itself are nobody else's.
+  if (!lease_.held() && (!bench_.twins || options_.contains("attach"))) {
+    const auto purpose = options_.find("purpose");
+    FORCEGATE_TRY(lease_, Lease::take(bench_.id, purpose != options_.end() ? purpose->second : "forcegate"));
+  }
+  FORCEGATE_TRY(identity_["reference"], reference_->open());
+  FORCEGATE_TRY(identity_["board"], board_->open());
+  FORCEGATE_TRY(identity_["motor"], motor_->open());
+  open_ = true;
+  return {};
+}
+
+Result<void> BenchSession::start_guard() {
+  auto options = options_;
+  if (const std::string folder = world_->guard_option(); !folder.empty()) options["attach"] = folder;
+  return guard_.start([bench = bench_, options] { (void)stop_motor_now(bench, options); },
+                      world_->is_virtual() ? 0.0 : kGuardSilence_s);
+}
+
+Result<void> BenchSession::arm() {
+  if (armed_) return {};
+  const auto allowed = options_.find("arm");
+  if (!bench_.twins && (allowed == options_.end() || allowed->second != "yes"))
+    return fail(ErrorCode::safety, "the bench is not armed: nothing moves", bench_.path.string(),
+                "look that nobody reaches into it, then give --arm");
+  FORCEGATE_CHECK_OK(open());
+  FORCEGATE_CHECK_OK(start_guard());
+  if (auto armed = motor_->arm(); !armed) {
+    make_safe();
+    return armed;
+  }
+  armed_ = true;
+  return {};
+}
+
+void BenchSession::make_safe() noexcept {
+  bool stopped = true;
+  if (armed_ || guard_.id() > 0) stopped = motor_->emergency().has_value();
+  armed_ = false;
+  if (stopped) guard_.dismiss();  // else it stays and tries when we are gone
+  if (!open_) return;
+  (void)reference_->stop();
+  (void)board_->stop();
+}
+
+void BenchSession::close() noexcept {
+  if (motor_) make_safe();
+  if (board_) board_->close();
+  if (reference_) reference_->close();
+  if (motor_) motor_->close();
+  open_ = false;
+}
+
+std::map<std::string, std::string> BenchSession::details() const {
+  std::map<std::string, std::string> out;
+  for (const auto& [device, id] : identity_) {
+    if (!id.model.empty()) out[device + " model"] = id.model;
+    if (!id.serial.empty()) out[device + " serial"] = id.serial;
+    if (!id.calibration.empty()) out[device + " calibration"] = id.calibration;
+  }
+  const auto add = [&](const std::string& device, const std::map<std::string, std::uint64_t>& counts) {
+    for (const auto& [name, n] : counts)
+      if (n > 0) out[device + " " + name] = std::to_string(n);
+  };
+  add("motor", motor_->counts());
+  add("reference", reference_->counts());
+  add("board", board_->counts());
+  return out;
+}
+
+Result<void> stop_motor_now(const BenchFile& bench, std::map<std::string, std::string> options) {
+  options["clock"] = "paced";  // a hand that only stops must not take the twins' time over
+  const BenchWorldKind* world = world_kind(bench);
+  const MotorKind* kind = Registry<MotorKind>::instance().find(bench.motor_adapter);
+  if (world == nullptr || kind == nullptr) return fail(ErrorCode::internal, "this build cannot reach the drive");
+  if (bench.twins && !options.contains("attach"))
+    return fail(ErrorCode::usage, "the twins of this bench live only inside a run", bench.path.string(),
+                "serve them first: forcegate bench serve " + bench.path.string());
+  FORCEGATE_TRY(const auto place, world->make(bench.root, options));
+  FORCEGATE_TRY(const auto motor, kind->make(bench.table("motor"), *place));
+  return motor->emergency();
+}
+
+}  // namespace forcegate

@@ -1,0 +1,63 @@
+#pragma once
+// The instruments of one bench, opened together and made safe together. Nothing moves before arm().
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "hil/interface/device.h"
+#include "hil/rig/bench_file.h"
+#include "hil/rig/lease.h"
+#include "hil/rig/park_guard.h"
+
+namespace forcegate {
+
+class BenchSession {
+ public:
+  /// Options: "attach" = folder of twins that are being served, "clock" = virtual | paced, "arm" = yes (a real bench
+  /// moves only then). Makes the world and the adapters; opens nothing.
+  static Result<std::unique_ptr<BenchSession>> make(BenchFile bench, const std::map<std::string, std::string>& options);
+  ~BenchSession();
+
+  /// Takes the lease of the bench, then opens all three instruments, the motor last. Idempotent.
+  Result<void> open();
+  /// Starts the guard and arms the drive. ErrorCode::safety on a real bench without the option arm.
+  Result<void> arm();
+  bool armed() const { return armed_; }
+  void beat() noexcept {
+    guard_.beat();
+    lease_.beat();
+  }
+  /// Motor stopped, streams off, guard dismissed when the stop was confirmed. In any state, never fails.
+  void make_safe() noexcept;
+  /// make_safe() and all instruments closed.
+  void close() noexcept;
+
+  const BenchFile& bench() const { return bench_; }
+  BenchWorld& world() { return *world_; }
+  MotorDrive& motor() { return *motor_; }
+  ReferenceSensor& reference() { return *reference_; }
+  SensorBoard& board() { return *board_; }
+  /// Identities after open() and counts so far, as "reference serial" -> "FT12345", "link retries" -> "0".
+  std::map<std::string, std::string> details() const;
+
+ private:
+  BenchSession(BenchFile bench, std::map<std::string, std::string> options);
+  Result<void> start_guard();
+
+  BenchFile bench_;
+  std::map<std::string, std::string> options_;
+  std::unique_ptr<BenchWorld> world_;
+  std::unique_ptr<MotorDrive> motor_;
+  std::unique_ptr<ReferenceSensor> reference_;
+  std::unique_ptr<SensorBoard> board_;
+  ParkGuard guard_;
+  Lease lease_;
+  bool open_ = false, armed_ = false;
+  std::map<std::string, DeviceIdentity> identity_;
+};
+
+/// Opens a line of its own to the drive of a bench and stops it at once; for the guard and `forcegate bench park`.
+Result<void> stop_motor_now(const BenchFile& bench, std::map<std::string, std::string> options);
+
+}  // namespace forcegate

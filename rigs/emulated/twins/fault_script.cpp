@@ -1,0 +1,51 @@
+#include "rigs/emulated/twins/fault_script.h"
+
+#include <algorithm>
+
+namespace forcegate::emulated {
+
+const std::vector<std::string>& fault_names() {
+  static const std::vector<std::string> names{"delay",     "drop",        "drop_byte", "duplicate", "corrupt",
+                                              "garbage",   "truncate",    "exception", "wrong_slave", "stall",
+                                              "unplug",    "saturation",  "frozen",    "reset"};
+  return names;
+}
+
+Result<FaultEntry> FaultScript::read_entry(const ConfigNode& table) {
+  FaultEntry e;
+  ConfigReader in(table, "[[twins.fault]]", "docs/bench.md");
+  std::string kind;
+  std::int64_t count = 0;
+  in.choice("device", e.device, {"motor", "reference", "board"}, ConfigReader::required);
+  in.choice("kind", kind, fault_names(), ConfigReader::required);
+  in.number("at_s", e.at_s, 0, 1e9);
+  in.number("for_s", e.for_s, 0, 1e9);
+  if (in.integer("count", count, 1, 1000000000)) e.count = static_cast<std::uint64_t>(count);
+  in.number("amount", e.amount, 0, 1e6);
+  FORCEGATE_CHECK_OK(in.finish());
+  const auto& names = fault_names();
+  e.kind = static_cast<WireFault>(std::find(names.begin(), names.end(), kind) - names.begin());
+  return e;
+}
+
+bool FaultScript::covers(const Live& live, const std::string& device, WireFault kind, double t_s) {
+  const FaultEntry& e = live.entry;
+  return e.device == device && e.kind == kind && t_s >= e.at_s && t_s - e.at_s < e.for_s && live.used < e.count;
+}
+
+bool FaultScript::hit(const std::string& device, WireFault kind, double t_s, double* amount) {
+  for (Live& live : entries_) {
+    if (!covers(live, device, kind, t_s)) continue;
+    ++live.used;
+    if (amount != nullptr) *amount = live.entry.amount;
+    return true;
+  }
+  return false;
+}
+
+bool FaultScript::active(const std::string& device, WireFault kind, double t_s) const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Live& live) { return covers(live, device, kind, t_s); });
+}
+
+}  // namespace forcegate::emulated

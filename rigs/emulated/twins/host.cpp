@@ -1,0 +1,332 @@
+#include "rigs/emulated/twins/host.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "hil/base/text.h"
+
+namespace forcegate::emulated {
+namespace {
+
+constexpr double kEndless_s = 9e6;
+constexpr double kByteWait_s = 5.0;
+constexpr std::size_t kChunk = 10;
+
+double number_of(const std::string& text) {
+  double v = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
+  return error == std::errc{} && end == text.data() + text.size() ? v : std::nan("");
+}
+
+}  // namespace
+
+TwinHost::TwinHost(const TwinOptions& options)
+    : options_(options),
+      plant_(options.plant),
+      motor_wire_("motor", faults_, true),
+      reference_wire_("reference", faults_, false),
+      board_wire_("board", faults_, false),
+      modbus_(drive_, motor_wire_, options.slave, options.tcp),
+      ati_(options.ati, reference_wire_),
+      board_(board_wire_) {
+  for (const FaultEntry& f : options.faults) faults_.add(f);
+  motor_wire_.on_bytes = [this](WireEnd& end) {
+    modbus_.serve(end, t_s_);
+    drive_the_motor("control word");
+  };
+  modbus_.on_request = [this] { drive_.heard(t_s_); };
+  reference_wire_.on_bytes = [this](WireEnd& end) { ati_.serve(end, t_s_); };
+  board_wire_.on_bytes = [this](WireEnd& end) { board_.serve(end, t_s_); };
+  rows_.resize(kChunk);
+  paced_at_ = std::chrono::steady_clock::now();
+}
+
+Result<std::unique_ptr<TwinHost>> TwinHost::make(const TwinOptions& options, const std::filesystem::path& folder) {
+  std::unique_ptr<TwinHost> host(new TwinHost(options));
+  FORCEGATE_CHECK_OK(host->open(folder));
+  return host;
+}
+
+Result<void> TwinHost::open(const std::filesystem::path& folder) {
+  folder_ = folder;
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  if (options_.tcp) {
+    FORCEGATE_TRY(tcp_port_, motor_wire_.open_server(options_.tcp_port));
+    std::ofstream(folder / "motor.port") << tcp_port_ << '\n';
+  } else {
+    FORCEGATE_CHECK_OK(motor_wire_.open_terminal(folder / options_.motor_port));
+  }
+  FORCEGATE_CHECK_OK(reference_wire_.open_terminal(folder / options_.reference_port));
+  FORCEGATE_CHECK_OK(board_wire_.open_terminal(folder / options_.board_port));
+  const std::filesystem::path path = folder / "control";
+  std::filesystem::remove(path, ignored);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.string().size() >= sizeof address.sun_path)
+    return fail(ErrorCode::config, "the folder of the twins has too long a name", path.string());
+  std::memcpy(address.sun_path, path.c_str(), path.string().size() + 1);
+  listener_ = Descriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!listener_ || bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      listen(listener_.get(), 8) != 0)
+    return fail(ErrorCode::io, "cannot open the control socket: " + system_text(errno), path.string());
+  const std::string mounted = mount({"mount", "low_N=0.5", "high_N=4"});
+  if (mounted != "ok") return fail(ErrorCode::config, mounted);
+  return {};
+}
+
+std::vector<std::string> TwinHost::endpoints() const {
+  return {options_.tcp ? fmt::format("motor      Modbus TCP   127.0.0.1:{}", tcp_port_)
+                       : fmt::format("motor      Modbus RTU   {}", (folder_ / options_.motor_port).string()),
+          fmt::format("reference  ATI serial   {}", (folder_ / options_.reference_port).string()),
+          fmt::format("board      link         {}", (folder_ / options_.board_port).string()),
+          fmt::format("control    text lines   {}", (folder_ / "control").string())};
+}
+
+Wire* TwinHost::wire_of(const std::string& device) {
+  for (Wire* w : {&motor_wire_, &reference_wire_, &board_wire_})
+    if (w->device() == device) return w;
+  return nullptr;
+}
+
+void TwinHost::wait_for_events(double longest_s) {
+  std::vector<int> fds{listener_.get()};
+  for (const Client& c : clients_) fds.push_back(c.fd.get());
+  for (const Wire* w : {&motor_wire_, &reference_wire_, &board_wire_}) w->poll_descriptors(fds);
+  std::vector<pollfd> polled;
+  for (const int fd : fds) polled.push_back({fd, POLLIN, 0});
+  ::poll(polled.data(), polled.size(), static_cast<int>(std::ceil(longest_s * 1e3)));
+}
+
+void TwinHost::receive_all() {
+  for (Wire* w : {&motor_wire_, &reference_wire_, &board_wire_}) w->receive(t_s_);
+}
+
+void TwinHost::serve(const std::atomic<bool>& stop, bool until_alone) {
+  while (!stop.load()) {
+    double wait_s = 0.05;
+    const bool paced = std::none_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.master; });
+    if (paced) wait_s = 0.002;
+    if (const double due_s = motor_wire_.send_due(t_s_); due_s >= 0.0) wait_s = std::min(wait_s, due_s + 1e-4);
+    wait_for_events(wait_s);
+    for (Wire* w : {&motor_wire_, &reference_wire_, &board_wire_}) w->apply_plug(t_s_);
+    if (paced)
+      pace();
+    else
+      paced_at_ = std::chrono::steady_clock::now();
+    receive_all();
+    Descriptor peer(accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (peer) {
+      clients_.push_back(Client{std::move(peer), {}, false});
+      had_client_ = true;
+    }
+    for (Client& c : clients_) obey(c);
+    clients_.remove_if([](const Client& c) { return !c.fd; });
+    if (until_alone && had_client_ && clients_.empty()) return;
+  }
+}
+
+void TwinHost::obey(Client& client) {
+  for (;;) {
+    char bytes[4096];
+    const ssize_t n = ::read(client.fd.get(), bytes, sizeof bytes);
+    if (n < 0 && errno == EINTR) continue;
+    if (n == 0 || (n < 0 && errno != EAGAIN)) {
+      client.fd.reset();
+      return;
+    }
+    if (n < 0) return;
+    client.pending.append(bytes, static_cast<std::size_t>(n));
+    for (std::size_t end; (end = client.pending.find('\n')) != std::string::npos;) {
+      const std::string line = client.pending.substr(0, end);
+      client.pending.erase(0, end + 1);
+      const std::string reply = execute(client, line) + "\n";
+      if (::send(client.fd.get(), reply.data(), reply.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(reply.size())) {
+        client.fd.reset();
+        return;
+      }
+    }
+    if (client.pending.size() > 65536) client.pending.clear();
+  }
+}
+
+std::string TwinHost::execute(Client& client, const std::string& line) {
+  std::vector<std::string> words;
+  for (const std::string& w : split(line, ' '))
+    if (!w.empty()) words.push_back(w);
+  if (words.empty()) return "error empty line";
+  const std::string& verb = words[0];
+  if (verb == "advance") {
+    client.master = true;
+    return advance(words);
+  }
+  if (verb == "mount") return mount(words);
+  if (verb == "flash") {
+    auto done = line.size() > 6 ? board_.flash(line.substr(6)) : fail(ErrorCode::usage, "flash needs a path");
+    return done ? "ok" : "error " + std::string(to_string(done.error().code)) + " " + done.error().text;
+  }
+  if (verb == "attach" && words.size() == 2) {
+    Wire* wire = wire_of(words[1]);
+    if (wire == nullptr) return "error no such device";
+    wire->receive(t_s_);
+    wire->attach();
+    return "ok";
+  }
+  if (verb == "status") return status();
+  if (verb == "fault") return fault(words);
+  return "error unknown command; known: mount flash attach advance status fault";
+}
+
+std::string TwinHost::fault(const std::vector<std::string>& words) {
+  if (words.size() == 2 && words[1] == "clear") {
+    faults_.clear();
+    return "ok";
+  }
+  if (words.size() != 7) return "error fault DEVICE KIND AT_S FOR_S COUNT AMOUNT";
+  const auto& names = fault_names();
+  const auto kind = std::find(names.begin(), names.end(), words[2]);
+  if (wire_of(words[1]) == nullptr || kind == names.end()) return "error no such device or fault";
+  FaultEntry e;
+  e.device = words[1];
+  e.kind = static_cast<WireFault>(kind - names.begin());
+  e.at_s = number_of(words[3]);
+  e.for_s = number_of(words[4]);
+  if (const double count = number_of(words[5]); count > 0) e.count = static_cast<std::uint64_t>(count);
+  e.amount = number_of(words[6]);
+  faults_.add(e);
+  return "ok";
+}
+
+std::string TwinHost::mount(const std::vector<std::string>& words) {
+  RigRecordRequest q;
+  q.duration_s = kEndless_s;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::size_t equals = words[i].find('=');
+    if (equals == std::string::npos) return "error mount wants key=value";
+    const std::string key = words[i].substr(0, equals), value = words[i].substr(equals + 1);
+    const double v = number_of(value);
+    const auto whole = [&](std::uint64_t& out) { std::from_chars(value.data(), value.data() + value.size(), out); };
+    if (key == "specimen") q.specimen = value;
+    else if (key == "seed") whole(q.seed);
+    else if (key == "session") whole(q.session);
+    else if (key == "record") whole(q.record);
+    else if (key == "rest_s") q.rest_before_s = v;
+    else if (key == "low_N") q.force_low_N = v;
+    else if (key == "high_N") q.force_high_N = v;
+    else if (key.starts_with("fault:")) q.faults[key.substr(6)] = v;
+    else return "error mount knows no " + key;
+  }
+  plant_.park();
+  auto begun = plant_.begin(q);
+  if (!begun) return "error " + std::string(to_string(begun.error().code)) + " " + begun.error().text;
+  drive_.power_cycle();
+  drive_.see(plant_.theta_rad(), 0.0, false);
+  ati_.restart_clock(0.0);
+  index_ = 0;
+  t_s_ = told_rad_per_s_ = velocity_rad_per_s_ = paced_rest_ = 0.0;
+  stop_s_ = still_s_ = -1.0;
+  stop_cause_ = "none";
+  force_N_ = plant_.force_ref_N();
+  paced_at_ = std::chrono::steady_clock::now();
+  return "ok";
+}
+
+std::string TwinHost::advance(const std::vector<std::string>& words) {
+  if (words.size() < 2) return "error advance SAMPLES";
+  const double n = number_of(words[1]);
+  if (!(n >= 0 && n <= 1e6)) return "error advance SAMPLES";
+  // Everything that the client has sent counts as said before time goes on.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kByteWait_s);
+  for (std::size_t i = 2; i < words.size(); ++i) {
+    const std::size_t equals = words[i].find('=');
+    Wire* wire = equals == std::string::npos ? nullptr : wire_of(words[i].substr(0, equals));
+    if (wire == nullptr) return "error advance knows no such device";
+    const double due = number_of(words[i].substr(equals + 1));
+    while (!wire->unplugged() && wire->terminal() != nullptr &&
+           static_cast<double>(wire->terminal()->received) < due && std::chrono::steady_clock::now() < end) {
+      pollfd p{wire->terminal()->fd.get(), POLLIN, 0};
+      ::poll(&p, 1, 20);
+      wire->receive(t_s_);
+    }
+  }
+  step(static_cast<std::size_t>(n));
+  for (Wire* w : {&reference_wire_, &board_wire_}) w->apply_plug(t_s_);
+  std::string reply = fmt::format("ok {:.9g}", t_s_);
+  for (Wire* w : {&reference_wire_, &board_wire_})
+    reply += w->unplugged() || w->terminal() == nullptr ? fmt::format(" {}=-1", w->device())
+                                                        : fmt::format(" {}={}", w->device(), w->terminal()->sent);
+  return reply;
+}
+
+void TwinHost::pace() {
+  const auto now = std::chrono::steady_clock::now();
+  paced_rest_ += std::chrono::duration<double>(now - paced_at_).count() * options_.plant.rate_Hz;
+  paced_at_ = now;
+  const double whole = std::min(std::floor(paced_rest_), options_.plant.rate_Hz);  // a halted process skips time
+  if (whole < 1.0) return;
+  paced_rest_ -= std::floor(paced_rest_);
+  step(static_cast<std::size_t>(whole));
+}
+
+void TwinHost::drive_the_motor(const char* cause) {
+  const double wanted = drive_.velocity_rad_per_s();
+  if (wanted == told_rad_per_s_) return;
+  if (wanted == 0.0) {
+    stop_s_ = t_s_;
+    still_s_ = -1.0;
+    stop_cause_ = cause;
+  }
+  told_rad_per_s_ = wanted;
+  (void)plant_.command_velocity(wanted);
+}
+
+void TwinHost::step(std::size_t samples) {
+  const double rate_Hz = options_.plant.rate_Hz;
+  while (samples > 0) {
+    if (faults_.hit("motor", WireFault::reset, t_s_)) drive_.power_cycle();
+    if (faults_.hit("reference", WireFault::reset, t_s_)) ati_.power_cycle();
+    if (faults_.hit("board", WireFault::reset, t_s_)) board_.power_cycle();
+    drive_.freeze(faults_.active("motor", WireFault::frozen, t_s_));
+    if (drive_.tick(t_s_)) drive_the_motor("communication timeout");
+    drive_the_motor("alarm");
+    std::size_t n = std::min(samples, kChunk);
+    if (const double left_s = drive_.watchdog_s() - t_s_; left_s * rate_Hz < static_cast<double>(n))
+      n = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(left_s * rate_Hz)));
+    const double theta_before = plant_.theta_rad();
+    const auto got = plant_.run(n, rows_, 0);
+    if (!got || *got == 0) return;
+    bool following_error = false;
+    const auto last_code = static_cast<std::uint16_t>((1U << options_.plant.adc_bits) - 1U);
+    for (std::size_t i = 0; i < *got; ++i) {
+      t_s_ = static_cast<double>(++index_) / rate_Hz;
+      force_N_ = static_cast<double>(rows_.force_ref_N[i]);
+      following_error = following_error || (rows_.status[i] & kRigMotorFault) != 0;
+      ati_.row(t_s_, force_N_, (rows_.status[i] & kRigReferenceSaturated) != 0);
+      board_.row(t_s_, rows_.adc[i], last_code);
+    }
+    reference_wire_.send_due(t_s_);
+    board_wire_.send_due(t_s_);
+    velocity_rad_per_s_ = (plant_.theta_rad() - theta_before) * rate_Hz / static_cast<double>(*got);
+    if (stop_s_ >= 0.0 && still_s_ < 0.0 && std::fabs(velocity_rad_per_s_) < 0.01) still_s_ = t_s_;
+    drive_.see(plant_.theta_rad(), velocity_rad_per_s_, following_error);
+    samples -= *got;
+  }
+}
+
+std::string TwinHost::status() const {
+  return fmt::format("ok t_s={:.6g} theta_rad={:.6g} velocity_rad_per_s={:.6g} force_N={:.6g} command_rad_per_s={:.6g} "
+                     "alarm={} stop_s={:.6g} still_s={:.6g} stop_cause={}",
+                     t_s_, plant_.theta_rad(), velocity_rad_per_s_, force_N_, told_rad_per_s_, drive_.alarm(), stop_s_,
+                     still_s_, stop_cause_ == "none" ? "none" : std::string(stop_cause_ == "alarm" ? "alarm" : stop_cause_ == "control word" ? "control-word" : "communication-timeout"));
+}
+
+}  // namespace forcegate::emulated

@@ -1,0 +1,145 @@
+#include "rigs/emulated/twins/native_image.h"
+
+#include <dlfcn.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+namespace forcegate::emulated {
+namespace {
+
+constexpr int kSilence_ms = 20000;
+constexpr std::uint32_t kOpen = 1, kProcess = 2;
+
+struct NativeInfo {
+  std::uint32_t nonce;
+  std::uint16_t protocol_major, protocol_minor;
+  std::uint32_t rate_Hz;
+  BoardCalibration calibration;
+  char board[24], build_id[40], algorithm_id[32];
+};
+static_assert(sizeof(BoardCalibration) == 40 && sizeof(NativeInfo) == 148);
+
+struct Order {
+  std::uint32_t what, first_index, n;
+};
+
+bool read_all(int fd, void* to, std::size_t size) {
+  auto* at = static_cast<char*>(to);
+  while (size > 0) {
+    const ssize_t n = ::read(fd, at, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += n;
+    size -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+bool write_all(int fd, const void* from, std::size_t size) {
+  return ::send(fd, from, size, MSG_NOSIGNAL) == static_cast<ssize_t>(size);
+}
+
+// Life of the child: one order, one answer, until the socket closes.
+[[noreturn]] void live(void* library, int fd) {
+  const auto open = reinterpret_cast<std::int32_t (*)(std::uint32_t, const BoardCalibration*, NativeInfo*)>(
+      dlsym(library, "forcegate_native_open"));
+  const auto process = reinterpret_cast<std::int32_t (*)(std::uint32_t, std::uint32_t, const std::uint16_t*, float*,
+                                                         std::uint8_t*)>(dlsym(library, "forcegate_native_process"));
+  Order order{};
+  std::vector<std::uint16_t> adc;
+  std::vector<char> out;
+  while (read_all(fd, &order, sizeof order)) {
+    if (order.what == kOpen) {
+      BoardCalibration calibration;
+      if (!read_all(fd, &calibration, sizeof calibration)) break;
+      NativeInfo info{};
+      const std::int32_t status = open(order.first_index, &calibration, &info);
+      write_all(fd, &status, sizeof status);
+      write_all(fd, &info, sizeof info);
+      continue;
+    }
+    adc.resize(order.n);
+    if (!read_all(fd, adc.data(), 2 * adc.size())) break;
+    out.assign(4 + 5 * adc.size(), 0);
+    std::vector<float> force(adc.size());
+    const std::int32_t status = process(order.first_index, order.n, adc.data(), force.data(),
+                                        reinterpret_cast<std::uint8_t*>(out.data() + 4 + 4 * adc.size()));
+    std::memcpy(out.data(), &status, 4);
+    std::memcpy(out.data() + 4, force.data(), 4 * force.size());
+    write_all(fd, out.data(), out.size());
+  }
+  _exit(0);
+}
+
+class NativeImage final : public MonitorImage {
+ public:
+  NativeImage(Descriptor fd, pid_t child) : fd_(std::move(fd)), child_(child) {}
+  ~NativeImage() override {
+    fd_.reset();
+    ::kill(child_, SIGKILL);
+    while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+
+ private:
+  bool restart(const BoardCalibration& calibration, BoardIdentity& identity) override {
+    const Order order{kOpen, 0, 0};
+    std::int32_t status = 1;
+    NativeInfo info{};
+    if (!write_all(fd_.get(), &order, sizeof order) || !write_all(fd_.get(), &calibration, sizeof calibration) ||
+        !answered() || !read_all(fd_.get(), &status, sizeof status) || !read_all(fd_.get(), &info, sizeof info))
+      return false;
+    std::copy(std::begin(info.board), std::end(info.board), identity.board.begin());
+    std::copy(std::begin(info.build_id), std::end(info.build_id), identity.build_id.begin());
+    std::copy(std::begin(info.algorithm_id), std::end(info.algorithm_id), identity.algorithm.begin());
+    identity.rate_Hz = info.rate_Hz;
+    return status == 0;
+  }
+
+  bool run(std::uint32_t first_index, std::span<const std::uint16_t> adc, float* force_N, std::uint8_t* flags) override {
+    const Order order{kProcess, first_index, static_cast<std::uint32_t>(adc.size())};
+    std::int32_t status = 1;
+    return write_all(fd_.get(), &order, sizeof order) && write_all(fd_.get(), adc.data(), 2 * adc.size()) && answered() &&
+           read_all(fd_.get(), &status, sizeof status) && read_all(fd_.get(), force_N, 4 * adc.size()) &&
+           read_all(fd_.get(), flags, adc.size()) && status == 0;
+  }
+
+  bool answered() const {
+    pollfd p{fd_.get(), POLLIN, 0};
+    return ::poll(&p, 1, kSilence_ms) > 0;
+  }
+
+  Descriptor fd_;
+  pid_t child_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<BoardImage>> load_native_image(const std::string& path) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    return fail(ErrorCode::io, "cannot make a pair of sockets: " + system_text(errno));
+  Descriptor ours(ends[0]), theirs(ends[1]);
+  const pid_t child = fork();
+  if (child < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno));
+  if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ours.reset();
+    void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr || dlsym(library, "forcegate_native_open") == nullptr ||
+        dlsym(library, "forcegate_native_process") == nullptr)
+      _exit(2);
+    live(library, theirs.get());
+  }
+  return std::make_unique<NativeImage>(std::move(ours), child);
+}
+
+}  // namespace forcegate::emulated

@@ -1,0 +1,60 @@
+#include "rigs/emulated/twins/host.h"
+
+namespace forcegate::emulated {
+
+Result<TwinOptions> read_twin_options(const ConfigNode& bench) {
+  constexpr const char* kGuide = "docs/bench.md";
+  TwinOptions o;
+  const ConfigNode* twins = bench.find("twins");
+  if (twins == nullptr || twins->kind != ConfigNode::Kind::table)
+    return fail(ErrorCode::config, "the bench file has no [twins]", bench.where,
+                "only a bench of twins can be emulated; rigs/twin.toml is one");
+  ConfigReader in(*twins, "[twins]", kGuide);
+  std::string sensor = "flexiforce", clock = "virtual", folder;
+  std::int64_t adc_bits = 16;
+  in.choice("sensor", sensor, {"flexiforce", "fsr"});
+  in.choice("clock", clock, {"virtual", "paced"});
+  in.text("folder", folder);
+  in.integer("adc_bits", adc_bits, 8, 16);
+  in.boolean("session_spread", o.plant.session_spread);
+  in.boolean("noise", o.plant.noise);
+  in.number("ati_counts_per_N", o.ati.counts_per_N, 1, 1e6);
+  if (const ConfigNode* faults = in.array("fault"))
+    for (const ConfigNode& f : faults->items) {
+      FORCEGATE_TRY(FaultEntry entry, FaultScript::read_entry(f));
+      o.faults.push_back(std::move(entry));
+    }
+  FORCEGATE_CHECK_OK(in.finish());
+  o.plant.sensor = sensor == "fsr" ? SensorType::fsr : SensorType::flexiforce;
+  o.plant.adc_bits = static_cast<int>(adc_bits);
+
+  // Of the instruments' tables only what names a wire; the rest is the adapters' business.
+  const auto text = [](const ConfigNode* table, const char* key, std::string& out) {
+    if (table == nullptr) return;
+    if (const ConfigNode* n = table->find(key); n != nullptr && n->kind == ConfigNode::Kind::text) out = n->text;
+  };
+  const auto integer = [](const ConfigNode* table, const char* key, int& out) {
+    if (table == nullptr) return;
+    if (const ConfigNode* n = table->find(key); n != nullptr && n->kind == ConfigNode::Kind::integer)
+      out = static_cast<int>(n->integer);
+  };
+  const ConfigNode* motor = bench.find("motor");
+  const ConfigNode* link = motor != nullptr ? motor->find("link") : nullptr;
+  std::string kind = "rtu";
+  text(link, "kind", kind);
+  text(link, "port", o.motor_port);
+  integer(link, "slave", o.slave);
+  integer(link, "tcp_port", o.tcp_port);
+  o.tcp = kind == "tcp";
+  int baud = 38400;
+  text(bench.find("reference"), "port", o.reference_port);
+  integer(bench.find("reference"), "baud", baud);
+  o.ati.baud = static_cast<unsigned>(baud);
+  text(bench.find("board"), "port", o.board_port);
+  for (const std::string& port : {o.motor_port, o.reference_port, o.board_port})
+    if (port.empty() || port.find('/') != std::string::npos)
+      return fail(ErrorCode::config, "the port '" + port + "' of a twin must be a plain name", bench.where);
+  return o;
+}
+
+}  // namespace forcegate::emulated

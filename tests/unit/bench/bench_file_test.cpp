@@ -1,0 +1,68 @@
+#include "hil/rig/bench_file.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/twin_bench.h"
+
+namespace forcegate {
+namespace {
+
+using test::bench_text;
+using test::Changes;
+
+Error mistake(const Changes& changes) {
+  const auto bench = read_bench_text(bench_text("twin.toml", changes), "t.toml");
+  if (!bench) return bench.error();
+  const auto checked = check_devices(*bench);
+  EXPECT_FALSE(checked) << changes[0].second;
+  return checked ? Error{} : checked.error();
+}
+
+TEST(BenchFile, TheDeliveredBenchesAreSound) {
+  for (const char* file : {"twin.toml", "twin_rtu.toml"}) {
+    const auto bench = read_bench_text(bench_text(file), file);
+    ASSERT_TRUE(bench) << bench.error().to_text();
+    EXPECT_TRUE(check_devices(*bench)) << check_devices(*bench).error().to_text();
+    EXPECT_TRUE(bench->twins);
+    EXPECT_EQ(rig_info(*bench).details.at("calibration spring"), "SPRING-T-1, until 2099-12-31");
+  }
+}
+
+TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
+  struct Case {
+    Changes changes;
+    const char* text;
+  };
+  const Case cases[] = {
+      {{{"force_max_N = 5.5", "force_max = 5.5"}}, "force_max"},
+      {{{"adapter = \"ati_serial\"", "adapter = \"ati_serail\""}}, "ati_serail"},
+      {{{"expires = \"2099-12-31\" }\nspring", "expires = \"soon\" }\nspring"}}, "no date"},
+      {{{"eccentricity_mm = 10.0", "eccentricity_mm = -1"}}, "out of range"},
+      {{{"limits = [-40.0, 40.0]", "offset = 0"}}, "limits"},
+      {{{"scale = 20860.756700940907", "scale = 0"}}, "must not be 0"},
+      {{{"addr = 0x0104", "addr = 0x0103"}}, "overlap"},
+      {{{"emergency = [{ reg = \"control\", value = 0x00 }]\n", ""}}, "emergency"},
+      {{{"emergency = [{ reg = \"control\"", "emergency = [{ reg = \"contrl\""}}, "contrl"},
+      {{{"drive_timeout_reg = \"comm_timeout\"\n", ""}}, "drive_timeout_reg"},
+      {{{"addr = 0x0200", "addr = 0xFFFF"}}, "last address"},
+      {{{"fault = { reg = \"status\", mask = 0x80, equals = 0x80 }", "fault = { reg = \"status\" }"}}, "either"},
+      {{{"form = \"binary\"", "form = \"hex\""}}, "hex"},
+  };
+  for (const Case& c : cases) {
+    const Error e = mistake(c.changes);
+    EXPECT_EQ(e.code, ErrorCode::config) << c.text;
+    EXPECT_NE((e.text + e.hint).find(c.text), std::string::npos) << e.to_text();
+    EXPECT_NE(e.where.find(".toml:"), std::string::npos) << e.to_text();
+  }
+}
+
+TEST(BenchFile, ACalibrationOutOfDateIsFound) {
+  const auto bench = read_bench_text(bench_text("twin.toml", {{"2099-12-31", "2026-01-31"}}), "t.toml");
+  ASSERT_TRUE(bench);
+  EXPECT_TRUE(expired(*bench, "2026-01-31").empty());
+  ASSERT_EQ(expired(*bench, "2026-02-01").size(), 1U);
+  EXPECT_EQ(expired(*bench, "2026-02-01")[0].id, "ATI-T-1");
+}
+
+}  // namespace
+}  // namespace forcegate

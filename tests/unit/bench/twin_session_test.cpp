@@ -1,0 +1,138 @@
+// Real adapters against wire-level twins, in virtual time.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/twin_bench.h"
+
+namespace forcegate {
+namespace {
+
+using test::Changes;
+using test::TwinBench;
+
+class OverBothLinks : public testing::TestWithParam<const char*> {};
+
+TEST_P(OverBothLinks, TheWheelFollowsItsVelocityAndTheForceTheWheel) {
+  TwinBench b(GetParam());
+  b.mount();
+  BenchSession& s = *b.session;
+  TwinBench::ok(s.open());
+  TwinBench::ok(s.arm());
+  TwinBench::ok(s.reference().start());
+  TwinBench::ok(s.board().start());
+  const double start = s.motor().read().value().theta_rad;
+  TwinBench::ok(s.motor().command_velocity(1.5));
+  std::vector<ReferenceReading> readings;
+  std::vector<BoardSample> samples;
+  for (int i = 0; i < 50; ++i) {
+    TwinBench::ok(b.advance(0.01));
+    TwinBench::ok(s.motor().read());
+    TwinBench::ok(s.reference().poll(readings));
+    TwinBench::ok(s.board().poll(samples));
+  }
+  const MotorState state = s.motor().read().value();
+  EXPECT_NEAR(state.theta_rad - start, 1.5 * (0.5 - 0.008), 0.002);  // one drive time constant behind
+  EXPECT_NEAR(state.theta_rad, b.status("theta_rad"), 1e-4);
+  EXPECT_NEAR(state.velocity_rad_per_s, 1.5, 0.01);
+  EXPECT_TRUE(state.running);
+  ASSERT_EQ(samples.size(), 500U);
+  EXPECT_EQ(samples.back().index, 499U);
+  ASSERT_GT(readings.size(), 130U);  // 38400 baud: 274 records a second
+  ASSERT_LT(readings.size(), 138U);
+  EXPECT_NEAR(static_cast<double>(readings.back().force_N), b.status("force_N"), 0.06);
+  EXPECT_NEAR(readings.back().t_s, s.world().now_s(), 0.013);  // transfer, look-ahead of one record, a period
+  s.make_safe();
+  EXPECT_EQ(b.status("command_rad_per_s"), 0.0);
+  EXPECT_EQ(b.status_text("stop_cause"), "control-word");
+}
+
+INSTANTIATE_TEST_SUITE_P(Links, OverBothLinks, testing::Values("twin.toml", "twin_rtu.toml"));
+
+TEST(TwinSession, NothingMovesBeforeItIsArmed) {
+  TwinBench b;
+  TwinBench::ok(b.session->open());
+  const auto moved = b.session->motor().command_velocity(1.0);
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::safety);
+  TwinBench::ok(b.advance(0.1));
+  EXPECT_EQ(b.status("command_rad_per_s"), 0.0);
+}
+
+TEST(TwinSession, ADriveThatCannotStopByItselfIsNotArmed) {
+  // The register named for the timeout does not keep what is written to it.
+  TwinBench b("twin.toml", {{"drive_timeout_reg = \"comm_timeout\"", "drive_timeout_reg = \"reset\""}});
+  TwinBench::ok(b.session->open());
+  const auto armed = b.session->arm();
+  ASSERT_FALSE(armed);
+  EXPECT_EQ(armed.error().code, ErrorCode::safety);
+  EXPECT_NE(armed.error().text.find("timeout"), std::string::npos);
+}
+
+TEST(TwinSession, ASilentHarnessIsStoppedByTheDrive) {
+  TwinBench b;
+  TwinBench::ok(b.session->open());
+  TwinBench::ok(b.session->arm());
+  TwinBench::ok(b.session->motor().command_velocity(2.0));
+  const double told_s = b.status("t_s");
+  TwinBench::ok(b.advance(0.5));  // nobody talks to the drive
+  EXPECT_EQ(b.status_text("stop_cause"), "communication-timeout");
+  EXPECT_NEAR(b.status("stop_s") - told_s, 0.2, 0.002);
+  EXPECT_LT(b.status("still_s") - told_s, 0.28);
+  const MotorState state = b.session->motor().read().value();
+  EXPECT_TRUE(state.fault);
+  EXPECT_EQ(state.fault_code, 0x84U);
+}
+
+TEST(TwinSession, AsciiRecordsGiveTheSameForces) {
+  TwinBench b("twin.toml", {{"form = \"binary\"", "form = \"ascii\""}});
+  b.mount();
+  TwinBench::ok(b.session->open());
+  TwinBench::ok(b.session->reference().start());
+  std::vector<ReferenceReading> readings;
+  for (int i = 0; i < 30; ++i) {
+    TwinBench::ok(b.advance(0.01));
+    TwinBench::ok(b.session->reference().poll(readings));
+  }
+  ASSERT_GT(readings.size(), 20U);  // 85 records a second
+  for (const ReferenceReading& r : readings) EXPECT_NEAR(static_cast<double>(r.force_N), 0.5, 0.06);
+}
+
+TEST(TwinSession, AnOverloadedReferenceSaysSo) {
+  TwinBench b;
+  TwinBench::ok(b.session->open());
+  TwinBench::ok(b.session->reference().start());
+  b.say("fault reference saturation 0 1e9 0 0");
+  std::vector<ReferenceReading> readings;
+  for (int i = 0; i < 5; ++i) {
+    TwinBench::ok(b.advance(0.01));
+    TwinBench::ok(b.session->reference().poll(readings));
+  }
+  ASSERT_FALSE(readings.empty());
+  for (const ReferenceReading& r : readings) {
+    EXPECT_TRUE(std::isnan(r.force_N));
+    EXPECT_EQ(r.status, kRigReferenceSaturated);
+  }
+}
+
+// BENCH: after one stall every later RTU read was an answer to an earlier request, and libmodbus called it success.
+TEST(TwinSession, ALateReplyIsNeverTakenForAFreshOne) {
+  TwinBench b("twin_rtu.toml", {{"response_timeout_ms = 1000", "response_timeout_ms = 40"}, {"worst_reply_ms = 50", "worst_reply_ms = 150"}});
+  TwinBench::ok(b.session->open());
+  TwinBench::ok(b.session->arm());
+  TwinBench::ok(b.session->motor().command_velocity(1.0));
+  b.say("fault motor delay 0 1e9 2 100");  // two replies come 60 ms after their timeout
+  for (int i = 0; i < 10; ++i) {
+    TwinBench::ok(b.advance(0.01));
+    const auto state = b.session->motor().read();
+    TwinBench::ok(state);
+    if (state) {
+      EXPECT_NEAR(state->theta_rad, b.status("theta_rad"), 1e-3) << "period " << i;
+    }
+  }
+  EXPECT_GT(b.session->motor().counts().at("retries"), 0U);
+}
+
+}  // namespace
+}  // namespace forcegate
