@@ -6,6 +6,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "adapters/hid/report_line.h"
 #include "adapters/transport/child_process.h"
 #include "adapters/transport/private_folder.h"
 #include "adapters/transport/serial.h"
@@ -35,6 +36,11 @@ class RealWorld final : public BenchWorld {
                           : s.parity == LineParity::odd ? Parity::odd
                                                         : Parity::none;
     return open_serial(path, {s.baud, parity});
+  }
+
+  Result<std::unique_ptr<Transport>> open_hid(unsigned short vendor, unsigned short product,
+                                              const std::string& serial) override {
+    return hid::open_hidraw(vendor, product, serial);
   }
 
   Result<int> tcp_port(const std::string& device, int declared) override {

@@ -168,6 +168,9 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
   if (!request.limits_file.empty())
     for (PlanCase& c : plan.cases)
       if (c.loop == LoopMode::open) c.maxima_pct = c.minima_pct = std::nullopt;
+  // A board that converts by itself cannot be given codes that no rig makes.
+  if (setup.lane == rig->board_lane())
+    for (PlanCase& c : plan.cases) c.prelude_s = 0.0;
   if (!setup.rig.can_move) {
     // A recording is one record of one specimen: the plan's open-loop cases would all be the same.
     std::erase_if(plan.cases, [](const PlanCase& c) { return c.loop == LoopMode::closed; });

@@ -153,6 +153,7 @@ Result<void> check_devices(const BenchFile& b) {
     Unexpected no() const { return fail(ErrorCode::internal, "no instrument is opened while a bench file is checked"); }
     Result<std::string> serial_path(const std::string&) override { return no(); }
     Result<std::unique_ptr<Transport>> open_line(const std::string&, const LineSettings&) override { return no(); }
+    Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override { return no(); }
     Result<int> tcp_port(const std::string&, int) override { return no(); }
     double now_s() const override { return 0.0; }
     Result<void> advance_to(double) override { return no(); }

@@ -54,6 +54,9 @@ class BadWorld final : public BenchWorld {
   Result<std::unique_ptr<Transport>> open_line(const std::string&, const LineSettings&) override {
     return std::make_unique<BadLine>(kind_);
   }
+  Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override {
+    return std::make_unique<BadLine>(kind_);
+  }
   Result<int> tcp_port(const std::string&, int) override { return 1; }  // nobody listens there
   double now_s() const override { return t_s_; }
   Result<void> advance_to(double t_s) override {

@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace forcegate::emulated {
+namespace {
+
+constexpr std::size_t kReportUse = 63;
+
+}  // namespace
 
 Result<void> Board::flash(const std::string& path) {
   FORCEGATE_TRY(image_, load_image(path));
@@ -20,15 +25,38 @@ void Board::power_cycle() {
 void Board::send(WireEnd* end, BoardFrame frame, double t_s) {
   frame.sequence = sequence_++;
   frame.t_us = static_cast<std::uint32_t>(static_cast<std::uint64_t>(t_s * 1e6));
-  wire_.send(end, frame_bytes(frame), t_s);
+  Bytes bytes = frame_bytes(frame);
+  if (reports_) {
+    Bytes reports;
+    for (std::size_t at = 0; at < bytes.size(); at += kReportUse) {
+      const std::size_t n = std::min(kReportUse, bytes.size() - at);
+      reports.push_back(static_cast<std::uint8_t>(n));
+      reports.insert(reports.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                     bytes.begin() + static_cast<std::ptrdiff_t>(at + n));
+      reports.resize((reports.size() + kReportUse) / (kReportUse + 1) * (kReportUse + 1));
+    }
+    bytes = std::move(reports);
+  }
+  wire_.send(end, std::move(bytes), t_s);
 }
 
 void Board::serve(WireEnd& end, double t_s) {
+  if (!reports_) return understand(end.rest, end, t_s);
+  while (end.rest.size() > kReportUse) {
+    const std::size_t used = end.rest[0];
+    if (used <= kReportUse)
+      stream_.insert(stream_.end(), end.rest.begin() + 1, end.rest.begin() + 1 + static_cast<std::ptrdiff_t>(used));
+    end.rest.erase(end.rest.begin(), end.rest.begin() + kReportUse + 1);
+  }
+  understand(stream_, end, t_s);
+}
+
+void Board::understand(Bytes& stream, WireEnd& end, double t_s) {
   for (;;) {
-    const auto zero = std::find(end.rest.begin(), end.rest.end(), std::uint8_t{0});
-    if (zero == end.rest.end()) return;
-    const auto frame = frame_of({end.rest.data(), static_cast<std::size_t>(zero - end.rest.begin())});
-    end.rest.erase(end.rest.begin(), zero + 1);
+    const auto zero = std::find(stream.begin(), stream.end(), std::uint8_t{0});
+    if (zero == stream.end()) return;
+    const auto frame = frame_of({stream.data(), static_cast<std::size_t>(zero - stream.begin())});
+    stream.erase(stream.begin(), zero + 1);
     if (frame) handle(end, *frame, t_s);
   }
 }

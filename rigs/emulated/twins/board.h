@@ -10,7 +10,8 @@ namespace forcegate::emulated {
 
 class Board {
  public:
-  explicit Board(Wire& wire) : wire_(wire), image_(blank_board()) {}
+  /// `reports`: the wire carries 64-byte HID reports (length, then that many bytes of the stream).
+  Board(Wire& wire, bool reports) : wire_(wire), reports_(reports), image_(blank_board()) {}
 
   Result<void> flash(const std::string& path);
   void serve(WireEnd& end, double t_s);
@@ -20,10 +21,13 @@ class Board {
   bool streaming() const { return streaming_; }
 
  private:
+  void understand(Bytes& stream, WireEnd& end, double t_s);
   void handle(WireEnd& end, const BoardFrame& request, double t_s);
   void send(WireEnd* end, BoardFrame frame, double t_s);
 
   Wire& wire_;
+  bool reports_;
+  Bytes stream_;  ///< what the reports brought
   std::unique_ptr<BoardImage> image_;
   std::uint16_t sequence_ = 0, stream_request_ = 0;
   bool streaming_ = false, silent_ = false;

@@ -37,7 +37,7 @@ TwinHost::TwinHost(const TwinOptions& options)
       board_wire_("board", faults_, false),
       modbus_(drive_, motor_wire_, options.slave, options.tcp),
       ati_(options.ati, reference_wire_),
-      board_(board_wire_) {
+      board_(board_wire_, options.board_reports) {
   for (const FaultEntry& f : options.faults) faults_.add(f);
   motor_wire_.on_bytes = [this](WireEnd& end) {
     modbus_.serve(end, t_s_);

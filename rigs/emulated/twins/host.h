@@ -32,6 +32,7 @@ struct TwinOptions {
   int tcp_port = 0, slave = 1;
   std::string motor_port = "motor0", reference_port = "ati0", board_port = "board0";
   AtiController::Parameters ati;
+  bool board_reports = false;  ///< HID: 64-byte reports on the board's terminal
   std::vector<FaultEntry> faults;
 };
 

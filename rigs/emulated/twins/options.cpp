@@ -51,6 +51,9 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench) {
   integer(bench.find("reference"), "baud", baud);
   o.ati.baud = static_cast<unsigned>(baud);
   text(bench.find("board"), "port", o.board_port);
+  std::string board_adapter;
+  text(bench.find("board"), "adapter", board_adapter);
+  o.board_reports = board_adapter == "hid_board";
   for (const std::string& port : {o.motor_port, o.reference_port, o.board_port})
     if (port.empty() || port.find('/') != std::string::npos)
       return fail(ErrorCode::config, "the port '" + port + "' of a twin must be a plain name", bench.where);

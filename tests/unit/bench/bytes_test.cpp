@@ -6,6 +6,7 @@
 #include <string>
 
 #include "adapters/ati/record.h"
+#include "adapters/hid/report_line.h"
 #include "adapters/link/frame.h"
 #include "adapters/link/messages.h"
 #include "adapters/modbus/register_map.h"
@@ -146,6 +147,19 @@ TEST(BoardBytes, StreamStartIsOneDividerAndBatch) {
   EXPECT_EQ(seen->payload, (Bytes{1, 1, 0, 10}));
   EXPECT_EQ(link::decode_stream_state(Bytes{3, 0, 1, 1, 0, 10})->running, true);
   EXPECT_FALSE(link::decode_stream_state(Bytes{3, 0, 2, 1, 0, 10}));
+}
+
+TEST(HidBytes, AReportIsItsLengthAndUpToSixtyThreeBytes) {
+  const hid::Report report = hid::pack(Bytes{0xAA, 0xBB});
+  EXPECT_EQ(report[0], 2);
+  EXPECT_EQ(report[2], 0xBB);
+  EXPECT_EQ(report[3], 0);
+  const auto used = hid::unpack(report);
+  ASSERT_TRUE(used);
+  EXPECT_EQ(Bytes(used->begin(), used->end()), (Bytes{0xAA, 0xBB}));
+  hid::Report broken = report;
+  broken[0] = 64;
+  EXPECT_FALSE(hid::unpack(broken));
 }
 
 }  // namespace

@@ -152,9 +152,9 @@ INSTANTIATE_TEST_SUITE_P(Matrix, ReferenceFault, testing::ValuesIn(kFaults), nam
 
 class BoardFault : public testing::TestWithParam<Fault> {};
 
-TEST_P(BoardFault, NeverShowsAWrongSample) {
-  const std::string name = GetParam().first;
-  const Seen seen = play("twin.toml", std::string("board ") + GetParam().second);
+void check_board(const std::string& file, const Fault& fault) {
+  const std::string name = fault.first;
+  const Seen seen = play(file, std::string("board ") + fault.second);
   const auto& sound = truth().samples;
   ASSERT_EQ(sound.size(), 800U);
   std::uint32_t last = 0;
@@ -172,6 +172,8 @@ TEST_P(BoardFault, NeverShowsAWrongSample) {
   expect_parked(seen);
 }
 
+TEST_P(BoardFault, OnASerialLineNeverShowsAWrongSample) { check_board("twin.toml", GetParam()); }
+TEST_P(BoardFault, InReportsNeverShowsAWrongSample) { check_board("twin_hid.toml", GetParam()); }
 INSTANTIATE_TEST_SUITE_P(Matrix, BoardFault, testing::ValuesIn(kFaults), name_of);
 
 }  // namespace

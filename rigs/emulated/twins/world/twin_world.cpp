@@ -150,6 +150,9 @@ class TwinWorld final : public BenchWorld {
     lines_.push_back(line.get());
     return line;
   }
+  Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override {
+    return open_line(options_.board_port, {});  // the twin's terminal carries whole reports
+  }
   void forget(const CountedLine* line) { std::erase(lines_, line); }
 
   Result<int> tcp_port(const std::string&, int declared) override {
