@@ -90,6 +90,7 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
                std::to_string(request.session) + "/" + std::to_string(request.record));
   film_.begin(film_parameters_, step_s_, force_N, kUsualLoss, request.rest_before_s, record_seed);
   if (hidden_) hidden_->begin(step_s_, force_N);
+  head_.begin(record_seed, request.duration_s, faults_.head_motion);
   ati_noise_ = WhiteNoise(record_seed, "ati_noise");
   adc_noise_ = WhiteNoise(record_seed, "adc_noise");
   loss_ = Rng(record_seed, "sample_loss");
@@ -145,7 +146,12 @@ void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
     theta_rad[i] = static_cast<float>(theta);
     status[i] = motor_.at_stop() ? static_cast<std::uint16_t>(fault | kRigTravelStop) : fault;
   }
-  for (std::size_t i = 0; i < n; ++i) force[i] = spring_.force_N(wheel_.travel_mm(force[i]));
+  if (faults_.head_motion > 0.0)
+    for (std::size_t i = 0; i < n; ++i)
+      force[i] = spring_.force_N(wheel_.travel_mm(force[i]) +
+                                 head_.displacement_mm(static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s_));
+  else
+    for (std::size_t i = 0; i < n; ++i) force[i] = spring_.force_N(wheel_.travel_mm(force[i]));
   if (hidden_) hidden_->feel(n, force, film_N_.data());
   film_.run(n, hidden_ ? film_N_.data() : force, voltage);
   float* const reading = out.force_ref_N.data() + at;

@@ -18,6 +18,7 @@
 #include "rigs/emulated/converter.h"
 #include "rigs/emulated/faults.h"
 #include "rigs/emulated/film.h"
+#include "rigs/emulated/head.h"
 #include "rigs/emulated/motor.h"
 #include "rigs/emulated/population.h"
 #include "rigs/emulated/sensor_hook.h"
@@ -70,6 +71,7 @@ class EmulatedRig final : public Rig {
   VelocityMotor motor_;
   EccentricWheel wheel_;
   Spring spring_;
+  HeadMotion head_;
   AtiNano17 ati_;
   Converter converter_;
   Film film_;

@@ -14,6 +14,8 @@ const std::vector<FaultKind>& fault_kinds() {
   static const std::vector<FaultKind> kinds{
       {"adc_stuck_bit", "number of the converter bit that always reads 1", 0, 15,
        [](Faults& f, double m) { f.adc_stuck_bit = static_cast<int>(m); }},
+      {"head_motion", "scale of the motion of a patient's head against the coil", 0, 3,
+       [](Faults& f, double m) { f.head_motion = m; }},
       {"motor_stalled", "instant from which the shaft stands still, s", 0, 1e9,
        [](Faults& f, double m) { f.motor_stalled_s = m; }},
       {"reference_frozen", "instant from which the ATI repeats its reading, s", 0, 1e9,

@@ -20,6 +20,7 @@ struct Faults {
   double motor_stalled_s = std::numeric_limits<double>::infinity();
   double sensor_unplugged_s = std::numeric_limits<double>::infinity();  ///< input pulled to 0 V
   int adc_stuck_bit = -1;                                               ///< this bit reads 1
+  double head_motion = 0.0;                                      ///< scale of a patient's motion (head.h)
   double sample_loss = 0.0;                                      ///< share of samples that never arrive
   double truncated_s = std::numeric_limits<double>::infinity();  ///< the record ends here
 

@@ -1,0 +1,55 @@
+#pragma once
+// `forcegate characterize`: the procedures of Lebosse 2011 on a rig, the sensor's data sheet and model file.
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/characterize/population_study.h"
+
+namespace forcegate {
+
+struct CharacterizeRequest {
+  std::string plan = "characterize";  ///< file, or name of a plan in ci/plans
+  std::string rig = "emulated";
+  std::map<std::string, std::string> rig_options;
+  std::vector<std::string> sensors{"flexiforce", "fsr"};
+  std::vector<std::filesystem::path> recordings;  ///< rig replay: instead of the plan
+  std::vector<std::string> specimens;             ///< instead of the plan's
+  std::optional<int> sessions;
+  std::optional<std::uint64_t> seed;
+  std::filesystem::path output;  ///< folder for sheets, JSON, models; empty = none
+  std::filesystem::path paper;   ///< folder for paper.md and pictures/paper/*.svg; empty = none
+  std::filesystem::path golden;  ///< folder for golden traces; empty = none
+  unsigned threads = 0;
+  std::string command_line;
+};
+
+struct Characterization {
+  characterize::StudyPlan plan;
+  std::vector<characterize::SensorStudy> studies;
+  std::vector<std::filesystem::path> files;  ///< what was written, in order
+  double rig_time_s = 0.0;
+  std::uint64_t samples = 0;
+};
+
+/// Errors: those of the request (usage, config), of the machine (io), cancelled. Rig errors of single sessions are in
+/// their sheets; when every session failed, the first one's error is returned.
+Result<Characterization> characterize_request(const CharacterizeRequest& request,
+                                              const std::function<void(double, std::string_view)>& progress = {},
+                                              const std::atomic<bool>* cancelled = nullptr);
+
+/// Model file of a sensor (docs/diagnosis.md) from a study: values are means, standard errors the spread between what
+/// was measured. FSR: static law and one lag, ours (the paper gives no model of it).
+Result<std::string> model_of_study(const characterize::SensorStudy& study);
+
+/// Calibration for `forcegate gate --cal`.
+std::string calibration_text(const characterize::SessionSheet& sheet);
+
+}  // namespace forcegate

@@ -1,0 +1,13 @@
+#pragma once
+// Characterisation of a recording: a rig that cannot move plays what it has, and what the force did decides what can be
+// learnt from it: a decay when it is cyclic, law (1) with linearity and hysteresis otherwise.
+
+#include "hil/characterize/session.h"
+
+namespace forcegate::characterize {
+
+/// Cyclic: at least 12 turning points of a quarter of the force range, half-cycles shorter than 20 s on average. Turning
+/// points are those of the ATI. Errors: those of the rig; device when neither is possible (the force hardly moves).
+Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, BenchProgress& progress);
+
+}  // namespace forcegate::characterize

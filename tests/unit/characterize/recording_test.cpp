@@ -1,0 +1,94 @@
+// A recording in the place of a rig.
+
+#include "hil/characterize/recording.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/characterize/study.h"
+
+namespace forcegate::test {
+namespace {
+
+using namespace characterize;
+
+/// Plays given columns and ends.
+class RecordedRig final : public Rig {
+ public:
+  std::vector<float> force_N, sensor_V;
+  RigInfo info() const override {
+    RigInfo i;
+    i.rate_Hz = 100.0;
+    i.adc_bits = 16;
+    return i;
+  }
+  Result<void> begin(const RigRecordRequest&) override {
+    at_ = 0;
+    return {};
+  }
+  Result<void> command_velocity(double) override { return {}; }
+  Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t to) override {
+    n = std::min(n, force_N.size() - at_);
+    for (std::size_t i = 0; i < n; ++i, ++at_) {
+      out.t_s[to + i] = 0.01 * static_cast<double>(at_);
+      out.force_ref_N[to + i] = force_N[at_];
+      out.adc[to + i] = static_cast<std::uint16_t>(std::lround(static_cast<double>(sensor_V[at_]) * 6553.5));
+      out.status[to + i] = 0;
+    }
+    return n;
+  }
+  double theta_rad() const override { return 0.0; }
+  double force_ref_N() const override { return 0.0; }
+  void park() noexcept override {}
+
+ private:
+  std::size_t at_ = 0;
+};
+
+TEST(Recording, of_cycles_gives_the_decay_that_is_in_it) {
+  RecordedRig rig;
+  for (int i = 0; i < 120000; ++i) {
+    const double t = 0.01 * i, s = 0.5 - 0.5 * std::cos(2.0 * 3.14159265358979 * 0.5 * t);
+    rig.force_N.push_back(static_cast<float>(1.0 + 3.0 * s));
+    rig.sensor_V.push_back(static_cast<float>(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  EXPECT_NEAR(sheet.value("recording.frequency"), 0.5, 0.001);
+  EXPECT_NEAR(sheet.value("recording.amplitude"), 1.5, 0.01);
+  EXPECT_NEAR(sheet.value("recording.a"), 4.0, 0.03);
+  EXPECT_NEAR(sheet.value("recording.b"), 0.006, 0.0001);
+  EXPECT_NEAR(sheet.value("recording.c"), 1.0, 0.02);
+  EXPECT_NEAR(sheet.value("identified.b"), 0.006 / 0.00655, 0.02);
+  EXPECT_TRUE(std::isnan(sheet.value("static.gain")));
+}
+
+TEST(Recording, of_a_slow_sweep_gives_the_static_law) {
+  RecordedRig rig;
+  for (int i = 0; i < 12000; ++i) {
+    const double phase = std::abs(std::fmod(0.01 * i, 60.0) / 30.0 - 1.0), force = 0.3 + 3.7 * (1.0 - phase);
+    rig.force_N.push_back(static_cast<float>(force));
+    rig.sensor_V.push_back(static_cast<float>((force - 0.2) / 0.48));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  EXPECT_NEAR(sheet.value("static.gain"), 0.48, 0.001);
+  EXPECT_NEAR(sheet.value("static.offset"), 0.2, 0.002);
+}
+
+TEST(Recording, without_motion_or_without_an_answer_is_refused) {
+  RecordedRig still, deaf;
+  for (int i = 0; i < 5000; ++i) {
+    still.force_N.push_back(1.0F), still.sensor_V.push_back(2.0F);
+    deaf.force_N.push_back(static_cast<float>(0.001 * i)), deaf.sensor_V.push_back(2.0F);
+  }
+  BenchProgress progress;
+  EXPECT_FALSE(characterize_recording(still, "r", progress).has_value());
+  const auto answer = characterize_recording(deaf, "r", progress);
+  ASSERT_FALSE(answer.has_value());
+  EXPECT_NE(answer.error().text.find("did not answer"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace forcegate::test
