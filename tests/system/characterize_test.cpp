@@ -1,0 +1,81 @@
+// `forcegate characterize` as a user runs it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const char* const kPlan =
+    "format = 1\nkind = \"characterize\"\nname = \"short\"\nseed = 5\n[population]\nspecimens = [\"q25\", \"q75\"]\nsessions = 2\nexemplar = \"q50\"\n"
+    "[procedures]\nfsr = [\"static_calibration\", \"step_response\"]\n[[limit]]\nkey = \"step.sensor\"\nmaximum = MAX\nsource = \"a test\"\n";
+
+std::string plan_with(const std::string& maximum) {
+  std::string plan = kPlan;
+  return plan.replace(plan.find("MAX"), 3, maximum);
+}
+
+TEST(Characterize, WritesSheetModelAndCalibrationAndKeepsALimit) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  write_text(folder / "plan.toml", plan_with("250.0"));
+  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o", (folder / "out").string(), "--paper", folder.string()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("samples a second"));
+  for (const char* file : {"sheet-fsr.html", "sheet-fsr.json", "study.json", "fsr.toml", "calibration-fsr-q25-s1.toml"}) EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
+  EXPECT_TRUE(fs::exists(folder / "paper.md"));
+  EXPECT_TRUE(fs::exists(folder / "pictures/paper/fig05.svg"));
+  const auto study = nlohmann::json::parse(read_text(folder / "out/study.json"));
+  EXPECT_EQ(study["sensors"][0]["sessions"].size(), 4u);
+  EXPECT_TRUE(study["limits"][0]["kept"]);
+}
+
+TEST(Characterize, RejectsWhenALimitIsBrokenAndNamesTheWorstSpecimen) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  write_text(folder / "plan.toml", plan_with("100.0"));
+  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o", (folder / "out").string()});
+  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_THAT(r.out, HasSubstr("BROKEN"));
+  EXPECT_THAT(r.out, HasSubstr("4 of 4 sessions outside"));
+}
+
+TEST(Characterize, ReadsTheDecayOutOfARecording) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  std::string csv = "t_s,U_V,F_ref_N\n";
+  for (int i = 0; i < 40000; ++i) {
+    const double t = 0.02 * i, s = 0.5 - 0.5 * std::cos(3.14159265358979 * t);
+    csv += std::to_string(t) + "," + std::to_string(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)) + "," + std::to_string(1.0 + 3.0 * s) + "\n";
+  }
+  write_text(folder / "sine.csv", csv);
+  const ProcessResult r = forcegate({"characterize", "--record", (folder / "sine.csv").string(), "-o", (folder / "out").string(), "--json"});
+  ASSERT_EQ(r.exit_code, 0) << r.err << r.out;
+  const auto study = nlohmann::json::parse(r.out);
+  double b = 0.0;
+  for (const auto& s : study["sensors"][0]["spreads"])
+    if (s["key"] == "recording.b") b = s["mean"];
+  EXPECT_NEAR(b, 0.006, 0.0002);
+}
+
+TEST(Characterize, SaysWhatIsWrongWithARequest) {
+  EXPECT_EQ(forcegate({"characterize", "--plan", "no-such-plan"}).exit_code, 2);
+  const ProcessResult gate_plan = forcegate({"characterize", "--plan", FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml"});
+  EXPECT_EQ(gate_plan.exit_code, 2);
+  EXPECT_THAT(gate_plan.err, HasSubstr("kind"));
+  const ProcessResult nothing = forcegate({"characterize", "--rig", "replay"});
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("--record"));
+}
+
+}  // namespace
+}  // namespace forcegate::test
