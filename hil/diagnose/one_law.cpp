@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kRounds = 8;
+constexpr int kRounds = 6, kFirstRounds = 1;
 constexpr double kStep = 0.02;       // of log b and log q, for differences
 constexpr double kRidge = 1e-9;
 constexpr double kWorth = 0.97;      // an effect must lower the error of left-out records to this
@@ -28,11 +28,6 @@ struct Gram {
   MatrixXd XX;
   VectorXd Xy;
   double yy = 0.0;
-};
-
-struct Solution {
-  VectorXd beta;
-  std::vector<char> active;
 };
 
 class Fitter {
@@ -83,77 +78,55 @@ class Fitter {
     return out;
   }
 
-  // Least squares with physical signs: the most negative coefficient leaves until none is.
-  Solution solve(const std::vector<Gram>& grams, const std::vector<Chosen>& effects, std::size_t left_out) const {
+  // Least squares; columns that these records do not excite stay at zero.
+  static VectorXd solve(const std::vector<Gram>& grams, std::size_t left_out) {
     const Index m = grams.front().Xy.size();
     MatrixXd A = MatrixXd::Zero(m, m);
     VectorXd b = VectorXd::Zero(m);
     for (std::size_t k = 0; k < grams.size(); ++k)
       if (k != left_out) A += grams[k].XX, b += grams[k].Xy;
-    std::vector<int> sign(static_cast<std::size_t>(m), 0);
-    std::size_t at = 2;
-    for (const Chosen& c : effects)
-      for (std::size_t j = 0; j < c.form->strength.size(); ++j)
-        sign[at++] = c.form->sign == StrengthSign::positive ? 1 : c.form->sign == StrengthSign::negative ? -1 : 0;
-    Solution out{VectorXd::Zero(m), std::vector<char>(static_cast<std::size_t>(m), 1)};
-    for (Index j = 0; j < m; ++j) out.active[static_cast<std::size_t>(j)] = A(j, j) > 1e-12;
-    for (Index round = 0; round <= m; ++round) {
-      std::vector<Index> in;
-      for (Index j = 0; j < m; ++j)
-        if (out.active[static_cast<std::size_t>(j)]) in.push_back(j);
-      MatrixXd S(static_cast<Index>(in.size()), static_cast<Index>(in.size()));
-      VectorXd t(S.rows());
-      for (Index p = 0; p < S.rows(); ++p) {
-        t[p] = b[in[static_cast<std::size_t>(p)]];
-        for (Index q = 0; q < S.rows(); ++q) S(p, q) = A(in[static_cast<std::size_t>(p)], in[static_cast<std::size_t>(q)]);
+    const double least = 1e-12 * A.diagonal().maxCoeff();
+    for (Index j = 0; j < m; ++j)
+      if (A(j, j) <= least) {
+        A.row(j).setZero();
+        A.col(j).setZero();
+        A(j, j) = 1.0;
+        b[j] = 0.0;
       }
-      S.diagonal() *= 1.0 + kRidge;
-      const VectorXd x = S.ldlt().solve(t);
-      Index worst = -1;
-      double least = 0.0;
-      out.beta.setZero();
-      for (Index p = 0; p < S.rows(); ++p) {
-        const Index j = in[static_cast<std::size_t>(p)];
-        out.beta[j] = x[p];
-        const double against = static_cast<double>(sign[static_cast<std::size_t>(j)]) * x[p] / std::max(1e-12, x[0]);
-        if (against < least) least = against, worst = j;
-      }
-      if (worst < 0) break;
-      out.active[static_cast<std::size_t>(worst)] = 0;
-    }
-    return out;
+    A.diagonal() *= 1.0 + kRidge;
+    return A.ldlt().solve(b);
   }
 
   static double square_error(const Gram& g, const VectorXd& beta) {
     return std::max(0.0, g.yy - 2.0 * beta.dot(g.Xy) + beta.dot(g.XX * beta));
   }
 
-  double error(const std::vector<Gram>& g, const std::vector<Chosen>& effects) const {
-    const VectorXd beta = solve(g, effects, g.size()).beta;
+  static double error(const std::vector<Gram>& g) {
+    const VectorXd beta = solve(g, g.size());
     double sum = 0.0;
     for (const Gram& one : g) sum += square_error(one, beta);
     return std::sqrt(sum / static_cast<double>(g.size()));
   }
 
-  double left_out(const std::vector<Gram>& g, const std::vector<Chosen>& effects) const {
+  static double left_out(const std::vector<Gram>& g) {
     double sum = 0.0;
-    for (std::size_t k = 0; k < g.size(); ++k) sum += square_error(g[k], solve(g, effects, k).beta);
+    for (std::size_t k = 0; k < g.size(); ++k) sum += square_error(g[k], solve(g, k));
     return std::sqrt(sum / static_cast<double>(g.size()));
   }
 
   // b and q by a quadratic through nine points around the present ones; the step shrinks when it does not help.
-  Result<BaseLaw> refine(BaseLaw law, const std::vector<Chosen>& effects) {
+  Result<BaseLaw> refine(BaseLaw law, const std::vector<Chosen>& effects, int rounds = kRounds) {
     if (!law.decays) return law;
     const auto at = [&](double b, double q) -> Result<double> {
       BaseLaw changed = law;
       changed.b_scale *= std::exp(b);
       changed.q_scale *= std::exp(q);
       FORCEGATE_TRY(const std::vector<Gram> g, grams(changed, effects));
-      const double e = error(g, effects);
+      const double e = error(g);
       return e * e;
     };
     FORCEGATE_TRY(double here, at(0.0, 0.0));
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       FORCEGATE_TRY(const double b1, at(kStep, 0.0));
       FORCEGATE_TRY(const double b0, at(-kStep, 0.0));
       FORCEGATE_TRY(const double q1, at(0.0, kStep));
@@ -228,40 +201,42 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
   FORCEGATE_TRY(std::vector<Gram> grams, fitter.grams(law, {}));
   std::vector<Chosen> effects;
   const std::vector<Gram> bare = grams;
-  out.law_left_out_V = fitter.left_out(grams, effects);
-  const VectorXd bare_beta = fitter.solve(grams, {}, grams.size()).beta;
+  out.law_left_out_V = Fitter::left_out(grams);
+  const VectorXd bare_beta = Fitter::solve(grams, grams.size());
   double now = out.law_left_out_V;
   for (const ModelEffect& wanted : start.effects) {
     const EffectKind* kind = EffectRegistry::instance().find(wanted.effect);
     if (kind == nullptr || kind->channel != EffectChannel::output) continue;
     if (!is_available(*kind, fitter.input()))
       return fail(ErrorCode::config, "the campaign lacks a channel that " + wanted.effect + " needs", campaign.name);
-    // every form of this effect and of those already in: a later effect may change which form of an earlier one is right
     double best = 1e300;
     std::vector<Chosen> best_effects;
+    BaseLaw best_law = law;
     for (Chosen& variant : variants_of(*kind, fitter.input())) {
       std::vector<Chosen> with = effects;
       with.push_back(variant);
-      FORCEGATE_TRY(grams, fitter.grams(law, with));
-      const double e = fitter.left_out(grams, with);
-      if (e < best) best = e, best_effects = with;
+      // b and q have soaked up what is missing: each form is judged with its own
+      FORCEGATE_TRY(const BaseLaw own, fitter.refine(law, with, kFirstRounds));
+      FORCEGATE_TRY(grams, fitter.grams(own, with));
+      const double e = Fitter::left_out(grams);
+      if (e < best) best = e, best_effects = with, best_law = own;
     }
     if (best_effects.empty()) continue;
     effects = best_effects;
-    FORCEGATE_TRY(law, fitter.refine(law, effects));
+    FORCEGATE_TRY(law, fitter.refine(best_law, effects));
     FORCEGATE_TRY(grams, fitter.grams(law, effects));
-    now = fitter.left_out(grams, effects);
+    now = Fitter::left_out(grams);
   }
   out.left_out_V = now;
   if (!effects.empty() && now > kWorth * out.law_left_out_V)
     return fail(ErrorCode::config, "with one law for all records the effects do not lower the error of records left out", campaign.name,
                 "they may differ from record to record: forcegate compare shows where the error sits");
 
-  const Solution all = fitter.solve(grams, effects, grams.size());
+  const VectorXd all = Fitter::solve(grams, grams.size());
   const auto n = static_cast<double>(grams.size());
-  VectorXd mean = VectorXd::Zero(all.beta.size()), square = mean;
+  VectorXd mean = VectorXd::Zero(all.size()), square = mean;
   for (std::size_t k = 0; k < grams.size(); ++k) {
-    const VectorXd beta = fitter.solve(grams, effects, k).beta;
+    const VectorXd beta = Fitter::solve(grams, k);
     mean += beta / n;
     square += beta.cwiseProduct(beta) / n;
   }
@@ -269,20 +244,20 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
   Model& m = out.model;
   m.law = law;
   m.span_N = fitter.input().range_N;
-  const double g = all.beta[0];
+  const double g = all[0];
   m.law.gain_N_per_V = 1.0 / g;
-  m.law.offset_N = -all.beta[1] / g;
+  m.law.offset_N = -all[1] / g;
   m.se_gain = se[0] / (g * g);
   m.se_offset = se[1] / std::fabs(g);
   m.effects.clear();
   Index at = 2;
   for (const Chosen& c : effects) {
-    m.effects.push_back(effect_from(c, all.beta, se, at));
+    m.effects.push_back(effect_from(c, all, se, at));
     at += static_cast<Index>(c.form->strength.size());
   }
   for (std::size_t k = 0; k < grams.size(); ++k)
     out.records.push_back({fitter.input().records[k].name, std::sqrt(Fitter::square_error(bare[k], bare_beta)),
-                           std::sqrt(Fitter::square_error(grams[k], all.beta))});
+                           std::sqrt(Fitter::square_error(grams[k], all))});
   HistoryStep step;
   step.campaign = campaign.name;
   step.error_before = step.plain_before = out.law_left_out_V;

@@ -4,8 +4,9 @@
 // gain and how much is fast creep) an exported compensator must decide. Here there are no such liberties:
 //
 //   U = g W(b, q) + o + g sum_j c_j s_j(W, F, history),   minimised over g, o, c (linear) and b, q (Gauss-Newton on the
-//   variable projection), every record weighing the same; signs of strengths are those that are physical; for each effect the
-//   form and shape of its library entry that predicts left-out records best.
+//   variable projection), every record weighing the same; for each effect the form and shape of its library entry that
+//   predicts left-out records best. Strengths may have either sign: what counts here is the prediction, and which effect it
+//   is has been decided before. make_compensator refuses what cannot be inverted.
 
 #include <string>
 #include <vector>

@@ -27,7 +27,10 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const diagnose::Refit answer, add_request(request));
   in.console().print(refit_text(answer, request.effect));
   in.console().print_json(refit_json(answer, request.effect));
-  if (!request.output.empty()) in.console().next("forcegate history " + shell_quoted(request.output.string()));
+  if (request.output.empty())
+    in.console().next("the same with -o better.toml, which keeps it");
+  else
+    in.console().next("forcegate history " + shell_quoted(request.output.string()) + " --on " + shell_quoted(in.text("fit")));
   return kExitSuccess;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/app/pictures.h"
 #include "hil/app/write_file.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
@@ -23,6 +24,10 @@ Result<int> run(const Invocation& in) {
   if (const std::string html = in.text("html"); !html.empty()) {
     FORCEGATE_CHECK_OK(write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line()})));
     console.note("wrote " + html);
+  }
+  if (const std::string folder = in.text("pictures"); !folder.empty()) {
+    FORCEGATE_TRY(const auto files, write_pictures(answer, folder));
+    console.note(fmt::format("wrote {} pictures into {}", files.size(), folder));
   }
   console.print(diagnosis_text(answer));
   console.print_json(to_json(answer));
@@ -49,7 +54,8 @@ const Registration<Command> kRow{Command{
                 {.name = "map", .value_name = "COLUMN=NAME", .doc = "Foreign column, for instance pressure_bar=F_ref_N.", .repeatable = true},
                 {.name = "rate", .value_name = "HZ", .doc = "Sampling rate of files without a clock.", .fallback = "0"},
                 {.name = "threads", .value_name = "N", .doc = "0: one per processor. The answer does not depend on it.", .fallback = "0"},
-                {.name = "html", .value_name = "FILE", .doc = "Write the report with its pictures."}},
+                {.name = "html", .value_name = "FILE", .doc = "Write the report with its pictures."},
+                {.name = "pictures", .value_name = "FOLDER", .doc = "Write every picture as an SVG of its own."}},
     .examples = {{"forcegate diagnose m7", "What is missing in the campaign m7:"},
                  {"forcegate diagnose m7 --html m7.html", "The same with pictures:"}},
     .run = run,

@@ -25,7 +25,11 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const History answer, history_request(request));
   in.console().print(history_text(answer));
   in.console().print_json(history_json(answer));
-  in.console().next("forcegate compare CAMPAIGN --model " + shell_quoted(request.model));
+  const std::string model = shell_quoted(request.model);
+  if (in.given("on"))
+    in.console().next("forcegate export " + model + " --fit " + shell_quoted(in.text("on")) + " --c comp.h puts it into firmware");
+  else
+    in.console().next("forcegate history " + model + " --on CAMPAIGN");
   return kExitSuccess;
 }
 

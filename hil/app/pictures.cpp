@@ -1,0 +1,29 @@
+#include "hil/app/pictures.h"
+
+#include <fmt/format.h>
+
+#include "hil/app/write_file.h"
+#include "hil/report/diagnosis_figures.h"
+
+namespace forcegate {
+
+Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> out;
+  const auto put = [&](const std::string& name, const figures::Figure& figure) -> Result<void> {
+    out.push_back(folder / (name + ".svg"));
+    return write_file_atomically(out.back(), figure.svg(figures::Figure::Target::standalone));
+  };
+  if (!d.ranking.empty()) FORCEGATE_CHECK_OK(put("ranking", ranking_figure(d)));
+  if (!d.findings.empty()) FORCEGATE_CHECK_OK(put("waterfall", diagnosis_waterfall(d)));
+  if (!d.records.empty()) FORCEGATE_CHECK_OK(put("records", record_error_figure(d)));
+  if (!d.maps.empty()) FORCEGATE_CHECK_OK(put("map_before", residual_map_figure(d, false)));
+  if (!d.maps_after.empty()) FORCEGATE_CHECK_OK(put("map_after", residual_map_figure(d, true)));
+  for (const Finding& f : d.findings) {
+    if (f.probability < 0.5) continue;
+    int number = 0;
+    for (const EvidenceSeries& s : f.series) FORCEGATE_CHECK_OK(put(fmt::format("{}_{}", f.effect, ++number), evidence_figure(s)));
+  }
+  return out;
+}
+
+}  // namespace forcegate
