@@ -12,8 +12,8 @@
 namespace forcegate {
 namespace {
 
-constexpr std::string_view kHead[] = {"kind", "breaks", "promise", "seen by", "note", "levels",
-                                      "unit", "expect", "ports",   "flags",   "file"};
+constexpr std::string_view kHead[] = {"kind",  "breaks", "promise", "seen by", "note",  "levels",
+                                      "order", "unit",   "expect",  "ports",   "flags", "file"};
 
 Result<std::map<std::string, std::string>> read_head(std::string_view text, const std::string& where) {
   std::map<std::string, std::string> head;
@@ -85,8 +85,12 @@ Result<std::vector<Mutant>> parse_mutant(std::string_view text, const std::strin
     m.tolerable = std::find(tolerable.begin(), tolerable.end(), level) != tolerable.end();
     family.push_back(std::move(m));
   }
-  std::stable_sort(family.begin(), family.end(),
-                   [](const Mutant& a, const Mutant& b) { return *a.level < *b.level; });
+  const bool falling = head["order"] == "falling";
+  if (!falling && !head["order"].empty())
+    return fail(ErrorCode::config, "order of levels must be 'falling', or not given", where);
+  std::stable_sort(family.begin(), family.end(), [falling](const Mutant& a, const Mutant& b) {
+    return falling ? *a.level > *b.level : *a.level < *b.level;
+  });
   return family;
 }
 

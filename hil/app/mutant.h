@@ -25,8 +25,8 @@ struct Mutant {
   bool good() const { return equivalent || tolerable; }
 };
 
-/// All mutants described in *.mutant of the folder, families in order of level. Mutants of which no image was
-/// built (no cross compiler) have no images. Errors: usage (no such folder, none in it), config (a
+/// All mutants described in *.mutant of the folder, families from the smallest defect on. Mutants of which no
+/// image was built (no cross compiler) have no images. Errors: usage (no such folder, none in it), config (a
 /// description that says too little).
 Result<std::vector<Mutant>> read_mutants(const std::filesystem::path& folder);
 

@@ -26,6 +26,16 @@ TEST(Mutants, a_family_has_one_build_for_each_level_in_order) {
   EXPECT_EQ((*family)[2].seen_by, (std::vector<std::string>{"conformance", "mre_maxima"}));
 }
 
+TEST(Mutants, a_defect_that_begins_later_is_a_smaller_one) {
+  const auto family = parse_mutant(
+      "kind: bad\nbreaks: stops\npromise: accuracy\nseen by: conformance\nlevels: 1 15 5\norder: falling\n",
+      "stops", "x");
+  ASSERT_TRUE(family) << family.error().to_text();
+  EXPECT_EQ((*family)[0].name, "stops@15");
+  EXPECT_EQ((*family)[2].name, "stops@1");
+  EXPECT_FALSE(parse_mutant("kind: bad\nbreaks: b\nseen by: a\nlevels: 1 2\norder: up\n", "x", "x"));
+}
+
 TEST(Mutants, a_description_that_says_too_little_is_refused_with_its_file) {
   const auto silent = parse_mutant("kind: bad\nbreaks: something\nfile: none\n", "x", "x.mutant");
   ASSERT_FALSE(silent);
