@@ -21,6 +21,7 @@ inline Check check(std::string id, std::string case_id, std::string title, doubl
           value,
           std::move(unit),
           u,
+          2.0 * u,
           n,
           std::move(limit),
           verdict,
