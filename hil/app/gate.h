@@ -31,6 +31,7 @@ struct GateRequest {
   std::map<std::string, std::string> rig_options;  ///< replay: "record" = path
   std::optional<CalibrationLevel> level;           ///< overrides the plan
   std::filesystem::path limits_file;  ///< instead of the plan's, and of those its open-loop cases give themselves
+  bool without_limits = false;  ///< measure only: limits are being derived
   std::filesystem::path calibration_file;          ///< used instead of a calibration on the rig
   std::optional<std::uint64_t> seed;
   /// Build to be no worse than: its image, played on the same rig in turn with the candidate, or the result of

@@ -165,7 +165,7 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
   }
   FORCEGATE_CHECK_OK(select_cases(request, plan));
   FORCEGATE_CHECK_OK(select_lanes(request, setup));
-  if (!request.limits_file.empty())
+  if (!request.limits_file.empty() || request.without_limits)
     for (PlanCase& c : plan.cases)
       if (c.loop == LoopMode::open) c.maxima_pct = c.minima_pct = std::nullopt;
   // A board that converts by itself cannot be given codes that no rig makes.

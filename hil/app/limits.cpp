@@ -61,7 +61,7 @@ class Derivation {
       limit.n = list.size();
       limit.unit = units_[key];
       limit.p99 = sample_quantile(list, 0.99);
-      limit.sd = moments(list).sd;
+      limit.sd = std::max(moments(list).sd, moments(u_[key]).mean);
       limit.value = limit.p99 + 2.0 * limit.sd;
       limits_.by_case_and_check[key] = limit;
     }
@@ -75,6 +75,7 @@ class Derivation {
     gated.plan = plan.string();
     gated.threads = request.threads;
     gated.single_look = true;
+    gated.without_limits = !request.records.empty();
     return gated;
   }
 
@@ -110,12 +111,13 @@ class Derivation {
       if (check.verdict == Verdict::rig_error || !std::isfinite(check.value))
         return fail(ErrorCode::config, "a record gave no value for " + check.id, where);
       values_[{name, check.id}].push_back(check.value);
+      u_[{name, check.id}].push_back(check.u);
       units_[{name, check.id}] = check.unit;
     }
     return {};
   }
 
-  std::map<std::pair<std::string, std::string>, std::vector<double>> values_;
+  std::map<std::pair<std::string, std::string>, std::vector<double>> values_, u_;
   std::map<std::pair<std::string, std::string>, std::string> units_;
   DerivedLimits limits_;
 };

@@ -336,7 +336,7 @@ class CaseJudge {
       const std::string judged_id = judge_relative ? mre_id : mae_id;
       const std::optional<double> given = maximum ? planned_.maxima_pct : planned_.minima_pct;
       const Limit limit = wanted ? limit_of(judged_id, judge_relative ? given : std::nullopt) : none;
-      const bool derived = limit.kind != Limit::Kind::none && !(judge_relative && given);
+      const bool derived = wanted && !(judge_relative && given);
       value_check(mre_id, mre_title, mre, "%", derived ? relative.u_random() : relative.u(), e.n,
                   judge_relative ? limit : none, evidence);
       repeatable(derived ? 0.0 : relative.u_systematic());

@@ -14,7 +14,7 @@ namespace forcegate {
 
 struct DerivedLimit {
   double p99 = 0.0;    ///< quantile 0.99 of the values
-  double sd = 0.0;     ///< their standard deviation
+  double sd = 0.0;     ///< their standard deviation, not below the uncertainty of one value
   double value = 0.0;  ///< the limit: p99 + 2 sd, so that a good record is not refused by chance
   std::string unit;
   std::uint64_t n = 0;
