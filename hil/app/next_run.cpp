@@ -133,6 +133,10 @@ std::string odds_text(double log_odds_) { return fmt::format("{:.3g}", std::exp(
 
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress, const std::atomic<bool>* cancelled) {
   NextRunResult out;
+  std::error_code error;
+  if (request.bench.rig != "replay" && fs::exists(request.campaign.campaign / "sealed_truth.json", error))
+    return fail(ErrorCode::usage, "the sensor of a mystery is not on the rig " + request.bench.rig, request.campaign.campaign.string(),
+                "a mystery answers with what it has; forcegate record makes a campaign of a sensor that stays at hand");
   if (progress) progress(0.0, "diagnosing what there is");
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
   out.planned = out.before.next_experiment;
