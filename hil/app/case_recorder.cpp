@@ -1,5 +1,8 @@
 #include "hil/app/case_recorder.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "hil/base/text.h"
 #include "hil/gate/case_result.h"
 
@@ -15,7 +18,8 @@ Result<void> CaseRecorder::begin(const CaseJob& job, const CaseRecord& so_far) {
       {"F_cmd", "N", "force", SampleType::f32, 0},   {"F_ref", "N", "force", SampleType::f32, 0},
       {"U", "V", "voltage", SampleType::f32, 0},     {"U", "counts", "voltage", SampleType::u16, 0},
       {"theta", "rad", "angle", SampleType::f32, 0}, {"status", "counts", "status", SampleType::u16, 0},
-      {"F_dut", "N", "force", SampleType::f32, 0},   {"flags", "counts", "flags", SampleType::u8, 0}};
+      {"F_dut", "N", "force", SampleType::f32, 0},   {"flags", "counts", "flags", SampleType::u8, 0},
+      {"w_cmd", "rad/s", "angular velocity", SampleType::f32, 0}};
   header.provenance = {{"rig", so_far.rig.name + "/" + so_far.rig.version},
                        {"firmware_build", so_far.firmware.build_id},
                        {"algorithm", so_far.firmware.algorithm_id},
@@ -38,13 +42,16 @@ Result<void> CaseRecorder::begin(const CaseJob& job, const CaseRecord& so_far) {
 }
 
 Result<void> CaseRecorder::push(const RigBlock& block, std::span<const float> dut_N,
-                                std::span<const std::uint8_t> flags, std::size_t n) {
+                                std::span<const std::uint8_t> flags, const float* commanded_rad_per_s,
+                                std::size_t n) {
   volts_.resize(n);
   for (std::size_t i = 0; i < n; ++i) volts_[i] = static_cast<float>(volts_per_code_ * block.adc[i]);
+  commanded_.assign(n, std::numeric_limits<float>::quiet_NaN());
+  if (commanded_rad_per_s != nullptr) std::copy_n(commanded_rad_per_s, n, commanded_.begin());
   const auto part = [n](const auto& column) { return ColumnView(std::span(column.data(), n)); };
   const ColumnView columns[] = {part(block.setpoint_N), part(block.force_ref_N), ColumnView(volts_),
                                 part(block.adc),        part(block.theta_rad),   part(block.status),
-                                ColumnView(dut_N),      ColumnView(flags)};
+                                ColumnView(dut_N),      ColumnView(flags),       part(commanded_)};
   return recorder_->append({block.t_s.data(), n}, columns);
 }
 

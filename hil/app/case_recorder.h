@@ -16,14 +16,14 @@ class CaseRecorder final : public RecordWriter {
 
   Result<void> begin(const CaseJob& job, const CaseRecord& so_far) override;
   Result<void> push(const RigBlock& block, std::span<const float> dut_N, std::span<const std::uint8_t> flags,
-                    std::size_t n) override;
+                    const float* commanded_rad_per_s, std::size_t n) override;
   Result<void> finish() override;
 
  private:
   std::filesystem::path hdf5_;
   std::optional<TraceRecorder> recorder_;
   double volts_per_code_ = 0.0;
-  std::vector<float> volts_;
+  std::vector<float> volts_, commanded_;
 };
 
 }  // namespace forcegate

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/app/bundle.h"
 #include "hil/app/gate_player.h"
+#include "hil/app/golden.h"
 #include "hil/app/run_folder.h"
 #include "hil/base/text.h"
-#include "hil/gate/case_result.h"
-#include "hil/gate/decision.h"
+#include "hil/gate/run_judge.h"
+#include "hil/gate/waiver.h"
 
 namespace forcegate {
 namespace {
@@ -24,6 +26,8 @@ class GateRun {
     if (!request_.accepted.empty()) {
       FORCEGATE_TRY(accepted_, open_accepted(request_, setup_));
     }
+    FORCEGATE_CHECK_OK(read_golden_traces());
+    FORCEGATE_CHECK_OK(read_the_waivers());
     std::optional<RunFolder> folder;
     if (!request_.output.empty()) {
       FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
@@ -38,9 +42,7 @@ class GateRun {
     look(keep_folder);
     FORCEGATE_CHECK_OK(first_usage_error());
     if (folder && !request_.keep && !player.cancelled()) keep_doubtful(keep_folder);
-    conclude();
-    if (folder && !player.cancelled()) FORCEGATE_CHECK_OK(folder->publish(result_));
-    return std::move(result_);
+    return conclude(folder);
   }
 
  private:
@@ -60,6 +62,21 @@ class GateRun {
       return {};
     }
     FORCEGATE_TRY(limits_, read_limits(path));
+    return {};
+  }
+
+  Result<void> read_golden_traces() {
+    const Plan& plan = setup_.plan;
+    if (plan.limits.goldens.empty()) return {};
+    FORCEGATE_TRY(goldens_, read_goldens(plan.path.parent_path() / plan.limits.goldens));
+    return {};
+  }
+
+  Result<void> read_the_waivers() {
+    if (request_.waivers.empty()) return {};
+    if (!is_iso_date(request_.today))
+      return fail(ErrorCode::usage, "'" + request_.today + "' is no date", "--today", "write 2026-12-31");
+    FORCEGATE_TRY(waivers_, read_waivers(request_.waivers));
     return {};
   }
 
@@ -99,32 +116,9 @@ class GateRun {
     }
   }
 
-  std::vector<JudgedCheck*> all_checks() {
-    std::vector<JudgedCheck*> all;
-    for (JudgedCheck& check : panel_) all.push_back(&check);
-    for (PlayedRecord& one : player_->records())
-      if (!one.superseded)
-        for (JudgedCheck& check : one.judged.checks) all.push_back(&check);
-    return all;
-  }
-
-  // Verdicts of single records; the decision rule runs over all of them together.
   void judge() {
-    const Plan& plan = setup_.plan;
-    panel_.clear();
-    for (PlayedRecord& one : player_->records())
-      one.judged = judge_case(plan, plan.cases[one.case_index], one.record, limits_);
-    for (std::size_t k = 0; k < plan.cases.size(); ++k) {
-      std::vector<SpecimenSessions> table;
-      for (const std::string& specimen : specimens_of(plan, plan.cases[k])) table.push_back({specimen, {}});
-      for (PlayedRecord& one : player_->records())
-        if (one.case_index == k && !one.superseded)
-          table[one.specimen_index].sessions.push_back(&one.judged);
-      for (JudgedCheck& check : judge_panel(plan, plan.cases[k], table)) panel_.push_back(std::move(check));
-    }
+    panel_ = judge_records(setup_.plan, limits_, player_->records());
     compare();
-    std::vector<JudgedCheck*> all = all_checks();
-    apply_rule(plan.rule, all);
   }
 
   void compare() {
@@ -134,15 +128,15 @@ class GateRun {
       if (!one.superseded)
         pairs.push_back({&setup_.plan.cases[one.case_index], &one.record, player_->accepted(one.job),
                          &one.judged.checks});
-    for (JudgedCheck& check : compare_with_accepted(setup_.plan, *accepted_, setup_.rig.emulated, pairs))
-      panel_.push_back(std::move(check));
+    compared_ = compare_with_accepted(setup_.plan, *accepted_, setup_.rig.emulated, pairs);
+    panel_.insert(panel_.end(), compared_.begin(), compared_.end());
   }
 
   // Records that the next session needs: a panel's mean needs all its specimens.
   Wanted undecided(int looks_so_far) {
     Wanted wanted;
     std::vector<std::string> names;
-    for (const JudgedCheck* open : worth_another_session(setup_.plan.rule, all_checks()))
+    for (const JudgedCheck* open : worth_another_session(setup_.plan.rule, all_checks(panel_, player_->records())))
       for (std::size_t k = 0; k < setup_.plan.cases.size(); ++k) {
         const PlanCase& planned = setup_.plan.cases[k];
         const auto& specimens = specimens_of(setup_.plan, planned);
@@ -181,60 +175,24 @@ class GateRun {
     player_->keep(doubtful, folder);
   }
 
-  void conclude() {
-    RunEvents events;
-    events.level = player_->level();
-    events.cancelled = player_->cancelled();
-    std::vector<const Check*> all;
-    for (const JudgedCheck* j : all_checks()) all.push_back(&j->check);
-    for (const PlayedRecord& one : player_->records()) {
-      const JudgedCase& j = one.judged;
-      if (one.superseded) continue;
-      events.cancelled = events.cancelled || j.cancelled;
-      if (j.harness_error && !events.harness_error) {
-        events.harness_error = true;
-        events.harness_text = j.harness_text;
-      }
-      if (j.safety_stop) {
-        if (!events.safety_stop || !j.safety_cause_decided) events.safety_text = j.safety_text;
-        events.safety_stop = true;
-        events.safety_cause_decided = events.safety_cause_decided && j.safety_cause_decided;
-      }
-    }
-    result_.decision = decide(all, setup_.plan.rule, events);
-    for (const PlayedRecord& one : player_->records())
-      if (!one.record.firmware.algorithm_id.empty()) {
-        result_.firmware = one.record.firmware;
-        result_.rig = one.record.rig;
-        break;
-      }
-    for (const JudgedCheck& check : panel_) result_.checks.push_back(check.check);
+  // Golden traces and waivers come in when every record is made.
+  Result<RunResult> conclude(std::optional<RunFolder>& folder) {
+    RunMaterial material{setup_.plan,           limits_,
+                         player_->level(),      player_->cancelled(),
+                         std::move(player_->records()), std::move(compared_),
+                         std::move(result_)};
     const auto& notes = player_->notes();
-    result_.notes.insert(result_.notes.end(), notes.begin(), notes.end());
-    add_cases();
-  }
-
-  // In the plan's order; sessions and attempts of one record follow each other.
-  void add_cases() {
-    std::vector<PlayedRecord*> order;
-    for (PlayedRecord& one : player_->records()) order.push_back(&one);
-    std::stable_sort(order.begin(), order.end(), [](const PlayedRecord* a, const PlayedRecord* b) {
-      return std::pair(a->case_index, a->specimen_index) < std::pair(b->case_index, b->specimen_index);
-    });
-    for (PlayedRecord* one : order) {
-      if (one->superseded)
-        for (JudgedCheck& j : one->judged.checks) j.check.required = false;
-      CaseResult c = to_case_result(setup_.plan.cases[one->case_index], one->job, std::move(one->record),
-                                    one->judged, one->job.curves);
-      c.attempts = one->job.attempt;
-      if (one->superseded) {
-        c.id += fmt::format("/attempt{}", one->job.attempt);
-        for (Check& check : c.checks) check.case_id = c.id;
-        c.note += fmt::format("{}the rig was at fault in attempt {}, a later attempt stands for this record",
-                              c.note.empty() ? "" : "; ", one->job.attempt);
-      }
-      result_.cases.push_back(std::move(c));
+    material.head.notes.insert(material.head.notes.end(), notes.begin(), notes.end());
+    const ChecksByRecord others = golden_checks(material, goldens_, material.head.notes);
+    std::vector<JudgedCheck> of_run = judge_material(material, others);
+    apply_waivers(waivers_, request_.today, of_run, material.records, material.head.notes);
+    RunResult result = to_run_result(material, of_run);
+    if (folder && !material.cancelled) {
+      const BundleSource source{setup_.plan.path, request_.firmware, request_.waivers, request_.today, goldens_};
+      FORCEGATE_CHECK_OK(write_bundle(folder->path(), source, material));
+      FORCEGATE_CHECK_OK(folder->publish(result));
     }
+    return result;
   }
 
   // A mistake in the request that only a record could show (a missing emulator, an instrument's option).
@@ -253,8 +211,10 @@ class GateRun {
   const std::atomic<bool>* cancelled_;
   DerivedLimits limits_;
   std::optional<AcceptedBuild> accepted_;
+  std::vector<GoldenTrace> goldens_;
+  std::vector<Waiver> waivers_;
   GatePlayer* player_ = nullptr;  ///< while run() lasts
-  std::vector<JudgedCheck> panel_;
+  std::vector<JudgedCheck> panel_, compared_;
   RunResult result_;
 };
 

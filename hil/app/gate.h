@@ -40,6 +40,8 @@ struct GateRequest {
   std::map<std::string, double> faults;
   std::vector<std::string> only_cases;  ///< names; empty = all
   std::vector<std::string> panel;       ///< overrides the plan's; empty = the plan's
+  std::filesystem::path waivers;  ///< file of waivers; empty = none
+  std::string today;              ///< ISO date against which they expire; needed with waivers
   unsigned threads = 0;
   double hang_cpu_s = 10.0;                  ///< see WorkerOptions
   CalibrationCache* calibrations = nullptr;  ///< read and filled

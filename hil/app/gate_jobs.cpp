@@ -8,6 +8,7 @@
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
+#include "hil/gate/board_faults.h"
 #include "hil/gate/calibrate.h"
 #include "hil/interface/dut.h"
 
@@ -184,6 +185,8 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
     for (const std::string& specimen : specimens_of(plan, c))
       if (std::find(setup.specimens.begin(), setup.specimens.end(), specimen) == setup.specimens.end())
         setup.specimens.push_back(specimen);
+  if (auto known = check_board_faults(request.faults); !known)
+    return fail(ErrorCode::usage, known.error().text, known.error().where, known.error().hint);
   // Unknown faults and specimens are mistakes of the request, not of the rig: the rig itself is asked.
   if (setup.rig.can_move)
     for (const std::string& specimen : setup.specimens) {
@@ -191,11 +194,11 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
       probe.specimen = specimen;
       probe.duration_s = 1.0;
       probe.force_high_N = 1.0;
-      probe.faults = request.faults;
+      probe.faults = rig_faults(request.faults);
       auto begun = setup.rig.name == "emulated" ? rig->begin(probe) : Result<void>{};
       if (!begun) return fail(ErrorCode::usage, begun.error().text, begun.error().where, begun.error().hint);
     }
-  else if (!request.faults.empty())
+  else if (!rig_faults(request.faults).empty())
     return fail(ErrorCode::usage, "faults cannot be injected into a recording");
   return setup;
 }

@@ -11,17 +11,9 @@
 #include "hil/app/accepted_build.h"
 #include "hil/app/gate_jobs.h"
 #include "hil/app/worker.h"
-#include "hil/gate/judge.h"
+#include "hil/gate/run_judge.h"
 
 namespace forcegate {
-
-struct PlayedRecord {
-  std::size_t case_index = 0, specimen_index = 0;  ///< in the plan and in the case's list of specimens
-  CaseJob job;
-  CaseRecord record;
-  JudgedCase judged;
-  bool superseded = false;  ///< the rig was at fault and a later attempt stands for it
-};
 
 class GatePlayer {
  public:

@@ -1,6 +1,8 @@
 #include "hil/app/worker.h"
 
 #include "hil/app/case_recorder.h"
+#include "hil/base/rng.h"
+#include "hil/gate/board_faults.h"
 #include "hil/gate/calibrate.h"
 #include "hil/gate/case_json.h"
 #include "hil/gate/runner.h"
@@ -56,7 +58,7 @@ CaseRecord execute_job(const CaseJob& job, const std::function<void(double)>& pr
                     {ErrorCode::usage, "there is no lane named '" + job.lane + "'", {}, {}});
     auto made = lane->make(job.lane_options);
     if (!made) return failed(job, CaseFailure::Stage::setup, made.error());
-    own_dut = std::move(*made);
+    own_dut = with_board_faults(std::move(*made), job.faults, mix_seed(job.seed, job.id));
     dut = own_dut.get();
   }
 

@@ -1,5 +1,7 @@
 #include "hil/cli/completion.h"
 
+#include <algorithm>
+
 #include "hil/cli/parse.h"
 
 namespace forcegate {
@@ -51,14 +53,11 @@ complete -c forcegate -a '(__forcegate_words)'
 
 }  // namespace
 
-std::vector<std::string> completions(std::span<const std::string> words, const std::vector<Command>& table) {
-  const std::string current = words.empty() ? "" : words.back();
-  if (words.size() <= 1) {
-    std::vector<std::string> verbs;
-    for (const Command& c : table)
-      if (!c.hidden) verbs.push_back(c.name);
-    return starting_with(verbs, current);
-  }
+namespace {
+
+// words.front() is the whole name of the verb.
+std::vector<std::string> completions_of(std::span<const std::string> words, const std::vector<Command>& table) {
+  const std::string current = words.back();
   const Command* command = nullptr;
   for (const Command& c : table)
     if (c.name == words.front()) command = &c;
@@ -88,6 +87,34 @@ std::vector<std::string> completions(std::span<const std::string> words, const s
   if (positional < command->positionals.size() && command->positionals[positional].choices)
     return starting_with(command->positionals[positional].choices(), current);
   return {};
+}
+
+}  // namespace
+
+std::vector<std::string> completions(std::span<const std::string> words, const std::vector<Command>& table) {
+  const std::string current = words.empty() ? "" : words.back();
+  if (words.size() <= 1) {
+    std::vector<std::string> verbs;
+    for (const Command& c : table) {
+      const std::string first = c.name.substr(0, c.name.find(' '));
+      if (!c.hidden && std::find(verbs.begin(), verbs.end(), first) == verbs.end()) verbs.push_back(first);
+    }
+    return starting_with(verbs, current);
+  }
+  std::vector<std::string> second;
+  for (const Command& c : table)
+    if (!c.hidden && in_family(c.name, words.front())) second.push_back(c.name.substr(words.front().size() + 1));
+  if (!second.empty()) {
+    if (words.size() == 2) {
+      for (std::string& word : completions_of(words, table)) second.push_back(std::move(word));
+      return starting_with(second, current);
+    }
+    if (std::find(second.begin(), second.end(), words[1]) == second.end()) return completions_of(words, table);
+    std::vector<std::string> joined(words.begin() + 1, words.end());
+    joined.front() = words.front() + " " + joined.front();
+    return completions_of(joined, table);
+  }
+  return completions_of(words, table);
 }
 
 std::string completion_script(std::string_view shell) {

@@ -121,7 +121,7 @@ std::string overview_text(const std::vector<Command>& table, const Console& cons
   for (const std::string& group : groups_of(table)) {
     std::string rows;
     for (const Command& c : table)
-      if (c.group == group && !c.hidden) rows += row(c.name, c.summary, 16);
+      if (c.group == group && !c.hidden) rows += row(c.name, c.summary, 24);
     if (!rows.empty()) out += "\n" + console.paint(Paint::strong, group + ":") + "\n" + rows;
   }
   out += "\n" + console.paint(Paint::strong, "Options of every verb:") + "\n" + options_block(global_options());

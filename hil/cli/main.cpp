@@ -20,7 +20,10 @@ int run(const ParsedLine& line, Console& console, const std::vector<Command>& ta
     return kExitSuccess;
   }
   if (line.command == nullptr) {
-    std::fputs(overview_text(table, console).c_str(), line.help ? stdout : stderr);
+    std::vector<Command> shown;
+    for (const Command& c : table)
+      if (line.family.empty() || in_family(c.name, line.family)) shown.push_back(c);
+    std::fputs(overview_text(shown, console).c_str(), line.help ? stdout : stderr);
     return line.help ? kExitSuccess : kExitUsage;
   }
   if (line.help) {

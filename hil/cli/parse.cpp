@@ -62,6 +62,7 @@ class Reader {
       else
         take_positional(argument);
     }
+    need_second_word();
     if (!line_.error && !line_.help && line_.command != nullptr) check_required();
     return std::move(line_);
   }
@@ -88,17 +89,48 @@ class Reader {
       line_.help = true;
       return;
     }
+    const std::string name = line_.family.empty() ? word : line_.family + " " + word;
     std::vector<std::string> names;
+    bool begins_family = false;
     for (const Command& c : table_) {
-      if (c.name == word) line_.command = &c;
-      if (!c.hidden) names.push_back(c.name);
+      if (c.name == name) line_.command = &c;
+      if (!c.hidden && (line_.family.empty() || in_family(c.name, line_.family))) names.push_back(c.name);
+      begins_family = begins_family || in_family(c.name, name);
     }
-    if (line_.command == nullptr)
-      line_.error = usage_error(fmt::format("there is no verb \"{}\"", word), "forcegate",
-                                suggestion(word, names, "forcegate ", "\"forcegate --help\" lists the verbs"));
+    if (line_.command != nullptr) return;
+    if (line_.family.empty() && begins_family)
+      line_.family = word;
+    else
+      line_.error = usage_error(
+          fmt::format("there is no verb \"{}\"", name), "forcegate",
+          suggestion(name, names, "forcegate ",
+                     line_.family.empty() ? "\"forcegate --help\" lists the verbs" : "choose: " + join(names, ", ")));
+  }
+
+  // "forcegate bench" alone.
+  void need_second_word() {
+    if (line_.family.empty() || line_.command != nullptr || line_.help || line_.error) return;
+    std::vector<std::string> names;
+    for (const Command& c : table_)
+      if (in_family(c.name, line_.family) && !c.hidden) names.push_back(c.name);
+    line_.error = usage_error(fmt::format("\"{}\" wants a second word", line_.family), "forcegate",
+                              "choose: " + join(names, ", "));
+  }
+
+  // "bench faults" is a verb of its own although "bench" is one too.
+  bool continues_name(const std::string& word) {
+    if (second_word_passed_) return false;
+    second_word_passed_ = true;
+    for (const Command& c : table_)
+      if (c.name == line_.command->name + " " + word) {
+        line_.command = &c;
+        return true;
+      }
+    return false;
   }
 
   void take_positional(const std::string& word) {
+    if (continues_name(word)) return;
     const auto& positionals = line_.command->positionals;
     if (line_.help) return;
     if (at_positional_ >= positionals.size()) {
@@ -177,7 +209,7 @@ class Reader {
   std::span<const std::string> arguments_;
   const std::vector<Command>& table_;
   ParsedLine line_;
-  bool options_ended_ = false;
+  bool options_ended_ = false, second_word_passed_ = false;
   std::size_t at_positional_ = 0;
 };
 
@@ -196,6 +228,10 @@ const std::vector<Option>& global_options() {
       {.name = "version", .value_name = "", .doc = "Print the version."},
   };
   return kOptions;
+}
+
+bool in_family(std::string_view name, std::string_view family) {
+  return name.size() > family.size() + 1 && name.starts_with(family) && name[family.size()] == ' ';
 }
 
 ParsedLine parse_command_line(std::span<const std::string> arguments, const std::vector<Command>& table) {

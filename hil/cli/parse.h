@@ -16,12 +16,16 @@ const std::vector<Option>& global_options();
 struct ParsedLine {
   ConsoleOptions console;            ///< filled even when there is an error
   const Command* command = nullptr;  ///< nullptr: no verb was given
+  std::string family;                ///< "bench" when only the first word of "bench selfcheck" was given
   bool help = false;
   bool version = false;
   std::vector<std::pair<std::string, std::string>> values;  ///< name in the table, value ("" of a flag)
   std::string command_line;                                 ///< quoted for a POSIX shell
   std::optional<Error> error;
 };
+
+/// Whether `name` is a two-word verb of that family ("bench selfcheck" of "bench").
+bool in_family(std::string_view name, std::string_view family);
 
 /// `arguments` without the program's name. Never touches files. `--name value`, `--name=value`, `-o value`; "--" ends
 /// the options; an option takes the next argument whatever it looks like. Last value wins unless repeatable.

@@ -17,6 +17,16 @@ double root_of_squares(const std::vector<BudgetLine>& lines, bool only_systemati
   return std::sqrt(sum);
 }
 
+// What the unloaded readings and the spring showed of the reference in this record: half width of a rectangle.
+double drift_rel(const CaseRecord& record, double typical_N) {
+  const RigObservation& o = record.observed;
+  double zero_N = 0.0;
+  for (const double z : {o.zero_start_N, o.zero_end_N})
+    if (std::isfinite(z)) zero_N = std::max(zero_N, std::fabs(z));
+  const double slope = o.spring_samples > 0 ? std::fabs(o.spring_slope - 1.0) : 0.0;
+  return std::hypot(zero_N / typical_N, slope) / std::sqrt(3.0);
+}
+
 }  // namespace
 
 double Budget::u() const { return root_of_squares(lines, false); }
@@ -44,6 +54,8 @@ Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
   const double reference = plan.reference_rel > 0.0 ? plan.reference_rel : record.rig.reference_u_rel;
   b.lines.push_back({"ATI calibration", 100.0 * reference, true});
   b.lines.push_back({"alignment", 100.0 * plan.alignment_rel, true});
+  if (const double drift = drift_rel(record, typical_N); drift > 0.0)
+    b.lines.push_back({"drift", 100.0 * drift, true});
   b.lines.push_back({"resolution",
                      100.0 * record.rig.reference_resolution_N / std::sqrt(12.0) / typical_N / root_n,
                      false});
@@ -63,6 +75,7 @@ Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
   for (BudgetLine& line : b.lines) {
     line.u /= 100.0;
     if (line.systematic) line.u *= typical_N;
+    if (line.name == "drift") line.u = drift_rel(record, typical_N) * typical_N;  // a zero error does not grow with the force
   }
   return b;
 }

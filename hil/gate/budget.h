@@ -4,6 +4,7 @@
 //
 //   ATI calibration   100 u_rel                      systematic
 //   alignment         100 u_align                    systematic
+//   drift             100 hypot(|zero| / F, |spring slope - 1|) / sqrt 3   systematic: what this record showed of it
 //   resolution        100 (r / sqrt 12) / (F sqrt n)   rectangular, random because the noise dithers it
 //   noise             100 s / (F sqrt(2 h + 1) sqrt n)  s of one reading, mean of 2 h + 1 samples
 //   synchronisation   100 (1 - cos(2 pi f u_lag))     systematic; zero slope at an extremum

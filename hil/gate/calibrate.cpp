@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "hil/base/text.h"
+#include "hil/gate/board_faults.h"
 #include "hil/gate/play_profile.h"
 #include "hil/gate/runner.h"
 #include "hil/gate/statistics.h"
 #include "hil/rig/config.h"
+#include "hil/rig/self_check.h"
 #include "hil/trace/decay_fit.h"
 #include "hil/trace/extrema.h"
 
@@ -62,8 +64,8 @@ class CalibrationRun {
   }
 
  private:
-  bool failed(CaseFailure::Stage stage, Error error) {
-    out_.failure = CaseFailure{stage, std::move(error)};
+  bool failed(CaseFailure::Stage stage, Error error, Blame blame = Blame::none) {
+    out_.failure = CaseFailure{stage, std::move(error), blame};
     return false;
   }
 
@@ -74,7 +76,7 @@ class CalibrationRun {
     request.session = job_.session;
     request.record = record + kRecordsPerAttempt * static_cast<std::uint64_t>(job_.attempt - 1);
     request.rest_before_s = job_.calibrate.rest_s;
-    request.faults = job_.faults;
+    request.faults = rig_faults(job_.faults);
     PlayedProfile played;
     auto done = play_profile(rig_, stimulus, request, job_.safety, sink, cancelled_, played);
     out_.observed = played.observed;
@@ -91,7 +93,12 @@ class CalibrationRun {
             ? CaseFailure::Stage::setup
             : CaseFailure::Stage::rig;
     if (ours) error.where = job_.id;
-    return failed(stage, std::move(error));
+    Blame blame = Blame::none;
+    if (error.code == ErrorCode::device && played.samples > 0) {
+      const auto checks = self_check(played.rig, played.observed);
+      if (const Check* bad = first_unsound(checks)) blame = bad->blame;
+    }
+    return failed(stage, std::move(error), blame);
   }
 
   bool sweep() {
@@ -118,7 +125,8 @@ class CalibrationRun {
     if (!(n > 20.0) || !(vuu > 1e-4) || !(vuf > 0.0))
       return failed(CaseFailure::Stage::rig,
                     {ErrorCode::device, "the sensor did not answer the calibration sweep", job_.id,
-                     "is the sensor mounted and plugged in?"});
+                     "is the sensor mounted and plugged in?"},
+                    Blame::sensor);
     Calibration& c = out_.calibration;
     c.gain_N_per_V = vuf / vuu;
     c.offset_N = sf / n - c.gain_N_per_V * su / n;

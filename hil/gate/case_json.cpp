@@ -30,7 +30,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Error> {
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseFailure> {
-  f("stage", v.stage), f("error", v.error);
+  f("stage", v.stage), f("error", v.error), f("blame", v.blame);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Calibration> {
@@ -126,6 +126,10 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigObserv
   f("stuck", v.adc_bits_stuck), f("spring_n", v.spring_samples), f("spring_bias", v.spring_bias_N);
   f("spring_worst", v.spring_worst_bias_N), f("spring_slope", v.spring_slope),
       f("spring_rms", v.spring_rms_N);
+  f("reference_lag", v.reference_lag_s), f("following", v.following_rad), f("zero_start", v.zero_start_N);
+  f("zero_end", v.zero_end_N), f("reference_stale", v.reference_stale_s), f("sensor_stale", v.sensor_stale_s);
+  f("worst_gap", v.worst_gap_s), f("sensor_blocks", v.sensor_blocks), f("sensor_odd", v.sensor_blocks_odd);
+  f("sensor_jumps", v.sensor_jumps), f("sensor_lag", v.sensor_lag_s);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyReport> {
@@ -151,6 +155,10 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlotTrace
   f("name", v.name), f("unit", v.unit), f("t", v.t_s), f("v", v.value);
 }
 template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RecordWindow> {
+  f("t0", v.t0_s), f("step", v.step_s), f("ati", v.ati_N), f("dut", v.dut_N);
+}
+template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecayFit> {
   f("valid", v.valid), f("a", v.a_V), f("b", v.b_per_s), f("c", v.c_V), f("u_min", v.u_min_V),
       f("u_a", v.u_a_V);
@@ -163,14 +171,48 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecor
   f("link", v.link), f("facts", v.facts), f("duration", v.duration_s), f("samples", v.samples);
   f("expected", v.expected_samples), f("expected_extrema", v.expected_extrema), f("observed", v.observed);
   f("safety", v.safety), f("output", v.output), f("hold", v.hold), f("pairs", v.pairs), f("lag", v.lag_s);
-  f("u_lag", v.u_lag_s), f("conf_known", v.conformance_known), f("conf", v.conformance);
+  f("u_lag", v.u_lag_s), f("raw_lag", v.raw_lag_s), f("early_raw", v.early_raw_N),
+      f("early_ati", v.early_ati_N);
+  f("conf_known", v.conformance_known), f("conf", v.conformance);
   f("conf_limit", v.conformance_limit), f("conf_unit", v.conformance_unit),
       f("conf_source", v.conformance_source);
-  f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n), f("overview", v.overview),
+  f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n), f("waveform", v.waveform), f("overview", v.overview),
       f("window", v.window);
   f("window_reason", v.window_reason), f("decay", v.decay), f("digest", v.digest), f("trace", v.trace_file);
   f("calibration", v.calibration), f("u_gain", v.u_gain_rel), f("u_offset", v.u_offset_N);
   f("cal_rmse", v.calibration_rmse_N), f("cal_text", v.calibration_text);
+}
+
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecisionRule> {
+  f("name", v.name), f("alpha", v.alpha), f("coverage", v.coverage), f("looks", v.looks);
+}
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanLimits> {
+  f("derived", v.derived), f("goldens", v.goldens), f("learning_s", v.learning_s), f("lag_s", v.lag_s), f("output_max_N", v.output_max_N);
+  f("hold_pct", v.hold_pct), f("minima_floor_N", v.minima_floor_N), f("increase_pct", v.increase_pct);
+  f("instructions", v.instructions), f("stack", v.stack_bytes), f("ram", v.ram_bytes), f("flash", v.flash_bytes);
+}
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanUncertainty> {
+  f("reference_rel", v.reference_rel), f("alignment_rel", v.alignment_rel);
+  f("record_repeat_pct", v.record_repeat_pct);
+}
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SelfCheckLimits> {
+  f("zero_N", v.zero_N), f("spring_bias_N", v.spring_bias_N), f("spring_slope", v.spring_slope);
+  f("spring_scatter_N", v.spring_scatter_N), f("following_rad", v.following_rad);
+  f("reference_lag_s", v.reference_lag_s), f("noise_factor", v.noise_factor);
+  f("reference_bad_share", v.reference_bad_share), f("lost_share", v.lost_share), f("stale_share", v.stale_share);
+  f("frozen_s", v.frozen_s), f("wheel_still_s", v.wheel_still_s), f("sensor_dead_s", v.sensor_dead_s);
+  f("sensor_odd_share", v.sensor_odd_share), f("gap_s", v.gap_s), f("clock_rel", v.clock_rel);
+  f("jump_share", v.jump_share);
+}
+template <class F, class P>
+void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Plan> {
+  f("name", v.name), f("doc", v.doc), f("sha256", v.sha256), f("seed", v.seed), f("rule", v.rule);
+  f("attempts", v.retry.attempts), f("panel", v.panel), f("calibration", v.calibration), f("safety", v.safety), f("limits", v.limits);
+  f("uncertainty", v.uncertainty), f("self_check", v.self_check), f("cases", v.cases);
 }
 
 template <class T>
@@ -254,14 +296,18 @@ void Put::operator()(const char* name, T& value) {
 }
 template <class T>
 void Get::operator()(const char* name, T& value) {
-  get(object.at(name), value);
+  // A field that an older bundle does not have keeps its default.
+  if (const auto at = object.find(name); at != object.end()) get(*at, value);
 }
 
 template <class T>
-Result<T> parse(std::string_view text, const char* what) {
+Result<T> parse(std::string_view text, const char* what, const char* needed) {
   try {
     T value;
-    get(Json::parse(text), value);
+    const Json json = Json::parse(text);
+    if (!json.is_object() || !json.contains(needed))
+      return fail(ErrorCode::internal, std::string("the ") + what + " has no " + needed);
+    get(json, value);
     return value;
   } catch (const Json::exception& e) {
     return fail(ErrorCode::internal,
@@ -272,10 +318,12 @@ Result<T> parse(std::string_view text, const char* what) {
 }  // namespace
 
 std::string to_json(const CaseJob& job) { return put(job).dump(); }
-Result<CaseJob> job_from_json(std::string_view text) { return parse<CaseJob>(text, "job"); }
+Result<CaseJob> job_from_json(std::string_view text) { return parse<CaseJob>(text, "job", "id"); }
 std::string to_json(const CaseRecord& record) { return put(record).dump(); }
 Result<CaseRecord> record_from_json(std::string_view text) {
-  return parse<CaseRecord>(text, "record of the worker");
+  return parse<CaseRecord>(text, "record", "id");
 }
+std::string to_json(const Plan& plan) { return put(plan).dump(); }
+Result<Plan> plan_from_json(std::string_view text) { return parse<Plan>(text, "plan", "cases"); }
 
 }  // namespace forcegate

@@ -1,5 +1,6 @@
 #pragma once
-// Jobs and records as JSON for the pipe between gate and worker. Not a file format: both ends are one build.
+// Jobs, records and effective plans as JSON, for the pipe between gate and worker and for bundles. A field that a text of
+// an older build does not have keeps its default; unknown ones are passed over.
 // Numbers that are not finite travel as the texts "nan", "inf", "-inf".
 
 #include <string>
@@ -14,5 +15,9 @@ Result<CaseJob> job_from_json(std::string_view text);
 
 std::string to_json(const CaseRecord& record);
 Result<CaseRecord> record_from_json(std::string_view text);
+
+/// The plan as it was played: overrides of the command line are in it, its path is not.
+std::string to_json(const Plan& plan);
+Result<Plan> plan_from_json(std::string_view text);
 
 }  // namespace forcegate

@@ -9,6 +9,7 @@
 
 #include "hil/base/result.h"
 #include "hil/gate/plan.h"
+#include "hil/gate/waveform.h"
 #include "hil/interface/dut.h"
 #include "hil/interface/rig.h"
 #include "hil/interface/run_result.h"
@@ -47,6 +48,7 @@ struct CaseJob {
 struct CaseFailure {
   enum class Stage { setup, rig, firmware, harness } stage = Stage::harness;
   Error error;
+  Blame blame = Blame::none;  ///< none: follows from stage and code
 };
 
 struct CasePair {
@@ -101,17 +103,20 @@ struct CaseRecord {
   HoldFacts hold;
   std::vector<CasePair> pairs;
   double lag_s = 0.0, u_lag_s = 0.0;  ///< firmware behind ATI; NaN when the record does not determine it
+  double raw_lag_s = 0.0;             ///< raw sensor force behind ATI; NaN when not determined
+  double early_raw_N = 0.0, early_ati_N = 0.0;  ///< means over the first 3 s off the converter's rails; NaN without any
   bool conformance_known = false;     ///< an oracle for the declared algorithm exists
   double conformance = 0.0, conformance_limit = 0.0;
   std::string conformance_unit, conformance_source, conformance_evidence;
   std::uint64_t conformance_n = 0;
+  std::vector<RecordWindow> waveform;  ///< begin, middle, end; for goldens
   std::vector<PlotTrace> overview, window;
   std::string window_reason;
   DecayFit decay;
   std::string digest;
   std::string trace_file;
+  Calibration calibration;  ///< told to the firmware; Kind::calibration: measured
   // Kind::calibration only:
-  Calibration calibration;
   double u_gain_rel = 0.0, u_offset_N = 0.0;
   double calibration_rmse_N = 0.0;
   std::string calibration_text;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "hil/gate/blame.h"
+#include "hil/gate/input_checks.h"
 #include "hil/gate/judge_target.h"
 #include "hil/gate/judged_extrema.h"
 #include "hil/gate/statistics.h"
@@ -27,12 +28,16 @@ class CaseJudge {
       : plan_(plan), planned_(planned), record_(record), limits_(limits) {}
 
   JudgedCase run() {
-    if (record_.failure && !failure()) return std::move(out_);
+    if (record_.failure) {
+      failure();
+      return std::move(out_);
+    }
     rig();
+    input();
     safety();
     coverage();
-    out_.sound = rig_sound_ && complete_;
     link();
+    out_.sound = rig_sound_ && complete_;
     output();
     conformance();
     for (JudgedCheck& check : judge_target(plan_, record_)) out_.checks.push_back(std::move(check));
@@ -84,41 +89,26 @@ class CaseJudge {
     return out_.checks.back().check;
   }
 
-  // False: nothing further can be judged.
-  bool failure() {
+  // Nothing further can be judged.
+  void failure() {
     const CaseFailure& f = *record_.failure;
+    const ErrorCode code = f.error.code;
     const std::string text = f.error.text + (f.error.hint.empty() ? "" : " (" + f.error.hint + ")");
-    if (f.error.code == ErrorCode::cancelled) {
-      out_.cancelled = true;
-      final_check("record", "Record", Verdict::not_run, Blame::user, "interrupted");
-      return false;
+    const bool cancelled = code == ErrorCode::cancelled, firmware = f.stage == CaseFailure::Stage::firmware;
+    if (firmware && code == ErrorCode::firmware) {
+      final_check("firmware_runs", "The firmware answers every sample", Verdict::fail, Blame::firmware, text);
+    } else if (firmware && code != ErrorCode::internal && !cancelled) {
+      final_check("firmware_runs", "The firmware answers every sample", Verdict::rig_error, Blame::link, text);
+    } else if (f.stage == CaseFailure::Stage::rig && !cancelled) {
+      final_check("rig_runs", "The rig plays the record", Verdict::rig_error,
+                  f.blame == Blame::none ? blame_of_device(f.error.where) : f.blame, text);
+    } else {
+      out_.cancelled = cancelled;
+      out_.harness_error = !cancelled && f.stage != CaseFailure::Stage::setup;
+      if (out_.harness_error) out_.harness_text = text;
+      final_check("record", "Record", Verdict::not_run, out_.harness_error ? Blame::harness : Blame::user,
+                  cancelled ? "interrupted" : text);
     }
-    switch (f.stage) {
-      case CaseFailure::Stage::firmware:
-        if (f.error.code == ErrorCode::firmware) {
-          final_check("firmware_runs", "The firmware answers every sample", Verdict::fail, Blame::firmware,
-                      text);
-        } else if (f.error.code == ErrorCode::internal) {
-          out_.harness_error = true;
-          out_.harness_text = text;
-          final_check("record", "Record", Verdict::not_run, Blame::harness, text);
-        } else {
-          final_check("firmware_runs", "The firmware answers every sample", Verdict::rig_error, Blame::link,
-                      text);
-        }
-        return false;
-      case CaseFailure::Stage::rig:
-        final_check("rig_runs", "The rig plays the record", Verdict::rig_error, blame_of_device(f.error.where), text);
-        return false;
-      case CaseFailure::Stage::setup:
-        final_check("record", "Record", Verdict::not_run, Blame::user, text);
-        return false;
-      case CaseFailure::Stage::harness: break;
-    }
-    out_.harness_error = true;
-    out_.harness_text = text;
-    final_check("record", "Record", Verdict::not_run, Blame::harness, text);
-    return false;
   }
 
   void rig() {
@@ -144,16 +134,27 @@ class CaseJudge {
           continue;
         }
       }
-      rig_sound_ = false;
-      rig_blame_ = c.blame;
+      unsound(c.blame);
     }
-    for (Check& c : checks) {
-      JudgedCheck j;
-      c.case_id = record_.id;
-      j.check = std::move(c);
-      j.judgeable = false;
-      out_.checks.push_back(std::move(j));
+    for (Check& c : checks) keep(std::move(c));
+  }
+
+  // The first cause is the one to name: later findings follow from it.
+  void unsound(Blame blame) {
+    if (rig_sound_) rig_blame_ = blame;
+    rig_sound_ = false;
+  }
+
+  void input() {
+    for (Check& c : input_checks(plan_, record_)) {
+      if (c.verdict != Verdict::pass) unsound(c.blame);
+      keep(std::move(c));
     }
+  }
+
+  void keep(Check c) {
+    c.case_id = record_.id;
+    out_.checks.push_back({std::move(c), 0.0, false});
   }
 
   void safety() {
@@ -186,8 +187,7 @@ class CaseJudge {
     const double missing = expected > 0.0 ? 1.0 - static_cast<double>(record_.samples) / expected : kNan;
     complete_ = missing == 0.0;
     if (record_.observed.time_not_monotone > 0) {
-      rig_sound_ = false;
-      rig_blame_ = Blame::link;
+      unsound(Blame::link);
       final_check("time_base", "Time runs forward", Verdict::rig_error, Blame::link,
                   fmt::format("time does not advance {} times", record_.observed.time_not_monotone));
     }
@@ -228,8 +228,8 @@ class CaseJudge {
     j.judgeable = false;
     c.verdict = Verdict::rig_error;
     c.blame = Blame::link;
-    rig_sound_ = false;
-    rig_blame_ = Blame::link;
+    link_sound_ = false;
+    unsound(Blame::link);
   }
 
   // What the firmware did wrong in a part of a record on a sound rig stays wrong.
@@ -279,9 +279,9 @@ class CaseJudge {
                 record_.conformance_unit, 0.0, record_.conformance_n,
                 {Limit::Kind::upper, record_.conformance_limit, record_.conformance_source},
                 record_.conformance_evidence);
-    // Arithmetic does not depend on the rig: the same codes went to both.
+    // Arithmetic does not depend on the rig: on a sound link the same codes went to both.
     JudgedCheck& j = out_.checks.back();
-    if (std::isfinite(record_.conformance) && !j.judgeable &&
+    if (link_sound_ && std::isfinite(record_.conformance) && !j.judgeable &&
         record_.conformance > record_.conformance_limit) {
       j.judgeable = true;
       j.check.blame = Blame::firmware;
@@ -382,7 +382,7 @@ class CaseJudge {
   const CaseRecord& record_;
   const DerivedLimits& limits_;
   JudgedCase out_;
-  bool rig_sound_ = true, complete_ = true, charged_ = false;
+  bool rig_sound_ = true, link_sound_ = true, complete_ = true, charged_ = false;
   Blame rig_blame_ = Blame::none, incomplete_blame_ = Blame::none;
 };
 

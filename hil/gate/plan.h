@@ -29,6 +29,7 @@ enum CaseCheck : unsigned {
   kCheckPromise = 1u << 1,      ///< (b) closed loop: ATI against set-point, mean over the panel
   kCheckAccuracy = 1u << 2,     ///< (c) firmware against ATI, limit derived or given by the case
   kCheckHold = 1u << 3,         ///< (f) no amplification of a static hold
+  kCheckGolden = 1u << 4,       ///< (e) golden traces: rig truth, and the firmware of the same algorithm
 };
 
 struct PlanCase {
@@ -68,6 +69,7 @@ struct PlanCalibration {
 
 struct PlanLimits {
   std::string derived;          ///< path of the limits file, relative to the plan; "" = none
+  std::string goldens;          ///< folder of the golden traces, relative to the plan; "" = none
   double learning_s = 20.0;     ///< longest start window
   double lag_s = 0.05;          ///< |lag| of the firmware behind the ATI
   double output_max_N = 10.0;   ///< |F_dut|

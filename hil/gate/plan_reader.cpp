@@ -82,7 +82,7 @@ Result<void> read_specimens(ConfigReader& r, std::vector<std::string>& out, cons
 }
 
 Result<void> read_checks(ConfigReader& r, const ConfigNode& table, PlanCase& c) {
-  static const std::vector<std::string> kNames{"conformance", "promise", "accuracy", "hold"};
+  static const std::vector<std::string> kNames{"conformance", "promise", "accuracy", "hold", "golden"};
   std::vector<std::string> names;
   if (!r.texts("checks", names)) return {};
   for (const std::string& name : names) {
@@ -203,6 +203,7 @@ Result<void> read_safety(const ConfigNode& node, SafetyLimits& s) {
 
 Result<void> read_limits(const ConfigNode& node, PlanLimits& l) {
   ConfigReader r(node, "[limits]");
+  r.text("goldens", l.goldens);
   r.text("derived", l.derived);
   r.number("learning_s", l.learning_s, 0.0, kDay_s);
   r.number("lag_s", l.lag_s, 0.0, 60.0);
@@ -227,11 +228,20 @@ Result<void> read_uncertainty(const ConfigNode& node, PlanUncertainty& u) {
 
 Result<void> read_self_check(const ConfigNode& node, SelfCheckLimits& s) {
   ConfigReader r(node, "[self_check]");
+  r.number("zero_N", s.zero_N, 0.0, 5.0);
   r.number("spring_bias_N", s.spring_bias_N, 0.0, 5.0);
   r.number("spring_slope", s.spring_slope, 0.0, 1.0);
+  r.number("spring_scatter_N", s.spring_scatter_N, 0.0, 5.0);
+  r.number("following_rad", s.following_rad, 0.0, 10.0);
+  r.number("reference_lag_s", s.reference_lag_s, 0.0, 10.0);
   r.number("noise_factor", s.noise_factor, 0.0, 1000.0);
   r.number("reference_bad_share", s.reference_bad_share, 0.0, 1.0);
   r.number("lost_share", s.lost_share, 0.0, 1.0);
+  r.number("stale_share", s.stale_share, 0.0, 1.0);
+  r.number("sensor_odd_share", s.sensor_odd_share, 0.0, 1.0);
+  r.number("jump_share", s.jump_share, 0.0, 1.0);
+  r.number("gap_s", s.gap_s, 0.0, kDay_s);
+  r.number("clock_rel", s.clock_rel, 0.0, 1.0);
   r.number("frozen_s", s.frozen_s, 0.0, kDay_s);
   r.number("wheel_still_s", s.wheel_still_s, 0.0, kDay_s);
   r.number("sensor_dead_s", s.sensor_dead_s, 0.0, kDay_s);

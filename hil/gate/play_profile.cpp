@@ -27,6 +27,7 @@ Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest r
   controller->reset(out.rig.geometry);
   RigWitness witness;
   witness.begin(out.rig);
+  witness.zero_before(rig.reference_zero());
   const double rate_Hz = out.rig.rate_Hz;
   const auto step = static_cast<std::size_t>(std::llround(kControlPeriod_s * rate_Hz));
   RigBlock block;
@@ -61,6 +62,7 @@ Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest r
       return fail(ErrorCode::cancelled, "interrupted");
   }
   rig.park();
+  witness.zero_after(rig.reference_zero());
   out.observed = witness.finish();
   out.safety = gate.report();
   const auto checks = self_check(out.rig, out.observed);

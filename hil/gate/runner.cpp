@@ -1,26 +1,20 @@
 #include "hil/gate/runner.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
-#include "hil/base/digest.h"
+#include "hil/gate/board_faults.h"
+#include "hil/gate/measurement.h"
 #include "hil/gate/prelude.h"
-#include "hil/gate/sinks.h"
 #include "hil/rig/safety_gate.h"
 #include "hil/trace/extrema.h"
 
 namespace forcegate {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kPeriodsPerBlock = 409;
 constexpr std::size_t kReplayBlock = 4096;
-constexpr std::size_t kOverviewColumns = 200;
-constexpr std::size_t kWindowRows = 2000;
-constexpr double kWindowCycles = 5.0;
 
 class CaseRun {
  public:
@@ -30,6 +24,7 @@ class CaseRun {
   CaseRecord run() {
     record_.id = job_.id;
     record_.index = job_.index;
+    record_.calibration = job_.calibration;
     if (setup()) {
       stream();
       measure();
@@ -61,7 +56,7 @@ class CaseRun {
     request.duration_s = record_.duration_s;
     request.force_low_N = record_.facts.minimum_N;
     request.force_high_N = record_.facts.maximum_N;
-    request.faults = job_.faults;
+    request.faults = rig_faults(job_.faults);
     if (auto begun = gate_.begin(request); !begun) return failed(Stage::rig, begun.error());
     record_.rig = devices_.rig->info();
     const double rate_Hz = record_.rig.rate_Hz;
@@ -111,28 +106,12 @@ class CaseRun {
     block_rows_ = record_.rig.can_move ? period_samples_ * kPeriodsPerBlock : kReplayBlock;
     block_.resize(block_rows_);
     dut_.resize(block_rows_);
-    raw_.resize(block_rows_);
     flags_.resize(block_rows_);
     commanded_.resize(block_rows_);
     setpoint_.resize(block_rows_ + 1);
 
-    const double start_s = record_.facts.excitation_start_s;
-    prominence_N_ = prominence_of(job_.planned, record_.facts);
-    witness_.begin(record_.rig);
-    output_.begin(rate_Hz, start_s);
-    hold_.begin(rate_Hz, start_s);
-    lag_.begin(rate_Hz, start_s);
-    overview_.begin(record_.expected_samples, kOverviewColumns);
-    const double f_Hz = record_.facts.lowest_frequency_Hz;
-    const double length_s = f_Hz > 0.0 ? std::clamp(kWindowCycles / f_Hz, 2.0, 120.0) : 20.0;
-    window_.begin(rate_Hz, std::min(length_s, record_.duration_s), kWindowRows);
-    ExtremaPairer::Options options;
-    options.prominence = prominence_N_;
-    options.followers = 3;
-    options.half_width = static_cast<int>(std::lround(job_.planned.half_width_s * rate_Hz));
-    pairer_ = std::make_unique<ExtremaPairer>(options);
-    gain_per_code_ = job_.calibration.gain_N_per_V * record_.rig.v_range_V /
-                     (static_cast<double>((1u << record_.rig.adc_bits) - 1u));
+    measurement_.emplace(job_, record_, record_.conformance_known ? devices_.comparator : nullptr, block_rows_);
+    measurement_->zero_before(devices_.rig->reference_zero());
     return true;
   }
 
@@ -207,6 +186,7 @@ class CaseRun {
     }
     record_.samples = done;
     devices_.rig->park();
+    measurement_->zero_after(devices_.rig->reference_zero());
     if (dut_open_) {
       auto closed = devices_.dut->close();
       record_.resources = devices_.dut->resources();
@@ -218,87 +198,17 @@ class CaseRun {
   }
 
   void consume(std::size_t n) {
-    const double offset_N = job_.calibration.offset_N;
-    for (std::size_t i = 0; i < n; ++i)
-      raw_[i] = static_cast<float>(gain_per_code_ * block_.adc[i] + offset_N);
-    RecordBlock b{&block_, {dut_.data(), n}, {flags_.data(), n}, {raw_.data(), n}, n};
-    digest_.update(block_.adc.data(), n * sizeof(std::uint16_t));
-    digest_.update(block_.force_ref_N.data(), n * sizeof(float));
-    digest_.update(block_.theta_rad.data(), n * sizeof(float));
-    digest_.update(block_.status.data(), n * sizeof(std::uint16_t));
-    digest_.update(dut_.data(), n * sizeof(float));
-    digest_.update(flags_.data(), n);
-    witness_.push(block_, n, controller_ ? commanded_.data() : nullptr);
-    output_.push(b);
-    if (record_.rig.can_move && job_.planned.checks & kCheckHold) hold_.push(b);
-    lag_.push(b);
-    if (job_.curves) {
-      overview_.push(b);
-      window_.push(b);
-    }
-    const bool with_setpoint = std::isfinite(block_.setpoint_N[0]);
-    guide_is_setpoint_ = guide_is_setpoint_ || with_setpoint;
-    const float* followers[3] = {block_.force_ref_N.data(), dut_.data(), raw_.data()};
-    const float* guide = with_setpoint ? block_.setpoint_N.data() : block_.force_ref_N.data();
-    pairer_->push({block_.t_s.data(), n}, {guide, n}, {followers, 3});
-    look_for_worst();
-    if (record_.conformance_known)
-      devices_.comparator->push({block_.adc.data(), n}, {dut_.data(), n}, {flags_.data(), n});
+    measurement_->push(block_, {dut_.data(), n}, {flags_.data(), n}, controller_ ? commanded_.data() : nullptr, n);
     if (devices_.writer != nullptr)
-      if (auto written = devices_.writer->push(block_, {dut_.data(), n}, {flags_.data(), n}, n); !written)
+      if (auto written = devices_.writer->push(block_, {dut_.data(), n}, {flags_.data(), n},
+                                                  controller_ ? commanded_.data() : nullptr, n);
+          !written)
         failed(Stage::harness, written.error());
   }
 
-  // Keeps the cycles around the worst maximum so far. Only a clear worsening is worth the copy.
-  void look_for_worst() {
-    if (!job_.curves) return;
-    const auto& pairs = pairer_->pairs();
-    for (; seen_pairs_ < pairs.size(); ++seen_pairs_) {
-      const PairedExtremum& p = pairs[seen_pairs_];
-      if (p.turn != Turn::maximum || p.t_s < judged_from_s()) continue;
-      const bool closed = job_.planned.loop == LoopMode::closed;
-      const double expected = closed ? p.guide : p.value[0];
-      const double actual = closed ? p.value[0] : p.value[1];
-      const double error = std::fabs(actual - expected);
-      if (!(error > 1.05 * worst_N_)) continue;
-      worst_N_ = error;
-      window_.snapshot();
-      record_.window_reason = fmt::format("worst maximum, at {:.1f} s", p.t_s);
-    }
-  }
-
-  double judged_from_s() const {
-    return std::max(record_.facts.excitation_start_s, output_.finish().learning_end_s);
-  }
-
   void measure() {
-    pairer_->finish();
-    look_for_worst();
-    for (const PairedExtremum& p : pairer_->pairs())
-      record_.pairs.push_back({p.turn == Turn::maximum, p.t_s, guide_is_setpoint_ ? p.guide : kNan,
-                               p.value[0], p.value[1], p.value[2]});
-    record_.expected_extrema =
-        record_.rig.can_move ? expected_extrema(*stimulus_, prominence_N_, record_.rig.rate_Hz) : 0;
-    record_.observed = witness_.finish();
+    measurement_->finish(*stimulus_);
     record_.safety = gate_.report();
-    record_.output = output_.finish();
-    record_.hold = hold_.finish();
-    lag_.finish(record_.lag_s, record_.u_lag_s);
-    if (job_.curves) {
-      record_.overview = overview_.finish();
-      if (!window_.has_snapshot()) record_.window_reason = "end of the record";
-      record_.window = window_.finish();
-    }
-    record_.digest = digest_.hex();
-    if (record_.conformance_known) {
-      const Comparison c = devices_.comparator->finish();
-      record_.conformance = c.value;
-      record_.conformance_limit = c.limit;
-      record_.conformance_unit = c.unit;
-      record_.conformance_source = c.limit_source;
-      record_.conformance_evidence = c.evidence;
-      record_.conformance_n = c.n;
-    }
     if (devices_.writer != nullptr)
       if (auto written = devices_.writer->finish(); !written) failed(Stage::harness, written.error());
   }
@@ -309,22 +219,14 @@ class CaseRun {
   CaseRecord record_;
   std::unique_ptr<Stimulus> stimulus_;
   std::unique_ptr<Controller> controller_;
-  bool dut_open_ = false, guide_is_setpoint_ = false;
+  bool dut_open_ = false;
   std::size_t period_samples_ = 10, block_rows_ = 4090;
   RigBlock block_;
-  std::vector<float> dut_, raw_, commanded_;
+  std::vector<float> dut_, commanded_;
   std::vector<std::uint8_t> flags_;
   std::vector<double> setpoint_;
-  double estimate_N_ = 0.0, gain_per_code_ = 0.0, prominence_N_ = 0.1, worst_N_ = 0.0;
-  std::size_t seen_pairs_ = 0;
-  RigWitness witness_;
-  OutputWatch output_;
-  HoldWatch hold_;
-  LagEstimator lag_;
-  Overview overview_;
-  WindowKeeper window_;
-  std::unique_ptr<ExtremaPairer> pairer_;
-  Sha256 digest_;
+  double estimate_N_ = 0.0;
+  std::optional<RecordMeasurement> measurement_;
 };
 
 }  // namespace

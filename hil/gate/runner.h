@@ -22,8 +22,10 @@ class RecordWriter {
  public:
   virtual ~RecordWriter() = default;
   virtual Result<void> begin(const CaseJob& job, const CaseRecord& so_far) = 0;
+  /// commanded: wheel velocity told for each row, null where there is none.
   virtual Result<void> push(const RigBlock& block, std::span<const float> dut_N,
-                            std::span<const std::uint8_t> flags, std::size_t n) = 0;
+                            std::span<const std::uint8_t> flags, const float* commanded_rad_per_s,
+                            std::size_t n) = 0;
   virtual Result<void> finish() = 0;
 };
 

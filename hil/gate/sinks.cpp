@@ -155,57 +155,22 @@ HoldFacts HoldWatch::finish() const {
 
 void LagEstimator::begin(double rate_Hz, double from_s) {
   *this = LagEstimator();
-  step_s_ = kGroup / rate_Hz;
+  firmware_ = raw_ = LagFit(kGroup / rate_Hz);
   from_s_ = from_s;
-}
-
-void LagEstimator::item(double x, double d, double y) {
-  n_ += 1.0;
-  sx_ += x;
-  sd_ += d;
-  sy_ += y;
-  sxx_ += x * x;
-  sdd_ += d * d;
-  sxd_ += x * d;
-  sxy_ += x * y;
-  sdy_ += d * y;
-  syy_ += y * y;
 }
 
 void LagEstimator::push(const RecordBlock& b) {
   for (std::size_t i = 0; i < b.n; ++i) {
     sum_x_ += b.rig->force_ref_N[i];
     sum_y_ += b.dut_N[i];
+    sum_raw_ += b.raw_N[i];
     if (++filled_ < kGroup) continue;
-    const double x = sum_x_ / kGroup, y = sum_y_ / kGroup;
+    const double x = b.rig->t_s[i] < from_s_ ? kNan : sum_x_ / kGroup;
+    firmware_.push(x, sum_y_ / kGroup);
+    raw_.push(x, sum_raw_ / kGroup);
     filled_ = 0;
-    sum_x_ = sum_y_ = 0.0;
-    if (b.rig->t_s[i] < from_s_ || !std::isfinite(x) || !std::isfinite(y)) {
-      history_ = 0;
-      continue;
-    }
-    x_[0] = x_[1], x_[1] = x_[2], x_[2] = x;
-    y_[0] = y_[1], y_[1] = y_[2], y_[2] = y;
-    if (++history_ >= 3) item(x_[1], (x_[2] - x_[0]) / (2.0 * step_s_), y_[1]);
+    sum_x_ = sum_y_ = sum_raw_ = 0.0;
   }
-}
-
-void LagEstimator::finish(double& lag_s, double& u_lag_s) const {
-  lag_s = u_lag_s = std::numeric_limits<double>::quiet_NaN();
-  if (n_ < 100.0) return;
-  const double vxx = sxx_ / n_ - sx_ * sx_ / (n_ * n_), vdd = sdd_ / n_ - sd_ * sd_ / (n_ * n_);
-  const double vxd = sxd_ / n_ - sx_ * sd_ / (n_ * n_), vxy = sxy_ / n_ - sx_ * sy_ / (n_ * n_);
-  const double vdy = sdy_ / n_ - sd_ * sy_ / (n_ * n_), vyy = syy_ / n_ - sy_ * sy_ / (n_ * n_);
-  const double determinant = vxx * vdd - vxd * vxd;
-  if (!(vxx > 0.01) || !(determinant > 1e-9 * vxx * vdd)) return;
-  const double g = (vxy * vdd - vdy * vxd) / determinant;
-  const double h = (vdy * vxx - vxy * vxd) / determinant;
-  if (!(g > 0.05)) return;
-  lag_s = -h / g;
-  // Residuals follow the cycles, not the samples: about one independent item a second.
-  const double residual = std::max(0.0, vyy - g * vxy - h * vdy);
-  const double independent = std::max(4.0, n_ * step_s_);
-  u_lag_s = std::sqrt(residual / (independent * (vdd - vxd * vxd / vxx))) / g;
 }
 
 void Overview::begin(std::uint64_t samples, std::size_t columns) {

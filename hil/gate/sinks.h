@@ -9,6 +9,7 @@
 
 #include "hil/gate/case_record.h"
 #include "hil/interface/rig.h"
+#include "hil/trace/lag_fit.h"
 
 namespace forcegate {
 
@@ -54,25 +55,21 @@ class HoldWatch {
   double dut_ = 0.0, raw_ = 0.0, ati_ = 0.0;
 };
 
-/// Lag of the firmware behind the ATI by least squares of y(t) = g x(t - lag) + o, linearised:
-/// y = g x - g lag x' + o, on means over kGroup samples; x' is the central difference. Standard error from
-/// the residuals, with their autocorrelation allowed for by an effective number of items.
+/// Lag of the firmware, and of the raw sensor force, behind the ATI (hil/trace/lag_fit.h) on means over kGroup samples.
 class LagEstimator {
  public:
   static constexpr int kGroup = 10;
   void begin(double rate_Hz, double from_s);
   void push(const RecordBlock& block);
   /// NaN when the force hardly moves.
-  void finish(double& lag_s, double& u_lag_s) const;
+  void finish(double& lag_s, double& u_lag_s) const { firmware_.finish(lag_s, u_lag_s); }
+  void finish_raw(double& lag_s, double& u_lag_s) const { raw_.finish(lag_s, u_lag_s); }
 
  private:
-  void item(double x, double slope, double y);
-  double step_s_ = 0.01, from_s_ = 0.0;
+  double from_s_ = 0.0;
   int filled_ = 0;
-  double sum_x_ = 0.0, sum_y_ = 0.0;
-  double x_[3] = {}, y_[3] = {};
-  int history_ = 0;
-  double n_ = 0, sx_ = 0, sd_ = 0, sy_ = 0, sxx_ = 0, sdd_ = 0, sxd_ = 0, sxy_ = 0, sdy_ = 0, syy_ = 0;
+  double sum_x_ = 0.0, sum_y_ = 0.0, sum_raw_ = 0.0;
+  LagFit firmware_, raw_;
 };
 
 /// Curves for pictures: `columns` pixel columns, each with the rows that hold first, last and the extremes of

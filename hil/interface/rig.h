@@ -71,7 +71,9 @@ struct RigInfo {
   double force_rate_max_N_per_s = 0.0; ///< fastest change of force that a command may cause; 0: none
   bool can_move = false;               ///< false: replay, no closed loop, no calibration sweeps
   bool emulated = false;
-  std::map<std::string, std::string> details;  ///< calibration ids, firmware of instruments ...
+  /// Calibration ids, firmware of instruments ... "reference_calibration": what the reference says it runs with,
+  /// "reference_calibration_expected": what the bench was set up with; they must agree.
+  std::map<std::string, std::string> details;
 };
 
 /// One record on the rig: which specimen lies on it and how the session began.
@@ -89,6 +91,13 @@ struct RigRecordRequest {
 };
 
 class Dut;
+
+/// Reading of the reference without any load: it tells a zero error of the reference from a spring or a preload that is
+/// not what the geometry says.
+struct ReferenceZero {
+  double mean_N = 0.0, sd_N = 0.0;
+  std::uint64_t n = 0;  ///< readings; 0: the rig cannot lift the load off
+};
 
 class Rig {
  public:
@@ -117,6 +126,9 @@ class Rig {
   /// as long as the rig.
   virtual Dut* board_firmware() { return nullptr; }
   virtual std::string board_lane() const { return {}; }
+
+  /// Latest unloaded reading: taken by begin() before the load comes on, and again by park().
+  virtual ReferenceZero reference_zero() const { return {}; }
 
   /// Stops the motor and unloads. Never fails, may be called in any state and twice.
   virtual void park() noexcept = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "hil/base/portable_math.h"
@@ -10,10 +11,14 @@
 namespace forcegate {
 namespace {
 constexpr std::uint64_t kExamineEvery = 32;
-constexpr int kSpringEvery = 10;   // cos() of one sample in ten: the witness is about levels, not edges
+constexpr int kGroup = 10;            // cos() of one sample in ten: the witness is about levels, not edges
 constexpr double kMoved_N = 0.1;   // four resolutions of the Nano17
 constexpr float kLoaded_N = 0.6f;  // above the offset F0 of any sensor of the kind
 constexpr float kCommandMoves_rad_per_s = 0.05f;
+constexpr double kFollowForget_s = 1.0;  // what the drive's gain error adds up to is forgotten
+constexpr double kJump = 0.02;           // of the converter's range, 0.1 N of a FlexiForce
+constexpr float kStood_N = 0.06f;        // ATI from one sample to the next: two steps of the Nano17
+constexpr double kFollows = 0.3;         // r^2; the slow FSR at 3 Hz still has 0.5
 constexpr std::uint16_t kReferenceBad = kRigReferenceSaturated | kRigReferenceFault;
 }  // namespace
 
@@ -21,14 +26,28 @@ void RigWitness::begin(const RigInfo& info) {
   *this = RigWitness();
   info_ = info;
   period_s_ = 1.0 / info.rate_Hz;
+  reference_lag_ = sensor_lag_ = LagFit(kGroup * period_s_);
   o_.reference_min_N = std::numeric_limits<double>::infinity();
   o_.reference_max_N = -std::numeric_limits<double>::infinity();
 }
 
-void RigWitness::close_spring_block() {
-  if (block_n_ < 10) return;
-  const double mean_N = block_sum_ / static_cast<double>(block_n_);
-  if (std::fabs(mean_N) > std::fabs(o_.spring_worst_bias_N)) o_.spring_worst_bias_N = mean_N;
+void RigWitness::close_block() {
+  Block& b = block_;
+  if (b.n < 10.0) return;
+  if (std::fabs(b.bias / b.n) > std::fabs(o_.spring_worst_bias_N)) o_.spring_worst_bias_N = b.bias / b.n;
+  const double vff = b.ff / b.n - b.f * b.f / (b.n * b.n), vcc = b.cc / b.n - b.c * b.c / (b.n * b.n);
+  const double vfc = b.fc / b.n - b.f * b.c / (b.n * b.n);
+  const double last_code = static_cast<double>((1u << info_.adc_bits) - 1u);
+  if (!(vff > 0.04) || b.code_low < 1.0 || b.code_high > last_code - 1.0) return;
+  ++o_.sensor_blocks;
+  o_.sensor_blocks_odd += !(vfc > 0.0 && vfc * vfc > kFollows * vff * vcc);
+}
+
+void RigWitness::zero_before(const ReferenceZero& zero) {
+  if (zero.n > 0) o_.zero_start_N = zero.mean_N;
+}
+void RigWitness::zero_after(const ReferenceZero& zero) {
+  if (zero.n > 0) o_.zero_end_N = zero.mean_N;
 }
 
 double RigWitness::spring_N(double theta_rad) const {
@@ -42,7 +61,17 @@ void RigWitness::examine(Still& still, float theta_rad, double& longest_s) const
   if (still.moved) longest_s = std::max(longest_s, static_cast<double>(still.run) * period_s_);
 }
 
-void RigWitness::push_spring(double t_s, double theta_rad, double force_N) {
+void RigWitness::push_spring(double t_s, double theta_rad, double force_N, double code) {
+  if (t_s - block_.start_s >= kBlockSeconds) {
+    close_block();
+    block_ = {.start_s = t_s};
+  }
+  Block& b = block_;
+  b.n += 1.0;
+  b.f += force_N, b.c += code, b.ff += force_N * force_N, b.fc += force_N * code, b.cc += code * code;
+  b.code_low = std::min(b.code_low, code);
+  b.code_high = std::max(b.code_high, code);
+  if (!(info_.geometry.eccentricity_mm > 0.0) || !std::isfinite(theta_rad)) return;
   const double spring_N = this->spring_N(theta_rad);
   ++o_.spring_samples;
   sx_ += spring_N;
@@ -50,24 +79,37 @@ void RigWitness::push_spring(double t_s, double theta_rad, double force_N) {
   sxx_ += spring_N * spring_N;
   sxy_ += spring_N * force_N;
   syy_ += force_N * force_N;
-  if (t_s - block_start_s_ >= kBlockSeconds) {
-    close_spring_block();
-    block_start_s_ = t_s;
-    block_sum_ = 0.0;
-    block_n_ = 0;
+  b.bias += force_N - spring_N;
+  reference_lag_.push(spring_N, force_N);
+  sensor_lag_.push(force_N, 10.0 * code / static_cast<double>((1u << info_.adc_bits) - 1u));
+}
+
+// Both sides pass the same leak, so e = tau v of a sound drive stays true; at a stop the sums begin anew.
+void RigWitness::push_following(float theta_rad, float commanded_rad_per_s, std::uint16_t status) {
+  const double moved = static_cast<double>(theta_rad) - follow_last_, keep = 1.0 - period_s_ / kFollowForget_s;
+  const double v = moved / period_s_;
+  if (status & (kRigTravelStop | kRigSampleLost) || !std::isfinite(moved + follow_previous_v_)) {
+    follow_e_ = follow_v_ = 0.0;
+  } else {
+    follow_e_ = keep * follow_e_ + commanded_rad_per_s * period_s_ - moved;
+    follow_v_ = keep * follow_v_ + v - follow_previous_v_;
+    fn_ += 1.0;
+    fee_ += follow_e_ * follow_e_;
+    fev_ += follow_e_ * follow_v_;
+    fvv_ += follow_v_ * follow_v_;
   }
-  block_sum_ += force_N - spring_N;
-  ++block_n_;
+  follow_previous_v_ = v;
+  follow_last_ = status & kRigTravelStop ? std::numeric_limits<float>::quiet_NaN() : theta_rad;
 }
 
 // Each pass keeps what it counts in locals: members would be written back to memory at every sample.
 void RigWitness::push_time(const RigBlock& block, std::size_t n) {
   const double* t_s = block.t_s.data();
   if (o_.samples == 0) {
-    o_.first_t_s = block_start_s_ = t_s[0];
+    o_.first_t_s = block_.start_s = t_s[0];
     previous_t_s_ = t_s[0] - period_s_;
   }
-  double previous_s = previous_t_s_, worst_s = o_.worst_step_s;
+  double previous_s = previous_t_s_, worst_s = o_.worst_step_s, gap_worst_s = o_.worst_gap_s;
   const double period_s = period_s_, gap_s = 1.5 * period_s_;
   std::uint64_t back = 0, gaps = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -76,7 +118,9 @@ void RigWitness::push_time(const RigBlock& block, std::size_t n) {
     back += !(step_s > 0.0);
     gaps += step_s > gap_s;
     worst_s = std::max(worst_s, std::fabs(step_s - period_s));
+    gap_worst_s = std::max(gap_worst_s, step_s - period_s);
   }
+  o_.worst_gap_s = gap_worst_s;
   o_.time_not_monotone += back;
   o_.time_gaps += gaps;
   o_.worst_step_s = worst_s;
@@ -153,30 +197,43 @@ void RigWitness::push_motion(const RigBlock& block, std::size_t n, const float* 
   const float *force_N = block.force_ref_N.data(), *theta = block.theta_rad.data();
   const std::uint16_t *code = block.adc.data(), *status = block.status.data();
   const auto last_code = static_cast<std::uint16_t>((1u << info_.adc_bits) - 1u);
+  const int jump = std::max(4, static_cast<int>(kJump * last_code));
+  std::uint64_t jumps = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(force_N[i]) || status[i] & kReferenceBad) {
-      previous_force_N_ = std::numeric_limits<float>::quiet_NaN();
+      previous_force_N_ = follow_last_ = std::numeric_limits<float>::quiet_NaN();
       continue;
     }
-    const auto count = [&](Still& still, bool same, double& longest_s) {
-      if (!same)
+    const auto count = [&](Still& still, bool same, double& longest_s, double& stale_s) {
+      if (!same) {
+        if (still.moved) stale_s += static_cast<double>(still.run) * period_s_;
         still = {0, theta[i], false};
-      else if (++still.run % kExamineEvery == 0)
+      } else if (++still.run % kExamineEvery == 0) {
         examine(still, theta[i], longest_s);
+      }
     };
-    count(reference_still_, force_N[i] == previous_force_N_, o_.reference_frozen_s);
+    count(reference_still_, force_N[i] == previous_force_N_, o_.reference_frozen_s, o_.reference_stale_s);
     // At a rail one code is what a sound sensor gives too: below F0 at the first, above the range at the
     // last.
     const bool rail = code[i] == 0 || code[i] == last_code;
-    count(sensor_still_, code[i] == previous_code_ && !rail, o_.sensor_dead_s);
+    count(sensor_still_, code[i] == previous_code_ && !rail, o_.sensor_dead_s, o_.sensor_stale_s);
     if (rail && code[i] == 0 && force_N[i] > kLoaded_N) {
       o_.sensor_dead_s = std::max(o_.sensor_dead_s, static_cast<double>(++dead_run_) * period_s_);
     } else {
       dead_run_ = 0;
     }
+    // NaN before the first valid row: no step.
+    jumps += std::abs(code[i] - previous_code_) > jump && std::fabs(force_N[i] - previous_force_N_) < kStood_N;
     previous_force_N_ = force_N[i];
     previous_code_ = code[i];
+    group_theta_ += theta[i], group_force_ += force_N[i], group_code_ += code[i];
+    if (++group_n_ == kGroup) {
+      push_spring(block.t_s[i], group_theta_ / kGroup, group_force_ / kGroup, group_code_ / kGroup);
+      group_n_ = 0;
+      group_theta_ = group_force_ = group_code_ = 0.0;
+    }
     if (!wheel || !std::isfinite(theta[i])) continue;
+    if (commanded != nullptr) push_following(theta[i], commanded[i], status[i]);
     if (commanded != nullptr && theta[i] == previous_theta_) {
       const bool should_move =
           std::fabs(commanded[i]) > kCommandMoves_rad_per_s && !(status[i] & kRigTravelStop);
@@ -187,11 +244,8 @@ void RigWitness::push_motion(const RigBlock& block, std::size_t n, const float* 
       theta_run_ = 0;
     }
     previous_theta_ = theta[i];
-    if (++spring_skip_ >= kSpringEvery) {
-      spring_skip_ = 0;
-      push_spring(block.t_s[i], theta[i], force_N[i]);
-    }
   }
+  o_.sensor_jumps += jumps;
 }
 
 void RigWitness::push(const RigBlock& block, std::size_t n, const float* commanded) {
@@ -204,7 +258,9 @@ void RigWitness::push(const RigBlock& block, std::size_t n, const float* command
 
 RigObservation RigWitness::finish() const {
   RigWitness end = *this;
-  end.close_spring_block();
+  end.close_block();
+  if (end.reference_still_.moved) end.o_.reference_stale_s += static_cast<double>(end.reference_still_.run) * period_s_;
+  if (end.sensor_still_.moved) end.o_.sensor_stale_s += static_cast<double>(end.sensor_still_.run) * period_s_;
   RigObservation o = end.o_;
   if (second_n_ > 0) o.reference_noise_N = std::sqrt(sum_second_ / (6.0 * static_cast<double>(second_n_)));
   if (force_n_ > 0) o.reference_mean_N = sum_force_ / static_cast<double>(force_n_);
@@ -223,6 +279,11 @@ RigObservation RigWitness::finish() const {
   o.spring_bias_N = (sy_ - sx_) / n;
   o.spring_rms_N = std::sqrt(std::max(0.0, vy - 2.0 * cxy + vx));
   if (vx > 0.01) o.spring_slope = cxy / vx;
+  double unused = 0.0;
+  reference_lag_.finish(o.reference_lag_s, unused);
+  sensor_lag_.finish(o.sensor_lag_s, unused);
+  if (fn_ > 100.0)
+    o.following_rad = std::sqrt(std::max(0.0, fee_ - (fvv_ > 0.0 ? fev_ * fev_ / fvv_ : 0.0)) / fn_);
   return o;
 }
 

@@ -3,6 +3,9 @@
 // be used to judge a build at all (hil/rig/self_check.h).
 //
 // Spring witness: the ATI force against F = k (preload + e (1 - cos theta)), theta read back from the drive.
+// Following: theta against the integral of the commanded velocity. A sound drive of first order lags by tau v, so what
+// is judged is the residual of (integral of command - theta) = tau v + const over stretches inside the travel.
+// Sensor: within 10 s the film's loss hardly changes, so its code must follow the ATI in a straight line.
 // Noise: standard deviation from second differences, sqrt(mean (x[i-1] - 2 x[i] + x[i+1])^2 / 6); the motion
 // of the profile drops out, the noise of a sound reference and its quantisation remain.
 
@@ -11,6 +14,7 @@
 #include <limits>
 
 #include "hil/interface/rig.h"
+#include "hil/trace/lag_fit.h"
 
 namespace forcegate {
 
@@ -39,6 +43,17 @@ struct RigObservation {
   double spring_worst_bias_N = 0.0;  ///< signed mean over the worst block of RigWitness::kBlockSeconds
   double spring_slope = 1.0;         ///< d ATI / d spring by least squares; 1 when the force hardly moves
   double spring_rms_N = 0.0;         ///< about the mean
+  double reference_lag_s = std::numeric_limits<double>::quiet_NaN();  ///< ATI behind the spring force
+  double sensor_lag_s = std::numeric_limits<double>::quiet_NaN();     ///< sensor's code behind the ATI
+  double following_rad = std::numeric_limits<double>::quiet_NaN();    ///< rms of the following residual
+  double zero_start_N = std::numeric_limits<double>::quiet_NaN();  ///< unloaded ATI before the record; NaN: not taken
+  double zero_end_N = std::numeric_limits<double>::quiet_NaN();    ///< and after it
+  double reference_stale_s = 0.0;  ///< all times without a change of the reading while the spring moved by 0.1 N
+  double sensor_stale_s = 0.0;     ///< the same of the sensor's code
+  double worst_gap_s = 0.0;        ///< largest step of time beyond one period
+  std::uint64_t sensor_jumps = 0;       ///< steps of 2 % of the range from one code to the next while the ATI stood
+  std::uint64_t sensor_blocks = 0;      ///< blocks of 10 s in which the ATI moved and the converter had room
+  std::uint64_t sensor_blocks_odd = 0;  ///< of these, in which the code did not follow the ATI: r^2 < 0.3
 };
 
 class RigWitness {
@@ -48,6 +63,9 @@ class RigWitness {
   void begin(const RigInfo& info);
   /// Rows [0, n) of the block; commanded is the velocity the rig was told for each of them (may be null).
   void push(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s = nullptr);
+  /// Unloaded readings, when the rig can take them.
+  void zero_before(const ReferenceZero& zero);
+  void zero_after(const ReferenceZero& zero);
   RigObservation finish() const;
 
  private:
@@ -56,8 +74,9 @@ class RigWitness {
   void push_codes(const RigBlock& block, std::size_t n);
   void push_force(const RigBlock& block, std::size_t n);
   void push_motion(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s);
-  void push_spring(double t_s, double theta_rad, double force_N);
-  void close_spring_block();
+  void push_spring(double t_s, double theta_rad, double force_N, double code);
+  void push_following(float theta_rad, float commanded_rad_per_s, std::uint16_t status);
+  void close_block();
 
   RigInfo info_;
   RigObservation o_;
@@ -79,10 +98,20 @@ class RigWitness {
   std::uint64_t theta_run_ = 0, dead_run_ = 0;
   float previous_theta_ = 0.0f, previous_force_N_ = std::numeric_limits<float>::quiet_NaN();
   std::uint16_t adc_or_ = 0, adc_and_ = 0xFFFF;
-  int spring_skip_ = 0;
+  // Means over ten samples.
+  int group_n_ = 0;
+  double group_theta_ = 0, group_force_ = 0, group_code_ = 0;
   double sx_ = 0, sy_ = 0, sxx_ = 0, sxy_ = 0, syy_ = 0;
-  double block_sum_ = 0.0, block_start_s_ = 0.0;
-  std::uint64_t block_n_ = 0;
+  LagFit reference_lag_, sensor_lag_;
+  // Block of kBlockSeconds.
+  struct Block {
+    double start_s = 0, n = 0, bias = 0, f = 0, c = 0, ff = 0, fc = 0, cc = 0, code_low = 1e9, code_high = -1e9;
+  };
+  Block block_;
+  // Following: e = integral of command - theta, v = theta', both through the same high pass.
+  double follow_e_ = 0, follow_v_ = 0, follow_previous_v_ = 0;
+  float follow_last_ = std::numeric_limits<float>::quiet_NaN();
+  double fn_ = 0, fee_ = 0, fev_ = 0, fvv_ = 0;
 };
 
 }  // namespace forcegate

@@ -29,7 +29,7 @@ class AtiNano17 {
   /// `white` is a standard normal number.
   double read(double force_N, double white) {
     state_ += follow_ * (force_N - state_);
-    double reading = state_ + offset_N_ + p_.noise_N * white;
+    double reading = gain_ * state_ + offset_N_ + p_.noise_N * white;
     saturated_ = reading >= p_.overload_N;
     if (saturated_) reading = p_.overload_N;
     // +4096 keeps the truncated number positive: rounding without a call.
@@ -39,10 +39,11 @@ class AtiNano17 {
 
   bool saturated() const { return saturated_; }
   void set_offset_N(double offset) { offset_N_ = offset; }
+  void set_gain(double gain) { gain_ = gain; }
 
  private:
   Parameters p_;
-  double follow_ = 1.0, state_ = 0.0, per_step_ = 40.0, offset_N_ = 0.0;
+  double follow_ = 1.0, state_ = 0.0, per_step_ = 40.0, offset_N_ = 0.0, gain_ = 1.0;
   bool saturated_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/base/portable_math.h"
 #include "hil/base/text.h"
 
 namespace forcegate::emulated {
@@ -15,6 +16,11 @@ constexpr double kUsualStop_N = 5.0;
 constexpr double kHeadroom_N = 0.25;
 constexpr double kTick_s = 0.01;
 constexpr double kUsualLoss = 0.7;  // share y that 20 min of cycling leave
+constexpr double kOnset = 1.0 / 3.0;  // of the record, for faults in mid-run
+constexpr double kRippleTurns = 12.0;
+constexpr double kStaleStretch_s = 0.1;
+constexpr std::size_t kZeroReadings = 1000;
+constexpr const char* kAtiCalibration = "FT-EMULATED-1";
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
@@ -44,6 +50,8 @@ RigInfo EmulatedRig::info() const {
   info.geometry = geometry_;
   info.can_move = true;
   info.emulated = true;
+  info.details["reference_calibration"] = faults_.reference_foreign_calibration ? "FT-EMULATED-2" : kAtiCalibration;
+  info.details["reference_calibration_expected"] = kAtiCalibration;
   info.details["sensor"] =
       options_.sensor == SensorType::fsr ? "Interlink FSR (emulated)" : "Tekscan FlexiForce A201 (emulated)";
   info.details["nominal_gain_N_per_V"] = shortest(kNominalGain_N_per_V);
@@ -71,7 +79,12 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
 
   const double theta = wheel_.angle_rad(request.force_low_N / spring_.stiffness_N_per_mm);
   motor_.begin({}, step_s_, theta);
-  const double force_N = spring_.force_N(wheel_.travel_mm(theta));
+  mounted_ = spring_;
+  mounted_.stiffness_N_per_mm *= faults_.spring_stiffness;
+  mounted_.preload_mm += faults_.preload_wrong_mm;
+  onset_s_ = kOnset * request.duration_s;
+  wheel_rad_ = shaft_rad(theta);
+  const double force_N = mounted_.force_N(wheel_.travel_mm(wheel_rad_));
 
   AtiNano17::Parameters ati;
   Converter::Parameters converter;
@@ -79,7 +92,7 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   if (!options_.noise) ati.noise_N = converter.noise_V = 0.0;
   ati.overload_N = std::min(ati.overload_N, faults_.reference_saturated_N);
   ati_.begin(ati, step_s_, force_N);
-  ati_.set_offset_N(faults_.reference_offset_N);
+  ati_.set_gain(faults_.reference_gain * faults_.reference_axis_share);
   converter_.begin(converter);
 
   film_parameters_ =
@@ -88,14 +101,22 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   const std::uint64_t record_seed =
       mix_seed(mix_seed(request.seed, "record/" + request.specimen),
                std::to_string(request.session) + "/" + std::to_string(request.record));
+  film_parameters_.gain_N_per_V /= faults_.sensor_gain;
   film_.begin(film_parameters_, step_s_, force_N, kUsualLoss, request.rest_before_s, record_seed);
   if (hidden_) hidden_->begin(step_s_, force_N);
   head_.begin(record_seed, request.duration_s, faults_.head_motion);
   ati_noise_ = WhiteNoise(record_seed, "ati_noise");
   adc_noise_ = WhiteNoise(record_seed, "adc_noise");
   loss_ = Rng(record_seed, "sample_loss");
+  stale_ = Rng(record_seed, "stale");
+  sensor_stale_ = reference_stale_ = {};
+  record_seed_ = record_seed;
+  late_code_.assign(static_cast<std::size_t>(faults_.sensor_late_s * options_.rate_Hz), 0);
+  late_reading_N_.assign(static_cast<std::size_t>(faults_.reference_late_s * options_.rate_Hz),
+                         static_cast<float>(force_N));
 
   index_ = 0;
+  take_zero();
   end_ =
       static_cast<std::int64_t>(std::min(request.duration_s, faults_.truncated_s) * options_.rate_Hz + 0.5);
   reading_N_ = force_N;
@@ -141,17 +162,24 @@ void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
   double* const t_s = out.t_s.data() + at;
   const std::uint16_t fault = motor_.following_error() ? kRigMotorFault : 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double theta = motor_.step();
+    const double theta = shaft_rad(motor_.step());
     force[i] = theta;
     theta_rad[i] = static_cast<float>(theta);
     status[i] = motor_.at_stop() ? static_cast<std::uint16_t>(fault | kRigTravelStop) : fault;
   }
+  if (faults_.motor_backlash_rad > 0.0) {
+    const double half = 0.5 * faults_.motor_backlash_rad;
+    for (std::size_t i = 0; i < n; ++i) force[i] = wheel_rad_ = std::clamp(wheel_rad_, force[i] - half, force[i] + half);
+  }
+  const double now_s = static_cast<double>(index_) * step_s_;
+  if (now_s >= onset_s_) mounted_.preload_mm = spring_.preload_mm + faults_.preload_wrong_mm - faults_.spring_slipped_mm;
   if (faults_.head_motion > 0.0)
     for (std::size_t i = 0; i < n; ++i)
-      force[i] = spring_.force_N(wheel_.travel_mm(force[i]) +
-                                 head_.displacement_mm(static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s_));
+      force[i] = mounted_.force_N(wheel_.travel_mm(force[i]) +
+                                  head_.displacement_mm(static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s_));
   else
-    for (std::size_t i = 0; i < n; ++i) force[i] = spring_.force_N(wheel_.travel_mm(force[i]));
+    for (std::size_t i = 0; i < n; ++i) force[i] = mounted_.force_N(wheel_.travel_mm(force[i]));
+  ati_.set_offset_N(faults_.reference_offset_N + faults_.reference_drift_N_per_min * now_s / 60.0);
   if (hidden_) hidden_->feel(n, force, film_N_.data());
   film_.run(n, hidden_ ? film_N_.data() : force, voltage);
   float* const reading = out.force_ref_N.data() + at;
@@ -170,9 +198,44 @@ void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
   reading_N_ = static_cast<double>(reading[n - 1]);
 }
 
+double EmulatedRig::shaft_rad(double theta_rad) const {
+  if (faults_.motor_ripple_rad == 0.0) return theta_rad;
+  return theta_rad + faults_.motor_ripple_rad * portable::sin(kRippleTurns * theta_rad);
+}
+
+// The trolley is drawn back and the cell is read for a second.
+void EmulatedRig::take_zero() {
+  AtiNano17::Parameters ati;
+  if (!options_.noise) ati.noise_N = 0.0;
+  ati.overload_N = std::min(ati.overload_N, faults_.reference_saturated_N);
+  AtiNano17 cell;
+  cell.begin(ati, step_s_, 0.0);
+  const double t_s = static_cast<double>(index_) * step_s_;
+  cell.set_offset_N(faults_.reference_offset_N + faults_.reference_drift_N_per_min * t_s / 60.0);
+  WhiteNoise noise(record_seed_, index_ == 0 ? "ati_zero_before" : "ati_zero_after");
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < kZeroReadings; ++i) {
+    double reading = cell.read(0.0, noise.next());
+    if (t_s >= faults_.reference_frozen_s) reading = static_cast<double>(frozen_N_);
+    sum += reading;
+    squares += reading * reading;
+  }
+  const double n = static_cast<double>(kZeroReadings);
+  zero_ = {sum / n, std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n))), kZeroReadings};
+}
+
+bool EmulatedRig::is_stale(Stale& stale, double share, std::int64_t index) {
+  const std::int64_t stretch = index / static_cast<std::int64_t>(kStaleStretch_s * options_.rate_Hz);
+  if (stretch != stale.stretch) stale = {stretch, stale_.uniform() < share};
+  return stale.now;
+}
+
 void EmulatedRig::spoil_rows(std::size_t n, RigBlock& out, std::size_t at) {
+  const std::int64_t first = index_ - static_cast<std::int64_t>(n);
   for (std::size_t i = at; i < at + n; ++i) {
-    if (out.t_s[i] >= faults_.sensor_unplugged_s) {
+    const std::int64_t index = first + static_cast<std::int64_t>(i - at);
+    const double t_s = out.t_s[i];
+    if (t_s >= faults_.sensor_unplugged_s) {
       out.adc[i] = 0;
       out.status[i] |= kRigAdcRail;
     }
@@ -180,12 +243,31 @@ void EmulatedRig::spoil_rows(std::size_t n, RigBlock& out, std::size_t at) {
       const int bit = 1 << faults_.adc_stuck_bit;
       out.adc[i] = static_cast<std::uint16_t>((out.adc[i] | bit) & converter_.last_code());
     }
-    if (out.t_s[i] >= faults_.reference_frozen_s) {
+    if (!late_code_.empty()) {
+      std::uint16_t& slot = late_code_[static_cast<std::size_t>(index) % late_code_.size()];
+      if (index < static_cast<std::int64_t>(late_code_.size())) slot = out.adc[i];  // nothing is under way yet
+      std::swap(slot, out.adc[i]);
+    }
+    if (faults_.sensor_stale > 0.0) {
+      if (is_stale(sensor_stale_, faults_.sensor_stale, index))
+        out.adc[i] = stale_code_;
+      else
+        stale_code_ = out.adc[i];
+    }
+    if (t_s >= faults_.reference_frozen_s) {
       if (!is_frozen_) frozen_N_ = out.force_ref_N[i];
       is_frozen_ = true;
       out.force_ref_N[i] = frozen_N_;
-      reading_N_ = static_cast<double>(frozen_N_);
     }
+    if (!late_reading_N_.empty())
+      std::swap(late_reading_N_[static_cast<std::size_t>(index) % late_reading_N_.size()], out.force_ref_N[i]);
+    if (faults_.reference_stale > 0.0) {
+      if (is_stale(reference_stale_, faults_.reference_stale, index))
+        out.force_ref_N[i] = stale_reading_N_;
+      else
+        stale_reading_N_ = out.force_ref_N[i];
+    }
+    reading_N_ = static_cast<double>(out.force_ref_N[i]);
     if (faults_.sample_loss > 0.0 && loss_.uniform() < faults_.sample_loss) {
       out.force_ref_N[i] = out.theta_rad[i] = kNaN;
       out.adc[i] = last_code_;
@@ -193,11 +275,13 @@ void EmulatedRig::spoil_rows(std::size_t n, RigBlock& out, std::size_t at) {
     } else {
       last_code_ = out.adc[i];
     }
+    out.t_s[i] = t_s * (1.0 + faults_.clock_skew) + (t_s >= onset_s_ ? faults_.clock_jump_s : 0.0);
   }
 }
 
 void EmulatedRig::park() noexcept {
   motor_.command(0.0);
+  if (begun_ && index_ > 0) take_zero();
   begun_ = false;
 }
 

@@ -45,8 +45,9 @@ class EmulatedRig final : public Rig {
   Result<void> begin(const RigRecordRequest& request) override;
   Result<void> command_velocity(double rad_per_s) override;
   Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t at) override;
-  double theta_rad() const override { return motor_.theta_rad(); }
+  double theta_rad() const override { return shaft_rad(motor_.theta_rad()); }
   double force_ref_N() const override { return reading_N_; }
+  ReferenceZero reference_zero() const override { return zero_; }
   void park() noexcept override;
 
   /// The truth, for tests and studies of the rig itself; the gate never sees it.
@@ -56,6 +57,8 @@ class EmulatedRig final : public Rig {
  private:
   void run_to_tick(std::size_t n, RigBlock& out, std::size_t at);
   void spoil_rows(std::size_t n, RigBlock& out, std::size_t at);
+  double shaft_rad(double theta_rad) const;
+  void take_zero();
 
   EmulatedOptions options_;
   double step_s_;
@@ -70,14 +73,29 @@ class EmulatedRig final : public Rig {
   RigGeometry geometry_;
   VelocityMotor motor_;
   EccentricWheel wheel_;
-  Spring spring_;
+  Spring spring_;   ///< as the geometry says
+  Spring mounted_;  ///< as it is
   HeadMotion head_;
   AtiNano17 ati_;
   Converter converter_;
   Film film_;
   FilmParameters film_parameters_;
   WhiteNoise ati_noise_{0, ""}, adc_noise_{0, ""};
-  Rng loss_{0};
+  Rng loss_{0}, stale_{0};
+  double onset_s_ = 0.0, wheel_rad_ = 0.0;
+  ReferenceZero zero_;
+  std::uint64_t record_seed_ = 0;
+  std::vector<std::uint16_t> late_code_;  ///< ring of the codes under way
+  std::vector<float> late_reading_N_;
+  struct Stale {
+    std::int64_t stretch = -1;
+    bool now = false;
+  };
+  /// Whether the 100-ms stretch that holds the sample is one in which a reading repeats.
+  bool is_stale(Stale& stale, double share, std::int64_t index);
+  Stale sensor_stale_, reference_stale_;
+  std::uint16_t stale_code_ = 0;
+  float stale_reading_N_ = 0.0F;
   static constexpr std::size_t kChunk = 100;
   std::array<double, kChunk> force_N_{}, film_N_{}, voltage_V_{};
   std::unique_ptr<SensorHook> hidden_;

@@ -5,33 +5,64 @@
 namespace forcegate::emulated {
 
 bool Faults::touches_rows() const {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  return reference_frozen_s < kNever || sensor_unplugged_s < kNever || adc_stuck_bit >= 0 ||
-         sample_loss > 0.0;
+  return reference_frozen_s < kNever_s || reference_late_s > 0.0 || reference_stale > 0.0 ||
+         sensor_unplugged_s < kNever_s || sensor_late_s > 0.0 || sensor_stale > 0.0 || adc_stuck_bit >= 0 ||
+         sample_loss > 0.0 || clock_skew != 0.0 || clock_jump_s != 0.0;
 }
 
 const std::vector<FaultKind>& fault_kinds() {
   static const std::vector<FaultKind> kinds{
       {"adc_stuck_bit", "number of the converter bit that always reads 1", 0, 15,
        [](Faults& f, double m) { f.adc_stuck_bit = static_cast<int>(m); }},
+      {"clock_jump", "jump of the time stamps in mid-run, s", -1e4, 1e4,
+       [](Faults& f, double m) { f.clock_jump_s = m; }},
+      {"clock_skew", "relative error of the time stamps", -0.5, 0.5, [](Faults& f, double m) { f.clock_skew = m; }},
       {"head_motion", "scale of the motion of a patient's head against the coil", 0, 3,
        [](Faults& f, double m) { f.head_motion = m; }},
+      {"motor_backlash", "play between shaft and wheel, rad", 0, 1,
+       [](Faults& f, double m) { f.motor_backlash_rad = m; }},
+      {"motor_ripple", "amplitude of the ripple of the wheel angle, twelve a turn, rad", 0, 0.08,
+       [](Faults& f, double m) { f.motor_ripple_rad = m; }},
       {"motor_stalled", "instant from which the shaft stands still, s", 0, 1e9,
        [](Faults& f, double m) { f.motor_stalled_s = m; }},
+      {"preload_wrong", "preload beyond what the geometry says, mm", -10, 10,
+       [](Faults& f, double m) { f.preload_wrong_mm = m; }},
+      {"reference_drift", "drift of the ATI reading, N/min", -20, 20,
+       [](Faults& f, double m) { f.reference_drift_N_per_min = m; }},
       {"reference_frozen", "instant from which the ATI repeats its reading, s", 0, 1e9,
        [](Faults& f, double m) { f.reference_frozen_s = m; }},
+      {"reference_gain", "factor on the ATI reading that nobody is told of", 0.01, 100,
+       [](Faults& f, double m) { f.reference_gain = m; }},
+      {"reference_late", "delay of the ATI reading, s", 0, 1, [](Faults& f, double m) { f.reference_late_s = m; }},
       {"reference_offset", "error added to the ATI reading, N", -20, 20,
        [](Faults& f, double m) { f.reference_offset_N = m; }},
       {"reference_saturated", "force at which the ATI overloads, N", 0, 20,
        [](Faults& f, double m) { f.reference_saturated_N = m; }},
+      {"reference_stale", "share of 100-ms stretches in which the ATI repeats its reading", 0, 1,
+       [](Faults& f, double m) { f.reference_stale = m; }},
+      {"reference_swapped", "share of the force that the axis read out by mistake sees", -1, 0.9,
+       [](Faults& f, double m) { f.reference_axis_share = m; }},
       {"sample_loss", "share of the samples that never arrive", 0, 1,
        [](Faults& f, double m) { f.sample_loss = m; }},
+      {"sensor_late", "delay of the sensor's codes, s", 0, 1, [](Faults& f, double m) { f.sensor_late_s = m; }},
+      {"sensor_stale", "share of 100-ms stretches in which the sensor's code repeats", 0, 1,
+       [](Faults& f, double m) { f.sensor_stale = m; }},
       {"sensor_unplugged", "instant from which the sensor input is at 0 V, s", 0, 1e9,
        [](Faults& f, double m) { f.sensor_unplugged_s = m; }},
+      {"specimen_swapped", "signal of the mounted specimen over that of the calibrated one", 0.01, 100,
+       [](Faults& f, double m) { f.sensor_gain = m; }},
+      {"spring_slipped", "preload lost in mid-run, mm", 0, 20, [](Faults& f, double m) { f.spring_slipped_mm = m; }},
+      {"spring_stiffness", "factor on the stiffness of the spring", 0.1, 10,
+       [](Faults& f, double m) { f.spring_stiffness = m; }},
       {"transient", "number of attempts at a record that have the faults; later ones are sound", 1, 10,
        [](Faults&, double) {}},  // who plays a record again leaves them out
       {"truncated", "instant at which the record ends, s", 0, 1e9,
        [](Faults& f, double m) { f.truncated_s = m; }},
+      {"wrong_calibration", "factor on the ATI reading: the calibration of another transducer is loaded", 0.01, 100,
+       [](Faults& f, double m) {
+         f.reference_gain = m;
+         f.reference_foreign_calibration = true;
+       }},
   };
   return kinds;
 }

@@ -31,7 +31,15 @@ std::set<std::string> registered() {
 
 TEST(Registries, StimuliAreTheFilesOfTheirFolder) { EXPECT_EQ(registered<StimulusKind>(), stems("stimuli")); }
 
-TEST(Registries, VerbsAreTheFilesOfTheirFolder) { EXPECT_EQ(registered<Command>(), stems("hil/cli/verbs")); }
+// A verb of two words is the file first_second.cpp.
+TEST(Registries, VerbsAreTheFilesOfTheirFolder) {
+  std::set<std::string> verbs;
+  for (std::string name : registered<Command>()) {
+    std::replace(name.begin(), name.end(), ' ', '_');
+    verbs.insert(std::move(name));
+  }
+  EXPECT_EQ(verbs, stems("hil/cli/verbs"));
+}
 
 TEST(Registries, LanesRigsAndControllersAreLinkedIn) {
   for (const char* lane : {"native", "block", "uart"}) EXPECT_TRUE(registered<LaneKind>().contains(lane)) << lane;

@@ -92,9 +92,11 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
   request.threads = static_cast<unsigned>(threads);
   request.keep = in.flag("keep");
+  request.started_at = now_iso8601();
+  if (in.given("waivers")) request.waivers = in.text("waivers");
+  request.today = in.given("today") ? in.text("today") : request.started_at.substr(0, 10);
   request.output = in.text("output");
   request.command_line = in.command_line();
-  request.started_at = now_iso8601();
 
   Console& console = in.console();
   const auto made = gate(request, console.progress_callback(), &in.interrupt_flag());
@@ -175,6 +177,10 @@ const Registration<Command> kRow{Command{
           .value_name = "N",
           .doc = "Worker processes at a time; 0: one per processor.",
           .fallback = "0"},
+         {.name = "waivers",
+          .value_name = "FILE",
+          .doc = "Findings that somebody answers for until a day (docs/trust.md)."},
+         {.name = "today", .value_name = "DATE", .doc = "Day against which waivers expire; default: today."},
          {.name = "keep",
           .value_name = "",
           .doc = "Keep the samples of every record as HDF5, not only of those in doubt."},

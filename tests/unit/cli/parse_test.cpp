@@ -28,6 +28,17 @@ const std::vector<Command>& table() {
                     .choices = [] { return std::vector<std::string>{"low", "high"}; }},
                    {.name = "map", .value_name = "A=B", .doc = "Maps.", .repeatable = true},
                    {.name = "loud", .value_name = "", .doc = "Louder.", .letter = 'l'}},
+       .run = [](const Invocation&) -> Result<int> { return 0; }},
+      {.name = "piano tune",
+       .group = "Test",
+       .summary = "tunes",
+       .description = "Tunes.",
+       .positionals = {{.name = "KEY", .doc = "Which key."}},
+       .run = [](const Invocation&) -> Result<int> { return 0; }},
+      {.name = "piano move",
+       .group = "Test",
+       .summary = "moves",
+       .description = "Moves.",
        .run = [](const Invocation&) -> Result<int> { return 0; }}};
   return kTable;
 }
@@ -116,6 +127,29 @@ TEST(Parse, AnyArgumentsGiveALineOrAnErrorWithHelp) {
     }
     (void)completions(arguments, table());
   }
+}
+
+TEST(Parse, AVerbOfTwoWordsIsFoundByBoth) {
+  const ParsedLine tune = parse({"piano", "tune", "a4"});
+  ASSERT_FALSE(tune.error);
+  EXPECT_EQ(tune.command->name, "piano tune");
+  EXPECT_EQ(tune.values.front().second, "a4");
+  const ParsedLine alone = parse({"piano"});
+  ASSERT_TRUE(alone.error);
+  EXPECT_THAT(alone.error->hint, HasSubstr("piano move"));
+  const ParsedLine typo = parse({"piano", "tone"});
+  ASSERT_TRUE(typo.error);
+  EXPECT_THAT(typo.error->hint, HasSubstr("forcegate piano tune"));
+  const ParsedLine help = parse({"piano", "--help"});
+  EXPECT_FALSE(help.error);
+  EXPECT_EQ(help.family, "piano");
+}
+
+TEST(Completion, OffersTheSecondWordAfterTheFirst) {
+  const std::vector<std::string> first{"p"}, second{"piano", ""}, option{"piano", "tune", "--j"};
+  EXPECT_THAT(completions(first, table()), ElementsAre("play", "piano"));
+  EXPECT_THAT(completions(second, table()), ElementsAre("tune", "move"));
+  EXPECT_THAT(completions(option, table()), ElementsAre("--json"));
 }
 
 TEST(Help, WrapsAtTheColumnAndKeepsIndentedLines) {

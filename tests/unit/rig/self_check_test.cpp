@@ -11,7 +11,7 @@ namespace forcegate {
 namespace {
 
 // Thirty seconds of a moving wheel with an ATI of 10 mN noise in steps of 25 mN.
-std::vector<Check> checks_of(testing::FakeRig& rig) {
+RigObservation observe(testing::FakeRig& rig, RigInfo& info, const ReferenceZero& zero) {
   rig.change_info().reference_noise_N = 0.01;
   Rng rng(5, "noise");
   const auto spoil = rig.spoil;
@@ -25,6 +25,8 @@ std::vector<Check> checks_of(testing::FakeRig& rig) {
   EXPECT_TRUE(rig.begin(request));
   RigWitness witness;
   witness.begin(rig.info());
+  witness.zero_before(zero);
+  witness.zero_after(zero);
   RigBlock block;
   block.resize(100);
   std::vector<float> told(100);
@@ -35,7 +37,14 @@ std::vector<Check> checks_of(testing::FakeRig& rig) {
     std::fill(told.begin(), told.end(), static_cast<float>(velocity));
     witness.push(block, 100, told.data());
   }
-  return self_check(rig.info(), witness.finish());
+  info = rig.info();
+  return witness.finish();
+}
+
+std::vector<Check> checks_of(testing::FakeRig& rig) {
+  RigInfo info;
+  const RigObservation seen = observe(rig, info, {});
+  return self_check(info, seen);
 }
 
 std::string unsound(testing::FakeRig& rig) {
@@ -115,6 +124,95 @@ TEST(SelfCheck, sees_lost_samples_and_gaps_of_time) {
     if (std::fmod(t_s, 0.5) < 0.0005) b.status[row] |= kRigSampleLost;
   };
   EXPECT_EQ(unsound(rig), "rig_samples");
+}
+
+TEST(SelfCheck, an_unloaded_reading_tells_the_reference_s_zero_from_a_preload) {
+  const auto blamed = [](double zero_N) {
+    testing::FakeRig rig;
+    rig.spoil = [](std::size_t row, double, RigBlock& b) { b.force_ref_N[row] += 0.25f; };
+    RigInfo info;
+    const RigObservation seen = observe(rig, info, {zero_N, 0.0, 1000});
+    for (const Check& c : self_check(info, seen))
+      if (c.id == "rig_spring_witness") return c.blame;
+    return Blame::none;
+  };
+  EXPECT_EQ(blamed(0.25), Blame::reference);
+  EXPECT_EQ(blamed(0.0), Blame::rig);
+}
+
+TEST(SelfCheck, a_small_zero_error_is_seen_without_load_although_the_spring_does_not_show_it) {
+  testing::FakeRig rig;
+  RigInfo info;
+  const RigObservation seen = observe(rig, info, {0.04, 0.0, 1000});
+  const auto checks = self_check(info, seen);
+  ASSERT_NE(first_unsound(checks), nullptr);
+  EXPECT_EQ(first_unsound(checks)->id, "rig_reference_zero");
+  EXPECT_EQ(first_unsound(checks)->blame, Blame::reference);
+}
+
+TEST(SelfCheck, no_spring_explains_a_reference_that_looks_along_another_axis) {
+  testing::FakeRig rig;
+  rig.spoil = [](std::size_t row, double, RigBlock& b) { b.force_ref_N[row] *= 0.2f; };
+  for (const Check& c : checks_of(rig))
+    if (c.verdict != Verdict::pass) { EXPECT_EQ(c.blame, Blame::reference) << c.id; }
+}
+
+TEST(SelfCheck, a_wheel_that_leaves_its_command_is_the_rig_s_fault_and_the_drive_s_own_lag_is_not) {
+  testing::FakeRig rippling;
+  rippling.spoil = [](std::size_t row, double t_s, RigBlock& b) {
+    b.theta_rad[row] += 0.06f * static_cast<float>(std::sin(20.0 * t_s));
+  };
+  bool following = false;
+  for (const Check& c : checks_of(rippling)) following |= c.id == "rig_following" && c.verdict == Verdict::rig_error;
+  EXPECT_TRUE(following);
+  testing::FakeRig lagging;
+  float behind = -1.0f;
+  lagging.spoil = [&](std::size_t row, double, RigBlock& b) {
+    behind = behind < 0.0f ? b.theta_rad[row] : behind + 0.1f * (b.theta_rad[row] - behind);
+    b.theta_rad[row] = behind;
+  };
+  for (const Check& c : checks_of(lagging))
+    if (c.id == "rig_following") { EXPECT_EQ(c.verdict, Verdict::pass) << c.evidence; }
+}
+
+TEST(SelfCheck, sees_a_clock_that_runs_fast_jumps_or_leaves_a_hole) {
+  const auto blame = [](std::function<double(double)> clock) {
+    testing::FakeRig rig;
+    rig.spoil = [=](std::size_t row, double t_s, RigBlock& b) { b.t_s[row] = clock(t_s); };
+    const auto checks = checks_of(rig);
+    const Check* bad = first_unsound(checks);
+    return bad == nullptr ? Blame::none : bad->blame;
+  };
+  EXPECT_EQ(blame([](double t) { return t; }), Blame::none);
+  EXPECT_EQ(blame([](double t) { return 1.01 * t; }), Blame::link);
+  EXPECT_EQ(blame([](double t) { return t > 12.0 ? t + 0.2 : t; }), Blame::link);
+}
+
+TEST(SelfCheck, sees_readings_that_come_late) {
+  testing::FakeRig rig;
+  std::vector<float> line(40, 1.0f);
+  std::size_t at = 0;
+  rig.spoil = [&](std::size_t row, double, RigBlock& b) { std::swap(b.force_ref_N[row], line[at++ % line.size()]); };
+  bool late = false;
+  for (const Check& c : checks_of(rig)) {
+    late |= c.id == "rig_reference_lag" && c.verdict == Verdict::rig_error;
+    if (c.verdict != Verdict::pass) { EXPECT_EQ(c.blame, Blame::reference) << c.id; }
+  }
+  EXPECT_TRUE(late);
+}
+
+TEST(SelfCheck, sees_a_bad_contact_that_comes_and_goes) {
+  testing::FakeRig rig;
+  rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {
+    if (std::fmod(t_s, 1.0) < 0.02) b.adc[row] = static_cast<std::uint16_t>(b.adc[row] / 2);
+  };
+  EXPECT_EQ(unsound(rig), "rig_sensor_jumps");
+}
+
+TEST(SelfCheck, names_a_calibration_that_is_not_the_bench_s) {
+  testing::FakeRig rig;
+  rig.change_info().details = {{"reference_calibration", "FT1"}, {"reference_calibration_expected", "FT2"}};
+  EXPECT_EQ(unsound(rig), "rig_reference_identity");
 }
 
 TEST(SelfCheck, does_not_pass_a_rig_that_gave_nothing) {

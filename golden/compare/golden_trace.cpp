@@ -1,0 +1,246 @@
+#include "golden/compare/golden_trace.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "hil/base/text.h"
+
+namespace forcegate {
+namespace {
+
+constexpr std::size_t kKept = 80;
+
+std::string tolerance_line(const char* curve, const TubeOptions& o) {
+  return fmt::format("tolerance {} absolute {} relative {} scale {} time_s {} lag_limit_s {}\n", curve,
+                     shortest(o.absolute), shortest(o.relative), shortest(o.scale), shortest(o.time_s),
+                     shortest(o.lag_limit_s));
+}
+
+// Reads the lines of a golden one after the other and says where it stopped.
+class Reader {
+ public:
+  Reader(std::string_view text, std::string name) : name_(std::move(name)) {
+    for (const std::string& line : split(std::string(text), '\n'))
+      if (++lines_; !line.empty() && line[0] != '#') rows_.push_back({lines_, split(line, ' ')});
+  }
+  bool more() const { return at_ < rows_.size(); }
+  const std::vector<std::string>& words() const { return rows_[at_].second; }
+  void next() { ++at_; }
+  Unexpected bad(const std::string& what) const {
+    const std::size_t line = more() ? rows_[at_].first : lines_;
+    return fail(ErrorCode::parse, what, fmt::format("{}:{}", name_, line), "record and bless the golden again");
+  }
+  static bool number(const std::string& word, double& value) {
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
+  }
+  static bool count(const std::string& word, std::size_t& value) {
+    double d = 0.0;
+    if (!number(word, d) || d < 0.0 || d > 1e9 || d != std::floor(d)) return false;
+    value = static_cast<std::size_t>(d);
+    return true;
+  }
+
+ private:
+  std::string name_;
+  std::size_t lines_ = 0, at_ = 0;
+  std::vector<std::pair<std::size_t, std::vector<std::string>>> rows_;
+};
+
+bool read_tolerance(const std::vector<std::string>& w, GoldenTrace& golden) {
+  if (w.size() != 12) return false;
+  TubeOptions o;
+  const std::pair<const char*, double*> fields[] = {{"absolute", &o.absolute},
+                                                    {"relative", &o.relative},
+                                                    {"scale", &o.scale},
+                                                    {"time_s", &o.time_s},
+                                                    {"lag_limit_s", &o.lag_limit_s}};
+  for (std::size_t k = 0; k < 5; ++k)
+    if (w[2 + 2 * k] != fields[k].first || !Reader::number(w[3 + 2 * k], *fields[k].second)) return false;
+  if (w[1] == "ati") return golden.ati = o, true;
+  if (w[1] == "firmware") return golden.firmware = o, true;
+  return false;
+}
+
+Result<void> read_window(Reader& r, GoldenTrace& golden) {
+  GoldenWindow window;
+  std::size_t rows = 0;
+  const auto& w = r.words();
+  if (w.size() != 4 || !Reader::number(w[1], window.t0_s) || !Reader::number(w[2], window.step_s) ||
+      !Reader::count(w[3], rows) || !(window.step_s > 0.0) || rows == 0)
+    return r.bad("a window wants first instant, step and rows");
+  r.next();
+  for (std::size_t i = 0; i < rows; ++i) {
+    double ati = 0.0, dut = 0.0;
+    if (!r.more() || r.words().size() != 2 || !Reader::number(r.words()[0], ati) ||
+        !Reader::number(r.words()[1], dut))
+      return r.bad(fmt::format("the window ends after {} of {} rows", i, rows));
+    window.ati_N.push_back(static_cast<float>(ati));
+    window.dut_N.push_back(static_cast<float>(dut));
+    r.next();
+  }
+  golden.content.windows.push_back(std::move(window));
+  return {};
+}
+
+double tolerance_N(const TubeOptions& o, double golden_N, double span_N) {
+  return std::max({o.absolute, o.relative * std::fabs(golden_N), o.scale * span_N});
+}
+
+void worse(GoldenComparison& c, double outside, double t_s, std::string what) {
+  if (!(outside > c.outside)) return;
+  c.outside = outside;
+  c.worst_at_s = t_s;
+  if (outside > 1.0) c.cause = std::move(what);
+}
+
+double force(const GoldenExtremum& e, GoldenCurve curve) { return curve == GoldenCurve::ati ? e.ati_N : e.dut_N; }
+const std::vector<float>& values(const GoldenWindow& w, GoldenCurve curve) {
+  return curve == GoldenCurve::ati ? w.ati_N : w.dut_N;
+}
+
+void compare_extrema(const GoldenTrace& g, const GoldenContent& tested, GoldenCurve curve, const TubeOptions& o,
+                     GoldenComparison& out) {
+  double low = 0.0, high = 0.0;
+  for (const GoldenExtremum& e : g.content.extrema) {
+    low = std::min(low == 0.0 ? force(e, curve) : low, force(e, curve));
+    high = std::max(high, force(e, curve));
+  }
+  const auto ratio = [](double deviation, double tolerance) {
+    if (deviation == 0.0) return 0.0;
+    return tolerance > 0.0 ? deviation / tolerance : std::numeric_limits<double>::infinity();
+  };
+  for (std::size_t k = 0; k < g.content.extrema.size(); ++k) {
+    const GoldenExtremum &want = g.content.extrema[k], &got = tested.extrema[k * g.every];
+    const double apart_s = std::fabs(got.t_s - want.t_s);
+    const double apart_N = std::fabs(force(got, curve) - force(want, curve));
+    worse(out, ratio(apart_s, o.time_s), want.t_s,
+          fmt::format("an extremum comes at {:.3f} s, in the golden at {:.3f} s", got.t_s, want.t_s));
+    worse(out, ratio(apart_N, tolerance_N(o, force(want, curve), high - low)), want.t_s,
+          fmt::format("the extremum at {:.3f} s is {:.4f} N, in the golden {:.4f} N", want.t_s, force(got, curve),
+                      force(want, curve)));
+    ++out.n;
+  }
+}
+
+}  // namespace
+
+std::string to_text(const GoldenTrace& g) {
+  std::string out = fmt::format(
+      "forcegate golden 1\n# Made by forcegate bless; do not edit by hand.\nplan {}\ncase {}\nspecimen {}\nseed {}\nrig {}\n"
+      "algorithm {}\n",
+      g.plan, g.case_name, g.specimen, g.seed, g.rig, g.algorithm);
+  for (const auto& [key, value] : g.provenance) out += fmt::format("{} {}\n", key, value);
+  out += tolerance_line("ati", g.ati) + tolerance_line("firmware", g.firmware);
+  const std::size_t all = g.extrema_in_all == 0 ? g.content.extrema.size() : g.extrema_in_all;
+  const bool whole = g.extrema_in_all == 0;
+  // An odd step keeps maxima and minima.
+  std::size_t every = whole ? std::max<std::size_t>(1, (all + kKept - 1) / kKept) : g.every;
+  if (whole && every > 1 && every % 2 == 0) ++every;
+  out += fmt::format("extrema {} every {}\n", all, every);
+  for (std::size_t i = 0; i < g.content.extrema.size(); i += whole ? every : 1) {
+    const GoldenExtremum& e = g.content.extrema[i];
+    out += fmt::format("{} {:.3f} {:.4f} {:.4f}\n", e.maximum ? "max" : "min", e.t_s, e.ati_N, e.dut_N);
+  }
+  for (const GoldenWindow& w : g.content.windows) {
+    out += fmt::format("window {:.3f} {} {}\n", w.t0_s, shortest(w.step_s), w.ati_N.size());
+    for (std::size_t i = 0; i < w.ati_N.size(); ++i) out += fmt::format("{:.4f} {:.4f}\n", w.ati_N[i], w.dut_N[i]);
+  }
+  return out;
+}
+
+Result<GoldenTrace> parse_golden(std::string_view text, const std::string& name) {
+  Reader r(text, name);
+  if (!r.more() || r.words() != std::vector<std::string>{"forcegate", "golden", "1"})
+    return r.bad("this is no golden trace of format 1");
+  r.next();
+  GoldenTrace golden;
+  bool counted = false;
+  while (r.more()) {
+    const auto& w = r.words();
+    if (w[0] == "window") {
+      FORCEGATE_CHECK_OK(read_window(r, golden));
+      continue;
+    }
+    if (w[0] == "max" || w[0] == "min") {
+      GoldenExtremum e{w[0] == "max", 0.0, 0.0, 0.0};
+      if (w.size() != 4 || !Reader::number(w[1], e.t_s) || !Reader::number(w[2], e.ati_N) ||
+          !Reader::number(w[3], e.dut_N))
+        return r.bad("an extremum wants instant, ATI and firmware");
+      golden.content.extrema.push_back(e);
+    } else if (w[0] == "extrema") {
+      counted = w.size() == 4 && Reader::count(w[1], golden.extrema_in_all) && Reader::count(w[3], golden.every) &&
+                golden.every > 0;
+      if (!counted) return r.bad("extrema wants their number and a step");
+    } else if (w[0] == "tolerance") {
+      if (!read_tolerance(w, golden)) return r.bad("a tolerance line is malformed");
+    } else if (w.size() < 2) {
+      return r.bad("a line without a value");
+    } else {
+      std::string value = w[1];
+      for (std::size_t i = 2; i < w.size(); ++i) value += " " + w[i];
+      std::size_t seed = 0;
+      if (w[0] == "plan") golden.plan = value;
+      else if (w[0] == "case") golden.case_name = value;
+      else if (w[0] == "specimen") golden.specimen = value;
+      else if (w[0] == "rig") golden.rig = value;
+      else if (w[0] == "algorithm") golden.algorithm = value;
+      else if (w[0] == "seed" && Reader::count(value, seed)) golden.seed = seed;
+      else golden.provenance[w[0]] = value;
+    }
+    r.next();
+  }
+  if (!counted || golden.case_name.empty() || golden.specimen.empty())
+    return r.bad("the golden lacks its case, specimen or extrema");
+  const std::size_t expected = golden.extrema_in_all == 0 ? 0 : (golden.extrema_in_all - 1) / golden.every + 1;
+  if (golden.content.extrema.size() != expected)
+    return r.bad(fmt::format("the golden holds {} extrema instead of {}", golden.content.extrema.size(), expected));
+  return golden;
+}
+
+Result<GoldenComparison> compare_golden(const GoldenTrace& g, const GoldenContent& tested, GoldenCurve curve) {
+  const TubeOptions& o = curve == GoldenCurve::ati ? g.ati : g.firmware;
+  GoldenComparison out;
+  out.lag_s = std::numeric_limits<double>::quiet_NaN();
+  if (g.content.extrema.empty() && g.content.windows.empty())
+    return fail(ErrorCode::config, "the golden holds neither extrema nor a window", g.case_name, "bless it again");
+  if (tested.extrema.size() != g.extrema_in_all) {
+    out.cause = fmt::format("the record has {} extrema, the golden {}", tested.extrema.size(), g.extrema_in_all);
+    return out;
+  }
+  const auto odd = [&](const GoldenExtremum& e) { return !std::isfinite(force(e, curve)) || !std::isfinite(e.t_s); };
+  if (const auto n = std::count_if(tested.extrema.begin(), tested.extrema.end(), odd); n > 0) {
+    out.cause = fmt::format("{} of {} extrema are not numbers", n, tested.extrema.size());
+    return out;
+  }
+  if (tested.windows.size() != g.content.windows.size()) {
+    out.cause = fmt::format("the record has {} windows, the golden {}", tested.windows.size(), g.content.windows.size());
+    return out;
+  }
+  out.worst_margin_N = std::numeric_limits<double>::infinity();
+  compare_extrema(g, tested, curve, o, out);
+  for (std::size_t k = 0; k < g.content.windows.size(); ++k) {
+    const GoldenWindow &want = g.content.windows[k], &got = tested.windows[k];
+    FORCEGATE_TRY(const TubeResult tube, compare_tube({want.t0_s, want.step_s, values(want, curve)},
+                                                      {got.t0_s, got.step_s, values(got, curve)}, o));
+    if (tube.state == TubeState::not_compared) {
+      out.state = TubeState::not_compared;
+      out.cause = tube.cause;
+      return out;
+    }
+    out.n += tube.n;
+    if (std::isfinite(tube.lag_s) && !(std::fabs(tube.lag_s) <= std::fabs(out.lag_s))) out.lag_s = tube.lag_s;
+    out.worst_margin_N = std::min(out.worst_margin_N, tube.worst_margin);
+    if (tube.state == TubeState::outside)
+      worse(out, std::max(std::nextafter(1.0, 2.0), 1.0 - tube.worst_margin / std::max(1e-9, o.absolute)), tube.worst_at_s,
+            fmt::format("window from {:.1f} s: {}", want.t0_s, tube.cause));
+  }
+  out.state = out.outside <= 1.0 ? TubeState::inside : TubeState::outside;
+  return out;
+}
+
+}  // namespace forcegate

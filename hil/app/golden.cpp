@@ -1,0 +1,163 @@
+#include "hil/app/golden.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "hil/gate/runner.h"
+#include "hil/trace/extrema.h"
+
+namespace forcegate {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+JudgedCheck not_run(const CaseRecord& record, const char* id, const char* title, std::string why, bool required) {
+  JudgedCheck j;
+  j.judgeable = false;
+  j.check.id = id;
+  j.check.case_id = record.id;
+  j.check.title = title;
+  j.check.value = kNan;
+  j.check.verdict = Verdict::not_run;
+  j.check.blame = required ? Blame::user : Blame::none;
+  j.check.required = required;
+  j.check.evidence = std::move(why);
+  return j;
+}
+
+double mre_maxima_pct(const CaseRecord& record, const PlanCase& planned) {
+  std::vector<double> actual, expected;
+  for (const CasePair& p : record.pairs)
+    if (p.maximum && p.t_s >= judged_from_s(planned, record)) {
+      actual.push_back(p.dut_N);
+      expected.push_back(p.ati_N);
+    }
+  return 100.0 * mean_relative_error(actual, expected, 0.1).mean;
+}
+
+double stored_mre(const GoldenTrace& golden) {
+  const auto at = golden.provenance.find("mre_maxima_pct");
+  double value = kNan;
+  if (at != golden.provenance.end())
+    std::from_chars(at->second.data(), at->second.data() + at->second.size(), value);
+  return value;
+}
+
+JudgedCheck compared(const CaseRecord& record, const GoldenTrace& golden, GoldenCurve curve) {
+  const bool rig = curve == GoldenCurve::ati;
+  JudgedCheck j;
+  Check& c = j.check;
+  c.id = rig ? "rig_golden" : "golden_firmware";
+  c.case_id = record.id;
+  c.title = rig ? "ATI against its golden trace, deviation over tolerance"
+                : "Firmware against its golden trace, deviation over tolerance";
+  c.unit = "1";
+  const auto when = golden.provenance.find("date");
+  c.limit = {Limit::Kind::upper, 1.0,
+             fmt::format("golden of {}", when == golden.provenance.end() ? "unknown date" : when->second)};
+  const auto got = compare_golden(golden, golden_content(record), curve);
+  if (!got) return not_run(record, c.id.c_str(), c.title.c_str(), got.error().text, true);
+  c.n = got->n;
+  c.value = got->state == TubeState::not_compared ? kNan : got->outside;
+  c.evidence = got->cause.empty() ? fmt::format("{} extrema and samples, nearest to the edge of the tube {:.4f} N, lag {:+.1f} ms",
+                                                got->n, got->worst_margin_N,
+                                                std::isfinite(got->lag_s) ? 1000.0 * got->lag_s : 0.0)
+                                  : got->cause;
+  if (!rig && got->state != TubeState::not_compared) return j;
+  j.judgeable = false;
+  c.verdict = got->state == TubeState::inside ? Verdict::pass : rig ? Verdict::rig_error : Verdict::inconclusive;
+  c.blame = got->state == TubeState::inside ? Blame::none : rig ? Blame::rig : Blame::firmware;
+  return j;
+}
+
+void hold_against(const GoldenTrace& golden, const PlanCase& planned, const PlayedRecord& one,
+                  std::vector<JudgedCheck>& list, std::vector<std::string>& notes) {
+  const CaseRecord& record = one.record;
+  const std::string rig = record.rig.name + "/" + record.rig.version;
+  if (golden.rig != rig) {
+    list.push_back(not_run(record, "rig_golden", "ATI against its golden trace",
+                           fmt::format("the golden is of rig {}, this is {}", golden.rig, rig), false));
+    return;
+  }
+  if (planned.loop == LoopMode::open) list.push_back(compared(record, golden, GoldenCurve::ati));
+  const char* why = golden.algorithm != record.firmware.algorithm_id ? "the golden is of another algorithm"
+                    : golden.seed != one.job.seed                    ? "the golden is of another seed"
+                                                                     : nullptr;
+  if (why != nullptr) {
+    list.push_back(not_run(record, "golden_firmware", "Firmware against its golden trace", why, false));
+    return;
+  }
+  list.push_back(compared(record, golden, GoldenCurve::firmware));
+  const double now = mre_maxima_pct(record, planned), then = stored_mre(golden);
+  if (list.back().check.value > 1.0 && now < then)
+    notes.push_back(fmt::format(
+        "the golden of {} looks stale: the build leaves it and is nearer to the ATI (MRE of the maxima {:.2f} % instead "
+        "of {:.2f} %); if that is meant: forcegate bless RUN --reason ... --who ...",
+        record.id, now, then));
+}
+
+}  // namespace
+
+std::string golden_file_name(const std::string& case_name, const std::string& specimen) {
+  std::string name = case_name + "@" + specimen + ".golden";
+  std::replace(name.begin(), name.end(), '/', '-');
+  std::replace(name.begin(), name.end(), ':', '-');
+  return name;
+}
+
+GoldenContent golden_content(const CaseRecord& record) {
+  GoldenContent content;
+  for (const CasePair& p : record.pairs) content.extrema.push_back({p.maximum, p.t_s, p.ati_N, p.dut_N});
+  for (const RecordWindow& w : record.waveform) content.windows.push_back({w.t0_s, w.step_s, w.ati_N, w.dut_N});
+  return content;
+}
+
+Result<std::vector<GoldenTrace>> read_goldens(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".golden") paths.push_back(entry.path());
+  std::sort(paths.begin(), paths.end());
+  std::vector<GoldenTrace> goldens;
+  for (const fs::path& path : paths) {
+    std::ifstream in(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    FORCEGATE_TRY(goldens.emplace_back(), parse_golden(text, path.string()));
+  }
+  return goldens;
+}
+
+ChecksByRecord golden_checks(const RunMaterial& m, const std::vector<GoldenTrace>& goldens,
+                             std::vector<std::string>& notes) {
+  ChecksByRecord checks;
+  for (std::size_t c = 0; c < m.plan.cases.size(); ++c) {
+    const PlanCase& planned = m.plan.cases[c];
+    if (!(planned.checks & kCheckGolden)) continue;
+    const PlayedRecord* first = nullptr;
+    bool any = false;
+    for (std::size_t k = 0; k < m.records.size(); ++k) {
+      const PlayedRecord& one = m.records[k];
+      if (one.case_index != c || one.superseded || one.job.session != 0) continue;
+      if (first == nullptr) first = &one;
+      const auto golden = std::find_if(goldens.begin(), goldens.end(), [&](const GoldenTrace& g) {
+        return g.case_name == planned.name && g.specimen == one.job.specimen;
+      });
+      if (golden == goldens.end()) continue;
+      any = true;
+      if (!one.record.failure) hold_against(*golden, planned, one, checks[k], notes);  // a failure is a finding of its own
+    }
+    if (!any && first != nullptr)
+      checks[static_cast<std::size_t>(first - m.records.data())].push_back(
+          not_run(first->record, "golden", "Golden trace",
+                  "there is no golden for " + planned.name + ": bless a run (forcegate bless)", true));
+  }
+  return checks;
+}
+
+}  // namespace forcegate

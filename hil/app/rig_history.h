@@ -1,0 +1,54 @@
+#pragma once
+// What a rig's self-checks gave over time, and the control chart that says when the rig (not a firmware) has changed.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hil/base/result.h"
+#include "hil/interface/run_result.h"
+
+namespace forcegate {
+
+/// One self-check. The history is a text file, one JSON object a line, only ever appended to.
+struct RigVisit {
+  std::string date;      ///< ISO 8601
+  std::string rig;       ///< "emulated/1 emulated-flexiforce": name, version, id
+  std::string firmware_sha256;
+  std::string decision;  ///< "ACCEPT" ...
+  std::map<std::string, double> values;  ///< "rig_reference_zero" -> 0.004
+};
+
+/// Values of all rig checks and of the known-good build's errors, the worst over the records of the run.
+RigVisit visit_of(const RunResult& result);
+
+/// None when there is no file. Errors (parse) name the line.
+Result<std::vector<RigVisit>> read_history(const std::filesystem::path& path);
+Result<void> append_visit(const std::filesystem::path& path, const RigVisit& visit);
+
+/// Chart of one quantity: centre and spread from the first kBaseline visits (moving range / 1.128), then
+///   individuals: |x - centre| <= 3 s                                                              (Shewhart)
+///   EWMA: z_i = 0.2 x_i + 0.8 z_(i-1), |z_i - centre| <= 3 s sqrt(0.2 / 1.8 (1 - 0.8^(2 i)))      (Roberts 1959)
+/// The spread is never taken below `resolution`: a quantity that did not vary at all is no reason for an alarm at its
+/// first last digit.
+struct ControlChart {
+  static constexpr std::size_t kBaseline = 20, kNeeded = 8;
+  std::string quantity;
+  std::vector<double> x, ewma;
+  double centre = 0.0, s = 0.0;
+  bool enough = false;         ///< at least kNeeded visits before the last
+  bool in_control = true;      ///< of the last visit
+  std::string text;            ///< why not
+};
+ControlChart control_chart(const std::string& quantity, const std::vector<double>& x, double resolution);
+
+/// One chart a quantity of the last visit, over the visits of the same rig.
+std::vector<ControlChart> control_charts(const std::vector<RigVisit>& history);
+
+/// Share of a one-sided tolerance that the rig's own repeatability takes: %GRR = 100 * 3 s / limit for an error that cannot
+/// be below 0 (AIAG MSA: below 10 good, above 30 the gauge cannot judge that limit).
+double gauge_share_pct(double s, double limit);
+inline constexpr double kGaugeRefused_pct = 30.0;
+
+}  // namespace forcegate

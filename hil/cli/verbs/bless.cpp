@@ -1,0 +1,45 @@
+#include "hil/app/bless.h"
+
+#include "hil/cli/command.h"
+
+namespace forcegate {
+namespace {
+
+Result<int> run(const Invocation& in) {
+  BlessRequest request;
+  request.source = in.text("SOURCE");
+  request.who = in.text("who");
+  request.reason = in.text("reason");
+  if (in.given("goldens")) request.goldens = in.text("goldens");
+  request.dry_run = in.flag("dry-run");
+  FORCEGATE_TRY(const BlessAnswer answer, bless(request));
+  in.console().print(bless_text(answer));
+  in.console().print_json(bless_json(answer));
+  in.console().next(answer.written ? "commit the goldens together with " + answer.governance.string()
+                                   : "forcegate bless SOURCE --reason ... --who ...");
+  return kExitSuccess;
+}
+
+const Registration<Command> kRow{Command{
+    .name = "bless",
+    .group = "Gate",
+    .summary = "make a run's traces, or derived limits, the new golden ones",
+    .description =
+        "Goldens and derived limits change in no other way. SOURCE is the folder of a run that is accepted apart from its "
+        "goldens, or a file made by forcegate limits. The table says what changes; a line in CHANGES.md beside the goldens "
+        "keeps date, name, reason, firmware hash, rig and calibration.\n\nA golden keeps its tolerances when it is renewed: "
+        "they are edited by hand, in the file, and show in the review.",
+    .positionals = {{.name = "SOURCE", .doc = "Folder of a run, or a limits file."}},
+    .options = {{.name = "reason", .value_name = "TEXT", .doc = "Why it changes.", .required = true},
+                {.name = "who", .value_name = "NAME", .doc = "Who answers for it.", .required = true},
+                {.name = "goldens", .value_name = "FOLDER", .doc = "Where the goldens are; default: as the plan says."},
+                {.name = "dry-run", .value_name = "", .doc = "Only show what would change."}},
+    .examples = {{"forcegate bless run --reason \"first goldens of the smoke plan\" --who \"A. Smith\"",
+                  "After an accepted run:"},
+                 {"forcegate bless new.toml --reason \"spring replaced\" --who \"A. Smith\" --dry-run",
+                  "What would new limits change?"}},
+    .run = run,
+}};
+
+}  // namespace
+}  // namespace forcegate

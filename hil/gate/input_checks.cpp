@@ -1,0 +1,85 @@
+#include "hil/gate/input_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace forcegate {
+namespace {
+
+constexpr double kInputLagShare = 0.6;
+constexpr double kCalibrationFits = 0.25;
+constexpr double kCalibrationFloor_N = 0.1;
+constexpr double kFirstSwing_s = 25.0;  // one cycle at 0.05 Hz and the ramp
+
+Check to_check(std::string id, std::string title, double value, std::string unit, double limit, Blame blame,
+               std::string evidence) {
+  Check c;
+  c.id = std::move(id);
+  c.title = std::move(title);
+  c.value = value;
+  c.unit = std::move(unit);
+  c.limit = {Limit::Kind::upper, limit, "ours: rig self-check"};
+  c.verdict = value <= limit ? Verdict::pass : Verdict::rig_error;
+  c.blame = c.verdict == Verdict::pass ? Blame::none : blame;
+  c.evidence = std::move(evidence);
+  return c;
+}
+
+std::optional<Check> sensor_sync(const Plan& plan, const CaseRecord& record) {
+  if (!std::isfinite(record.raw_lag_s) || !record.facts.dynamic) return std::nullopt;
+  return to_check("rig_sensor_sync", "Lag of the sensor's codes behind the ATI", std::fabs(record.raw_lag_s), "s",
+                  kInputLagShare * plan.limits.lag_s, Blame::link,
+                  fmt::format("the codes are {:+.1f} ms behind the ATI", 1000.0 * record.raw_lag_s));
+}
+
+// Departure over tolerance: <= 1 fits.
+double departure(double raw_N, double ati_N) {
+  return std::fabs(raw_N - ati_N) / (kCalibrationFits * std::fabs(ati_N) + kCalibrationFloor_N);
+}
+
+// Swing of the first minimum and maximum after the excitation began, where the converter has room for both.
+std::optional<std::pair<double, double>> first_swing(const CaseRecord& record) {
+  const CasePair* low = nullptr;
+  const CasePair* high = nullptr;
+  for (const CasePair& p : record.pairs) {
+    if (p.t_s < record.facts.excitation_start_s || !std::isfinite(p.raw_N + p.ati_N)) continue;
+    const CasePair*& slot = p.maximum ? high : low;
+    if (slot == nullptr) slot = &p;
+    if (low != nullptr && high != nullptr) break;
+  }
+  if (low == nullptr || high == nullptr) return std::nullopt;
+  if (std::max(low->t_s, high->t_s) > record.facts.excitation_start_s + kFirstSwing_s) return std::nullopt;
+  const Calibration& c = record.calibration;
+  const double top_N = c.offset_N + c.gain_N_per_V * c.v_range_V;
+  if (low->ati_N < c.offset_N + 0.1 || high->ati_N > top_N - 0.1) return std::nullopt;
+  return std::pair(high->raw_N - low->raw_N, high->ati_N - low->ati_N);
+}
+
+std::optional<Check> calibration_fits(const CaseRecord& record) {
+  if (!record.rig.can_move || record.calibration.level == CalibrationLevel::nominal) return std::nullopt;
+  if (!std::isfinite(record.early_raw_N)) return std::nullopt;
+  double worst = departure(record.early_raw_N, record.early_ati_N);
+  std::string evidence = fmt::format("calibration '{}' makes {:.3f} N of {:.3f} N over the first 3 s", record.calibration.id,
+                                     record.early_raw_N, record.early_ati_N);
+  if (const auto swing = first_swing(record)) {
+    worst = std::max(worst, departure(swing->first, swing->second));
+    evidence += fmt::format(", {:.3f} N of the first swing of {:.3f} N", swing->first, swing->second);
+  }
+  return to_check("rig_calibration_fits", "Calibration that was loaded against the ATI, departure over tolerance", worst, "1",
+                  1.0, Blame::calibration, std::move(evidence));
+}
+
+}  // namespace
+
+std::vector<Check> input_checks(const Plan& plan, const CaseRecord& record) {
+  std::vector<Check> checks;
+  if (auto check = sensor_sync(plan, record)) checks.push_back(std::move(*check));
+  if (auto check = calibration_fits(record)) checks.push_back(std::move(*check));
+  return checks;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,137 @@
+#include "hil/gate/run_judge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "hil/gate/case_result.h"
+#include "hil/gate/decision.h"
+
+namespace forcegate {
+namespace {
+
+// Checks of others obey the order of a record's own: rig first. One of them that finds the rig at fault takes the record
+// out of the judgement; arithmetic on the same codes stays judged.
+void add_checks(const std::vector<JudgedCheck>& others, JudgedCase& one) {
+  const auto cause = [](const std::vector<JudgedCheck>& checks) -> const Check* {
+    for (const JudgedCheck& j : checks)
+      if (j.check.verdict == Verdict::rig_error) return &j.check;
+    return nullptr;
+  };
+  const Check* const own = cause(one.checks);
+  for (JudgedCheck j : others) {
+    if (!one.sound && j.judgeable) {
+      j.judgeable = false;
+      j.check.verdict = own != nullptr ? Verdict::rig_error : Verdict::inconclusive;
+      j.check.blame = own != nullptr ? own->blame : Blame::rig;
+    }
+    one.checks.push_back(std::move(j));
+  }
+  const Check* const found = own == nullptr ? cause(others) : nullptr;
+  if (found == nullptr) return;
+  one.sound = false;
+  one.maxima.usable = one.minima.usable = false;
+  for (JudgedCheck& j : one.checks)
+    if (j.judgeable && j.check.id != "conformance") {
+      j.judgeable = false;
+      j.check.verdict = Verdict::rig_error;
+      j.check.blame = found->blame;
+    }
+}
+
+}  // namespace
+
+std::vector<JudgedCheck*> all_checks(std::vector<JudgedCheck>& of_run, std::vector<PlayedRecord>& records) {
+  std::vector<JudgedCheck*> all;
+  for (JudgedCheck& check : of_run) all.push_back(&check);
+  for (PlayedRecord& one : records)
+    if (!one.superseded)
+      for (JudgedCheck& check : one.judged.checks) all.push_back(&check);
+  return all;
+}
+
+std::vector<JudgedCheck> judge_records(const Plan& plan, const DerivedLimits& limits,
+                                       std::vector<PlayedRecord>& records, const ChecksByRecord& others) {
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    PlayedRecord& one = records[i];
+    one.judged = judge_case(plan, plan.cases[one.case_index], one.record, limits);
+    if (const auto at = others.find(i); at != others.end()) add_checks(at->second, one.judged);
+  }
+  std::vector<JudgedCheck> of_run;
+  for (std::size_t k = 0; k < plan.cases.size(); ++k) {
+    std::vector<SpecimenSessions> table;
+    for (const std::string& specimen : specimens_of(plan, plan.cases[k])) table.push_back({specimen, {}});
+    for (PlayedRecord& one : records)
+      if (one.case_index == k && !one.superseded) table[one.specimen_index].sessions.push_back(&one.judged);
+    for (JudgedCheck& check : judge_panel(plan, plan.cases[k], table)) of_run.push_back(std::move(check));
+  }
+  std::vector<JudgedCheck*> all = all_checks(of_run, records);
+  apply_rule(plan.rule, all);
+  return of_run;
+}
+
+std::vector<JudgedCheck> judge_material(RunMaterial& material, const ChecksByRecord& others) {
+  std::vector<JudgedCheck> of_run = judge_records(material.plan, material.limits, material.records, others);
+  of_run.insert(of_run.end(), material.compared.begin(), material.compared.end());
+  return of_run;
+}
+
+namespace {
+
+CaseResult case_of(const Plan& plan, const PlayedRecord& one) {
+  JudgedCase judged = one.judged;
+  if (one.superseded)
+    for (JudgedCheck& j : judged.checks) j.check.required = false;
+  CaseResult c = to_case_result(plan.cases[one.case_index], one.job, one.record, judged, one.job.curves);
+  c.attempts = one.job.attempt;
+  if (!one.superseded) return c;
+  c.id += fmt::format("/attempt{}", one.job.attempt);
+  for (Check& check : c.checks) check.case_id = c.id;
+  c.note += fmt::format("{}the rig was at fault in attempt {}, a later attempt stands for this record",
+                        c.note.empty() ? "" : "; ", one.job.attempt);
+  return c;
+}
+
+}  // namespace
+
+RunResult to_run_result(const RunMaterial& material, const std::vector<JudgedCheck>& of_run) {
+  RunResult result = material.head;
+  RunEvents events;
+  events.level = material.level;
+  events.cancelled = material.cancelled;
+  std::vector<const Check*> all;
+  for (const JudgedCheck& check : of_run) all.push_back(&check.check);
+  std::vector<const PlayedRecord*> order;
+  for (const PlayedRecord& one : material.records) {
+    order.push_back(&one);
+    if (one.superseded) continue;
+    const JudgedCase& j = one.judged;
+    for (const JudgedCheck& check : j.checks) all.push_back(&check.check);
+    events.cancelled = events.cancelled || j.cancelled;
+    if (j.harness_error && !events.harness_error) {
+      events.harness_error = true;
+      events.harness_text = j.harness_text;
+    }
+    if (j.safety_stop) {
+      if (!events.safety_stop || !j.safety_cause_decided) events.safety_text = j.safety_text;
+      events.safety_stop = true;
+      events.safety_cause_decided = events.safety_cause_decided && j.safety_cause_decided;
+    }
+  }
+  result.decision = decide(all, material.plan.rule, events);
+  for (const PlayedRecord& one : material.records)
+    if (!one.record.firmware.algorithm_id.empty()) {
+      result.firmware = one.record.firmware;
+      result.rig = one.record.rig;
+      break;
+    }
+  for (const JudgedCheck& check : of_run) result.checks.push_back(check.check);
+  std::stable_sort(order.begin(), order.end(), [](const PlayedRecord* a, const PlayedRecord* b) {
+    return std::pair(a->case_index, a->specimen_index) < std::pair(b->case_index, b->specimen_index);
+  });
+  for (const PlayedRecord* one : order) result.cases.push_back(case_of(material.plan, *one));
+  return result;
+}
+
+}  // namespace forcegate

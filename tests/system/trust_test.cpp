@@ -1,0 +1,172 @@
+// Bundles, goldens, waivers, rig qualification and the fault matrix as a lab uses them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr const char* kGood = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
+constexpr const char* kOff = FORCEGATE_BINARY_DIR "/firmware/mutants/compensation_off.native.so";
+constexpr const char* kGain = FORCEGATE_BINARY_DIR "/firmware/mutants/gain_2pct.native.so";
+const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(14)};
+
+ProcessResult run(const std::vector<std::string>& line) { return forcegate(line, kHere); }
+
+class Trust : public ::testing::Test {
+ protected:
+  TemporaryFolder folder;
+  std::string gated(const char* image, const std::string& name, std::vector<std::string> more = {}) {
+    std::vector<std::string> line{"gate", image, "--plan", "faults", "-o", folder / name};
+    line.insert(line.end(), more.begin(), more.end());
+    const ProcessResult r = run(line);
+    EXPECT_NE(r.exit_code, 2) << r.err;
+    return folder / name;
+  }
+};
+
+TEST_F(Trust, a_stored_run_gives_the_same_result_byte_for_byte_and_can_be_played_again) {
+  const std::string stored = gated(kGood, "run");
+  const ProcessResult r = run({"check", stored, "--replay"});
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  EXPECT_THAT(r.out, HasSubstr("byte for byte"));
+  EXPECT_THAT(r.out, HasSubstr("2 records played again"));
+}
+
+TEST_F(Trust, a_rejected_run_is_measured_again_from_the_samples_it_kept) {
+  const std::string stored = gated(kOff, "run");
+  const ProcessResult r = run({"check", stored});
+  EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
+  EXPECT_THAT(r.out, HasSubstr("measured again from their samples"));
+  EXPECT_THAT(r.out, HasSubstr("byte for byte"));
+}
+
+TEST_F(Trust, a_changed_file_of_a_bundle_is_named) {
+  const std::string stored = gated(kGood, "run");
+  std::string records = read_text(fs::path(stored) / "bundle/records.jsonl");
+  const std::size_t at = records.find("\"lag\":");
+  ASSERT_NE(at, std::string::npos);
+  records[at + 6] = '9';
+  std::ofstream(fs::path(stored) / "bundle/records.jsonl", std::ios::binary) << records;
+  const ProcessResult r = run({"check", stored});
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_THAT(r.err, HasSubstr("records.jsonl"));
+}
+
+TEST_F(Trust, the_same_records_are_rejected_under_a_tighter_plan) {
+  const std::string stored = gated(kGood, "run");
+  std::string plan = read_text(fs::path(FORCEGATE_SOURCE_DIR) / "ci/plans/faults.toml");
+  for (std::size_t at; (at = plan.find("maxima_pct = 8")) != std::string::npos;) plan.replace(at, 14, "maxima_pct = 0.1");
+  const std::string tight = folder / "tight.toml";
+  std::ofstream(tight) << plan;
+  const ProcessResult r = run({"check", stored, "--plan", tight});
+  EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
+  EXPECT_THAT(r.out, HasSubstr("under the limits of the run: ACCEPT"));
+}
+
+TEST_F(Trust, diff_shows_what_a_gain_error_does_with_uncertainty) {
+  const std::string a = gated(kGood, "a"), b = gated(kGain, "b");
+  const ProcessResult r = run({"diff", a, b, "--json"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const Json diff = Json::parse(r.out);
+  EXPECT_TRUE(diff["same_conditions"].get<bool>());
+  bool seen = false;
+  for (const Json& c : diff["checks"])
+    if (c["check"] == "mre_maxima" && c["case"] == "sine/q50") {
+      seen = true;
+      EXPECT_GT(std::abs(c["delta"].get<double>()), 0.3);
+      EXPECT_GT(c["u"].get<double>(), 0.0);
+    }
+  EXPECT_TRUE(seen) << r.out;
+}
+
+// The matrix: no fault of rig, reference, sensor, link or board accepts or rejects a build, and the right party is blamed.
+TEST_F(Trust, no_fault_of_the_rig_accepts_or_rejects_a_build) {
+  const ProcessResult r = run({"bench", "faults", kGood, "--bad", kOff, "--json"});
+  const Json matrix = Json::parse(r.out, nullptr, false);
+  ASSERT_FALSE(matrix.is_discarded()) << r.out << r.err;
+  EXPECT_EQ(matrix["wrong"].get<int>(), 0);
+  for (const Json& row : matrix["faults"])
+    EXPECT_EQ(row["wrong"].get<std::string>(), "") << row["fault"] << " " << row["magnitude"] << ": " << row["good"]["reason"];
+  EXPECT_GE(matrix["faults"].size(), 45u);
+  EXPECT_EQ(r.exit_code, 0);
+}
+
+TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
+  std::string plan = read_text(fs::path(FORCEGATE_SOURCE_DIR) / "ci/plans/faults.toml");
+  plan.replace(plan.find("\"accuracy\"]"), 11, "\"accuracy\", \"golden\"]");
+  plan.replace(plan.find("learning_s"), 0, "goldens = \"goldens/faults\"\n");
+  const std::string path = folder / "plan.toml";
+  std::ofstream(path) << plan;
+  const auto gate = [&](const char* image, const std::string& name) {
+    return run({"gate", image, "--plan", path, "--case", "sine", "-o", folder / name});
+  };
+  const ProcessResult missing = gate(kGood, "first");
+  EXPECT_EQ(missing.exit_code, 3) << missing.out;
+  EXPECT_THAT(missing.out, HasSubstr("no golden"));
+
+  const std::string goldens = folder / "goldens/faults";
+  EXPECT_EQ(run({"bless", folder / "first", "--who", "A. Smith", "--reason", " ", "--goldens", goldens}).exit_code, 2);
+  const ProcessResult blessed =
+      run({"bless", folder / "first", "--who", "A. Smith", "--reason", "first golden", "--goldens", goldens});
+  EXPECT_EQ(blessed.exit_code, 0) << blessed.out << blessed.err;
+  EXPECT_THAT(read_text(fs::path(folder / "goldens") / "CHANGES.md"), HasSubstr("first golden"));
+
+  const ProcessResult held = gate(kGood, "second");
+  EXPECT_EQ(held.exit_code, 0) << held.out;
+  const ProcessResult changed = gate(kGain, "third");
+  EXPECT_EQ(changed.exit_code, 1) << changed.out;
+  const ProcessResult again = run({"bless", folder / "second", "--who", "B", "--reason", "nothing new", "--goldens", goldens});
+  EXPECT_THAT(again.out, HasSubstr("unchanged"));
+  EXPECT_EQ(run({"bless", folder / "third", "--who", "B", "--reason", "x", "--goldens", goldens}).exit_code, 2)
+      << "a rejected run is never golden";
+}
+
+TEST_F(Trust, a_waiver_holds_until_its_day) {
+  const std::string waivers = folder / "waivers.toml";
+  std::ofstream(waivers) << "format = 1\n";
+  for (const char* check : {"mre_maxima", "mre_minima", "promise_maxima", "promise_minima", "conformance", "hold_amplification"})
+    std::ofstream(waivers, std::ios::app) << "[[waiver]]\ncase = \"*\"\ncheck = \"" << check
+                                          << "\"\nowner = \"A. Smith\"\nreason = \"known\"\nexpires = \"2026-12-31\"\n";
+  const auto on = [&](const std::string& day) {
+    return run({"gate", kOff, "--plan", "faults", "--waivers", waivers, "--today", day, "-o", folder / "run"});
+  };
+  const ProcessResult before = on("2026-12-31"), after = on("2027-01-01");
+  EXPECT_EQ(before.exit_code, 0) << before.out;
+  EXPECT_THAT(before.out, HasSubstr("waived"));
+  EXPECT_EQ(after.exit_code, 1) << after.out;
+  EXPECT_EQ(run({"check", folder / "run", "--today", "2026-06-01"}).exit_code, 0);
+}
+
+TEST_F(Trust, a_rig_is_found_fit_and_its_visits_are_charted) {
+  const std::string history = folder / "bench.jsonl";
+  for (int i = 0; i < 9; ++i) {
+    const ProcessResult r =
+        run({"bench", "selfcheck", kGood, "--seed", std::to_string(i + 1), "--history", history, "-o", folder / "s"});
+    EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  }
+  const ProcessResult other =
+      run({"bench", "selfcheck", kOff, "--seed", "1", "--history", history, "-o", folder / "s", "--json"});
+  EXPECT_EQ(other.exit_code, 4) << "a build that is not known to be good";
+  EXPECT_EQ(Json::parse(other.out)["visits"].get<int>(), 10);
+}
+
+TEST_F(Trust, repeatability_writes_only_limits_that_the_rig_resolves) {
+  const std::string limits = folder / "limits.toml";
+  const ProcessResult r = run({"bench", "repeatability", kGood, "--count", "6", "-o", limits});
+  EXPECT_THAT(r.out, HasSubstr("%GRR"));
+  EXPECT_THAT(read_text(limits), HasSubstr("rig = \"emulated/1 emulated-flexiforce\""));
+  EXPECT_TRUE(r.exit_code == 0 || r.exit_code == 3) << r.err;
+}
+
+}  // namespace
+}  // namespace forcegate::test

@@ -1,0 +1,92 @@
+#include "hil/app/rig_history.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "hil/base/rng.h"
+
+namespace forcegate {
+namespace {
+
+std::vector<double> steady(int n, std::uint64_t seed = 3) {
+  Rng rng(seed, "visits");
+  std::vector<double> x;
+  for (int i = 0; i < n; ++i) x.push_back(rng.normal(0.010, 0.001));
+  return x;
+}
+
+TEST(ControlChart, says_nothing_before_there_are_enough_visits) {
+  std::vector<double> x = steady(5);
+  x.push_back(1.0);
+  const ControlChart c = control_chart("noise", x, 1e-6);
+  EXPECT_FALSE(c.enough);
+  EXPECT_TRUE(c.in_control);
+}
+
+TEST(ControlChart, a_steady_rig_stays_in_control) {
+  int alarms = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) alarms += !control_chart("noise", steady(40, seed), 1e-6).in_control;
+  EXPECT_LE(alarms, 12) << "two charts at three standard deviations, spread from 20 visits";
+}
+
+TEST(ControlChart, a_jump_is_seen_at_once) {
+  std::vector<double> x = steady(25);
+  x.push_back(0.016);
+  const ControlChart c = control_chart("noise", x, 1e-6);
+  EXPECT_FALSE(c.in_control);
+  EXPECT_NE(c.text.find("standard deviations"), std::string::npos) << c.text;
+}
+
+TEST(ControlChart, a_slow_drift_is_seen_by_the_moving_mean_before_any_single_value_is_out) {
+  std::vector<double> x = steady(25);
+  const std::vector<double> later = steady(40, 8);
+  bool seen = false;
+  for (int i = 0; i < 40 && !seen; ++i) {
+    x.push_back(later[static_cast<std::size_t>(i)] + 0.0012);
+    const ControlChart c = control_chart("noise", x, 1e-6);
+    if (c.in_control) continue;
+    seen = true;
+    EXPECT_NE(c.text.find("drifted"), std::string::npos) << c.text;
+  }
+  EXPECT_TRUE(seen);
+}
+
+TEST(ControlChart, a_quantity_that_never_varied_alarms_at_its_resolution_and_not_below) {
+  std::vector<double> x(12, 0.5);
+  x.push_back(0.5 + 1e-7);
+  EXPECT_TRUE(control_chart("slope", x, 1e-4).in_control);
+  x.back() = 0.51;
+  EXPECT_FALSE(control_chart("slope", x, 1e-4).in_control);
+}
+
+TEST(RigHistory, keeps_every_visit_and_charts_only_those_of_the_same_rig) {
+  const auto path = std::filesystem::temp_directory_path() / "forcegate_rig_history_test.jsonl";
+  std::filesystem::remove(path);
+  for (int i = 0; i < 12; ++i) {
+    RigVisit v{"2026-11-21T08:00:00Z", i % 2 ? "bench A" : "bench B", "abc", "ACCEPT", {{"rig_reference_zero", 0.001 * i}}};
+    ASSERT_TRUE(append_visit(path, v));
+  }
+  const auto history = read_history(path);
+  ASSERT_TRUE(history);
+  ASSERT_EQ(history->size(), 12u);
+  const auto charts = control_charts(*history);
+  ASSERT_EQ(charts.size(), 1u);
+  EXPECT_EQ(charts[0].x.size(), 6u);
+  std::ofstream(path, std::ios::app) << "not a visit\n";
+  const auto damaged = read_history(path);
+  ASSERT_FALSE(damaged);
+  EXPECT_NE(damaged.error().where.find(":13"), std::string::npos);
+  std::filesystem::remove(path);
+}
+
+TEST(GaugeShare, a_rig_that_scatters_by_a_tenth_of_the_limit_is_at_the_edge) {
+  EXPECT_NEAR(gauge_share_pct(0.45, 4.5), kGaugeRefused_pct, 1e-9);
+  EXPECT_GT(gauge_share_pct(1.0, 4.5), kGaugeRefused_pct);
+  EXPECT_TRUE(std::isinf(gauge_share_pct(1.0, 0.0)));
+}
+
+}  // namespace
+}  // namespace forcegate

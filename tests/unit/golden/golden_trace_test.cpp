@@ -1,0 +1,153 @@
+#include "golden/compare/golden_trace.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace forcegate {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+GoldenContent sine(double gain = 1.0, double lag_s = 0.0) {
+  GoldenContent c;
+  const auto force = [&](double t_s) { return gain * (2.0 + std::sin(3.14159265358979 * (t_s - lag_s))); };
+  for (int k = 0; k < 200; ++k)
+    c.extrema.push_back({k % 2 == 0, 0.5 + k + lag_s, force(0.5 + k + lag_s), force(0.5 + k + lag_s)});
+  for (const double t0_s : {2.0, 100.0, 190.0}) {
+    GoldenWindow w{t0_s, 0.05, {}, {}};
+    for (int i = 0; i < 101; ++i) {
+      w.ati_N.push_back(static_cast<float>(force(t0_s + 0.05 * i)));
+      w.dut_N.push_back(w.ati_N.back());
+    }
+    c.windows.push_back(std::move(w));
+  }
+  return c;
+}
+
+GoldenTrace golden() {
+  GoldenTrace g;
+  g.plan = "smoke";
+  g.case_name = "sine";
+  g.specimen = "q50";
+  g.seed = 7;
+  g.rig = "emulated/1";
+  g.algorithm = "lebosse-eq7/1";
+  g.provenance = {{"who", "A. Smith"}, {"reason", "first one"}};
+  g.ati = {.absolute = 0.02, .time_s = 0.01, .lag_limit_s = 0.01};
+  g.firmware = {.relative = 0.02, .time_s = 0.01, .lag_limit_s = 0.01};
+  g.content = sine();
+  return *parse_golden(to_text(g), "golden");
+}
+
+GoldenComparison compare(const GoldenTrace& g, const GoldenContent& tested, GoldenCurve curve = GoldenCurve::ati) {
+  const auto result = compare_golden(g, tested, curve);
+  EXPECT_TRUE(result) << (result ? "" : result.error().to_text());
+  return result.value_or(GoldenComparison{});
+}
+
+TEST(GoldenTrace, survives_being_written_and_read_and_says_where_it_is_from) {
+  const GoldenTrace g = golden();
+  EXPECT_EQ(to_text(*parse_golden(to_text(g), "again")), to_text(g));
+  EXPECT_EQ(g.provenance.at("reason"), "first one");
+  EXPECT_EQ(g.extrema_in_all, 200u);
+  EXPECT_LE(g.content.extrema.size(), 80u);
+  EXPECT_LT(to_text(g).size(), 20000u) << "a person must be able to read it";
+}
+
+TEST(GoldenTrace, keeps_maxima_and_minima) {
+  const GoldenTrace g = golden();
+  std::size_t maxima = 0;
+  for (const GoldenExtremum& e : g.content.extrema) maxima += e.maximum;
+  EXPECT_GT(maxima, g.content.extrema.size() / 3);
+  EXPECT_LT(maxima, 2 * g.content.extrema.size() / 3);
+}
+
+TEST(GoldenTrace, the_same_record_is_inside_and_a_slightly_different_one_too) {
+  EXPECT_EQ(compare(golden(), sine()).state, TubeState::inside);
+  const GoldenComparison close = compare(golden(), sine(1.005));
+  EXPECT_EQ(close.state, TubeState::inside) << close.cause;
+  EXPECT_GT(close.outside, 0.3) << "the margin shows before it fails";
+}
+
+TEST(GoldenTrace, absolute_relative_and_scale_tolerances_each_hold) {
+  GoldenTrace g = golden();
+  EXPECT_EQ(compare(g, sine(1.03)).state, TubeState::outside);
+  EXPECT_EQ(compare(g, sine(1.015), GoldenCurve::firmware).state, TubeState::inside);
+  EXPECT_EQ(compare(g, sine(1.03), GoldenCurve::firmware).state, TubeState::outside);
+  g.ati = {.scale = 0.05, .time_s = 0.01, .lag_limit_s = 0.01};
+  EXPECT_EQ(compare(g, sine(1.03)).state, TubeState::inside);
+}
+
+TEST(GoldenTrace, a_lag_is_a_defect_and_not_absorbed) {
+  const GoldenComparison late = compare(golden(), sine(1.0, 0.03));
+  EXPECT_EQ(late.state, TubeState::outside);
+  EXPECT_NEAR(late.lag_s, 0.03, 0.005);
+}
+
+// The traps in which other comparators call a bad trace good.
+TEST(GoldenTrace, seventy_of_a_hundred_and_one_samples_that_are_no_numbers_are_not_compared) {
+  GoldenContent tested = sine();
+  for (std::size_t i = 0; i < 70; ++i) tested.windows[1].ati_N[i] = kNan;
+  const GoldenComparison c = compare(golden(), tested);
+  EXPECT_EQ(c.state, TubeState::not_compared);
+  EXPECT_NE(c.cause.find("70 of 101"), std::string::npos) << c.cause;
+}
+
+TEST(GoldenTrace, a_truncated_window_or_record_is_not_compared) {
+  GoldenContent shorter = sine();
+  shorter.windows[2].ati_N.resize(60);
+  EXPECT_EQ(compare(golden(), shorter).state, TubeState::not_compared);
+  GoldenContent fewer = sine();
+  fewer.extrema.resize(120);
+  EXPECT_EQ(compare(golden(), fewer).state, TubeState::not_compared);
+  GoldenContent none = sine();
+  none.windows.pop_back();
+  EXPECT_EQ(compare(golden(), none).state, TubeState::not_compared);
+}
+
+TEST(GoldenTrace, an_extremum_that_is_no_number_is_not_compared) {
+  GoldenContent tested = sine();
+  tested.extrema[7].ati_N = std::nan("");
+  EXPECT_EQ(compare(golden(), tested).state, TubeState::not_compared);
+}
+
+TEST(GoldenTrace, a_signal_near_zero_and_a_constant_one_are_held_to_the_tolerance_as_written) {
+  for (const double level_N : {0.0, 1e-6, 3.0}) {
+    GoldenTrace g = golden();
+    for (GoldenExtremum& e : g.content.extrema) e.ati_N = level_N;
+    for (GoldenWindow& w : g.content.windows) std::fill(w.ati_N.begin(), w.ati_N.end(), static_cast<float>(level_N));
+    GoldenContent tested = sine();
+    const auto set = [&](double offset_N) {
+      for (GoldenExtremum& e : tested.extrema) e.ati_N = level_N + offset_N;
+      for (GoldenWindow& w : tested.windows)
+        std::fill(w.ati_N.begin(), w.ati_N.end(), static_cast<float>(level_N + offset_N));
+    };
+    set(0.015);
+    EXPECT_EQ(compare(g, tested).state, TubeState::inside) << level_N;
+    set(0.03);
+    EXPECT_EQ(compare(g, tested).state, TubeState::outside) << level_N;
+    g.ati = {.time_s = 0.01, .lag_limit_s = 0.01};
+    set(0.0);
+    EXPECT_EQ(compare(g, tested).state, TubeState::inside) << "zero tolerance means equality: " << level_N;
+    set(1e-3);
+    EXPECT_EQ(compare(g, tested).state, TubeState::outside) << "zero tolerance is not replaced: " << level_N;
+  }
+}
+
+TEST(GoldenTrace, a_damaged_file_is_refused_with_its_line) {
+  const std::string text = to_text(golden());
+  EXPECT_FALSE(parse_golden("", "g"));
+  EXPECT_FALSE(parse_golden("forcegate golden 2\n", "g"));
+  std::string cut = text.substr(0, text.size() - 40);
+  const auto truncated = parse_golden(cut, "g");
+  ASSERT_FALSE(truncated);
+  EXPECT_NE(truncated.error().where.find("g:"), std::string::npos);
+  std::string nan = text;
+  nan.replace(nan.find("max "), 4, "max nan ");
+  EXPECT_FALSE(parse_golden(nan, "g"));
+}
+
+}  // namespace
+}  // namespace forcegate
