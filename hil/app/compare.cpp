@@ -33,6 +33,7 @@ Result<Comparison> compare_request(const CampaignRequest& request) {
     }
   }
   diagnose::EngineOptions options = engine_options(model, request.threads);
+  options.search = false;
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), options));
   out.view = diagnose::compare_workspace(*w, options);
   return out;

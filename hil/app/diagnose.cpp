@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include "hil/base/text.h"
+#include "hil/diagnose/drift.h"
 #include "hil/diagnose/next_experiment.h"
 
 namespace forcegate {
 
 Result<Diagnosis> diagnose_request(const CampaignRequest& request) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
-  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(Campaign campaign, load_recordings(request));
+  if (diagnose::is_drift_only(campaign)) return diagnose::diagnose_drift(campaign);
+  FORCEGATE_CHECK_OK(check_channels(campaign));
   const diagnose::EngineOptions options = engine_options(model, request.threads);
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> workspace, diagnose::prepare(std::move(campaign), options));
   Diagnosis out = diagnose::diagnose_workspace(*workspace, options);

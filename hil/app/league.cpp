@@ -5,6 +5,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "hil/app/league_journal.h"
 #include "hil/base/parallel.h"
 #include "hil/base/rng.h"
 
@@ -34,7 +35,7 @@ std::vector<std::string> draw_pair(Rng& rng, const std::vector<std::string>& nam
   }
 }
 
-void play(LeagueMatch& match, const LeagueEngine& engine) {
+void play(LeagueMatch& match, const LeagueEngine& engine, LeagueReply& kept) {
   auto start = std::chrono::steady_clock::now();
   auto made = hidden::make_campaign({match.seed, "campaign", match.effects, match.tier, match.minutes});
   match.generation_s = seconds_since(start);
@@ -44,9 +45,21 @@ void play(LeagueMatch& match, const LeagueEngine& engine) {
   }
   match.truth = made->truth;
   start = std::chrono::steady_clock::now();
-  const auto text = engine.answer(std::move(*made));
+  Result<LeagueReply> reply = engine.answer(std::move(*made));
   match.engine_s = seconds_since(start);
-  auto answer = text ? answer_from_json(*text) : tl::unexpected(text.error());
+  if (!reply) {
+    match.error = reply.error().to_text();
+    return;
+  }
+  take_reply(match, *reply);
+  kept = std::move(*reply);
+}
+
+}  // namespace
+
+void take_reply(LeagueMatch& match, const LeagueReply& reply) {
+  match.naive = reply.naive;
+  auto answer = answer_from_json(reply.json);
   if (answer) {
     match.answer = std::move(*answer);
     match.score = score(match.truth, match.answer);
@@ -55,11 +68,12 @@ void play(LeagueMatch& match, const LeagueEngine& engine) {
   }
 }
 
-}  // namespace
-
 std::vector<LeagueMatch> league_programme(const LeagueRequest& request) {
-  const int controls = request.full ? 100 : 16, others = request.full ? 40 : 8;
-  const int each = request.per_effect > 0 ? request.per_effect : request.full ? 5 : 1;
+  const auto or_default = [&](int given, int full, int small) {
+    return given > 0 ? given : request.full ? full : small;
+  };
+  const int controls = or_default(request.controls, 100, 16), others = or_default(request.others, 40, 8);
+  const int each = or_default(request.per_effect, 5, 1);
   const double minutes = request.full ? 20.0 : 5.0;
   std::vector<LeagueMatch> programme;
   const auto add = [&](LeagueClass kind, const std::string& id, std::vector<std::string> effects,
@@ -108,15 +122,24 @@ Result<LeagueResult> play_league(const LeagueRequest& request, const LeagueEngin
   if (result.matches.empty())
     return fail(ErrorCode::usage, "no campaign is left to play", "--only",
                 "names are listed by: forcegate mystery --list");
-  std::atomic<std::size_t> done{0};
+  FORCEGATE_TRY(LeagueJournal journal, LeagueJournal::open(request, engine.name));
+  std::vector<std::size_t> waiting;
+  for (std::size_t i = 0; i < result.matches.size(); ++i)
+    if (!journal.recall(result.matches[i])) waiting.push_back(i);
+  // long ones first would finish sooner; the order of the programme keeps the journal readable
+  std::atomic<std::size_t> done{result.matches.size() - waiting.size()};
   std::mutex turn;
-  parallel_for(result.matches.size(), request.threads, [&](std::size_t i) {
-    play(result.matches[i], engine);
+  parallel_for(waiting.size(), request.threads, [&](std::size_t k) {
+    const std::size_t i = waiting[k];
+    LeagueReply reply;
+    play(result.matches[i], engine, reply);
+    journal.keep(result.matches[i], reply);
     const double share = static_cast<double>(++done) / static_cast<double>(result.matches.size());
     if (!progress) return;
     const std::lock_guard lock(turn);
     progress(share, result.matches[i].id);
   });
+  FORCEGATE_CHECK_OK(journal.status());
   result.seconds = seconds_since(start);
   return result;
 }

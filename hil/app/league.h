@@ -5,6 +5,7 @@
 // Results land in their own place, so that the tables do not depend on the number of threads.
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -16,13 +17,19 @@
 
 namespace forcegate {
 
-/// Anything that answers a campaign with the JSON of `forcegate diagnose`.
-struct LeagueEngine {
-  std::string name;
-  std::function<Result<std::string>(hidden::MadeCampaign&&)> answer;
+struct LeagueReply {
+  std::string json;   ///< the JSON of `forcegate diagnose`
+  std::string naive;  ///< what the largest residual correlation would have named (league_baseline.h); "" not asked
 };
 
-/// The built-in diagnosis with the model that is used when none is given.
+/// Anything that answers a campaign. An engine sees the records and what the lab wrote down, never the truth: the
+/// campaign crosses the wall as forcegate::Campaign.
+struct LeagueEngine {
+  std::string name;
+  std::function<Result<LeagueReply>(hidden::MadeCampaign&&)> answer;
+};
+
+/// The built-in diagnosis in this process, one thread a campaign, with the model that is used when none is given.
 LeagueEngine built_in_engine();
 
 /// An external engine: `command` with a campaign folder appended, answer on its stdout. Folders are made
@@ -35,6 +42,9 @@ struct LeagueRequest {
   unsigned threads = 0;           ///< 0: one a processor
   std::vector<std::string> only;  ///< effects to play, "none", "foreign", "pairs"; empty: all
   int per_effect = 0;  ///< campaigns per effect and strength; 0: 5 in the full league, 1 in the small one
+  int controls = 0;    ///< clean campaigns; 0: 100 in the full league, 16 in the small one
+  int others = 0;      ///< pairs, and as many foreign ones; 0: 40 in the full league, 8 in the small one
+  std::filesystem::path journal;  ///< finished matches are kept here and not played again; empty: none
 };
 
 enum class LeagueClass { control, single, pair, foreign };
@@ -50,6 +60,7 @@ struct LeagueMatch {
   hidden::Truth truth;
   Answer answer;
   Score score;
+  std::string naive;  ///< of LeagueReply
   std::string error;  ///< the engine's, when it gave no answer; counts as a miss
   double engine_s = 0.0, generation_s = 0.0;
 };

@@ -8,6 +8,8 @@
 #include <filesystem>
 
 #include "hil/app/league.h"
+#include "hil/app/league_baseline.h"
+#include "hil/app/model_input.h"
 #include "rigs/emulated/hidden/campaign_writer.h"
 
 namespace forcegate {
@@ -55,19 +57,26 @@ Result<std::string> output_of(const std::string& command) {
 }  // namespace
 
 LeagueEngine built_in_engine() {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  LeagueEngine engine =
-      command_engine("'" + (error ? fs::path("forcegate") : self).string() + "' diagnose --json --threads 1");
-  engine.name = "built-in";
-  return engine;
+  return {"built-in", [](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
+            FORCEGATE_TRY(const Model model, library_model("flexiforce"));
+            diagnose::EngineOptions options = engine_options(model, 1);
+            options.pictures = false;
+            FORCEGATE_TRY(const auto workspace, diagnose::prepare(hidden::to_campaign(std::move(made)), options));
+            LeagueReply reply;
+            reply.naive = largest_correlation(*workspace);
+            Diagnosis diagnosis = diagnose::diagnose_workspace(*workspace, options);
+            diagnosis.maps.clear();  // a quarter of the text, and no judge reads them
+            reply.json = to_json(diagnosis);
+            return reply;
+          }};
 }
 
 LeagueEngine command_engine(std::string command) {
-  return {command, [command](hidden::MadeCampaign&& made) -> Result<std::string> {
+  return {command, [command](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
             const TemporaryFolder folder;
             FORCEGATE_CHECK_OK(hidden::write_campaign(made, folder.path() / "campaign", true));
-            return output_of(command + " '" + (folder.path() / "campaign").string() + "'");
+            FORCEGATE_TRY(std::string json, output_of(command + " '" + (folder.path() / "campaign").string() + "'"));
+            return LeagueReply{std::move(json), ""};
           }};
 }
 

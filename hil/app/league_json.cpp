@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/league.h"
+#include "hil/app/league_stage.h"
 #include "hil/app/league_tally.h"
 
 namespace forcegate {
@@ -11,6 +12,11 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const Count& count) {
   const Interval i = wilson_95(count.k, count.n);
+  return {{"k", count.k}, {"n", count.n}, {"low", i.low}, {"high", i.high}};
+}
+
+Json exact_json(const Count& count) {
+  const Interval i = clopper_pearson_95(count.k, count.n);
   return {{"k", count.k}, {"n", count.n}, {"low", i.low}, {"high", i.high}};
 }
 
@@ -34,6 +40,7 @@ Json to_json(const LeagueMatch& m) {
     truth.push_back({{"effect", e.name},
                      {"side", e.side},
                      {"rms_pct", e.rms_pct},
+                     {"rms_voltage_pct", e.rms_voltage_pct},
                      {"excited", e.excited},
                      {"form", e.form}});
   for (const auto& f : m.answer.findings)
@@ -50,11 +57,14 @@ Json to_json(const LeagueMatch& m) {
             {"depends_on", m.answer.depends_on},
             {"rank", m.score.rank},
             {"miss", is_miss(m)},
+            {"largest_correlation", m.naive},
             {"side_right", m.score.side_right},
             {"false_claims", m.score.false_claims},
             {"reason", m.answer.reason}};
   if (m.score.removed) j["reducible_error_removed"] = *m.score.removed;
   if (!m.error.empty()) j["error"] = m.error;
+  if (const Miss miss = miss_of(m); miss.stage != MissStage::none)
+    j["lost"] = {{"stage", to_string(miss.stage)}, {"effect", miss.effect}, {"other", miss.other}, {"detail", miss.detail}};
   return j;
 }
 
@@ -77,12 +87,19 @@ std::string league_json(const LeagueResult& result) {
                   {"weak", to_json(t.tiers[0])},
                   {"medium", to_json(t.tiers[1])},
                   {"strong", to_json(t.tiers[2])},
-                  {"false_discovery_on_controls", to_json(t.control_false)},
+                  {"false_discovery_on_controls", exact_json(t.control_false)},
+                  {"false_claims_on_controls", exact_json(t.control_claims)},
+                  {"largest_correlation",
+                   {{"weak", to_json(t.naive_named[0])},
+                    {"medium", to_json(t.naive_named[1])},
+                    {"strong", to_json(t.naive_named[2])},
+                    {"false_discovery_on_controls", exact_json(t.naive_control_false)}}},
                   {"foreign_called_unknown", to_json(t.foreign_honest)},
                   {"foreign_coordinate_named", to_json(t.foreign_coordinate)},
                   {"pairs_both_in_three", to_json(t.pairs)},
                   {"sensor_blamed_for_others", to_json(t.sensor_blamed)},
                   {"no_answer", to_json(t.no_answer)},
+                  {"calibration_error", t.calibration_error},
                   {"calibration", calibration},
                   {"matches", matches},
                   {"seconds",

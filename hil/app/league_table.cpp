@@ -5,6 +5,7 @@
 #include <map>
 
 #include "hil/app/league.h"
+#include "hil/app/league_stage.h"
 #include "hil/app/league_tally.h"
 
 namespace forcegate {
@@ -34,10 +35,44 @@ std::string miss_line(const LeagueMatch& m) {
   for (const auto& effect : m.truth.effects)
     line += fmt::format("  rms {:.2f} %{}", effect.rms_pct, effect.excited ? "" : " (not excited)");
   line += "  -> " + first_answer(m);
-  if (m.score.rank > 1) line += fmt::format(" (place {})", m.score.rank);
+  const Miss miss = miss_of(m);
+  line += fmt::format("; {}", to_string(miss.stage));
+  if (m.kind == LeagueClass::pair && !miss.effect.empty()) line += " of " + miss.effect;
+  if (!miss.other.empty() && miss.stage == MissStage::outranked) line += " by " + miss.other;
+  if (!miss.detail.empty()) line += ": " + miss.detail;
   if (m.score.look_alike) line += " (told as look-alike)";
-  if (!m.answer.reason.empty()) line += "; " + m.answer.reason;
   return line;
+}
+
+std::string counted(const std::map<std::string, int>& names) {
+  std::string text;
+  for (const auto& [name, n] : names) text += fmt::format("{}{} x{}", text.empty() ? "" : ", ", name, n);
+  return text;
+}
+
+std::string exact(const Count& count) {
+  if (count.n == 0) return "-";
+  const Interval i = clopper_pearson_95(count.k, count.n);
+  return fmt::format("{}/{} = {:.1f} % [{:.1f}, {:.1f}]", count.k, count.n,
+                     100.0 * static_cast<double>(count.k) / static_cast<double>(count.n), 100.0 * i.low,
+                     100.0 * i.high);
+}
+
+std::string effect_rows(const LeagueTally& t) {
+  std::string out = fmt::format("\nby effect: named first (foreign: called unknown)\n  {:<26}{:>6}{:>8}{:>8}{:>10}{:>20}{:>16}   {}\n",
+                                "", "weak", "medium", "strong", "excited", "RMS % of its span", "RMS in U %", "lost at; answered instead");
+  for (const auto& [name, e] : t.by_effect) {
+    out += fmt::format("  {:<26}", name);
+    for (std::size_t k = 0; k < 3; ++k)
+      out += fmt::format("{:>{}}", e.named[k].n ? fmt::format("{}/{}", e.named[k].k, e.named[k].n) : "-", k ? 8 : 6);
+    const auto range = [](const std::vector<double>& v) {
+      return fmt::format("{:.2f} - {:.2f}", score_quantile(v, 0.0), score_quantile(v, 1.0));
+    };
+    out += fmt::format("{:>10}{:>20}{:>16}", fmt::format("{}/{}", e.excited.k, e.excited.n), range(e.rms_pct), range(e.rms_voltage_pct));
+    if (!e.stages.empty()) out += "   " + counted(e.stages) + "; " + counted(e.instead);
+    out += '\n';
+  }
+  return out;
 }
 
 }  // namespace
@@ -63,8 +98,10 @@ std::string league_text(const LeagueResult& result) {
   out += fmt::format("{:<34}", "  reducible error removed, median");
   for (const TierTally& tier : t.tiers) out += fmt::format("{:<28}", percent(score_quantile(tier.removed, 0.5)));
   out += "85 %\n\n";
-  out +=
-      fmt::format("{:<34}{:<28}{}\n", "clean campaigns, false discovery", share(t.control_false), "<= 3 %");
+  out += fmt::format("{:<34}{:<28}{}\n", "clean campaigns, false discovery", exact(t.control_false),
+                     "<= 3 %, interval of Clopper and Pearson");
+  out += fmt::format("{:<34}{:<28}{}\n", "  of these a false claim", exact(t.control_claims), "0");
+  if (!t.control_answers.empty()) out += "  answered " + counted(t.control_answers) + "\n";
   out +=
       fmt::format("{:<34}{:<28}{}\n", "foreign effects called unknown", share(t.foreign_honest), ">= 90 %");
   out += fmt::format("{:<34}{:<28}{}\n", "  a known effect claimed instead", share(t.foreign_claimed), "");
@@ -72,25 +109,28 @@ std::string league_text(const LeagueResult& result) {
   out += fmt::format("{:<34}{:<28}{}\n", "pairs, both within three", share(t.pairs), ">= 85 %");
   out += fmt::format("{:<34}{:<28}{}\n", "pairs, one within three", share(t.pairs_one), "");
   out += fmt::format("{:<34}{:<28}{}\n", "sensor blamed for others' faults", share(t.sensor_blamed), "0");
-  out += fmt::format("{:<34}{:<28}{}\n\n", "no answer", share(t.no_answer), "0");
+  out += fmt::format("{:<34}{:<28}{}\n", "no answer", share(t.no_answer), "0");
+  if (!t.pair_stages.empty()) out += "pairs lost at: " + counted(t.pair_stages) + "\n";
 
-  out += "stated probability against truth\n";
+  out += fmt::format("\n{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "beside it", "weak", "medium", "strong", "clean: false", "foreign: honest");
+  const auto zero = [](const Count& c) { return fmt::format("0/{}", c.n); };
+  out += fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "  always \"none\"", zero(t.tiers[0].named), zero(t.tiers[1].named),
+                     zero(t.tiers[2].named), zero(t.control_false), zero(t.foreign_honest));
+  if (t.naive_named[0].n + t.naive_named[1].n + t.naive_named[2].n + t.naive_control_false.n > 0)
+    out += fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "  largest residual correlation", share(t.naive_named[0]),
+                       share(t.naive_named[1]), share(t.naive_named[2]),
+                       fmt::format("{}/{}", t.naive_control_false.k, t.naive_control_false.n),
+                       fmt::format("{}/{}", t.naive_foreign_honest.k, t.naive_foreign_honest.n));
+
+  out += fmt::format("\nstated probability against truth (largest gap of a bin of 20 or more: {:.0f} points; target 5)\n",
+                     100.0 * t.calibration_error);
   for (const CalibrationBin& bin : t.calibration)
     if (bin.truth.n > 0)
       out += fmt::format("  {:.2f} - {:.2f}   stated {:.2f}   true {}\n", bin.low, bin.high,
                          bin.stated / static_cast<double>(bin.truth.n), share(bin.truth));
 
-  out += "\nby effect: named first, weak / medium / strong\n";
-  for (const auto& [name, counts] : t.by_effect) {
-    out += fmt::format("  {:<28}", name);
-    for (const Count& count : counts) out += fmt::format("{:>4}/{}", count.k, count.n);
-    if (const auto at = t.confusions.find(name); at != t.confusions.end()) {
-      out += "   instead:";
-      for (const auto& [other, n] : at->second) out += fmt::format(" {} x{}", other, n);
-    }
-    out += '\n';
-  }
-  out += "\nmisses (id, seed of `forcegate mystery`, size, answer)\n";
+  out += effect_rows(t);
+  out += "\nmisses (id, seed of `forcegate mystery`, size, answer; where it was lost)\n";
   for (const LeagueMatch& m : result.matches)
     if (is_miss(m)) out += miss_line(m) + '\n';
   out += fmt::format(

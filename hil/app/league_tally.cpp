@@ -1,6 +1,9 @@
 #include "hil/app/league_tally.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "hil/app/league_stage.h"
 
 namespace forcegate {
 namespace {
@@ -18,6 +21,14 @@ std::string first_of(const LeagueMatch& m) {
                                                                    : m.answer.verdict;
 }
 
+void count_size(const LeagueMatch& m, EffectTally& e) {
+  if (m.truth.effects.empty()) return;
+  e.rms_pct.push_back(m.truth.effects[0].rms_pct);
+  e.rms_voltage_pct.push_back(m.truth.effects[0].rms_voltage_pct);
+  e.excited.add(m.truth.effects[0].excited);
+  if (is_miss(m)) ++e.stages[std::string(to_string(miss_of(m).stage))];
+}
+
 void count_single(const LeagueMatch& m, LeagueTally& t) {
   const auto index = static_cast<std::size_t>(m.tier) - static_cast<std::size_t>(hidden::Tier::weak);
   TierTally& tier = t.tiers[index];
@@ -33,8 +44,14 @@ void count_single(const LeagueMatch& m, LeagueTally& t) {
     if (s.named && s.removed) tier.removed.push_back(*s.removed);
     if (!s.named) tier.removed.push_back(0.0);
   }
-  t.by_effect[m.effects[0]][index].add(s.named);
-  if (!s.named) ++t.confusions[m.effects[0]][first_of(m)];
+  EffectTally& e = t.by_effect[m.effects[0]];
+  e.named[index].add(s.named);
+  if (!m.naive.empty()) {
+    e.naive.add(m.naive == m.effects[0]);
+    t.naive_named[index].add(m.naive == m.effects[0]);
+  }
+  count_size(m, e);
+  if (!s.named) ++e.instead[first_of(m)];
 }
 
 void count_foreign(const LeagueMatch& m, LeagueTally& t) {
@@ -44,7 +61,11 @@ void count_foreign(const LeagueMatch& m, LeagueTally& t) {
   t.foreign_coordinate.add(std::any_of(
       m.answer.depends_on.begin(), m.answer.depends_on.end(),
       [&](const std::string& name) { return std::find(right.begin(), right.end(), name) != right.end(); }));
-  if (!m.score.honest) ++t.confusions[m.effects[0]][first_of(m)];
+  EffectTally& e = t.by_effect[m.effects[0]];
+  e.named[static_cast<std::size_t>(m.tier) - static_cast<std::size_t>(hidden::Tier::weak)].add(m.score.honest);
+  if (!m.naive.empty()) t.naive_foreign_honest.add(false);  // a correlation has no word for "unknown"
+  count_size(m, e);
+  if (!m.score.honest) ++e.instead[first_of(m)];
 }
 
 }  // namespace
@@ -69,13 +90,16 @@ LeagueTally tally(const LeagueResult& result) {
     switch (m.kind) {
       case LeagueClass::control:
         t.control_false.add(m.error.empty() && !m.score.clean);
-        if (!m.score.clean) ++t.confusions["(clean)"][first_of(m)];
+        t.control_claims.add(m.score.false_claims > 0);
+        if (!m.naive.empty()) t.naive_control_false.add(m.naive != "none");
+        if (!m.score.clean) ++t.control_answers[first_of(m)];
         break;
       case LeagueClass::single: count_single(m, t); break;
       case LeagueClass::foreign: count_foreign(m, t); break;
       case LeagueClass::pair:
         t.pairs.add(m.score.pair_in_three);
         t.pairs_one.add(m.score.top3);
+        if (is_miss(m)) ++t.pair_stages[std::string(to_string(miss_of(m).stage))];
         break;
     }
     const bool others =
@@ -90,6 +114,11 @@ LeagueTally tally(const LeagueResult& result) {
                                     [&](const auto& e) { return !e.foreign && e.name == finding.effect; }));
           break;
         }
+  }
+  for (const CalibrationBin& bin : t.calibration) {
+    const auto n = static_cast<double>(bin.truth.n);
+    if (bin.truth.n >= 20)
+      t.calibration_error = std::max(t.calibration_error, std::abs(bin.stated - static_cast<double>(bin.truth.k)) / n);
   }
   return t;
 }

@@ -1,6 +1,10 @@
 #include "hil/app/model_input.h"
 
 #include <algorithm>
+#include <tuple>
+
+#include "hil/base/text.h"
+#include "hil/trace/columns.h"
 
 namespace forcegate {
 
@@ -11,9 +15,10 @@ Result<Model> load_model(const std::string& name) {
   return read_model(name);
 }
 
-Result<Campaign> load_campaign(const CampaignRequest& request) {
+Result<Campaign> load_recordings(const CampaignRequest& request) {
   CampaignOptions options;
   options.assumed_rate_Hz = request.assumed_rate_Hz;
+  options.threads = request.threads;
   for (const std::string& map : request.maps) {
     const std::size_t at = map.find('=');
     if (at == std::string::npos || at == 0 || at + 1 == map.size())
@@ -21,6 +26,30 @@ Result<Campaign> load_campaign(const CampaignRequest& request) {
     options.column_map[map.substr(0, at)] = map.substr(at + 1);
   }
   return read_campaign(request.campaign, options);
+}
+
+Result<Campaign> load_campaign(const CampaignRequest& request) {
+  FORCEGATE_TRY(Campaign campaign, load_recordings(request));
+  FORCEGATE_CHECK_OK(check_channels(campaign));
+  return campaign;
+}
+
+Result<void> check_channels(const Campaign& campaign) {
+  for (const Record& record : campaign.records)
+    for (const auto& [name, what, unit] : {std::tuple{"F_ref", "reference force", "N"}, std::tuple{"U", "output", "V"}}) {
+      if (record.trace.find(name)) continue;
+      std::vector<std::string> columns;
+      std::string likely = "NAME";
+      for (const Channel& c : record.trace.channels) {
+        columns.push_back(header_of(c.name, c.unit));
+        if (c.unit == unit && c.name != "F_ref" && c.name != "F_cmd" && c.name != "F_dut" && c.name != "drive" && likely == "NAME")
+          likely = columns.back();
+      }
+      return fail(ErrorCode::parse, std::string("no column is the ") + what + ": there are " + join(columns, ", "),
+                  (campaign.folder / record.name).string(),
+                  std::string("name one, for instance --map ") + likely + "=" + name + "_" + unit);
+    }
+  return {};
 }
 
 diagnose::EngineOptions engine_options(const Model& model, unsigned threads) {

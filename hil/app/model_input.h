@@ -21,7 +21,12 @@ struct CampaignRequest {
 };
 
 Result<Model> load_model(const std::string& name_or_file);
+/// The files as they are, columns mapped.
+Result<Campaign> load_recordings(const CampaignRequest& request);
+/// The same, where every record must have force and output (check_channels).
 Result<Campaign> load_campaign(const CampaignRequest& request);
+/// Every record needs a force and an output. Errors: parse, with the columns that there are and how to map them.
+Result<void> check_channels(const Campaign& campaign);
 diagnose::EngineOptions engine_options(const Model& model, unsigned threads);
 
 }  // namespace forcegate

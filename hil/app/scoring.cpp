@@ -63,6 +63,11 @@ Result<Answer> answer_from_json(const std::string& text) {
       answer.force_error_before = number(j["errors"]["F"], "before");
       answer.force_error_after = number(j["errors"]["F"], "after");
     }
+    for (const Json& row : j.value("ranking", Json::array()))
+      answer.ranking.push_back({row.value("effect", ""), number(row, "score").value_or(0.0)});
+    std::stable_sort(answer.ranking.begin(), answer.ranking.end(),
+                     [](const AnswerRank& a, const AnswerRank& b) { return a.score > b.score; });
+    for (const Json& note : j.value("notes", Json::array())) answer.notes.push_back(note);
     for (const char* key : {"reason", "sentence", "summary"})
       if (answer.reason.empty() && j.contains(key) && j[key].is_string()) answer.reason = j[key];
     return answer;
@@ -118,6 +123,29 @@ Interval wilson_95(std::size_t k, std::size_t n) {
   const double middle = (p + 0.5 * zz) / (1.0 + zz);
   const double half = z * std::sqrt(p * (1.0 - p) / count + 0.25 * zz / count) / (1.0 + zz);
   return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
+}
+
+Interval clopper_pearson_95(std::size_t k, std::size_t n) {
+  if (n == 0) return {};
+  // P(X >= k) rises with p, P(X <= k) falls: both by bisection on the binomial sum
+  const auto at_most = [n](std::size_t most, double p) {
+    double sum = 0.0, log_choose = 0.0;
+    for (std::size_t i = 0; i <= most; ++i) {
+      if (i > 0) log_choose += std::log(static_cast<double>(n - i + 1) / static_cast<double>(i));
+      sum += std::exp(log_choose + static_cast<double>(i) * std::log(p) +
+                      static_cast<double>(n - i) * std::log1p(-p));
+    }
+    return sum;
+  };
+  const auto solve = [](auto too_low) {
+    double low = 0.0, high = 1.0;
+    for (int step = 0; step < 60; ++step) (too_low(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    return 0.5 * (low + high);
+  };
+  Interval out;
+  if (k > 0) out.low = solve([&](double p) { return 1.0 - at_most(k - 1, p) < 0.025; });
+  if (k < n) out.high = solve([&](double p) { return at_most(k, p) > 0.025; });
+  return out;
 }
 
 double score_quantile(std::vector<double> values, double p) {

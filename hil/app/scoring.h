@@ -17,6 +17,12 @@ struct AnswerFinding {
   std::vector<std::string> confounded_with;
 };
 
+/// One row of the engine's screening, where it tells it.
+struct AnswerRank {
+  std::string effect;
+  double score = 0.0;
+};
+
 /// What a scorer reads of an answer; docs/campaign.md describes the whole.
 struct Answer {
   std::string verdict;                  ///< "none", "known", "unknown"
@@ -25,6 +31,8 @@ struct Answer {
   std::optional<double> error_before, error_after;              ///< V, over the held-out records
   std::optional<double> force_error_before, force_error_after;  ///< N, when the rig side is at fault
   std::string reason;                                           ///< free text of the engine, may be empty
+  std::vector<AnswerRank> ranking;                              ///< best first
+  std::vector<std::string> notes;
 };
 
 /// Errors name the missing or mistyped key.
@@ -61,6 +69,10 @@ struct Interval {
 
 /// Wilson score interval of k successes in n trials, 95 %. n = 0: [0, 1].
 Interval wilson_95(std::size_t k, std::size_t n);
+
+/// Exact interval of Clopper and Pearson 1934, confidence 95 %: never narrower than it says, which is what a claim
+/// about false discoveries needs. n = 0: [0, 1].
+Interval clopper_pearson_95(std::size_t k, std::size_t n);
 
 /// Value below which a share p of the values lies, linear between order statistics; NaN when there are none.
 double score_quantile(std::vector<double> values, double p);

@@ -19,6 +19,7 @@ struct EngineOptions {
   std::vector<std::string> in_model;  ///< effects that the model has already: they are in the base, not candidates
   unsigned threads = 2;
   bool pictures = true;            ///< overlays and evidence series too
+  bool search = true;              ///< false: only what compare_workspace needs, no candidates and no rig channel
 };
 
 /// S0 to S3; the campaign's samples are freed record by record.

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "hil/base/parallel.h"
 #include "hil/diagnose/engine.h"
 #include "hil/model/rows.h"
 
@@ -62,14 +63,22 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   if (any_heldout && fit_records == 0) any_heldout = false;
   w->all_fit = !any_heldout;
 
-  std::map<std::string, RecordHealth> health;
-  std::map<std::string, Record> facts;
-  for (Record& record : campaign.records) {
-    RecordHealth h = check_raw_health(record, w->scales, campaign.bench);
-    FORCEGATE_TRY(RecordInput input, make_record_input(record, h.bad));
+  struct Prepared {
+    RecordHealth health;
+    Result<RecordInput> input;
+  };
+  std::vector<Prepared> prepared(campaign.records.size());
+  parallel_for(prepared.size(), options.threads, [&](std::size_t k) {
+    Record& record = campaign.records[k];
+    prepared[k].health = check_raw_health(record, w->scales, campaign.bench);
+    prepared[k].input = make_record_input(record, prepared[k].health.bad);
     record.trace = Trace{};
-    h.bad = {};
-    health.emplace(input.name, std::move(h));
+    prepared[k].health.bad = {};
+  });
+  std::map<std::string, RecordHealth> health;
+  for (Prepared& p : prepared) {
+    FORCEGATE_TRY(RecordInput input, std::move(p.input));
+    health.emplace(input.name, std::move(p.health));
     w->input.records.push_back(std::move(input));
   }
   finish_campaign_input(w->input);
@@ -81,8 +90,8 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     w->health.push_back(health[input.name]);
   }
   fit_base(*w);
-  build_rig_channel(*w, options.threads);
-  build_output_channel(*w, options.threads);
+  if (options.search) build_rig_channel(*w, options.threads);
+  build_output_channel(*w, options.threads, options.search ? nullptr : &options.in_model);
   for (RecordInput& input : w->input.records) {
     input.fast_F_N = {};
     input.fast_t_s = {};

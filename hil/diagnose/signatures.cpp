@@ -58,8 +58,10 @@ void set_column_priors(ResidualChannel& channel) {
 
 }  // namespace
 
-void list_candidates(const CampaignInput& input, EffectChannel which, bool drift_in_output, ResidualChannel& out) {
+void list_candidates(const CampaignInput& input, EffectChannel which, bool drift_in_output, ResidualChannel& out,
+                     const std::vector<std::string>* only) {
   for (const EffectKind& kind : EffectRegistry::instance().all()) {
+    if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) continue;
     const bool drift = drift_in_output && kind.name == "reference_drift";
     if (kind.channel != which && !drift) continue;
     if (!drift && !is_available(kind, input)) continue;
@@ -78,13 +80,13 @@ void list_candidates(const CampaignInput& input, EffectChannel which, bool drift
   }
 }
 
-void build_output_channel(Workspace& w, unsigned threads) {
+void build_output_channel(Workspace& w, unsigned threads, const std::vector<std::string>* only) {
   ResidualChannel& channel = w.output;
   channel = ResidualChannel{};
   channel.scale = w.input.U_range_V;
   channel.unit = "V";
   set_repeatability(channel.problem);
-  list_candidates(w.input, EffectChannel::output, true, channel);
+  list_candidates(w.input, EffectChannel::output, true, channel, only);
   const std::size_t n = w.input.records.size();
   channel.rows.resize(n);
   channel.problem.records.resize(n);

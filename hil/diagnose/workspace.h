@@ -78,11 +78,13 @@ void set_repeatability(MixedProblem& problem);
 
 // S3 ------------------------------------------------------------------------------------------------------------
 /// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.
-void build_output_channel(Workspace& workspace, unsigned threads);
+/// `only`: no others than these families.
+void build_output_channel(Workspace& workspace, unsigned threads, const std::vector<std::string>* only = nullptr);
 /// The same for F_ref against angle or command; sets has_rig.
 void build_rig_channel(Workspace& workspace, unsigned threads);
 
 /// Columns of one candidate on the chosen rows (output: times gain over the voltage span).
-void list_candidates(const CampaignInput& input, EffectChannel channel, bool drift_in_output, ResidualChannel& out);
+void list_candidates(const CampaignInput& input, EffectChannel channel, bool drift_in_output, ResidualChannel& out,
+                     const std::vector<std::string>* only = nullptr);
 
 }  // namespace forcegate::diagnose

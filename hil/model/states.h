@@ -3,8 +3,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -30,23 +33,30 @@ class LowPass {
  public:
   LowPass(double tau_s, double state) : tau_s_(tau_s), state_(state) {}
   double step(double x_before, double x, double dt_s) {
-    if (dt_s != dt_s_) {
-      dt_s_ = dt_s;
-      const double h = dt_s / tau_s_;
-      keep_ = std::exp(-h);
-      // weights of the two ends of the linear piece
-      const double mean = h > 1e-6 ? -std::expm1(-h) / h : 1.0 - 0.5 * h;
-      to_new_ = 1.0 - mean;
-      to_old_ = mean - keep_;
-    }
-    state_ = keep_ * state_ + to_old_ * x_before + to_new_ * x;
+    const Weights& w = weights(dt_s);
+    state_ = w.keep * state_ + w.to_old * x_before + w.to_new * x;
     return state_;
   }
   double state() const { return state_; }
 
  private:
+  struct Weights {
+    double dt_s = -1.0, keep = 0.0, to_old = 0.0, to_new = 1.0;  ///< to_old, to_new: the two ends of the linear piece
+  };
+
+  /// A nominally uniform clock has a handful of steps that differ in their last bits: they are kept, not recomputed.
+  const Weights& weights(double dt_s) {
+    Weights& w = cache_[(std::bit_cast<std::uint64_t>(dt_s) * 0x9e3779b97f4a7c15ull) >> 58];
+    if (dt_s != w.dt_s) {
+      const double h = dt_s / tau_s_, keep = std::exp(-h);
+      const double mean = h > 1e-6 ? -std::expm1(-h) / h : 1.0 - 0.5 * h;
+      w = {dt_s, keep, mean - keep, 1.0 - mean};
+    }
+    return w;
+  }
+
   double tau_s_, state_;
-  double dt_s_ = -1.0, keep_ = 0.0, to_old_ = 0.0, to_new_ = 1.0;
+  std::array<Weights, 64> cache_{};
 };
 
 /// log(1 + e^(x/w)) w without overflow: a hinge with a rounded corner of width w.

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "hil/base/parallel.h"
 #include "hil/base/text.h"
 #include "hil/trace/convert.h"
 
@@ -143,14 +144,51 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   return record;
 }
 
-Result<void> load(Record& record, const fs::path& file, const CampaignOptions& options, Campaign& campaign) {
+/// One file to read into a record.
+struct Reading {
+  Record* record = nullptr;
+  fs::path file;
+  std::vector<std::string> notes;
+  Result<void> result;
+};
+
+void load(Reading& reading, const CampaignOptions& options) {
+  Record& record = *reading.record;
   CsvOptions csv{options.column_map, options.assumed_rate_Hz};
   if (csv.assumed_rate_Hz <= 0.0 && record.rate_Hz) csv.assumed_rate_Hz = *record.rate_Hz;
-  FORCEGATE_TRY(TraceFile read, read_trace(file, csv));
-  for (const std::string& note : read.notes) campaign.notes.push_back(record.name + ": " + note);
-  record.trace = std::move(read.trace);
+  Result<TraceFile> read = read_trace(reading.file, csv);
+  if (!read) {
+    reading.result = tl::unexpected(std::move(read).error());
+    return;
+  }
+  reading.notes = std::move(read->notes);
+  record.trace = std::move(read->trace);
   record.trace.name = record.name;
-  return {};
+}
+
+void load_all(std::vector<Reading>& readings, const CampaignOptions& options) {
+  parallel_for(readings.size(), options.threads, [&](std::size_t i) { load(readings[i], options); });
+}
+
+/// "r1, r2: the separator is a semicolon": each note once, with the records that it is about.
+void add_notes(const std::vector<Reading>& readings, Campaign& campaign) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> all;
+  for (const Reading& reading : readings)
+    for (const std::string& note : reading.notes) {
+      auto at = std::find_if(all.begin(), all.end(), [&](const auto& known) { return known.first == note; });
+      if (at == all.end()) at = all.insert(all.end(), {note, {}});
+      at->second.push_back(reading.record->name);
+    }
+  constexpr std::size_t kMostNames = 4;
+  for (auto& [note, names] : all) {
+    std::string who = names.size() == readings.size() && names.size() > 1 ? "every record" : "";
+    if (who.empty()) {
+      const std::size_t more = names.size() > kMostNames ? names.size() - kMostNames : 0;
+      if (more > 0) names.resize(kMostNames);
+      who = join(names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
+    }
+    campaign.notes.push_back(who + ": " + note);
+  }
 }
 
 Result<Campaign> read_described(const fs::path& file, const CampaignOptions& options) {
@@ -189,6 +227,7 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
   if (records == json.end() || !records->is_array() || records->empty())
     return m.wrong("records", "must be a list of at least one record", "{\"file\": \"run1.csv\"} is enough for one");
 
+  std::vector<Reading> readings;
   for (std::size_t i = 0; i < records->size(); ++i) {
     const Json& object = (*records)[i];
     const std::string place = "record " + std::to_string(i + 1);
@@ -203,9 +242,13 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
     if (!fs::exists(path, ignored))
       return fail(ErrorCode::io, "the file \"" + printable_utf8(name) + "\" of " + place + " does not exist",
                   source.find(name, "file"), "put it into " + campaign.folder.string() + " or take the record out");
-    FORCEGATE_CHECK_OK(load(record, path, options, campaign));
     campaign.records.push_back(std::move(record));
+    readings.push_back({nullptr, path, {}, {}});
   }
+  for (std::size_t i = 0; i < readings.size(); ++i) readings[i].record = &campaign.records[i];
+  load_all(readings, options);
+  for (Reading& reading : readings) FORCEGATE_CHECK_OK(std::move(reading.result));
+  add_notes(readings, campaign);
   return campaign;
 }
 
@@ -224,18 +267,25 @@ Result<Campaign> read_folder(const fs::path& folder, const CampaignOptions& opti
   campaign.folder = folder;
   campaign.name = fs::absolute(folder / ".").parent_path().filename().string();
   campaign.notes.push_back("there is no campaign.json; the records are taken in the order of their names");
-  std::optional<Error> first_error;
-  for (const fs::path& file : files) {
-    Record record;
-    record.name = file.stem().string();
-    if (auto loaded = load(record, file, options, campaign); !loaded) {
-      campaign.notes.push_back("skipped " + file.filename().string() + ": " + loaded.error().text +
-                               (loaded.error().where.empty() ? "" : " (" + loaded.error().where + ")"));
-      if (!first_error) first_error = std::move(loaded).error();
-      continue;
-    }
-    campaign.records.push_back(std::move(record));
+  std::vector<Record> records(files.size());
+  std::vector<Reading> readings(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    records[i].name = files[i].stem().string();
+    readings[i].record = &records[i];
+    readings[i].file = files[i];
   }
+  load_all(readings, options);
+  std::optional<Error> first_error;
+  std::erase_if(readings, [&](Reading& reading) {
+    if (reading.result) return false;
+    Error& error = reading.result.error();
+    campaign.notes.push_back("skipped " + reading.file.filename().string() + ": " + error.text +
+                             (error.where.empty() ? "" : " (" + error.where + ")"));
+    if (!first_error) first_error = std::move(error);
+    return true;
+  });
+  add_notes(readings, campaign);
+  for (const Reading& reading : readings) campaign.records.push_back(std::move(*reading.record));
   if (campaign.records.empty()) return tl::unexpected(std::move(*first_error));
   return campaign;
 }
@@ -258,7 +308,12 @@ Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& opti
     single.name = path.stem().string();
     Record record;
     record.name = single.name;
-    FORCEGATE_CHECK_OK(load(record, path, options, single));
+    std::vector<Reading> reading(1);
+    reading[0].record = &record;
+    reading[0].file = path;
+    load_all(reading, options);
+    FORCEGATE_CHECK_OK(std::move(reading[0].result));
+    add_notes(reading, single);
     single.records.push_back(std::move(record));
     campaign = std::move(single);
   }

@@ -49,6 +49,7 @@ struct Campaign {
 struct CampaignOptions {
   std::map<std::string, std::string> column_map;  ///< foreign column name -> "F_ref_N" form
   double assumed_rate_Hz = 0.0;                   ///< for files without a clock; 0 = refuse unless declared
+  unsigned threads = 1;                           ///< files read at a time; 0 = one per processor
 };
 
 /// `path`: folder with or without campaign.json, campaign.json itself, one CSV, or one HDF5 run of ours.

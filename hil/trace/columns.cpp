@@ -24,14 +24,14 @@ struct Synonyms {
   const char* name;
   const char* quantity;
   const char* unit;
-  std::array<const char*, 10> words;  ///< lower case
+  std::array<const char*, 11> words;  ///< lower case
 };
 
 constexpr std::array kSynonyms = {
-    Synonyms{"F_ref", "force", "N", {"f_ref", "fref", "f", "force", "ati", "f_ati", "force_ref", "reference", "load_cell", "fz"}},
+    Synonyms{"F_ref", "force", "N", {"f_ref", "fref", "f", "force", "ati", "f_ati", "force_ref", "reference", "load_cell", "fz", "kraft"}},
     Synonyms{"F_cmd", "force", "N", {"f_cmd", "f_set", "setpoint", "set_point", "command", "target", "f_target", "f_sp"}},
     Synonyms{"F_dut", "force", "N", {"f_dut", "dut", "f_est", "estimate", "firmware", "f_fw"}},
-    Synonyms{"U", "voltage", "V", {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal"}},
+    Synonyms{"U", "voltage", "V", {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal", "spannung"}},
     Synonyms{"drive", "voltage", "V", {"drive", "supply", "v_drive", "u_drive", "vcc", "v_supply"}},
     Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel"}},
     Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb"}},
@@ -47,7 +47,7 @@ const Synonyms* synonym(std::string_view name) {
 }
 
 bool names_a_clock(std::string_view name) {
-  static constexpr std::array kClocks = {"t", "time", "timestamp", "time_stamp", "elapsed", "clock", "t_rel", "sec", "seconds"};
+  static constexpr std::array kClocks = {"t", "time", "timestamp", "time_stamp", "elapsed", "clock", "t_rel", "sec", "seconds", "zeit"};
   if (name == "T") return false;
   const std::string word = lower(name);
   return std::any_of(kClocks.begin(), kClocks.end(), [&](const char* c) { return word == c; });
@@ -61,7 +61,7 @@ std::optional<NamedColumn> split_bracket(std::string_view header) {
   if (!header.empty() && (header.back() == ')' || header.back() == ']')) {
     open = header.rfind(header.back() == ')' ? '(' : '[');
     if (open != std::string_view::npos) symbol = header.substr(open + 1, header.size() - open - 2);
-  } else if ((open = header.rfind('/')) != std::string_view::npos) {
+  } else if ((open = header.rfind('/')) != std::string_view::npos || (open = header.rfind(',')) != std::string_view::npos) {
     symbol = header.substr(open + 1);
   }
   if (open == std::string_view::npos || open == 0) return std::nullopt;
@@ -94,6 +94,14 @@ ColumnMeaning meaning_of(std::string_view header) {
     return out;
   }
   out.name = identifier(header);
+  if (const std::string word = lower(out.name); word == "millis" || word == "micros") {  // as an Arduino prints them
+    out.is_clock = true;
+    out.unit = *find_unit(word == "millis" ? "ms" : "us");
+    return out;
+  } else if (word == "adc" || word == "counts") {
+    out.unit = *find_unit("counts");
+    return out;
+  }
   if (names_a_clock(out.name)) {
     out.is_clock = true;
     out.unit = *find_unit("s");
@@ -118,7 +126,9 @@ std::vector<std::string> use_canonical_names(Trace& trace) {
   for (Channel& channel : trace.channels) {
     const Synonyms* known = synonym(channel.name);
     if (!known || channel.quantity != known->quantity || channel.name == known->name) continue;
-    if (!trace.find(known->name)) rename(channel, known->name, "");
+    if (trace.find(known->name)) continue;
+    if (channel.name.size() == 1) channel.name = known->name;  // "F", "U": nothing to tell
+    else rename(channel, known->name, "");
   }
   for (const char* name : {"F_ref", "U", "theta", "temp", "C"}) {
     if (trace.find(name)) continue;
@@ -133,6 +143,14 @@ std::vector<std::string> use_canonical_names(Trace& trace) {
     }
     if (n == 1) rename(*only, name, (", the only " + std::string(wanted.quantity)).c_str());
   }
+  // a sensor that is read as counts, resistance or conductance: every law here is fitted in the output's own scale
+  if (!trace.find("U"))
+    for (const char* quantity : {"code", "conductance", "resistance", "current"}) {
+      const auto is_output = [&](const Channel& channel) { return channel.quantity == quantity; };
+      if (std::count_if(trace.channels.begin(), trace.channels.end(), is_output) != 1) continue;
+      rename(*std::find_if(trace.channels.begin(), trace.channels.end(), is_output), "U", "; read its unit wherever V is written");
+      break;
+    }
   return notes;
 }
 

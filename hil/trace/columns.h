@@ -19,12 +19,13 @@ struct ColumnMeaning {
   std::string note;    ///< what was assumed; empty when the header said it all
 };
 
-/// "F_ref_mN", "Force (mN)", "Force [mN]", "Force / mN", and a few bare names ("t", "F", "U", "theta", "temp"),
+/// "F_ref_mN", "Force (mN)", "Force [mN]", "Force / mN", "Force, mN", and a few bare names ("t", "F", "U", "theta", "temp"),
 /// which are taken to be in SI units (temperature in degree Celsius). "velocity_mm_s" is a velocity and no clock.
 ColumnMeaning meaning_of(std::string_view header);
 
 /// Gives foreign channels the names of docs/campaign.md where that is unambiguous: by common synonyms, else when the
-/// trace has exactly one channel of the quantity. Returns one note for each renamed channel.
+/// trace has exactly one channel of the quantity; counts, conductance, resistance or current stand for a missing U.
+/// Returns one note for each renamed channel.
 std::vector<std::string> use_canonical_names(Trace& trace);
 
 /// Suffix for a header: "F_ref" with unit "N" -> "F_ref_N", "cm/s" -> "_cm_s".

@@ -73,15 +73,21 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   out.trace.name = name;
   std::size_t clock_column = table.columns.size();
   std::vector<ColumnMeaning> meanings;
+  std::vector<std::string> assumed;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const std::string& header = table.columns[c].header;
-    const auto mapped = options.column_map.find(header);
-    ColumnMeaning meaning = meaning_of(mapped == options.column_map.end() ? header : mapped->second);
+    ColumnMeaning meaning = meaning_of(header);
+    auto mapped = options.column_map.find(header);
+    if (mapped == options.column_map.end())  // as notes and errors write it
+      mapped = options.column_map.find(header_of(meaning.name, meaning.unit.symbol));
+    if (mapped != options.column_map.end()) meaning = meaning_of(mapped->second);
     if (meaning.name.empty()) meaning.name = "column_" + std::to_string(c + 1);
     if (meaning.is_clock && clock_column == table.columns.size()) clock_column = c;
-    if (!meaning.note.empty()) out.notes.push_back(meaning.note);
+    if (!meaning.note.empty()) assumed.push_back(meaning.name + " in " + meaning.unit.symbol);
     meanings.push_back(std::move(meaning));
   }
+  if (!assumed.empty())
+    out.notes.push_back("no unit is given: " + join(assumed, ", ") + (assumed.size() > 1 ? " were assumed" : " was assumed"));
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const Unit& unit = meanings[c].unit;
     if (unit.factor == 1.0 && unit.offset == 0.0) continue;
@@ -104,7 +110,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
       if (headers.size() > 8) headers.resize(8), headers.push_back("...");
       return fail(ErrorCode::parse, "there is no time column among: " + join(headers, ", "),
                   where + ":" + std::to_string(table.header_line),
-                  "map a column to t_s, or give the sample rate of the file");
+                  "say which is the clock, for instance --map " + (headers.empty() ? "NAME" : headers.front()) +
+                      "=t_s, or give --rate HZ for a file without one");
     }
     clock.base = invented_clock(table.rows(), options.assumed_rate_Hz);
     out.notes.push_back("the file has no clock; " + shortest(options.assumed_rate_Hz) + " Hz was assumed");

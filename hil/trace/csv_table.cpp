@@ -12,6 +12,7 @@
 
 #include "hil/base/text.h"
 #include "hil/base/units.h"
+#include "hil/trace/date_time.h"
 #include "hil/trace/decimal.h"
 
 namespace forcegate {
@@ -53,6 +54,10 @@ Cell read_cell(std::string_view text, char point, double& out) {
   const std::string word = lower(text);
   for (const char* missing : {"na", "n/a", "null", "none", "nan", "-nan", "-", "--", "#n/a"})
     if (word == missing) return Cell::missing;
+  if (const auto stamp_s = seconds_of_stamp(text)) {
+    out = *stamp_s;
+    return Cell::number;
+  }
   return Cell::text;
 }
 

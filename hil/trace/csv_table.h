@@ -29,7 +29,8 @@ struct CsvTable {
 
 /// One header line, then rows of numbers. Separator comma, semicolon, tab, bar or blanks (the one that the header
 /// uses); decimal point, or decimal comma where the separator is another one. Accepted: byte order mark, CR LF, lines
-/// that begin with '#', blank lines, quotes, a second line of units, empty cells. A column of text is left out and a
+/// that begin with '#', blank lines, quotes, a second line of units, empty cells, dates and
+/// times of day (as seconds, date_time.h). A column of text is left out and a
 /// last line cut short is dropped, both noted. Errors (parse) name file:line:column, column in bytes from 1.
 /// Reads about as fast as std::from_chars over the mapped file; memory is that of the columns and 1 MB.
 Result<CsvTable> read_csv_table(const std::filesystem::path& path);

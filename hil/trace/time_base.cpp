@@ -68,7 +68,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
       if (std::isfinite(stamps_s[i])) rows.push_back(i);
     if (rows.empty())
       return fail(ErrorCode::parse, "no row has a time stamp", where,
-                  "map another column to t_s, or give the sample rate for a file without a clock");
+                  "map another column, --map NAME=t_s, or leave the clock out: --map CLOCK=unused --rate HZ");
     if (rows.size() < stamps_s.size())
       clock.notes.push_back(times(stamps_s.size() - rows.size(), "row has", "rows have") +
                             " no time stamp; dropped");
@@ -109,7 +109,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
     if (repeated > 1 && repeated * 100 > before)
       return fail(ErrorCode::parse,
                   "the clock stands still in " + std::to_string(repeated) + " of " + std::to_string(before) + " rows",
-                  where, "its resolution is coarser than the sample rate: leave the column out and give the rate");
+                  where, "its resolution is coarser than the sample rate; leave it out: --map CLOCK=unused --rate HZ");
     if (repeated > 0) clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp; dropped");
     clock.base.t_s.reserve(rows.size());
     for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <vector>
 
@@ -19,29 +18,17 @@
 #include "hil/trace/csv.h"
 #include "hil/trace/decay_fit.h"
 #include "hil/trace/extrema.h"
+#include "tests/speed/best_of.h"
 
 namespace {
 
 using forcegate::Rng;
-
-double cpu_s() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+using forcegate::speed::sink;
 
 template <class Work>
 double best_of_five(Work work) {
-  double best = 1e9;
-  for (int i = 0; i < 5; ++i) {
-    const double start = cpu_s();
-    work();
-    best = std::min(best, cpu_s() - start);
-  }
-  return best;
+  return forcegate::speed::best_cpu_s(5, work);
 }
-
-volatile double sink;
 
 /// The limit: mapped file, std::from_chars, five columns known beforehand.
 void bare_csv(const char* path) {

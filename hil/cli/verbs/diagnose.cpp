@@ -32,7 +32,7 @@ Result<int> run(const Invocation& in) {
   console.print(diagnosis_text(answer));
   console.print_json(to_json(answer));
   const std::string campaign = shell_quoted(request.campaign.string());
-  if (!answer.findings.empty() && answer.findings.front().probability >= 0.5 && answer.findings.front().form != "raw" &&
+  if (!answer.findings.empty() && answer.findings.front().probability >= 0.5 && answer.findings.front().form != "raw" && answer.findings.front().effect != "drift" &&
       answer.findings.front().unit == "V")
     console.next("forcegate add " + answer.findings.front().effect + " --fit " + campaign + " -o better.toml");
   else if (in.text("html").empty())

@@ -173,6 +173,10 @@ std::map<std::string, std::string> describe(const Conditions& c) {
           {"reference_noise_N", shortest(c.reference_noise_N)},
           {"reference_lag_s", shortest(c.reference_lag_s)},
           {"jitter_share", shortest(c.jitter_share)},
+          {"reference_step_N", shortest(c.reference_step_N)},
+          {"voltage_max_V", shortest(c.voltage_max_V)},
+          {"session_share", shortest(c.session_share)},
+          {"gaps_per_hour", shortest(c.gaps_per_hour)},
           {"climate_swing_C", shortest(c.climate_swing_C)}};
 }
 

@@ -15,6 +15,36 @@ double log_uniform(Rng& rng, double low, double high) {
 
 bool chance(Rng& rng, double probability) { return rng.uniform() < probability; }
 
+/// Other laboratories: other instruments, sessions, loggers and protocols. Drawn from a stream of its own.
+void widen(std::uint64_t seed, const ConditionNeeds& needs, Conditions& c) {
+  Rng rng(seed, "conditions/other");
+  if (chance(rng, 0.4)) {
+    constexpr double kSteps_N[] = {0.001, 0.005, 0.01, 0.05};
+    c.reference_step_N = kSteps_N[rng.below(std::size(kSteps_N))];
+    c.reference_noise_N = std::max(0.0015, c.reference_step_N * log_uniform(rng, 0.1, 1.0));
+  }
+  if (chance(rng, 0.3)) {
+    constexpr double kSlow_Hz[] = {125.0, 160.0, 500.0}, kFast_Hz[] = {125.0, 300.0, 2000.0};
+    c.slow_rate_Hz = kSlow_Hz[rng.below(std::size(kSlow_Hz))];
+    c.fast_rate_Hz = kFast_Hz[rng.below(std::size(kFast_Hz))];
+    if (needs.fast_reference) c.fast_rate_Hz = std::max(c.fast_rate_Hz, 300.0);
+  }
+  if (chance(rng, 0.35)) {
+    constexpr double kRanges_V[] = {2.5, 3.3, 5.0};
+    const double range_V = kRanges_V[rng.below(std::size(kRanges_V))], scale = range_V / c.voltage_max_V;
+    c.voltage_max_V = range_V;
+    c.gain_N_per_V /= scale;
+    c.voltage_noise_V *= scale;
+    c.wander_V *= scale;
+  }
+  if (chance(rng, 0.35)) c.session_share = rng.uniform(0.3, 0.9);
+  if (chance(rng, 0.2)) c.gaps_per_hour = log_uniform(rng, 2.0, 30.0);
+  const double length = rng.uniform();
+  c.short_protocol = length < 0.2;
+  c.long_protocol = length > 0.9;
+  c.wide_loads = chance(rng, 0.4);
+}
+
 }  // namespace
 
 Conditions draw_conditions(std::uint64_t seed, const ConditionNeeds& needs) {
@@ -66,6 +96,7 @@ Conditions draw_conditions(std::uint64_t seed, const ConditionNeeds& needs) {
   c.climate_swing_pct = needs.climate ? rng.uniform(8.0, 20.0) : rng.uniform(2.0, 8.0);
   c.documented = rng.uniform(0.55, 1.0);
   c.roles_given = chance(rng, 0.82);
+  widen(seed, needs, c);
   return c;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/base/portable_math.h"
 #include "rigs/emulated/hidden/numeric.h"
 #include "rigs/emulated/hidden/profile.h"
 
@@ -13,10 +14,12 @@ namespace {
 constexpr double kTwoPi = 2.0 * kPi;
 
 RecordTruth draw_truth(const Conditions& c, const RecordPlan& plan) {
-  Rng rng(plan.seed, "repeatability");
+  Rng rng(plan.seed, "repeatability"), session(plan.session_seed, "repeatability");
   RecordTruth truth;
-  truth.gain_N_per_V = c.gain_N_per_V * std::max(0.5, 1.0 + c.sd_gain * rng.normal());
-  truth.offset_N = c.offset_N + 0.01 * c.sd_offset_pct * 5.0 * rng.normal();
+  const double own = std::sqrt(1.0 - c.session_share), shared = std::sqrt(c.session_share);
+  const auto scatter = [&] { return own * rng.normal() + shared * session.normal(); };
+  truth.gain_N_per_V = c.gain_N_per_V * std::max(0.5, 1.0 + c.sd_gain * scatter());
+  truth.offset_N = c.offset_N + 0.01 * c.sd_offset_pct * 5.0 * scatter();
   truth.b_scale = c.b_scale * std::max(0.2, 1.0 + c.sd_b * rng.normal());
   truth.q_scale = c.q_scale * std::max(0.3, 1.0 + c.sd_q * rng.normal());
   truth.spring_N_per_mm = c.spring_N_per_mm;
@@ -154,6 +157,30 @@ void slow_columns(const Conditions& c, const RecordContext& context, const Waves
   }
 }
 
+/// Rows that the logger lost: gone from every column, the stamps jump.
+void lose_rows(const Conditions& c, RecordData& record) {
+  if (!(c.gaps_per_hour > 0.0) || record.stamp_s.empty()) return;
+  Rng rng(record.plan.seed, "gaps");
+  std::vector<std::size_t> keep;
+  const double mean_s = 3600.0 / c.gaps_per_hour;
+  double next_s = -mean_s * portable::log(1.0 - rng.uniform());
+  for (std::size_t i = 0; i < record.stamp_s.size(); ++i) {
+    if (record.stamp_s[i] >= next_s) {
+      const double until_s = next_s + rng.uniform(0.02, 0.6);
+      next_s = until_s - mean_s * portable::log(1.0 - rng.uniform());
+      while (i < record.stamp_s.size() && record.stamp_s[i] < until_s) ++i;
+      if (i == record.stamp_s.size()) break;
+    }
+    keep.push_back(i);
+  }
+  for (auto* column : {&record.stamp_s, &record.force_ref_N, &record.voltage_V, &record.theta_rad, &record.setpoint_N,
+                       &record.temperature_C, &record.capacitance_F, &record.force_unrounded_N}) {
+    if (column->empty()) continue;
+    for (std::size_t k = 0; k < keep.size(); ++k) (*column)[k] = (*column)[keep[k]];
+    column->resize(keep.size());
+  }
+}
+
 }  // namespace
 
 std::vector<RecordData> run_campaign(const Conditions& c, const Climate& climate,
@@ -210,6 +237,7 @@ std::vector<RecordData> run_campaign(const Conditions& c, const Climate& climate
       if (c.log_command) record.setpoint_N = std::move(samples.setpoint_N);
       slow_columns(c, context, waves, record);
     }
+    lose_rows(c, record);
     records.push_back(std::move(record));
   }
   return records;

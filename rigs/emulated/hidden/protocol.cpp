@@ -25,8 +25,8 @@ void draw_range(Rng& rng, RecordPlan& plan, double force_max_N, double A_low, do
 
 class Planner {
  public:
-  Planner(Rng& rng, const Conditions& conditions, double minutes)
-      : rng_(rng), conditions_(conditions), scale_(std::min(1.0, minutes / 20.0)), minutes_(minutes) {}
+  Planner(Rng& rng, Rng& other, const Conditions& conditions, double minutes)
+      : rng_(rng), other_(other), conditions_(conditions), scale_(std::min(1.0, minutes / 20.0)), minutes_(minutes) {}
 
   RecordPlan plan(const std::string& kind, bool is_long) {
     RecordPlan p;
@@ -68,12 +68,14 @@ class Planner {
   void plan_periodic(RecordPlan& p, bool is_long) {
     p.dynamic = true;
     p.rate_Hz = std::min(p.rate_Hz, conditions_.slow_rate_Hz);
-    draw_range(rng_, p, conditions_.force_max_N, 0.5, 1.9);
+    const bool wide = conditions_.wide_loads;
+    draw_range(rng_, p, conditions_.force_max_N, wide ? 0.25 : 0.5, wide ? 2.2 : 1.9);
     const double share = is_long ? 1.0 : rng_.uniform(0.2, 0.4);
     p.duration_s = std::max(is_long ? 120.0 : 90.0, 60.0 * minutes_ * share);
+    if (wide && is_long) p.duration_s = std::max(90.0, std::round(p.duration_s * other_.uniform(0.4, 1.2)));
     if (p.kind == "sine") {
       p.wheel = true;
-      p.frequencies_Hz = {rounded(log_uniform(rng_, 0.1, 3.0), 0.01)};
+      p.frequencies_Hz = {rounded(wide ? log_uniform(rng_, 0.04, 5.0) : log_uniform(rng_, 0.1, 3.0), 0.01)};
       p.weights = {1.0};
     } else {
       const bool four = rng_.uniform() < 0.5;
@@ -120,6 +122,7 @@ class Planner {
   }
 
   Rng& rng_;
+  Rng& other_;  ///< habits of other laboratories, beside the stream of the usual draws
   const Conditions& conditions_;
   double scale_, minutes_;
 };
@@ -154,8 +157,8 @@ void choose_heldout(Rng& rng, std::vector<RecordPlan>& plans, const std::vector<
 
 std::vector<RecordPlan> draw_protocol(std::uint64_t seed, const Conditions& conditions,
                                       const std::vector<std::string>& required, double minutes) {
-  Rng rng(seed, "protocol");
-  Planner planner(rng, conditions, minutes);
+  Rng rng(seed, "protocol"), other(seed, "protocol/other");
+  Planner planner(rng, other, conditions, minutes);
   std::vector<std::string> kinds = required;
   const auto missing = [&](const char* kind) {
     return std::find(kinds.begin(), kinds.end(), kind) == kinds.end();
@@ -164,7 +167,10 @@ std::vector<RecordPlan> draw_protocol(std::uint64_t seed, const Conditions& cond
   while (std::count(kinds.begin(), kinds.end(), "sine") < 2) kinds.push_back("sine");
   std::vector<std::string> pool = {"staircase", "sine",  "sine",   "sweep", "multisine", "multisine",
                                    "prbs",      "steps", "switch", "hold",  "rest",      "ramp"};
-  const std::size_t count = std::max<std::size_t>(kinds.size(), 7 + rng.below(5));
+  std::size_t usual = 7 + rng.below(5);
+  if (conditions.short_protocol) usual = 5 + other.below(3);
+  if (conditions.long_protocol) usual = 11 + other.below(3);
+  const std::size_t count = std::max<std::size_t>(kinds.size(), usual);
   while (kinds.size() < count && !pool.empty()) {
     const std::size_t i = rng.below(pool.size());
     kinds.push_back(pool[i]);
@@ -177,12 +183,17 @@ std::vector<RecordPlan> draw_protocol(std::uint64_t seed, const Conditions& cond
 
   std::vector<RecordPlan> plans;
   double clock_s = rng.uniform(0.0, 600.0);
-  int long_sines = 0, mounting = 0;
+  int long_sines = 0, mounting = 0, session = 0;
   constexpr double kDrives_V[] = {1.0, 2.0, 3.3, 5.0, 5.0};
   const std::size_t remount_at = 2 + rng.below(kinds.size() - 3);
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     RecordPlan p = planner.plan(kinds[i], kinds[i] == "sine" && ++long_sines <= 2);
     p.rest_before_s = std::round(log_uniform(rng, 30.0, 2400.0));
+    if (conditions.session_share > 0.0 && i > 0 && other.uniform() < 0.3) {
+      ++session;
+      p.rest_before_s = std::round(other.uniform(3600.0, 60000.0));
+    }
+    p.session_seed = mix_seed(seed, "session/" + std::to_string(session));
     clock_s += p.rest_before_s;
     p.start_s = std::round(clock_s);
     clock_s = p.start_s + p.duration_s;

@@ -29,7 +29,7 @@ struct RecordPlan {
   int repeats = 2;                              ///< triangles of a ramp
   double drive_V = 5.0;
   int mounting = 0;  ///< counts how often the sensor has been taken off and put back
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0, session_seed = 0;
   bool heldout = false;
 
   double amplitude_N() const { return 0.5 * (high_N - low_N); }

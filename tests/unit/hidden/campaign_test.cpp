@@ -52,11 +52,11 @@ TEST(HiddenCampaign, AnotherSeedGivesAnotherBench) {
   EXPECT_NE(a.truth.conditions, b.truth.conditions);
 }
 
-TEST(HiddenCampaign, HasSevenToElevenRecordsWithTwoSinesAndARampFirst) {
+TEST(HiddenCampaign, HasFiveToThirteenRecordsWithTwoSinesAndARampFirst) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const MadeCampaign m = made(seed, {});
-    EXPECT_GE(m.records.size(), 7u);
-    EXPECT_LE(m.records.size(), 11u);
+    EXPECT_GE(m.records.size(), 5u);
+    EXPECT_LE(m.records.size(), 13u);
     EXPECT_EQ(m.records.front().plan.kind, "ramp");
     EXPECT_GE(std::count_if(m.records.begin(), m.records.end(),
                             [](const RecordData& r) { return r.plan.kind == "sine"; }),

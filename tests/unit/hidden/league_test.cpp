@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 
+#include "hil/app/diagnose.h"
+#include "hil/app/league_stage.h"
 #include "hil/app/league_tally.h"
+#include "rigs/emulated/hidden/campaign_writer.h"
 
 namespace forcegate {
 namespace {
@@ -13,12 +17,12 @@ namespace {
 /// Answers from the data alone, differently for different campaigns: enough to see mixed-up results.
 LeagueEngine fake_engine() {
   return {
-      "fake", [](hidden::MadeCampaign&& made) -> Result<std::string> {
+      "fake", [](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
         const bool even = made.records.size() % 2 == 0;
         if (made.records.size() == 9) return fail(ErrorCode::internal, "nine records are too many");
-        return even
-                   ? std::string(R"({"verdict":"none"})")
-                   : R"({"verdict":"known","findings":[{"effect":"hum","side":"instrument","probability":0.8}]})";
+        if (even) return LeagueReply{R"({"verdict":"none"})", "none"};
+        return LeagueReply{
+            R"({"verdict":"known","findings":[{"effect":"hum","side":"instrument","probability":0.8}]})", "hum"};
       }};
 }
 
@@ -67,7 +71,7 @@ TEST(League, AnEngineThatGivesNoAnswerMisses) {
   LeagueRequest request;
   request.seed = 4;
   request.only = {"hum"};
-  const LeagueEngine broken{"broken", [](hidden::MadeCampaign&&) -> Result<std::string> {
+  const LeagueEngine broken{"broken", [](hidden::MadeCampaign&&) -> Result<LeagueReply> {
                               return fail(ErrorCode::internal, "no");
                             }};
   const auto result = play_league(request, broken, nullptr);
@@ -109,7 +113,122 @@ TEST(Tally, CountsCalibrationByWhatWasStated) {
     EXPECT_EQ(bin.truth.k, 3u);
     EXPECT_NEAR(bin.stated, 3.4, 1e-12);
   }
-  EXPECT_EQ(t.confusions.at("creep").at("lag"), 1);
+  EXPECT_EQ(t.by_effect.at("creep").instead.at("lag"), 1);
+  EXPECT_EQ(t.calibration_error, 0.0) << "four findings are too few to judge a calibration";
+}
+
+TEST(League, AnInterruptedLeagueGoesOnFromItsJournal) {
+  const std::filesystem::path journal = std::filesystem::path(::testing::TempDir()) / "forcegate_league_journal.jsonl";
+  std::filesystem::remove(journal);
+  LeagueRequest request;
+  request.seed = 4;
+  request.only = {"hum", "outliers"};
+  request.threads = 1;
+  request.journal = journal;
+  int played = 0;
+  LeagueEngine engine = fake_engine();
+  engine.answer = [&played, answer = engine.answer](hidden::MadeCampaign&& made) {
+    ++played;
+    return answer(std::move(made));
+  };
+  const auto text_of = [&] {
+    auto result = play_league(request, engine, nullptr);
+    EXPECT_TRUE(result) << (result ? "" : result.error().to_text());
+    result->seconds = 0.0;
+    return league_text(*result) + league_json(*result);
+  };
+  const std::string whole = text_of();
+  EXPECT_EQ(played, 6);
+  EXPECT_EQ(text_of(), whole);
+  EXPECT_EQ(played, 6) << "nothing is played twice";
+
+  // cut within the last line, as a power failure leaves it
+  std::filesystem::resize_file(journal, std::filesystem::file_size(journal) - 20);
+  request.only = {"hum"};
+  text_of();
+  EXPECT_EQ(played, 6);
+  request.only = {"hum", "outliers"};
+  text_of();
+  EXPECT_EQ(played, 7);
+
+  request.seed = 5;
+  const auto other = play_league(request, engine, nullptr);
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().text.find("another league"), std::string::npos);
+  std::filesystem::remove(journal);
+}
+
+LeagueMatch single(const std::string& hidden_effect, const std::string& json, bool excited = true) {
+  LeagueMatch match;
+  match.kind = LeagueClass::single;
+  match.tier = hidden::Tier::medium;
+  match.effects = {hidden_effect};
+  hidden::TruthEffect effect;
+  effect.name = hidden_effect;
+  effect.side = "sensor";
+  effect.excited = excited;
+  match.truth.effects = {effect};
+  match.answer = *answer_from_json(json);
+  match.score = score(match.truth, match.answer);
+  return match;
+}
+
+TEST(Miss, SaysAtWhichStepItWasLost) {
+  const auto stage = [](const LeagueMatch& m) { return miss_of(m).stage; };
+  EXPECT_EQ(stage(single("creep", R"({"verdict":"known","findings":[{"effect":"creep","probability":0.9}]})")),
+            MissStage::none);
+  EXPECT_EQ(stage(single("creep", R"({"verdict":"none"})", false)), MissStage::not_excited);
+  EXPECT_EQ(stage(single("hum", R"({"verdict":"none"})")), MissStage::raw_health);
+  EXPECT_EQ(stage(single("thermal", R"({"verdict":"none","ranking":[{"effect":"lag","score":3}]})")),
+            MissStage::not_a_candidate);
+  EXPECT_EQ(stage(single("creep", R"({"verdict":"none","ranking":[{"effect":"creep","score":9}]})")),
+            MissStage::evidence);
+  const LeagueMatch behind = single(
+      "creep",
+      R"({"verdict":"known","findings":[{"effect":"lag","probability":0.9}],
+          "ranking":[{"effect":"creep","score":50},{"effect":"lag","score":90}]})");
+  EXPECT_EQ(stage(behind), MissStage::outranked);
+  EXPECT_EQ(miss_of(behind).other, "lag");
+  const LeagueMatch refused = single(
+      "creep", R"({"verdict":"unknown","ranking":[{"effect":"creep","score":50}],"notes":["not taken: creep: why not"]})");
+  EXPECT_EQ(stage(refused), MissStage::refused);
+  EXPECT_EQ(miss_of(refused).detail, "why not");
+  EXPECT_EQ(stage(single("creep", R"({"verdict":"known","findings":[{"effect":"lag","probability":0.6},
+                                                                     {"effect":"creep","probability":0.3}]})")),
+            MissStage::outclaimed);
+}
+
+TEST(Miss, OfACleanCampaignTellsAClaimFromAnUnknown) {
+  LeagueMatch clean;
+  clean.answer = *answer_from_json(R"({"verdict":"known","findings":[{"effect":"lag","probability":0.6}]})");
+  clean.score = score(clean.truth, clean.answer);
+  EXPECT_EQ(miss_of(clean).stage, MissStage::false_claim);
+  EXPECT_EQ(miss_of(clean).other, "lag");
+  clean.answer = *answer_from_json(R"({"verdict":"unknown"})");
+  clean.score = score(clean.truth, clean.answer);
+  EXPECT_EQ(miss_of(clean).stage, MissStage::called_unknown);
+}
+
+TEST(BuiltInEngine, AnswersWithoutFilesAsItDoesWithThem) {
+  const hidden::CampaignRequest request{61, "campaign", {"hysteresis"}, hidden::Tier::strong, 2.0};
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "forcegate_league_engine";
+  std::filesystem::remove_all(folder);
+  auto made = hidden::make_campaign(request);
+  ASSERT_TRUE(made);
+  ASSERT_TRUE(hidden::write_campaign(*made, folder, true));
+  auto reply = built_in_engine().answer(std::move(*made));
+  ASSERT_TRUE(reply) << reply.error().to_text();
+  const auto from_files = diagnose_request({folder, "", {}, 0.0, 1});
+  ASSERT_TRUE(from_files) << from_files.error().to_text();
+  const Answer a = *answer_from_json(reply->json), b = *answer_from_json(to_json(*from_files));
+  EXPECT_EQ(a.verdict, b.verdict);
+  ASSERT_EQ(a.findings.size(), b.findings.size());
+  for (std::size_t i = 0; i < a.findings.size(); ++i) {
+    EXPECT_EQ(a.findings[i].effect, b.findings[i].effect);
+    EXPECT_NEAR(a.findings[i].probability, b.findings[i].probability, 0.02) << "the files hold fewer digits";
+  }
+  EXPECT_FALSE(reply->naive.empty());
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

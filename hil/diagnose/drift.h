@@ -1,0 +1,46 @@
+#pragma once
+// Recordings without an input: nothing to regress on, but the output may still drift. Which law of time?
+
+#include <string>
+#include <vector>
+
+#include "hil/base/result.h"
+#include "hil/diagnose/diagnosis.h"
+#include "hil/trace/campaign.h"
+
+namespace forcegate::diagnose {
+
+/// One law of time for one record, fitted by least squares on block means:
+///   constant     U = c
+///   line         U = c + k t
+///   exponential  U = c + a exp(-(t - t0) / tau), t > t0          (a leak, a relaxation with one time constant)
+///   logarithm    U = c + a log10(1 + (t - t0) / t1)              (creep as rubber and paint do it)
+///   power        U = c + a ((t - t0) / 1 s)^p, 0.02 <= p <= 0.9  (fractional creep)
+/// with U constant before t0 >= 0 where the drift sets in later than the record.
+struct DriftFit {
+  std::string form;
+  double onset_s = 0.0;
+  double constant = 0.0, size = 0.0, shape = 0.0;  ///< c; k or a; tau, t1 or p
+  double rms = 0.0;                                ///< of the residual of the block means
+  double left_out_rms = 0.0;  ///< of tenths of the record predicted from the other nine
+};
+
+struct RecordDrift {
+  std::string record;
+  double span = 0.0;             ///< 0.1 to 99.9 % of the block means, in the channel's unit
+  double noise = 0.0;            ///< of a block mean
+  std::vector<DriftFit> fits;    ///< smallest left_out_rms first
+};
+
+/// t_s ascending, y the same length. Errors: fewer than 40 finite samples.
+Result<RecordDrift> fit_drift(const std::string& record, const std::vector<double>& t_s, const std::vector<double>& y);
+
+/// True when no record has a force that moves: the campaign can only tell about drift.
+bool is_drift_only(const Campaign& campaign);
+
+/// Verdict "none" when nothing drifts; "known", finding "drift" with its law, when one law predicts the parts that were
+/// left out clearly better than the others; else "unknown", depends on time. The side cannot be told.
+/// Errors: a record has no output channel (its columns are listed).
+Result<Diagnosis> diagnose_drift(const Campaign& campaign);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,93 @@
+#include "hil/trace/date_time.h"
+
+#include <charconv>
+#include <cstdint>
+
+namespace forcegate {
+namespace {
+
+/// Reads `text` from the front, digit by digit.
+class Scanner {
+ public:
+  explicit Scanner(std::string_view text) : text_(text) {}
+
+  bool number(std::size_t digits, int& out) {
+    if (text_.size() < digits) return false;
+    out = 0;
+    for (std::size_t i = 0; i < digits; ++i) {
+      if (text_[i] < '0' || text_[i] > '9') return false;
+      out = 10 * out + (text_[i] - '0');
+    }
+    text_.remove_prefix(digits);
+    return true;
+  }
+  bool one_of(std::string_view characters) {
+    if (text_.empty() || characters.find(text_.front()) == std::string_view::npos) return false;
+    text_.remove_prefix(1);
+    return true;
+  }
+  /// ".123" or ",123"; 0 when there is none.
+  double fraction() {
+    if (text_.size() < 2 || (text_[0] != '.' && text_[0] != ',') || text_[1] < '0' || text_[1] > '9') return 0.0;
+    double value = 0.0, place = 0.1;
+    for (text_.remove_prefix(1); !text_.empty() && text_[0] >= '0' && text_[0] <= '9'; text_.remove_prefix(1), place *= 0.1)
+      value += place * (text_[0] - '0');
+    return value;
+  }
+  bool at_end() const { return text_.empty(); }
+
+ private:
+  std::string_view text_;
+};
+
+/// Days since 1970-01-01 in the Gregorian calendar (Hinnant, "chrono-compatible low-level date algorithms").
+std::int64_t days_of(int year, int month, int day) {
+  const std::int64_t y = year - (month <= 2 ? 1 : 0), era = y / 400, of_era = y - era * 400;
+  const std::int64_t of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
+  return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
+}
+
+bool clock_time(Scanner& s, double& seconds) {
+  int hour = 0, minute = 0, second = 0;
+  if (!s.number(2, hour) || !s.one_of(":") || !s.number(2, minute) || !s.one_of(":") || !s.number(2, second)) return false;
+  if (hour > 23 || minute > 59 || second > 60) return false;
+  seconds += 3600.0 * hour + 60.0 * minute + second + s.fraction();
+  return true;
+}
+
+bool zone(Scanner& s, double& seconds) {
+  if (s.at_end() || (s.one_of("Z") && s.at_end())) return true;
+  int hours = 0, minutes = 0;
+  for (const auto& [sign, name] : {std::pair{-1.0, "+"}, std::pair{1.0, "-"}})
+    if (s.one_of(name)) {
+      if (!s.number(2, hours)) return false;
+      s.one_of(":");
+      if (!s.at_end() && !s.number(2, minutes)) return false;
+      seconds += sign * (3600.0 * hours + 60.0 * minutes);
+      return s.at_end();
+    }
+  return false;
+}
+
+bool is_date(int year, int month, int day) { return year >= 1970 && month >= 1 && month <= 12 && day >= 1 && day <= 31; }
+
+}  // namespace
+
+std::optional<double> seconds_of_stamp(std::string_view text) {
+  if (text.size() < 8 || text[0] < '0' || text[0] > '9') return std::nullopt;
+  double seconds = 0.0;
+  if (Scanner s(text); clock_time(s, seconds) && s.at_end()) return seconds;
+  int year = 0, month = 0, day = 0;
+  Scanner iso(text), dotted(text);
+  if (iso.number(4, year) && iso.one_of("-") && iso.number(2, month) && iso.one_of("-") && iso.number(2, day) && iso.one_of("T ")) {
+    seconds = 86400.0 * static_cast<double>(days_of(year, month, day));
+    if (is_date(year, month, day) && clock_time(iso, seconds) && zone(iso, seconds)) return seconds;
+  } else if (dotted.number(2, day) && dotted.one_of(".") && dotted.number(2, month) && dotted.one_of(".") && dotted.number(4, year) &&
+             dotted.one_of("T ")) {
+    seconds = 86400.0 * static_cast<double>(days_of(year, month, day));
+    if (is_date(year, month, day) && clock_time(dotted, seconds) && dotted.at_end()) return seconds;
+  }
+  return std::nullopt;
+}
+
+}  // namespace forcegate

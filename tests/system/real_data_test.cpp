@@ -1,0 +1,99 @@
+// Recordings of other machines, made by other people, through the commands of a user. The folder is named by
+// FORCEGATE_REAL_DATA; without it every test is skipped. None of them is a force sensor: what carries over is the kind
+// of effect (hysteresis of a seal, exponential leak, lag and saturation).
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class RealData : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* folder = std::getenv("FORCEGATE_REAL_DATA");
+    if (!folder) GTEST_SKIP() << "FORCEGATE_REAL_DATA names no folder of recordings";
+    folder_ = folder;
+  }
+
+  Json diagnose(const std::string& file, std::vector<std::string> options) const {
+    std::vector<std::string> arguments = {"diagnose", (folder_ / file).string(), "--json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ProcessResult r = forcegate(arguments);
+    EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+    return Json::parse(r.out, nullptr, false);
+  }
+
+  static std::vector<std::string> claims(const Json& answer) {
+    std::vector<std::string> out;
+    for (const Json& f : answer["findings"])
+      if (f["probability"] >= 0.5) out.push_back(f["effect"]);
+    return out;
+  }
+
+  std::filesystem::path folder_;
+};
+
+const std::vector<std::string> kSeal = {"--map", "position_mm=F_ref_N", "--map", "force_N=U_V"};
+
+TEST_F(RealData, TheFrictionOfTheKidneySealIsHysteresis) {
+  const Json answer = diagnose("cc0/seal_friction_kidney_3bar.csv", kSeal);
+  ASSERT_FALSE(claims(answer).empty()) << answer.dump(1);
+  EXPECT_EQ(claims(answer).front(), "hysteresis");
+  EXPECT_LT(answer["error_after"], 0.5 * answer["error_before"].get<double>());
+}
+
+TEST_F(RealData, TheCircleSealMovesAtOneSpeedSoThatItsLoopCannotBeToldFromALag) {
+  const Json answer = diagnose("cc0/seal_friction_circle_7bar.csv", kSeal);
+  if (claims(answer).empty()) {
+    EXPECT_EQ(answer["verdict"], "unknown");
+    return;
+  }
+  ASSERT_TRUE(answer["findings"][0].contains("confounded_with"));
+  EXPECT_FALSE(answer["findings"][0]["confounded_with"].empty()) << answer["findings"][0].dump(1);
+}
+
+TEST_F(RealData, TheLeaksAreExponentialAndNoLogarithmicCreep) {
+  for (const char* file : {"cc0/leak_prusa.csv", "cc0/leak_ultimaker_015.csv"}) {
+    const Json answer = diagnose(file, {"--map", "pressure_V=U_V"});
+    ASSERT_FALSE(claims(answer).empty()) << file << answer.dump(1);
+    EXPECT_EQ(answer["findings"][0]["effect"], "drift") << file;
+    EXPECT_EQ(answer["findings"][0]["form"], "exponential") << file;
+    EXPECT_EQ(answer["findings"][0]["side_witnessed"], false) << file;
+  }
+}
+
+TEST_F(RealData, TheMagnetoRheologicalDamperHasAMemory) {
+  const Json answer =
+      diagnose("mit-repo/mr_damper.csv", {"--map", "velocity_cm_s=F_ref_N", "--map", "force_N=U_V", "--rate", "200"});
+  ASSERT_FALSE(claims(answer).empty()) << answer.dump(1);
+  EXPECT_THAT(claims(answer).front(), ::testing::AnyOf("lag", "hysteresis", "creep", "delay"));
+  EXPECT_LT(answer["error_after"], 0.8 * answer["error_before"].get<double>());
+}
+
+TEST_F(RealData, TheCascadedTanksLagAndThenOverflow) {
+  for (const char* file : {"mit-repo/cascaded_tanks_estimation.csv", "mit-repo/cascaded_tanks_validation.csv"}) {
+    const Json answer = diagnose(file, {"--map", "pump_V=F_ref_N", "--map", "level_V=U_V"});
+    std::vector<std::string> listed;
+    for (const Json& f : answer["findings"]) listed.push_back(f["effect"]);
+    EXPECT_THAT(listed, ::testing::Contains(::testing::AnyOf("lag", "creep"))) << file;
+    EXPECT_THAT(listed, ::testing::Contains(::testing::AnyOf("clipping", "static_nonlinearity"))) << file;
+  }
+}
+
+TEST_F(RealData, AColumnThatIsMissingIsNamedWithTheWayToMapIt) {
+  const ProcessResult r = forcegate({"diagnose", (folder_ / "mit-repo/cascaded_tanks_estimation.csv").string()});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_THAT(r.err, ::testing::HasSubstr("--map "));
+  EXPECT_THAT(r.err, ::testing::HasSubstr("pump"));
+}
+
+}  // namespace
+}  // namespace forcegate::test

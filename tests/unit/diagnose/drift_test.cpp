@@ -1,0 +1,102 @@
+#include "hil/diagnose/drift.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "hil/base/rng.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+Campaign recording(std::size_t n, double step_s, double noise, const std::function<double(double)>& law) {
+  Campaign campaign;
+  campaign.name = "drift";
+  Record record;
+  record.name = "r1";
+  record.trace.time_bases.push_back({"rig", {}, 0.0, {}, false});
+  Channel U{"U", "V", "voltage", 0, {}, {}};
+  Rng rng(3, "drift");
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = static_cast<double>(i) * step_s;
+    record.trace.time_bases[0].t_s.push_back(t);
+    U.value.push_back(law(t) + noise * rng.normal());
+  }
+  record.trace.channels.push_back(std::move(U));
+  campaign.records.push_back(std::move(record));
+  return campaign;
+}
+
+std::string form_of(const Campaign& campaign) {
+  const auto d = diagnose_drift(campaign);
+  EXPECT_TRUE(d) << (d ? "" : d.error().to_text());
+  if (!d || d->findings.empty()) return "(none)";
+  EXPECT_EQ(d->findings.front().effect, "drift");
+  EXPECT_LT(d->error_after, d->error_before);
+  return d->findings.front().form;
+}
+
+TEST(Drift, TellsOneTimeConstantFromTheLogarithmAndThePower) {
+  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.8 * std::exp(-t / 40.0); })), "exponential");
+  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 - 0.2 * std::log10(1.0 + t / 0.5); })), "logarithm");
+  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.02 * std::pow(t, 0.6); })), "power");
+  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.01 * t; })), "line");
+}
+
+TEST(Drift, FindsTheTimeConstantAndWhereItSetsIn) {
+  const auto d = diagnose_drift(
+      recording(1500, 0.1, 0.002, [](double t) { return 0.2 + 3.5 * std::exp(-std::max(0.0, t - 8.0) / 22.0); }));
+  ASSERT_TRUE(d);
+  ASSERT_EQ(d->findings.size(), 1u);
+  double tau_s = 0.0, onset_s = 0.0;
+  for (const FoundParameter& p : d->findings[0].parameters) {
+    if (p.name == "tau_s") tau_s = p.value;
+    if (p.name == "onset_s") onset_s = p.value;
+  }
+  EXPECT_NEAR(tau_s, 22.0, 0.5);
+  EXPECT_NEAR(onset_s, 8.0, 0.5);
+  EXPECT_FALSE(d->findings[0].side_witnessed);
+}
+
+TEST(Drift, NoiseAloneIsNoDrift) {
+  for (const double noise : {0.001, 0.1}) {
+    const auto d = diagnose_drift(recording(1000, 0.1, noise, [](double) { return 2.0; }));
+    ASSERT_TRUE(d);
+    EXPECT_EQ(d->verdict, DiagnosisVerdict::none);
+    EXPECT_TRUE(d->findings.empty());
+  }
+}
+
+TEST(Drift, AnOutputThatFollowsSomethingUnrecordedIsUnknown) {
+  Campaign campaign = recording(6000, 0.01, 0.002, [](double t) { return 3.0 + std::sin(3.0 * t); });
+  campaign.records[0].trace.channels.push_back({"load", "", "", 0, campaign.records[0].trace.channels[0].value, {}});
+  const auto d = diagnose_drift(campaign);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->verdict, DiagnosisVerdict::unknown);
+  bool told = false;
+  for (const std::string& note : d->notes) told |= note.find("--map load=F_ref_N") != std::string::npos;
+  EXPECT_TRUE(told);
+}
+
+TEST(Drift, AForceThatStandsStillIsNoInput) {
+  Campaign campaign = recording(100, 0.1, 0.0, [](double t) { return t; });
+  EXPECT_TRUE(is_drift_only(campaign));
+  campaign.records[0].trace.channels.push_back({"F_ref", "N", "force", 0, std::vector<double>(100, 2.0), {}});
+  EXPECT_TRUE(is_drift_only(campaign));
+  campaign.records[0].trace.channels.back().value[50] = 2.5;
+  EXPECT_FALSE(is_drift_only(campaign));
+}
+
+TEST(Drift, TwoOutputsMustBeTold) {
+  Campaign campaign = recording(100, 0.1, 0.0, [](double t) { return t; });
+  campaign.records[0].trace.channels[0].name = "a";
+  campaign.records[0].trace.channels.push_back(campaign.records[0].trace.channels[0]);
+  campaign.records[0].trace.channels[1].name = "b";
+  const auto d = diagnose_drift(campaign);
+  ASSERT_FALSE(d);
+  EXPECT_NE(d.error().text.find("a_V, b_V"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose

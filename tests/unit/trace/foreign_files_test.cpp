@@ -1,0 +1,115 @@
+// Files as strangers bring them: each works with a notice, or fails with its place and the way to mend it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "hil/trace/campaign.h"
+#include "hil/trace/csv.h"
+#include "hil/trace/date_time.h"
+
+namespace forcegate {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+TraceFile read(std::string_view text, const CsvOptions& options = {}) {
+  auto file = parse_csv(text, "x.csv", options);
+  EXPECT_TRUE(file) << (file ? "" : file.error().to_text());
+  return file ? std::move(*file) : TraceFile{};
+}
+
+TEST(DateTime, ReadsStampsOfLoggersAndTimesOfDay) {
+  EXPECT_DOUBLE_EQ(*seconds_of_stamp("1970-01-02T00:00:01"), 86401.0);
+  EXPECT_NEAR(*seconds_of_stamp("2026-11-21 10:00:00.250"), 1795255200.25, 1e-6);
+  EXPECT_NEAR(*seconds_of_stamp("2026-11-21T11:00:00+01:00"), 1795255200.0, 1e-6);
+  EXPECT_NEAR(*seconds_of_stamp("2026-11-21T10:00:00Z"), 1795255200.0, 1e-6);
+  EXPECT_NEAR(*seconds_of_stamp("21.11.2026 10:00:00,5"), 1795255200.5, 1e-6);
+  EXPECT_DOUBLE_EQ(*seconds_of_stamp("00:01:02.5"), 62.5);
+  EXPECT_NEAR(*seconds_of_stamp("2024-03-01 00:00:00") - *seconds_of_stamp("2024-02-28 00:00:00"), 2 * 86400.0, 1e-9);
+}
+
+TEST(DateTime, LeavesEverythingElseAlone) {
+  for (const char* text : {"", "oops", "12", "2026-11-21", "11/21/2026 10:00:00", "2026-13-01 10:00:00", "25:00:00",
+                           "10:00:00 and more", "2026-11-21T10:00:00X"})
+    EXPECT_FALSE(seconds_of_stamp(text)) << text;
+}
+
+TEST(ForeignFiles, AClockOfDatesCountsSeconds) {
+  const auto f = read("timestamp,F,U\n2026-11-21 09:59:59.5,1,2\n2026-11-21 10:00:00.0,1,2\n2026-11-21 10:00:00.5,2,3\n");
+  const auto& t = f.trace.time_bases[0].t_s;
+  ASSERT_EQ(t.size(), 3u);
+  EXPECT_NEAR(t[2] - t[0], 1.0, 1e-6);
+}
+
+TEST(ForeignFiles, AUnitMayStandBehindAComma) {
+  const auto f = read("\"Time, s\",\"Force, mN\",\"Out, V\"\n0,1500,1\n1,2500,2\n");
+  EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1.5, 2.5}));
+  EXPECT_EQ(f.trace.find("U")->value, (std::vector<double>{1, 2}));
+}
+
+TEST(ForeignFiles, AnArduinoCountsMicrosecondsAndCodes) {
+  const auto f = read("micros,force_N,adc\n0,1,500\n10000,2,600\n20000,3,700\n");
+  EXPECT_NEAR(f.trace.time_bases[0].t_s[2], 0.02, 1e-12);
+  ASSERT_TRUE(f.trace.find("U"));
+  EXPECT_EQ(f.trace.find("U")->unit, "counts");
+  EXPECT_THAT(f.notes, Contains(HasSubstr("read its unit wherever V is written")));
+}
+
+TEST(ForeignFiles, AResistanceStandsForTheOutput) {
+  const auto f = read("t_s,F_N,R_kohm\n0,1,5\n1,2,4\n");
+  ASSERT_TRUE(f.trace.find("U"));
+  EXPECT_EQ(f.trace.find("U")->value, (std::vector<double>{5000, 4000}));
+}
+
+TEST(ForeignFiles, GermanNamesAreKnown) {
+  const auto f = read("Zeit;Kraft;Spannung\n0,0;1,5;2\n0,1;1,6;2,1\n");
+  EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1.5, 1.6}));
+  EXPECT_TRUE(f.trace.find("U"));
+}
+
+TEST(ForeignFiles, AColumnIsMappedByItsHeaderOrAsNotesWriteIt) {
+  const char* text = "Time (s),Load A (mN),Load B (mN),Volts (V)\n0,1000,9,1\n1,2000,9,2\n";
+  for (const char* name : {"Load A (mN)", "Load_A_mN"}) {
+    CsvOptions options;
+    options.column_map[name] = "F_ref_mN";
+    EXPECT_EQ(read(text, options).trace.find("F_ref")->value, (std::vector<double>{1, 2})) << name;
+  }
+}
+
+TEST(ForeignFiles, AssumedUnitsAreToldInOneNote) {
+  const auto f = read("t,F,U\n0,1,2\n1,1,2\n");
+  EXPECT_THAT(f.notes, ::testing::ElementsAre("no unit is given: t in s, F in N, U in V were assumed"));
+}
+
+TEST(ForeignFiles, WithoutAClockTheErrorSaysHowToGiveOne) {
+  const auto f = parse_csv("row,F,U\n0,1,2\n1,1,2\n", "x.csv");
+  ASSERT_FALSE(f);
+  EXPECT_THAT(f.error().hint, HasSubstr("--map row=t_s"));
+  EXPECT_THAT(f.error().hint, HasSubstr("--rate HZ"));
+}
+
+TEST(ForeignFiles, ANoteOfEveryRecordIsToldOnce) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "forcegate_foreign_folder";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directory(folder);
+  for (const char* name : {"a.csv", "b.csv", "c.csv"})
+    std::ofstream(folder / name) << (std::string(name) == "c.csv" ? "t;F;U\n0;1;2\n1;1;2\n" : "t,F,U\n0,1,2\n1,1,2\n");
+  for (const unsigned threads : {1u, 3u}) {
+    CampaignOptions options;
+    options.threads = threads;
+    const auto c = read_campaign(folder, options);
+    ASSERT_TRUE(c) << c.error().to_text();
+    EXPECT_EQ(c->records.size(), 3u);
+    EXPECT_EQ(c->records[2].name, "c");
+    EXPECT_THAT(c->notes, Contains("every record: no unit is given: t in s, F in N, U in V were assumed"));
+    EXPECT_THAT(c->notes, Contains("c: the separator is a semicolon"));
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace forcegate
