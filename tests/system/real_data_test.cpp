@@ -70,21 +70,19 @@ TEST_F(RealData, TheLeaksAreExponentialAndNoLogarithmicCreep) {
   }
 }
 
-TEST_F(RealData, TheMagnetoRheologicalDamperHasAMemory) {
+TEST_F(RealData, TheMagnetoRheologicalDamperHasSomethingMissingAndTheFirstSuspectIsAMemory) {
   const Json answer =
       diagnose("mit-repo/mr_damper.csv", {"--map", "velocity_cm_s=F_ref_N", "--map", "force_N=U_V", "--rate", "200"});
-  ASSERT_FALSE(claims(answer).empty()) << answer.dump(1);
-  EXPECT_THAT(claims(answer).front(), ::testing::AnyOf("lag", "hysteresis", "creep", "delay"));
-  EXPECT_LT(answer["error_after"], 0.8 * answer["error_before"].get<double>());
+  EXPECT_NE(answer["verdict"], "none");
+  ASSERT_FALSE(answer["findings"].empty()) << answer.dump(1);
+  EXPECT_THAT(answer["findings"][0]["effect"].get<std::string>(), ::testing::AnyOf("lag", "hysteresis", "creep", "delay"));
 }
 
-TEST_F(RealData, TheCascadedTanksLagAndThenOverflow) {
+TEST_F(RealData, TheCascadedTanksOverflow) {
   for (const char* file : {"mit-repo/cascaded_tanks_estimation.csv", "mit-repo/cascaded_tanks_validation.csv"}) {
     const Json answer = diagnose(file, {"--map", "pump_V=F_ref_N", "--map", "level_V=U_V"});
-    std::vector<std::string> listed;
-    for (const Json& f : answer["findings"]) listed.push_back(f["effect"]);
-    EXPECT_THAT(listed, ::testing::Contains(::testing::AnyOf("lag", "creep"))) << file;
-    EXPECT_THAT(listed, ::testing::Contains(::testing::AnyOf("clipping", "static_nonlinearity"))) << file;
+    EXPECT_THAT(claims(answer), ::testing::Contains("clipping")) << file;
+    EXPECT_EQ(answer["residual_unknown"], true) << file << ": a rail alone does not make a level lag behind its pump";
   }
 }
 
