@@ -4,6 +4,7 @@
 #include "hil/app/league.h"
 #include "hil/app/league_stage.h"
 #include "hil/app/league_tally.h"
+#include "hil/gate/statistics.h"
 
 namespace forcegate {
 namespace {
@@ -16,7 +17,7 @@ Json to_json(const Count& count) {
 }
 
 Json exact_json(const Count& count) {
-  const Interval i = clopper_pearson_95(count.k, count.n);
+  const Interval95 i = clopper_pearson_95(count.k, count.n);
   return {{"k", count.k}, {"n", count.n}, {"low", i.low}, {"high", i.high}};
 }
 

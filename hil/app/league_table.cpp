@@ -7,6 +7,7 @@
 #include "hil/app/league.h"
 #include "hil/app/league_stage.h"
 #include "hil/app/league_tally.h"
+#include "hil/gate/statistics.h"
 
 namespace forcegate {
 namespace {
@@ -52,7 +53,7 @@ std::string counted(const std::map<std::string, int>& names) {
 
 std::string exact(const Count& count) {
   if (count.n == 0) return "-";
-  const Interval i = clopper_pearson_95(count.k, count.n);
+  const Interval95 i = clopper_pearson_95(count.k, count.n);
   return fmt::format("{}/{} = {:.1f} % [{:.1f}, {:.1f}]", count.k, count.n,
                      100.0 * static_cast<double>(count.k) / static_cast<double>(count.n), 100.0 * i.low,
                      100.0 * i.high);

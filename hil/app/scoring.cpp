@@ -125,29 +125,6 @@ Interval wilson_95(std::size_t k, std::size_t n) {
   return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
-Interval clopper_pearson_95(std::size_t k, std::size_t n) {
-  if (n == 0) return {};
-  // P(X >= k) rises with p, P(X <= k) falls: both by bisection on the binomial sum
-  const auto at_most = [n](std::size_t most, double p) {
-    double sum = 0.0, log_choose = 0.0;
-    for (std::size_t i = 0; i <= most; ++i) {
-      if (i > 0) log_choose += std::log(static_cast<double>(n - i + 1) / static_cast<double>(i));
-      sum += std::exp(log_choose + static_cast<double>(i) * std::log(p) +
-                      static_cast<double>(n - i) * std::log1p(-p));
-    }
-    return sum;
-  };
-  const auto solve = [](auto too_low) {
-    double low = 0.0, high = 1.0;
-    for (int step = 0; step < 60; ++step) (too_low(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
-    return 0.5 * (low + high);
-  };
-  Interval out;
-  if (k > 0) out.low = solve([&](double p) { return 1.0 - at_most(k - 1, p) < 0.025; });
-  if (k < n) out.high = solve([&](double p) { return at_most(k, p) > 0.025; });
-  return out;
-}
-
 double score_quantile(std::vector<double> values, double p) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());

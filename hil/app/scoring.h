@@ -70,10 +70,6 @@ struct Interval {
 /// Wilson score interval of k successes in n trials, 95 %. n = 0: [0, 1].
 Interval wilson_95(std::size_t k, std::size_t n);
 
-/// Exact interval of Clopper and Pearson 1934, confidence 95 %: never narrower than it says, which is what a claim
-/// about false discoveries needs. n = 0: [0, 1].
-Interval clopper_pearson_95(std::size_t k, std::size_t n);
-
 /// Value below which a share p of the values lies, linear between order statistics; NaN when there are none.
 double score_quantile(std::vector<double> values, double p);
 

@@ -12,7 +12,7 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr std::size_t kBlocks = 200, kParts = 8;
+constexpr std::size_t kBlocks = 200, kParts = 10;
 constexpr const char* kForms[] = {"constant", "line", "exponential", "logarithm", "power"};
 
 struct Blocks {
@@ -71,7 +71,9 @@ DriftFit best_fit(const Blocks& b, const std::vector<char>& kept, const std::str
   best.shape = 1.0;
   double error = solve(b, kept, best);
   if (form == "constant") return best;
-  const double low = form == "power" ? 0.02 : length / 1000.0, high = form == "power" ? 0.9 : length * 10.0;
+  // a logarithm that does not cover a decade of time within the record is no creep but any curve
+  const double low = form == "power" ? 0.02 : length / 1000.0;
+  const double high = form == "power" ? 0.9 : form == "logarithm" ? length / 10.0 : length * 10.0;
   const auto shape_error = [&](double onset_s, double shape, DriftFit& fit) {
     fit.form = form, fit.onset_s = onset_s, fit.shape = shape;
     return solve(b, kept, fit);
@@ -105,6 +107,8 @@ DriftFit best_fit(const Blocks& b, const std::vector<char>& kept, const std::str
   };
   double step = length / 24.0;
   try_onset(0.0);
+  const DriftFit at_once = best;
+  const double at_once_error = error;
   for (int k = 1; k < 12; ++k) try_onset(k * step);
   for (int round = 0; round < 4; ++round) {
     step /= 3.0;
@@ -112,7 +116,8 @@ DriftFit best_fit(const Blocks& b, const std::vector<char>& kept, const std::str
     for (int k = -2; k <= 2; ++k)
       if (k != 0 && centre + k * step >= 0.0) try_onset(centre + k * step);
   }
-  return best;
+  // a later onset must earn its freedom: nothing holds it where the beginning of the record is left out
+  return at_once_error < 1.2 * error ? at_once : best;
 }
 
 double rms_over(const Blocks& b, const DriftFit& fit, const std::vector<char>& use) {

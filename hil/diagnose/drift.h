@@ -14,7 +14,7 @@ namespace forcegate::diagnose {
 ///   constant     U = c
 ///   line         U = c + k t
 ///   exponential  U = c + a exp(-(t - t0) / tau), t > t0          (a leak, a relaxation with one time constant)
-///   logarithm    U = c + a log10(1 + (t - t0) / t1)              (creep as rubber and paint do it)
+///   logarithm    U = c + a log10(1 + (t - t0) / t1)              (creep; t1 at most a tenth of the record)
 ///   power        U = c + a ((t - t0) / 1 s)^p, 0.02 <= p <= 0.9  (fractional creep)
 /// with U constant before t0 >= 0 where the drift sets in later than the record.
 struct DriftFit {
