@@ -195,7 +195,9 @@ Campaign campaign_of(const Bench& b) {
 
 void parts() {
   const Bench b = bench();
-  const diagnose::EngineOptions one{.threads = 1, .pictures = false};
+  diagnose::EngineOptions one;
+  one.threads = 1;
+  one.pictures = false;
   const auto workspace = diagnose::prepare(campaign_of(b), one);
   if (!workspace) std::exit(1);
   diagnose::Workspace& w = **workspace;
