@@ -42,7 +42,7 @@ double furthest_N(const GoldenContent& a, const GoldenContent& b, std::size_t ev
   return worst;
 }
 
-std::string change_of(const GoldenTrace* old, const GoldenTrace& now) {
+std::string change_of(const GoldenRecord* old, const GoldenRecord& now) {
   if (old == nullptr) return "new";
   if (old->extrema_in_all != now.content.extrema.size())
     return fmt::format("{} extrema instead of {}", now.content.extrema.size(), old->extrema_in_all);
@@ -65,10 +65,10 @@ Result<void> refuse_unaccepted(const RunMaterial& m) {
               {}, "bless a run that is accepted");
 }
 
-GoldenTrace golden_of(const RunMaterial& m, const Bundle& bundle, const PlanCase& planned,
+GoldenRecord golden_of(const RunMaterial& m, const Bundle& bundle, const PlanCase& planned,
                       const PlayedRecord& one, const BlessRequest& request) {
   const CaseRecord& r = one.record;
-  GoldenTrace g;
+  GoldenRecord g;
   g.plan = m.plan.name;
   g.case_name = planned.name;
   g.specimen = one.job.specimen;
@@ -111,7 +111,7 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
     FORCEGATE_TRY(const fs::path plan, find_plan(m.plan.name));
     folder = (plan.parent_path() / m.plan.limits.goldens).lexically_normal();
   }
-  FORCEGATE_TRY(const std::vector<GoldenTrace> before, read_goldens(folder));
+  FORCEGATE_TRY(const std::vector<GoldenRecord> before, read_goldens(folder));
   BlessAnswer answer;
   std::vector<std::pair<fs::path, std::string>> files;
   std::size_t changed = 0;
@@ -119,8 +119,8 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
     const PlanCase& planned = m.plan.cases[one.case_index];
     const bool middle = one.specimen_index == specimens_of(m.plan, planned).size() / 2;
     if (!(planned.checks & kCheckGolden) || !middle || one.superseded || one.job.session != 0) continue;
-    GoldenTrace now = golden_of(m, bundle, planned, one, request);
-    const auto old = std::find_if(before.begin(), before.end(), [&](const GoldenTrace& g) {
+    GoldenRecord now = golden_of(m, bundle, planned, one, request);
+    const auto old = std::find_if(before.begin(), before.end(), [&](const GoldenRecord& g) {
       return g.case_name == now.case_name && g.specimen == now.specimen;
     });
     if (old != before.end()) now.ati = old->ati, now.firmware = old->firmware;

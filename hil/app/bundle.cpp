@@ -107,7 +107,7 @@ Result<void> write_bundle(const fs::path& folder, const BundleSource& source, co
     FORCEGATE_CHECK_OK(write_file_atomically(inner / "waivers.toml", waivers));
     names.emplace_back("bundle/waivers.toml");
   }
-  for (const GoldenTrace& golden : source.goldens) {
+  for (const GoldenRecord& golden : source.goldens) {
     names.push_back("bundle/goldens/" + golden_file_name(golden.case_name, golden.specimen));
     FORCEGATE_CHECK_OK(write_file_atomically(folder / names.back(), to_text(golden)));
   }

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "golden/compare/golden_trace.h"
+#include "golden/compare/golden_record.h"
 #include "hil/base/result.h"
 #include "hil/gate/run_judge.h"
 #include "hil/gate/waiver.h"
@@ -38,7 +38,7 @@ struct Bundle {
   std::string id, tool_version;
   std::vector<BundleFile> files;  ///< by name
   RunMaterial material;
-  std::vector<GoldenTrace> goldens;
+  std::vector<GoldenRecord> goldens;
   std::vector<Waiver> waivers;
   std::string today;
 };
@@ -47,7 +47,7 @@ struct Bundle {
 struct BundleSource {
   std::filesystem::path plan, firmware, waivers;  ///< waivers may be empty
   std::string today;
-  std::vector<GoldenTrace> goldens;
+  std::vector<GoldenRecord> goldens;
 };
 
 /// Writes bundle/ and bundle.json into the folder of a run, whose kept traces are already there.

@@ -211,7 +211,7 @@ class GateRun {
   const std::atomic<bool>* cancelled_;
   DerivedLimits limits_;
   std::optional<AcceptedBuild> accepted_;
-  std::vector<GoldenTrace> goldens_;
+  std::vector<GoldenRecord> goldens_;
   std::vector<Waiver> waivers_;
   GatePlayer* player_ = nullptr;  ///< while run() lasts
   std::vector<JudgedCheck> panel_, compared_;

@@ -41,7 +41,7 @@ double mre_maxima_pct(const CaseRecord& record, const PlanCase& planned) {
   return 100.0 * mean_relative_error(actual, expected, 0.1).mean;
 }
 
-double stored_mre(const GoldenTrace& golden) {
+double stored_mre(const GoldenRecord& golden) {
   const auto at = golden.provenance.find("mre_maxima_pct");
   double value = kNan;
   if (at != golden.provenance.end())
@@ -49,7 +49,7 @@ double stored_mre(const GoldenTrace& golden) {
   return value;
 }
 
-JudgedCheck compared(const CaseRecord& record, const GoldenTrace& golden, GoldenCurve curve) {
+JudgedCheck compared(const CaseRecord& record, const GoldenRecord& golden, GoldenCurve curve) {
   const bool rig = curve == GoldenCurve::ati;
   JudgedCheck j;
   Check& c = j.check;
@@ -76,7 +76,7 @@ JudgedCheck compared(const CaseRecord& record, const GoldenTrace& golden, Golden
   return j;
 }
 
-void hold_against(const GoldenTrace& golden, const PlanCase& planned, const PlayedRecord& one,
+void hold_against(const GoldenRecord& golden, const PlanCase& planned, const PlayedRecord& one,
                   std::vector<JudgedCheck>& list, std::vector<std::string>& notes) {
   const CaseRecord& record = one.record;
   const std::string rig = record.rig.name + "/" + record.rig.version;
@@ -118,22 +118,22 @@ GoldenContent golden_content(const CaseRecord& record) {
   return content;
 }
 
-Result<std::vector<GoldenTrace>> read_goldens(const fs::path& folder) {
+Result<std::vector<GoldenRecord>> read_goldens(const fs::path& folder) {
   std::vector<fs::path> paths;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
     if (entry.path().extension() == ".golden") paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
-  std::vector<GoldenTrace> goldens;
+  std::vector<GoldenRecord> goldens;
   for (const fs::path& path : paths) {
     std::ifstream in(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    FORCEGATE_TRY(goldens.emplace_back(), parse_golden(text, path.string()));
+    FORCEGATE_TRY(goldens.emplace_back(), parse_golden_record(text, path.string()));
   }
   return goldens;
 }
 
-ChecksByRecord golden_checks(const RunMaterial& m, const std::vector<GoldenTrace>& goldens,
+ChecksByRecord golden_checks(const RunMaterial& m, const std::vector<GoldenRecord>& goldens,
                              std::vector<std::string>& notes) {
   ChecksByRecord checks;
   for (std::size_t c = 0; c < m.plan.cases.size(); ++c) {
@@ -145,7 +145,7 @@ ChecksByRecord golden_checks(const RunMaterial& m, const std::vector<GoldenTrace
       const PlayedRecord& one = m.records[k];
       if (one.case_index != c || one.superseded || one.job.session != 0) continue;
       if (first == nullptr) first = &one;
-      const auto golden = std::find_if(goldens.begin(), goldens.end(), [&](const GoldenTrace& g) {
+      const auto golden = std::find_if(goldens.begin(), goldens.end(), [&](const GoldenRecord& g) {
         return g.case_name == planned.name && g.specimen == one.job.specimen;
       });
       if (golden == goldens.end()) continue;

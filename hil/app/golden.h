@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "golden/compare/golden_trace.h"
+#include "golden/compare/golden_record.h"
 #include "hil/gate/run_judge.h"
 
 namespace forcegate {
 
 /// Files NAME.golden of a folder in order of their names; none when the folder is not there. Errors: parse.
-Result<std::vector<GoldenTrace>> read_goldens(const std::filesystem::path& folder);
+Result<std::vector<GoldenRecord>> read_goldens(const std::filesystem::path& folder);
 
 /// "sine_f0.50_A1.50_m2.70@q50.golden"
 std::string golden_file_name(const std::string& case_name, const std::string& specimen);
@@ -23,7 +23,7 @@ GoldenContent golden_content(const CaseRecord& record);
 /// others of it without a golden are passed over). A missing golden is not_run and required: no decision. A golden of
 /// another rig, or for the firmware of another seed, is not comparable: not_run, not required. notes: stale goldens, where
 /// the build leaves the golden and is nearer to the ATI than it.
-ChecksByRecord golden_checks(const RunMaterial& material, const std::vector<GoldenTrace>& goldens,
+ChecksByRecord golden_checks(const RunMaterial& material, const std::vector<GoldenRecord>& goldens,
                              std::vector<std::string>& notes);
 
 }  // namespace forcegate

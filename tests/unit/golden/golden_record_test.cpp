@@ -1,4 +1,4 @@
-#include "golden/compare/golden_trace.h"
+#include "golden/compare/golden_record.h"
 
 #include <gtest/gtest.h>
 
@@ -26,8 +26,8 @@ GoldenContent sine(double gain = 1.0, double lag_s = 0.0) {
   return c;
 }
 
-GoldenTrace golden() {
-  GoldenTrace g;
+GoldenRecord golden() {
+  GoldenRecord g;
   g.plan = "smoke";
   g.case_name = "sine";
   g.specimen = "q50";
@@ -38,41 +38,41 @@ GoldenTrace golden() {
   g.ati = {.absolute = 0.02, .time_s = 0.01, .lag_limit_s = 0.01};
   g.firmware = {.relative = 0.02, .time_s = 0.01, .lag_limit_s = 0.01};
   g.content = sine();
-  return *parse_golden(to_text(g), "golden");
+  return *parse_golden_record(to_text(g), "golden");
 }
 
-GoldenComparison compare(const GoldenTrace& g, const GoldenContent& tested, GoldenCurve curve = GoldenCurve::ati) {
+GoldenComparison compare(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve = GoldenCurve::ati) {
   const auto result = compare_golden(g, tested, curve);
   EXPECT_TRUE(result) << (result ? "" : result.error().to_text());
   return result.value_or(GoldenComparison{});
 }
 
-TEST(GoldenTrace, survives_being_written_and_read_and_says_where_it_is_from) {
-  const GoldenTrace g = golden();
-  EXPECT_EQ(to_text(*parse_golden(to_text(g), "again")), to_text(g));
+TEST(GoldenRecord, survives_being_written_and_read_and_says_where_it_is_from) {
+  const GoldenRecord g = golden();
+  EXPECT_EQ(to_text(*parse_golden_record(to_text(g), "again")), to_text(g));
   EXPECT_EQ(g.provenance.at("reason"), "first one");
   EXPECT_EQ(g.extrema_in_all, 200u);
   EXPECT_LE(g.content.extrema.size(), 80u);
   EXPECT_LT(to_text(g).size(), 20000u) << "a person must be able to read it";
 }
 
-TEST(GoldenTrace, keeps_maxima_and_minima) {
-  const GoldenTrace g = golden();
+TEST(GoldenRecord, keeps_maxima_and_minima) {
+  const GoldenRecord g = golden();
   std::size_t maxima = 0;
   for (const GoldenExtremum& e : g.content.extrema) maxima += e.maximum;
   EXPECT_GT(maxima, g.content.extrema.size() / 3);
   EXPECT_LT(maxima, 2 * g.content.extrema.size() / 3);
 }
 
-TEST(GoldenTrace, the_same_record_is_inside_and_a_slightly_different_one_too) {
+TEST(GoldenRecord, the_same_record_is_inside_and_a_slightly_different_one_too) {
   EXPECT_EQ(compare(golden(), sine()).state, TubeState::inside);
   const GoldenComparison close = compare(golden(), sine(1.005));
   EXPECT_EQ(close.state, TubeState::inside) << close.cause;
   EXPECT_GT(close.outside, 0.3) << "the margin shows before it fails";
 }
 
-TEST(GoldenTrace, absolute_relative_and_scale_tolerances_each_hold) {
-  GoldenTrace g = golden();
+TEST(GoldenRecord, absolute_relative_and_scale_tolerances_each_hold) {
+  GoldenRecord g = golden();
   EXPECT_EQ(compare(g, sine(1.03)).state, TubeState::outside);
   EXPECT_EQ(compare(g, sine(1.015), GoldenCurve::firmware).state, TubeState::inside);
   EXPECT_EQ(compare(g, sine(1.03), GoldenCurve::firmware).state, TubeState::outside);
@@ -80,14 +80,14 @@ TEST(GoldenTrace, absolute_relative_and_scale_tolerances_each_hold) {
   EXPECT_EQ(compare(g, sine(1.03)).state, TubeState::inside);
 }
 
-TEST(GoldenTrace, a_lag_is_a_defect_and_not_absorbed) {
+TEST(GoldenRecord, a_lag_is_a_defect_and_not_absorbed) {
   const GoldenComparison late = compare(golden(), sine(1.0, 0.03));
   EXPECT_EQ(late.state, TubeState::outside);
   EXPECT_NEAR(late.lag_s, 0.03, 0.005);
 }
 
 // The traps in which other comparators call a bad trace good.
-TEST(GoldenTrace, seventy_of_a_hundred_and_one_samples_that_are_no_numbers_are_not_compared) {
+TEST(GoldenRecord, seventy_of_a_hundred_and_one_samples_that_are_no_numbers_are_not_compared) {
   GoldenContent tested = sine();
   for (std::size_t i = 0; i < 70; ++i) tested.windows[1].ati_N[i] = kNan;
   const GoldenComparison c = compare(golden(), tested);
@@ -95,7 +95,7 @@ TEST(GoldenTrace, seventy_of_a_hundred_and_one_samples_that_are_no_numbers_are_n
   EXPECT_NE(c.cause.find("70 of 101"), std::string::npos) << c.cause;
 }
 
-TEST(GoldenTrace, a_truncated_window_or_record_is_not_compared) {
+TEST(GoldenRecord, a_truncated_window_or_record_is_not_compared) {
   GoldenContent shorter = sine();
   shorter.windows[2].ati_N.resize(60);
   EXPECT_EQ(compare(golden(), shorter).state, TubeState::not_compared);
@@ -107,15 +107,15 @@ TEST(GoldenTrace, a_truncated_window_or_record_is_not_compared) {
   EXPECT_EQ(compare(golden(), none).state, TubeState::not_compared);
 }
 
-TEST(GoldenTrace, an_extremum_that_is_no_number_is_not_compared) {
+TEST(GoldenRecord, an_extremum_that_is_no_number_is_not_compared) {
   GoldenContent tested = sine();
   tested.extrema[7].ati_N = std::nan("");
   EXPECT_EQ(compare(golden(), tested).state, TubeState::not_compared);
 }
 
-TEST(GoldenTrace, a_signal_near_zero_and_a_constant_one_are_held_to_the_tolerance_as_written) {
+TEST(GoldenRecord, a_signal_near_zero_and_a_constant_one_are_held_to_the_tolerance_as_written) {
   for (const double level_N : {0.0, 1e-6, 3.0}) {
-    GoldenTrace g = golden();
+    GoldenRecord g = golden();
     for (GoldenExtremum& e : g.content.extrema) e.ati_N = level_N;
     for (GoldenWindow& w : g.content.windows) std::fill(w.ati_N.begin(), w.ati_N.end(), static_cast<float>(level_N));
     GoldenContent tested = sine();
@@ -136,17 +136,17 @@ TEST(GoldenTrace, a_signal_near_zero_and_a_constant_one_are_held_to_the_toleranc
   }
 }
 
-TEST(GoldenTrace, a_damaged_file_is_refused_with_its_line) {
+TEST(GoldenRecord, a_damaged_file_is_refused_with_its_line) {
   const std::string text = to_text(golden());
-  EXPECT_FALSE(parse_golden("", "g"));
-  EXPECT_FALSE(parse_golden("forcegate golden 2\n", "g"));
+  EXPECT_FALSE(parse_golden_record("", "g"));
+  EXPECT_FALSE(parse_golden_record("forcegate golden 2\n", "g"));
   std::string cut = text.substr(0, text.size() - 40);
-  const auto truncated = parse_golden(cut, "g");
+  const auto truncated = parse_golden_record(cut, "g");
   ASSERT_FALSE(truncated);
   EXPECT_NE(truncated.error().where.find("g:"), std::string::npos);
   std::string nan = text;
   nan.replace(nan.find("max "), 4, "max nan ");
-  EXPECT_FALSE(parse_golden(nan, "g"));
+  EXPECT_FALSE(parse_golden_record(nan, "g"));
 }
 
 }  // namespace

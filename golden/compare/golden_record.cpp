@@ -1,4 +1,4 @@
-#include "golden/compare/golden_trace.h"
+#include "golden/compare/golden_record.h"
 
 #include <fmt/format.h>
 
@@ -51,7 +51,7 @@ class Reader {
   std::vector<std::pair<std::size_t, std::vector<std::string>>> rows_;
 };
 
-bool read_tolerance(const std::vector<std::string>& w, GoldenTrace& golden) {
+bool read_tolerance(const std::vector<std::string>& w, GoldenRecord& golden) {
   if (w.size() != 12) return false;
   TubeOptions o;
   const std::pair<const char*, double*> fields[] = {{"absolute", &o.absolute},
@@ -66,7 +66,7 @@ bool read_tolerance(const std::vector<std::string>& w, GoldenTrace& golden) {
   return false;
 }
 
-Result<void> read_window(Reader& r, GoldenTrace& golden) {
+Result<void> read_window(Reader& r, GoldenRecord& golden) {
   GoldenWindow window;
   std::size_t rows = 0;
   const auto& w = r.words();
@@ -103,7 +103,7 @@ const std::vector<float>& values(const GoldenWindow& w, GoldenCurve curve) {
   return curve == GoldenCurve::ati ? w.ati_N : w.dut_N;
 }
 
-void compare_extrema(const GoldenTrace& g, const GoldenContent& tested, GoldenCurve curve, const TubeOptions& o,
+void compare_extrema(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve, const TubeOptions& o,
                      GoldenComparison& out) {
   double low = 0.0, high = 0.0;
   for (const GoldenExtremum& e : g.content.extrema) {
@@ -129,7 +129,7 @@ void compare_extrema(const GoldenTrace& g, const GoldenContent& tested, GoldenCu
 
 }  // namespace
 
-std::string to_text(const GoldenTrace& g) {
+std::string to_text(const GoldenRecord& g) {
   std::string out = fmt::format(
       "forcegate golden 1\n# Made by forcegate bless; do not edit by hand.\nplan {}\ncase {}\nspecimen {}\nseed {}\nrig {}\n"
       "algorithm {}\n",
@@ -153,12 +153,12 @@ std::string to_text(const GoldenTrace& g) {
   return out;
 }
 
-Result<GoldenTrace> parse_golden(std::string_view text, const std::string& name) {
+Result<GoldenRecord> parse_golden_record(std::string_view text, const std::string& name) {
   Reader r(text, name);
   if (!r.more() || r.words() != std::vector<std::string>{"forcegate", "golden", "1"})
     return r.bad("this is no golden trace of format 1");
   r.next();
-  GoldenTrace golden;
+  GoldenRecord golden;
   bool counted = false;
   while (r.more()) {
     const auto& w = r.words();
@@ -202,7 +202,7 @@ Result<GoldenTrace> parse_golden(std::string_view text, const std::string& name)
   return golden;
 }
 
-Result<GoldenComparison> compare_golden(const GoldenTrace& g, const GoldenContent& tested, GoldenCurve curve) {
+Result<GoldenComparison> compare_golden(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve) {
   const TubeOptions& o = curve == GoldenCurve::ati ? g.ati : g.firmware;
   GoldenComparison out;
   out.lag_s = std::numeric_limits<double>::quiet_NaN();

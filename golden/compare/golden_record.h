@@ -40,7 +40,7 @@ struct GoldenContent {
   std::vector<GoldenWindow> windows;
 };
 
-struct GoldenTrace {
+struct GoldenRecord {
   std::string plan, case_name, specimen;
   std::uint64_t seed = 0;
   std::string rig;           ///< "emulated/1"
@@ -52,9 +52,9 @@ struct GoldenTrace {
 };
 
 /// At most 40 extrema of each kind are kept. Equal goldens give equal bytes.
-std::string to_text(const GoldenTrace& golden);
+std::string to_text(const GoldenRecord& golden);
 /// Errors (parse) name the line.
-Result<GoldenTrace> parse_golden(std::string_view text, const std::string& name);
+Result<GoldenRecord> parse_golden_record(std::string_view text, const std::string& name);
 
 /// How a record stands to its golden, for one of the two curves.
 struct GoldenComparison {
@@ -71,6 +71,6 @@ enum class GoldenCurve { ati, firmware };
 
 /// Coverage first: another number of extrema, a missing or truncated window, samples that are not numbers are not
 /// compared. Then extrema (instants within time_s, forces within the tolerance) and windows (tube.h).
-Result<GoldenComparison> compare_golden(const GoldenTrace& golden, const GoldenContent& tested, GoldenCurve curve);
+Result<GoldenComparison> compare_golden(const GoldenRecord& golden, const GoldenContent& tested, GoldenCurve curve);
 
 }  // namespace forcegate
