@@ -6,6 +6,8 @@
 #include "hil/base/text.h"
 #include "hil/trace/columns.h"
 
+#include "hil/diagnose/user_candidates.h"
+
 namespace forcegate {
 
 Result<Model> load_model(const std::string& name) {
@@ -57,6 +59,9 @@ diagnose::EngineOptions engine_options(const Model& model, unsigned threads) {
   out.law = model.law;
   out.model_name = model.name;
   out.in_model = model.effect_names();
+  out.user_effects = model.user_effects;
+  for (const UserEffect& effect : model.user_effects)
+    if (diagnose::is_fitted(effect)) out.in_model.push_back(effect.name);
   out.threads = threads;
   return out;
 }

@@ -9,6 +9,7 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr int kShapes = 5, kWaves = 4, kFirstShape = 6;
+constexpr int kFirstWave = kFirstShape + kShapes, kColumns = kFirstWave + kWaves;
 constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
 constexpr std::size_t kRowLimit = 2500;
 
@@ -57,7 +58,7 @@ void set_noise(Workspace& w) {
     const double step_F = h != nullptr ? h->lsb_F_N : 0.0, step_U = h != nullptr ? h->lsb_U_V : 0.0;
     const double quantised = std::hypot(w.gain_V_per_N * decay * step_F, step_U) / std::sqrt(12.0);
     // steps are only averaged away when noise dithers them
-    const double dithered = h != nullptr && h->noise_F_N > 0.4 * step_F ? 0.4 : 1.0;
+    const double dithered = h != nullptr && step_F > 0.0 ? std::clamp(1.2 - 2.0 * h->noise_F_N / step_F, 0.3, 1.0) : 1.0;
     w.white_V[k] = white + 1e-4 * w.input.U_range_V;
     w.noise_V[k] = std::hypot(white, dithered * quantised) + 1e-4 * w.input.U_range_V;
   }
@@ -80,11 +81,11 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
 }
 
 void set_repeatability(MixedProblem& problem) {
-  problem.nz = kFirstShape + kShapes + kWaves;
+  problem.nz = kColumns;
   problem.n_fixed = 4;
-  problem.components = {{"gain", 0.02, 1.0},  {"offset", 0.01, 1.0}, {"log_b", 0.25, 1.0}, {"log_q", 0.14, 1.0},
-                        {"F_min", 0.01, 1.0}, {"swing", 0.03, 1.0},  {"shape", 0.02, 2.0},
-                        {"wander", 0.002, 2.0}};
+  problem.components = {{"gain", 0.02, 0.002, 0.5},   {"offset", 0.01, 0.001, 0.5}, {"log_b", 0.25, 0.05, 0.5},
+                        {"log_q", 0.14, 0.03, 0.5},   {"F_min", 0.01, 0.001, 0.5},  {"swing", 0.03, 0.003, 0.5},
+                        {"shape", 0.02, 0.003, 0.5},  {"wander", 0.002, 3e-4, 0.5}};
   problem.component_of_z = {0, 1, 2, 3, 4, 5};
   for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(6);
   for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(7);
@@ -93,7 +94,7 @@ void set_repeatability(MixedProblem& problem) {
 
 Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, const std::vector<std::size_t>& rows) {
   const RecordInput& r = w.input.records[index];
-  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), kFirstShape + kShapes + kWaves);
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), kColumns);
   const double g = w.gain_V_per_N / w.input.U_range_V;
   const double b = w.law.decay_rate_per_s(r.f_Hz) * std::exp(w.shifts[index].log_b);
   const double q = w.law.depth_ratio(r.A_N) * std::exp(w.shifts[index].log_q);
@@ -117,7 +118,7 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, con
       for (int k = 0; k < kShapes; ++k) Z(row, kFirstShape + k) = g * swing * hat(since, k);
     }
     for (int k = 0; k < kWaves; ++k)
-      if (length > 60.0 * (k + 1)) Z(row, kFirstShape + kShapes + k) = std::cos(3.14159265358979 * (k + 1) * r.t_s[i] / length);
+      if (length > 60.0 * (k + 1)) Z(row, kFirstWave + k) = std::cos(3.14159265358979 * (k + 1) * r.t_s[i] / length);
   }
   return Z;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/diagnose/null_calibration.h"
 #include "hil/diagnose/pictures.h"
 #include "hil/diagnose/verdict.h"
 
@@ -27,7 +28,7 @@ struct Judged {
 };
 
 Judged judge(const ResidualChannel& channel, const MixedFit& fit, bool all_fit) {
-  return {all_fit ? leave_one_out(channel.problem, fit) : fit.adapted, fit.plain};
+  return {all_fit ? leave_one_out(channel.problem, fit).adapted : fit.adapted, fit.plain};
 }
 
 std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const ChosenEffect& chosen) {
@@ -95,6 +96,8 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     // the rivals of this place stand beside it with what is left of the probability
     for (const auto& [name, share] : chosen.rivals) {
       const EffectKind* kind = EffectRegistry::instance().find(name);
+      for (const auto& own : w.user_kinds)
+        if (own->name == name) kind = own.get();
       if (kind == nullptr || share < 0.05) continue;
       Finding weak;
       weak.effect = name;
@@ -245,7 +248,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     // every command reaches the force late; without a data sheet of the motor that is no finding
     std::vector<std::string> rig_skip = options.in_model;
     rig_skip.push_back("motor");
-    rig = select_effects(w.rig, model_columns(w.rig, options.in_model), rig_skip, rig_rules, options.threads);
+    rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), rig_skip, rig_rules, options.threads);
     for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
   }
   std::vector<std::string> skip = options.in_model;
@@ -254,7 +257,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   if (reference_moves)
     for (int j : bank_columns(w.output, *EffectRegistry::instance().find("reference_drift"))) always.push_back(j);
   if (raw_says("clipping")) skip.push_back("clipping");
-  const Selection selection = select_effects(w.output, always, skip, rules, options.threads);
+  const Selection selection = select_effects(w.input, w.output, always, skip, rules, options.threads);
   if (!selection.base.valid) {
     out.notes.push_back("the records do not determine the starting model: no verdict");
     return out;
@@ -322,6 +325,12 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       f.error_after = out.error_after;
     }
   add_ranking(w.output, selection, out);
+  constexpr int kFlips = 6;
+  const NullCalibration null = calibrate_null(w.output, selection.final, skip,
+                                              [&](const std::string& name) { return threshold_of(name, rules); }, kFlips, options.threads);
+  out.expected_false = null.expected_false;
+  for (RankedEffect& r : out.ranking)
+    if (const auto found = null.score.find(r.effect); found != null.score.end()) r.null_score = found->second;
   if (w.has_rig && rig.base.valid) add_ranking(w.rig, rig, out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};

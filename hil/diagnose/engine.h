@@ -9,6 +9,7 @@
 #include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/select.h"
 #include "hil/diagnose/workspace.h"
+#include "hil/model/model.h"
 #include "hil/trace/campaign.h"
 
 namespace forcegate::diagnose {
@@ -16,6 +17,7 @@ namespace forcegate::diagnose {
 struct EngineOptions {
   BaseLaw law;                     ///< starting model
   std::string model_name = "flexiforce";
+  std::vector<UserEffect> user_effects;  ///< equations of the model file; those that were fitted are named in in_model
   std::vector<std::string> in_model;  ///< effects that the model has already: they are in the base, not candidates
   unsigned threads = 2;
   bool pictures = true;            ///< overlays and evidence series too

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/left_out.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -16,7 +18,8 @@ struct Part {
   MatrixXd zz, zc, cc;
 };
 
-Part take(const MixedProblem& problem, const RecordGram& record, const std::vector<int>& columns) {
+Part take(const MixedProblem& problem, std::size_t i, const std::vector<int>& columns) {
+  const RecordGram& record = problem.records[i];
   std::vector<Index> c;
   for (int j = 0; j < problem.n_fixed; ++j) c.push_back(j);
   for (int j : columns) c.push_back(problem.nz + j);
@@ -26,6 +29,11 @@ Part take(const MixedProblem& problem, const RecordGram& record, const std::vect
   for (Index a = 0; a < n; ++a) {
     out.zc.col(a) = record.gram.col(c[a]).head(problem.nz);
     for (Index b = 0; b < n; ++b) out.cc(b, a) = record.gram(c[b], c[a]);
+  }
+  if (!problem.other_y.empty()) {
+    const VectorXd& y = problem.other_y[i];
+    out.zc.col(n - 1) = y.head(problem.nz);
+    for (Index b = 0; b < n; ++b) out.cc(b, n - 1) = out.cc(n - 1, b) = y[c[b]];
   }
   return out;
 }
@@ -88,13 +96,15 @@ VectorXd with_minus(const VectorXd& coefficient) {
 
 }  // namespace
 
-MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm, int iterations) {
+MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm, int iterations,
+                   RecordUse use) {
   const std::size_t n_records = problem.records.size();
   const Index d = problem.n_fixed + static_cast<Index>(columns.size());
   MixedFit fit;
   fit.columns = columns;
+  fit.use = use;
   std::vector<Part> parts;
-  for (const RecordGram& record : problem.records) parts.push_back(take(problem, record, columns));
+  for (std::size_t i = 0; i < n_records; ++i) parts.push_back(take(problem, i, columns));
 
   const auto n_components = static_cast<Index>(problem.components.size());
   if (warm != nullptr && warm->valid) {
@@ -103,7 +113,7 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
   } else {
     fit.variance.resize(n_components);
     for (Index k = 0; k < n_components; ++k)
-      fit.variance[k] = problem.components[k].prior_sd * problem.components[k].prior_sd;
+      fit.variance[k] = problem.components[k].start_sd * problem.components[k].start_sd;
     fit.s2.clear();
     for (const RecordGram& record : problem.records) fit.s2.push_back(std::max(record.noise_variance, 1e-6));
   }
@@ -114,7 +124,7 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
     const VectorXd sigma2 = expand_variance(problem, fit.variance);
     MatrixXd M = MatrixXd::Zero(d + 1, d + 1);
     for (std::size_t i = 0; i < n_records; ++i)
-      if (!problem.records[i].heldout) M += marginal(parts[i], sigma2, problem.records[i].n_eff / fit.s2[i]);
+      if (fit.counts(problem.records[i])) M += marginal(parts[i], sigma2, problem.records[i].n_eff / fit.s2[i]);
     MatrixXd P = M.topLeftCorner(d, d);
     P.diagonal() += prior;
     const Eigen::LLT<MatrixXd> llt(P);
@@ -129,7 +139,7 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
       const RecordGram& record = problem.records[i];
       conditional[i] = condition(parts[i], v, sigma2, record.n_eff / fit.s2[i]);
       const Conditional& c = conditional[i];
-      if (!record.heldout) {
+      if (fit.counts(record)) {
         log_evidence -= 0.5 * (record.n_eff * std::log(fit.s2[i]) + record.n_eff * c.mean_square / fit.s2[i] +
                                c.penalty + c.log_det);
         for (int j = 0; j < problem.nz; ++j) {
@@ -172,7 +182,26 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
   return fit;
 }
 
-std::vector<double> leave_one_out(const MixedProblem& problem, const MixedFit& fit) {
+void flip_residuals(MixedProblem& problem, const MixedFit& fit, const std::vector<int>& sign) {
+  VectorXd beta = VectorXd::Zero(problem.nz + problem.ns);
+  beta.head(problem.n_fixed) = fit.coefficient.head(problem.n_fixed);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+    beta[problem.nz + fit.columns[b]] = fit.coefficient[problem.n_fixed + static_cast<Index>(b)];
+  problem.other_y.resize(problem.records.size());
+  for (std::size_t i = 0; i < problem.records.size(); ++i) {
+    const MatrixXd& G = problem.records[i].gram;
+    const Index y = problem.y_index();
+    VectorXd out = G.col(y);
+    if (sign[i] < 0) {
+      const VectorXd of_fit = G.leftCols(y) * beta;  // X' X beta, last: y' X beta
+      out = 2.0 * of_fit - out;
+      out[y] = 4.0 * beta.dot(of_fit.head(y)) - 4.0 * of_fit[y] + G(y, y);
+    }
+    problem.other_y[i] = std::move(out);
+  }
+}
+
+LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit) {
   const std::size_t n_records = problem.records.size();
   const Index d = fit.coefficient.size();
   const VectorXd sigma2 = expand_variance(problem, fit.variance);
@@ -181,19 +210,43 @@ std::vector<double> leave_one_out(const MixedProblem& problem, const MixedFit& f
   std::vector<MatrixXd> single;
   MatrixXd total = MatrixXd::Zero(d + 1, d + 1);
   for (std::size_t i = 0; i < n_records; ++i) {
-    parts.push_back(take(problem, problem.records[i], fit.columns));
-    single.push_back(problem.records[i].heldout ? MatrixXd::Zero(d + 1, d + 1)
-                                                : marginal(parts[i], sigma2, problem.records[i].n_eff / fit.s2[i]));
+    parts.push_back(take(problem, i, fit.columns));
+    single.push_back(fit.counts(problem.records[i]) ? marginal(parts[i], sigma2, problem.records[i].n_eff / fit.s2[i])
+                                                    : MatrixXd::Zero(d + 1, d + 1));
     total += single.back();
   }
-  std::vector<double> out(n_records);
+  LeftOut out{std::vector<double>(n_records), std::vector<double>(n_records), std::vector<double>(n_records)};
   for (std::size_t i = 0; i < n_records; ++i) {
     const MatrixXd M = total - single[i];
     MatrixXd P = M.topLeftCorner(d, d);
     P.diagonal() += prior;
     const VectorXd coefficient = P.llt().solve(M.col(d).head(d));
-    out[i] = condition(parts[i], with_minus(coefficient), sigma2, problem.records[i].n_eff / fit.s2[i]).mean_square;
+    const VectorXd v = with_minus(coefficient);
+    const double n_eff = problem.records[i].n_eff;
+    const Conditional c = condition(parts[i], v, sigma2, n_eff / fit.s2[i]);
+    out.adapted[i] = c.mean_square;
+    out.log_density[i] = -0.5 * (n_eff * std::log(fit.s2[i]) + n_eff * c.mean_square / fit.s2[i] + c.penalty + c.log_det);
+    out.plain[i] = std::max(0.0, v.dot(parts[i].cc * v));
   }
+  return out;
+}
+
+double spread_fall(const MixedFit& before, const MixedFit& after) {
+  double out = 0.0;
+  for (Index k = 0; k < before.variance.size(); ++k)
+    if (before.variance[k] > 0.0) out = std::max(out, 1.0 - after.variance[k] / before.variance[k]);
+  return out;
+}
+
+LeftOutGain left_out_gain(const MixedProblem& problem, const MixedFit& before, const MixedFit& after) {
+  const std::vector<double> a = leave_one_out(problem, after).log_density, b = leave_one_out(problem, before).log_density;
+  LeftOutGain out;
+  double best = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    out.total += a[i] - b[i];
+    best = std::max(best, a[i] - b[i]);
+  }
+  out.without_best = out.total - best;
   return out;
 }
 

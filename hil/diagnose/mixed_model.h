@@ -16,9 +16,15 @@ namespace forcegate::diagnose {
 
 struct VarianceComponent {
   std::string name;
-  double prior_sd = 0.1;       ///< weak prior: as if `prior_weight` records had shown this spread
-  double prior_weight = 1.0;
+  double start_sd = 0.1;       ///< where EM begins: generous, it shrinks fast and grows slowly
+  double prior_sd = 0.01;      ///< weak prior: as if `prior_weight` records had shown this spread. Small on purpose:
+  double prior_weight = 0.5;   ///< the records can raise it by any factor, but cannot talk down a prior that is wide
 };
+
+/// Which records enter the sums of a fit. Effects are chosen on all of them: by the chain rule that is the evidence of
+/// the fit records times the predictive density of the held-out ones. Parameters that are reported come from fit
+/// records alone.
+enum class RecordUse { fit_records, all_records };
 
 struct RecordGram {
   std::string name;
@@ -36,6 +42,7 @@ struct MixedProblem {
   Eigen::VectorXd fixed_prior_sd;    ///< n_fixed
   Eigen::VectorXd column_prior_sd;   ///< ns
   std::vector<RecordGram> records;
+  std::vector<Eigen::VectorXd> other_y;  ///< per record: replaces the last column of its Gram matrix (sign flips)
 
   int y_index() const { return nz + ns; }
 };
@@ -49,15 +56,26 @@ struct MixedFit {
   // per record, held-out ones too (predicted: their rows never enter the sums)
   std::vector<double> s2, adapted, plain;  ///< residual variance; mean square residual with and without zeta_i
   std::vector<Eigen::VectorXd> zeta;
+  RecordUse use = RecordUse::fit_records;
   bool valid = false;
+
+  bool counts(const RecordGram& record) const { return use == RecordUse::all_records || !record.heldout; }
 };
 
 /// Fits the columns. `warm` gives the variances to start from; `iterations` of EM.
 MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm = nullptr,
-                   int iterations = 12);
+                   int iterations = 12, RecordUse use = RecordUse::fit_records);
 
-/// Mean square adapted residual of every fit record when its own rows are kept from beta and c (leave one record out);
-/// the held-out records as in the fit.
-std::vector<double> leave_one_out(const MixedProblem& problem, const MixedFit& fit);
+/// The problem with the residual of `fit` turned over in some records: y* = X beta + sign (y - X beta). What an effect
+/// still gains there is chance (Freedman and Lane 1983). Gram matrices are not copied back.
+void flip_residuals(MixedProblem& problem, const MixedFit& fit, const std::vector<int>& sign);
+
+/// Mean square adapted residual of every record of the fit when its own rows are kept from beta and c (leave one record
+/// out); records outside the fit as they were.
+struct LeftOut {
+  std::vector<double> adapted, plain;  ///< with and without the record's own zeta
+  std::vector<double> log_density;     ///< of the record, zeta integrated out
+};
+LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit);
 
 }  // namespace forcegate::diagnose

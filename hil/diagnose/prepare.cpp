@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <cmath>
 
 #include "hil/base/parallel.h"
+#include "hil/diagnose/denoise.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/user_candidates.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -71,6 +74,11 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   parallel_for(prepared.size(), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
     prepared[k].health = check_raw_health(record, w->scales, campaign.bench);
+    const RecordHealth& h = prepared[k].health;
+    const double reference_sd_N = std::hypot(h.noise_F_N, h.lsb_F_N / std::sqrt(12.0));
+    if (reference_sd_N > 1e-4 * w->scales.range_N)
+      for (Channel& channel : record.trace.channels)
+        if (channel.name == "F_ref") channel.value = smooth_within_noise(channel.value, reference_sd_N);
     prepared[k].input = make_record_input(record, prepared[k].health.bad);
     record.trace = Trace{};
     prepared[k].health.bad = {};
@@ -89,13 +97,10 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     estimate_excitation(input, declared, w->input.range_N);
     w->health.push_back(health[input.name]);
   }
+  FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   fit_base(*w);
   if (options.search) build_rig_channel(*w, options.threads);
   build_output_channel(*w, options.threads, options.search ? nullptr : &options.in_model);
-  for (RecordInput& input : w->input.records) {
-    input.fast_F_N = {};
-    input.fast_t_s = {};
-  }
   return w;
 }
 

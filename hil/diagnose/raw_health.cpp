@@ -56,6 +56,51 @@ double middle_of_four(double a, double b, double c, double d) {
   return 0.5 * (a + b + c + d - low - high);
 }
 
+// Spikes come at any level of the output. Jumps that sit at a few levels only are steps of the converter's curve: the
+// levels that hold four fifths of them are hardly visited otherwise.
+bool sit_at_fixed_levels(const std::vector<double>& U, const std::vector<double>& level) {
+  constexpr std::size_t kBins = 128, kEnough = 40;
+  if (level.size() < kEnough) return false;
+  const double low = quantile(U, 0.001), high = quantile(U, 0.999);
+  if (!(high > low)) return false;
+  std::vector<double> all(kBins, 0.0), jumps(kBins, 0.0);
+  const auto bin = [&](double u) {
+    return static_cast<std::size_t>(std::clamp((u - low) / (high - low), 0.0, 0.9999) * static_cast<double>(kBins));
+  };
+  double n_all = 0.0;
+  for (double u : U)
+    if (std::isfinite(u)) {
+      all[bin(u)] += 1.0;
+      n_all += 1.0;
+    }
+  for (double u : level) jumps[bin(u)] += 1.0;
+  std::vector<std::size_t> order(kBins);
+  for (std::size_t b = 0; b < kBins; ++b) order[b] = b;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return jumps[a] * (all[b] + 1.0) > jumps[b] * (all[a] + 1.0);
+  });
+  double covered = 0.0, visited = 0.0;
+  for (std::size_t b : order) {
+    if (covered >= 0.8 * static_cast<double>(level.size())) break;
+    covered += jumps[b];
+    visited += all[b];
+  }
+  return visited < 0.25 * n_all;
+}
+
+// Size of the one bit that spikes turn over: most have the same size, and it is a binary fraction of the range. 0: none.
+double common_bit_V(const std::vector<double>& jump, double range_V) {
+  constexpr std::size_t kEnough = 12;
+  if (jump.size() < kEnough) return 0.0;
+  const double size = quantile(jump, 0.5);
+  std::size_t same = 0;
+  for (double j : jump) same += std::abs(j - size) < 0.15 * size ? 1 : 0;
+  if (static_cast<double>(same) < 0.7 * static_cast<double>(jump.size())) return 0.0;
+  if (!std::isfinite(range_V)) return size;
+  const double bits = std::log2(range_V / size);
+  return std::abs(bits - std::round(bits)) < 0.12 ? size : 0.0;
+}
+
 }  // namespace
 
 HealthScales health_scales(const Campaign& campaign) {
@@ -115,6 +160,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = 1;
   };
+  std::vector<std::size_t> spike;
+  std::vector<double> spike_level;
   // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
   for (std::size_t i = 2; i + 2 < n; ++i) {
     if (!std::isfinite(U[i])) {
@@ -131,9 +178,20 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       high = std::max(high, F[k]);
     }
     if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
-    if (std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V) ++out.zeros;
-    else ++out.outliers;
-    mark(i, jump);
+    if (std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V) {
+      ++out.zeros;
+      mark(i, jump);
+    } else {
+      spike.push_back(i);
+      spike_level.push_back(middle);
+    }
+  }
+  if (!sit_at_fixed_levels(U, spike_level)) {
+    std::vector<double> size;
+    for (std::size_t k = 0; k < spike.size(); ++k) size.push_back(std::abs(U[spike[k]] - spike_level[k]));
+    out.bit_V = common_bit_V(size, bench.voltage_max_V - low_rail);
+    (out.bit_V > 0.0 ? out.bit_errors : out.outliers) = spike.size();
+    for (std::size_t k = 0; k < spike.size(); ++k) mark(spike[k], std::abs(U[spike[k]] - spike_level[k]));
   }
   // runs of one value: held while the force moves on, flat tops at the largest value of all
   const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {
@@ -187,7 +245,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, rail = 0.0, missing = 0.0;
   std::vector<double> noise_F, hum;
   std::size_t with_hum = 0, with_outliers = 0, with_held = 0;
-  double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0;
+  double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
+  std::size_t with_bit_errors = 0;
+  std::vector<double> bit_V;
   for (const RecordHealth& h : health) {
     samples += static_cast<double>(h.samples);
     outliers += static_cast<double>(h.outliers);
@@ -197,6 +257,11 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     rail += static_cast<double>(h.at_rail);
     with_outliers += h.outliers >= 2 ? 1 : 0;
     with_held += h.held + h.zeros >= 4 ? 1 : 0;
+    bit_errors += static_cast<double>(h.bit_errors);
+    if (h.bit_errors > 0) {
+      ++with_bit_errors;
+      bit_V.push_back(h.bit_V);
+    }
     if (h.at_rail > 0) rail_V = h.rail_V;
     noise_F.push_back(h.noise_F_N);
     lsb_F = std::max(lsb_F, h.lsb_F_N);
@@ -210,6 +275,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const auto percent = [](double share) { return std::to_string(100.0 * share).substr(0, 6) + " %"; };
   const std::size_t n = health.size();
   const bool many_records = n >= 3;
+  if (bit_errors / samples > 1.5e-4 && with_bit_errors >= 2)
+    out.push_back({"adc_codes", 0.95, percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
+                   "bit_V", "V", quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
   if (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records))
     out.push_back({"outliers", 0.95, percent(outliers / samples) + " of the samples stand far off their neighbours while the force is smooth",
                    "share", "1", outliers / samples, std::sqrt(outliers) / samples});

@@ -4,13 +4,15 @@
 #include <cmath>
 
 #include "hil/base/text.h"
+#include "hil/diagnose/refine.h"
+#include "hil/diagnose/user_candidates.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
 double held_out_rms(const Workspace& w, const MixedFit& fit, bool plain) {
-  const std::vector<double> square = plain ? fit.plain : w.all_fit ? leave_one_out(w.output.problem, fit) : fit.adapted;
+  const std::vector<double> square = plain ? fit.plain : w.all_fit ? leave_one_out(w.output.problem, fit).adapted : fit.adapted;
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < square.size(); ++i)
     if (w.all_fit || w.output.problem.records[i].heldout) {
@@ -20,16 +22,17 @@ double held_out_rms(const Workspace& w, const MixedFit& fit, bool plain) {
   return w.output.scale * std::sqrt(sum / std::max(n, 1.0));
 }
 
-// Best variant of one family beside the columns that are in.
-Result<VariantScore> best_of(const Workspace& w, const std::string& name, const std::vector<int>& present, const MixedFit* warm,
+// Best variant of one family beside the columns that are in, its shape refined; fit records only.
+Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::vector<int>& present, const MixedFit* warm,
                              unsigned threads) {
   std::vector<std::string> others;
-  for (const EffectKind& kind : EffectRegistry::instance().all())
-    if (kind.name != name) others.push_back(kind.name);
-  ScreenResult result = screen(w.output, present, others, warm, threads);
+  for (const EffectKind* kind : kinds_of(w.output))
+    if (kind->name != name) others.push_back(kind->name);
+  ScreenResult result = screen(w.output, present, others, warm, threads, 9, RecordUse::fit_records);
   if (result.families.empty())
     return fail(ErrorCode::config, "the campaign cannot show " + name, w.input.name,
                 "it needs a channel that these records do not have, or acts on the rig and not on the output");
+  refine_family(w.input, w.output, present, result.base, result.families.front(), threads);
   return std::move(result.families.front().best);
 }
 
@@ -108,8 +111,12 @@ Waterfall waterfall_of(const Workspace& w, const std::vector<std::pair<std::stri
 
 Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
   std::vector<std::string> names = start.effect_names();
+  for (const UserEffect& effect : start.user_effects)
+    if (is_fitted(effect)) names.push_back(effect.name);
   if (!add.empty()) {
     const EffectKind* kind = EffectRegistry::instance().find(add);
+    for (const auto& own : w.user_kinds)
+      if (own->name == add) kind = own.get();
     if (kind == nullptr) {
       const std::string near = nearest_name(add, EffectRegistry::instance().names());
       return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add", near.empty() ? "" : "did you mean \"" + near + "\"?");
@@ -162,6 +169,22 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   }
   m.effects.clear();
   for (int v : variants) {
+    const Candidate& c = w.output.candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)];
+    const auto own = std::find_if(m.user_effects.begin(), m.user_effects.end(), [&](const UserEffect& e) { return e.name == c.kind->name; });
+    if (own != m.user_effects.end()) {
+      for (std::size_t b = 0; b < now.columns.size(); ++b)
+        if (now.columns[b] == c.first) {
+          const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
+          const UserEffect before_fit = *own;
+          *own = with_parameters(before_fit, c.shape, now.coefficient[at] / now.coefficient[0], std::sqrt(std::max(0.0, now.covariance(at, at))));
+          for (const ModelParameter& p : own->parameters) {
+            double old = p.value;
+            for (const ModelParameter& q : before_fit.parameters) old = q.name == p.name ? q.value : old;
+            out.moves.push_back({own->name + "." + p.name, p.unit, old, p.value, p.se});
+          }
+        }
+      continue;
+    }
     m.effects.push_back(effect_of(w, w.output.variants[static_cast<std::size_t>(v)], now));
     const ModelEffect* old = nullptr;
     for (const ModelEffect& e : start.effects)

@@ -19,6 +19,16 @@ Eigen::VectorXd coefficients_of(const ResidualChannel& channel, const MixedFit& 
   return out;
 }
 
+// A strength beyond what the effect can physically have, by more than twice its uncertainty. A pole of twice the force
+// with half the time constant is a delay in disguise, and half a delay of twice the length a pole.
+bool is_beyond_bounds(const ResidualChannel& channel, const MixedFit& fit, const Variant& variant) {
+  if (variant.columns.size() != 1) return false;
+  const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  const auto at = fit.coefficient.size() - 1;
+  const double value = fit.coefficient[at], slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance(at, at)));
+  return value > c.form->most + slack || value < c.form->least - slack;
+}
+
 bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, const Variant& variant) {
   const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
   if (c.form->sign == StrengthSign::either) return false;
@@ -31,10 +41,17 @@ bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, c
 
 }  // namespace
 
+std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel) {
+  std::vector<const EffectKind*> out;
+  for (const Candidate& c : channel.candidates)
+    if (std::find(out.begin(), out.end(), c.kind) == out.end()) out.push_back(c.kind);
+  return out;
+}
+
 double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < fit.adapted.size(); ++i) {
-    if (channel.problem.records[i].heldout) continue;
+    if (!fit.counts(channel.problem.records[i])) continue;
     sum += std::max(0.0, fit.adapted[i] - channel.problem.records[i].allowed_variance);
     n += 1.0;
   }
@@ -44,7 +61,7 @@ double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit) {
 double total_fall(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after) {
   double a = 0.0, b = 0.0;
   for (std::size_t i = 0; i < before.adapted.size(); ++i)
-    if (!channel.problem.records[i].heldout) {
+    if (before.counts(channel.problem.records[i])) {
       b += before.adapted[i];
       a += after.adapted[i];
     }
@@ -65,37 +82,44 @@ double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std
   return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
+VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, int index,
+                           const MixedFit* warm, int iterations) {
+  const Variant& variant = channel.variants[static_cast<std::size_t>(index)];
+  VariantScore score;
+  score.variant = index;
+  score.gain = -1e300;
+  std::vector<int> columns = present;
+  for (int j : variant.columns) {
+    if (std::find(columns.begin(), columns.end(), j) != columns.end()) return score;
+    columns.push_back(j);
+  }
+  score.fit = fit_mixed(channel.problem, columns, warm != nullptr ? warm : &base, iterations, base.use);
+  if (!score.fit.valid || is_beyond_bounds(channel, score.fit, variant)) return score;
+  score.gain = score.fit.log_evidence - base.log_evidence;
+  score.effect_rms = effect_rms(channel, score.fit, variant.columns);
+  score.wrong_sign = has_wrong_sign(channel, score, variant);
+  if (score.wrong_sign) score.gain *= score.gain > 0.0 ? 0.3 : 1.0;
+  const double base_excess = excess_mean_square(channel, base), excess = excess_mean_square(channel, score.fit);
+  score.fall = base_excess > 0.0 ? 1.0 - excess / base_excess : 0.0;
+  score.total_fall = total_fall(channel, base, score.fit);
+  return score;
+}
+
 ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& skip,
-                    const MixedFit* warm, unsigned threads) {
+                    const MixedFit* warm, unsigned threads, int iterations, RecordUse use) {
   ScreenResult out;
-  out.base = fit_mixed(channel.problem, present, warm, 20);
+  out.base = fit_mixed(channel.problem, present, warm, 2 * iterations, use);
   if (!out.base.valid) return out;
-  const double base_excess = excess_mean_square(channel, out.base);
   std::vector<VariantScore> scores(channel.variants.size());
   std::vector<char> used(channel.variants.size(), 0);
   parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
-    const Variant& variant = channel.variants[v];
-    const EffectKind& kind = *channel.candidates[static_cast<std::size_t>(variant.candidate)].kind;
+    const EffectKind& kind = *channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind;
     if (std::find(skip.begin(), skip.end(), kind.name) != skip.end()) return;
-    std::vector<int> columns = present;
-    for (int j : variant.columns) {
-      if (std::find(columns.begin(), columns.end(), j) != columns.end()) return;
-      columns.push_back(j);
-    }
-    VariantScore& score = scores[v];
-    score.variant = static_cast<int>(v);
-    score.fit = fit_mixed(channel.problem, columns, &out.base, 9);
-    if (!score.fit.valid) return;
-    score.gain = score.fit.log_evidence - out.base.log_evidence;
-    score.effect_rms = effect_rms(channel, score.fit, variant.columns);
-    score.wrong_sign = has_wrong_sign(channel, score, variant);
-    if (score.wrong_sign) score.gain *= score.gain > 0.0 ? 0.3 : 1.0;
-    const double excess = excess_mean_square(channel, score.fit);
-    score.fall = base_excess > 0.0 ? 1.0 - excess / base_excess : 0.0;
-    score.total_fall = total_fall(channel, out.base, score.fit);
-    used[v] = 1;
+    scores[v] = score_variant(channel, present, out.base, static_cast<int>(v), nullptr, iterations);
+    used[v] = scores[v].gain > -1e299 ? 1 : 0;
   });
-  for (const EffectKind& kind : EffectRegistry::instance().all()) {
+  for (const EffectKind* kind_of_family : kinds_of(channel)) {
+    const EffectKind& kind = *kind_of_family;
     FamilyScore family;
     family.kind = &kind;
     double best = -1e300, sum = 0.0, n = 0.0;

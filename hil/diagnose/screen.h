@@ -13,7 +13,7 @@ struct VariantScore {
   int variant = 0;
   double gain = 0.0;            ///< log evidence over the present model
   double effect_rms = 0.0;      ///< of what the columns add, share of the span, mean over records
-  double fall = 0.0;            ///< share of the excess mean square (above noise) that goes away, all fit records
+  double fall = 0.0;            ///< share of the excess mean square (above noise) that goes away
   double total_fall = 0.0;      ///< share of the whole adapted mean square that goes away
   bool wrong_sign = false;
   MixedFit fit;
@@ -32,12 +32,19 @@ struct ScreenResult {
 
 /// Columns already in the model stay. A variant whose family is in `skip` is left out.
 ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& skip,
-                    const MixedFit* warm, unsigned threads);
+                    const MixedFit* warm, unsigned threads, int iterations = 9, RecordUse use = RecordUse::all_records);
 
-/// Mean over fit records of the adapted mean square above the noise, never below 0.
+/// The families that have candidates in a channel, in the order of the registry, the user's own last.
+std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel);
+
+/// One variant beside the present columns, on the records that the base was fitted to; gain -1e300 when it cannot be fitted or its strength is out of bounds.
+VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, int variant,
+                           const MixedFit* warm, int iterations = 9);
+
+/// Mean over the records of the fit of the adapted mean square above the noise, never below 0.
 double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit);
 
-/// Share of the adapted mean square of the fit records that goes away between two fits.
+/// Share of the adapted mean square of the records of a fit that goes away between two fits.
 double total_fall(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);
 
 /// Signed size of what the columns add: RMS over rows, sign from the strengths weighted by their columns' size.

@@ -32,22 +32,33 @@ struct Selection {
 
 struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
-  double first_fall = 0.10, later_fall = 0.40;
-  double first_total_fall = 0.06, later_total_fall = 0.25;  ///< where the declared noise allows the whole residual
+  double between_gain = 8.0;     ///< n counts records; chance reaches 2 nats once in a thousand (mixed_model_test)
+  double between_left_out = 3.0; ///< nats by which records that were left out must be predicted better
+  double between_fall = 0.5;     ///< share of the spread between records (a variance) that it must explain
+  double between_chance = 0.10;  ///< largest share of sign-flipped records that may do as well
+
+  double first_fall = 0.10, later_fall = 0.50;
+  double first_total_fall = 0.06, later_total_fall = 0.35;  ///< where the declared noise allows the whole residual
   double sure_gain = 40.0, sure_total_fall = 0.02;  ///< a small share is enough where the evidence is overwhelming
   double smallest_rms = 2.5e-4;  ///< of the span: less is below what the declared instruments can tell
   bool clock_slack = true;       ///< a few milliseconds between two instruments are nobody's fault
   int most = 3;
 };
 
-Selection select_effects(const ResidualChannel& channel, const std::vector<int>& always,
+/// Score from which an effect is considered at all.
+double threshold_of(const std::string& effect, const SelectionRules& rules);
+
+Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always,
                          const std::vector<std::string>& skip, const SelectionRules& rules, unsigned threads);
 
 /// |cos| between what two sets of columns add, after the base law and the repeatability are projected off.
 double signature_cosine(const ResidualChannel& channel, const MixedFit& base, const MixedFit& a,
                         const std::vector<int>& columns_a, const MixedFit& b, const std::vector<int>& columns_b);
 
-/// Columns of the family's most flexible form, to soak up what a form that is not quite right leaves behind.
+/// All columns of the screening grid of a family: what a form that is not quite right leaves behind must not be named.
+std::vector<int> family_columns(const ResidualChannel& channel, const EffectKind& kind);
+
+/// Columns of the family's most flexible form.
 std::vector<int> bank_columns(const ResidualChannel& channel, const EffectKind& kind);
 
 }  // namespace forcegate::diagnose

@@ -12,25 +12,37 @@ namespace {
 
 constexpr std::size_t kRowLimit = 2500;
 constexpr double kPriorShare = 0.03;  // an effect of 3 % of the span is nothing unusual
+constexpr int kSpareColumns = 24;
 
-void build_record(const Workspace& w, ResidualChannel& channel, std::size_t k, const Eigen::MatrixXd& Z,
-                  const std::vector<double>& y, double column_factor) {
-  const RecordInput& r = w.input.records[channel.record_of[k]];
+// The candidate's columns on the chosen rows of one record.
+void write_columns(const CampaignInput& input, ResidualChannel& channel, std::size_t k, const Candidate& c, Eigen::MatrixXd& full) {
+  const RecordInput& r = input.records[channel.record_of[k]];
+  RecordRows& rows = channel.rows[k];
+  full.setZero(static_cast<Eigen::Index>(r.rows()), c.count);
+  c.form->columns(input, r, c.shape, full);
+  for (int j = 0; j < c.count; ++j)
+    for (std::size_t i = 0; i < rows.row.size(); ++i) {
+      const double v = full(static_cast<Eigen::Index>(rows.row[i]), j);
+      rows.matrix(static_cast<Eigen::Index>(i), channel.problem.nz + c.first + j) = std::isfinite(v) ? v * channel.column_factor : 0.0;
+    }
+}
+
+double column_prior(const MixedProblem& p, int column) {
+  double mean_square = 0.0;
+  for (const RecordGram& g : p.records) mean_square += g.gram(p.nz + column, p.nz + column);
+  const double rms = std::sqrt(mean_square / std::max<double>(1.0, static_cast<double>(p.records.size())));
+  return rms > 1e-9 ? std::min(3.0, kPriorShare / rms) : 1e-6;
+}
+
+void build_record(const CampaignInput& input, ResidualChannel& channel, std::size_t k, const Eigen::MatrixXd& Z,
+                  const std::vector<double>& y) {
   RecordRows& rows = channel.rows[k];
   const auto n = static_cast<Eigen::Index>(rows.row.size());
   const int nz = channel.problem.nz, ns = channel.problem.ns;
   rows.matrix = Eigen::MatrixXd::Zero(n, nz + ns + 1);
   rows.matrix.leftCols(nz) = Z;
   Eigen::MatrixXd full;
-  for (const Candidate& c : channel.candidates) {
-    full.setZero(static_cast<Eigen::Index>(r.rows()), c.count);
-    c.form->columns(w.input, r, c.shape, full);
-    for (int j = 0; j < c.count; ++j)
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const double v = full(static_cast<Eigen::Index>(rows.row[static_cast<std::size_t>(i)]), j);
-        rows.matrix(i, nz + c.first + j) = std::isfinite(v) ? v * column_factor : 0.0;
-      }
-  }
+  for (const Candidate& c : channel.candidates) write_columns(input, channel, k, c, full);
   for (Eigen::Index i = 0; i < n; ++i) rows.matrix(i, nz + ns) = y[static_cast<std::size_t>(i)];
   RecordGram& gram = channel.problem.records[k];
   gram.gram.resize(nz + ns + 1, nz + ns + 1);
@@ -39,34 +51,49 @@ void build_record(const Workspace& w, ResidualChannel& channel, std::size_t k, c
   gram.gram.triangularView<Eigen::StrictlyUpper>() = gram.gram.transpose();
 }
 
+void reserve_spare(ResidualChannel& channel) {
+  channel.first_spare = channel.problem.ns;
+  channel.problem.ns += kSpareColumns;
+}
+
 void set_column_priors(ResidualChannel& channel) {
   MixedProblem& p = channel.problem;
-  Eigen::VectorXd mean_square = Eigen::VectorXd::Zero(p.ns);
-  double n = 0.0;
-  for (const RecordGram& g : p.records) {
-    mean_square += g.gram.diagonal().segment(p.nz, p.ns);
-    n += 1.0;
-  }
   p.column_prior_sd.resize(p.ns);
-  for (const Candidate& c : channel.candidates)
-    for (int j = 0; j < c.count; ++j) {
-      const double rms = std::sqrt(mean_square[c.first + j] / std::max(n, 1.0));
-      p.column_prior_sd[c.first + j] =
-          rms > 1e-9 ? std::min(3.0, kPriorShare / rms) : 1e-6;
-    }
+  for (int j = 0; j < p.ns; ++j) p.column_prior_sd[j] = column_prior(p, j);
 }
 
 }  // namespace
 
-void list_candidates(const CampaignInput& input, EffectChannel which, bool drift_in_output, ResidualChannel& out,
+void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& c, unsigned threads) {
+  const int nz = channel.problem.nz;
+  parallel_for(channel.rows.size(), threads, [&](std::size_t k) {
+    Eigen::MatrixXd full;
+    write_columns(input, channel, k, c, full);
+    const Eigen::MatrixXd& A = channel.rows[k].matrix;
+    Eigen::MatrixXd& G = channel.problem.records[k].gram;
+    const Eigen::MatrixXd cross = A.transpose() * A.middleCols(nz + c.first, c.count) / std::max<double>(1.0, static_cast<double>(A.rows()));
+    G.middleCols(nz + c.first, c.count) = cross;
+    G.middleRows(nz + c.first, c.count) = cross.transpose();
+  });
+  for (int j = 0; j < c.count; ++j) channel.problem.column_prior_sd[c.first + j] = column_prior(channel.problem, c.first + j);
+}
+
+int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads) {
+  Candidate copy = channel.candidates[static_cast<std::size_t>(candidate)];
+  if (channel.first_spare + copy.count > channel.problem.ns) return -1;
+  copy.first = channel.first_spare;
+  channel.first_spare += copy.count;
+  channel.candidates.push_back(copy);
+  fill_candidate(input, channel, copy, threads);
+  return static_cast<int>(channel.candidates.size()) - 1;
+}
+
+void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_output, ResidualChannel& out,
                      const std::vector<std::string>* only) {
-  for (const EffectKind& kind : EffectRegistry::instance().all()) {
-    if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) continue;
-    const bool drift = drift_in_output && kind.name == "reference_drift";
-    if (kind.channel != which && !drift) continue;
-    if (!drift && !is_available(kind, input)) continue;
+  const auto add = [&](const EffectKind& kind) {
+    if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) return;
     for (const EffectForm& form : kind.forms)
-      for (const std::vector<double>& shape : form.grid(input)) {
+      for (const std::vector<double>& shape : form.grid(w.input)) {
         Candidate c{&kind, &form, shape, out.problem.ns, static_cast<int>(form.strength.size())};
         const int index = static_cast<int>(out.candidates.size());
         std::vector<int> all;
@@ -77,7 +104,13 @@ void list_candidates(const CampaignInput& input, EffectChannel which, bool drift
         out.problem.ns += c.count;
         out.candidates.push_back(std::move(c));
       }
+  };
+  for (const EffectKind& kind : EffectRegistry::instance().all()) {
+    const bool drift = drift_in_output && kind.name == "reference_drift";
+    if (drift || (kind.channel == which && is_available(kind, w.input))) add(kind);
   }
+  if (which == EffectChannel::output)
+    for (const auto& kind : w.user_kinds) add(*kind);
 }
 
 void build_output_channel(Workspace& w, unsigned threads, const std::vector<std::string>* only) {
@@ -86,7 +119,9 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<std:
   channel.scale = w.input.U_range_V;
   channel.unit = "V";
   set_repeatability(channel.problem);
-  list_candidates(w.input, EffectChannel::output, true, channel, only);
+  list_candidates(w, EffectChannel::output, true, channel, only);
+  reserve_spare(channel);
+  channel.column_factor = w.gain_V_per_N / channel.scale;
   const std::size_t n = w.input.records.size();
   channel.rows.resize(n);
   channel.problem.records.resize(n);
@@ -107,7 +142,7 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<std:
     gram.noise_variance = std::pow(w.white_V[k] / channel.scale, 2) + 1e-8;
     gram.allowed_variance = std::pow(w.noise_V[k] / channel.scale, 2) + 1e-8;
     gram.heldout = r.heldout && !w.all_fit;
-    build_record(w, channel, k, Z, y, w.gain_V_per_N / channel.scale);
+    build_record(w.input, channel, k, Z, y);
   });
   set_column_priors(channel);
 }
@@ -118,38 +153,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   channel = ResidualChannel{};
   channel.scale = w.input.range_N;
   channel.unit = "N";
-  // rig coordinate: 1 - cos(theta), or the command; the linear law of the record gives a force in newtons
-  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
-    RecordInput& r = w.input.records[k];
-    r.rig_force_N.clear();
-    std::vector<double> s;
-    if (!r.theta_rad.empty())
-      for (double th : r.theta_rad) s.push_back(1.0 - std::cos(th));
-    else if (!r.F_cmd_N.empty())
-      s = r.F_cmd_N;
-    else
-      continue;
-    double ms = 0.0, mf = 0.0, count = 0.0, ss = 0.0, sf = 0.0, ff = 0.0;
-    for (std::size_t i = 0; i < r.rows(); ++i)
-      if (r.ok[i] != 0) {
-        ms += s[i];
-        mf += r.F_N[i];
-        count += 1.0;
-      }
-    if (count < 50.0) continue;
-    ms /= count;
-    mf /= count;
-    for (std::size_t i = 0; i < r.rows(); ++i)
-      if (r.ok[i] != 0) {
-        ss += (s[i] - ms) * (s[i] - ms);
-        sf += (s[i] - ms) * (r.F_N[i] - mf);
-        ff += (r.F_N[i] - mf) * (r.F_N[i] - mf);
-      }
-    // without a clear linear relation the coordinate is not the rig's
-    if (!(ss > 0.0) || sf * sf < 0.5 * ss * ff || std::sqrt(ff / count) < 0.01 * w.input.range_N) continue;
-    for (double v : s) r.rig_force_N.push_back(mf + sf / ss * (v - ms));
-    channel.record_of.push_back(k);
-  }
+  find_rig_law(w, channel.record_of);
   if (channel.record_of.size() < 2) return;
   w.has_rig = true;
 
@@ -157,10 +161,13 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   p.nz = 2 + 3 + 2;
   p.n_fixed = 2;
   // a command reaches the force through a motor: its ordinary lag is no finding
-  p.components = {{"rig_gain", 0.02, 1.0}, {"rig_offset", 0.02, 1.0}, {"rig_wander", 0.002, 2.0}, {"motor_lag", 1.0, 1.0}};
+  p.components = {{"rig_gain", 0.02, 0.002, 0.5}, {"rig_offset", 0.02, 0.001, 0.5}, {"rig_wander", 0.002, 3e-4, 0.5},
+                  {"motor_lag", 1.0, 1.0, 1.0}};
   p.component_of_z = {0, 1, 2, 2, 2, 3, 3};
   p.fixed_prior_sd = Eigen::Vector2d(10.0, 10.0);
-  list_candidates(w.input, EffectChannel::rig, false, channel);
+  list_candidates(w, EffectChannel::rig, false, channel);
+  reserve_spare(channel);
+  channel.column_factor = 1.0 / channel.scale;
   const std::size_t n = channel.record_of.size();
   channel.rows.resize(n);
   p.records.resize(n);
@@ -194,7 +201,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
     gram.allowed_variance = (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
     gram.noise_variance = 0.25 * gram.allowed_variance;
     gram.heldout = r.heldout && !w.all_fit;
-    build_record(w, channel, k, Z, y, 1.0 / channel.scale);
+    build_record(w.input, channel, k, Z, y);
   });
   set_column_priors(channel);
 }

@@ -45,6 +45,8 @@ struct ResidualChannel {
   std::vector<std::size_t> record_of;  ///< index into CampaignInput::records
   std::vector<Candidate> candidates;
   std::vector<Variant> variants;
+  double column_factor = 1.0;          ///< newtons of a column to its entry in the matrix
+  int first_spare = 0;                 ///< columns of S from here on are free for refined shapes
   double scale = 1.0;                  ///< y and columns are divided by this (V or N)
   std::string unit = "V";
 };
@@ -53,6 +55,7 @@ struct Workspace {
   CampaignInput input;
   std::vector<RecordHealth> health;
   HealthScales scales;
+  std::vector<std::unique_ptr<EffectKind>> user_kinds;  ///< effects of the user's own, beside the registry
   BaseLaw law;
   double gain_V_per_N = 2.0;           ///< slope of the static law at the current fit
   std::vector<RecordShift> shifts;     ///< per record
@@ -83,8 +86,18 @@ void build_output_channel(Workspace& workspace, unsigned threads, const std::vec
 /// The same for F_ref against angle or command; sets has_rig.
 void build_rig_channel(Workspace& workspace, unsigned threads);
 
-/// Columns of one candidate on the chosen rows (output: times gain over the voltage span).
-void list_candidates(const CampaignInput& input, EffectChannel channel, bool drift_in_output, ResidualChannel& out,
+/// Fills rig_force_N of the records with a witness and lists them: by the declared geometry and one stiffness for all
+/// where it is known (then the zero of the reference shows), else by each record's own line.
+void find_rig_law(Workspace& workspace, std::vector<std::size_t>& records);
+
+/// Writes a candidate's columns at its present shape into the rows and Gram matrices of every record.
+void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& candidate, unsigned threads);
+
+/// A copy of the candidate in spare columns, to be moved to other shapes; -1 when there is no room.
+int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads);
+
+/// Lists candidates and variants of one channel.
+void list_candidates(const Workspace& workspace, EffectChannel channel, bool drift_in_output, ResidualChannel& out,
                      const std::vector<std::string>* only = nullptr);
 
 }  // namespace forcegate::diagnose

@@ -48,6 +48,9 @@ struct EffectForm {
   std::function<std::vector<std::vector<double>>(const CampaignInput&)> grid;
   /// Fills rows x strength.size() columns. Pure; rows that it cannot know are 0.
   std::function<void(const CampaignInput&, const RecordInput&, std::span<const double> shape, ColumnsRef)> columns;
+  /// Strengths outside are another effect in disguise: a pole of twice the force with half the time constant is a delay.
+  double least = -1e300, most = 1e300;
+  bool refine = true;                    ///< shapes are continuous: the screen may search between the points of the grid
   bool singles = false;                  ///< screen each column alone too (banks)
   bool bank = false;                     ///< the family's most flexible form, used to soak up a wrong form's remains
 };

@@ -34,7 +34,9 @@ const Registration<EffectKind> kRegistered{EffectKind{
                      const auto y = delayed_rows(r, 0.0, shape[0]);
                      for (std::size_t i = 0; i < y.size(); ++i)
                        out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
-                   }}}}};
+                   },
+               .least = 0.6,
+               .most = 1.6}}}};
 
 }  // namespace
 }  // namespace forcegate

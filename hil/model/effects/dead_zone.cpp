@@ -1,5 +1,6 @@
 // Turn-on threshold: a spacer gap, contacts that close at distributed forces.
-//   share of closed contacts 1 - exp(-F/F0):  dU = -g c F0 (1 - exp(-F/F0));  hard gap: dU = -g c min(F, F0).
+//   share of closed contacts 1 - exp(-F/F0):  dU = -g c F0 (1 - exp(-F/F0));  hard gap: dU = -g c min(F, F0);
+//   share F^2/(F^2 + F0^2) of contacts closed by the force itself:  dU = -g c F F0^2/(F^2 + F0^2).
 // Break force 0.2 to 1 N (Interlink integration guide), about 0.2 N (400 series data sheet).
 
 #include <cmath>
@@ -10,7 +11,9 @@
 namespace forcegate {
 namespace {
 
-EffectForm form(const char* name, bool hard, bool after, std::vector<double> shares) {
+enum class Gap { distributed, hard, closing };
+
+EffectForm form(const char* name, Gap gap, bool after, std::vector<double> shares) {
   return {.name = name,
           .shape = {{"F0_N", "N", 1e-4, 100.0, 0.2, "turn-on force"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the contacts that take part"}},
@@ -22,11 +25,12 @@ EffectForm form(const char* name, bool hard, bool after, std::vector<double> sha
                 return out;
               },
           .columns =
-              [hard, after](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+              [gap, after](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 const double F0 = shape[0];
-                const auto h = [hard, F0](double F) {
+                const auto h = [gap, F0](double F) {
                   if (F <= 0.0) return 0.0;
-                  return hard ? -std::min(F, F0) : F0 * std::expm1(-F / F0);
+                  if (gap == Gap::closing) return -F * F0 * F0 / (F * F + F0 * F0);
+                  return gap == Gap::hard ? -std::min(F, F0) : F0 * std::expm1(-F / F0);
                 };
                 after ? after_decay(r, h, out.col(0)) : through_decay(r, h, out.col(0));
               }};
@@ -41,9 +45,10 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"static_nonlinearity", "contact_loss"},
     .separates = "a slow ramp from true zero; small sines around the turn-on force",
     .needs = {},
-    .forms = {form("distributed", false, false, {0.01, 0.02, 0.04, 0.08}),
-              form("distributed_after_decay", false, true, {0.02, 0.05}),
-              form("hard", true, false, {0.01, 0.02, 0.04, 0.08, 0.15})}}};
+    .forms = {form("distributed", Gap::distributed, false, {0.01, 0.02, 0.04, 0.08}),
+              form("distributed_after_decay", Gap::distributed, true, {0.02, 0.05}),
+              form("hard", Gap::hard, false, {0.01, 0.02, 0.04, 0.08, 0.15}),
+              form("closing", Gap::closing, false, {0.005, 0.015, 0.04, 0.1})}}};
 
 }  // namespace
 }  // namespace forcegate

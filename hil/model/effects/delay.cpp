@@ -21,16 +21,18 @@ const Registration<EffectKind> kRegistered{EffectKind{
                .sign = StrengthSign::positive,
                .grid =
                    [](const CampaignInput&) {
-                     return std::vector<std::vector<double>>{{0.002}, {0.004}, {0.008}, {0.012}, {0.018}, {0.027},
-                                                             {0.04},  {0.06},  {0.09},  {0.13},  {-0.003}, {-0.008},
-                                                             {-0.02}, {-0.05}};
+                     return std::vector<std::vector<double>>{{0.001},  {0.002},  {0.004},  {0.007},  {0.012}, {0.02},
+                                                             {0.035},  {0.06},   {0.1},    {-0.001}, {-0.002}, {-0.004},
+                                                             {-0.008}, {-0.016}, {-0.032}};
                    },
                .columns =
                    [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                      const auto y = delayed_rows(r, shape[0]);
                      for (std::size_t i = 0; i < y.size(); ++i)
                        out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
-                   }}}}};
+                   },
+               .least = 0.65,
+               .most = 1.5}}}};
 
 }  // namespace
 }  // namespace forcegate

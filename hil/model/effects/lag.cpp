@@ -48,6 +48,8 @@ EffectForm form(const char* name, Kind kind, std::vector<double> taus, bool bank
               },
           .columns = [kind](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
                             ColumnsRef out) { fill(r, shape[0], kind, out); },
+          .least = 0.0,
+          .most = 1.15,
           .bank = bank};
 }
 

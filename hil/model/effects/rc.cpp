@@ -48,7 +48,9 @@ const Registration<EffectKind> kRegistered{EffectKind{
                        out(static_cast<Eigen::Index>(i), 0) =
                            r.decay[i] * (sum / static_cast<double>(end - begin) - r.F_N[i]);
                      }
-                   }}}}};
+                   },
+               .least = 0.0,
+               .most = 1.2}}}};
 
 }  // namespace
 }  // namespace forcegate

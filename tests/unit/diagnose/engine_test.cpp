@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hil/base/rng.h"
@@ -139,6 +140,42 @@ TEST(Engine, CallsWhatIsOutsideTheLibraryUnknown) {
   }));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << (d.findings.empty() ? "" : d.findings.front().effect);
   EXPECT_FALSE(d.depends_on.empty());
+}
+
+TEST(Engine, NamesAndFitsAnEquationOfTheUsersOwn) {
+  const auto rippled = [](const std::vector<double>&, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    for (double f : F) U.push_back(2.0 * f + 0.2 + 0.12 * std::sin(3.1 * f));
+    return U;
+  };
+  UserEffect mine;
+  mine.name = "ripple";
+  mine.output = "k * sin(w * F)";
+  mine.parameters = {{"k", "N", 0.02, 0.0, -1.0, 1.0, 0.0}, {"w", "1/N", 2.9, 0.0, 1.0, 20.0, 0.0}};
+  EngineOptions options;
+  options.threads = 1;
+  options.user_effects = {mine};
+  const auto d = diagnose_campaign(make_campaign(16, rippled), options);
+  ASSERT_TRUE(d.has_value());
+  const auto found = std::find_if(d->findings.begin(), d->findings.end(), [](const Finding& f) { return f.effect == "ripple"; });
+  ASSERT_NE(found, d->findings.end());
+  EXPECT_GE(found->probability, 0.5);
+  for (const FoundParameter& p : found->parameters)
+    if (p.name == "w") {
+      EXPECT_NEAR(p.value, 3.1, 0.1);
+    }
+}
+
+TEST(Engine, RefusesAnEquationThatCannotBeRead) {
+  UserEffect mine;
+  mine.name = "broken";
+  mine.output = "k * (F";
+  mine.parameters = {{"k", "1", 0.02, 0.0, -1.0, 1.0, 0.0}};
+  EngineOptions options;
+  options.user_effects = {mine};
+  const auto d = diagnose_campaign(make_campaign(17, straight), options);
+  ASSERT_FALSE(d.has_value());
+  EXPECT_NE(d.error().to_text().find("broken"), std::string::npos);
 }
 
 TEST(Engine, GivesTheSameBytesForAnyNumberOfThreads) {

@@ -65,6 +65,7 @@ TEST_P(EveryForm, ChangesNothingAtItsNeutralValueAndFollowsItsDerivativeElsewher
   if (kind.channel != EffectChannel::output) GTEST_SKIP() << "acts on the rig, not on the output";
   const EffectForm& form = *find_form(kind, GetParam().second);
   const CampaignInput campaign = input();
+  if (form.grid(campaign).empty()) GTEST_SKIP() << "these channels call for another form";
   const RecordInput& r = campaign.records[1];
   Model plain = *library_model("flexiforce");
   const auto base = model_output_V(plain, campaign, r);

@@ -1,0 +1,18 @@
+#pragma once
+// The reference as a regressor: its noise bends, delays and loops everything that is regressed on it (errors in
+// variables). Each sample is replaced by the centre of a local parabola over the widest window that its own noise
+// allows, so that no candidate gains by smoothing alone.
+//
+// Windows 2m+1, m = 2, 4 ... 32, least-squares parabola (Savitzky and Golay 1964); the widest m whose estimate still
+// agrees with all narrower ones within 1.7 standard deviations (intersection of confidence intervals, Goldenshluger and
+// Nemirovski 1997). Symmetric: no shift, and no bias up to the cube of time.
+
+#include <span>
+#include <vector>
+
+namespace forcegate::diagnose {
+
+/// sigma: standard deviation of the noise of one sample, steps included. Samples next to missing ones stay as they are.
+std::vector<double> smooth_within_noise(std::span<const double> x, double sigma);
+
+}  // namespace forcegate::diagnose

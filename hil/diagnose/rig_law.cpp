@@ -1,0 +1,95 @@
+// The third witness: the force that the rig's own law predicts from the wheel's angle or from the command.
+
+#include <cmath>
+
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// k (preload + eccentricity (1 - cos theta)) without k: the zero of the reference can be seen against it.
+std::vector<double> spring_travel_mm(const RecordInput& r) {
+  std::vector<double> out;
+  if (r.theta_rad.empty() || !std::isfinite(r.eccentricity_mm) || !std::isfinite(r.preload_mm)) return out;
+  for (double th : r.theta_rad) out.push_back(r.preload_mm + r.eccentricity_mm * (1.0 - std::cos(th)));
+  return out;
+}
+
+struct Line {
+  double n = 0.0, mean_x = 0.0, mean_y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+};
+
+Line line_of(const std::vector<double>& x, const RecordInput& r) {
+  Line out;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) {
+      out.mean_x += x[i];
+      out.mean_y += r.F_N[i];
+      out.n += 1.0;
+    }
+  if (out.n < 1.0) return out;
+  out.mean_x /= out.n;
+  out.mean_y /= out.n;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) {
+      out.xx += (x[i] - out.mean_x) * (x[i] - out.mean_x);
+      out.xy += (x[i] - out.mean_x) * (r.F_N[i] - out.mean_y);
+      out.yy += (r.F_N[i] - out.mean_y) * (r.F_N[i] - out.mean_y);
+    }
+  return out;
+}
+
+// One stiffness for all records whose geometry is declared, from movements within records; 0 when they do not agree.
+double stiffness_N_per_mm(const CampaignInput& input) {
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  int n = 0, with_angle = 0;
+  for (const RecordInput& r : input.records) {
+    with_angle += r.theta_rad.empty() ? 0 : 1;
+    const std::vector<double> x = spring_travel_mm(r);
+    if (x.empty()) continue;
+    const Line line = line_of(x, r);
+    if (line.n < 50.0) continue;
+    ++n;
+    xx += line.xx / line.n;
+    xy += line.xy / line.n;
+    yy += line.yy / line.n;
+  }
+  if (n < 3 || n < with_angle || !(xx > 0.0) || xy * xy < 0.9 * xx * yy || xy < 0.0) return 0.0;
+  return xy / xx;
+}
+
+}  // namespace
+
+void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
+  const double stiffness = stiffness_N_per_mm(w.input);
+  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+    RecordInput& r = w.input.records[k];
+    r.rig_force_N.clear();
+    if (stiffness > 0.0) {
+      std::vector<double> x = spring_travel_mm(r);
+      if (x.empty()) continue;
+      for (double& v : x) v *= stiffness;
+      r.rig_force_N = std::move(x);
+      records.push_back(k);
+      continue;
+    }
+    // the geometry is not known: the line of the record itself gives a force in newtons, and takes its zero away
+    std::vector<double> s;
+    if (!r.theta_rad.empty())
+      for (double th : r.theta_rad) s.push_back(1.0 - std::cos(th));
+    else if (!r.F_cmd_N.empty())
+      s = r.F_cmd_N;
+    else
+      continue;
+    const Line line = line_of(s, r);
+    // without a clear linear relation the coordinate is not the rig's
+    if (line.n < 50.0 || !(line.xx > 0.0) || line.xy * line.xy < 0.5 * line.xx * line.yy ||
+        std::sqrt(line.yy / line.n) < 0.01 * w.input.range_N)
+      continue;
+    for (double v : s) r.rig_force_N.push_back(line.mean_y + line.xy / line.xx * (v - line.mean_x));
+    records.push_back(k);
+  }
+}
+
+}  // namespace forcegate::diagnose
