@@ -88,7 +88,7 @@ Result<void> write_paper(const CharacterizeRequest& request, const Characterizat
   }
   if (!request.golden.empty())
     for (const SensorStudy& study : made.studies)
-      for (const StudyTrace& trace : golden_traces(study, made.plan))
+      for (const GoldenTrace& trace : golden_traces(study, made.plan))
         FORCEGATE_CHECK_OK(writer.write(request.golden / (trace.name + ".csv"), golden_text(trace)));
   return {};
 }

@@ -46,12 +46,12 @@ Curve step_of(const Curve& step) {
 
 }  // namespace
 
-std::vector<StudyTrace> golden_traces(const characterize::SensorStudy& study, const characterize::StudyPlan& plan) {
-  std::vector<StudyTrace> out;
+std::vector<GoldenTrace> golden_traces(const characterize::SensorStudy& study, const characterize::StudyPlan& plan) {
+  std::vector<GoldenTrace> out;
   for (const Curve& c : study.exemplar.curves) {
     const bool extrema = c.name.starts_with("extrema/");
     if (!extrema && c.name != "fig5") continue;
-    StudyTrace g;
+    GoldenTrace g;
     g.name = study.sensor + "_" + (extrema ? c.name.substr(8) : "step");
     std::replace(g.name.begin(), g.name.end(), ' ', '_');
     const bool control = c.name.starts_with("extrema/control_");
@@ -71,7 +71,7 @@ std::vector<StudyTrace> golden_traces(const characterize::SensorStudy& study, co
   return out;
 }
 
-std::string golden_text(const StudyTrace& g) {
+std::string golden_text(const GoldenTrace& g) {
   std::string out = fmt::format("# format = 1\n# name = \"{}\"\n# unit = \"{}\"\n# absolute = {}\n# relative = {}\n", g.name, g.unit,
                                 shortest(g.absolute), shortest(g.relative));
   for (const auto& [key, value] : g.provenance) out += fmt::format("# {} = \"{}\"\n", key, value);
@@ -84,8 +84,8 @@ std::string golden_text(const StudyTrace& g) {
   return out;
 }
 
-Result<StudyTrace> parse_study_trace(std::string_view text, const std::string& name) {
-  StudyTrace g;
+Result<GoldenTrace> parse_golden(std::string_view text, const std::string& name) {
+  GoldenTrace g;
   std::size_t number = 0;
   bool header = false;
   const auto bad = [&](std::string why) {

@@ -21,7 +21,7 @@
 
 namespace forcegate {
 
-struct StudyTrace {
+struct GoldenTrace {
   std::string name, unit;
   double absolute = 0.0, relative = 0.0;  ///< tube around each column but the time
   std::map<std::string, std::string> provenance;
@@ -29,11 +29,11 @@ struct StudyTrace {
 };
 
 /// Traces of the exemplar of a study, in the order in which they were played.
-std::vector<StudyTrace> golden_traces(const characterize::SensorStudy& study, const characterize::StudyPlan& plan);
+std::vector<GoldenTrace> golden_traces(const characterize::SensorStudy& study, const characterize::StudyPlan& plan);
 
-std::string golden_text(const StudyTrace& trace);
+std::string golden_text(const GoldenTrace& trace);
 
 /// Errors (parse, config) name file and line.
-Result<StudyTrace> parse_study_trace(std::string_view text, const std::string& name);
+Result<GoldenTrace> parse_golden(std::string_view text, const std::string& name);
 
 }  // namespace forcegate

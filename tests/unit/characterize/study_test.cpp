@@ -129,10 +129,10 @@ TEST(GoldenTraces, of_the_paper_are_those_of_the_rig) {
   const auto studies = run(request_of(plan, {"flexiforce", "fsr"}));
   std::size_t compared = 0;
   for (const SensorStudy& study : studies)
-    for (const StudyTrace& now : golden_traces(study, plan)) {
+    for (const GoldenTrace& now : golden_traces(study, plan)) {
       const std::filesystem::path path = folder / (now.name + ".csv");
       ASSERT_TRUE(std::filesystem::exists(path)) << path << " is missing: forcegate characterize --golden golden/traces/paper";
-      const StudyTrace golden = value_or_abort(parse_study_trace(read(path), path.string()));
+      const GoldenTrace golden = value_or_abort(parse_golden(read(path), path.string()));
       ASSERT_EQ(golden.curve.columns, now.curve.columns) << now.name;
       EXPECT_EQ(golden.provenance, now.provenance) << now.name;
       for (std::size_t k = 1; k < golden.curve.data.size(); ++k) {
@@ -148,7 +148,7 @@ TEST(GoldenTraces, of_the_paper_are_those_of_the_rig) {
 }
 
 TEST(GoldenTraces, are_read_as_they_were_written_and_damage_is_named_by_line) {
-  StudyTrace g;
+  GoldenTrace g;
   g.name = "x";
   g.unit = "V";
   g.absolute = 0.01;
@@ -156,13 +156,13 @@ TEST(GoldenTraces, are_read_as_they_were_written_and_damage_is_named_by_line) {
   g.provenance = {{"plan", "p"}};
   g.curve = {"x", {"t_s", "maximum"}, {{0.5F, 1.0F}, {2.25F, 3.5F}}};
   const std::string text = golden_text(g);
-  const StudyTrace back = value_or_abort(parse_study_trace(text, "x.csv"));
+  const GoldenTrace back = value_or_abort(parse_golden(text, "x.csv"));
   EXPECT_EQ(golden_text(back), text);
   EXPECT_EQ(back.curve.data, g.curve.data);
-  const auto cut = parse_study_trace(text.substr(0, text.size() - 8), "x.csv");
+  const auto cut = parse_golden(text.substr(0, text.size() - 8), "x.csv");
   ASSERT_FALSE(cut.has_value());
   EXPECT_NE(cut.error().where.find("x.csv:"), std::string::npos);
-  for (const char* bad : {"", "t_s,maximum\n1,2\n", "# format = 2\n", "# name = \"x\"\nt_s,v\n1,nan\n", "# absolute = -1\n"}) EXPECT_FALSE(parse_study_trace(bad, "x.csv").has_value()) << bad;
+  for (const char* bad : {"", "t_s,maximum\n1,2\n", "# format = 2\n", "# name = \"x\"\nt_s,v\n1,nan\n", "# absolute = -1\n"}) EXPECT_FALSE(parse_golden(bad, "x.csv").has_value()) << bad;
 }
 
 TEST(Tms, force_on_a_moving_head_stays_below_5_newtons_and_the_head_really_leaves) {
