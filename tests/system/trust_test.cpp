@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kGood = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
 constexpr const char* kOff = FORCEGATE_BINARY_DIR "/firmware/mutants/compensation_off.native.so";
-constexpr const char* kGain = FORCEGATE_BINARY_DIR "/firmware/mutants/gain_2pct.native.so";
+constexpr const char* kGain = FORCEGATE_BINARY_DIR "/firmware/mutants/gain_pct@2.native.so";
 const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(14)};
 
 ProcessResult run(const std::vector<std::string>& line) { return forcegate(line, kHere); }
