@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hil/base/portable_math.h"
 #include "hil/diagnose/mains_line.h"
@@ -101,6 +102,29 @@ double common_bit_V(const std::vector<double>& jump, double range_V) {
   return std::abs(bits - std::round(bits)) < 0.12 ? size : 0.0;
 }
 
+// Where U has come to the declared ends of its range. A converter cannot go below zero (or above its full scale): what
+// lies there, or so near that noise was cut off, says nothing about the sensor and is no finding.
+struct RangeEnds {
+  double low_V = -std::numeric_limits<double>::infinity(), high_V = std::numeric_limits<double>::infinity();
+  bool holds(double U_V) const { return U_V <= low_V || U_V >= high_V; }
+};
+
+RangeEnds ends_of_range(const std::vector<double>& U, double low_V, double high_V, double lsb_V, double noise_V) {
+  constexpr int kEnough = 4;
+  const double margin = std::max(1.5 * lsb_V, 3.0 * noise_V);
+  int at_low = 0, at_high = 0, beyond_low = 0, beyond_high = 0;
+  for (const double u : U) {
+    at_low += u <= low_V + 0.5 * lsb_V ? 1 : 0;
+    beyond_low += u < low_V - lsb_V ? 1 : 0;
+    at_high += u >= high_V - 1.5 * lsb_V ? 1 : 0;
+    beyond_high += u > high_V + lsb_V ? 1 : 0;
+  }
+  RangeEnds ends;
+  if (at_low >= kEnough && beyond_low == 0) ends.low_V = low_V + margin;
+  if (std::isfinite(high_V) && at_high >= kEnough && beyond_high == 0) ends.high_V = high_V - margin;
+  return ends;
+}
+
 }  // namespace
 
 HealthScales health_scales(const Campaign& campaign) {
@@ -156,6 +180,13 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const double quiet = 8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V;
   const double low_rail = std::isfinite(bench.voltage_min_V) ? bench.voltage_min_V : 0.0;
 
+  const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
+  // A fall to the end of the range that the force does not explain: lost samples. Else the instrument's declared range.
+  const auto falls_there = [&](std::size_t i) {
+    if (i < 2 || !std::isfinite(U[i - 1])) return false;
+    const auto [low, high] = std::minmax({F[i - 2], F[i - 1], F[i]});
+    return std::abs(U[i - 1] - U[i]) > quiet + 1.5 * gain * (high - low);
+  };
   const auto mark = [&](std::size_t i, double error) {
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = 1;
@@ -216,7 +247,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
         second += F[end - 1 - k];
       }
       const double moved = 2.0 * std::abs(second - first) / static_cast<double>(length / 2);
-      if (gain * std::min(moved, high - low) > move_V) {
+      const bool allowed = ends.holds(U[i]) && !falls_there(i);
+      if (!allowed && gain * std::min(moved, high - low) > move_V) {
         const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
         for (std::size_t k = i; k < end; ++k) mark(k, 0.5 * gain * (high - low));
         if (at_top && length >= 8) {
@@ -232,6 +264,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     i = end;
   }
   out.bad_mean_square_V2 /= static_cast<double>(n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (ends.holds(U[i])) out.bad[i] = 1;  // censored, no error of the instrument
   const MainsLine line = find_mains_line(t, F, U, scales.gain_V_per_N);
   out.hum_V = line.amplitude_V;
   out.hum_Hz = line.frequency_Hz;
