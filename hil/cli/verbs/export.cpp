@@ -63,8 +63,8 @@ const Registration<Command> kRow{Command{
                 {.name = "reference-temperature", .value_name = "DEGC", .doc = "Where a thermal effect is zero; default: mean of --check."},
                 {.name = "map", .value_name = "COLUMN=NAME", .doc = "Foreign column of the campaign.", .repeatable = true}},
     .examples = {{"forcegate export better.toml --fit m7 --c comp.h --check m7", "Refit it, write it, build it, replay the campaign:"},
-                 {"forcegate export mine.toml --fit mine --c comp.h --check mine",
-                  "The same, then built and replayed on the campaign; ci/firmware comp.h mine builds the firmware around it:"}},
+                 {"forcegate export flexiforce --c comp.h",
+                  "The header of a model as it is; ci/firmware comp.h NAME builds the firmware around it:"}},
     .run = run,
 }};
 
