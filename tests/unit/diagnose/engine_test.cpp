@@ -227,5 +227,37 @@ TEST(RawHealth, FindsSpikesAndHeldSamplesWhileTheForceMoves) {
   EXPECT_EQ(clean.held, 0u);
 }
 
+// Below F0 the circuit would be negative, above 4.2 N beyond full scale: the converter shows its ends.
+std::vector<double> wider_than_the_range(const std::vector<double>&, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  for (double f : F) U.push_back(2.6 * f - 1.0);
+  return U;
+}
+
+TEST(RawHealth, DeclaredEndsOfTheRangeAreNoFinding) {
+  const Campaign c = make_campaign(22, wider_than_the_range);
+  std::size_t censored = 0;
+  for (const Record& r : c.records) {
+    const RecordHealth h = check_raw_health(r, health_scales(c), c.bench);
+    EXPECT_EQ(h.zeros, 0u) << r.name;
+    EXPECT_EQ(h.at_rail, 0u) << r.name;
+    EXPECT_EQ(h.held, 0u) << r.name;
+    censored += static_cast<std::size_t>(std::count(h.bad.begin(), h.bad.end(), 1));
+  }
+  EXPECT_GT(censored, 1000u);
+  for (std::uint64_t seed = 22; seed <= 24; ++seed) {
+    const Diagnosis d = answer(make_campaign(seed, wider_than_the_range));
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << seed << ": " << (d.findings.empty() ? "" : d.findings.front().effect);
+  }
+}
+
+TEST(RawHealth, AFallToZeroThatTheForceDoesNotExplainIsLostSamples) {
+  Campaign c = make_campaign(23, wider_than_the_range);
+  auto& U = c.records[3].trace.find("U")->value;
+  for (std::size_t i = 400; i + 20 < U.size(); i += 500)
+    for (std::size_t k = 0; k < 12; ++k) U[i + k] = 0.0;
+  EXPECT_GT(check_raw_health(c.records[3], health_scales(c), c.bench).zeros, 100u);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
