@@ -130,6 +130,8 @@ class GateRun {
                          &one.judged.checks});
     compared_ = compare_with_accepted(setup_.plan, *accepted_, setup_.rig.emulated, pairs);
     panel_.insert(panel_.end(), compared_.begin(), compared_.end());
+    std::vector<JudgedCheck*> all = all_checks(panel_, player_->records());
+    apply_rule(setup_.plan.rule, all);
   }
 
   // Records that the next session needs: a panel's mean needs all its specimens.

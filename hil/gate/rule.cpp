@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <limits>
 
 #include "hil/gate/statistics.h"
@@ -69,8 +70,10 @@ void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
   const std::vector<bool> rejected = holm(p_values, rule.alpha_per_look());
   for (std::size_t i = 0; i < family.size(); ++i)
     if (family[i]->check.verdict == Verdict::fail && !rejected[i]) {
-      family[i]->check.verdict = Verdict::inconclusive;
-      family[i]->check.evidence += "; beyond the limit, but not beyond doubt among this many checks";
+      Check& c = family[i]->check;
+      c.verdict = Verdict::inconclusive;
+      constexpr std::string_view kDoubt = "; beyond the limit, but not beyond doubt among this many checks";
+      if (!c.evidence.ends_with(kDoubt)) c.evidence += kDoubt;
     }
   for (JudgedCheck* j : checks) {
     if (!j->judgeable) continue;

@@ -74,6 +74,9 @@ std::vector<JudgedCheck> judge_records(const Plan& plan, const DerivedLimits& li
 std::vector<JudgedCheck> judge_material(RunMaterial& material, const ChecksByRecord& others) {
   std::vector<JudgedCheck> of_run = judge_records(material.plan, material.limits, material.records, others);
   of_run.insert(of_run.end(), material.compared.begin(), material.compared.end());
+  if (material.compared.empty()) return of_run;
+  std::vector<JudgedCheck*> all = all_checks(of_run, material.records);
+  apply_rule(material.plan.rule, all);  // again: the rule runs over all checks together
   return of_run;
 }
 
