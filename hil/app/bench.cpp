@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 
 #include "hil/base/text.h"
+#include "hil/base/utc_clock.h"
 #include "hil/rig/bench_session.h"
 #include "rigs/emulated/twins/host.h"
 
@@ -20,15 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double kLookPeriod_s = 0.01;
 constexpr double kThere_rad = 0.01;
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[16];
-  std::strftime(text, sizeof text, "%Y-%m-%d", &utc);
-  return text;
-}
 
 std::string line_of(const fs::path& path) {
   std::ifstream in(path);
@@ -87,7 +78,8 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
 Result<std::vector<BenchItem>> examine_bench(const fs::path& file, const std::map<std::string, std::string>& options) {
   FORCEGATE_TRY(BenchFile bench, read_bench(file));
   std::vector<BenchItem> items;
-  const std::string day = today();
+  const auto given = options.find("today");
+  const std::string day = given != options.end() ? given->second : utc_today();
   for (const BenchCalibration& c : bench.calibrations)
     items.push_back({"calibration " + c.what, c.id + ", until " + c.expires, c.expires < day ? "calibrate it anew" : "",
                      c.expires >= day});

@@ -59,8 +59,10 @@ std::string selfcheck_text(const SelfcheckAnswer& a) {
     for (const Check& check : c.checks) {
       const auto at = now.values.find(check.id);
       if (at == now.values.end()) continue;
-      out += fmt::format("    {:<11} {:<26} {:>10.4g} {:<4} limit {:<10.4g} {}\n", to_string(check.verdict), check.id,
-                         check.value, check.unit, check.limit.value, check.evidence);
+      const std::string limit =
+          check.limit.kind == Limit::Kind::none ? "no limit" : fmt::format("limit {:.4g}", check.limit.value);
+      out += fmt::format("    {:<11} {:<26} {:>10.4g} {:<4} {:<16} {}\n", to_string(check.verdict), check.id, check.value,
+                         check.unit, limit, check.evidence);
     }
   }
   if (a.charts.empty()) return out;
@@ -137,7 +139,7 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
                        : key.second == "mre_maxima"     ? planned->maxima_pct
                        : key.second == "mre_minima"     ? planned->minima_pct
                                                         : std::optional<double>{};
-    Repeatability row{key.first, key.second, like[key].unit, list.size(), m.mean, m.sd,
+    CheckRepeatability row{key.first, key.second, like[key].unit, list.size(), m.mean, m.sd,
                       *std::max_element(list.begin(), list.end()), given.value_or(std::nan("")), 0.0, false};
     row.gauge_pct = gauge_share_pct(m.sd, given.value_or(derived));
     row.resolved = row.gauge_pct <= kGaugeRefused_pct;
@@ -151,7 +153,7 @@ std::string repeatability_text(const RepeatabilityAnswer& a) {
   std::string out = fmt::format("{:<26}{:<12}{:>4}{:>9}{:>9}{:>9}{:>12}{:>8}\n", "case", "error", "n", "mean", "s", "largest",
                                 "plan's limit", "%GRR");
   std::size_t refused = 0;
-  for (const Repeatability& r : a.rows) {
+  for (const CheckRepeatability& r : a.rows) {
     refused += !r.resolved;
     out += fmt::format("{:<26}{:<12}{:>4}{:>9.3f}{:>9.3f}{:>9.3f}{:>12}{:>8.1f}  {}\n", r.case_name, r.check_id, r.n, r.mean, r.s,
                        r.largest, std::isfinite(r.plan_limit) ? fmt::format("{:.3g}", r.plan_limit) : "derived", r.gauge_pct,
@@ -164,7 +166,7 @@ std::string repeatability_text(const RepeatabilityAnswer& a) {
 
 std::string repeatability_json(const RepeatabilityAnswer& a) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const Repeatability& r : a.rows) {
+  for (const CheckRepeatability& r : a.rows) {
     nlohmann::ordered_json one{{"case", r.case_name}, {"check", r.check_id}, {"unit", r.unit}, {"n", r.n}, {"mean", r.mean},
                                {"s", r.s}, {"largest", r.largest}, {"grr_pct", r.gauge_pct}, {"resolved", r.resolved}};
     if (std::isfinite(r.plan_limit)) one["plan_limit"] = r.plan_limit;

@@ -34,7 +34,7 @@ struct RepeatabilityRequest {
 };
 
 /// How one judged error of one case varies when nothing is changed.
-struct Repeatability {
+struct CheckRepeatability {
   std::string case_name, check_id, unit;
   std::size_t n = 0;
   double mean = 0.0, s = 0.0, largest = 0.0;
@@ -44,7 +44,7 @@ struct Repeatability {
 };
 
 struct RepeatabilityAnswer {
-  std::vector<Repeatability> rows;
+  std::vector<CheckRepeatability> rows;
   DerivedLimits limits;  ///< only of what the rig resolves; n, date, rig id
 };
 

@@ -41,6 +41,12 @@ Unexpected not_a_number(const Command& command, std::string_view name, std::stri
 
 }  // namespace
 
+std::vector<Option> joined(std::initializer_list<std::vector<Option>> lists) {
+  std::vector<Option> all;
+  for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
 int exit_code_of(ErrorCode code) {
   switch (code) {
     case ErrorCode::usage:

@@ -17,6 +17,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -55,6 +56,9 @@ struct Option {
   bool repeatable = false;  ///< Invocation::texts gives all of them
   char letter = 0;          ///< 'o' for -o; 0: none
 };
+
+/// The lists one after the other.
+std::vector<Option> joined(std::initializer_list<std::vector<Option>> lists);
 
 struct Positional {
   std::string name;  ///< "FIRMWARE"

@@ -74,6 +74,24 @@ TEST_F(Bench, AFaultOnAWireIsNeverChargedToTheFirmware) {
   }
 }
 
+TEST_F(Bench, EveryVerbThatTakesARigTakesABenchFile) {
+  const std::string made = folder / "campaign";
+  const ProcessResult recorded = forcegate(
+      {"record", "--rig", "rigs/twin.toml", "--plan", "selfcheck", "-o", made}, kHere);
+  EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
+  EXPECT_THAT(read_text(made + "/campaign.json"), HasSubstr("known_profile"));
+  const ProcessResult checked = forcegate(
+      {"bench", "selfcheck", kNative, "--rig", "rigs/twin.toml", "--seed", "3"}, kHere);
+  EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;
+  EXPECT_THAT(checked.out, HasSubstr("rig bench/"));
+}
+
+TEST_F(Bench, ArmingARigWhereNothingMovesIsAnErrorOfTheCommandLine) {
+  const ProcessResult r = forcegate({"gate", kNative, "--arm", "-o", folder / "run"}, kHere);
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_THAT(r.err, HasSubstr("--rig BENCH.toml --arm"));
+}
+
 TEST_F(Bench, ABenchFileWithAMistakeIsNamedByItsLine) {
   std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
   text.replace(text.find("ati_serial\""), 11, "ati_cereal\"");

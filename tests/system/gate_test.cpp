@@ -191,7 +191,9 @@ TEST_F(Gate, TakesAnotherSessionOfWhatIsUndecidedAndCountsAllSessions) {
   EXPECT_EQ(first, 3);
   EXPECT_EQ(second, 3);
   for (const Json& check : result["checks"])
-    if (check["id"] == "promise_maxima/force_control_sine") EXPECT_EQ(check["n"], 6) << check.dump();
+    if (check["id"] == "promise_maxima/force_control_sine") {
+      EXPECT_EQ(check["n"], 6) << check.dump();
+    }
 }
 
 TEST_F(Gate, AnotherSeedGivesAnotherRun) {

@@ -1,10 +1,9 @@
-#include <ctime>
-
 #include "hil/app/rig_check.h"
 #include "hil/app/write_file.h"
+#include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
-#include "hil/interface/rig.h"
+#include "hil/cli/verbs/rig_choice.h"
 
 namespace forcegate {
 namespace {
@@ -12,27 +11,26 @@ namespace {
 Result<int> run(const Invocation& in) {
   RepeatabilityRequest request;
   request.gate.firmware = in.text("FIRMWARE");
-  request.gate.rig = in.text("rig");
+  FORCEGATE_TRY(RigChoice rig, rig_choice(in));
+  request.gate.rig = std::move(rig.rig);
+  request.gate.rig_options = std::move(rig.options);
   request.gate.plan = in.text("plan");
   if (in.given("seed")) {
     FORCEGATE_TRY(request.gate.seed, in.seed("seed"));
   }
   FORCEGATE_TRY(const std::int64_t n, in.integer("count", 5, 10000));
   request.n = static_cast<std::size_t>(n);
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char date[16];
-  std::strftime(date, sizeof date, "%Y-%m-%d", &utc);
-  request.date = date;
+  request.date = utc_today();
   const auto answer = repeatability(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!answer) return Unexpected(answer.error());
-  if (in.given("output")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), write_limits(answer->limits)));
+  if (in.given("output"))
+    FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), write_limits(answer->limits)));
   in.console().print(repeatability_text(*answer));
   in.console().print_json(repeatability_json(*answer));
-  in.console().next(in.given("output") ? "forcegate bless " + shell_quoted(in.text("output")) + " --reason ... --who ..."
-                                       : "add -o limits.toml to keep them as limits");
+  in.console().next(in.given("output")
+                        ? "forcegate bless " + shell_quoted(in.text("output")) + " --reason ... --who ..."
+                        : "add -o limits.toml to keep them as limits");
   const bool all = answer->limits.by_case_and_check.size() == answer->rows.size() && !answer->rows.empty();
   return all ? kExitSuccess : kExitNoDecision;
 }
@@ -41,24 +39,23 @@ const Registration<Command> kRow{Command{
     .name = "bench repeatability",
     .group = "Bench",
     .summary = "measure how a rig repeats, and write limits it can resolve",
-    .description =
-        "Plays the open-loop cases of a plan again and again with one known-good build: mean, spread and largest error, and the "
-        "share of each limit that the rig's own spread takes (%GRR). A limit of which it takes more than 30 % is refused: "
-        "such a rig would decide by chance. What is left goes into a limits file with n, date and rig id; forcegate bless "
-        "puts it in force.\n\nExit code 3: at least one limit was refused.",
+    .description = "Plays the open-loop cases of a plan again and again with one known-good build: mean, "
+                   "spread and largest error, and the "
+                   "share of each limit that the rig's own spread takes (%GRR). A limit of which it takes "
+                   "more than 30 % is refused: "
+                   "such a rig would decide by chance. What is left goes into a limits file with n, date and "
+                   "rig id; forcegate bless "
+                   "puts it in force.\n\nExit code 3: at least one limit was refused.",
     .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image."}},
-    .options = {{.name = "rig",
-                 .value_name = "NAME|FILE",
-                 .doc = "Rig, or a bench file.",
-                 .fallback = "emulated",
-                 .choices = [] { return Registry<RigKind>::instance().names(); },
-                 .only_choices = false},
-                {.name = "plan", .value_name = "PLAN", .doc = "What is played.", .fallback = "selfcheck"},
-                {.name = "count", .value_name = "N", .doc = "How often.", .fallback = "20"},
-                {.name = "seed", .value_name = "N", .doc = "First seed of the emulated rig; default: the plan's."},
-                {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}},
-    .examples = {{"forcegate bench repeatability build/firmware/reference.native.so --count 20 -o limits.toml",
-                  "Twenty times the known profile:"}},
+    .options = joined(
+        {rig_rows(),
+         {{.name = "plan", .value_name = "PLAN", .doc = "What is played.", .fallback = "selfcheck"},
+          {.name = "count", .value_name = "N", .doc = "How often.", .fallback = "20"},
+          {.name = "seed", .value_name = "N", .doc = "First seed of the emulated rig; default: the plan's."},
+          {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}}}),
+    .examples =
+        {{"forcegate bench repeatability build/firmware/reference.native.so --count 20 -o limits.toml",
+          "Twenty times the known profile:"}},
     .exit_codes = {kExitSuccess, kExitUsage, kExitNoDecision, kExitRigFault, kExitInterrupted},
     .run = run,
 }};

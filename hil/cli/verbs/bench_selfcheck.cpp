@@ -1,26 +1,18 @@
-#include <ctime>
-
 #include "hil/app/rig_check.h"
+#include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
-#include "hil/interface/rig.h"
+#include "hil/cli/verbs/rig_choice.h"
 
 namespace forcegate {
 namespace {
-
-std::string now_iso8601() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 Result<int> run(const Invocation& in) {
   SelfcheckRequest request;
   GateRequest& gated = request.gate;
   gated.firmware = in.text("FIRMWARE");
-  gated.rig = in.given("record") && !in.given("rig") ? "replay" : in.text("rig");
+  FORCEGATE_TRY(RigChoice rig, rig_choice(in));
+  gated.rig = std::move(rig.rig);
+  gated.rig_options = std::move(rig.options);
   if (in.given("record")) gated.rig_options["record"] = in.text("record");
   gated.plan = in.given("plan") ? in.text("plan") : gated.rig == "replay" ? "replay" : "selfcheck";
   if (in.given("cal")) gated.calibration_file = in.text("cal");
@@ -29,7 +21,7 @@ Result<int> run(const Invocation& in) {
   }
   gated.output = in.text("output");
   gated.command_line = in.command_line();
-  gated.started_at = now_iso8601();
+  gated.started_at = utc_now();
   gated.today = gated.started_at.substr(0, 10);
   if (in.given("history")) request.history = in.text("history");
   const auto answer = selfcheck(request, in.console().progress_callback(), &in.interrupt_flag());
@@ -37,7 +29,8 @@ Result<int> run(const Invocation& in) {
   if (!answer) return Unexpected(answer.error());
   in.console().print(selfcheck_text(*answer));
   in.console().print_json(selfcheck_json(*answer));
-  in.console().next(answer->fit ? "forcegate gate NEW_BUILD" : "mend what is named, then run the self-check again");
+  in.console().next(answer->fit ? "forcegate gate NEW_BUILD"
+                                : "mend what is named, then run the self-check again");
   return answer->fit ? kExitSuccess : kExitRigFault;
 }
 
@@ -45,26 +38,29 @@ const Registration<Command> kRow{Command{
     .name = "bench selfcheck",
     .group = "Bench",
     .summary = "say whether a rig is fit to judge a build",
-    .description =
-        "Plays a known profile with a known-good build and looks at the rig: unloaded reading before and after, noise, "
-        "stiffness of the spring, following error, clocks, lost samples, sensor channel, and the error of the build itself. "
-        "With --history every visit is kept in a file, and a control chart over the visits of this rig (single values and "
-        "their moving mean) says when the rig has drifted, long before a limit is passed.\n\nExit code 4: the rig is not fit.",
+    .description = "Plays a known profile with a known-good build and looks at the rig: unloaded reading "
+                   "before and after, noise, "
+                   "stiffness of the spring, following error, clocks, lost samples, sensor channel, and the "
+                   "error of the build itself. "
+                   "With --history every visit is kept in a file, and a control chart over the visits of "
+                   "this rig (single values and "
+                   "their moving mean) says when the rig has drifted, long before a limit is passed.\n\nExit "
+                   "code 4: the rig is not fit.",
     .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image."}},
-    .options = {{.name = "rig",
-                 .value_name = "NAME|FILE",
-                 .doc = "Rig, or a bench file.",
-                 .fallback = "emulated",
-                 .choices = [] { return Registry<RigKind>::instance().names(); },
-                 .only_choices = false},
-                {.name = "record", .value_name = "FILE", .doc = "Recording to look at (rig replay)."},
-                {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen instead of measuring it."},
-                {.name = "plan", .value_name = "PLAN", .doc = "Known profile; default: selfcheck, or replay."},
-                {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
-                {.name = "history", .value_name = "FILE", .doc = "File of all visits; this one is added to it."},
-                {.name = "output", .value_name = "FOLDER", .doc = "Keep the whole result there.", .letter = 'o'}},
-    .examples = {{"forcegate bench selfcheck build/firmware/reference.native.so --history bench.jsonl", "Every morning:"},
-                 {"forcegate bench selfcheck build/firmware/reference.native.so --record yesterday.csv --cal cal.toml",
+    .options = joined(
+        {rig_rows(),
+         {{.name = "record", .value_name = "FILE", .doc = "Recording to look at (rig replay)."},
+          {.name = "cal",
+           .value_name = "FILE",
+           .doc = "Calibration of the specimen instead of measuring it."},
+          {.name = "plan", .value_name = "PLAN", .doc = "Known profile; default: selfcheck, or replay."},
+          {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
+          {.name = "history", .value_name = "FILE", .doc = "File of all visits; this one is added to it."},
+          {.name = "output", .value_name = "FOLDER", .doc = "Keep the whole result there.", .letter = 'o'}}}),
+    .examples = {{"forcegate bench selfcheck build/firmware/reference.native.so --history bench.jsonl",
+                  "Every morning:"},
+                 {"forcegate bench selfcheck build/firmware/reference.native.so --record yesterday.csv --cal "
+                  "cal.toml",
                   "On a recording:"}},
     .exit_codes = {kExitSuccess, kExitUsage, kExitRigFault, kExitInterrupted},
     .run = run,

@@ -7,7 +7,7 @@
 
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
-#include "hil/interface/rig.h"
+#include "hil/cli/verbs/rig_choice.h"
 #include "hil/report/characterization/paper_claims.h"
 #include "hil/report/characterization/paper_tables.h"
 #include "hil/report/characterization/study_json.h"
@@ -15,23 +15,13 @@
 namespace forcegate {
 namespace {
 
-std::vector<std::string> rigs() { return Registry<RigKind>::instance().names(); }
 std::vector<std::string> sensors() { return {"flexiforce", "fsr"}; }
 
 std::string procedures() {
   std::string out = "Procedures a plan can list:\n";
-  for (const auto& p : Registry<characterize::ProcedureKind>::instance().all()) out += fmt::format("  {:<20} {}\n", p.name, p.doc);
+  for (const auto& p : Registry<characterize::ProcedureKind>::instance().all())
+    out += fmt::format("  {:<20} {}\n", p.name, p.doc);
   return out;
-}
-
-Result<std::map<std::string, std::string>> rig_options(const Invocation& in) {
-  std::map<std::string, std::string> options;
-  for (const std::string& word : in.texts("rig-option")) {
-    const std::size_t equals = word.find('=');
-    if (equals == std::string::npos || equals == 0) return fail(ErrorCode::usage, "'" + word + "' is not NAME=VALUE", "--rig-option");
-    options[word.substr(0, equals)] = word.substr(equals + 1);
-  }
-  return options;
 }
 
 // The pages must not depend on the number of threads, as the answer does not.
@@ -43,24 +33,32 @@ std::string without_threads(std::string line) {
 }
 
 void print_study(const Console& console, const characterize::SensorStudy& study, std::string& out) {
-  out += console.paint(Paint::strong, study.sensor) + fmt::format(": {} sessions, {:.1f} h of bench time\n", study.sheets.size(), study.rig_time_s / 3600.0);
+  out +=
+      console.paint(Paint::strong, study.sensor) +
+      fmt::format(": {} sessions, {:.1f} h of bench time\n", study.sheets.size(), study.rig_time_s / 3600.0);
   for (const auto& s : study.spreads)
     if (s.n > 0)
-      out += fmt::format("  {:<66} {:>10} {:<6} sd {:>8}\n", s.title, short_number(s.mean), s.unit, short_number(s.specimens > 1 ? s.sd_specimens : s.sd_sessions, 2));
+      out += fmt::format("  {:<66} {:>10} {:<6} sd {:>8}\n", s.title, short_number(s.mean), s.unit,
+                         short_number(s.specimens > 1 ? s.sd_specimens : s.sd_sessions, 2));
   for (const auto& sheet : study.sheets)
-    if (sheet.failure) out += "  " + console.paint(Paint::fail, fmt::format("{} session {} failed: {}", sheet.specimen, sheet.session, sheet.failure->text)) + "\n";
+    if (sheet.failure)
+      out += "  " +
+             console.paint(Paint::fail, fmt::format("{} session {} failed: {}", sheet.specimen, sheet.session,
+                                                    sheet.failure->text)) +
+             "\n";
 }
 
 Result<int> run(const Invocation& in) {
   CharacterizeRequest request;
   request.plan = in.text("plan");
-  request.rig = in.text("rig");
-  FORCEGATE_TRY(request.rig_options, rig_options(in));
+  FORCEGATE_TRY(RigChoice rig, rig_choice(in));
+  request.rig = std::move(rig.rig);
+  request.rig_options = std::move(rig.options);
   if (in.given("sensor")) request.sensors = in.texts("sensor");
   for (const std::string& file : in.texts("record")) request.recordings.emplace_back(file);
-  if (!request.recordings.empty() && !in.given("rig")) request.rig = "replay";
   if (request.rig == "replay" && request.recordings.empty())
-    return fail(ErrorCode::usage, "the replay rig needs recordings", "--rig replay", "add --record FILE, once for each");
+    return fail(ErrorCode::usage, "the replay rig needs recordings", "--rig replay",
+                "add --record FILE, once for each");
   request.specimens = in.texts("specimen");
   if (in.given("sessions")) {
     FORCEGATE_TRY(const std::int64_t sessions, in.integer("sessions", 1, 1000));
@@ -87,22 +85,31 @@ Result<int> run(const Invocation& in) {
   bool kept = true;
   for (const auto& r : check_limits(made->studies, made->plan)) {
     kept = kept && r.kept;
-    text += fmt::format("{} {} {}: worst {} {} ({}), {}{}{} - {}; {} of {} sessions outside\n", console.paint(r.kept ? Paint::pass : Paint::fail, r.kept ? "kept " : "BROKEN"), r.sensor,
-                        r.title, short_number(r.worst), r.unit, r.specimen, std::isfinite(r.limit.minimum) ? "at least " + short_number(r.limit.minimum) : "",
+    text += fmt::format("{} {} {}: worst {} {} ({}), {}{}{} - {}; {} of {} sessions outside\n",
+                        console.paint(r.kept ? Paint::pass : Paint::fail, r.kept ? "kept " : "BROKEN"),
+                        r.sensor, r.title, short_number(r.worst), r.unit, r.specimen,
+                        std::isfinite(r.limit.minimum) ? "at least " + short_number(r.limit.minimum) : "",
                         std::isfinite(r.limit.minimum) && std::isfinite(r.limit.maximum) ? ", " : "",
-                        std::isfinite(r.limit.maximum) ? "at most " + short_number(r.limit.maximum) : "", r.limit.source, r.outside, r.sessions);
+                        std::isfinite(r.limit.maximum) ? "at most " + short_number(r.limit.maximum) : "",
+                        r.limit.source, r.outside, r.sessions);
   }
   std::size_t outside = 0;
   for (const PaperClaim& c : compare_with_paper(made->studies))
     if (!c.inside()) {
       ++outside;
-      text += console.paint(Paint::warn, fmt::format("  outside its window: {} {}: {} {} (the paper: {})", c.place, c.subject, short_number(c.ours), c.unit, c.paper)) + "\n";
+      text +=
+          console.paint(Paint::warn, fmt::format("  outside its window: {} {}: {} {} (the paper: {})",
+                                                 c.place, c.subject, short_number(c.ours), c.unit, c.paper)) +
+          "\n";
     }
-  text += fmt::format("{:.0f} h of bench time in {:.1f} s, {:.1f} million samples a second", made->rig_time_s / 3600.0, wall_s, 1e-6 * static_cast<double>(made->samples) / wall_s);
-  if (request.recordings.empty() && outside == 0 && made->plan.limits.empty()) text += "; every figure that has a window lies in it";
+  text += fmt::format("{:.0f} h of bench time in {:.1f} s, {:.1f} million samples a second",
+                      made->rig_time_s / 3600.0, wall_s, 1e-6 * static_cast<double>(made->samples) / wall_s);
+  if (request.recordings.empty() && outside == 0 && made->plan.limits.empty())
+    text += "; every figure that has a window lies in it";
   console.print(text);
   console.print_json(study_json(made->studies, made->plan, false));
-  if (!request.output.empty()) console.next("open " + (request.output / ("sheet-" + made->studies.front().sensor + ".html")).string());
+  if (!request.output.empty())
+    console.next("open " + (request.output / ("sheet-" + made->studies.front().sensor + ".html")).string());
   return kept ? kExitSuccess : kExitReject;
 }
 
@@ -111,28 +118,54 @@ const Registration<Command> kRow{Command{
     .group = "Diagnosis",
     .summary = "measure a sensor by the procedures of the paper",
     .description =
-        "Plays the procedures of Lebosse et al. 2011 on a rig and writes the sensor's data sheet (HTML and JSON), a model file that compare, diagnose and fit take, and "
+        "Plays the procedures of Lebosse et al. 2011 on a rig and writes the sensor's data sheet (HTML and "
+        "JSON), a model file that compare, diagnose and fit take, and "
         "calibration files for gate --cal. A plan says which procedures, how many specimens and sessions.\n\n"
-        "On the emulated rig the whole study of the paper, 30 specimens in 3 sessions with both sensors, is some 2300 hours of bench time and takes minutes. --paper writes "
+        "On the emulated rig the whole study of the paper, 30 specimens in 3 sessions with both sensors, is "
+        "some 2300 hours of bench time and takes minutes. --paper writes "
         "the page that sets every figure of the paper beside ours (docs/paper.md).\n\n"
-        "A plan can set limits ([[limit]]) that every session must keep; a broken one gives exit code 1. The plan tms does so for robotised TMS.\n\n"
+        "A plan can set limits ([[limit]]) that every session must keep; a broken one gives exit code 1. The "
+        "plan tms does so for robotised TMS.\n\n"
         "A recording can stand for the rig: cyclic ones give the decay, slow ones the static law.",
-    .options = {{.name = "plan", .value_name = "PLAN", .doc = "Plan file, or the name of one in ci/plans.", .fallback = "characterize"},
-                {.name = "rig", .value_name = "NAME|FILE", .doc = "Rig, or a bench file.", .fallback = "emulated", .choices = rigs, .only_choices = false},
-                {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig, for example adc_bits=12.", .repeatable = true},
-                {.name = "sensor", .value_name = "SENSOR", .doc = "Only this sensor; default: both.", .choices = sensors, .repeatable = true},
-                {.name = "record", .value_name = "FILE", .doc = "Recording to characterise (rig replay): columns t_s, U_V, F_ref_N.", .repeatable = true},
-                {.name = "specimen", .value_name = "NAME", .doc = "Specimens instead of the plan's: q50, seed:17, or the bench's id.", .repeatable = true},
-                {.name = "sessions", .value_name = "N", .doc = "Sessions of each specimen instead of the plan's."},
-                {.name = "seed", .value_name = "N", .doc = "Seed instead of the plan's."},
-                {.name = "output", .value_name = "DIR", .doc = "Folder for data sheets, JSON, model and calibration files.", .fallback = "build/characterize", .letter = 'o'},
-                {.name = "paper", .value_name = "DIR", .doc = "Folder for paper.md and pictures/paper."},
-                {.name = "golden", .value_name = "DIR", .doc = "Folder for golden traces of the exemplar."},
-                {.name = "threads", .value_name = "N", .doc = "0: one per processor. The answer does not depend on it.", .fallback = "0"}},
-    .examples = {{"forcegate characterize --specimen q50 --sessions 1 -o q50", "One sensor: data sheet, model, calibration (seconds):"},
+    .options = joined(
+        {{{.name = "plan",
+           .value_name = "PLAN",
+           .doc = "Plan file, or the name of one in ci/plans.",
+           .fallback = "characterize"}},
+         rig_rows(),
+         {{.name = "sensor",
+           .value_name = "SENSOR",
+           .doc = "Only this sensor; default: both.",
+           .choices = sensors,
+           .repeatable = true},
+          {.name = "record",
+           .value_name = "FILE",
+           .doc = "Recording to characterise (rig replay): columns t_s, U_V, F_ref_N.",
+           .repeatable = true},
+          {.name = "specimen",
+           .value_name = "NAME",
+           .doc = "Specimens instead of the plan's: q50, seed:17, or the bench's id.",
+           .repeatable = true},
+          {.name = "sessions", .value_name = "N", .doc = "Sessions of each specimen instead of the plan's."},
+          {.name = "seed", .value_name = "N", .doc = "Seed instead of the plan's."},
+          {.name = "output",
+           .value_name = "DIR",
+           .doc = "Folder for data sheets, JSON, model and calibration files.",
+           .fallback = "build/characterize",
+           .letter = 'o'},
+          {.name = "paper", .value_name = "DIR", .doc = "Folder for paper.md and pictures/paper."},
+          {.name = "golden", .value_name = "DIR", .doc = "Folder for golden traces of the exemplar."},
+          {.name = "threads",
+           .value_name = "N",
+           .doc = "0: one per processor. The answer does not depend on it.",
+           .fallback = "0"}}}),
+    .examples = {{"forcegate characterize --specimen q50 --sessions 1 -o q50",
+                  "One sensor: data sheet, model, calibration (seconds):"},
                  {"forcegate characterize --paper docs", "The whole study and docs/paper.md (minutes):"},
-                 {"forcegate characterize --plan tms", "1.5 N on a moving head for 20 min, with the paper's bounds:"},
-                 {"forcegate characterize --record sine.csv --record ramp.csv -o mine", "What my own recordings say:"}},
+                 {"forcegate characterize --plan tms",
+                  "1.5 N on a moving head for 20 min, with the paper's bounds:"},
+                 {"forcegate characterize --record sine.csv --record ramp.csv -o mine",
+                  "What my own recordings say:"}},
     .details = procedures,
     .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitRigFault, kExitInterrupted},
     .run = run,

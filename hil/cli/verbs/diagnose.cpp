@@ -6,23 +6,19 @@
 #include "hil/app/write_file.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/campaign_options.h"
 #include "hil/report/diagnosis_html.h"
 
 namespace forcegate {
 namespace {
 
 Result<int> run(const Invocation& in) {
-  CampaignRequest request;
-  request.campaign = in.text("CAMPAIGN");
-  request.model = in.text("model");
-  request.maps = in.texts("map");
-  FORCEGATE_TRY(request.assumed_rate_Hz, in.number("rate", 0.0, 1e6));
-  FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 256));
-  request.threads = static_cast<unsigned>(threads);
+  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
   Console& console = in.console();
   FORCEGATE_TRY(const Diagnosis answer, diagnose_request(request));
   if (const std::string html = in.text("html"); !html.empty()) {
-    FORCEGATE_CHECK_OK(write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line()})));
+    FORCEGATE_CHECK_OK(
+        write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line()})));
     console.note("wrote " + html);
   }
   if (const std::string folder = in.text("pictures"); !folder.empty()) {
@@ -32,9 +28,11 @@ Result<int> run(const Invocation& in) {
   console.print(diagnosis_text(answer));
   console.print_json(to_json(answer));
   const std::string campaign = shell_quoted(request.campaign.string());
-  if (!answer.findings.empty() && answer.findings.front().probability >= 0.5 && answer.findings.front().form != "raw" && answer.findings.front().effect != "drift" &&
+  if (!answer.findings.empty() && answer.findings.front().probability >= 0.5 &&
+      answer.findings.front().form != "raw" && answer.findings.front().effect != "drift" &&
       answer.findings.front().unit == "V")
-    console.next("forcegate add " + answer.findings.front().effect + " --fit " + campaign + " -o better.toml");
+    console.next("forcegate add " + answer.findings.front().effect + " --fit " + campaign +
+                 " -o better.toml");
   else if (in.text("html").empty())
     console.next("forcegate diagnose " + campaign + " --html diagnosis.html");
   return kExitSuccess;
@@ -45,17 +43,19 @@ const Registration<Command> kRow{Command{
     .group = "Diagnosis",
     .summary = "say which physical effect is missing between a model and measurements",
     .description =
-        "Reads a campaign (folder with campaign.json, or one CSV), fits the starting model with the repeatability of "
-        "the records, and compares every effect of the library on what is left: which one explains it, on which side "
-        "(sensor, rig, reference, instrument), how sure, what it can be mistaken for, and what to measure next. The "
+        "Reads a campaign (folder with campaign.json, or one CSV), fits the starting model with the "
+        "repeatability of "
+        "the records, and compares every effect of the library on what is left: which one explains it, on "
+        "which side "
+        "(sensor, rig, reference, instrument), how sure, what it can be mistaken for, and what to measure "
+        "next. The "
         "answer can be \"none\", or \"unknown\" with the quantities that the remaining structure depends on.",
-    .positionals = {{.name = "CAMPAIGN", .doc = "Campaign folder, campaign.json, one CSV or one HDF5 run."}},
-    .options = {{.name = "model", .value_name = "MODEL", .doc = "flexiforce, fsr, or a model file.", .fallback = "flexiforce"},
-                {.name = "map", .value_name = "COLUMN=NAME", .doc = "Foreign column, for instance pressure_bar=F_ref_N.", .repeatable = true},
-                {.name = "rate", .value_name = "HZ", .doc = "Sampling rate of files without a clock.", .fallback = "0"},
-                {.name = "threads", .value_name = "N", .doc = "0: one per processor. The answer does not depend on it.", .fallback = "0"},
-                {.name = "html", .value_name = "FILE", .doc = "Write the report with its pictures."},
-                {.name = "pictures", .value_name = "FOLDER", .doc = "Write every picture as an SVG of its own."}},
+    .positionals = {campaign_positional()},
+    .options = joined(
+        {{model_row()},
+         campaign_rows(),
+         {{.name = "html", .value_name = "FILE", .doc = "Write the report with its pictures."},
+          {.name = "pictures", .value_name = "FOLDER", .doc = "Write every picture as an SVG of its own."}}}),
     .examples = {{"forcegate diagnose m7", "What is missing in the campaign m7:"},
                  {"forcegate diagnose m7 --html m7.html", "The same with pictures:"}},
     .run = run,

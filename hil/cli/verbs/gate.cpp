@@ -1,20 +1,19 @@
 #include "hil/app/gate.h"
 
 #include <charconv>
-#include <ctime>
 
 #include "hil/base/text.h"
+#include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
+#include "hil/cli/verbs/rig_choice.h"
 #include "hil/interface/dut.h"
 #include "hil/interface/reporter.h"
-#include "hil/interface/rig.h"
 #include "hil/report/console.h"
 
 namespace forcegate {
 namespace {
 
 std::vector<std::string> lanes() { return Registry<LaneKind>::instance().names(); }
-std::vector<std::string> rigs() { return Registry<RigKind>::instance().names(); }
 std::vector<std::string> levels() { return {"nominal", "static", "identified"}; }
 
 // "reference_saturated=2.0"; a bare name means magnitude 0.
@@ -36,42 +35,16 @@ Result<std::map<std::string, double>> faults_of(const std::vector<std::string>& 
   return faults;
 }
 
-Result<std::map<std::string, std::string>> options_of(const std::vector<std::string>& words,
-                                                      const char* option) {
-  std::map<std::string, std::string> options;
-  for (const std::string& word : words) {
-    const std::size_t equals = word.find('=');
-    if (equals == std::string::npos || equals == 0)
-      return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is not NAME=VALUE", option);
-    options[word.substr(0, equals)] = word.substr(equals + 1);
-  }
-  return options;
-}
-
-std::string now_iso8601() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
 Result<int> run(const Invocation& in) {
   GateRequest request;
   request.firmware = in.text("FIRMWARE");
   request.plan = in.text("plan");
   request.lane = in.text("lane");
-  request.rig = in.text("rig");
-  FORCEGATE_TRY(request.rig_options, options_of(in.texts("rig-option"), "--rig-option"));
-  FORCEGATE_TRY(request.lane_options, options_of(in.texts("lane-option"), "--lane-option"));
-  if (request.rig.ends_with(".toml")) {
-    request.rig_options["file"] = request.rig;
-    request.rig = "bench";
-  }
-  if (in.flag("arm")) request.rig_options["arm"] = "yes";
+  FORCEGATE_TRY(RigChoice rig, rig_choice(in));
+  request.rig = std::move(rig.rig);
+  request.rig_options = std::move(rig.options);
+  FORCEGATE_TRY(request.lane_options, named_values(in, "lane-option"));
   if (in.given("record")) request.rig_options["record"] = in.text("record");
-  if (in.given("record") && !in.given("rig")) request.rig = "replay";
   if (request.rig == "replay" && !in.given("plan")) request.plan = "replay";
   if (request.lane == "tick" && !in.given("plan")) request.plan = "tick";
   if (in.given("accepted")) request.accepted = in.text("accepted");
@@ -92,9 +65,10 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
   request.threads = static_cast<unsigned>(threads);
   request.keep = in.flag("keep");
-  request.started_at = now_iso8601();
+  request.started_at = utc_now();
   if (in.given("waivers")) request.waivers = in.text("waivers");
   request.today = in.given("today") ? in.text("today") : request.started_at.substr(0, 10);
+  if (request.rig == "bench") request.rig_options["today"] = request.today;
   request.output = in.text("output");
   request.command_line = in.command_line();
 
@@ -127,68 +101,63 @@ const Registration<Command> kRow{Command{
         "result.json last in it. The same command with the same seed gives the same bytes except one time "
         "stamp.",
     .positionals = {{.name = "FIRMWARE", .doc = "Firmware image (ELF)."}},
-    .options =
-        {{.name = "plan",
-          .value_name = "PLAN",
-          .doc = "Plan file, or the name of one in ci/plans.",
-          .fallback = "smoke"},
-         {.name = "lane",
-          .value_name = "LANE",
-          .doc = "How the image runs; default: by its content.",
-          .choices = lanes},
-         {.name = "rig",
-          .value_name = "NAME|FILE",
-          .doc = "Rig, or a bench file.",
-          .fallback = "emulated",
-          .choices = rigs,
-          .only_choices = false},
-         {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."},
-         {.name = "record",
-          .value_name = "FILE",
-          .doc = "Recording to judge on (rig replay): columns t_s, U_V, F_ref_N."},
-         {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen instead of measuring it."},
-         {.name = "calibration",
-          .value_name = "LEVEL",
-          .doc = "How much of the specimen is told to the firmware; default: the plan's.",
-          .choices = levels},
-         {.name = "limits",
-          .value_name = "FILE",
-          .doc = "Limits of forcegate limits instead of the plan's, for its open-loop cases."},
-         {.name = "accepted",
-          .value_name = "IMAGE|RUN",
-          .doc =
-              "Build to be no worse than: its image, or the folder of its run under the same plan and seed."},
-         {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
-         {.name = "fault",
-          .value_name = "NAME=VALUE",
-          .doc = "Fault of the rig to inject.",
-          .repeatable = true},
-         {.name = "case", .value_name = "NAME", .doc = "Only this case of the plan.", .repeatable = true},
-         {.name = "specimen",
-          .value_name = "NAME",
-          .doc = "This specimen instead of the plan's.",
-          .repeatable = true},
-         {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig.", .repeatable = true},
-         {.name = "lane-option",
-          .value_name = "NAME=VALUE",
-          .doc = "Option of the lane.",
-          .repeatable = true},
-         {.name = "threads",
-          .value_name = "N",
-          .doc = "Worker processes at a time; 0: one per processor.",
-          .fallback = "0"},
-         {.name = "waivers",
-          .value_name = "FILE",
-          .doc = "Findings that somebody answers for until a day (docs/trust.md)."},
-         {.name = "today", .value_name = "DATE", .doc = "Day against which waivers expire; default: today."},
-         {.name = "keep",
-          .value_name = "",
-          .doc = "Keep the samples of every record as HDF5, not only of those in doubt."},
-         {.name = "output",
-          .value_name = "FOLDER",
-          .doc = "Folder of the result.",
-          .fallback = "forcegate-run",
-          .letter = 'o'}},
+    .options = joined(
+        {{{.name = "plan",
+           .value_name = "PLAN",
+           .doc = "Plan file, or the name of one in ci/plans.",
+           .fallback = "smoke"},
+          {.name = "lane",
+           .value_name = "LANE",
+           .doc = "How the image runs; default: by its content.",
+           .choices = lanes}},
+         rig_rows(),
+         {{.name = "record",
+           .value_name = "FILE",
+           .doc = "Recording to judge on (rig replay): columns t_s, U_V, F_ref_N."},
+          {.name = "cal",
+           .value_name = "FILE",
+           .doc = "Calibration of the specimen instead of measuring it."},
+          {.name = "calibration",
+           .value_name = "LEVEL",
+           .doc = "How much of the specimen is told to the firmware; default: the plan's.",
+           .choices = levels},
+          {.name = "limits",
+           .value_name = "FILE",
+           .doc = "Limits of forcegate limits instead of the plan's, for its open-loop cases."},
+          {.name = "accepted",
+           .value_name = "IMAGE|RUN",
+           .doc = "Build to be no worse than: its image, or the folder of its run under the same plan and "
+                  "seed."},
+          {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
+          {.name = "fault",
+           .value_name = "NAME=VALUE",
+           .doc = "Fault of the rig to inject.",
+           .repeatable = true},
+          {.name = "case", .value_name = "NAME", .doc = "Only this case of the plan.", .repeatable = true},
+          {.name = "specimen",
+           .value_name = "NAME",
+           .doc = "This specimen instead of the plan's.",
+           .repeatable = true},
+          {.name = "lane-option",
+           .value_name = "NAME=VALUE",
+           .doc = "Option of the lane.",
+           .repeatable = true},
+          {.name = "threads",
+           .value_name = "N",
+           .doc = "Worker processes at a time; 0: one per processor.",
+           .fallback = "0"},
+          {.name = "waivers",
+           .value_name = "FILE",
+           .doc = "Findings that somebody answers for until a day (docs/trust.md)."},
+          {.name = "today", .value_name = "DATE", .doc = "Day against which waivers expire; default: today."},
+          {.name = "keep",
+           .value_name = "",
+           .doc = "Keep the samples of every record as HDF5, not only of those in doubt."},
+          {.name = "output",
+           .value_name = "FOLDER",
+           .doc = "Folder of the result.",
+           .fallback = "forcegate-run",
+           .letter = 'o'}}}),
     .examples = {{"forcegate gate build/firmware/reference-m4f.block.elf",
                   "Is the image that ships any good, in a few seconds?"},
                  {"forcegate gate build/firmware/reference.native.so --plan nightly -o run",

@@ -1,8 +1,7 @@
 #include "hil/app/limits.h"
 
-#include <ctime>
-
 #include "hil/app/write_file.h"
+#include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
 
 namespace forcegate {
@@ -19,12 +18,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(request.first_seed, in.seed("first-seed"));
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
   request.threads = static_cast<unsigned>(threads);
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char date[16];
-  std::strftime(date, sizeof date, "%Y-%m-%d", &utc);
-  request.date = date;
+  request.date = utc_today();
   const auto limits = derive_limits(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!limits) return Unexpected(limits.error());
@@ -62,7 +56,8 @@ const Registration<Command> kRow{Command{
           .fallback = "0"},
          {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}},
     .examples =
-        {{"forcegate limits good.so --record 1.csv --record 2.csv --record 3.csv --record 4.csv --record 5.csv -o "
+        {{"forcegate limits good.so --record 1.csv --record 2.csv --record 3.csv --record 4.csv --record "
+          "5.csv -o "
           "bench.toml",
           "Limits from a bench's own recordings, for gate --record new.csv --limits bench.toml:"},
          {"forcegate limits build/firmware/reference.native.so --plan nightly -o golden/limits/nightly.toml",

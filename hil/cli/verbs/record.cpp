@@ -4,7 +4,7 @@
 
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
-#include "hil/interface/rig.h"
+#include "hil/cli/verbs/rig_choice.h"
 
 namespace forcegate {
 namespace {
@@ -14,22 +14,19 @@ Result<int> run(const Invocation& in) {
   request.plan = in.text("plan");
   request.only_cases = in.texts("case");
   request.output = in.text("output");
-  request.bench.rig = in.text("rig");
-  for (const std::string& word : in.texts("rig-option")) {
-    const std::size_t equals = word.find('=');
-    if (equals == std::string::npos || equals == 0)
-      return fail(ErrorCode::usage, "'" + word + "' is not NAME=VALUE", "--rig-option");
-    request.bench.rig_options[word.substr(0, equals)] = word.substr(equals + 1);
-  }
+  FORCEGATE_TRY(RigChoice rig, rig_choice(in));
+  request.bench.rig = std::move(rig.rig);
+  request.bench.rig_options = std::move(rig.options);
   request.bench.specimen = in.text("specimen");
   FORCEGATE_TRY(request.bench.seed, in.seed("seed"));
   FORCEGATE_TRY(request.bench.rate_Hz, in.number("rate", 1.0, 1e5));
   const auto made = record(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!made) return Unexpected(made.error());
-  std::string text = fmt::format("{}: {} records, {:.0f} min of rig time without rests\n", made->folder.string(),
-                                 made->files.size(), made->rig_minutes);
-  for (const RecordedFile& f : made->files) text += fmt::format("  {:<32} {:>6.0f} s {:>8} rows\n", f.file, f.duration_s, f.rows);
+  std::string text = fmt::format("{}: {} records, {:.0f} min of rig time without rests\n",
+                                 made->folder.string(), made->files.size(), made->rig_minutes);
+  for (const RecordedFile& f : made->files)
+    text += fmt::format("  {:<32} {:>6.0f} s {:>8} rows\n", f.file, f.duration_s, f.rows);
   in.console().print(text);
   in.console().print_json(record_json(*made));
   in.console().next("forcegate diagnose " + shell_quoted(made->folder.string()));
@@ -40,22 +37,34 @@ const Registration<Command> kRow{Command{
     .name = "record",
     .group = "Diagnosis",
     .summary = "record a campaign of one sensor on a rig",
-    .description =
-        "Plays the open-loop profiles of a plan on a rig, without any firmware, and writes what the reference cell and the "
-        "sensor said: one CSV for each record and campaign.json (docs/campaign.md). The rig checks itself around every "
-        "record; what is recorded stays when a later record fails. The plan `campaign` holds what a diagnosis needs: slow "
-        "triangles at two speeds, long holds, minor loops, sines, a sweep.",
-    .options = {{.name = "plan", .value_name = "PLAN", .doc = "Plan file, or the name of one in ci/plans.", .fallback = "campaign"},
-                {.name = "case", .value_name = "NAME", .doc = "Only this case of the plan.", .repeatable = true},
-                {.name = "rig", .value_name = "NAME|FILE", .doc = "Rig, or a bench file.", .fallback = "emulated",
-                 .choices = [] { return Registry<RigKind>::instance().names(); }, .only_choices = false},
-                {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig.", .repeatable = true},
-                {.name = "specimen", .value_name = "NAME", .doc = "Which sensor lies on the bench.", .fallback = "q50"},
-                {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig.", .fallback = "1"},
-                {.name = "rate", .value_name = "HZ", .doc = "Rows a second in the files.", .fallback = "200"},
-                {.name = "output", .value_name = "FOLDER", .doc = "Folder of the campaign.", .required = true, .letter = 'o'}},
+    .description = "Plays the open-loop profiles of a plan on a rig, without any firmware, and writes what "
+                   "the reference cell and the "
+                   "sensor said: one CSV for each record and campaign.json (docs/campaign.md). The rig "
+                   "checks itself around every "
+                   "record; what is recorded stays when a later record fails. The plan `campaign` holds what "
+                   "a diagnosis needs: slow "
+                   "triangles at two speeds, long holds, minor loops, sines, a sweep.",
+    .options = joined(
+        {{{.name = "plan",
+           .value_name = "PLAN",
+           .doc = "Plan file, or the name of one in ci/plans.",
+           .fallback = "campaign"},
+          {.name = "case", .value_name = "NAME", .doc = "Only this case of the plan.", .repeatable = true}},
+         rig_rows(),
+         {{.name = "specimen",
+           .value_name = "NAME",
+           .doc = "Which sensor lies on the bench.",
+           .fallback = "q50"},
+          {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig.", .fallback = "1"},
+          {.name = "rate", .value_name = "HZ", .doc = "Rows a second in the files.", .fallback = "200"},
+          {.name = "output",
+           .value_name = "FOLDER",
+           .doc = "Folder of the campaign.",
+           .required = true,
+           .letter = 'o'}}}),
     .examples = {{"forcegate record --specimen q50 -o mine", "A campaign on the emulated rig:"},
-                 {"forcegate record --rig-option hidden=creep:strong -o creeping", "A sensor that has more than the model knows:"}},
+                 {"forcegate record --rig-option hidden=creep:strong -o creeping",
+                  "A sensor that has more than the model knows:"}},
     .exit_codes = {kExitSuccess, kExitUsage, kExitRigFault, kExitSafetyStop, kExitInterrupted},
     .run = run,
 }};

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <deque>
 #include <fstream>
 #include <iterator>
@@ -17,6 +16,7 @@
 #include "hil/base/arrival_clock.h"
 #include "hil/base/portable_math.h"
 #include "hil/base/text.h"
+#include "hil/base/utc_clock.h"
 #include "hil/rig/bench_session.h"
 
 namespace forcegate {
@@ -27,15 +27,6 @@ constexpr double kPeriod_s = 0.01;       // between two looks at the drive
 constexpr double kUsableTravel = 0.95;    // the rest is for control
 constexpr double kStartTolerance_rad = 0.02;
 constexpr double kTravelTolerance_rad = 1e-3;
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[16];
-  std::strftime(text, sizeof text, "%Y-%m-%d", &utc);
-  return text;
-}
 
 class BenchRig final : public Rig, public Dut {
  public:
@@ -51,7 +42,8 @@ class BenchRig final : public Rig, public Dut {
 
   Result<void> begin(const RigRecordRequest& request) override {
     begun_ = false;
-    if (const auto late = expired(bench_, today()); !late.empty())
+    const auto given = options_.find("today");
+    if (const auto late = expired(bench_, given != options_.end() ? given->second : utc_today()); !late.empty())
       return fail(ErrorCode::config, fmt::format("calibration {} of the {} is out of date since {}", late[0].id, late[0].what,
                                                  late[0].expires),
                   bench_.path.string(), "calibrate it and enter the new id and date under [calibration]");
@@ -360,7 +352,7 @@ Result<std::unique_ptr<Rig>> make(const std::map<std::string, std::string>& opti
   const auto file = options.find("file");
   if (file == options.end())
     return fail(ErrorCode::usage, "a bench needs its file", {}, "for example --rig rigs/twin.toml");
-  static const std::vector<std::string> kKnown{"arm", "attach", "clock", "file"};
+  static const std::vector<std::string> kKnown{"arm", "attach", "clock", "file", "purpose", "today"};
   for (const auto& [name, value] : options)
     if (std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) {
       const std::string near = nearest_name(name, kKnown);
@@ -375,7 +367,8 @@ Result<std::unique_ptr<Rig>> make(const std::map<std::string, std::string>& opti
 const Registration<RigKind> kRegistered{
     {"bench",
      "The instruments of a bench file, real or as twins. Options: file=BENCH.toml, attach=FOLDER (twins that are "
-     "served), clock=virtual|paced, arm=yes (a real bench moves only then)",
+     "served), clock=virtual|paced, arm=yes (a real bench moves only then), "
+     "today=DATE against which calibrations expire, purpose=TEXT shown to whoever else asks for the bench",
      make}};
 
 }  // namespace

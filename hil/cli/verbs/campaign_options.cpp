@@ -1,0 +1,41 @@
+#include "hil/cli/verbs/campaign_options.h"
+
+namespace forcegate {
+
+Option model_row() {
+  return {.name = "model",
+          .value_name = "MODEL",
+          .doc = "flexiforce, fsr, or a model file.",
+          .fallback = "flexiforce"};
+}
+
+std::vector<Option> campaign_rows() {
+  return {
+      {.name = "map",
+       .value_name = "COLUMN=NAME",
+       .doc = "Foreign column, for instance pressure_bar=F_ref_N.",
+       .repeatable = true},
+      {.name = "rate", .value_name = "HZ", .doc = "Sampling rate of files without a clock.", .fallback = "0"},
+      {.name = "threads",
+       .value_name = "N",
+       .doc = "0: one per processor. The answer does not depend on it.",
+       .fallback = "0"}};
+}
+
+Positional campaign_positional() {
+  return {.name = "CAMPAIGN", .doc = "Campaign folder, campaign.json, one CSV or one HDF5 run."};
+}
+
+Result<CampaignRequest> campaign_request(const Invocation& in, const std::string& campaign,
+                                         const std::string& model) {
+  CampaignRequest request;
+  request.campaign = campaign;
+  request.model = model;
+  request.maps = in.texts("map");
+  FORCEGATE_TRY(request.assumed_rate_Hz, in.number("rate", 0.0, 1e6));
+  FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 256));
+  request.threads = static_cast<unsigned>(threads);
+  return request;
+}
+
+}  // namespace forcegate

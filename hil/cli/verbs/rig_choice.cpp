@@ -1,0 +1,56 @@
+#include "hil/cli/verbs/rig_choice.h"
+
+#include <algorithm>
+
+#include "hil/base/text.h"
+#include "hil/base/utc_clock.h"
+#include "hil/interface/rig.h"
+
+namespace forcegate {
+
+Result<std::map<std::string, std::string>> named_values(const Invocation& in, const std::string& option) {
+  std::map<std::string, std::string> values;
+  for (const std::string& word : in.texts(option)) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos || equals == 0)
+      return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is not NAME=VALUE", "--" + option);
+    values[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return values;
+}
+
+std::vector<Option> rig_rows() {
+  return {{.name = "rig",
+           .value_name = "NAME|FILE",
+           .doc = "Rig, or a bench file.",
+           .fallback = "emulated",
+           .choices = [] { return Registry<RigKind>::instance().names(); },
+           .only_choices = false},
+          {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig.", .repeatable = true},
+          {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."}};
+}
+
+Result<RigChoice> rig_choice(const Invocation& in) {
+  RigChoice choice;
+  choice.rig = in.text("rig");
+  FORCEGATE_TRY(choice.options, named_values(in, "rig-option"));
+  const auto& rows = in.command().options;
+  const bool plays_recordings =
+      std::any_of(rows.begin(), rows.end(), [](const Option& o) { return o.name == "record"; });
+  if (plays_recordings && in.given("record") && !in.given("rig")) choice.rig = "replay";
+  if (choice.rig.ends_with(".toml")) {
+    choice.options["file"] = choice.rig;
+    choice.rig = "bench";
+  }
+  if (choice.rig == "bench") {
+    choice.options["today"] = utc_today();
+    choice.options["purpose"] = in.command_line();
+    if (in.flag("arm")) choice.options["arm"] = "yes";
+  } else if (in.flag("arm")) {
+    return fail(ErrorCode::usage, "nothing of the rig " + choice.rig + " can be armed", "--arm",
+                "a bench file moves real instruments: --rig BENCH.toml --arm");
+  }
+  return choice;
+}
+
+}  // namespace forcegate
