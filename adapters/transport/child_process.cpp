@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,14 +21,34 @@ namespace forcegate {
 
 Result<void> ChildProcess::start(const std::vector<std::string>& argv, const std::filesystem::path& folder,
                                  const std::filesystem::path& log) {
-  kill_and_reap();
-  std::vector<char*> arguments;
-  for (const std::string& a : argv) arguments.push_back(const_cast<char*>(a.c_str()));
-  arguments.push_back(nullptr);
   const Descriptor null(open("/dev/null", O_RDONLY | O_CLOEXEC));
   const Descriptor out(open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   if (!null || !out)
     return fail(ErrorCode::io, "cannot open the log of a program: " + system_text(errno), log.string());
+  return launch(argv, folder, null.get(), out.get(), out.get());
+}
+
+Result<std::unique_ptr<Transport>> ChildProcess::start_connected(const std::vector<std::string>& argv,
+                                                                 const std::filesystem::path& folder,
+                                                                 const std::filesystem::path& log) {
+  const Descriptor err(open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  if (!err) return fail(ErrorCode::io, "cannot open the log of a program: " + system_text(errno), log.string());
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    return fail(ErrorCode::io, "no pair of sockets: " + system_text(errno), argv.front());
+  Descriptor ours(ends[0]);
+  const Descriptor theirs(ends[1]);
+  fcntl(ours.get(), F_SETFL, O_NONBLOCK);
+  FORCEGATE_CHECK_OK(launch(argv, folder, theirs.get(), theirs.get(), err.get()));
+  return std::make_unique<DescriptorTransport>(std::move(ours), argv.front());
+}
+
+Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const std::filesystem::path& folder, int in, int out,
+                                  int err) {
+  kill_and_reap();
+  std::vector<char*> arguments;
+  for (const std::string& a : argv) arguments.push_back(const_cast<char*>(a.c_str()));
+  arguments.push_back(nullptr);
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0) return fail(ErrorCode::io, "cannot start a process: " + system_text(errno), argv.front());
@@ -35,8 +56,7 @@ Result<void> ChildProcess::start(const std::vector<std::string>& argv, const std
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
     setpgid(0, 0);  // an interrupt from the keyboard is for the harness, which then ends us in order
-    if (dup2(null.get(), 0) < 0 || dup2(out.get(), 1) < 0 || dup2(out.get(), 2) < 0 ||
-        chdir(folder.c_str()) != 0)
+    if (dup2(in, 0) < 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0 || chdir(folder.c_str()) != 0)
       _exit(127);
     sigset_t none;
     sigemptyset(&none);

@@ -5,11 +5,13 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hil/base/result.h"
+#include "hil/interface/transport.h"
 
 namespace forcegate {
 
@@ -25,6 +27,11 @@ class ChildProcess {
   Result<void> start(const std::vector<std::string>& argv, const std::filesystem::path& folder,
                      const std::filesystem::path& log);
 
+  /// The same with its stdin and stdout on our end of a pair of sockets; stderr goes to `log`.
+  Result<std::unique_ptr<Transport>> start_connected(const std::vector<std::string>& argv,
+                                                     const std::filesystem::path& folder,
+                                                     const std::filesystem::path& log);
+
   /// "exit code 3", "killed by signal 11 (Segmentation fault)"; nullopt while it runs.
   std::optional<std::string> ended();
 
@@ -34,6 +41,7 @@ class ChildProcess {
   pid_t id() const { return pid_; }
 
  private:
+  Result<void> launch(const std::vector<std::string>& argv, const std::filesystem::path& folder, int in, int out, int err);
   pid_t pid_ = -1;
   int status_ = 0;
   bool reaped_ = true;

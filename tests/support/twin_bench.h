@@ -30,7 +30,7 @@ inline std::string bench_text(const std::string& file, const Changes& changes = 
 
 struct TwinBench {
   explicit TwinBench(const std::string& file = "twin.toml", const Changes& changes = {}) {
-    auto bench = read_bench_text(bench_text(file, changes), file);
+    auto bench = read_bench_text(bench_text(file, changes), FORCEGATE_SOURCE_DIR "/rigs/" + file);
     if (!bench) {
       ADD_FAILURE() << bench.error().to_text();
       return;

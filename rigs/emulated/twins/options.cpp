@@ -42,6 +42,7 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench) {
   const ConfigNode* link = motor != nullptr ? motor->find("link") : nullptr;
   std::string kind = "rtu";
   text(link, "kind", kind);
+  text(motor, "port", o.motor_port);
   text(link, "port", o.motor_port);
   integer(link, "slave", o.slave);
   integer(link, "tcp_port", o.tcp_port);

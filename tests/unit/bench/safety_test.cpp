@@ -29,7 +29,7 @@ class Served : public testing::Test {
     ASSERT_TRUE(made);
     folder_.emplace(std::move(*made));
     setenv("XDG_RUNTIME_DIR", folder_->path().c_str(), 1);
-    auto bench = read_bench_text(bench_text(file, changes), file);
+    auto bench = read_bench_text(bench_text(file, changes), FORCEGATE_SOURCE_DIR "/rigs/" + file);
     ASSERT_TRUE(bench) << bench.error().to_text();
     bench_.emplace(std::move(*bench));
     const auto options = emulated::read_twin_options(bench_->root);
@@ -92,11 +92,18 @@ class Served : public testing::Test {
   pid_t host_ = -1, harness_ = -1;
 };
 
-class ServedOverBothLinks : public Served, public testing::WithParamInterface<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Links, ServedOverBothLinks, testing::Values("twin.toml", "twin_rtu.toml"));
+class ServedOverEveryLink : public Served, public testing::WithParamInterface<const char*> {
+ protected:
+  // A drive that waits so long that it cannot be what stops.
+  Changes patient_drive() const {
+    const std::string own = std::string(GetParam()) == "twin_python.toml" ? "500" : "200";
+    return {{"drive_timeout_ms = " + own, "drive_timeout_ms = 5000"}};
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Links, ServedOverEveryLink, testing::Values("twin.toml", "twin_rtu.toml", "twin_python.toml"));
 
-TEST_P(ServedOverBothLinks, AKilledHarnessIsParkedByItsGuardLongBeforeTheDriveGivesUp) {
-  serve(GetParam(), {{"drive_timeout_ms = 200", "drive_timeout_ms = 5000"}});
+TEST_P(ServedOverEveryLink, AKilledHarnessIsParkedByItsGuardLongBeforeTheDriveGivesUp) {
+  serve(GetParam(), patient_drive());
   start_harness();
   kill(harness_, SIGKILL);
   wait_until_still();
@@ -118,8 +125,8 @@ TEST_F(Served, WithHarnessAndGuardGoneTheDriveStopsWithinItsOwnTimeout) {
   EXPECT_LE(number("still_s") - told_s, 0.25);
 }
 
-TEST_P(ServedOverBothLinks, TheEmergencyStopReachesADriveThatSomebodyElseHolds) {
-  serve(GetParam(), {{"drive_timeout_ms = 200", "drive_timeout_ms = 5000"}});
+TEST_P(ServedOverEveryLink, TheEmergencyStopReachesADriveThatSomebodyElseHolds) {
+  serve(GetParam(), patient_drive());
   start_harness();
   const auto stopped = stop_motor_now(*bench_, options());
   ASSERT_TRUE(stopped) << stopped.error().to_text();

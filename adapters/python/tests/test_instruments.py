@@ -1,0 +1,100 @@
+"""The examples against instruments that are played with pyserial."""
+
+import struct
+import threading
+import time
+import unittest
+
+import serial
+
+from forcegate_adapter import AdapterError
+from forcegate_adapter.ati import AtiSerial, parse_record
+from forcegate_adapter.ati_twin import AtiTwin, record
+from forcegate_adapter.drive import RtuDrive, crc16
+from forcegate_adapter.null_modem import NullModem
+
+
+class Played(unittest.TestCase):
+    """An instrument in a thread, at the other end of a cable."""
+
+    def play(self, run):
+        self.cable = NullModem()
+        self.over = threading.Event()
+        self.thread = threading.Thread(target=run, args=(self.cable.ports[1], self.over.is_set), daemon=True)
+        self.thread.start()
+        self.addCleanup(self.finish)
+
+    def finish(self):
+        self.over.set()
+        self.thread.join()
+        self.cable.close()
+
+
+class Ati(Played):
+    def test_the_record_is_the_one_of_the_manual(self):
+        raw = bytes.fromhex("00 0003 fffe 05dc 0001 0000 ffff e0")
+        self.assertEqual(record(0, (3, -2, 1500, 1, 0, -1), True), raw)
+        self.assertEqual(parse_record(raw, True), (0, (3, -2, 1500, 1, 0, -1)))
+        self.assertIsNone(parse_record(raw[:13], True))
+        for bit in range(8 * len(raw)):
+            damaged = bytearray(raw)
+            damaged[bit // 8] ^= 1 << bit % 8
+            with self.assertRaises(ValueError):
+                parse_record(damaged, True)
+
+    def test_forces_come_as_they_were_played(self):
+        twin = []
+
+        def run(port, stop):
+            twin.append(AtiTwin(port))
+            twin[0].run(stop)
+
+        self.play(run)
+        ati = AtiSerial()
+        self.addCleanup(ati.close)
+        ati.open(self.cable.ports[0], {"counts_per_force": 1000}, True)
+        ati.start()
+        readings = []
+        end = time.monotonic() + 0.5
+        while time.monotonic() < end:
+            time.sleep(0.01)
+            readings += ati.poll()
+        ati.stop()
+        self.assertGreater(len(readings), 60)
+        errors = sorted(abs(r.force_N - twin[0].force_N(r.t_s - twin[0].started_s)) for r in readings)
+        self.assertLess(errors[len(errors) // 2], 0.05)  # 3 N/s and some ms of a busy machine
+        self.assertEqual([r.t_s for r in readings], sorted(r.t_s for r in readings))
+
+    def test_a_silent_line_is_an_error_not_a_hang(self):
+        self.play(lambda port, stop: None)
+        with self.assertRaises(AdapterError) as caught:
+            AtiSerial().open(self.cable.ports[0], {"counts_per_force": 1000}, True)
+        self.assertIn("does not answer", str(caught.exception))
+
+
+class Drive(Played):
+    def test_the_checksum_is_the_one_of_the_specification(self):
+        self.assertEqual(crc16(bytes.fromhex("11 03 00 6b 00 03")), 0x8776)
+
+    def test_an_answer_to_an_earlier_request_is_refused(self):
+        def run(port, stop):  # echoes writes, reads always give the same registers
+            with serial.Serial(port, timeout=0.01) as line:
+                data = b""
+                while not stop():
+                    data += line.read(64)
+                    while len(data) >= 8:
+                        request, data = data[:8], data[8:]
+                        reply = request[:-2] if request[1] == 6 else b"\x01\x03\x0e" + struct.pack(">HHiiH", 1, 0, 0, 0, 4711)
+                        line.write(reply + struct.pack("<H", crc16(reply)))
+
+        self.play(run)
+        drive = RtuDrive()
+        self.addCleanup(drive.close)
+        drive.open(self.cable.ports[0], {}, True)
+        with self.assertRaises(AdapterError) as caught:
+            drive.read()
+        self.assertIn("earlier request", str(caught.exception))
+
+
+if __name__ == "__main__":
+    unittest.main()
