@@ -83,7 +83,7 @@ class NativeDut final : public Dut {
 
   Result<DutInfo> restart(const DutSession& session) override {
     if (handle_ == nullptr) return open(session);
-    counters_ = {};
+    counters_.samples = 0;
     return greet(session);
   }
 

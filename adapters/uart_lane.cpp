@@ -60,7 +60,7 @@ class UartDut final : public Dut {
 
   Result<DutInfo> restart(const DutSession& session) override {
     if (transport_ == nullptr) return open(session);
-    counters_ = {};
+    counters_.samples = 0;
     return handshake(session);
   }
 

@@ -7,36 +7,26 @@
 #include <limits>
 #include <set>
 
+#include "hil/app/power_gatings.h"
 #include "hil/base/text.h"
-#include "hil/gate/decision.h"
 #include "hil/interface/dut.h"
 
 namespace forcegate {
 namespace {
 
-constexpr double kHang_cpu_s = 2.0;  // a mutant that hangs does so for good
-
-struct Gated {
-  DecisionKind kind = DecisionKind::no_decision;
-  std::set<std::string> failed;
-  bool conformance_known = false;
-  DecisionKind blind = DecisionKind::no_decision;
-  std::string reason;
-};
-
-std::string without_case(const std::string& id) { return id.substr(0, id.find('/')); }
-
 class PowerRun {
  public:
-  PowerRun(const PowerRequest& request, Plan plan, const GateProgress& progress,
-           const std::atomic<bool>* cancelled)
-      : request_(request), plan_(std::move(plan)), progress_(progress), cancelled_(cancelled) {}
+  PowerRun(const PowerRequest& request, const Plan& plan, const Plan* panel, PowerGatings gatings,
+           const GateProgress& progress)
+      : request_(request), plan_(plan), panel_(panel), gatings_(std::move(gatings)), progress_(progress) {}
 
   Result<PowerResult> run() {
     result_.request = request_;
     result_.plan_name = plan_.name;
     result_.plan_sha256 = plan_.sha256;
     result_.first_seed = plan_.seed;
+    result_.reference.plan_name = plan_.name;
+    result_.reference.first_seed = plan_.seed;
     FORCEGATE_TRY(std::vector<Mutant> mutants, read_mutants(request_.firmware / "mutants"));
     if (!request_.only.empty()) {
       FORCEGATE_CHECK_OK(know_all(mutants));
@@ -45,19 +35,30 @@ class PowerRun {
                std::find(request_.only.begin(), request_.only.end(), m.family) == request_.only.end();
       });
     }
-    const std::size_t turns = std::max(request_.seeds, request_.mutant_seeds);
-    total_ = static_cast<double>(request_.seeds + request_.mutant_seeds * mutants.size());
     for (Mutant& m : mutants) {
       result_.outcomes.emplace_back();
       result_.outcomes.back().mutant = std::move(m);
     }
+    std::size_t turns = request_.seeds;
+    total_ = static_cast<double>(request_.seeds + (panel_ != nullptr ? request_.panel_seeds : 0));
+    for (const MutantOutcome& outcome : result_.outcomes) {
+      turns = std::max(turns, runs_of(outcome.mutant));
+      total_ += static_cast<double>(runs_of(outcome.mutant));
+    }
     // Seed by seed, so that a seed's calibrations are measured once.
     for (std::size_t i = 0; i < turns; ++i) {
-      cache_ = {};
-      if (i < request_.seeds) FORCEGATE_CHECK_OK(run_reference(plan_.seed + i));
-      if (i < request_.mutant_seeds)
-        for (MutantOutcome& outcome : result_.outcomes)
-          FORCEGATE_CHECK_OK(run_mutant(outcome, plan_.seed + i));
+      gatings_.forget_calibrations();
+      if (i < request_.seeds) FORCEGATE_CHECK_OK(run_reference(plan_, plan_.seed + i, result_.reference));
+      for (MutantOutcome& outcome : result_.outcomes)
+        if (i < runs_of(outcome.mutant)) FORCEGATE_CHECK_OK(run_mutant(outcome, plan_.seed + i));
+    }
+    if (panel_ != nullptr) {
+      result_.panel.plan_name = panel_->name;
+      result_.panel.first_seed = panel_->seed;
+      for (std::size_t i = 0; i < request_.panel_seeds; ++i) {
+        gatings_.forget_calibrations();
+        FORCEGATE_CHECK_OK(run_reference(*panel_, panel_->seed + i, result_.panel));
+      }
     }
     for (const MutantOutcome& outcome : result_.outcomes)
       if (outcome.mutant.images.empty()) result_.not_built.push_back(outcome.mutant.name);
@@ -82,12 +83,17 @@ class PowerRun {
     return {};
   }
 
+  // Levels of a family are gated more often: the share of rejections at each is what its smallest defect follows from.
+  std::size_t runs_of(const Mutant& m) const {
+    return m.level ? std::max(request_.mutant_seeds, request_.family_seeds) : request_.mutant_seeds;
+  }
+
   // Cases of the plan that an image is played on. What runs natively is judged natively; a cross-compiled
   // image is there for the cases of its own lane, or, when nothing native exists of a good build, for the
   // common ones.
-  std::vector<std::string> cases_for(const std::filesystem::path& image, bool common) const {
+  static std::vector<std::string> cases_for(const Plan& plan, const std::filesystem::path& image, bool common) {
     std::vector<std::string> names;
-    for (const PlanCase& c : plan_.cases) {
+    for (const PlanCase& c : plan.cases) {
       const LaneKind* lane = c.lane.empty() ? nullptr : Registry<LaneKind>::instance().find(c.lane);
       const bool own = lane != nullptr && lane->accepts(image);
       if (common || image.extension() == ".so" ? c.lane.empty() : own) names.push_back(c.name);
@@ -95,56 +101,24 @@ class PowerRun {
     return names;
   }
 
-  Result<Gated> gate_cases(const std::filesystem::path& image, std::uint64_t seed,
-                           std::vector<std::string> cases) {
-    GateRequest request;
-    request.firmware = image;
-    request.plan = plan_.path.string();
-    request.seed = seed;
-    request.only_cases = std::move(cases);
-    request.threads = request_.threads;
-    request.hang_cpu_s = kHang_cpu_s;
-    request.calibrations = &cache_;
-    FORCEGATE_TRY(const RunResult r, gate(request, {}, cancelled_));
-    if (r.decision.exit_code == 130) return fail(ErrorCode::cancelled, "interrupted");
-    if (r.decision.exit_code == 6) return fail(ErrorCode::internal, r.decision.reason, image.string());
-    Gated out;
-    out.kind = r.decision.kind;
-    out.reason = r.decision.reason;
-    std::vector<const Check*> blind;
-    const auto look = [&](const Check& c) {
-      if (c.required && c.verdict == Verdict::fail) out.failed.insert(without_case(c.id));
-      if (c.id.ends_with("conformance"))  // that of the prelude too
-        out.conformance_known = true;
-      else
-        blind.push_back(&c);
-    };
-    for (const Check& c : r.checks) look(c);
-    for (const CaseResult& one : r.cases)
-      for (const Check& c : one.checks) look(c);
-    RunEvents events;
-    events.safety_stop = r.decision.safety_stop;
-    out.blind = decide(blind, plan_.rule, events).kind;
-    return out;
-  }
-
   static bool expected(const Mutant& m, const std::set<std::string>& failed) {
     return std::any_of(m.seen_by.begin(), m.seen_by.end(),
                        [&](const std::string& id) { return failed.count(id) > 0; });
   }
 
-  Result<Gated> gate_image(const Mutant* mutant, const std::filesystem::path& image, std::uint64_t seed) {
+  Result<Gated> gate_image(const Plan& plan, const Mutant* mutant, const std::filesystem::path& image,
+                           std::uint64_t seed) {
     const bool cross_only = mutant != nullptr && mutant->images.front().extension() != ".so";
     const bool common = cross_only && mutant->good() && image.string().find(".uart.") == std::string::npos;
-    const std::vector<std::string> cases = cases_for(image, common);
+    const std::vector<std::string> cases = cases_for(plan, image, common);
     if (cases.empty())
       return fail(ErrorCode::config, "no case of the plan can be played on this image", image.string(),
                   "add one with lane = \"tick\" or \"uart\"");
-    if (mutant == nullptr || mutant->good() || !request_.quick) return gate_cases(image, seed, cases);
+    if (mutant == nullptr || mutant->good() || !request_.quick) return gatings_.gate(plan, image, seed, cases);
     // Quick: case by case until one rejects for the reason expected; a rejection anywhere is one.
     Gated whole;
     for (const std::string& one : cases) {
-      FORCEGATE_TRY(Gated part, gate_cases(image, seed, {one}));
+      FORCEGATE_TRY(Gated part, gatings_.gate(plan, image, seed, {one}));
       if (part.kind == DecisionKind::reject && expected(*mutant, part.failed)) return part;
       part.failed.insert(whole.failed.begin(), whole.failed.end());
       const bool worse = part.kind == DecisionKind::reject || whole.kind == DecisionKind::accept;
@@ -157,8 +131,8 @@ class PowerRun {
     return whole;
   }
 
-  Result<void> run_reference(std::uint64_t seed) {
-    step(fmt::format("reference, seed {}", seed));
+  Result<void> run_reference(const Plan& plan, std::uint64_t seed, ReferenceRuns& runs) {
+    step(fmt::format("reference, plan {}, seed {}", plan.name, seed));
     bool accepted = true, rejected = false;
     for (const char* name : {"reference.native.so", "reference-m4f.block.elf", "reference.uart.elf"}) {
       const std::filesystem::path image = request_.firmware / name;
@@ -166,17 +140,16 @@ class PowerRun {
       if (!std::filesystem::is_regular_file(image, ignored)) continue;
       // The emulated targets run the same code on the same codes: once is enough for what does not depend on
       // a seed.
-      if (image.extension() != ".so" && (seed != plan_.seed || cases_for(image, false).empty())) continue;
-      FORCEGATE_TRY(const Gated g, gate_image(nullptr, image, seed));
+      if (image.extension() != ".so" && (seed != plan.seed || cases_for(plan, image, false).empty())) continue;
+      FORCEGATE_TRY(const Gated g, gate_image(plan, nullptr, image, seed));
       accepted = accepted && g.kind == DecisionKind::accept;
       rejected = rejected || g.kind == DecisionKind::reject;
       if (g.kind != DecisionKind::accept)
-        result_.reference_reasons.push_back(
-            fmt::format("seed {}: {}: {}", seed, to_string(g.kind), g.reason));
+        runs.reasons.push_back(fmt::format("seed {}: {}: {}", seed, to_string(g.kind), g.reason));
     }
-    ++result_.reference_runs;
-    result_.reference_accepted += accepted ? 1 : 0;
-    result_.reference_rejected += rejected ? 1 : 0;
+    ++runs.n;
+    runs.accepted += accepted ? 1 : 0;
+    runs.rejected += rejected ? 1 : 0;
     return {};
   }
 
@@ -188,8 +161,8 @@ class PowerRun {
     std::set<std::string> failed;
     std::string reason;
     for (const std::filesystem::path& image : m.images) {
-      if (image.extension() != ".so" && m.images.size() > 1 && cases_for(image, false).empty()) continue;
-      FORCEGATE_TRY(const Gated g, gate_image(&m, image, seed));
+      if (image.extension() != ".so" && m.images.size() > 1 && cases_for(plan_, image, false).empty()) continue;
+      FORCEGATE_TRY(const Gated g, gate_image(plan_, &m, image, seed));
       accepted = accepted && g.kind == DecisionKind::accept;
       rejected = rejected || g.kind == DecisionKind::reject;
       blind_known = blind_known && g.conformance_known && !(request_.quick && !m.good());
@@ -218,11 +191,11 @@ class PowerRun {
   }
 
   const PowerRequest& request_;
-  Plan plan_;
+  const Plan& plan_;
+  const Plan* panel_;
+  PowerGatings gatings_;
   const GateProgress& progress_;
-  const std::atomic<bool>* cancelled_;
   PowerResult result_;
-  CalibrationCache cache_;
   double done_ = 0.0, total_ = 1.0;
 };
 
@@ -234,9 +207,10 @@ std::vector<FamilyOutcome> PowerResult::families() const {
   for (const MutantOutcome& o : outcomes) {
     if (!o.mutant.level) continue;
     if (out.empty() || out.back().family != o.mutant.family) {
-      out.push_back({o.mutant.family, o.mutant.unit, o.mutant.breaks, kNan, kNan, o.runs, true});
+      out.push_back({o.mutant.family, o.mutant.unit, o.mutant.breaks, kNan, kNan, o.runs, true, {}});
     }
     FamilyOutcome& f = out.back();
+    f.levels.push_back(&o);
     const auto settle = [&](double& smallest, std::size_t k, std::size_t n) {
       const bool found = n > 0 && static_cast<double>(k) >= 0.95 * static_cast<double>(n);
       if (!found)
@@ -276,7 +250,7 @@ PowerCount PowerResult::slipped() const {
 }
 
 bool PowerResult::good() const {
-  if (reference_rejected > 0) return false;
+  if (reference.rejected + panel.rejected > 0) return false;
   return std::all_of(outcomes.begin(), outcomes.end(), [](const MutantOutcome& o) {
     if (o.mutant.good()) return o.rejected == 0;
     return o.rejected == o.runs || o.mutant.seen_by.front() == "nothing";
@@ -286,8 +260,16 @@ bool PowerResult::good() const {
 Result<PowerResult> measure_power(const PowerRequest& request, const GateProgress& progress,
                                   const std::atomic<bool>* cancelled) {
   FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
-  FORCEGATE_TRY(Plan plan, read_plan(path));
-  return PowerRun(request, std::move(plan), progress, cancelled).run();
+  FORCEGATE_TRY(const Plan plan, read_plan(path));
+  std::optional<Plan> panel;
+  if (request.panel_seeds > 0) {
+    FORCEGATE_TRY(const std::filesystem::path panel_path, find_plan(request.panel_plan));
+    FORCEGATE_TRY(panel, read_plan(panel_path));
+  }
+  std::vector<const Plan*> plans{&plan};
+  if (panel) plans.push_back(&*panel);
+  FORCEGATE_TRY(PowerGatings gatings, PowerGatings::open(plans, request.journal, request.threads, cancelled));
+  return PowerRun(request, plan, panel ? &*panel : nullptr, std::move(gatings), progress).run();
 }
 
 }  // namespace forcegate

@@ -19,8 +19,12 @@ struct PowerRequest {
   std::string plan = "power";
   std::size_t seeds = 59;         ///< runs of the reference; specimens and sessions differ
   std::size_t mutant_seeds = 1;   ///< runs of every mutant
+  std::size_t family_seeds = 1;   ///< runs of every level of a graded family, at least mutant_seeds
+  std::string panel_plan = "panel";
+  std::size_t panel_seeds = 0;  ///< runs of the reference under panel_plan
   bool quick = false;             ///< a bad build is done with at the case that rejects it
   std::vector<std::string> only;  ///< names of mutants or families; empty = all
+  std::filesystem::path journal;  ///< gatings done are kept there and not done again; empty: none is kept
   unsigned threads = 0;
 };
 
@@ -38,20 +42,28 @@ struct MutantOutcome {
   std::string reason;       ///< of the first decision that was not expected, else of the first
 };
 
+/// Runs of the reference build under one plan: how often is a good build refused?
+struct ReferenceRuns {
+  std::string plan_name;
+  std::uint64_t first_seed = 0;
+  std::size_t n = 0, accepted = 0, rejected = 0;  ///< the rest was left undecided
+  std::vector<std::string> reasons;               ///< decisions that were no ACCEPT, with their seed
+};
+
 /// Smallest level of a family from which on at least 95 % of the runs are rejected; NaN when there is none.
 struct FamilyOutcome {
   std::string family, unit, breaks;
   double smallest = 0.0, smallest_blind = 0.0;
   std::size_t runs = 0;  ///< of each level
   bool blind_known = false;
+  std::vector<const MutantOutcome*> levels;  ///< from the smallest defect on
 };
 
 struct PowerResult {
   PowerRequest request;
   std::string plan_name, plan_sha256;
   std::uint64_t first_seed = 0;
-  std::size_t reference_runs = 0, reference_accepted = 0, reference_rejected = 0;
-  std::vector<std::string> reference_reasons;  ///< decisions that were no ACCEPT, with their seed
+  ReferenceRuns reference, panel;  ///< panel.n = 0: not asked for
   std::vector<MutantOutcome> outcomes;
   std::vector<std::string> not_built;
 

@@ -39,18 +39,35 @@ Json to_json(const MutantOutcome& o) {
           {"note", o.mutant.note}};
 }
 
+Json to_json(const ReferenceRuns& r) {
+  return {{"plan", r.plan_name},
+          {"first_seed", r.first_seed},
+          {"runs", r.n},
+          {"accepted", r.accepted},
+          {"rejected", count(r.rejected, r.n)},
+          {"not_accepted", r.reasons}};
+}
+
+Json to_json(const FamilyOutcome& f) {
+  Json levels = Json::array();
+  for (const MutantOutcome* o : f.levels)
+    levels.push_back({{"level", *o->mutant.level},
+                      {"rejected", count(o->rejected, o->runs)},
+                      {"slipped", count(o->accepted, o->runs)}});
+  return {{"family", f.family},
+          {"unit", f.unit},
+          {"smallest", number(f.smallest)},
+          {"smallest_without_conformance", f.blind_known ? number(f.smallest_blind) : Json(nullptr)},
+          {"runs", f.runs},
+          {"levels", levels}};
+}
+
 }  // namespace
 
 std::string power_json(const PowerResult& r) {
   Json mutants = Json::array(), families = Json::array(), survivors = Json::array(), refused = Json::array();
   for (const MutantOutcome& o : r.outcomes) mutants.push_back(to_json(o));
-  for (const FamilyOutcome& f : r.families())
-    families.push_back(
-        {{"family", f.family},
-         {"unit", f.unit},
-         {"smallest", number(f.smallest)},
-         {"smallest_without_conformance", f.blind_known ? number(f.smallest_blind) : Json(nullptr)},
-         {"runs", f.runs}});
+  for (const FamilyOutcome& f : r.families()) families.push_back(to_json(f));
   for (const MutantOutcome* o : r.survivors()) survivors.push_back(o->mutant.name);
   for (const MutantOutcome* o : r.refused()) refused.push_back(o->mutant.name);
   const PowerCount slipped = r.slipped();
@@ -61,11 +78,8 @@ std::string power_json(const PowerResult& r) {
                          {"quick", r.request.quick},
                          {"good", r.good()},
                          {"slipped", count(slipped.k, slipped.n)},
-                         {"reference",
-                          {{"runs", r.reference_runs},
-                           {"accepted", r.reference_accepted},
-                           {"rejected", count(r.reference_rejected, r.reference_runs)},
-                           {"not_accepted", r.reference_reasons}}},
+                         {"reference", to_json(r.reference)},
+                         {"panel", r.panel.n > 0 ? to_json(r.panel) : Json(nullptr)},
                          {"families", families},
                          {"survivors", survivors},
                          {"good_builds_not_accepted", refused},

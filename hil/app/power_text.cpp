@@ -39,13 +39,34 @@ std::string level(double value, const std::string& unit) {
   return std::isnan(value) ? "none" : shortest(value) + " " + unit;
 }
 
-std::string claims(const PowerResult& r) {
-  const Interval95 refused = clopper_pearson_95(r.reference_rejected, r.reference_runs);
+std::string claims(const ReferenceRuns& r) {
+  const Interval95 refused = clopper_pearson_95(r.rejected, r.n);
   return fmt::format(
-      "{} of {} runs of the reference rejected (below {:.1f} % with 95 % confidence), {} accepted, {} "
-      "left undecided",
-      r.reference_rejected, r.reference_runs, 100.0 * refused.high, r.reference_accepted,
-      r.reference_runs - r.reference_rejected - r.reference_accepted);
+      "{} of {} runs of the reference rejected under plan {}, seeds from {} (probability [{:.1f}, {:.1f}] %); {} accepted, "
+      "{} left undecided",
+      r.rejected, r.n, r.plan_name, r.first_seed, 100.0 * refused.low, 100.0 * refused.high, r.accepted,
+      r.n - r.rejected - r.accepted);
+}
+
+// Probability that the smallest level found slips through all the same.
+std::string slip_at_smallest(const FamilyOutcome& f) {
+  for (const MutantOutcome* o : f.levels)
+    if (*o->mutant.level == f.smallest) return share(o->accepted, o->runs);
+  return "-";
+}
+
+// "0.001: 0, 0.01: 20, 0.1: 20", of as many runs each
+std::string by_level(const FamilyOutcome& f) {
+  std::vector<std::string> parts;
+  for (const MutantOutcome* o : f.levels) parts.push_back(fmt::format("{}: {}", shortest(*o->mutant.level), o->rejected));
+  return join(parts, ", ");
+}
+
+std::string command(const PowerRequest& r) {
+  std::string line = fmt::format("forcegate power --plan {} --seeds {} --mutant-seeds {} --family-seeds {}", r.plan, r.seeds,
+                                 r.mutant_seeds, r.family_seeds);
+  if (r.panel_seeds > 0) line += fmt::format(" --panel-plan {} --panel-seeds {}", r.panel_plan, r.panel_seeds);
+  return line + " --markdown docs/power.md";
 }
 
 std::string slip(const PowerResult& r) {
@@ -77,8 +98,8 @@ std::string power_text(const PowerResult& r) {
   out += "smallest defect found in at least 95 % of the runs\n";
   for (const FamilyOutcome& f : r.families())
     out +=
-        fmt::format("  {:<28} {:<18} without conformance: {:<16} {}\n", f.family, level(f.smallest, f.unit),
-                    f.blind_known ? level(f.smallest_blind, f.unit) : "-", f.breaks);
+        fmt::format("  {:<28} {:<18} without conformance: {:<16} slips: {:<24} {}\n", f.family, level(f.smallest, f.unit),
+                    f.blind_known ? level(f.smallest_blind, f.unit) : "-", slip_at_smallest(f), f.breaks);
   out += "\nsurvivors\n";
   survivors(r, [&](const MutantOutcome& o, const std::string& why) {
     out += fmt::format("  {:<28} {} ({})\n", o.mutant.name, why, verdict(o));
@@ -87,39 +108,38 @@ std::string power_text(const PowerResult& r) {
   out += "\ngood builds that were not accepted\n";
   for (const MutantOutcome* o : r.refused())
     out += fmt::format("  {:<28} {}: {}\n", o->mutant.name, verdict(*o), o->reason);
-  for (const std::string& why : r.reference_reasons) out += "  reference, " + why + "\n";
-  if (r.refused().empty() && r.reference_reasons.empty()) out += "  none\n";
+  for (const ReferenceRuns* runs : {&r.reference, &r.panel})
+    for (const std::string& why : runs->reasons) out += "  reference, plan " + runs->plan_name + ", " + why + "\n";
+  if (r.refused().empty() && r.reference.reasons.empty() && r.panel.reasons.empty()) out += "  none\n";
   if (!r.not_built.empty()) out += "\nnot built: " + join(r.not_built, ", ") + "\n";
-  out += "\n" + slip(r) + "\n" + claims(r) + "\n";
+  out += "\n" + slip(r) + "\n";
+  for (const ReferenceRuns* runs : {&r.reference, &r.panel})
+    if (runs->n > 0) out += claims(*runs) + "\n";
   return out;
 }
 
 std::string power_markdown(const PowerResult& r) {
-  std::string out = fmt::format(
-      "# Power of the gate\n\nMade by `forcegate power --plan {} --seeds {} --mutant-seeds {} --markdown "
-      "docs/power.md`; do "
-      "not edit by hand.\n\nA gate that never rejects anything is green every day. So deliberately bad "
-      "firmwares "
-      "(`rigs/firmware/mutants/`) are gated like any build, and good ones built differently must be "
-      "accepted. Intervals "
-      "are those of Clopper and Pearson at 95 %.\n\n",
-      r.plan_name, r.request.seeds, r.request.mutant_seeds);
+  std::string out =
+      "# Power of the gate\n\nMade by `" + command(r.request) +
+      "`; do not edit by hand.\n\nA gate that never rejects anything is green every day. So deliberately bad firmwares "
+      "(`rigs/firmware/mutants/`) are gated like any build, and good ones built differently must be accepted. Intervals are "
+      "those of Clopper and Pearson at 95 %.\n\n";
   std::size_t bad = 0, good = 0;
   for (const MutantOutcome& o : r.outcomes) ++(o.mutant.good() ? good : bad);
   out += fmt::format(
       "| what | figure |\n|---|---|\n| bad builds | {} |\n| good builds made differently | {} |\n", bad,
       good);
-  out += "| slipping through | " + slip(r) + " |\n| good builds refused | " + claims(r) + " |\n\n";
+  out += "| slipping through | " + slip(r) + " |\n";
+  for (const ReferenceRuns* runs : {&r.reference, &r.panel})
+    if (runs->n > 0) out += "| good build refused | " + claims(*runs) + " |\n";
   out +=
-      "## Smallest defect found\n\nSmallest level from which on at least 95 % of the runs are rejected. "
-      "\"Without "
-      "conformance\": had no independent implementation of the algorithm been known, as for an image with an "
-      "algorithm "
-      "of its own.\n\n| family | what | smallest | without conformance | runs a level "
-      "|\n|---|---|---|---|---|\n";
+      "\n## Smallest defect found\n\nSmallest level from which on at least 95 % of the runs are rejected, and the share of "
+      "runs in which that level is accepted all the same. \"Without conformance\": had no independent implementation of the "
+      "algorithm been known, as for an image with an algorithm of its own.\n\n| family | what | smallest | slips through | "
+      "without conformance | runs a level | rejected of them, level by level |\n|---|---|---|---|---|---|---|\n";
   for (const FamilyOutcome& f : r.families())
-    out += fmt::format("| `{}` | {} | {} | {} | {} |\n", f.family, f.breaks, level(f.smallest, f.unit),
-                       f.blind_known ? level(f.smallest_blind, f.unit) : "-", f.runs);
+    out += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", f.family, f.breaks, level(f.smallest, f.unit),
+                       slip_at_smallest(f), f.blind_known ? level(f.smallest_blind, f.unit) : "-", f.runs, by_level(f));
   out += "\n## Survivors\n\n";
   survivors(r, [&](const MutantOutcome& o, const std::string& why) {
     out += fmt::format("- `{}` ({}): {}\n", o.mutant.name, o.mutant.breaks, why);
@@ -133,10 +153,10 @@ std::string power_markdown(const PowerResult& r) {
                        o.mutant.promise.empty() ? "-" : o.mutant.promise,
                        o.runs > 1 && !o.mutant.good() ? share(o.rejected, o.runs) + " rejected" : verdict(o),
                        seen(o), blind(o));
-  if (!r.reference_reasons.empty()) {
-    out += "\n## Runs of the reference that were not accepted\n\n";
-    for (const std::string& why : r.reference_reasons) out += "- " + why + "\n";
-  }
+  if (r.reference.reasons.empty() && r.panel.reasons.empty()) return out;
+  out += "\n## Runs of the reference that were not accepted\n\n";
+  for (const ReferenceRuns* runs : {&r.reference, &r.panel})
+    for (const std::string& why : runs->reasons) out += "- plan " + runs->plan_name + ", " + why + "\n";
   return out;
 }
 

@@ -61,6 +61,12 @@ class FaultyBoard final : public Dut {
     return {};
   }
 
+  Result<DutInfo> restart(const DutSession& session) override {
+    last_ = 0.0F;
+    std::fill(late_.begin(), late_.end(), 0.0F);
+    return inner_->restart(session);
+  }
+
   Result<DutCounters> close() override {
     FORCEGATE_TRY(DutCounters counters, inner_->close());
     counters.frames_dropped += spoiled_.frames_dropped;

@@ -84,8 +84,8 @@ class Dut {
   /// Ends the record; the image may be opened again.
   virtual Result<DutCounters> close() = 0;
 
-  /// RESET: a new session in the same running image, as after open(). Everything of the session before must
-  /// be forgotten. A lane whose image cannot be reset starts it anew.
+  /// RESET: a new session in the same running image, as after open(); the session before must be forgotten, only
+  /// what the link lost goes on being counted. A lane whose image cannot be reset starts it anew.
   virtual Result<DutInfo> restart(const DutSession& session) {
     if (auto closed = close(); !closed) return Unexpected(closed.error());
     return open(session);

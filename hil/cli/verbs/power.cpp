@@ -14,7 +14,13 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t seeds, in.integer("seeds", 0, 100000));
   FORCEGATE_TRY(const std::int64_t mutant_seeds, in.integer("mutant-seeds", 0, 100000));
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
+  FORCEGATE_TRY(const std::int64_t family_seeds, in.integer("family-seeds", 0, 100000));
+  FORCEGATE_TRY(const std::int64_t panel_seeds, in.integer("panel-seeds", 0, 100000));
   request.seeds = static_cast<std::size_t>(seeds);
+  request.family_seeds = static_cast<std::size_t>(family_seeds);
+  request.panel_seeds = static_cast<std::size_t>(panel_seeds);
+  request.panel_plan = in.text("panel-plan");
+  if (in.given("journal")) request.journal = in.text("journal");
   request.mutant_seeds = static_cast<std::size_t>(mutant_seeds);
   request.threads = static_cast<unsigned>(threads);
   request.quick = in.flag("quick");
@@ -58,6 +64,18 @@ const Registration<Command> kRow{Command{
           .fallback = "build/firmware"},
          {.name = "seeds", .value_name = "N", .doc = "Runs of the reference.", .fallback = "59"},
          {.name = "mutant-seeds", .value_name = "N", .doc = "Runs of each mutant.", .fallback = "1"},
+         {.name = "family-seeds",
+          .value_name = "N",
+          .doc = "Runs of each level of a graded family (gain off by 1, 2, 5 % ...), if more than --mutant-seeds.",
+          .fallback = "1"},
+         {.name = "panel-seeds", .value_name = "N", .doc = "Runs of the reference under --panel-plan too.", .fallback = "0"},
+         {.name = "panel-plan",
+          .value_name = "PLAN",
+          .doc = "Plan on the panel of specimens, for --panel-seeds.",
+          .fallback = "panel"},
+         {.name = "journal",
+          .value_name = "FILE",
+          .doc = "Keep what is done, one line each; the same command goes on from there after an interrupt."},
          {.name = "mutant", .value_name = "NAME", .doc = "Only this mutant or family.", .repeatable = true},
          {.name = "quick",
           .value_name = "",
@@ -71,7 +89,9 @@ const Registration<Command> kRow{Command{
     .examples = {{"forcegate power --quick", "Every mutant once, the reference over 59 seeds:"},
                  {"forcegate power --mutant gain_pct --mutant-seeds 59 --seeds 0",
                   "How small a gain error is found:"},
-                 {"forcegate power --seeds 300 --mutant-seeds 20 --markdown docs/power.md",
+                 {"forcegate power --seeds 0 --mutant-seeds 0 --family-seeds 0 --panel-seeds 300 --journal panel.jsonl",
+                  "How often is a good build refused, on nine specimens, over 300 seeds (interrupt it, go on later):"},
+                 {"forcegate power --seeds 59 --family-seeds 20 --panel-seeds 300 --markdown docs/power.md",
                   "The page of the documentation:"}},
     .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitInternal, kExitInterrupted},
     .run = run,
