@@ -42,7 +42,7 @@ double or_none(double limit) { return limit > 0.0 ? limit : -1.0; }
 
 }  // namespace
 
-std::vector<JudgedCheck> judge_target(const Plan& plan, const CaseRecord& record) {
+std::vector<JudgedCheck> judge_target(const Plan& plan, const CaseRecord& record, bool link_sound) {
   TargetJudge judge(record);
   const DutResources& r = record.resources;
   const PlanLimits& l = plan.limits;
@@ -74,7 +74,15 @@ std::vector<JudgedCheck> judge_target(const Plan& plan, const CaseRecord& record
               std::isnan(p.conformance) ? INFINITY : p.conformance, p.conformance_unit.c_str(),
               p.conformance_limit, p.conformance_source.c_str(), p.conformance_evidence);
   }
-  return judge.take();
+  std::vector<JudgedCheck> checks = judge.take();
+  if (!link_sound)
+    for (JudgedCheck& j : checks)
+      if (j.check.id.starts_with("prelude_")) {
+        j.judgeable = false;
+        j.check.verdict = Verdict::rig_error;
+        j.check.blame = Blame::link;
+      }
+  return checks;
 }
 
 }  // namespace forcegate
