@@ -3,6 +3,7 @@
 #include "hil/base/text.h"
 #include "hil/interface/check.h"
 #include "hil/interface/run_result.h"
+#include "hil/interface/weight_bench.h"
 
 namespace forcegate {
 
@@ -117,6 +118,15 @@ Result<std::unique_ptr<Rig>> make_rig(const std::string& name,
     const std::string near = nearest_name(name, names);
     return fail(ErrorCode::usage, "there is no rig named '" + printable_utf8(name) + "'", {},
                 near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
+  }
+  return kind->make(options);
+}
+
+Result<std::unique_ptr<WeightBench>> make_weight_bench(const std::string& name, const std::map<std::string, std::string>& options) {
+  const WeightBenchKind* kind = Registry<WeightBenchKind>::instance().find(name);
+  if (kind == nullptr) {
+    const auto names = Registry<WeightBenchKind>::instance().names();
+    return fail(ErrorCode::usage, "there is no bench of weights named '" + printable_utf8(name) + "'", {}, "choose one of: " + join(names, ", "));
   }
   return kind->make(options);
 }
