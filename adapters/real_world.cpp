@@ -9,6 +9,7 @@
 #include "adapters/hid/report_line.h"
 #include "adapters/transport/child_process.h"
 #include "adapters/transport/private_folder.h"
+#include "adapters/transport/network.h"
 #include "adapters/transport/serial.h"
 #include "hil/base/text.h"
 #include "hil/interface/bench_world.h"
@@ -41,6 +42,11 @@ class RealWorld final : public BenchWorld {
   Result<std::unique_ptr<Transport>> open_hid(unsigned short vendor, unsigned short product,
                                               const std::string& serial) override {
     return hid::open_hidraw(vendor, product, serial);
+  }
+
+  Result<std::unique_ptr<Transport>> open_datagrams(const std::string& device, const std::string& host, int port) override {
+    if (port > 0) return connect_udp(host, port);
+    return fail(ErrorCode::config, "[" + device + "] needs a udp_port", {}, "49152 is the one of Net F/T");
   }
 
   Result<int> tcp_port(const std::string& device, int declared) override {

@@ -154,6 +154,7 @@ Result<void> check_devices(const BenchFile& b) {
     Result<std::string> serial_path(const std::string&) override { return no(); }
     Result<std::unique_ptr<Transport>> open_line(const std::string&, const LineSettings&) override { return no(); }
     Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override { return no(); }
+    Result<std::unique_ptr<Transport>> open_datagrams(const std::string&, const std::string&, int) override { return no(); }
     Result<int> tcp_port(const std::string&, int) override { return no(); }
     double now_s() const override { return 0.0; }
     Result<void> advance_to(double) override { return no(); }

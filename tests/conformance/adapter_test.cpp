@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <algorithm>
 #include <filesystem>
 
 #include "adapters/transport/serial.h"
@@ -57,6 +57,9 @@ class BadWorld final : public BenchWorld {
   Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override {
     return std::make_unique<BadLine>(kind_);
   }
+  Result<std::unique_ptr<Transport>> open_datagrams(const std::string&, const std::string&, int) override {
+    return std::make_unique<BadLine>(kind_);
+  }
   Result<int> tcp_port(const std::string&, int) override { return 1; }  // nobody listens there
   double now_s() const override { return t_s_; }
   Result<void> advance_to(double t_s) override {
@@ -85,7 +88,16 @@ std::vector<BenchFile> benches() {
   return out;
 }
 
-/// Tables of delivered benches that use an adapter, with short waits.
+bool same(const ConfigNode& a, const ConfigNode& b) {
+  if (a.kind != b.kind || a.text != b.text || a.number != b.number || a.boolean != b.boolean || a.names != b.names ||
+      a.items.size() != b.items.size())
+    return false;
+  for (std::size_t i = 0; i < a.items.size(); ++i)
+    if (!same(a.items[i], b.items[i])) return false;
+  return true;
+}
+
+/// Different tables of delivered benches that use an adapter, with short waits.
 std::vector<ConfigNode> tables_of(const std::string& device, const std::string& adapter) {
   std::vector<ConfigNode> out;
   for (const BenchFile& b : benches()) {
@@ -95,7 +107,7 @@ std::vector<ConfigNode> tables_of(const std::string& device, const std::string& 
     for (std::size_t i = 0; i < table.names.size(); ++i)
       if (table.names[i].ends_with("_timeout_ms") || table.names[i] == "worst_reply_ms")
         table.items[i].integer = 20, table.items[i].number = 20.0;
-    out.push_back(std::move(table));
+    if (std::none_of(out.begin(), out.end(), [&](const ConfigNode& t) { return same(t, table); })) out.push_back(std::move(table));
   }
   return out;
 }

@@ -56,6 +56,15 @@ TEST_F(Bench, TwinsOverEitherLinkAndWithEitherImageDecideLikeTheRigInTheProcess)
   EXPECT_EQ(tcp["rig"]["details"]["reference serial"], "FT-T-1");
 }
 
+TEST_F(Bench, EveryReferenceDecidesLikeTheRigInTheProcess) {
+  const Json inside = gate(kNative, "emulated");
+  for (const char* file : {"rigs/twin_netft.toml", "rigs/twin_digital.toml"}) {
+    const Json twins = gate(kNative, file);
+    EXPECT_EQ(twins["decision"]["kind"], inside["decision"]["kind"]) << file;
+    for (const std::size_t series : {0U, 1U}) EXPECT_NEAR(mean_of(twins, series), mean_of(inside, series), 0.01) << file;
+  }
+}
+
 TEST_F(Bench, AFaultOnAWireIsNeverChargedToTheFirmware) {
   const std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
   const auto with = [&](const std::string& device, const std::string& kind) {

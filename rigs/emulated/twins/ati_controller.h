@@ -7,23 +7,19 @@
 #include <cstdint>
 #include <string>
 
-#include "rigs/emulated/twins/wire.h"
+#include "rigs/emulated/twins/reference_twin.h"
 
 namespace forcegate::emulated {
 
-class AtiController {
+class AtiController final : public ReferenceTwin {
  public:
-  struct Parameters {
-    double counts_per_N = 1000.0;
-    unsigned baud = 38400;
-  };
-  AtiController(const Parameters& p, Wire& wire) : p_(p), wire_(wire) {}
+  AtiController(const ReferenceTwinOptions& p, Wire& wire) : p_(p), wire_(wire) {}
 
-  void serve(WireEnd& end, double t_s);
+  void serve(WireEnd& end, double t_s) override;
   /// One row of the plant: sends the records whose last bit leaves the line until then.
-  void row(double t_s, double force_N, bool saturated);
-  void restart_clock(double t_s) { next_s_ = t_s; }
-  void power_cycle();
+  void row(double t_s, double force_N, bool saturated) override;
+  void restart_clock(double t_s) override { next_s_ = t_s; }
+  void power_cycle() override;
   bool streaming() const { return streaming_; }
 
   static Bytes binary_record(std::uint8_t error, double counts_Fz, bool checksum);
@@ -33,7 +29,7 @@ class AtiController {
   std::string execute(const std::string& command);
   Bytes record(double t_s);
 
-  Parameters p_;
+  ReferenceTwinOptions p_;
   Wire& wire_;
   bool binary_ = false, checksum_ = false, streaming_ = false;
   std::string line_;

@@ -13,6 +13,9 @@
 #include <fstream>
 
 #include "hil/base/text.h"
+#include "rigs/emulated/twins/ati_controller.h"
+#include "rigs/emulated/twins/digital_ft.h"
+#include "rigs/emulated/twins/netft.h"
 
 namespace forcegate::emulated {
 namespace {
@@ -35,8 +38,8 @@ TwinHost::TwinHost(const TwinOptions& options)
       motor_wire_("motor", faults_, true),
       reference_wire_("reference", faults_, false),
       board_wire_("board", faults_, false),
+      page_wire_("reference", faults_, true),
       modbus_(drive_, motor_wire_, options.slave, options.tcp),
-      ati_(options.ati, reference_wire_),
       board_(board_wire_, options.board_reports) {
   for (const FaultEntry& f : options.faults) faults_.add(f);
   motor_wire_.on_bytes = [this](WireEnd& end) {
@@ -44,7 +47,16 @@ TwinHost::TwinHost(const TwinOptions& options)
     drive_the_motor("control word");
   };
   modbus_.on_request = [this] { drive_.heard(t_s_); };
-  reference_wire_.on_bytes = [this](WireEnd& end) { ati_.serve(end, t_s_); };
+  if (options.reference.adapter == "ati_netft") {
+    auto box = std::make_unique<NetFt>(options.reference, reference_wire_);
+    page_wire_.on_bytes = [this, page = box.get()](WireEnd& end) { page->serve_page(page_wire_, end, t_s_); };
+    reference_ = std::move(box);
+  } else if (options.reference.adapter == "ati_digital") {
+    reference_ = std::make_unique<DigitalFt>(options.reference, reference_wire_);
+  } else {
+    reference_ = std::make_unique<AtiController>(options.reference, reference_wire_);
+  }
+  reference_wire_.on_bytes = [this](WireEnd& end) { reference_->serve(end, t_s_); };
   board_wire_.on_bytes = [this](WireEnd& end) { board_.serve(end, t_s_); };
   rows_.resize(kChunk);
   paced_at_ = std::chrono::steady_clock::now();
@@ -66,7 +78,14 @@ Result<void> TwinHost::open(const std::filesystem::path& folder) {
   } else {
     FORCEGATE_CHECK_OK(motor_wire_.open_terminal(folder / options_.motor_port));
   }
-  FORCEGATE_CHECK_OK(reference_wire_.open_terminal(folder / options_.reference_port));
+  if (options_.reference.adapter == "ati_netft") {
+    FORCEGATE_TRY(const int udp, reference_wire_.open_datagrams(options_.reference.udp_port));
+    FORCEGATE_TRY(const int page, page_wire_.open_server(options_.reference.http_port));
+    std::ofstream(folder / "reference.udp") << udp << '\n';
+    std::ofstream(folder / "reference.port") << page << '\n';
+  } else {
+    FORCEGATE_CHECK_OK(reference_wire_.open_terminal(folder / options_.reference_port));
+  }
   FORCEGATE_CHECK_OK(board_wire_.open_terminal(folder / options_.board_port));
   const std::filesystem::path path = folder / "control";
   std::filesystem::remove(path, ignored);
@@ -87,7 +106,10 @@ Result<void> TwinHost::open(const std::filesystem::path& folder) {
 std::vector<std::string> TwinHost::endpoints() const {
   return {options_.tcp ? fmt::format("motor      Modbus TCP   127.0.0.1:{}", tcp_port_)
                        : fmt::format("motor      Modbus RTU   {}", (folder_ / options_.motor_port).string()),
-          fmt::format("reference  ATI serial   {}", (folder_ / options_.reference_port).string()),
+          options_.reference.adapter == "ati_netft"
+              ? fmt::format("reference  Net F/T      ports in {}", (folder_ / "reference.udp").string())
+              : fmt::format("reference  ATI {} {}", options_.reference.adapter == "ati_digital" ? "digital" : "serial ",
+                            (folder_ / options_.reference_port).string()),
           fmt::format("board      link         {}", (folder_ / options_.board_port).string()),
           fmt::format("control    text lines   {}", (folder_ / "control").string())};
 }
@@ -101,14 +123,14 @@ Wire* TwinHost::wire_of(const std::string& device) {
 void TwinHost::wait_for_events(double longest_s) {
   std::vector<int> fds{listener_.get()};
   for (const Client& c : clients_) fds.push_back(c.fd.get());
-  for (const Wire* w : {&motor_wire_, &reference_wire_, &board_wire_}) w->poll_descriptors(fds);
+  for (const Wire* w : {&motor_wire_, &reference_wire_, &board_wire_, &page_wire_}) w->poll_descriptors(fds);
   std::vector<pollfd> polled;
   for (const int fd : fds) polled.push_back({fd, POLLIN, 0});
   ::poll(polled.data(), polled.size(), static_cast<int>(std::ceil(longest_s * 1e3)));
 }
 
 void TwinHost::receive_all() {
-  for (Wire* w : {&motor_wire_, &reference_wire_, &board_wire_}) w->receive(t_s_);
+  for (Wire* w : {&motor_wire_, &reference_wire_, &board_wire_, &page_wire_}) w->receive(t_s_);
 }
 
 void TwinHost::serve(const std::atomic<bool>& stop, bool until_alone) {
@@ -118,7 +140,7 @@ void TwinHost::serve(const std::atomic<bool>& stop, bool until_alone) {
     if (paced) wait_s = 0.002;
     if (const double due_s = motor_wire_.send_due(t_s_); due_s >= 0.0) wait_s = std::min(wait_s, due_s + 1e-4);
     wait_for_events(wait_s);
-    for (Wire* w : {&motor_wire_, &reference_wire_, &board_wire_}) w->apply_plug(t_s_);
+    for (Wire* w : {&motor_wire_, &reference_wire_, &board_wire_, &page_wire_}) w->apply_plug(t_s_);
     if (paced)
       pace();
     else
@@ -230,7 +252,7 @@ std::string TwinHost::mount(const std::vector<std::string>& words) {
   if (!begun) return "error " + std::string(to_string(begun.error().code)) + " " + begun.error().text;
   drive_.power_cycle();
   drive_.see(plant_.theta_rad(), 0.0, false);
-  ati_.restart_clock(0.0);
+  reference_->restart_clock(0.0);
   index_ = 0;
   t_s_ = told_rad_per_s_ = velocity_rad_per_s_ = paced_rest_ = 0.0;
   stop_s_ = still_s_ = -1.0;
@@ -293,7 +315,7 @@ void TwinHost::step(std::size_t samples) {
   const double rate_Hz = options_.plant.rate_Hz;
   while (samples > 0) {
     if (faults_.hit("motor", WireFault::reset, t_s_)) drive_.power_cycle();
-    if (faults_.hit("reference", WireFault::reset, t_s_)) ati_.power_cycle();
+    if (faults_.hit("reference", WireFault::reset, t_s_)) reference_->power_cycle();
     if (faults_.hit("board", WireFault::reset, t_s_)) board_.power_cycle();
     drive_.freeze(faults_.active("motor", WireFault::frozen, t_s_));
     if (drive_.tick(t_s_)) drive_the_motor("communication timeout");
@@ -310,7 +332,7 @@ void TwinHost::step(std::size_t samples) {
       t_s_ = static_cast<double>(++index_) / rate_Hz;
       force_N_ = static_cast<double>(rows_.force_ref_N[i]);
       following_error = following_error || (rows_.status[i] & kRigMotorFault) != 0;
-      ati_.row(t_s_, force_N_, (rows_.status[i] & kRigReferenceSaturated) != 0);
+      reference_->row(t_s_, force_N_, (rows_.status[i] & kRigReferenceSaturated) != 0);
       board_.row(t_s_, rows_.adc[i], last_code);
     }
     reference_wire_.send_due(t_s_);

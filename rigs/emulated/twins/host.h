@@ -1,5 +1,5 @@
 #pragma once
-// The emulated bench with a wire to every instrument: one plant, one drive, one ATI controller, one board, one clock.
+// The emulated bench with a wire to every instrument: one plant, one drive, one ATI reference, one board, one clock.
 // A harness, a person with a terminal program or any other program talks to the wires; a Unix socket `control` in the
 // same folder moves time, mounts specimens, flashes the board and injects faults, one line of text each:
 //
@@ -20,9 +20,9 @@
 #include "hil/base/config_node.h"
 #include "hil/interface/rig.h"
 #include "rigs/emulated/emulated_rig.h"
-#include "rigs/emulated/twins/ati_controller.h"
 #include "rigs/emulated/twins/board.h"
 #include "rigs/emulated/twins/drive.h"
+#include "rigs/emulated/twins/reference_twin.h"
 
 namespace forcegate::emulated {
 
@@ -31,7 +31,7 @@ struct TwinOptions {
   bool tcp = true;
   int tcp_port = 0, slave = 1;
   std::string motor_port = "motor0", reference_port = "ati0", board_port = "board0";
-  AtiController::Parameters ati;
+  ReferenceTwinOptions reference;
   bool board_reports = false;  ///< HID: 64-byte reports on the board's terminal
   std::vector<FaultEntry> faults;
 };
@@ -47,7 +47,6 @@ class TwinHost {
   /// Serves until `stop` is set or, with `until_alone`, the last control client has gone.
   void serve(const std::atomic<bool>& stop, bool until_alone);
 
-  int tcp_port() const { return tcp_port_; }
   std::vector<std::string> endpoints() const;  ///< "motor: tcp 127.0.0.1:40231" ...
 
  private:
@@ -76,8 +75,9 @@ class TwinHost {
   EmulatedRig plant_;
   Drive drive_;
   Wire motor_wire_, reference_wire_, board_wire_;
+  Wire page_wire_;  ///< web page of a Net F/T
   ModbusServer modbus_;
-  AtiController ati_;
+  std::unique_ptr<ReferenceTwin> reference_;
   Board board_;
   Descriptor listener_;
   std::list<Client> clients_;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "rigs/emulated/twins/host.h"
 
 namespace forcegate::emulated {
@@ -18,7 +20,7 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench) {
   in.integer("adc_bits", adc_bits, 8, 16);
   in.boolean("session_spread", o.plant.session_spread);
   in.boolean("noise", o.plant.noise);
-  in.number("ati_counts_per_N", o.ati.counts_per_N, 1, 1e6);
+  in.number("ati_counts_per_N", o.reference.counts_per_N, 1, 1e6);
   if (const ConfigNode* faults = in.array("fault"))
     for (const ConfigNode& f : faults->items) {
       FORCEGATE_TRY(FaultEntry entry, FaultScript::read_entry(f));
@@ -50,7 +52,15 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench) {
   int baud = 38400;
   text(bench.find("reference"), "port", o.reference_port);
   integer(bench.find("reference"), "baud", baud);
-  o.ati.baud = static_cast<unsigned>(baud);
+  o.reference.baud = static_cast<unsigned>(baud);
+  text(bench.find("reference"), "adapter", o.reference.adapter);
+  text(bench.find("reference"), "serial", o.reference.serial);
+  integer(bench.find("reference"), "udp_port", o.reference.udp_port);
+  integer(bench.find("reference"), "http_port", o.reference.http_port);
+  integer(bench.find("reference"), "slave", o.reference.slave);
+  if (const ConfigNode* reference = bench.find("reference"))
+    if (const ConfigNode* n = reference->find("rate_Hz"); n != nullptr && n->number > 0.0)
+      o.reference.rate_Hz = std::min(n->number, o.plant.rate_Hz);  // the plant has no values between its rows
   text(bench.find("board"), "port", o.board_port);
   std::string board_adapter;
   text(bench.find("board"), "adapter", board_adapter);

@@ -19,6 +19,14 @@ namespace {
 
 constexpr std::size_t kRestMax = 4096;
 
+sockaddr_in loopback(std::uint16_t network_port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = network_port;
+  return address;
+}
+
 }  // namespace
 
 Result<void> Wire::open_terminal(const std::filesystem::path& link) {
@@ -46,16 +54,25 @@ Result<void> Wire::open_terminal(const std::filesystem::path& link) {
 Result<int> Wire::open_server(int port) {
   Descriptor fd(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const int yes = 1;
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  sockaddr_in address = loopback(htons(static_cast<std::uint16_t>(port)));
   if (fd) setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   socklen_t size = sizeof address;
   if (!fd || bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(fd.get(), 8) != 0 || getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
     return fail(ErrorCode::io, "cannot listen on TCP port " + std::to_string(port) + ": " + system_text(errno));
   listener_ = std::move(fd);
+  return ntohs(address.sin_port);
+}
+
+Result<int> Wire::open_datagrams(int port) {
+  Descriptor fd(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  sockaddr_in address = loopback(htons(static_cast<std::uint16_t>(port)));
+  socklen_t size = sizeof address;
+  if (!fd || bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
+    return fail(ErrorCode::io, "cannot bind UDP port " + std::to_string(port) + ": " + system_text(errno));
+  terminal_.fd = std::move(fd);
+  datagrams_ = true;
   return ntohs(address.sin_port);
 }
 
@@ -80,12 +97,17 @@ double Wire::clock_s(double t_s) const {
 bool Wire::read_end(WireEnd& end, double t_s) {
   std::uint8_t bytes[4096];
   for (;;) {
-    const ssize_t n = ::read(end.fd.get(), bytes, sizeof bytes);
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t n = datagrams_ ? recvfrom(end.fd.get(), bytes, sizeof bytes, 0, reinterpret_cast<sockaddr*>(&from), &size)
+                                 : ::read(end.fd.get(), bytes, sizeof bytes);
+    if (n > 0 && datagrams_) peer_port_ = from.sin_port;
     if (n <= 0) return !(n == 0 || (errno != EAGAIN && errno != EINTR && errno != EIO));
     end.received += static_cast<std::uint64_t>(n);
     if (faults_.active(device_, WireFault::stall, t_s)) continue;  // nobody listens
     end.rest.insert(end.rest.end(), bytes, bytes + n);
     on_bytes(end);
+    if (!end.fd) return false;
     if (end.rest.size() > kRestMax) end.rest.clear();
   }
 }
@@ -108,6 +130,12 @@ void Wire::receive(double t_s) {
 
 void Wire::put(WireEnd& end, std::span<const std::uint8_t> bytes) {
   if (!end.fd) return;
+  if (datagrams_) {
+    const sockaddr_in to = loopback(peer_port_);
+    const ssize_t n = sendto(end.fd.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    if (n > 0) end.sent += static_cast<std::uint64_t>(n);
+    return;
+  }
   while (!bytes.empty()) {
     ssize_t n = ::send(end.fd.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (n < 0 && errno == ENOTSOCK) n = ::write(end.fd.get(), bytes.data(), bytes.size());
@@ -162,6 +190,7 @@ void Wire::apply_plug(double t_s) {
   if (cut) {
     unplugged_ = true;
     for (WireEnd& c : clients_) c.fd.reset();
+    if (datagrams_) return;  // nobody hears a cable that is out
     if (!link_.empty()) {
       keeper_.reset();
       terminal_.fd.reset();  // a client now reads an end of file

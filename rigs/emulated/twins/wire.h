@@ -1,5 +1,5 @@
 #pragma once
-// The twin's end of a cable: a pseudo terminal or a TCP server. Faults of the script happen here, byte by byte.
+// The twin's end of a cable: a pseudo terminal, a TCP server or a UDP port. Faults of the script happen here, byte by byte.
 
 #include <cstdint>
 #include <deque>
@@ -34,6 +34,9 @@ class Wire {
   Result<void> open_terminal(const std::filesystem::path& link);
   /// TCP server on loopback; 0: any free port, which is returned.
   Result<int> open_server(int port);
+
+  /// UDP on loopback; 0: any free port, which is returned. Answers go to whoever has sent last.
+  Result<int> open_datagrams(int port);
 
   /// What the device does with received bytes; takes what it understands off the front.
   std::function<void(WireEnd&)> on_bytes;
@@ -73,7 +76,8 @@ class Wire {
   Descriptor listener_;
   std::deque<WireEnd> clients_;
   std::deque<Delayed> delayed_;
-  bool unplugged_ = false;
+  bool unplugged_ = false, datagrams_ = false;
+  std::uint16_t peer_port_ = 0;  ///< of the last sender of a datagram, network byte order
 };
 
 }  // namespace forcegate::emulated

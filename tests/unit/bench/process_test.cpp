@@ -32,6 +32,9 @@ class WallWorld final : public BenchWorld {
   Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override {
     return fail(ErrorCode::internal, "no HID device");
   }
+  Result<std::unique_ptr<Transport>> open_datagrams(const std::string&, const std::string&, int) override {
+    return fail(ErrorCode::internal, "no datagrams");
+  }
   Result<int> tcp_port(const std::string&, int declared) override { return declared; }
   double now_s() const override { return std::chrono::duration<double>(Steady::now() - start_).count(); }
   Result<void> advance_to(double) override { return {}; }

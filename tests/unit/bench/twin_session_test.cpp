@@ -99,8 +99,11 @@ TEST(TwinSession, AsciiRecordsGiveTheSameForces) {
   for (const ReferenceReading& r : readings) EXPECT_NEAR(static_cast<double>(r.force_N), 0.5, 0.06);
 }
 
-TEST(TwinSession, AnOverloadedReferenceSaysSo) {
-  TwinBench b;
+class EveryReference : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(References, EveryReference, testing::Values("twin.toml", "twin_netft.toml", "twin_digital.toml"));
+
+TEST_P(EveryReference, AnOverloadIsSaid) {
+  TwinBench b(GetParam());
   TwinBench::ok(b.session->open());
   TwinBench::ok(b.session->reference().start());
   b.say("fault reference saturation 0 1e9 0 0");
@@ -114,6 +117,62 @@ TEST(TwinSession, AnOverloadedReferenceSaysSo) {
     EXPECT_TRUE(std::isnan(r.force_N));
     EXPECT_EQ(r.status, kRigReferenceSaturated);
   }
+}
+
+class FastReference : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(References, FastReference, testing::Values("twin_netft.toml", "twin_digital.toml"));
+
+TEST_P(FastReference, GivesEveryRowOfThePlantAtItsTime) {
+  TwinBench b(GetParam());
+  b.mount();
+  BenchSession& s = *b.session;
+  TwinBench::ok(s.open());
+  TwinBench::ok(s.arm());
+  TwinBench::ok(s.reference().start());
+  TwinBench::ok(s.motor().command_velocity(1.0));
+  std::vector<ReferenceReading> readings;
+  for (int i = 0; i < 60; ++i) {
+    TwinBench::ok(b.advance(0.01));
+    TwinBench::ok(s.motor().read());
+    TwinBench::ok(s.reference().poll(readings));
+  }
+  ASSERT_GE(readings.size(), 597U);  // the last ones wait for the records behind them
+  EXPECT_NEAR(static_cast<double>(readings.back().force_N), b.status("force_N"), 0.02);
+  // In the first clump no early arrival has told the clock yet.
+  for (std::size_t i = 20; i < readings.size(); ++i) EXPECT_NEAR(readings[i].t_s - readings[i - 1].t_s, 0.001, 2e-4);
+  EXPECT_NEAR(readings.back().t_s, s.world().now_s(), 0.004);
+  s.make_safe();
+}
+
+TEST(NetFt, ABoxWithAnotherCalibrationIsRefused) {
+  TwinBench b("twin_netft.toml", {{"counts_per_force = 1000000", "counts_per_force = 1234567"}});
+  const auto opened = b.session->open();
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::config);
+  EXPECT_NE(opened.error().text.find("1234567"), std::string::npos);
+}
+
+TEST(NetFt, AStreamThatSomebodyElseHasTakenIsAskedForAgain) {
+  TwinBench b("twin_netft.toml");
+  TwinBench::ok(b.session->open());
+  TwinBench::ok(b.session->reference().start());
+  b.say("fault reference reset 0.05 1e9 1 0");
+  std::vector<ReferenceReading> readings;
+  for (int i = 0; i < 60; ++i) {
+    TwinBench::ok(b.advance(0.01));
+    TwinBench::ok(b.session->reference().poll(readings));
+  }
+  EXPECT_EQ(b.session->reference().counts().at("requests repeated"), 1U);
+  ASSERT_FALSE(readings.empty());
+  EXPECT_NEAR(readings.back().t_s, b.session->world().now_s(), 0.01);
+}
+
+TEST(DigitalFt, AnotherSensorThanTheBenchFileSaysIsRefused) {
+  // The twin is made from the same file, so the sensor changes while nobody looks: another calibration is chosen.
+  TwinBench b("twin_digital.toml", {{"calibration_index = 1", "calibration_index = 2"}});
+  const auto opened = b.session->open();
+  ASSERT_FALSE(opened);
+  EXPECT_TRUE(opened.error().where.starts_with("reference")) << opened.error().to_text();
 }
 
 // BENCH: after one stall every later RTU read was an answer to an earlier request, and libmodbus called it success.

@@ -13,10 +13,12 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <optional>
 #include <thread>
 
+#include "adapters/transport/network.h"
 #include "adapters/transport/private_folder.h"
 #include "adapters/transport/serial.h"
 #include "hil/base/text.h"
@@ -49,9 +51,11 @@ class CountedLine final : public Transport {
       if (got) received_ += *got;
       return got;
     }
-    const std::size_t n = std::min(into.size(), fetched_.size());
-    std::copy_n(fetched_.begin(), n, into.begin());
-    fetched_.erase(fetched_.begin(), fetched_.begin() + static_cast<std::ptrdiff_t>(n));
+    std::vector<std::uint8_t>& front = fetched_.front();
+    const std::size_t n = std::min(into.size(), front.size());
+    std::copy_n(front.begin(), n, into.begin());
+    front.erase(front.begin(), front.begin() + static_cast<std::ptrdiff_t>(n));
+    if (front.empty()) fetched_.pop_front();
     return n;
   }
   std::string name() const override { return inner_->name(); }
@@ -63,7 +67,7 @@ class CountedLine final : public Transport {
       auto n = inner_->read(bytes, 0.05);
       if (!n) return {};  // the adapter will find out by itself
       received_ += *n;
-      fetched_.insert(fetched_.end(), bytes, bytes + *n);
+      if (*n > 0) fetched_.emplace_back(bytes, bytes + *n);
       if (*n == 0 && std::chrono::steady_clock::now() > end)
         return fail(ErrorCode::internal, fmt::format("bytes of the twin were lost: {} of {}", received_, count), name());
     }
@@ -76,7 +80,7 @@ class CountedLine final : public Transport {
   TwinWorld& world_;
   std::string device_;
   std::unique_ptr<Transport> inner_;
-  std::vector<std::uint8_t> fetched_;
+  std::deque<std::vector<std::uint8_t>> fetched_;  ///< as they came: a datagram stays one
   std::uint64_t sent_ = 0, received_ = 0;
 };
 
@@ -145,23 +149,19 @@ class TwinWorld final : public BenchWorld {
                                                         : Parity::none;
     FORCEGATE_TRY(auto inner, open_serial(path, {s.baud, parity}));
     const std::string device = port == options_.reference_port ? "reference" : port == options_.board_port ? "board" : "motor";
-    FORCEGATE_CHECK_OK(client_->say("attach " + device));
-    auto line = std::make_unique<CountedLine>(*this, device, std::move(inner));
-    lines_.push_back(line.get());
-    return line;
+    return counted(device, std::move(inner));
+  }
+  Result<std::unique_ptr<Transport>> open_datagrams(const std::string& device, const std::string& host, int declared) override {
+    FORCEGATE_TRY(const int port, published(device + ".udp", declared));
+    FORCEGATE_TRY(auto inner, connect_udp(host, port));
+    return counted(device, std::move(inner));
   }
   Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override {
     return open_line(options_.board_port, {});  // the twin's terminal carries whole reports
   }
   void forget(const CountedLine* line) { std::erase(lines_, line); }
 
-  Result<int> tcp_port(const std::string&, int declared) override {
-    if (declared > 0) return declared;
-    int port = 0;
-    std::ifstream(folder_ / "motor.port") >> port;
-    if (port > 0) return port;
-    return fail(ErrorCode::device, "the twins publish no TCP port", (folder_ / "motor.port").string());
-  }
+  Result<int> tcp_port(const std::string& device, int declared) override { return published(device + ".port", declared); }
 
   double now_s() const override {
     if (!paced_) return now_s_;
@@ -210,6 +210,19 @@ class TwinWorld final : public BenchWorld {
   }
 
  private:
+  Result<std::unique_ptr<Transport>> counted(const std::string& device, std::unique_ptr<Transport> inner) {
+    FORCEGATE_CHECK_OK(client_->say("attach " + device));
+    auto line = std::make_unique<CountedLine>(*this, device, std::move(inner));
+    lines_.push_back(line.get());
+    return line;
+  }
+  Result<int> published(const std::string& file, int declared) const {
+    if (declared > 0) return declared;
+    int port = 0;
+    std::ifstream(folder_ / file) >> port;
+    if (port > 0) return port;
+    return fail(ErrorCode::device, "the twins publish no such port", (folder_ / file).string());
+  }
   [[noreturn]] void serve(int out) {
     auto host = TwinHost::make(options_, own_folder_->path());
     const std::string text = host ? "ready" : host.error().text;
