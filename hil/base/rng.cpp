@@ -61,18 +61,6 @@ Rng::Rng(std::uint64_t seed, std::string_view stream) {
   for (auto& word : s_) word = splitmix(state);
 }
 
-std::uint64_t Rng::next() {
-  const std::uint64_t result = std::rotl(s_[0] + s_[3], 23) + s_[0];
-  const std::uint64_t t = s_[1] << 17;
-  s_[2] ^= s_[0];
-  s_[3] ^= s_[1];
-  s_[1] ^= s_[2];
-  s_[0] ^= s_[3];
-  s_[2] ^= t;
-  s_[3] = std::rotl(s_[3], 45);
-  return result;
-}
-
 std::uint64_t Rng::below(std::uint64_t n) {
   const std::uint64_t limit = ~std::uint64_t{0} - (~std::uint64_t{0} % n + 1) % n;
   std::uint64_t v = next();

@@ -3,6 +3,7 @@
 // seeded by splitmix64, and a ziggurat normal (Marsaglia and Tsang 2000) whose tables are made with
 // portable functions. There is no generator without a seed.
 
+#include <bit>
 #include <cstdint>
 #include <string_view>
 
@@ -13,7 +14,17 @@ class Rng {
   /// Independent streams for one seed: Rng(seed, "adc_noise"), Rng(seed, "specimen/17").
   explicit Rng(std::uint64_t seed, std::string_view stream = {});
 
-  std::uint64_t next();
+  std::uint64_t next() {
+    const std::uint64_t result = std::rotl(s_[0] + s_[3], 23) + s_[0];
+    const std::uint64_t t = s_[1] << 17;
+    s_[2] ^= s_[0];
+    s_[3] ^= s_[1];
+    s_[1] ^= s_[2];
+    s_[0] ^= s_[3];
+    s_[2] ^= t;
+    s_[3] = std::rotl(s_[3], 45);
+    return result;
+  }
 
   /// Uniform in [0, 1), 53 bits.
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }

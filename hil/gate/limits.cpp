@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "hil/base/text.h"
 #include "hil/rig/config.h"
 
@@ -59,6 +61,16 @@ std::string write_limits(const DerivedLimits& limits) {
         "\"{}\"\nn = {}\n",
         key.first, key.second, limit.p99, limit.sd, limit.value, limit.unit, limit.n);
   return out;
+}
+
+std::string limits_json(const DerivedLimits& limits) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const auto& [key, limit] : limits.by_case_and_check)
+    rows.push_back({{"case", key.first}, {"check", key.second}, {"p99", limit.p99}, {"sd", limit.sd},
+                    {"value", limit.value}, {"unit", limit.unit}, {"n", limit.n}});
+  return nlohmann::ordered_json{{"format", 1}, {"plan", limits.plan}, {"firmware_sha256", limits.firmware_sha256},
+                                {"rig", limits.rig}, {"date", limits.date}, {"limits", rows}}
+      .dump(2);
 }
 
 }  // namespace forcegate

@@ -31,5 +31,7 @@ struct DerivedLimits {
 Result<DerivedLimits> read_limits(const std::filesystem::path& path);
 /// The file's text; the same limits give the same bytes.
 std::string write_limits(const DerivedLimits& limits);
+/// The same for programs.
+std::string limits_json(const DerivedLimits& limits);
 
 }  // namespace forcegate

@@ -84,24 +84,6 @@ void RigWitness::push_spring(double t_s, double theta_rad, double force_N, doubl
   sensor_lag_.push(force_N, 10.0 * code / static_cast<double>((1u << info_.adc_bits) - 1u));
 }
 
-// Both sides pass the same leak, so e = tau v of a sound drive stays true; at a stop the sums begin anew.
-void RigWitness::push_following(float theta_rad, float commanded_rad_per_s, std::uint16_t status) {
-  const double moved = static_cast<double>(theta_rad) - follow_last_, keep = 1.0 - period_s_ / kFollowForget_s;
-  const double v = moved / period_s_;
-  if (status & (kRigTravelStop | kRigSampleLost) || !std::isfinite(moved + follow_previous_v_)) {
-    follow_e_ = follow_v_ = 0.0;
-  } else {
-    follow_e_ = keep * follow_e_ + commanded_rad_per_s * period_s_ - moved;
-    follow_v_ = keep * follow_v_ + v - follow_previous_v_;
-    fn_ += 1.0;
-    fee_ += follow_e_ * follow_e_;
-    fev_ += follow_e_ * follow_v_;
-    fvv_ += follow_v_ * follow_v_;
-  }
-  follow_previous_v_ = v;
-  follow_last_ = status & kRigTravelStop ? std::numeric_limits<float>::quiet_NaN() : theta_rad;
-}
-
 // Each pass keeps what it counts in locals: members would be written back to memory at every sample.
 void RigWitness::push_time(const RigBlock& block, std::size_t n) {
   const double* t_s = block.t_s.data();
@@ -192,60 +174,112 @@ void RigWitness::push_force(const RigBlock& block, std::size_t n) {
   valid_run_ = std::min(run, 1000);
 }
 
-void RigWitness::push_motion(const RigBlock& block, std::size_t n, const float* commanded) {
-  const bool wheel = info_.geometry.eccentricity_mm > 0.0;
+// Readings that do not change while the spring moves, codes at the rail under load, jumps of the code.
+void RigWitness::push_changes(const RigBlock& block, std::size_t n) {
   const float *force_N = block.force_ref_N.data(), *theta = block.theta_rad.data();
   const std::uint16_t *code = block.adc.data(), *status = block.status.data();
   const auto last_code = static_cast<std::uint16_t>((1u << info_.adc_bits) - 1u);
   const int jump = std::max(4, static_cast<int>(kJump * last_code));
-  std::uint64_t jumps = 0;
+  std::uint64_t jumps = 0, dead_run = dead_run_;
+  float previous_N = previous_force_N_;
+  std::uint16_t previous_code = previous_code_;
+  Still reference = reference_still_, sensor = sensor_still_;
+  const auto count = [this](Still& still, bool same, float theta_rad, double& longest_s, double& stale_s) {
+    if (!same) {
+      if (still.moved) stale_s += static_cast<double>(still.run) * period_s_;
+      still = {0, theta_rad, false};
+    } else if (++still.run % kExamineEvery == 0) {
+      examine(still, theta_rad, longest_s);
+    }
+  };
   for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(force_N[i]) || status[i] & kReferenceBad) {
-      previous_force_N_ = follow_last_ = std::numeric_limits<float>::quiet_NaN();
+    const float now_N = force_N[i];
+    const std::uint16_t now_code = code[i];
+    if (!std::isfinite(now_N) || status[i] & kReferenceBad) {
+      previous_N = std::numeric_limits<float>::quiet_NaN();
       continue;
     }
-    const auto count = [&](Still& still, bool same, double& longest_s, double& stale_s) {
-      if (!same) {
-        if (still.moved) stale_s += static_cast<double>(still.run) * period_s_;
-        still = {0, theta[i], false};
-      } else if (++still.run % kExamineEvery == 0) {
-        examine(still, theta[i], longest_s);
-      }
-    };
-    count(reference_still_, force_N[i] == previous_force_N_, o_.reference_frozen_s, o_.reference_stale_s);
-    // At a rail one code is what a sound sensor gives too: below F0 at the first, above the range at the
-    // last.
-    const bool rail = code[i] == 0 || code[i] == last_code;
-    count(sensor_still_, code[i] == previous_code_ && !rail, o_.sensor_dead_s, o_.sensor_stale_s);
-    if (rail && code[i] == 0 && force_N[i] > kLoaded_N) {
-      o_.sensor_dead_s = std::max(o_.sensor_dead_s, static_cast<double>(++dead_run_) * period_s_);
+    count(reference, now_N == previous_N, theta[i], o_.reference_frozen_s, o_.reference_stale_s);
+    // At a rail one code is what a sound sensor gives too: below F0 at the first, above the range at the last.
+    const bool rail = now_code == 0 || now_code == last_code;
+    count(sensor, now_code == previous_code && !rail, theta[i], o_.sensor_dead_s, o_.sensor_stale_s);
+    if (now_code == 0 && now_N > kLoaded_N) {
+      o_.sensor_dead_s = std::max(o_.sensor_dead_s, static_cast<double>(++dead_run) * period_s_);
     } else {
-      dead_run_ = 0;
+      dead_run = 0;
     }
     // NaN before the first valid row: no step.
-    jumps += std::abs(code[i] - previous_code_) > jump && std::fabs(force_N[i] - previous_force_N_) < kStood_N;
-    previous_force_N_ = force_N[i];
-    previous_code_ = code[i];
-    group_theta_ += theta[i], group_force_ += force_N[i], group_code_ += code[i];
-    if (++group_n_ == kGroup) {
-      push_spring(block.t_s[i], group_theta_ / kGroup, group_force_ / kGroup, group_code_ / kGroup);
-      group_n_ = 0;
-      group_theta_ = group_force_ = group_code_ = 0.0;
-    }
-    if (!wheel || !std::isfinite(theta[i])) continue;
-    if (commanded != nullptr) push_following(theta[i], commanded[i], status[i]);
-    if (commanded != nullptr && theta[i] == previous_theta_) {
-      const bool should_move =
-          std::fabs(commanded[i]) > kCommandMoves_rad_per_s && !(status[i] & kRigTravelStop);
-      theta_run_ = should_move ? theta_run_ + 1 : 0;
-      o_.theta_still_while_commanded_s =
-          std::max(o_.theta_still_while_commanded_s, static_cast<double>(theta_run_) * period_s_);
-    } else {
-      theta_run_ = 0;
-    }
-    previous_theta_ = theta[i];
+    jumps += std::abs(now_code - previous_code) > jump && std::fabs(now_N - previous_N) < kStood_N;
+    previous_N = now_N;
+    previous_code = now_code;
   }
   o_.sensor_jumps += jumps;
+  dead_run_ = dead_run;
+  previous_force_N_ = previous_N;
+  previous_code_ = previous_code;
+  reference_still_ = reference;
+  sensor_still_ = sensor;
+}
+
+void RigWitness::push_groups(const RigBlock& block, std::size_t n) {
+  const float *force_N = block.force_ref_N.data(), *theta = block.theta_rad.data();
+  const std::uint16_t *code = block.adc.data(), *status = block.status.data();
+  int filled = group_n_;
+  double sum_theta = group_theta_, sum_force = group_force_, sum_code = group_code_;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(force_N[i]) || status[i] & kReferenceBad) continue;
+    sum_theta += theta[i];
+    sum_force += force_N[i];
+    sum_code += code[i];
+    if (++filled < kGroup) continue;
+    push_spring(block.t_s[i], sum_theta / kGroup, sum_force / kGroup, sum_code / kGroup);
+    filled = 0;
+    sum_theta = sum_force = sum_code = 0.0;
+  }
+  group_n_ = filled;
+  group_theta_ = sum_theta, group_force_ = sum_force, group_code_ = sum_code;
+}
+
+// e = integral of (command - theta'), v = theta'. Both sides pass the same leak, so e = tau v of a sound drive stays true;
+// at a stop the sums begin anew.
+void RigWitness::push_wheel(const RigBlock& block, std::size_t n, const float* commanded) {
+  const float *force_N = block.force_ref_N.data(), *theta = block.theta_rad.data();
+  const std::uint16_t* status = block.status.data();
+  const double per_period = 1.0 / period_s_, keep = 1.0 - period_s_ / kFollowForget_s;
+  double e = follow_e_, v_high = follow_v_, previous_v = follow_previous_v_, last = follow_last_;
+  double count = 0.0, ee = 0.0, ev = 0.0, vv = 0.0;
+  float previous = previous_theta_;
+  std::uint64_t still = theta_run_, longest = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(force_N[i]) || status[i] & kReferenceBad) {
+      last = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
+    if (!std::isfinite(theta[i])) continue;
+    const bool stop = status[i] & kRigTravelStop;
+    const double moved = static_cast<double>(theta[i]) - last, v = moved * per_period;
+    if (stop || status[i] & kRigSampleLost || !std::isfinite(v + previous_v)) {
+      e = v_high = 0.0;
+    } else {
+      e = keep * e + (commanded[i] * period_s_ - moved);
+      v_high = keep * v_high + (v - previous_v);
+      count += 1.0;
+      ee += e * e;
+      ev += e * v_high;
+      vv += v_high * v_high;
+    }
+    previous_v = v;
+    last = stop ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(theta[i]);
+    const bool should_move = std::fabs(commanded[i]) > kCommandMoves_rad_per_s && !stop;
+    still = theta[i] == previous && should_move ? still + 1 : 0;
+    longest = std::max(longest, still);
+    previous = theta[i];
+  }
+  follow_e_ = e, follow_v_ = v_high, follow_previous_v_ = previous_v, follow_last_ = static_cast<float>(last);
+  fn_ += count, fee_ += ee, fev_ += ev, fvv_ += vv;
+  previous_theta_ = previous;
+  theta_run_ = still;
+  o_.theta_still_while_commanded_s = std::max(o_.theta_still_while_commanded_s, static_cast<double>(longest) * period_s_);
 }
 
 void RigWitness::push(const RigBlock& block, std::size_t n, const float* commanded) {
@@ -253,7 +287,9 @@ void RigWitness::push(const RigBlock& block, std::size_t n, const float* command
   push_time(block, n);
   push_codes(block, n);
   push_force(block, n);
-  push_motion(block, n, commanded);
+  push_changes(block, n);
+  push_groups(block, n);
+  if (info_.geometry.eccentricity_mm > 0.0 && commanded != nullptr) push_wheel(block, n, commanded);
 }
 
 RigObservation RigWitness::finish() const {

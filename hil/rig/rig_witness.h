@@ -73,9 +73,10 @@ class RigWitness {
   void push_time(const RigBlock& block, std::size_t n);
   void push_codes(const RigBlock& block, std::size_t n);
   void push_force(const RigBlock& block, std::size_t n);
-  void push_motion(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s);
+  void push_changes(const RigBlock& block, std::size_t n);
+  void push_groups(const RigBlock& block, std::size_t n);
+  void push_wheel(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s);
   void push_spring(double t_s, double theta_rad, double force_N, double code);
-  void push_following(float theta_rad, float commanded_rad_per_s, std::uint16_t status);
   void close_block();
 
   RigInfo info_;

@@ -161,12 +161,16 @@ void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
   std::uint16_t* const status = out.status.data() + at;
   double* const t_s = out.t_s.data() + at;
   const std::uint16_t fault = motor_.following_error() ? kRigMotorFault : 0;
+  // Instruments step as locals: members would go through memory at every sample.
+  VelocityMotor motor = motor_;
   for (std::size_t i = 0; i < n; ++i) {
-    const double theta = shaft_rad(motor_.step());
-    force[i] = theta;
-    theta_rad[i] = static_cast<float>(theta);
-    status[i] = motor_.at_stop() ? static_cast<std::uint16_t>(fault | kRigTravelStop) : fault;
+    force[i] = motor.step();
+    status[i] = motor.at_stop() ? static_cast<std::uint16_t>(fault | kRigTravelStop) : fault;
   }
+  motor_ = motor;
+  if (faults_.motor_ripple_rad != 0.0)
+    for (std::size_t i = 0; i < n; ++i) force[i] = shaft_rad(force[i]);
+  for (std::size_t i = 0; i < n; ++i) theta_rad[i] = static_cast<float>(force[i]);
   if (faults_.motor_backlash_rad > 0.0) {
     const double half = 0.5 * faults_.motor_backlash_rad;
     for (std::size_t i = 0; i < n; ++i) force[i] = wheel_rad_ = std::clamp(wheel_rad_, force[i] - half, force[i] + half);
@@ -178,24 +182,40 @@ void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
       force[i] = mounted_.force_N(wheel_.travel_mm(force[i]) +
                                   head_.displacement_mm(static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s_));
   else
-    for (std::size_t i = 0; i < n; ++i) force[i] = mounted_.force_N(wheel_.travel_mm(force[i]));
+    press(n, force);
   ati_.set_offset_N(faults_.reference_offset_N + faults_.reference_drift_N_per_min * now_s / 60.0);
   if (hidden_) hidden_->feel(n, force, film_N_.data());
   film_.run(n, hidden_ ? film_N_.data() : force, voltage);
   float* const reading = out.force_ref_N.data() + at;
+  AtiNano17 ati = ati_;
+  WhiteNoise ati_noise = ati_noise_;
   for (std::size_t i = 0; i < n; ++i) {
-    reading[i] = static_cast<float>(ati_.read(force[i], ati_noise_.next()));
-    if (ati_.saturated()) status[i] |= kRigReferenceSaturated;
+    reading[i] = static_cast<float>(ati.read(force[i], ati_noise.next()));
+    if (ati.saturated()) status[i] |= kRigReferenceSaturated;
   }
+  ati_ = ati;
+  ati_noise_ = ati_noise;
   std::uint16_t* const adc = out.adc.data() + at;
-  const int last_code = converter_.last_code();
+  const Converter converter = converter_;
+  const int last_code = converter.last_code();
+  WhiteNoise adc_noise = adc_noise_;
   for (std::size_t i = 0; i < n; ++i) {
-    adc[i] = converter_.convert(voltage[i], adc_noise_.next());
-    if (adc[i] == 0 || adc[i] == last_code) status[i] |= kRigAdcRail;
-    t_s[i] = static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s_;
+    const std::uint16_t code = converter.convert(voltage[i], adc_noise.next());
+    adc[i] = code;
+    if (code == 0 || code == last_code) status[i] |= kRigAdcRail;
   }
+  adc_noise_ = adc_noise;
+  const double step_s = step_s_;
+  for (std::size_t i = 0; i < n; ++i) t_s[i] = static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s;
   index_ += static_cast<std::int64_t>(n);
   reading_N_ = static_cast<double>(reading[n - 1]);
+}
+
+// Angle of the wheel to force of the spring.
+void EmulatedRig::press(std::size_t n, double* angle_to_force) const {
+  const EccentricWheel wheel = wheel_;
+  const Spring spring = mounted_;
+  for (std::size_t i = 0; i < n; ++i) angle_to_force[i] = spring.force_N(wheel.travel_mm(angle_to_force[i]));
 }
 
 double EmulatedRig::shaft_rad(double theta_rad) const {

@@ -58,6 +58,7 @@ class EmulatedRig final : public Rig {
   void run_to_tick(std::size_t n, RigBlock& out, std::size_t at);
   void spoil_rows(std::size_t n, RigBlock& out, std::size_t at);
   double shaft_rad(double theta_rad) const;
+  void press(std::size_t n, double* angle_to_force) const;
   void take_zero();
 
   EmulatedOptions options_;

@@ -3,6 +3,7 @@
 #include "hil/app/write_file.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
 
 namespace forcegate {
 namespace {
@@ -25,6 +26,12 @@ Result<int> run(const Invocation& in) {
   const std::string text = write_limits(*limits);
   if (in.given("output")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), text));
   in.console().print(text);
+  in.console().print_json(limits_json(*limits));
+  const std::string file = shell_quoted(in.text("output"));
+  in.console().next(!in.given("output") ? "add -o limits.toml to keep them"
+                    : request.records.empty()
+                        ? "write derived = " + file + " under [limits] of the plan; forcegate bless " + file + " puts it in force"
+                        : "forcegate gate NEW_BUILD --record NEW.csv --limits " + file);
   return kExitSuccess;
 }
 

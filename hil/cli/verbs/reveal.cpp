@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
 
 namespace forcegate {
 namespace {
@@ -37,6 +38,10 @@ Result<int> run(const Invocation& in) {
                           {"truth", Json::parse(result.truth_json)},
                           {"score", score_json(result)}}
                          .dump(2));
+  if (!result.score)
+    console.next("forcegate diagnose " + shell_quoted(in.text("DIR")) + " --json > answer.json, then reveal with --answer");
+  else
+    console.next("forcegate mystery seals another one");
   return kExitSuccess;
 }
 
