@@ -3,9 +3,8 @@
 #include <elf.h>
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 
 namespace forcegate::link {
@@ -75,9 +74,9 @@ Result<Image> inspect_image(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, ignored)) return refuse(path, "there is no such firmware file");
   if (!std::filesystem::is_regular_file(path, ignored))
     return refuse(path, "the firmware image is not a file");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return refuse(path, "the firmware file cannot be read");
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const auto read = read_file(path);
+  if (!read) return refuse(path, "the firmware file cannot be read");
+  const std::string& bytes = *read;
   if (bytes.size() < 52 || bytes.compare(0, 4, "\177ELF") != 0)
     return refuse(path, "the firmware file is not an ELF file");
   const auto half = [&](std::size_t i) {

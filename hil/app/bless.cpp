@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "hil/app/bundle.h"
 #include "hil/app/gate.h"
 #include "hil/app/golden.h"
 #include "hil/app/write_file.h"
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/gate/runner.h"
 
@@ -93,9 +93,11 @@ GoldenRecord golden_of(const RunMaterial& m, const Bundle& bundle, const PlanCas
 }
 
 Result<void> append_line(const fs::path& path, const std::string& line) {
-  std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (text.empty()) text = kHeading;
+  std::string text = kHeading;
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && fs::file_size(path, ignored) > 0) {
+    FORCEGATE_TRY(text, read_file(path));
+  }
   return write_file_atomically(path, text + line);
 }
 

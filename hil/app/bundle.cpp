@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "hil/app/golden.h"
 #include "hil/app/write_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/gate/case_json.h"
 #include "hil/report/result_json.h"
@@ -18,13 +18,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Result<std::string> read_text(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in) return fail(ErrorCode::io, "the file cannot be read", path.string());
-  return text;
-}
 
 Result<BundleFile> describe(const fs::path& folder, const std::string& name) {
   std::error_code error;
@@ -56,7 +49,7 @@ std::string manifest_text(const std::string& id, const std::string& version, con
 }
 
 Result<void> read_records(const fs::path& path, RunMaterial& material) {
-  FORCEGATE_TRY(const std::string text, read_text(path));
+  FORCEGATE_TRY(const std::string text, read_file(path));
   for (const std::string& line : split(text, '\n')) {
     if (line.empty()) continue;
     const auto both = nlohmann::json::parse(line, nullptr, false);
@@ -95,15 +88,15 @@ Result<void> write_bundle(const fs::path& folder, const BundleSource& source, co
   std::vector<std::string> names{"bundle/plan.json", "bundle/plan.toml", "bundle/head.json", "bundle/run.json",
                                  "bundle/records.jsonl", "bundle/firmware"};
   FORCEGATE_CHECK_OK(write_file_atomically(inner / "plan.json", to_json(material.plan)));
-  FORCEGATE_TRY(const std::string plan_text, read_text(source.plan));
+  FORCEGATE_TRY(const std::string plan_text, read_file(source.plan));
   FORCEGATE_CHECK_OK(write_file_atomically(inner / "plan.toml", plan_text));
   if (!material.limits.plan.empty()) {
-    FORCEGATE_TRY(const std::string limits, read_text(source.plan.parent_path() / material.plan.limits.derived));
+    FORCEGATE_TRY(const std::string limits, read_file(source.limits));
     FORCEGATE_CHECK_OK(write_file_atomically(inner / "limits.toml", limits));
     names.emplace_back("bundle/limits.toml");
   }
   if (!source.waivers.empty()) {
-    FORCEGATE_TRY(const std::string waivers, read_text(source.waivers));
+    FORCEGATE_TRY(const std::string waivers, read_file(source.waivers));
     FORCEGATE_CHECK_OK(write_file_atomically(inner / "waivers.toml", waivers));
     names.emplace_back("bundle/waivers.toml");
   }
@@ -120,7 +113,7 @@ Result<void> write_bundle(const fs::path& folder, const BundleSource& source, co
     records += fmt::format("{{\"case\":{},\"specimen\":{},\"superseded\":{},\"job\":{},\"record\":{}}}\n",
                            one.case_index, one.specimen_index, one.superseded, to_json(one.job), to_json(one.record));
   FORCEGATE_CHECK_OK(write_file_atomically(inner / "records.jsonl", records));
-  FORCEGATE_TRY(const std::string image, read_text(source.firmware));
+  FORCEGATE_TRY(const std::string image, read_file(source.firmware));
   FORCEGATE_CHECK_OK(write_file_atomically(inner / "firmware", image));
   for (const PlayedRecord& one : material.records)
     if (const std::string& name = one.record.trace_file; !name.empty() && fs::exists(folder / name, error))
@@ -140,7 +133,7 @@ Result<Bundle> read_bundle(const fs::path& folder) {
   if (!fs::exists(folder / "bundle.json", ignored))
     return fail(ErrorCode::usage, "this is no bundle", folder.string(),
                 "give the folder that forcegate gate -o wrote: it holds bundle.json");
-  FORCEGATE_TRY(const std::string text, read_text(folder / "bundle.json"));
+  FORCEGATE_TRY(const std::string text, read_file(folder / "bundle.json"));
   const auto manifest = nlohmann::json::parse(text, nullptr, false);
   if (!manifest.is_object() || !manifest.contains("files") || !manifest["files"].is_array())
     return fail(ErrorCode::parse, "the list of the bundle cannot be read", where);
@@ -164,7 +157,7 @@ Result<Bundle> read_bundle(const fs::path& folder) {
   if (id_of(bundle.files) != bundle.id)
     return fail(ErrorCode::parse, "the list of the bundle was changed", where, "take the bundle as the run wrote it");
   RunMaterial& m = bundle.material;
-  FORCEGATE_TRY(const std::string plan, read_text(folder / "bundle" / "plan.json"));
+  FORCEGATE_TRY(const std::string plan, read_file(folder / "bundle" / "plan.json"));
   FORCEGATE_TRY(m.plan, plan_from_json(plan));
   if (fs::exists(folder / "bundle" / "limits.toml", ignored)) {
     FORCEGATE_TRY(m.limits, read_limits(folder / "bundle" / "limits.toml"));
@@ -173,7 +166,7 @@ Result<Bundle> read_bundle(const fs::path& folder) {
   FORCEGATE_TRY(m.head, read_result(folder / "bundle" / "head.json"));
   for (Check& check : m.head.checks) m.compared.push_back({.check = std::move(check), .judgeable = false});
   m.head.checks.clear();
-  FORCEGATE_TRY(const std::string run_text, read_text(folder / "bundle" / "run.json"));
+  FORCEGATE_TRY(const std::string run_text, read_file(folder / "bundle" / "run.json"));
   const auto run = nlohmann::json::parse(run_text, nullptr, false);
   if (!run.is_object()) return fail(ErrorCode::parse, "run.json cannot be read", folder.string());
   const std::string level = run.value("level", "nominal");

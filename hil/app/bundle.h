@@ -45,7 +45,7 @@ struct Bundle {
 
 /// Files beside the records.
 struct BundleSource {
-  std::filesystem::path plan, firmware, waivers;  ///< waivers may be empty
+  std::filesystem::path plan, firmware, limits, waivers;  ///< limits and waivers may be empty
   std::string today;
   std::vector<GoldenRecord> goldens;
 };

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "hil/app/golden.h"
 #include "hil/app/worker.h"
+#include "hil/base/read_file.h"
 #include "hil/gate/case_json.h"
 #include "hil/gate/remeasure.h"
 #include "hil/interface/comparator.h"
@@ -136,8 +136,7 @@ Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& p
   const fs::path stored = request.run / "result.json";
   FORCEGATE_TRY(const RunResult before, read_result(stored));
   answer.stored = before.decision;
-  std::ifstream in(stored, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  FORCEGATE_TRY(const std::string bytes, read_file(stored));
   answer.same_bytes = bytes == to_json(answer.result);
   if (!answer.same_bytes && !answer.other_limits)
     answer.differences.push_back(bundle.tool_version == answer.result.tool_version

@@ -50,6 +50,7 @@ class GateRun {
     const Plan& plan = setup_.plan;
     if (!request_.limits_file.empty()) {
       FORCEGATE_TRY(limits_, read_limits(request_.limits_file));
+      limits_path_ = request_.limits_file;
       result_.notes.push_back(fmt::format("limits from {}", request_.limits_file.string()));
       return {};
     }
@@ -62,6 +63,7 @@ class GateRun {
       return {};
     }
     FORCEGATE_TRY(limits_, read_limits(path));
+    limits_path_ = path;
     return {};
   }
 
@@ -190,7 +192,7 @@ class GateRun {
     apply_waivers(waivers_, request_.today, of_run, material.records, material.head.notes);
     RunResult result = to_run_result(material, of_run);
     if (folder && !material.cancelled) {
-      const BundleSource source{setup_.plan.path, request_.firmware, request_.waivers, request_.today, goldens_};
+      const BundleSource source{setup_.plan.path, request_.firmware, limits_path_, request_.waivers, request_.today, goldens_};
       FORCEGATE_CHECK_OK(write_bundle(folder->path(), source, material));
       FORCEGATE_CHECK_OK(folder->publish(result));
     }
@@ -212,6 +214,7 @@ class GateRun {
   GateSetup setup_;
   const std::atomic<bool>* cancelled_;
   DerivedLimits limits_;
+  std::filesystem::path limits_path_;
   std::optional<AcceptedBuild> accepted_;
   std::vector<GoldenRecord> goldens_;
   std::vector<Waiver> waivers_;

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
+#include "hil/base/read_file.h"
 #include "hil/gate/runner.h"
 #include "hil/trace/extrema.h"
 
@@ -126,8 +126,7 @@ Result<std::vector<GoldenRecord>> read_goldens(const fs::path& folder) {
   std::sort(paths.begin(), paths.end());
   std::vector<GoldenRecord> goldens;
   for (const fs::path& path : paths) {
-    std::ifstream in(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    FORCEGATE_TRY(const std::string text, read_file(path));
     FORCEGATE_TRY(goldens.emplace_back(), parse_golden_record(text, path.string()));
   }
   return goldens;

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 
 #include "hil/app/mystery.h"
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "rigs/emulated/hidden/seal.h"
 
@@ -23,12 +22,12 @@ Result<Answer> read_answer(const RevealRequest& request) {
     }
     return answer_of(request.effect == "foreign" ? "unknown" : request.effect);
   }
-  std::ifstream file(request.answer_file, std::ios::binary);
-  if (!file)
-    return fail(ErrorCode::io, "cannot read the answer", request.answer_file.string(),
-                "write it with: forcegate diagnose CAMPAIGN --json > answer.json");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  auto answer = answer_from_json(text);
+  auto text = read_file(request.answer_file);
+  if (!text) {
+    text.error().hint = "write it with: forcegate diagnose CAMPAIGN --json > answer.json";
+    return Unexpected(text.error());
+  }
+  auto answer = answer_from_json(*text);
   if (!answer)
     answer.error().where =
         request.answer_file.string() + (answer.error().where.empty() ? "" : ": ") + answer.error().where;

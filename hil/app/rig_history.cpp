@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -41,8 +42,7 @@ Result<std::vector<RigVisit>> read_history(const std::filesystem::path& path) {
   std::vector<RigVisit> visits;
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return visits;
-  std::ifstream in(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  FORCEGATE_TRY(const std::string text, read_file(path));
   std::size_t line_number = 0;
   for (const std::string& line : split(text, '\n')) {
     ++line_number;

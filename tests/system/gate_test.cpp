@@ -86,6 +86,43 @@ TEST_F(Gate, ARigErrorIsPlayedAgainAndBothAttemptsAreShown) {
   EXPECT_EQ(cases[1]["attempts"], 2);
 }
 
+TEST_F(Gate, LimitsOfABenchsOwnRecordingsJudgeItsNextRecording) {
+  const std::string cal = folder / "cal.toml", limits = folder / "bench.toml";
+  write_text(cal, "format = 1\ngain_N_per_V = 0.5245\noffset_N = 0.1798\nb_scale = 1.008\nq_scale = 1.030\nadc_bits = 16\n"
+                  "v_range_V = 10\nlevel = \"identified\"\n");
+  std::vector<std::string> files;
+  for (int seed = 1; seed <= 6; ++seed) {
+    const std::string made = folder / ("s" + std::to_string(seed));
+    const ProcessResult r = forcegate({"record", "--plan", "selfcheck", "--rig-option", "session_spread=off", "--rate", "1000",
+                                       "--seed", std::to_string(seed), "-o", made}, kHere);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    files.push_back(made + "/r01_known_profile.csv");
+  }
+  std::vector<std::string> derive{"limits", kNative, "--cal", cal, "-o", limits, "--json"};
+  for (int k = 0; k < 5; ++k) derive.insert(derive.end(), {"--record", files[static_cast<std::size_t>(k)]});
+  const ProcessResult derived = forcegate(derive, kHere);
+  ASSERT_EQ(derived.exit_code, 0) << derived.err;
+  const Json rows = Json::parse(derived.out, nullptr, false);
+  ASSERT_FALSE(rows.is_discarded()) << derived.out;
+  ASSERT_EQ(rows["limits"].size(), 2u);
+  for (const Json& row : rows["limits"]) EXPECT_EQ(row["n"], 5);
+  const auto judge = [&](const std::string& image) {
+    return gate({image, "--record", files[5], "--cal", cal, "--limits", limits, "-o", folder / "run"});
+  };
+  EXPECT_EQ(judge(kOff).exit_code, 1);
+  const ProcessResult good = judge(kNative);
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  for (const Json& check : result_in(folder / "run")["cases"][0]["checks"])
+    if (check["id"] == "mre_maxima") {
+      EXPECT_NEAR(check["limit"]["value"].get<double>(), rows["limits"][0]["value"].get<double>(), 1e-3);
+    }
+  EXPECT_EQ(forcegate({"check", folder / "run"}, kHere).exit_code, 0) << "the bundle carries the limits that judged";
+
+  const ProcessResult few = forcegate({"limits", kNative, "--cal", cal, "--record", files[0]}, kHere);
+  EXPECT_EQ(few.exit_code, 2);
+  EXPECT_THAT(few.err, HasSubstr("at least 5"));
+}
+
 TEST_F(Gate, AFailureOfTheFirmwareIsNeverPlayedAgain) {
   const ProcessResult r = gate({kOff, "--case", "four_sines", "-o", folder / "run"});
   EXPECT_EQ(r.exit_code, 1) << r.out << r.err;

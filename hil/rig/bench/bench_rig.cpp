@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <fstream>
 #include <iterator>
 #include <limits>
 
 #include "hil/base/arrival_clock.h"
 #include "hil/base/portable_math.h"
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/rig/bench_session.h"
@@ -322,8 +322,7 @@ class BenchRig final : public Rig, public Dut {
   // A board that was flashed by hand and runs another build than the file must not be judged for it. The image holds
   // its build id as text (docs/protocol.md).
   Result<void> same_build(const std::filesystem::path& image, const std::string& build_id) const {
-    std::ifstream file(image, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    FORCEGATE_TRY(const std::string bytes, read_file(image));
     if (bytes.find(build_id) != std::string::npos) return {};
     return fail(ErrorCode::device, "the board runs build " + build_id.substr(0, 12) + ", which is not in " + image.string(),
                 "board", "flash this image, or name the program that does it under [board] flash");

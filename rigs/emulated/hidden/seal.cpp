@@ -1,10 +1,10 @@
 #include "rigs/emulated/hidden/seal.h"
 
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/digest.h"
+#include "hil/base/read_file.h"
 
 namespace forcegate::hidden {
 namespace {
@@ -80,13 +80,12 @@ Result<void> write_sealed(const SealedSheet& sheet, const std::filesystem::path&
 
 Result<SealedSheet> read_sealed(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kSealedFile;
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
+  const auto text = read_file(path);
+  if (!text)
     return fail(ErrorCode::io, "there is no sealed sheet", path.string(),
                 "name a folder that `forcegate mystery` has written");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
   try {
-    const auto j = nlohmann::json::parse(text);
+    const auto j = nlohmann::json::parse(*text);
     if (j.at("format") != 1)
       return fail(ErrorCode::parse, "unknown format of the sealed sheet", path.string());
     return SealedSheet{j.at("commitment_sha256"), j.at("nonce"), j.at("sealed")};

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "rigs/emulated/twins/native_image.h"
 
@@ -129,8 +128,7 @@ std::optional<Bytes> MonitorImage::convert(std::uint32_t first_index, std::span<
 std::unique_ptr<BoardImage> blank_board() { return std::make_unique<Blank>(); }
 
 Result<std::unique_ptr<BoardImage>> load_image(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  FORCEGATE_TRY(const std::string bytes, read_file(path));
   if (bytes.size() < 20 || bytes.compare(0, 4, "\x7f" "ELF") != 0)
     return fail(ErrorCode::usage, "this file is no firmware image", path, "give an ELF image");
   constexpr std::uint8_t kArm = 40;
