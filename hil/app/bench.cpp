@@ -12,6 +12,8 @@
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/rig/bench_session.h"
+#include "hil/rig/slow_move.h"
+#include "hil/rig/specimen_log.h"
 #include "rigs/emulated/twins/host.h"
 
 namespace forcegate {
@@ -177,46 +179,24 @@ Result<int> park_bench(const fs::path& file, const std::map<std::string, std::st
 Result<JogResult> jog_bench(const fs::path& file, const std::map<std::string, std::string>& options, double angle_rad,
                             double speed_rad_per_s, const std::atomic<bool>& stop) {
   FORCEGATE_TRY(BenchFile bench, read_bench(file));
-  const RigGeometry g = bench.geometry;
-  const double force_max_N = bench.limits.force_max_N;
-  if (angle_rad < g.theta_min_rad || angle_rad > g.theta_max_rad)
-    return fail(ErrorCode::usage, fmt::format("{:.3f} rad is outside the travel", angle_rad), file.string(),
-                fmt::format("give an angle from {} to {} rad", shortest(g.theta_min_rad), shortest(g.theta_max_rad)));
   FORCEGATE_TRY(const auto s, BenchSession::make(std::move(bench), options));
   FORCEGATE_CHECK_OK(s->open());
-  FORCEGATE_CHECK_OK(s->arm());
-  FORCEGATE_TRY(MotorState state, s->motor().read());
-  JogResult result{state.theta_rad, state.theta_rad, 0.0};
-  FORCEGATE_CHECK_OK(s->reference().start());
-  BenchWorld& world = s->world();
-  const double until_s = world.now_s() + 2.0 * std::fabs(angle_rad - state.theta_rad) / speed_rad_per_s + 2.0;
-  std::vector<ReferenceReading> seen;
-  double seen_s = world.now_s();
   // Every way out of here passes through BenchSession's destructor, which stops the motor.
-  while (std::fabs(state.theta_rad - angle_rad) > kThere_rad) {
-    if (stop.load()) return fail(ErrorCode::cancelled, "interrupted: the motor is stopped", file.string());
-    if (world.now_s() > until_s)
-      return fail(ErrorCode::device, "the wheel does not get there", "motor", "check that it is free");
-    const double speed = std::clamp(4.0 * (angle_rad - state.theta_rad), -speed_rad_per_s, speed_rad_per_s);
-    FORCEGATE_CHECK_OK(s->motor().command_velocity(speed));
-    FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + kLookPeriod_s));
-    s->beat();
-    FORCEGATE_TRY(state, s->motor().read());
-    if (state.fault) return fail(ErrorCode::device, fmt::format("the drive reports fault {:#x}", state.fault_code), "motor");
-    seen.clear();
-    FORCEGATE_CHECK_OK(s->reference().poll(seen));
-    for (const ReferenceReading& r : seen) {
-      result.force_N = static_cast<double>(r.force_N);
-      if (r.status != 0 || !(result.force_N <= force_max_N))
-        return fail(ErrorCode::safety, fmt::format("the force is {:.2f} N: the motor is stopped", result.force_N), "reference",
-                    "unload the sensor");
-      seen_s = world.now_s();
-    }
-    if (world.now_s() - seen_s > 0.25)
-      return fail(ErrorCode::safety, "the reference is silent: the motor is stopped", "reference", "check its cable");
+  FORCEGATE_TRY(const SlowMoveEnd end, move_slowly(*s, {angle_rad, speed_rad_per_s, kThere_rad, &stop}));
+  return JogResult{end.from_rad, end.to_rad, end.force_N};
+}
+
+Result<std::vector<SpecimenRow>> list_specimens(const fs::path& file) {
+  FORCEGATE_TRY(const BenchFile bench, read_bench(file));
+  if (bench.specimens.log.empty())
+    return fail(ErrorCode::config, "the bench file keeps no log of specimens", file.string(), "add [specimens] with log = \"specimens.tsv\"");
+  FORCEGATE_TRY(const auto all, SpecimenLog(bench.specimens.log).read());
+  std::vector<SpecimenRow> rows;
+  for (const auto& [id, h] : all) {
+    const double rest_s = std::max(0.0, utc_seconds() - h.last_use_s);
+    rows.push_back({printable_utf8(id), utc_text(h.last_use_s), h.records, h.cycles, rest_s / 3600.0, rest_s >= bench.specimens.rest_s});
   }
-  result.to_rad = state.theta_rad;
-  return result;
+  return rows;
 }
 
 Result<std::optional<BenchHolder>> bench_holder(const fs::path& file) {

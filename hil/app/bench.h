@@ -50,6 +50,15 @@ struct JogResult {
 Result<JogResult> jog_bench(const std::filesystem::path& file, const std::map<std::string, std::string>& options,
                             double angle_rad, double speed_rad_per_s, const std::atomic<bool>& stop);
 
+struct SpecimenRow {
+  std::string id, last_use;
+  std::uint64_t records = 0, cycles = 0;
+  double rest_h = 0.0;
+  bool rested = false;  ///< as long as the bench file asks for
+};
+/// ErrorCode::config when the bench file has no [specimens].
+Result<std::vector<SpecimenRow>> list_specimens(const std::filesystem::path& file);
+
 struct BenchHolder {
   std::string bench, purpose, token;
   int pid = 0;

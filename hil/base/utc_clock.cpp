@@ -4,10 +4,14 @@
 
 namespace forcegate {
 
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
+double utc_seconds() { return static_cast<double>(std::time(nullptr)); }
+
+std::string utc_now() { return utc_text(utc_seconds()); }
+
+std::string utc_text(double seconds) {
+  const auto whole = static_cast<std::time_t>(seconds);
   std::tm utc{};
-  gmtime_r(&now, &utc);
+  gmtime_r(&whole, &utc);
   char text[32];
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text;

@@ -62,6 +62,22 @@ Result<void> read_calibrations(const ConfigNode& table, std::vector<BenchCalibra
   return {};
 }
 
+Result<void> read_specimens(const ConfigNode& table, BenchSpecimens& out) {
+  ConfigReader in(table, "[specimens]", kGuide);
+  std::string log, short_rest = "refuse";
+  double rest_h = 2.0;
+  in.text("log", log, ConfigReader::required);
+  in.number("rest_h", rest_h, 0, 1000);
+  in.choice("short_rest", short_rest, {"refuse", "widen"});
+  const bool told = in.number("short_rest_u_rel", out.short_rest_u_rel, 1e-6, 1.0);
+  if (short_rest == "widen" && !told)
+    in.complain(table, "short_rest = \"widen\" needs short_rest_u_rel", "how much do two records without a rest differ on this sensor?");
+  out.log = std::filesystem::path(table.where.substr(0, table.where.find(':'))).parent_path() / log;
+  out.rest_s = 3600.0 * rest_h;
+  out.widen = short_rest == "widen";
+  return in.finish();
+}
+
 template <class Kind>
 Result<void> choose_adapter(const ConfigNode& table, const std::string& what, std::string& out) {
   const auto names = Registry<Kind>::instance().names();
@@ -95,6 +111,7 @@ Result<BenchFile> build(ConfigNode root) {
   const ConfigNode* geometry = in.table("geometry", ConfigReader::required);
   const ConfigNode* calibrations = in.table("calibration", ConfigReader::required);
   const ConfigNode* sensor = in.table("sensor");
+  const ConfigNode* specimens = in.table("specimens");
   const ConfigNode* ports = in.table("ports");
   const ConfigNode* motor = in.table("motor", ConfigReader::required);
   const ConfigNode* reference = in.table("reference", ConfigReader::required);
@@ -105,6 +122,7 @@ Result<BenchFile> build(ConfigNode root) {
   FORCEGATE_CHECK_OK(read_geometry(*geometry, b.geometry));
   b.geometry.velocity_max_rad_per_s = b.limits.velocity_max_rad_per_s;
   FORCEGATE_CHECK_OK(read_calibrations(*calibrations, b.calibrations));
+  if (specimens != nullptr) FORCEGATE_CHECK_OK(read_specimens(*specimens, b.specimens));
   if (sensor != nullptr) {
     ConfigReader s(*sensor, "[sensor]", kGuide);
     s.number("nominal_gain_N_per_V", b.nominal_gain_N_per_V, 1e-3, 1e3);

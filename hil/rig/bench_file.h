@@ -29,6 +29,14 @@ struct BenchLimits {
   double start_velocity_rad_per_s = 0.5;  ///< of the way to a record's first angle
 };
 
+/// Table [specimens]: who has rested long enough.
+struct BenchSpecimens {
+  std::filesystem::path log;  ///< "" = none is kept
+  double rest_s = 7200.0;     ///< a plan may ask for less, not for more
+  bool widen = false;         ///< a shorter rest is no refusal but an uncertainty
+  double short_rest_u_rel = 0.0;
+};
+
 struct BenchFile {
   std::filesystem::path path;
   ConfigNode root;
@@ -37,6 +45,7 @@ struct BenchFile {
   std::string motor_adapter, reference_adapter, board_adapter;
   BenchLimits limits;
   RigGeometry geometry;
+  BenchSpecimens specimens;
   std::vector<BenchCalibration> calibrations;
   double rate_Hz = 1000.0;
   int adc_bits = 16;

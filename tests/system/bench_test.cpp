@@ -121,6 +121,32 @@ TEST_F(Bench, DoctorSeesEveryInstrumentOfTheDeliveredBenches) {
   }
 }
 
+TEST_F(Bench, KnownMassesFindAReferenceWhoseScaleIsWrong) {
+  std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
+  text.replace(text.find("counts_per_force = 1000\n"), 24, "counts_per_force = 1050\n");  // the twin has 1000
+  write_text(folder / "b.toml", text);
+  const ProcessResult r = forcegate({"bench", "calibrate", folder / "b.toml", "reference", "--masses", "0,100,200,400", "--yes", "--json"}, kHere);
+  ASSERT_EQ(r.exit_code, 0) << r.out << r.err;
+  const Json document = Json::parse(r.out, nullptr, false);
+  EXPECT_NEAR(document["line"]["slope"].get<double>(), 1000.0 / 1050.0, 0.001);
+  EXPECT_THAT(document["lines"][0].get<std::string>(), HasSubstr("counts_per_force = 1000"));
+  EXPECT_LT(document["u_rel"].get<double>(), 0.001);
+}
+
+TEST_F(Bench, TheSpringIsFoundAgainstTheReferenceAndTheSensorBySweeps) {
+  std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
+  text.replace(text.find("spring_N_per_mm = 0.25"), 22, "spring_N_per_mm = 0.23");  // the plant has 0.25
+  write_text(folder / "b.toml", text);
+  const ProcessResult spring = forcegate({"bench", "calibrate", folder / "b.toml", "spring", "--seconds", "0.5", "--json"}, kHere);
+  ASSERT_EQ(spring.exit_code, 0) << spring.out << spring.err;
+  EXPECT_NEAR(Json::parse(spring.out, nullptr, false)["line"]["slope"].get<double>(), 0.25, 0.002);
+  const ProcessResult sensor = forcegate({"bench", "calibrate", "rigs/twin.toml", "sensor", "-o", folder / "q50.toml"}, kHere);
+  ASSERT_EQ(sensor.exit_code, 0) << sensor.out << sensor.err;
+  // The gate takes what was written: the plan's own sweeps are not made.
+  const Json result = gate(kNative, "rigs/twin.toml", 0, {"--cal", folder / "q50.toml"});
+  EXPECT_EQ(result["cases"].size(), 1U);
+}
+
 TEST_F(Bench, NobodyHoldsABenchThatNobodyUses) {
   const ProcessResult r = forcegate({"bench", "who", "rigs/twin.toml"}, kHere);
   EXPECT_EQ(r.exit_code, 0) << r.err;

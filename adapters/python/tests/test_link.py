@@ -23,6 +23,10 @@ class Frames(unittest.TestCase):
         examples = worked_examples()
         expected = {
             "HELLO": link.Frame(link.HELLO, 0, 0, struct.pack("<I", 0x12345678)),
+            "STREAM": link.Frame(link.STREAM, 3, 0, struct.pack("<BHB", 1, 1, 10)),
+            "STREAM state": link.Frame(link.STREAM_STATE, 4, 2500000, struct.pack("<HBHB", 3, 1, 1, 10)),
+            "TIME": link.Frame(0x05, 8, 0, struct.pack("<d", 1.5)),
+            "TIME reply": link.Frame(0x88, 9, 2500000, struct.pack("<Hd", 8, 1.5)),
             "NAK": link.Frame(link.NAK, 7, 0, bytes([5, 0, 5, 3])),
             "SAMPLES": link.Frame(link.SAMPLES, 6, 640000, struct.pack("<HIBHH", 5, 640, 2, 0, 0)
                                   + 2 * struct.pack("<HfB", 100, 1.5, 1)),

@@ -124,6 +124,21 @@ Result<int> who(const Invocation& in) {
   return kExitSuccess;
 }
 
+Result<int> specimens(const Invocation& in) {
+  FORCEGATE_TRY(const std::string file, file_of(in));
+  FORCEGATE_TRY(const auto rows, list_specimens(file));
+  Json document = Json::array();
+  for (const SpecimenRow& r : rows) {
+    in.console().print(fmt::format("{:<12} rest {:8.2f} h {:<10} {:4} records {:8} cycles, last {}", r.id, r.rest_h,
+                                   r.rested ? "" : "(too short)", r.records, r.cycles, r.last_use));
+    document.push_back({{"id", r.id}, {"rest_h", r.rest_h}, {"rested", r.rested}, {"records", r.records}, {"cycles", r.cycles}, {"last_use", r.last_use}});
+  }
+  if (rows.empty()) in.console().print("no specimen has been used on this bench");
+  in.console().print_json(Json({{"format", 1}, {"specimens", document}}).dump(2));
+  in.console().next("forcegate gate FIRMWARE --rig " + file);
+  return kExitSuccess;
+}
+
 Result<int> run(const Invocation& in) {
   const std::string action = in.text("ACTION");
   if (action == "list") return list(in);
@@ -132,13 +147,14 @@ Result<int> run(const Invocation& in) {
   if (action == "serve") return serve(in);
   if (action == "park") return park(in);
   if (action == "jog") return jog(in);
+  if (action == "specimens") return specimens(in);
   return who(in);
 }
 
 const Registration<Command> kRow{Command{
     .name = "bench",
     .group = "Bench",
-    .summary = "instruments on the table: list, doctor, scan, serve, park, jog, who",
+    .summary = "instruments on the table: list, doctor, scan, serve, park, jog, who, specimens",
     .description =
         "A bench is one TOML file: instruments, ports, limits, calibrations, geometry (docs/bench.md). A bench with "
         "[twins] has wire-level twins instead of instruments and needs no hardware.\n\n"
@@ -148,12 +164,13 @@ const Registration<Command> kRow{Command{
         "serve   leaves the twins of a bench running for a person or another program\n"
         "park    emergency stop: the motor at once, whoever holds the bench\n"
         "jog     turns the wheel to an angle, slowly and under the limits\n"
-        "who     which process holds the bench\n\n"
+        "who     which process holds the bench\n"
+        "specimens  how long each specimen has rested, and what it has been through\n\n"
         "Nothing real moves without --arm. When the program dies while the bench is armed, a process of its own stops "
         "the motor, and the drive's own timeout stands behind it.",
     .positionals = {{.name = "ACTION",
                      .doc = "What to do.",
-                     .choices = [] { return std::vector<std::string>{"list", "doctor", "scan", "serve", "park", "jog", "who"}; }},
+                     .choices = [] { return std::vector<std::string>{"list", "doctor", "scan", "serve", "park", "jog", "who", "specimens"}; }},
                     {.name = "FILE", .doc = "Bench file.", .required = false, .repeatable = true}},
     .options = {{.name = "attach", .value_name = "FOLDER", .doc = "Twins that `bench serve` runs in that folder."},
                 {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."},

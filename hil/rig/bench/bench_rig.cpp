@@ -17,7 +17,10 @@
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
+#include "hil/rig/bench/swing_counter.h"
 #include "hil/rig/bench_session.h"
+#include "hil/rig/slow_move.h"
+#include "hil/rig/specimen_log.h"
 
 namespace forcegate {
 namespace {
@@ -47,6 +50,7 @@ class BenchRig final : public Rig, public Dut {
       return fail(ErrorCode::config, fmt::format("calibration {} of the {} is out of date since {}", late[0].id, late[0].what,
                                                  late[0].expires),
                   bench_.path.string(), "calibrate it and enter the new id and date under [calibration]");
+    FORCEGATE_CHECK_OK(look_at_rest(request));
     const RigGeometry& g = bench_.geometry;
     const double reach_N = kUsableTravel * g.spring_N_per_mm *
                            (g.preload_mm + g.eccentricity_mm * (1.0 - portable::cos(g.theta_max_rad)));
@@ -66,6 +70,11 @@ class BenchRig final : public Rig, public Dut {
     FORCEGATE_CHECK_OK(safely(go_to_start(request.force_low_N)));
     FORCEGATE_CHECK_OK(safely(session_->reference().start()));
     FORCEGATE_CHECK_OK(safely(start_stream()));
+    if (!bench_.specimens.log.empty()) {
+      FORCEGATE_CHECK_OK(safely(SpecimenLog(bench_.specimens.log).begin(request.specimen, utc_seconds(), request.duration_s)));
+      logged_ = request.specimen;
+    }
+    turns_.begin(theta_rad_);
     return {};
   }
 
@@ -94,6 +103,9 @@ class BenchRig final : public Rig, public Dut {
     begun_ = false;
     commanded_rad_per_s_ = 0.0;
     if (session_) session_->make_safe();
+    if (logged_.empty()) return;
+    (void)SpecimenLog(bench_.specimens.log).end(logged_, utc_seconds(), turns_.cycles());
+    logged_.clear();
   }
 
   // The firmware on the board.
@@ -132,6 +144,23 @@ class BenchRig final : public Rig, public Dut {
     return result;
   }
 
+  // The film is not what it was while it still remembers the record before.
+  Result<void> look_at_rest(const RigRecordRequest& request) {
+    info_.reference_u_rel = bench_.reference_u_rel;
+    const BenchSpecimens& s = bench_.specimens;
+    if (s.log.empty()) return {};
+    const double needed_s = std::min(s.rest_s, request.rest_before_s);
+    FORCEGATE_TRY(const auto rest_s, SpecimenLog(s.log).rest_s(request.specimen, utc_seconds()));
+    info_.details["rest of " + request.specimen] = rest_s ? fmt::format("{:.2f} h", *rest_s / 3600.0) : "never used before";
+    if (!rest_s || *rest_s >= needed_s) return {};
+    if (!s.widen)
+      return fail(ErrorCode::config, fmt::format("specimen {} has rested {:.2f} h of {:.2f} h", request.specimen, *rest_s / 3600.0, needed_s / 3600.0),
+                  s.log.string(), "wait until " + utc_text(utc_seconds() + needed_s - *rest_s) + ", take another specimen, or set short_rest = \"widen\"");
+    info_.reference_u_rel = std::hypot(bench_.reference_u_rel, s.short_rest_u_rel);
+    info_.details["rest of " + request.specimen] += fmt::format(" of {:.2f} h: uncertainty widened by {} %", needed_s / 3600.0, shortest(100.0 * s.short_rest_u_rel));
+    return {};
+  }
+
   Result<void> start_stream() {
     FORCEGATE_CHECK_OK(session_->board().stop());
     FORCEGATE_CHECK_OK(session_->board().start());
@@ -156,37 +185,10 @@ class BenchRig final : public Rig, public Dut {
     const double cosine = 1.0 - (force_N / g.spring_N_per_mm - g.preload_mm) / g.eccentricity_mm;
     const double goal = std::clamp(std::acos(std::clamp(cosine, -1.0, 1.0)), g.theta_min_rad, g.theta_max_rad);
     if (std::fabs(theta_rad_ - goal) <= kStartTolerance_rad) return {};
-    FORCEGATE_CHECK_OK(session_->arm());
-    FORCEGATE_CHECK_OK(session_->reference().start());
-    BenchWorld& world = session_->world();
-    const double speed = bench_.limits.start_velocity_rad_per_s;
-    const double until_s = world.now_s() + 2.0 * std::fabs(goal - theta_rad_) / speed + 2.0;
-    std::vector<ReferenceReading> seen;
-    while (std::fabs(theta_rad_ - goal) > kStartTolerance_rad) {
-      if (world.now_s() > until_s)
-        return fail(ErrorCode::device, fmt::format("the wheel does not reach {:.2f} rad: it stands at {:.2f} rad", goal, theta_rad_),
-                    "motor", "check coupling, scale of 'position' and that the wheel is free");
-      const double way = goal - theta_rad_;
-      FORCEGATE_CHECK_OK(session_->motor().command_velocity(std::clamp(4.0 * way, -speed, speed)));
-      FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + kPeriod_s));
-      FORCEGATE_TRY(const MotorState state, session_->motor().read());
-      session_->beat();
-      theta_rad_ = state.theta_rad;
-      if (state.fault) return motor_fault(state);
-      seen.clear();
-      FORCEGATE_CHECK_OK(session_->reference().poll(seen));
-      for (const ReferenceReading& r : seen)
-        if (r.status != 0 || !(static_cast<double>(r.force_N) <= bench_.limits.force_max_N))
-          return fail(ErrorCode::safety, fmt::format("the force is {:.2f} N on the way to the start", static_cast<double>(r.force_N)),
-                      "reference", "unload the sensor and look for what blocks the wheel");
-    }
-    FORCEGATE_CHECK_OK(session_->motor().stop());
+    FORCEGATE_TRY(const SlowMoveEnd end,
+                  move_slowly(*session_, {goal, bench_.limits.start_velocity_rad_per_s, kStartTolerance_rad, nullptr}));
+    theta_rad_ = end.to_rad;
     return session_->reference().stop();
-  }
-
-  Unexpected motor_fault(const MotorState& state) const {
-    return fail(ErrorCode::device, fmt::format("the drive reports fault {:#x}", state.fault_code), "motor",
-                "find its cause in the drive's manual, then reset it");
   }
 
   // Lets time go on until the board's next `chunk` samples are there, and looks at everything meanwhile.
@@ -212,6 +214,7 @@ class BenchRig final : public Rig, public Dut {
     FORCEGATE_TRY(const MotorState state, session_->motor().read());
     session_->beat();
     theta_rad_ = state.theta_rad;
+    turns_.see(theta_rad_);
     motor_fault_ = state.fault;
     angles_.push_back({state.t_s, state.theta_rad});
     while (angles_.size() > kHistory) angles_.pop_front();
@@ -345,6 +348,8 @@ class BenchRig final : public Rig, public Dut {
   std::vector<BoardSample> samples_;
   std::vector<ReferenceReading> fresh_;
   std::uint16_t last_code_ = 0;
+  std::string logged_;  ///< specimen whose record is begun in the log
+  SwingCounter turns_;
 };
 
 Result<std::unique_ptr<Rig>> make(const std::map<std::string, std::string>& options) {

@@ -205,7 +205,11 @@ std::string TwinHost::execute(Client& client, const std::string& line) {
   }
   if (verb == "status") return status();
   if (verb == "fault") return fault(words);
-  return "error unknown command; known: mount flash attach advance status fault";
+  if (verb == "load" && words.size() == 2 && std::isfinite(number_of(words[1]))) {
+    weight_N_ = number_of(words[1]);
+    return "ok";
+  }
+  return "error unknown command; known: mount flash attach advance status fault load";
 }
 
 std::string TwinHost::fault(const std::vector<std::string>& words) {
@@ -254,7 +258,7 @@ std::string TwinHost::mount(const std::vector<std::string>& words) {
   drive_.see(plant_.theta_rad(), 0.0, false);
   reference_->restart_clock(0.0);
   index_ = 0;
-  t_s_ = told_rad_per_s_ = velocity_rad_per_s_ = paced_rest_ = 0.0;
+  t_s_ = told_rad_per_s_ = velocity_rad_per_s_ = paced_rest_ = weight_N_ = 0.0;
   stop_s_ = still_s_ = -1.0;
   stop_cause_ = "none";
   force_N_ = plant_.force_ref_N();
@@ -330,7 +334,7 @@ void TwinHost::step(std::size_t samples) {
     const auto last_code = static_cast<std::uint16_t>((1U << options_.plant.adc_bits) - 1U);
     for (std::size_t i = 0; i < *got; ++i) {
       t_s_ = static_cast<double>(++index_) / rate_Hz;
-      force_N_ = static_cast<double>(rows_.force_ref_N[i]);
+      force_N_ = static_cast<double>(rows_.force_ref_N[i]) + weight_N_;
       following_error = following_error || (rows_.status[i] & kRigMotorFault) != 0;
       reference_->row(t_s_, force_N_, (rows_.status[i] & kRigReferenceSaturated) != 0);
       board_.row(t_s_, rows_.adc[i], last_code);

@@ -4,7 +4,7 @@
 // same folder moves time, mounts specimens, flashes the board and injects faults, one line of text each:
 //
 //   mount specimen=q50 seed=1 session=0 record=1 rest_s=7200 low_N=0 high_N=4
-//   flash PATH | attach DEVICE | advance SAMPLES device=received ... | status | fault DEVICE KIND AT FOR COUNT AMOUNT
+//   flash PATH | attach DEVICE | advance SAMPLES device=received ... | status | fault DEVICE KIND AT FOR COUNT AMOUNT | load NEWTONS (a weight on the reference)
 //
 // Time is virtual while a client that has said `advance` is connected, else it is that of the clock on the wall: when a
 // harness dies, the plant and the drive's watchdog go on.
@@ -84,7 +84,7 @@ class TwinHost {
   bool had_client_ = false;
   RigBlock rows_;
   std::int64_t index_ = 0;
-  double t_s_ = 0.0, told_rad_per_s_ = 0.0, velocity_rad_per_s_ = 0.0, force_N_ = 0.0;
+  double t_s_ = 0.0, told_rad_per_s_ = 0.0, velocity_rad_per_s_ = 0.0, force_N_ = 0.0, weight_N_ = 0.0;
   double stop_s_ = -1.0, still_s_ = -1.0;
   std::string stop_cause_ = "none";
   std::chrono::steady_clock::time_point paced_at_;

@@ -1,0 +1,27 @@
+#pragma once
+// The wheel turned by hand, so to speak: slowly to one angle, with the force watched all the way.
+
+#include <atomic>
+
+#include "hil/rig/bench_session.h"
+
+namespace forcegate {
+
+struct SlowMove {
+  double angle_rad = 0.0;
+  double speed_rad_per_s = 0.5;
+  double tolerance_rad = 0.01;
+  const std::atomic<bool>* stop = nullptr;  ///< ends the move when set
+};
+
+struct SlowMoveEnd {
+  double from_rad = 0.0, to_rad = 0.0;
+  double force_N = 0.0;  ///< last reading of the reference
+};
+
+/// Arms the bench, starts the reference, moves, stops the motor; the reference goes on. On every error the motor is
+/// stopped before it is told: safety (force above the bench's limit, reference silent or invalid for 0.25 s), device (drive
+/// fault, wheel that does not get there), usage (angle outside the travel), cancelled.
+Result<SlowMoveEnd> move_slowly(BenchSession& session, const SlowMove& move);
+
+}  // namespace forcegate
