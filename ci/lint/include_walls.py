@@ -15,7 +15,7 @@ WALLS = {
     "hil/rig": ["hil/trace", "hil/interface"],
     "hil/diagnose": ["hil/trace", "hil/model", "hil/interface"],
     "hil/gate": ["hil/trace", "hil/interface", "hil/rig"],
-    "hil/characterize": ["hil/trace", "hil/interface", "hil/rig", "hil/gate"],
+    "hil/characterize": ["hil/trace", "hil/interface", "hil/rig", "hil/gate", "hil/model/impedance"],
     "hil/store": ["hil/trace", "hil/interface"],
     "hil/report": ["hil/trace", "hil/interface", "hil/model", "hil/diagnose", "hil/characterize"],
     "adapters": ["hil/trace", "hil/interface"],

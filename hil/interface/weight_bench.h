@@ -3,10 +3,12 @@
 // selectable source and read by a sampled converter (Paredes-Madrid, Emmi, Gonzalez de Santos 2010, section IV, Fig. 3).
 // An emulated bench and one of real parts are the same thing to whoever estimates R_s and C_s from what it delivers.
 
+#include <complex>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -57,13 +59,19 @@ class WeightBench {
   /// Unloads, lets the pack rest, begins a loading. Errors: config.
   virtual Result<void> begin(const WeightBenchRequest& request) = 0;
 
-  /// Puts weights on, or takes them off, until the force is `force_N`; then `hold_s` pass. Errors: usage (beyond the
+  /// Puts weights on, or takes them off, until the force is `force_N`; then about `hold_s` pass (a person works here). Errors: usage (beyond the
   /// range, no loading begun).
   virtual Result<void> load(double force_N, double hold_s) = 0;
 
   /// Connects the source to one sensor, waits until the output is steady, and reads codes.size() samples of the output
   /// at info().rate_Hz. Errors: usage (no such sensor, a sine at or above half the rate).
   virtual Result<void> capture(std::size_t sensor, const WeightBenchSource& source, std::span<std::int16_t> codes) = 0;
+
+  /// Emulated benches only: the sensor's admittance as it is now, S. For the judgement of an estimate, never for one.
+  virtual std::optional<std::complex<double>> true_admittance_S(std::size_t sensor, double f_Hz) const {
+    (void)sensor, (void)f_Hz;
+    return std::nullopt;
+  }
 };
 
 /// Registry entry.

@@ -16,6 +16,7 @@ constexpr std::size_t kSensors = 8;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kForceMax_N = 250.0, kForceURel = 1e-4;          // weights of class M1
 constexpr double kFeedbackURel = 1e-3, kBandwidthURel = 0.10;
+constexpr double kPace = 0.2;  // relative spread of the time that a person takes for a weight
 constexpr int kBits = 12;
 constexpr double kRange_V = 10.0;
 constexpr double kWhite_V = 3e-3, kFlicker_V = 5e-3, kFlicker_Hz = 500.0;
@@ -58,6 +59,7 @@ Result<void> DeadWeightBench::begin(const WeightBenchRequest& request) {
       specimen.repeat_g_N = specimen.repeat_c_N = 0.0;
     sensors_[i].begin(specimen, Rng(request.seed, "rc_loading/" + loading + "/" + std::to_string(i)), request.rest_before_s);
   }
+  pace_ = Rng(request.seed, "dead_weight_pace/" + loading);
   noise_ = Rng(request.seed, "dead_weight_noise/" + loading);
   return {};
 }
@@ -66,8 +68,14 @@ Result<void> DeadWeightBench::load(double force_N, double hold_s) {
   if (sensors_.empty()) return fail(ErrorCode::usage, "no loading has begun on the bench of weights");
   if (!(force_N >= 0.0 && force_N <= kForceMax_N) || !(hold_s >= 0.0))
     return fail(ErrorCode::usage, fmt::format("the bench holds 0 to {} N, not {} N", kForceMax_N, force_N));
+  if (options_.spread) hold_s *= 1.0 + kPace * std::clamp(pace_.normal(), -2.0, 2.0);
   for (RcSensor& sensor : sensors_) sensor.load(force_N * force_scale_, hold_s);
   return {};
+}
+
+std::optional<std::complex<double>> DeadWeightBench::true_admittance_S(std::size_t sensor, double f_Hz) const {
+  if (sensor >= sensors_.size()) return std::nullopt;
+  return sensors_[sensor].admittance_S(f_Hz);
 }
 
 Result<void> DeadWeightBench::capture(std::size_t index, const WeightBenchSource& source, std::span<std::int16_t> codes) {

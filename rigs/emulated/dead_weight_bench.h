@@ -28,8 +28,8 @@ class DeadWeightBench final : public WeightBench {
   Result<void> begin(const WeightBenchRequest& request) override;
   Result<void> load(double force_N, double hold_s) override;
   Result<void> capture(std::size_t sensor, const WeightBenchSource& source, std::span<std::int16_t> codes) override;
+  std::optional<std::complex<double>> true_admittance_S(std::size_t sensor, double f_Hz) const override;
 
-  /// The truth, for tests of what reads this bench.
   const RcSensor& sensor(std::size_t i) const { return sensors_[i]; }
 
  private:
@@ -37,7 +37,7 @@ class DeadWeightBench final : public WeightBench {
   std::vector<RcSensor> sensors_;
   std::vector<double> feedback_ohm_;
   double gain_bandwidth_Hz_ = 0.0, force_scale_ = 1.0;
-  Rng noise_{0};
+  Rng noise_{0}, pace_{0};
 };
 
 }  // namespace forcegate::emulated

@@ -20,7 +20,7 @@ constexpr double kPlay_N = 4.0;
 constexpr double kCreepStart_s = 1.0, kRecovery_s = 2400.0;
 
 // Band of relaxations: its lower end lies above the frequency where the departure is seen, since the loss sets in as f^2.
-constexpr double kOnsetPerDivergence = 1.0 / 0.6;
+constexpr double kOnsetPerDivergence = 1.0 / 0.53;  // the loss has grown to a sixth to a fifth of G there
 constexpr double kBandRatio = 1.4;
 constexpr int kRelaxations = 10;
 constexpr double kOnsetForceSlope = 0.03;  // "only slight variation of the divergent frequency is noticed as force changes"
@@ -41,11 +41,11 @@ RcSpecimen draw_rc_specimen(std::uint64_t seed, std::uint64_t set, std::uint64_t
   s.g_S_per_N *= 1.0 + 0.20 * cut_normal(rng);
   s.c0_F *= 1.0 + 0.08 * cut_normal(rng);
   s.c_F_per_N *= 1.0 + 0.10 * cut_normal(rng);
-  s.bend_g = 0.004 * cut_normal(rng);
-  s.bend_c = 0.0025 * cut_normal(rng);
+  s.bend_g = 0.0070 * cut_normal(rng);
+  s.bend_c = 0.0039 * cut_normal(rng);
   s.divergence_Hz = rng.uniform(4500.0, 7000.0);
-  s.repeat_g_N = 0.82 * portable::exp(0.35 * cut_normal(rng));
-  s.repeat_c_N = 0.46 * portable::exp(0.15 * cut_normal(rng));
+  s.repeat_g_N = 0.635 * portable::exp(0.35 * cut_normal(rng));
+  s.repeat_c_N = 0.356 * portable::exp(0.15 * cut_normal(rng));
   s.creep_per_decade *= 1.0 + 0.3 * cut_normal(rng);
   s.play_share *= 1.0 + 0.3 * cut_normal(rng);
   return s;

@@ -67,6 +67,25 @@ TEST(Characterize, ReadsTheDecayOutOfARecording) {
   EXPECT_NEAR(b, 0.006, 0.0002);
 }
 
+TEST(Characterize, PlaysConductanceAndCapacitanceOnTheBenchOfWeights) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  write_text(folder / "plan.toml",
+             "format = 1\nkind = \"capacitance\"\nname = \"short\"\nseed = 3\n[population]\nsets = 1\n[loading]\nstep_N = 10.0\nmost_training = 3\ntesting = 2\n"
+             "[source]\ndc_samples = 800\nsine_samples = 800\n[sweep]\npoints = 40\nsamples = 3200\n");
+  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o", (folder / "out").string(), "--paper", folder.string()});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("network 2-2-1"));
+  const auto study = nlohmann::json::parse(read_text(folder / "out/capacitance.json"));
+  EXPECT_EQ(study["packs"][0]["sensors"].size(), 8u);
+  EXPECT_GT(study["mse_N2"]["mean"][0], study["mse_N2"]["mean"][1]);
+  EXPECT_TRUE(fs::exists(folder / "out/sheet-capacitance.html"));
+  for (const char* figure : {"fig04.svg", "fig06.svg", "fig07.svg", "fig08.svg", "fig09.svg", "fig10.svg", "fig11.svg"})
+    EXPECT_TRUE(fs::exists(folder / "pictures/paper-capacitance" / figure)) << figure;
+  EXPECT_THAT(read_text(folder / "paper-capacitance.md"), HasSubstr("## Table I"));
+  EXPECT_EQ(forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "--specimen", "q50"}).exit_code, 2);
+}
+
 TEST(Characterize, SaysWhatIsWrongWithARequest) {
   EXPECT_EQ(forcegate({"characterize", "--plan", "no-such-plan"}).exit_code, 2);
   const ProcessResult gate_plan = forcegate({"characterize", "--plan", FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml"});

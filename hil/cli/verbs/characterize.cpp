@@ -5,9 +5,11 @@
 #include <chrono>
 #include <cmath>
 
+#include "hil/app/weight_study.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/rig_choice.h"
+#include "hil/report/capacitance/weight_json.h"
 #include "hil/report/characterization/paper_claims.h"
 #include "hil/report/characterization/paper_tables.h"
 #include "hil/report/characterization/study_json.h"
@@ -48,6 +50,29 @@ void print_study(const Console& console, const characterize::SensorStudy& study,
              "\n";
 }
 
+Result<int> run_weights(const Invocation& in, const CharacterizeRequest& request) {
+  Console& console = in.console();
+  const auto made = weight_study_request(request, console.progress_callback(), &in.interrupt_flag());
+  console.end_progress();
+  if (!made) return Unexpected(made.error());
+  const characterize::WeightSummary& s = made->summary;
+  std::string text = fmt::format("{} packs of eight sensors: the network of conductance and capacitance reduces the error by {:.1f} % +- {:.1f} (paper: 64 %)\n", made->study.sets.size(), s.per_mean_pct, s.per_sd_sets_pct);
+  for (std::size_t m = 0; m < characterize::kForceModels; ++m)
+    text += fmt::format("  {:<24} MSE {:.3f} N^2, 5 to 95 % {:.3f} to {:.3f}\n", characterize::kForceModelNames[m], s.mse_mean[m], s.mse_q05[m], s.mse_q95[m]);
+  bool inside = true;
+  for (const characterize::WeightClaim& c : claims_of(made->study, s)) {
+    if (!c.has_window || c.inside) continue;
+    inside = false;
+    text += console.paint(Paint::warn, fmt::format("  outside its window: {}: {} ({})", c.subject, c.ours, c.window)) + "\n";
+  }
+  text += fmt::format("{:.0f} h of bench time, {:.0f} million samples", made->study.bench_time_s / 3600.0, 1e-6 * static_cast<double>(made->study.samples));
+  if (inside) text += "; every figure that has a window lies in it";
+  console.print(text);
+  console.print_json(weight_json(made->study, s, false));
+  if (!request.output.empty()) console.next("open " + (request.output / "sheet-capacitance.html").string());
+  return kExitSuccess;
+}
+
 Result<int> run(const Invocation& in) {
   CharacterizeRequest request;
   request.plan = in.text("plan");
@@ -73,6 +98,8 @@ Result<int> run(const Invocation& in) {
   request.paper = in.text("paper");
   request.golden = in.text("golden");
   request.command_line = without_threads(in.command_line());
+  FORCEGATE_TRY(const bool weights, is_weight_study(request));
+  if (weights) return run_weights(in, request);
 
   Console& console = in.console();
   const auto begin = std::chrono::steady_clock::now();
@@ -126,6 +153,8 @@ const Registration<Command> kRow{Command{
         "the page that sets every figure of the paper beside ours (docs/paper.md).\n\n"
         "A plan can set limits ([[limit]]) that every session must keep; a broken one gives exit code 1. The "
         "plan tms does so for robotised TMS.\n\n"
+        "The plan capacitance plays Paredes-Madrid et al. 2010 instead, on a bench of dead weights: resistance and capacitance of packs of eight sensors, frequency sweeps, force models "
+        "of one and of two variables (docs/paper-capacitance.md).\n\n"
         "A recording can stand for the rig: cyclic ones give the decay, slow ones the static law.",
     .options = joined(
         {{{.name = "plan",
@@ -164,6 +193,8 @@ const Registration<Command> kRow{Command{
                  {"forcegate characterize --paper docs", "The whole study and docs/paper.md (minutes):"},
                  {"forcegate characterize --plan tms",
                   "1.5 N on a moving head for 20 min, with the paper's bounds:"},
+                 {"forcegate characterize --plan capacitance",
+                  "Conductance and capacitance together (a minute or two):"},
                  {"forcegate characterize --record sine.csv --record ramp.csv -o mine",
                   "What my own recordings say:"}},
     .details = procedures,
