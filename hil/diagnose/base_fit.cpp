@@ -11,7 +11,7 @@ namespace {
 constexpr int kShapes = 5, kWaves = 4, kFirstShape = 6;
 constexpr int kFirstWave = kFirstShape + kShapes, kColumns = kFirstWave + kWaves;
 constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
-constexpr std::size_t kRowLimit = 2500;
+constexpr double kLargestShift = 12.0;
 
 // Hats on log time: the decay factor may bend away from one exponential, differently in each record.
 double hat(double since_s, int knot) {
@@ -80,12 +80,19 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
   return out;
 }
 
-void set_repeatability(MixedProblem& problem) {
+void set_repeatability(MixedProblem& problem, bool one_recording) {
   problem.nz = kColumns;
   problem.n_fixed = 4;
   problem.components = {{"gain", 0.02, 0.002, 0.5},   {"offset", 0.01, 0.001, 0.5}, {"log_b", 0.25, 0.05, 0.5},
                         {"log_q", 0.14, 0.03, 0.5},   {"F_min", 0.01, 0.001, 0.5},  {"swing", 0.03, 0.003, 0.5},
                         {"shape", 0.02, 0.003, 0.5},  {"wander", 0.002, 3e-4, 0.5}};
+  // blocks of one recording are the same machine, not touched in between: what changes there is the residual's business
+  if (one_recording)
+    for (const int k : {0, 1, 7}) {
+      VarianceComponent& c = problem.components[static_cast<std::size_t>(k)];
+      c.start_sd = c.prior_sd;
+      c.prior_weight = 50.0;
+    }
   problem.component_of_z = {0, 1, 2, 3, 4, 5};
   for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(6);
   for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(7);
@@ -123,10 +130,74 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, con
   return Z;
 }
 
+namespace {
+
+// One record on its own: U = c0 + c1 F - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates. Without the last
+// column it is a static record; c2/c1 is the depth of the decay.
+struct OwnDecay {
+  double rate_per_s = 0.0, depth = 0.0;
+  double static_mean_square = 0.0, mean_square = 0.0;
+};
+
+OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
+  constexpr int kRates = 14;
+  OwnDecay best;
+  best.mean_square = 1e300;
+  const double longest = std::max(1.0, r.duration_s - r.onset_s);
+  for (int step = 0; step < kRates; ++step) {
+    const double rate = std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
+    Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
+    for (const std::size_t i : rows) {
+      const double since = std::max(0.0, r.t_s[i] - r.onset_s);
+      const Eigen::Vector4d x(1.0, r.F_N[i], std::expm1(-rate * since) * (r.F_N[i] - r.F_min_N), r.U_V[i]);
+      M += x * x.transpose();
+    }
+    const double n = std::max<double>(1.0, static_cast<double>(rows.size()));
+    if (step == 0) {
+      const Eigen::Vector2d c = M.topLeftCorner<2, 2>().ldlt().solve(M.topRightCorner<2, 1>());
+      best.static_mean_square = std::max(0.0, M(3, 3) - c.dot(M.topRightCorner<2, 1>())) / n;
+    }
+    const Eigen::Vector3d c = M.topLeftCorner<3, 3>().ldlt().solve(M.topRightCorner<3, 1>());
+    const double mean_square = std::max(0.0, M(3, 3) - c.dot(M.topRightCorner<3, 1>())) / n;
+    const double depth = c[1] != 0.0 ? c[2] / c[1] : 0.0;
+    if (!(depth > 0.0 && depth < 1.1) || mean_square >= best.mean_square) continue;
+    best.mean_square = mean_square;
+    best.rate_per_s = rate;
+    best.depth = std::min(depth, 0.99);
+  }
+  return best;
+}
+
+// Records that nobody declared are cyclic where their own decay explains most of what a straight line leaves. Where the
+// law's constants are far off (a sensor of another range), the search starts from the records' own.
+void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>& rows) {
+  constexpr double kExplains = 0.6, kFar = 1.2;
+  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+    RecordInput& r = w.input.records[k];
+    if (!r.dynamic) continue;
+    const OwnDecay own = own_decay(r, rows[k]);
+    const bool decays = own.mean_square < (1.0 - kExplains) * own.static_mean_square && own.depth > 0.03;
+    if (r.dynamic_assumed && !decays) {
+      set_static(r);
+      continue;
+    }
+    if (!decays) continue;
+    const double log_b = std::log(own.rate_per_s / w.law.decay_rate_per_s(r.f_Hz));
+    const double log_q = std::log((1.0 / own.depth - 1.0) / w.law.depth_ratio(r.A_N));
+    if (std::abs(log_b) > kFar || std::abs(log_q) > kFar)
+      w.shifts[k] = {std::clamp(log_b, -kLargestShift, kLargestShift), std::clamp(log_q, -kLargestShift, kLargestShift)};
+  }
+}
+
+}  // namespace
+
 void fit_base(Workspace& w) {
   const std::size_t n = w.input.records.size();
   w.shifts.assign(n, {});
   w.gain_V_per_N = w.scales.gain_V_per_N;
+  std::vector<std::vector<std::size_t>> rows;
+  for (const RecordInput& r : w.input.records) rows.push_back(choose_rows(r, 800));
+  if (w.law.decays) choose_excitation(w, rows);
   // start: slope of static records alone, since the decay flattens the dynamic ones
   double FF = 0.0, FU = 0.0;
   for (const RecordInput& r : w.input.records) {
@@ -148,15 +219,13 @@ void fit_base(Workspace& w) {
   }
   if (FF > 0.0 && FU / FF != 0.0) w.gain_V_per_N = FU / FF;
 
-  std::vector<std::vector<std::size_t>> rows;
-  for (const RecordInput& r : w.input.records) rows.push_back(choose_rows(r, 800));
   const auto run = [&](int rounds) {
     MixedFit fit;
     for (int round = 0; round < rounds; ++round) {
       for (std::size_t k = 0; k < n; ++k)
         set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
       MixedProblem problem;
-      set_repeatability(problem);
+      set_repeatability(problem, w.input.single);
       problem.column_prior_sd.resize(0);
       for (std::size_t k = 0; k < n; ++k) {
         const Eigen::MatrixXd Z = repeatability_columns(w, k, rows[k]);
@@ -178,8 +247,8 @@ void fit_base(Workspace& w) {
         const double b = fit.coefficient[2] + fit.zeta[k][2], q = fit.coefficient[3] + fit.zeta[k][3];
         w.shifts[k].log_b += std::clamp(b - w.shifts[k].log_b, -0.5, 0.5);
         w.shifts[k].log_q += std::clamp(q - w.shifts[k].log_q, -0.5, 0.5);
-        w.shifts[k].log_b = std::clamp(w.shifts[k].log_b, -2.5, 2.5);
-        w.shifts[k].log_q = std::clamp(w.shifts[k].log_q, -2.5, 2.5);
+        w.shifts[k].log_b = std::clamp(w.shifts[k].log_b, -kLargestShift, kLargestShift);
+        w.shifts[k].log_q = std::clamp(w.shifts[k].log_q, -kLargestShift, kLargestShift);
       }
       w.gain_V_per_N *= std::clamp(fit.coefficient[0], 0.3, 3.0);
     }

@@ -62,6 +62,7 @@ struct RankedEffect {
   double unique = 0.0;        ///< share that only it takes away, given the other findings
   double probability = 0.0;
   double null_score = 0.0;    ///< largest score expected from this family on sign-flipped blocks (95 %)
+  double visible_from = 0.0;  ///< share of the span (RMS) from which these records would show it; 0: not estimated
   std::string note;           ///< "not excited", "wrong sign", "needs temperature" ...
 };
 
@@ -132,6 +133,7 @@ struct Diagnosis {
   std::vector<RankedEffect> ranking;
   std::vector<EvidenceSeries> overlays;   ///< measured and modelled U of every record, thinned
   Repeatability repeatability;
+  std::vector<std::vector<std::string>> not_separable;  ///< effects that explain the same residual of these records
   double expected_false = 0.0;            ///< expected number of false effects at the threshold used, from sign flips
   NextExperiment next_experiment;
   std::vector<std::string> notes;

@@ -4,154 +4,19 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/diagnose/findings.h"
 #include "hil/diagnose/null_calibration.h"
 #include "hil/diagnose/pictures.h"
+#include "hil/diagnose/ranking.h"
 #include "hil/diagnose/verdict.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-// Mean square over the records that judge: held-out ones, or every record left out in turn.
-double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit) {
-  double sum = 0.0, n = 0.0;
-  for (std::size_t i = 0; i < mean_square.size(); ++i)
-    if (all_fit || channel.problem.records[i].heldout) {
-      sum += mean_square[i];
-      n += 1.0;
-    }
-  return n > 0.0 ? sum / n : 0.0;
-}
-
-struct Judged {
-  std::vector<double> adapted, plain;
-};
-
-Judged judge(const ResidualChannel& channel, const MixedFit& fit, bool all_fit) {
-  return {all_fit ? leave_one_out(channel.problem, fit).adapted : fit.adapted, fit.plain};
-}
-
-std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const ChosenEffect& chosen) {
-  std::vector<FoundParameter> out;
-  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-  const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
-  for (std::size_t k = 0; k < c.shape.size(); ++k) {
-    // half the distance to the neighbours of the grid stands for the uncertainty of a shape
-    const ParameterSpec& spec = c.form->shape[k];
-    out.push_back({spec.name, c.shape[k], 0.3 * std::abs(c.shape[k]), spec.unit});
-  }
-  for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
-    for (int column : variant.columns)
-      if (chosen.fit.columns[b] == column) {
-        const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
-        const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-        out.push_back({spec.name, chosen.fit.coefficient[at], std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
-      }
-  return out;
-}
-
-std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, double before, double after) {
-  char text[400];
-  const double milli = 1000.0;
-  std::snprintf(text, sizeof text, "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s; %d of %d records that it touches improve",
-                chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(),
-                100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str(), chosen.records_improved,
-                chosen.records_excited);
-  return text;
-}
-
-void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection, double explained,
-                  Diagnosis& out) {
-  MixedFit before = selection.base;
-  for (const ChosenEffect& chosen : selection.chosen) {
-    Finding f;
-    f.effect = chosen.kind->name;
-    f.side = chosen.kind->side;
-    f.unit = channel.unit;
-    const double real = chosen.gain > 40.0 ? 0.98 : 0.90;
-    const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
-    f.probability = real * whole * chosen.share_of_family;
-    if (explained > 0.5 && chosen.share_of_family > 0.3) f.probability = std::max(f.probability, 0.5);
-    const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-    f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
-    f.parameters = parameters_of(channel, chosen);
-    f.error_before = channel.scale * std::sqrt(judged(channel, judge(channel, before, w.all_fit).adapted, w.all_fit));
-    f.error_after = channel.scale * std::sqrt(judged(channel, judge(channel, chosen.fit, w.all_fit).adapted, w.all_fit));
-    f.effect_rms = chosen.effect_rms * channel.scale;
-    f.records_improved = chosen.records_improved;
-    f.records_excited = chosen.records_excited;
-    f.evidence = sentence(chosen, channel, f.error_before, f.error_after);
-    for (const FamilyScore& rival : selection.first.families) {
-      if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
-      const double cosine = signature_cosine(channel, selection.base, chosen.fit, chosen.columns, rival.best.fit,
-                                             channel.variants[static_cast<std::size_t>(rival.best.variant)].columns);
-      if (std::abs(cosine) > 0.9) f.confounded_with.push_back({rival.kind->name, cosine, chosen.kind->separates});
-    }
-    for (const auto& [name, share] : chosen.rivals)
-      if (share > 0.2 && std::none_of(f.confounded_with.begin(), f.confounded_with.end(),
-                                      [&, n = name](const LookAlike& a) { return a.effect == n; }))
-        f.confounded_with.push_back({name, 0.0, chosen.kind->separates});
-    before = chosen.fit;
-    out.findings.push_back(std::move(f));
-    // the rivals of this place stand beside it with what is left of the probability
-    for (const auto& [name, share] : chosen.rivals) {
-      const EffectKind* kind = EffectRegistry::instance().find(name);
-      for (const auto& own : w.user_kinds)
-        if (own->name == name) kind = own.get();
-      if (kind == nullptr || share < 0.05) continue;
-      Finding weak;
-      weak.effect = name;
-      weak.side = kind->side;
-      weak.unit = channel.unit;
-      weak.probability = std::min(0.49, share * real * whole);
-      weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
-      out.findings.push_back(std::move(weak));
-    }
-  }
-}
-
-void add_ranking(const ResidualChannel& channel, const Selection& selection, Diagnosis& out) {
-  for (const FamilyScore& family : selection.first.families) {
-    RankedEffect r;
-    r.effect = family.kind->name;
-    r.side = family.kind->side;
-    const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-    r.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
-    r.score = family.gain;
-    r.alone = std::clamp(family.best.fall, 0.0, 1.0);
-    if (family.best.wrong_sign) r.note = "wrong sign";
-    for (const ChosenEffect& c : selection.chosen)
-      if (c.kind == family.kind) r.probability = c.share_of_family;
-    // what the final model loses without it, or still gains with it
-    std::vector<int> columns = selection.final.columns;
-    const bool in = std::any_of(columns.begin(), columns.end(), [&](int j) {
-      return std::find(variant.columns.begin(), variant.columns.end(), j) != variant.columns.end();
-    });
-    if (selection.excess_before > 0.0 && (in || family.gain > 3.0)) {
-      if (in) {
-        const std::vector<int> bank = bank_columns(channel, *family.kind);
-        std::erase_if(columns, [&](int j) {
-          return std::find(variant.columns.begin(), variant.columns.end(), j) != variant.columns.end() ||
-                 std::find(bank.begin(), bank.end(), j) != bank.end();
-        });
-      } else {
-        for (int j : variant.columns) columns.push_back(j);
-      }
-      const MixedFit other = fit_mixed(channel.problem, columns, &selection.final, 5);
-      if (other.valid) {
-        const double change = excess_mean_square(channel, other) - selection.excess_after;
-        r.unique = std::clamp((in ? change : -change) / selection.excess_before, 0.0, 1.0);
-      }
-    }
-    out.ranking.push_back(std::move(r));
-  }
-  std::stable_sort(out.ranking.begin(), out.ranking.end(),
-                   [](const RankedEffect& a, const RankedEffect& b) { return a.score > b.score; });
-}
-
 void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
   const ResidualChannel& channel = w.output;
-  const Judged before = judge(channel, base, w.all_fit), after = judge(channel, final, w.all_fit);
+  const Judged before = judge(channel, base, base, w.all_fit), after = judge(channel, final, base, w.all_fit);
   const double s = channel.scale;
   for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
     const RecordGram& g = channel.problem.records[i];
@@ -227,7 +92,9 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
   SelectionRules rules;
-  rules.clock_slack = !w.input.generic;  // columns of one file share one clock
+  rules.forms_are_rough = w.input.generic;
+  // milliseconds between two instruments are no matter in a recording of seconds
+  rules.clock_slack = !w.input.generic || w.input.records.front().row_step_s <= 0.05;
 
   const std::vector<HealthClaim> raw = health_claims(w.health, w.scales, w.input.bench);
   const auto raw_says = [&](const std::string& name) {
@@ -246,9 +113,8 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     rig_rules.first_total_fall = rig_rules.later_total_fall = 1.1;
     rig_rules.smallest_rms = 1e-3;
     // every command reaches the force late; without a data sheet of the motor that is no finding
-    std::vector<std::string> rig_skip = options.in_model;
-    rig_skip.push_back("motor");
-    rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), rig_skip, rig_rules, options.threads);
+    rig_rules.nuisance = {"motor"};
+    rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules, options.threads);
     for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
   }
   std::vector<std::string> skip = options.in_model;
@@ -291,19 +157,24 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     add_findings(w, w.rig, rig, std::max(rig_explained, 0.51), out);
     if (!rig.chosen.empty()) {
       const double scale = w.rig.scale;
-      out.errors["F"] = {scale * std::sqrt(judged(w.rig, judge(w.rig, rig.base, w.all_fit).adapted, w.all_fit)),
-                         scale * std::sqrt(judged(w.rig, judge(w.rig, rig.final, w.all_fit).adapted, w.all_fit)), "N"};
+      out.errors["F"] = {scale * std::sqrt(judged(w.rig, judge(w.rig, rig.base, rig.base, w.all_fit).adapted, w.all_fit)),
+                         scale * std::sqrt(judged(w.rig, judge(w.rig, rig.final, rig.base, w.all_fit).adapted, w.all_fit)), "N"};
     }
   }
 
+  share_among_timing(selection, out.findings);
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (raw_says("reference_noise"))
     for (Finding& f : out.findings)
       if (f.form != "raw") f.probability *= 0.5;
 
   // one entry per effect, claims first
-  std::stable_sort(out.findings.begin(), out.findings.end(),
-                   [](const Finding& a, const Finding& b) { return a.probability > b.probability; });
+  // equally sure: what explains more of the error first
+  const auto rank = [&](const Finding& f) {
+    const double fall = f.error_before > 0.0 ? std::max(0.0, 1.0 - f.error_after / f.error_before) : 0.0;
+    return std::pair{f.probability >= 0.5 ? std::round(10.0 * f.probability) : 10.0 * f.probability, f.form == "raw" ? 0.0 : fall};
+  };
+  std::stable_sort(out.findings.begin(), out.findings.end(), [&](const Finding& a, const Finding& b) { return rank(a) > rank(b); });
   std::vector<Finding> unique;
   for (Finding& f : out.findings)
     if (std::none_of(unique.begin(), unique.end(), [&](const Finding& u) { return u.effect == f.effect; }))
@@ -312,6 +183,9 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const bool claims = std::any_of(out.findings.begin(), out.findings.end(), [](const Finding& f) { return f.probability >= 0.5; });
   out.verdict = claims ? DiagnosisVerdict::known : structured ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
   out.residual_unknown = claims && structured && explained < 0.8;
+
+  tell_not_separable(selection, out);
+  if (w.has_rig && rig.base.valid) tell_not_separable(rig, out);
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual);
@@ -324,14 +198,15 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       f.error_before = out.error_before;
       f.error_after = out.error_after;
     }
-  add_ranking(w.output, selection, out);
+  add_ranking(w.output, selection, rules, out);
   constexpr int kFlips = 6;
   const NullCalibration null = calibrate_null(w.output, selection.final, skip,
                                               [&](const std::string& name) { return threshold_of(name, rules); }, kFlips, options.threads);
   out.expected_false = null.expected_false;
   for (RankedEffect& r : out.ranking)
     if (const auto found = null.score.find(r.effect); found != null.score.end()) r.null_score = found->second;
-  if (w.has_rig && rig.base.valid) add_ranking(w.rig, rig, out);
+  if (w.has_rig && rig.base.valid) add_ranking(w.rig, rig, rules, out);
+  if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   for (const std::string& what : selection.nuisance) out.notes.push_back(what);

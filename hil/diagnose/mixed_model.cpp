@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/diagnose/left_out.h"
-
 namespace forcegate::diagnose {
 
 namespace {
@@ -201,7 +199,15 @@ void flip_residuals(MixedProblem& problem, const MixedFit& fit, const std::vecto
   }
 }
 
-LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit) {
+std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit, const MixedFit& freedom) {
+  const VectorXd sigma2 = expand_variance(problem, freedom.variance);
+  std::vector<double> out;
+  for (std::size_t i = 0; i < problem.records.size(); ++i)
+    out.push_back(condition(take(problem, i, fit.columns), with_minus(fit.coefficient), sigma2, problem.records[i].n_eff / freedom.s2[i]).mean_square);
+  return out;
+}
+
+LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const MixedFit* freedom) {
   const std::size_t n_records = problem.records.size();
   const Index d = fit.coefficient.size();
   const VectorXd sigma2 = expand_variance(problem, fit.variance);
@@ -224,29 +230,12 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit) {
     const VectorXd v = with_minus(coefficient);
     const double n_eff = problem.records[i].n_eff;
     const Conditional c = condition(parts[i], v, sigma2, n_eff / fit.s2[i]);
-    out.adapted[i] = c.mean_square;
+    out.adapted[i] = freedom == nullptr
+                         ? c.mean_square
+                         : condition(parts[i], v, expand_variance(problem, freedom->variance), n_eff / freedom->s2[i]).mean_square;
     out.log_density[i] = -0.5 * (n_eff * std::log(fit.s2[i]) + n_eff * c.mean_square / fit.s2[i] + c.penalty + c.log_det);
     out.plain[i] = std::max(0.0, v.dot(parts[i].cc * v));
   }
-  return out;
-}
-
-double spread_fall(const MixedFit& before, const MixedFit& after) {
-  double out = 0.0;
-  for (Index k = 0; k < before.variance.size(); ++k)
-    if (before.variance[k] > 0.0) out = std::max(out, 1.0 - after.variance[k] / before.variance[k]);
-  return out;
-}
-
-LeftOutGain left_out_gain(const MixedProblem& problem, const MixedFit& before, const MixedFit& after) {
-  const std::vector<double> a = leave_one_out(problem, after).log_density, b = leave_one_out(problem, before).log_density;
-  LeftOutGain out;
-  double best = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    out.total += a[i] - b[i];
-    best = std::max(best, a[i] - b[i]);
-  }
-  out.without_best = out.total - best;
   return out;
 }
 

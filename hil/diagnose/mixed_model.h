@@ -76,6 +76,11 @@ struct LeftOut {
   std::vector<double> adapted, plain;  ///< with and without the record's own zeta
   std::vector<double> log_density;     ///< of the record, zeta integrated out
 };
-LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit);
+/// `freedom`: adapted errors let the record's zeta follow within the variances of this fit instead; two models are compared
+/// at the same freedom.
+LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const MixedFit* freedom = nullptr);
+
+/// Adapted mean square residual of every record at the coefficients of `fit` and the variances of `freedom`.
+std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit, const MixedFit& freedom);
 
 }  // namespace forcegate::diagnose

@@ -11,39 +11,30 @@ namespace forcegate::diagnose {
 
 namespace {
 
-// A single record is cut into contiguous blocks with a gap between them, so that something can be left out.
-void split_single(Campaign& campaign) {
-  if (campaign.records.size() != 1) return;
-  Record whole = std::move(campaign.records.front());
-  campaign.records.clear();
-  const std::size_t n = whole.trace.size(), parts = 5, gap = n / 100;
-  if (n < 400) {
-    campaign.records.push_back(std::move(whole));
-    return;
+// A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Every
+// block keeps the whole history, since what came before it is still in the states of the system. The states of the first rows are
+// not known.
+void cut_into_blocks(Workspace& w) {
+  constexpr std::size_t kBlocks = 5, kFewestRows = 200;
+  const std::size_t n = w.input.records.front().rows();
+  if (n < kFewestRows) return;
+  RecordInput whole = std::move(w.input.records.front());
+  const RecordHealth health = std::move(w.health.front());
+  w.input.records.clear();
+  w.health.clear();
+  const std::size_t gap = n / 100, settled = n / 10, length = (n - settled) / kBlocks;
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    RecordInput block = whole;
+    block.name = whole.name + "/" + std::to_string(b + 1);
+    block.index = b;
+    const std::size_t begin = settled + b * length + (b > 0 ? gap / 2 : 0), end = b + 1 < kBlocks ? settled + (b + 1) * length - gap / 2 : n;
+    for (std::size_t i = 0; i < n; ++i)
+      if (i < begin || i >= end) block.ok[i] = 0;
+    w.input.records.push_back(std::move(block));
+    w.health.push_back(health);
   }
-  for (std::size_t p = 0; p < parts; ++p) {
-    const std::size_t from = p * n / parts + (p > 0 ? gap / 2 : 0), to = (p + 1) * n / parts - (p + 1 < parts ? gap / 2 : 0);
-    Record part = whole;
-    part.name = whole.name + "/" + std::to_string(p + 1);
-    part.trace = Trace{};
-    for (const TimeBase& base : whole.trace.time_bases) {
-      TimeBase cut = base;
-      cut.gaps.clear();
-      if (base.t_s.size() == n) cut.t_s.assign(base.t_s.begin() + static_cast<std::ptrdiff_t>(from), base.t_s.begin() + static_cast<std::ptrdiff_t>(to));
-      part.trace.time_bases.push_back(std::move(cut));
-    }
-    for (const Channel& channel : whole.trace.channels) {
-      Channel cut = channel;
-      cut.raw.clear();
-      if (channel.value.size() == n)
-        cut.value.assign(channel.value.begin() + static_cast<std::ptrdiff_t>(from), channel.value.begin() + static_cast<std::ptrdiff_t>(to));
-      part.trace.channels.push_back(std::move(cut));
-    }
-    part.start_s = whole.trace.time_bases.front().t_s[from];
-    part.dynamic = false;
-    campaign.records.push_back(std::move(part));
-  }
-  campaign.notes.push_back("one record only: cut into five contiguous blocks with a gap; no decay is assumed");
+  w.input.notes.push_back(std::string("one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn") +
+                          (whole.dynamic ? "" : "; no decay is assumed"));
 }
 
 }  // namespace
@@ -55,8 +46,8 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   w->input.name = campaign.name;
   w->input.bench = campaign.bench;
   const bool single = campaign.records.size() == 1;
+  w->input.single = single;
   w->input.generic = single && campaign.records.front().kind.empty();
-  split_single(campaign);
   w->input.notes = campaign.notes;
   w->scales = health_scales(campaign);
   bool any_heldout = false;
@@ -79,7 +70,15 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     if (reference_sd_N > 1e-4 * w->scales.range_N)
       for (Channel& channel : record.trace.channels)
         if (channel.name == "F_ref") channel.value = smooth_within_noise(channel.value, reference_sd_N);
-    prepared[k].input = make_record_input(record, prepared[k].health.bad);
+    double row_step_s = kRowStep_s;
+    if (single) {
+      // a short recording of something fast keeps its samples
+      constexpr double kRows = 5000.0;
+      const Channel* force = record.trace.find("F_ref");
+      const std::vector<double>* t = force != nullptr ? &record.trace.time_bases[force->time_base].t_s : nullptr;
+      if (t != nullptr && t->size() > 1) row_step_s = std::min(row_step_s, (t->back() - t->front()) / kRows);
+    }
+    prepared[k].input = make_record_input(record, prepared[k].health.bad, row_step_s);
     record.trace = Trace{};
     prepared[k].health.bad = {};
   });
@@ -95,8 +94,10 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     for (const Record& record : campaign.records)
       if (record.name == input.name) declared = &record;
     estimate_excitation(input, declared, w->input.range_N);
+    if (single && input.dynamic && input.dynamic_assumed) set_static(input);
     w->health.push_back(health[input.name]);
   }
+  if (single) cut_into_blocks(*w);
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   fit_base(*w);
   if (options.search) build_rig_channel(*w, options.threads);

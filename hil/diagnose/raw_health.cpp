@@ -193,6 +193,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   };
   std::vector<std::size_t> spike;
   std::vector<double> spike_level;
+  // a spike comes back; what stays is an edge, or held samples that were let go
+  const auto comes_back = [&](std::size_t i, double jump) { return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump; };
   // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
   for (std::size_t i = 2; i + 2 < n; ++i) {
     if (!std::isfinite(U[i])) {
@@ -212,7 +214,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V) {
       ++out.zeros;
       mark(i, jump);
-    } else {
+    } else if (comes_back(i, jump)) {
       spike.push_back(i);
       spike_level.push_back(middle);
     }
@@ -247,7 +249,13 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
         second += F[end - 1 - k];
       }
       const double moved = 2.0 * std::abs(second - first) / static_cast<double>(length / 2);
-      const bool allowed = ends.holds(U[i]) && !falls_there(i);
+      // held samples are let go with a jump to where the output has been meanwhile; an output that is merely late goes
+      // on as the force went
+      const double release = end < n ? std::abs(U[end] - U[i]) : 0.0;
+      const double next = end + 1 < n ? std::abs(U[end + 1] - U[end]) : 0.0;
+      const bool late = release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next;
+      const bool at_end = U[i] >= top - 1e-12 || std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
+      const bool allowed = (ends.holds(U[i]) && !falls_there(i)) || (late && !at_end);
       if (!allowed && gain * std::min(moved, high - low) > move_V) {
         const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
         for (std::size_t k = i; k < end; ++k) mark(k, 0.5 * gain * (high - low));
@@ -264,6 +272,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     i = end;
   }
   out.bad_mean_square_V2 /= static_cast<double>(n);
+  // a rail cuts noise off: what comes near it is bent too
+  if (out.at_rail > 0)
+    for (std::size_t i = 0; i < n; ++i)
+      if (U[i] >= out.rail_V - std::max(1.5 * out.lsb_U_V, 3.0 * out.noise_U_V)) out.bad[i] = 1;
   for (std::size_t i = 0; i < n; ++i)
     if (ends.holds(U[i])) out.bad[i] = 1;  // censored, no error of the instrument
   const MainsLine line = find_mains_line(t, F, U, scales.gain_V_per_N);

@@ -25,18 +25,39 @@ bool is_beyond_bounds(const ResidualChannel& channel, const MixedFit& fit, const
   if (variant.columns.size() != 1) return false;
   const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
   const auto at = fit.coefficient.size() - 1;
-  const double value = fit.coefficient[at], slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance(at, at)));
+  // a share of the gain that is fitted beside it, not of the one that the search began with
+  const double fitted = fit.coefficient[0] * channel.gain_of_unit, gain = std::abs(fitted) > 0.05 ? fitted : 1.0;
+  const double value = fit.coefficient[at] / gain, slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance(at, at))) / std::abs(gain);
   return value > c.form->most + slack || value < c.form->least - slack;
 }
 
 bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, const Variant& variant) {
   const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
-  if (c.form->sign == StrengthSign::either) return false;
+  if (c.form->sign == StrengthSign::either || !channel.signs_known) return false;
   const Eigen::VectorXd coefficient = coefficients_of(channel, score.fit, variant.columns);
   double sum = 0.0;
   for (std::size_t j = 0; j < variant.columns.size(); ++j)
     sum += coefficient[static_cast<Eigen::Index>(j)] / channel.problem.column_prior_sd[variant.columns[j]];
   return c.form->sign == StrengthSign::positive ? sum < 0.0 : sum > 0.0;
+}
+
+}  // namespace
+
+namespace {
+
+// A base that still climbs would lend its climb to every candidate.
+MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit* warm, int iterations, RecordUse use) {
+  constexpr int kRounds = 12;
+  constexpr double kStill = 0.02;  // nats
+  MixedFit fit = fit_mixed(channel.problem, present, warm, iterations, use);
+  for (int round = 0; fit.valid && round < kRounds; ++round) {
+    MixedFit next = fit_mixed(channel.problem, present, &fit, iterations, use);
+    if (!next.valid) break;
+    const double climbed = next.log_evidence - fit.log_evidence;
+    fit = std::move(next);
+    if (climbed < kStill) break;
+  }
+  return fit;
 }
 
 }  // namespace
@@ -108,7 +129,7 @@ VariantScore score_variant(const ResidualChannel& channel, const std::vector<int
 ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& skip,
                     const MixedFit* warm, unsigned threads, int iterations, RecordUse use) {
   ScreenResult out;
-  out.base = fit_mixed(channel.problem, present, warm, 2 * iterations, use);
+  out.base = fit_to_the_end(channel, present, warm, 2 * iterations, use);
   if (!out.base.valid) return out;
   std::vector<VariantScore> scores(channel.variants.size());
   std::vector<char> used(channel.variants.size(), 0);

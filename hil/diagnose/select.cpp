@@ -35,40 +35,6 @@ bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& fam
   return false;
 }
 
-// Record-level effects change gains and offsets between records: the records' own freedom absorbs them, so that only
-// the prediction without that freedom can tell.
-bool is_between_records(const std::string& name) {
-  return name == "wear" || name == "thermal" || name == "humidity" || name == "bias" || name == "mounting" ||
-         name == "slow_recovery" || name == "reference_drift";
-}
-
-// Effects of time alone. Two instruments are never in step to the last milliseconds, so that a small shift which stays
-// within what the declared noise allows is nobody's fault.
-bool is_timing(const std::string& name) {
-  return name == "delay" || name == "lag" || name == "rc" || name == "clock_skew" || name == "piezocapacitance";
-}
-
-// Which records the effect moves, and how many of them it improves when they are left out.
-void count_records(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after, const std::vector<int>& columns,
-                   ChosenEffect& out, double& share) {
-  const std::vector<double> loo_before = leave_one_out(channel.problem, before).adapted,
-                            loo_after = leave_one_out(channel.problem, after).adapted;
-  const VectorXd c = contribution(channel, after, columns);
-  double removed = 0.0, total = 0.0;
-  for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
-    const RecordGram& record = channel.problem.records[i];
-    const double floor = record.allowed_variance;
-    // excited: the adapted residual moves by more than a tenth of its noise
-    const double moved = before.adapted[i] - after.adapted[i];
-    if (std::abs(moved) < 0.1 * floor + 0.02 * before.adapted[i]) continue;
-    ++out.records_excited;
-    if (loo_after[i] < loo_before[i]) ++out.records_improved;
-    removed += loo_before[i] - loo_after[i];
-    total += std::max(loo_before[i] - floor, 0.0) + 1e-12;
-  }
-  share = total > 0.0 ? removed / total : 0.0;
-}
-
 double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < fit.adapted.size(); ++i)
@@ -81,7 +47,8 @@ double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
 
 // Why an effect is not taken; empty when it is.
 std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, const ChosenEffect& chosen,
-                      double left_out_share, bool first, const SelectionRules& rules, unsigned threads) {
+                      double removed_before, const SelectionRules& rules, unsigned threads) {
+  const bool first = removed_before == 0.0;
   const double excess = excess_mean_square(channel, result.base);
   const double total_rms = std::sqrt(std::max(0.0, family.best.total_fall * mean_adapted(channel, result.base)));
   const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess));
@@ -92,7 +59,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
     if (spread_fall(result.base, family.best.fit) < rules.between_fall) return "it does not make records predictable from each other";
     const LeftOutGain left_out = left_out_gain(channel.problem, result.base, family.best.fit);
     if (left_out.total < rules.between_left_out) return "records that were left out are not predicted better";
-    if (left_out.without_best < 0.0) return "only one record is predicted better";
+    if (left_out.without_best < 0.0 || left_out.total < left_out.standard_error) return "only one record is predicted better";
     constexpr int kFlips = 19;
     if (chance_of(channel, result.base, *family.kind, family.gain, kFlips, threads) > rules.between_chance)
       return "sign-flipped records show as much";
@@ -105,28 +72,109 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
     return "it leaves most of the residual";
   if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
   if (std::max(removed_rms, total_rms) < rules.smallest_rms) return "too small for the declared instruments";
-  if (chosen.records_excited >= 3 && (chosen.records_improved * 2 <= chosen.records_excited || left_out_share < 0.02))
-    return "it does not help records that were left out";
-  if (chosen.records_excited < 2 && family.gain < 2.0 * rules.later_gain) return "only one record shows it";
+  // the form of an effect is known to a share of its size only: what it leaves of that size is no second effect
+  if (removed_rms < rules.form_error * removed_before) return "it is no more than the first one's form may be wrong by";
+  if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
+  if (!chosen.left_out.helps() || chosen.left_out.share < 0.02)
+    return chosen.left_out.blocks ? "it does not help parts of records that were left out" : "it does not help records that were left out";
   return {};
 }
 
 // Shares among the families from `place` on: what was turned down for its own reasons is no rival.
-void set_shares(const ScreenResult& result, std::size_t place, ChosenEffect& chosen) {
+void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, ChosenEffect& chosen) {
   const double top = chosen.gain;
-  const double temperature = 0.03 * std::max(0.0, top) + 6.0;
+  // evidence between records counts records; evidence within them counts rows that hang together and needs a scale
+  const double temperature = chosen.between ? 1.5 : 0.03 * std::max(0.0, top) + 6.0;
   double sum = 0.0;
-  for (std::size_t k = place; k < result.families.size(); ++k)
-    sum += std::exp(std::max(-200.0, (result.families[k].gain - top) / temperature));
+  std::vector<double> weight(result.families.size(), 0.0);
   for (std::size_t k = place; k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
-    const double share = std::exp(std::max(-200.0, (family.gain - top) / temperature)) / sum;
+    weight[k] = std::exp(std::max(-200.0, (family.gain - top) / temperature));
+    // signatures that differ by less than a form is known to cannot be parted by how well they fit
+    if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
+      const double cosine = signature_cosine(channel, result.base, chosen.fit, chosen.columns, family.best.fit,
+                                             channel.variants[static_cast<std::size_t>(family.best.variant)].columns);
+      if (std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) < rules.form_error) weight[k] = 1.0;
+    }
+    sum += weight[k];
+  }
+  for (std::size_t k = place; k < result.families.size(); ++k) {
+    const FamilyScore& family = result.families[k];
+    const double share = weight[k] / sum;
     if (family.kind == chosen.kind) chosen.share_of_family = share;
     else if (share > 0.01) chosen.rivals.emplace_back(family.kind->name, share);
   }
 }
 
+// Backward: an earlier effect may have been a compromise that the later ones make needless. A look-alike gets all forms of
+// its family before it is said that it cannot do without the other.
+void drop_needless(const ResidualChannel& channel, const std::vector<int>& always, const SelectionRules& rules, Selection& out) {
+  const auto add = [](std::vector<int>& to, const std::vector<int>& columns) {
+    for (int j : columns)
+      if (std::find(to.begin(), to.end(), j) == to.end()) to.push_back(j);
+  };
+  bool dropped = false;
+  for (std::size_t k = 0; out.chosen.size() >= 2 && k < out.chosen.size();) {
+    std::vector<int> without = always;
+    for (std::size_t j = 0; j < out.chosen.size(); ++j)
+      if (j != k) {
+        // own columns only for others: a bank is there to soak up remains, not to take the place of another effect
+        add(without, out.chosen[j].columns);
+        if (look_alike(*out.chosen[j].kind, *out.chosen[k].kind)) add(without, family_columns(channel, *out.chosen[j].kind));
+      }
+    std::vector<int> with = without;
+    add(with, out.chosen[k].columns);
+    const MixedFit reduced = fit_mixed(channel.problem, without, &out.final, 12, RecordUse::all_records);
+    const MixedFit full = fit_mixed(channel.problem, with, &out.final, 12, RecordUse::all_records);
+    if (!reduced.valid || !full.valid) return;
+    const double left = excess_mean_square(channel, reduced), kept = excess_mean_square(channel, full);
+    if (full.log_evidence - reduced.log_evidence < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, left) ||
+        !(out.chosen[k].between || cross_fit(channel, reduced, full).helps())) {
+      out.rejected.push_back(out.chosen[k].kind->name + ": needless beside the others");
+      out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
+      dropped = true;
+      k = 0;
+    } else {
+      out.chosen[k].unique = full.log_evidence - reduced.log_evidence;
+      ++k;
+    }
+  }
+  if (!dropped) return;
+  std::vector<int> present = always;
+  for (ChosenEffect& chosen : out.chosen) {
+    add(present, chosen.columns);
+    const MixedFit fit = fit_mixed(channel.problem, present, &out.final, 12, RecordUse::all_records);
+    if (!fit.valid) return;
+    chosen.fit = fit;
+    add(present, family_columns(channel, *chosen.kind));
+  }
+  const MixedFit final = fit_mixed(channel.problem, present, &out.final, 12, RecordUse::all_records);
+  if (!final.valid) return;
+  out.final = final;
+  out.excess_after = excess_mean_square(channel, final);
+}
+
 }  // namespace
+
+// Record-level effects change gains and offsets between records: the records' own freedom absorbs them, so that only
+// the prediction without that freedom can tell.
+bool is_between_records(const std::string& name) {
+  return name == "wear" || name == "thermal" || name == "humidity" || name == "bias" || name == "mounting" ||
+         name == "slow_recovery" || name == "reference_drift";
+}
+
+// Two instruments are never in step to the last milliseconds, so that a small shift which stays within what the declared
+// noise allows is nobody's fault.
+bool is_timing(const std::string& name) {
+  return name == "delay" || name == "lag" || name == "rc" || name == "clock_skew" || name == "piezocapacitance";
+}
+
+bool look_alike(const EffectKind& a, const EffectKind& b) {
+  const auto lists = [](const EffectKind& x, const EffectKind& y) {
+    return std::find(x.look_alikes.begin(), x.look_alikes.end(), y.name) != x.look_alikes.end();
+  };
+  return (is_timing(a.name) && is_timing(b.name)) || lists(a, b) || lists(b, a);
+}
 
 double threshold_of(const std::string& effect, const SelectionRules& rules) {
   return is_between_records(effect) ? rules.between_gain : rules.first_gain;
@@ -199,6 +247,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
   out.first = result;
 
   int latencies = 0;
+  double largest_removed = 0.0;  // RMS
   std::size_t place = 0;  // in the ranking
   constexpr std::size_t kMostPlaces = 4;
   for (int step = 0; step < rules.most; ++step) {
@@ -215,8 +264,8 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     chosen.fall = family.best.fall;
     chosen.effect_rms = family.best.effect_rms;
     chosen.fit = family.best.fit;
-    double left_out_share = 0.0;
-    count_records(channel, result.base, family.best.fit, variant.columns, chosen, left_out_share);
+    chosen.left_out = cross_fit(channel, result.base, family.best.fit);
+    chosen.between = is_between_records(family.kind->name);
     const bool first = out.chosen.empty();
     const bool slight_shift = rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
                               chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
@@ -261,7 +310,24 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       --step;
       continue;
     }
-    const std::string why = objection(channel, result, family, chosen, left_out_share, first, rules, threads);
+    if (std::find(rules.nuisance.begin(), rules.nuisance.end(), family.kind->name) != rules.nuisance.end() && family.gain > rules.first_gain) {
+      taken.push_back(family.kind->name);
+      for (int j : family_columns(channel, *family.kind))
+        if (std::find(present.begin(), present.end(), j) == present.end()) present.push_back(j);
+      out.nuisance.push_back(family.kind->name + " explains part of it and is nobody's fault");
+      result = screen(channel, present, taken, &family.best.fit, threads);
+      if (!result.base.valid) break;
+      if (first) {
+        out.base = result.base;
+        out.excess_before = excess_mean_square(channel, result.base);
+      }
+      out.final = result.base;
+      out.excess_after = excess_mean_square(channel, result.base);
+      place = 0;
+      --step;
+      continue;
+    }
+    const std::string why = objection(channel, result, family, chosen, largest_removed, rules, threads);
     if (!why.empty()) {
       out.rejected.push_back(family.kind->name + ": " + why);
       // the scatter within records and the spread between them are different questions: the next family may answer the other
@@ -271,7 +337,9 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       }
       break;
     }
-    set_shares(result, place, chosen);
+    set_shares(channel, result, place, rules, chosen);
+    if (!chosen.between)
+      largest_removed = std::max(largest_removed, std::sqrt(std::max(1e-18, chosen.fall * excess_mean_square(channel, result.base))));
     out.chosen.push_back(chosen);
     taken.push_back(family.kind->name);
     for (int j : variant.columns) present.push_back(j);
@@ -284,31 +352,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     out.excess_after = excess_mean_square(channel, result.base);
   }
 
-  // backward: the first may have been a compromise that the later ones make needless
-  if (out.chosen.size() >= 2) {
-    for (std::size_t k = 0; k + 1 < out.chosen.size();) {
-      std::vector<int> without = always, with = always;
-      for (std::size_t j = 0; j < out.chosen.size(); ++j) {
-        // own columns only: a bank is there to soak up remains, not to take the place of another effect
-        const std::vector<int>& columns = out.chosen[j].columns;
-        with.insert(with.end(), columns.begin(), columns.end());
-        if (j != k) without.insert(without.end(), columns.begin(), columns.end());
-      }
-      const MixedFit reduced = fit_mixed(channel.problem, without, &out.final, 12, RecordUse::all_records);
-      const MixedFit full = fit_mixed(channel.problem, with, &out.final, 12, RecordUse::all_records);
-      if (!reduced.valid || !full.valid) break;
-      const double left = excess_mean_square(channel, reduced), kept = excess_mean_square(channel, full);
-      if (full.log_evidence - reduced.log_evidence < rules.first_gain ||
-          left - kept < 0.25 * std::max(0.02 * out.excess_before, left)) {
-        out.rejected.push_back(out.chosen[k].kind->name + ": needless beside the others");
-        out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
-        out.final = reduced;
-        out.excess_after = left;
-      } else {
-        ++k;
-      }
-    }
-  }
+  drop_needless(channel, always, rules, out);
   // what is reported comes from the fit records alone
   const auto report = [&](MixedFit& fit) {
     const MixedFit refitted = fit_mixed(channel.problem, fit.columns, &fit, 8);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/diagnose/left_out.h"
 #include "hil/diagnose/screen.h"
 
 namespace forcegate::diagnose {
@@ -15,8 +16,10 @@ struct ChosenEffect {
   double gain = 0.0;             ///< log evidence when it entered
   double fall = 0.0;             ///< share of the excess mean square that it removed when it entered
   double effect_rms = 0.0;       ///< share of the span
+  double unique = 0.0;           ///< log evidence that the final model loses without it
   double share_of_family = 0.0;  ///< softmax over the families that competed, at the working temperature
-  int records_improved = 0, records_excited = 0;
+  bool between = false;          ///< it acts from record to record
+  CrossFit left_out;             ///< against the model before it entered
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share
   MixedFit fit;                  ///< of the model with everything up to this effect
 };
@@ -32,18 +35,30 @@ struct Selection {
 
 struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
-  double between_gain = 8.0;     ///< n counts records; chance reaches 2 nats once in a thousand (mixed_model_test)
+  double between_gain = 5.0;     ///< nats. One in twenty campaigns has a given effect of this kind: odds of 7 : 1 are left
   double between_left_out = 3.0; ///< nats by which records that were left out must be predicted better
   double between_fall = 0.5;     ///< share of the spread between records (a variance) that it must explain
   double between_chance = 0.10;  ///< largest share of sign-flipped records that may do as well
 
   double first_fall = 0.10, later_fall = 0.50;
   double first_total_fall = 0.06, later_total_fall = 0.35;  ///< where the declared noise allows the whole residual
+  double form_error = 0.25;      ///< of the RMS that the largest effect removed: a second one must remove more
+  bool forms_are_rough = false;  ///< the recording is of another machine: forms within form_error of each other are one
   double sure_gain = 40.0, sure_total_fall = 0.02;  ///< a small share is enough where the evidence is overwhelming
   double smallest_rms = 2.5e-4;  ///< of the span: less is below what the declared instruments can tell
+  std::vector<std::string> nuisance;  ///< families that compete, and are carried without being claimed
   bool clock_slack = true;       ///< a few milliseconds between two instruments are nobody's fault
   int most = 3;
 };
+
+/// Effects that change gain or zero from record to record.
+bool is_between_records(const std::string& effect);
+
+/// Effects of time alone: what one of them explains, the others nearly explain too.
+bool is_timing(const std::string& effect);
+
+/// Effects that the library knows to be mistaken for each other.
+bool look_alike(const EffectKind& a, const EffectKind& b);
 
 /// Score from which an effect is considered at all.
 double threshold_of(const std::string& effect, const SelectionRules& rules);

@@ -14,17 +14,41 @@ constexpr std::size_t kRowLimit = 2500;
 constexpr double kPriorShare = 0.03;  // an effect of 3 % of the span is nothing unusual
 constexpr int kSpareColumns = 24;
 
-// The candidate's columns on the chosen rows of one record.
+// The candidate's columns on the chosen rows of record k and of all other blocks of the same recording.
 void write_columns(const CampaignInput& input, ResidualChannel& channel, std::size_t k, const Candidate& c, Eigen::MatrixXd& full) {
   const RecordInput& r = input.records[channel.record_of[k]];
-  RecordRows& rows = channel.rows[k];
   full.setZero(static_cast<Eigen::Index>(r.rows()), c.count);
   c.form->columns(input, r, c.shape, full);
-  for (int j = 0; j < c.count; ++j)
-    for (std::size_t i = 0; i < rows.row.size(); ++i) {
-      const double v = full(static_cast<Eigen::Index>(rows.row[i]), j);
-      rows.matrix(static_cast<Eigen::Index>(i), channel.problem.nz + c.first + j) = std::isfinite(v) ? v * channel.column_factor : 0.0;
+  for (std::size_t b = k; b < channel.rows.size() && input.records[channel.record_of[b]].recording == r.recording; ++b) {
+    RecordRows& rows = channel.rows[b];
+    for (int j = 0; j < c.count; ++j)
+      for (std::size_t i = 0; i < rows.row.size(); ++i) {
+        const double v = full(static_cast<Eigen::Index>(rows.row[i]), j);
+        rows.matrix(static_cast<Eigen::Index>(i), channel.problem.nz + c.first + j) = std::isfinite(v) ? v * channel.column_factor : 0.0;
+      }
+  }
+}
+
+// First block of every recording.
+std::vector<std::size_t> recordings(const CampaignInput& input, const ResidualChannel& channel) {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < channel.rows.size(); ++k)
+    if (k == 0 || input.records[channel.record_of[k]].recording != input.records[channel.record_of[k - 1]].recording) out.push_back(k);
+  return out;
+}
+
+// All candidates; a single recording is divided by candidates, many recordings by recordings.
+void write_all_columns(const CampaignInput& input, ResidualChannel& channel, unsigned threads) {
+  const std::vector<std::size_t> first = recordings(input, channel);
+  const std::size_t parts = first.size() == 1 ? channel.candidates.size() : first.size();
+  parallel_for(parts, threads, [&](std::size_t p) {
+    Eigen::MatrixXd full;
+    if (first.size() == 1) {
+      write_columns(input, channel, first.front(), channel.candidates[p], full);
+      return;
     }
+    for (const Candidate& c : channel.candidates) write_columns(input, channel, first[p], c, full);
+  });
 }
 
 double column_prior(const MixedProblem& p, int column) {
@@ -34,21 +58,27 @@ double column_prior(const MixedProblem& p, int column) {
   return rms > 1e-9 ? std::min(3.0, kPriorShare / rms) : 1e-6;
 }
 
-void build_record(const CampaignInput& input, ResidualChannel& channel, std::size_t k, const Eigen::MatrixXd& Z,
-                  const std::vector<double>& y) {
+// Rows of one record but for the candidates' columns.
+void start_record(ResidualChannel& channel, std::size_t k, const Eigen::MatrixXd& Z, const std::vector<double>& y) {
   RecordRows& rows = channel.rows[k];
   const auto n = static_cast<Eigen::Index>(rows.row.size());
   const int nz = channel.problem.nz, ns = channel.problem.ns;
   rows.matrix = Eigen::MatrixXd::Zero(n, nz + ns + 1);
   rows.matrix.leftCols(nz) = Z;
-  Eigen::MatrixXd full;
-  for (const Candidate& c : channel.candidates) write_columns(input, channel, k, c, full);
   for (Eigen::Index i = 0; i < n; ++i) rows.matrix(i, nz + ns) = y[static_cast<std::size_t>(i)];
-  RecordGram& gram = channel.problem.records[k];
-  gram.gram.resize(nz + ns + 1, nz + ns + 1);
-  gram.gram.setZero();
-  gram.gram.selfadjointView<Eigen::Lower>().rankUpdate(rows.matrix.transpose(), 1.0 / std::max<double>(1.0, static_cast<double>(n)));
-  gram.gram.triangularView<Eigen::StrictlyUpper>() = gram.gram.transpose();
+}
+
+void finish_record(ResidualChannel& channel, std::size_t k) {
+  const Eigen::MatrixXd& A = channel.rows[k].matrix;
+  Eigen::MatrixXd& G = channel.problem.records[k].gram;
+  G = Eigen::MatrixXd::Zero(A.cols(), A.cols());
+  G.selfadjointView<Eigen::Lower>().rankUpdate(A.transpose(), 1.0 / std::max<double>(1.0, static_cast<double>(A.rows())));
+  G.triangularView<Eigen::StrictlyUpper>() = G.transpose();
+}
+
+void finish_records(const CampaignInput& input, ResidualChannel& channel, unsigned threads) {
+  write_all_columns(input, channel, threads);
+  parallel_for(channel.rows.size(), threads, [&](std::size_t k) { finish_record(channel, k); });
 }
 
 void reserve_spare(ResidualChannel& channel) {
@@ -62,13 +92,20 @@ void set_column_priors(ResidualChannel& channel) {
   for (int j = 0; j < p.ns; ++j) p.column_prior_sd[j] = column_prior(p, j);
 }
 
+bool needs_records(const std::string& name) {
+  return name == "wear" || name == "bias" || name == "mounting" || name == "slow_recovery" || name == "reference_drift";
+}
+
 }  // namespace
 
 void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& c, unsigned threads) {
   const int nz = channel.problem.nz;
-  parallel_for(channel.rows.size(), threads, [&](std::size_t k) {
+  const std::vector<std::size_t> first = recordings(input, channel);
+  parallel_for(first.size(), threads, [&](std::size_t p) {
     Eigen::MatrixXd full;
-    write_columns(input, channel, k, c, full);
+    write_columns(input, channel, first[p], c, full);
+  });
+  parallel_for(channel.rows.size(), threads, [&](std::size_t k) {
     const Eigen::MatrixXd& A = channel.rows[k].matrix;
     Eigen::MatrixXd& G = channel.problem.records[k].gram;
     const Eigen::MatrixXd cross = A.transpose() * A.middleCols(nz + c.first, c.count) / std::max<double>(1.0, static_cast<double>(A.rows()));
@@ -91,6 +128,8 @@ int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int can
 void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_output, ResidualChannel& out,
                      const std::vector<std::string>* only) {
   const auto add = [&](const EffectKind& kind) {
+    // one recording has no other to be compared with
+    if (w.input.single && needs_records(kind.name)) return;
     if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) return;
     for (const EffectForm& form : kind.forms)
       for (const std::vector<double>& shape : form.grid(w.input)) {
@@ -118,10 +157,15 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<std:
   channel = ResidualChannel{};
   channel.scale = w.input.U_range_V;
   channel.unit = "V";
-  set_repeatability(channel.problem);
+  set_repeatability(channel.problem, w.input.single);
   list_candidates(w, EffectChannel::output, true, channel, only);
   reserve_spare(channel);
-  channel.column_factor = w.gain_V_per_N / channel.scale;
+  channel.signs_known = !w.input.generic;
+  // where the output hardly follows the input, its slope is no measure of an effect
+  const double whole = w.input.U_range_V / w.input.range_N;
+  const double gain = w.input.generic && std::abs(w.gain_V_per_N) < 0.2 * whole ? std::copysign(0.2 * whole, w.gain_V_per_N) : w.gain_V_per_N;
+  channel.column_factor = gain / channel.scale;
+  channel.gain_of_unit = gain != 0.0 ? w.gain_V_per_N / gain : 1.0;
   const std::size_t n = w.input.records.size();
   channel.rows.resize(n);
   channel.problem.records.resize(n);
@@ -142,8 +186,9 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<std:
     gram.noise_variance = std::pow(w.white_V[k] / channel.scale, 2) + 1e-8;
     gram.allowed_variance = std::pow(w.noise_V[k] / channel.scale, 2) + 1e-8;
     gram.heldout = r.heldout && !w.all_fit;
-    build_record(w.input, channel, k, Z, y);
+    start_record(channel, k, Z, y);
   });
+  finish_records(w.input, channel, threads);
   set_column_priors(channel);
 }
 
@@ -201,8 +246,9 @@ void build_rig_channel(Workspace& w, unsigned threads) {
     gram.allowed_variance = (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
     gram.noise_variance = 0.25 * gram.allowed_variance;
     gram.heldout = r.heldout && !w.all_fit;
-    build_record(w.input, channel, k, Z, y);
+    start_record(channel, k, Z, y);
   });
+  finish_records(w.input, channel, threads);
   set_column_priors(channel);
 }
 

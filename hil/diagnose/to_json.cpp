@@ -84,11 +84,13 @@ std::string to_json(const Diagnosis& d) {
   for (const RankedEffect& r : d.ranking)
     out["ranking"].push_back({{"effect", r.effect}, {"side", r.side}, {"form", r.form}, {"score", number(r.score)},
                               {"alone", number(r.alone)}, {"unique", number(r.unique)},
-                              {"probability", number(r.probability)}, {"null_score", number(r.null_score)}, {"note", r.note}});
+                              {"probability", number(r.probability)}, {"null_score", number(r.null_score)},
+                              {"visible_from", number(r.visible_from)}, {"note", r.note}});
   out["maps"] = Json::array();
   for (const ResidualMap& m : d.maps) out["maps"].push_back(map_json(m));
   out["repeatability"] = {{"gain", number(d.repeatability.gain)}, {"offset_V", number(d.repeatability.offset_V)},
                           {"log_b", number(d.repeatability.log_b)}, {"log_q", number(d.repeatability.log_q)}};
+  out["not_separable"] = d.not_separable;
   out["expected_false"] = number(d.expected_false);
   Json segments = Json::array();
   for (const ExperimentSegment& s : d.next_experiment.segments) {

@@ -45,6 +45,8 @@ struct ResidualChannel {
   std::vector<std::size_t> record_of;  ///< index into CampaignInput::records
   std::vector<Candidate> candidates;
   std::vector<Variant> variants;
+  bool signs_known = true;             ///< false: not a sensor of the library's kind, strengths may have either sign
+  double gain_of_unit = 1.0;           ///< entry of the gain's column at a unit of newtons over that of a candidate's column
   double column_factor = 1.0;          ///< newtons of a column to its entry in the matrix
   int first_spare = 0;                 ///< columns of S from here on are free for refined shapes
   double scale = 1.0;                  ///< y and columns are divided by this (V or N)
@@ -77,7 +79,7 @@ void fit_base(Workspace& workspace);
 /// Columns of Z for the chosen rows, each divided by the voltage span.
 Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record, const std::vector<std::size_t>& rows);
 /// Sets nz, components and priors of the output channel.
-void set_repeatability(MixedProblem& problem);
+void set_repeatability(MixedProblem& problem, bool one_recording);
 
 // S3 ------------------------------------------------------------------------------------------------------------
 /// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.

@@ -12,6 +12,7 @@ bool is_available(const EffectKind& kind, const CampaignInput& campaign) {
     if (need == "drive" && !campaign.has_drive) return false;
     if (need == "command" && !campaign.has_command) return false;
     if (need == "range" && !std::isfinite(campaign.bench.voltage_max_V)) return false;
+    if (need == "generic" && !campaign.generic) return false;
     if (need == "witness" && !campaign.has_theta && !campaign.has_command) return false;
   }
   return true;

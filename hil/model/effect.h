@@ -64,7 +64,7 @@ struct EffectKind {
   std::string source;
   std::vector<std::string> look_alikes;
   std::string separates;                 ///< stimulus that settles it
-  std::vector<std::string> needs;        ///< "theta", "temp", "drive", "humidity", "command", "range", "witness"; empty: only F and U
+  std::vector<std::string> needs;        ///< "theta", "temp", "drive", "humidity", "command", "range", "witness", "generic" (no force sensor's recording); empty: only F and U
   std::vector<EffectForm> forms;
 };
 

@@ -14,6 +14,7 @@ struct RecordInput {
   std::string name, kind;
   bool heldout = false;
   std::size_t index = 0;              ///< place in campaign time
+  std::size_t recording = 0;          ///< the same for all blocks of one recording: they share its history
 
   // rows; a channel that the record does not have is empty
   double row_step_s = 0.02;
@@ -29,6 +30,7 @@ struct RecordInput {
 
   // excitation
   bool dynamic = false;               ///< cyclic loading, to which the decay applies
+  bool dynamic_assumed = false;       ///< nobody declared it: the base fit decides from the output
   double onset_s = 0.0;               ///< start of the excitation
   double f_Hz = 0.0, A_N = 0.0;       ///< lowest frequency at the start; half the peak-to-peak force
   double F_min_N = 0.0;               ///< lowest settled force
@@ -62,6 +64,7 @@ struct CampaignInput {
   double travel_total_N = 1.0;
   bool has_theta = false, has_temp = false, has_humidity = false, has_drive = false, has_command = false,
        has_capacitance = false;
+  bool single = false;                ///< one recording, its records are blocks of it
   bool generic = false;               ///< not a force sensor's campaign: plain input and output columns
   std::vector<std::string> notes;
 };

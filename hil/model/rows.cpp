@@ -8,8 +8,6 @@ namespace forcegate {
 
 namespace {
 
-constexpr double kRowStep_s = 0.02;
-
 std::vector<double> on_clock(const Trace& trace, const Channel& channel, std::size_t clock) {
   if (channel.time_base == clock) return channel.value;
   const auto& from = trace.time_bases[channel.time_base].t_s;
@@ -75,7 +73,7 @@ double quantile(std::vector<double> values, double q) {
   return values[at];
 }
 
-Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad) {
+Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad, double row_step_s) {
   const Trace& trace = record.trace;
   const Channel* F = trace.find("F_ref");
   const Channel* U = trace.find("U");
@@ -93,7 +91,7 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
   out.kind = record.kind;
   out.heldout = record.role == RecordRole::heldout;
   const double step = median_step(t);
-  const auto per_row = static_cast<std::uint32_t>(std::max(1.0, std::round(kRowStep_s / step)));
+  const auto per_row = static_cast<std::uint32_t>(std::max(1.0, std::round(row_step_s / step)));
   out.row_step_s = step * per_row;
   const auto n_rows = static_cast<std::uint32_t>(t.size() / per_row);
   for (std::uint32_t r = 0; r <= n_rows; ++r) out.row_begin.push_back(r * per_row);
@@ -224,7 +222,7 @@ void finish_campaign_input(CampaignInput& campaign) {
   bool drive_known = !records.empty();
   for (std::size_t k = 0; k < records.size(); ++k) {
     RecordInput& r = records[k];
-    r.index = k;
+    r.index = r.recording = k;
     drive_known &= std::isfinite(r.drive_mean_V);
     drive_low = std::min(drive_low, r.drive_mean_V);
     drive_high = std::max(drive_high, r.drive_mean_V);
@@ -262,6 +260,7 @@ Result<CampaignInput> make_campaign_input(const Campaign& campaign) {
     for (const Record& record : campaign.records)
       if (record.name == input.name) found = &record;
     estimate_excitation(input, found, out.range_N);
+    if (input.dynamic && input.dynamic_assumed && stands_mostly_still(input, out.range_N)) set_static(input);
   }
   return out;
 }

@@ -8,10 +8,13 @@
 
 namespace forcegate {
 
+constexpr double kRowStep_s = 0.02;
+
 /// Rows of one record. `bad` (may be empty) marks full-rate samples that must not count. Channels are put on the
 /// clock of F_ref. Missing forces are held for the state machines; their rows are not ok.
 /// Errors: no F_ref or no U channel, fewer than 16 samples.
-Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad = {});
+/// `row_step_s`: aimed at; never less than one sample.
+Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad = {}, double row_step_s = kRowStep_s);
 
 /// Sorts by campaign time and fills in what depends on all records: ranges, travel, start times, excitation
 /// (declared values first, estimates otherwise, each estimate told in `notes`).
@@ -25,5 +28,11 @@ double quantile(std::vector<double> values, double q);
 
 /// Facts of the excitation of one record from its rows: dynamic, onset, f, A, F_min, frequency jumps.
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N);
+
+/// Force that stands still most of the time: without knowledge of the output such a record is taken for a static one.
+bool stands_mostly_still(const RecordInput& record, double range_N);
+
+/// Takes the record for a static one: no decay, no cycle.
+void set_static(RecordInput& record);
 
 }  // namespace forcegate

@@ -65,10 +65,8 @@ void find_jumps(RecordInput& record, const std::vector<double>& turn_s) {
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N) {
   const Cycles cycles = find_cycles(record, 0.08 * range_N);
   const std::size_t turns = cycles.turn_s.size();
-  if (declared != nullptr && declared->dynamic.has_value())
-    record.dynamic = *declared->dynamic;
-  else
-    record.dynamic = turns >= 8 && !is_static_kind(record.kind) && share_moving(record, range_N) > 0.4;
+  record.dynamic_assumed = declared == nullptr || !declared->dynamic.has_value();
+  record.dynamic = record.dynamic_assumed ? turns >= 8 && !is_static_kind(record.kind) : *declared->dynamic;
 
   std::vector<double> half;
   for (std::size_t i = 1; i < turns; ++i) half.push_back(cycles.turn_s[i] - cycles.turn_s[i - 1]);
@@ -89,12 +87,19 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   record.A_N = declared != nullptr && declared->A_N ? *declared->A_N : 0.5 * (high - low);
   if (!(record.A_N > 0.0)) record.A_N = 0.5 * (high - low);
   record.f_Hz = declared != nullptr && declared->f_min_Hz ? *declared->f_min_Hz : 0.5 / std::max(typical_half_s, 1e-3);
-  if (!record.dynamic) {
-    record.f_Hz = 0.0;
-    record.F_min_N = 0.0;
-  } else {
-    find_jumps(record, cycles.turn_s);
-  }
+  if (!record.dynamic) set_static(record);
+  else find_jumps(record, cycles.turn_s);
+}
+
+bool stands_mostly_still(const RecordInput& record, double range_N) { return share_moving(record, range_N) <= 0.4; }
+
+void set_static(RecordInput& record) {
+  record.dynamic = false;
+  record.f_Hz = 0.0;
+  record.F_min_N = 0.0;
+  record.onset_s = 0.0;
+  record.frequency_jumps_s.clear();
+  record.jump_log_ratio.clear();
 }
 
 }  // namespace forcegate

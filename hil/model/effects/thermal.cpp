@@ -31,7 +31,7 @@ EffectForm unrecorded() {
                        {"k4", "1", -1.0, 1.0, 0.0, "two waves"}},
           .sign = StrengthSign::either,
           .grid = [](const CampaignInput& c) {
-            return c.has_temp ? std::vector<std::vector<double>>{} : std::vector<std::vector<double>>{{}};
+            return c.has_temp || c.single ? std::vector<std::vector<double>>{} : std::vector<std::vector<double>>{{}};
           },
           .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
             double T = 1.0;

@@ -178,6 +178,122 @@ TEST(Engine, RefusesAnEquationThatCannotBeRead) {
   EXPECT_NE(d.error().to_text().find("broken"), std::string::npos);
 }
 
+TEST(Engine, ASensorOfAnotherRangeWithTheSameDecayIsNoFinding) {
+  // 0 to 200 N: the law's constants are those of a sensor of 5 N; nobody says which records are cyclic
+  Campaign c = make_campaign(31, straight);
+  c.bench.reference_resolution_N = kMissing;
+  Rng rng(31, "range");
+  for (std::size_t k = 0; k < c.records.size(); ++k) {
+    Record& r = c.records[k];
+    r.kind.clear();
+    r.dynamic.reset();
+    auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    const auto& t = r.trace.time_bases[0].t_s;
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double low = 0.4, force = k % 4 == 3 ? low + 1.8 * (1.0 - std::cos(1.4 * t[i] * (1.0 + 0.2 * static_cast<double>(k)))) : F[i];
+      const double D = k % 4 == 3 ? (std::exp(-0.02 * t[i]) + 0.5) / 1.5 : 1.0;
+      U[i] = 2.0 * (k % 4 == 3 ? low + D * (force - low) : force) + 0.2 + 0.004 * rng.normal();
+      F[i] = 40.0 * (force + 0.002 * rng.normal());
+    }
+  }
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << (d.findings.empty() ? "" : d.findings.front().effect);
+  EXPECT_LT(d.error_before, 0.02);
+}
+
+// One recording of some machine: plain columns, no notes.
+Campaign recording(double rate_Hz, std::size_t n, const std::function<double(double)>& input,
+                   const std::function<std::vector<double>(const std::vector<double>& t, const std::vector<double>& x)>& machine, double noise) {
+  Campaign c;
+  c.name = "machine";
+  Record r;
+  r.name = "machine";
+  TimeBase clock;
+  std::vector<double> x;
+  for (std::size_t i = 0; i < n; ++i) {
+    clock.t_s.push_back(static_cast<double>(i) / rate_Hz);
+    x.push_back(input(clock.t_s.back()));
+  }
+  std::vector<double> y = machine(clock.t_s, x);
+  Rng rng(41, "machine");
+  for (double& v : y) v += noise * rng.normal();
+  r.trace.time_bases.push_back(clock);
+  r.trace.channels.push_back({"F_ref", "N", "force", 0, x, {}});
+  r.trace.channels.push_back({"U", "V", "voltage", 0, y, {}});
+  c.records.push_back(std::move(r));
+  return c;
+}
+
+TEST(Engine, ASingleRecordingKeepsItsHistoryFromBlockToBlock) {
+  // a slow pole: every block begins with what the one before it left behind
+  const auto slow = [](double t) { return 3.0 + std::sin(0.011 * t) + 0.8 * std::sin(0.037 * t + 1.0) + 0.5 * std::sin(0.083 * t + 2.0); };
+  const Diagnosis d = answer(recording(0.25, 1000, slow, [](const std::vector<double>& t, const std::vector<double>& x) {
+    std::vector<double> y(x.size(), 0.0);
+    double s = 1.0;
+    for (std::size_t i = 1; i < x.size(); ++i) {
+      s += (x[i] - s) * -std::expm1(-(t[i] - t[i - 1]) / 45.0);
+      y[i] = 1.3 * s;
+    }
+    return y;
+  }, 0.02));
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().effect, "lag");
+  EXPECT_GE(d.findings.front().probability, 0.5);
+  EXPECT_LT(d.error_after, 0.3 * d.error_before);
+}
+
+TEST(Engine, StrokesOfOneSpeedEachWayDoNotPartFrictionFromDamping) {
+  // out at 6, back at 13: a loop that goes with the direction and one that goes with the speed are the same here
+  const auto strokes = [](double t) {
+    constexpr double kOut_s = 6.0, kBack_s = 3.0;
+    const double x = std::fmod(t, kOut_s + kBack_s);
+    return x < kOut_s ? 6.5 * x : 39.0 - 13.0 * (x - kOut_s);
+  };
+  const Diagnosis d = answer(recording(100.0, 9000, strokes, [](const std::vector<double>&, const std::vector<double>& x) {
+    std::vector<double> y;
+    double v = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double now = i > 0 ? 100.0 * (x[i] - x[i - 1]) : 6.5;
+      v += 0.2 * (now - v);
+      y.push_back(340.0 + 0.02 * x[i] + 0.6 * v + 4.0 * std::tanh(v));
+    }
+    return y;
+  }, 0.3));
+  for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
+  ASSERT_FALSE(d.not_separable.empty());
+  EXPECT_GE(d.not_separable.front().size(), 2u);
+}
+
+TEST(Engine, EffectsOfTimeShareOneProbability) {
+  const Diagnosis d = answer(make_campaign(32, [](const std::vector<double>& t, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    double fast = F[0], slow = F[0];
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double dt = i > 0 ? t[i] - t[i - 1] : 0.005;
+      fast += (F[i] - fast) * -std::expm1(-dt / 0.02);
+      slow += (F[i] - slow) * -std::expm1(-dt / 0.09);
+      U.push_back(2.0 * (0.6 * fast + 0.4 * slow) + 0.2);
+    }
+    return U;
+  }));
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().effect, "lag");
+  double sum = 0.0;
+  for (const Finding& f : d.findings)
+    if (is_timing(f.effect)) sum += f.probability;
+  EXPECT_LE(sum, 1.0);
+}
+
+TEST(Engine, SaysFromWhichSizeOnAnEffectBetweenRecordsWouldShow) {
+  const Diagnosis d = answer(make_campaign(5, straight));
+  const auto wear = std::find_if(d.ranking.begin(), d.ranking.end(), [](const RankedEffect& r) { return r.effect == "wear"; });
+  ASSERT_NE(wear, d.ranking.end());
+  EXPECT_GT(wear->visible_from, 1e-4);
+  EXPECT_LT(wear->visible_from, 0.1);
+}
+
 TEST(Engine, GivesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(to_json(answer(make_campaign(5, straight), 1)), to_json(answer(make_campaign(5, straight), 4)));
 }
@@ -225,6 +341,34 @@ TEST(RawHealth, FindsSpikesAndHeldSamplesWhileTheForceMoves) {
   const RecordHealth clean = check_raw_health(c.records[0], health_scales(c), c.bench);
   EXPECT_EQ(clean.outliers, 0u);
   EXPECT_EQ(clean.held, 0u);
+}
+
+TEST(RawHealth, ALateOutputIsNotTakenForHeldSamples) {
+  Campaign c = make_campaign(25, straight, 0.0);
+  for (Record& r : c.records) {
+    auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    constexpr std::size_t kLate = 12;  // samples
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      // edges of 40 ms every second
+      const double x = std::fmod(static_cast<double>(i), 400.0);
+      F[i] = 1.0 + 2.0 * std::clamp(x / 8.0, 0.0, 1.0) - 2.0 * std::clamp((x - 200.0) / 8.0, 0.0, 1.0);
+      const double y = std::fmod(static_cast<double>(i) + 400.0 - static_cast<double>(kLate), 400.0);
+      U[i] = 0.2 + 2.0 * (1.0 + 2.0 * std::clamp(y / 8.0, 0.0, 1.0) - 2.0 * std::clamp((y - 200.0) / 8.0, 0.0, 1.0));
+    }
+    const RecordHealth h = check_raw_health(r, health_scales(c), c.bench);
+    EXPECT_EQ(h.held, 0u) << r.name;
+  }
+}
+
+TEST(RawHealth, TheEndOfAHoldIsNoSpike) {
+  Campaign c = make_campaign(26, straight);
+  auto& U = c.records[3].trace.find("U")->value;
+  for (std::size_t i = 900; i + 40 < U.size(); i += 700)
+    for (std::size_t k = 1; k < 30; ++k) U[i + k] = U[i];
+  const RecordHealth h = check_raw_health(c.records[3], health_scales(c), c.bench);
+  EXPECT_GT(h.held, 300u);
+  EXPECT_EQ(h.outliers, 0u);
 }
 
 // Below F0 the circuit would be negative, above 4.2 N beyond full scale: the converter shows its ends.

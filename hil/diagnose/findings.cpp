@@ -1,0 +1,147 @@
+#include "hil/diagnose/findings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const ChosenEffect& chosen) {
+  std::vector<FoundParameter> out;
+  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+  const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  for (std::size_t k = 0; k < c.shape.size(); ++k) {
+    // half the distance to the neighbours of the grid stands for the uncertainty of a shape
+    const ParameterSpec& spec = c.form->shape[k];
+    out.push_back({spec.name, c.shape[k], 0.3 * std::abs(c.shape[k]), spec.unit});
+  }
+  for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
+    for (int column : variant.columns)
+      if (chosen.fit.columns[b] == column) {
+        const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
+        const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
+        out.push_back({spec.name, chosen.fit.coefficient[at], std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
+      }
+  return out;
+}
+
+std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, double before, double after) {
+  char text[400];
+  const double milli = 1000.0;
+  std::snprintf(text, sizeof text, "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s; %d of %d %s that it touches improve",
+                chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(),
+                100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str(), chosen.left_out.improved,
+                chosen.left_out.excited, chosen.left_out.blocks ? "parts of records" : "records");
+  return text;
+}
+
+}  // namespace
+
+double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit) {
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < mean_square.size(); ++i)
+    if (all_fit || channel.problem.records[i].heldout) {
+      sum += mean_square[i];
+      n += 1.0;
+    }
+  return n > 0.0 ? sum / n : 0.0;
+}
+
+Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit) {
+  if (!all_fit) return {adapted_errors(channel.problem, fit, freedom), fit.plain};
+  LeftOut out = leave_one_out(channel.problem, fit, &freedom);
+  return {std::move(out.adapted), std::move(out.plain)};
+}
+
+void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection, double explained,
+                  Diagnosis& out) {
+  MixedFit before = selection.base;
+  for (const ChosenEffect& chosen : selection.chosen) {
+    Finding f;
+    f.effect = chosen.kind->name;
+    f.side = chosen.kind->side;
+    f.unit = channel.unit;
+    // evidence between records is honest, since n counts records: posterior odds against a prior of 1 in 20. Within records
+    // the evidence counts rows that hang together and is only a scale
+    constexpr double kPriorOdds = 1.0 / 20.0;
+    const double odds = kPriorOdds * std::exp(std::min(50.0, chosen.gain));
+    const double real = chosen.between ? std::min(0.98, odds / (1.0 + odds)) : chosen.gain > 40.0 ? 0.98 : 0.90;
+    const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
+    f.probability = std::max(0.0, real * whole * chosen.share_of_family);
+    const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+    f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
+    f.parameters = parameters_of(channel, chosen);
+    const Judged was = judge(channel, before, selection.base, w.all_fit), is = judge(channel, chosen.fit, selection.base, w.all_fit);
+    const auto error = [&](const Judged& j) { return channel.scale * std::sqrt(judged(channel, chosen.between ? j.plain : j.adapted, w.all_fit)); };
+    f.error_before = error(was);
+    f.error_after = error(is);
+    f.effect_rms = chosen.effect_rms * channel.scale;
+    f.records_improved = chosen.left_out.improved;
+    f.records_excited = chosen.left_out.excited;
+    f.evidence = sentence(chosen, channel, f.error_before, f.error_after);
+    constexpr double kEqual = 1.02;
+    if (f.error_after > kEqual * f.error_before) {
+      f.probability = std::min(f.probability, kNoClaim);
+      f.evidence += "; not claimed: the error of records left out does not fall";
+    }
+    for (const FamilyScore& rival : selection.first.families) {
+      if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
+      const double cosine = signature_cosine(channel, selection.base, chosen.fit, chosen.columns, rival.best.fit,
+                                             channel.variants[static_cast<std::size_t>(rival.best.variant)].columns);
+      if (std::abs(cosine) > 0.9) f.confounded_with.push_back({rival.kind->name, cosine, chosen.kind->separates});
+    }
+    for (const auto& [name, share] : chosen.rivals)
+      if (share > 0.2 && std::none_of(f.confounded_with.begin(), f.confounded_with.end(),
+                                      [&, n = name](const LookAlike& a) { return a.effect == n; }))
+        f.confounded_with.push_back({name, 0.0, chosen.kind->separates});
+    before = chosen.fit;
+    out.findings.push_back(std::move(f));
+    // the rivals of this place stand beside it with what is left of the probability
+    for (const auto& [name, share] : chosen.rivals) {
+      const EffectKind* kind = EffectRegistry::instance().find(name);
+      for (const auto& own : w.user_kinds)
+        if (own->name == name) kind = own.get();
+      if (kind == nullptr || share < 0.05) continue;
+      Finding weak;
+      weak.effect = name;
+      weak.side = kind->side;
+      weak.unit = channel.unit;
+      weak.probability = std::clamp(share * real * whole, 0.0, kNoClaim);
+      weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
+      out.findings.push_back(std::move(weak));
+    }
+  }
+}
+
+void share_among_timing(const Selection& selection, std::vector<Finding>& findings) {
+  std::vector<const ChosenEffect*> timing;
+  for (const ChosenEffect& c : selection.chosen)
+    if (is_timing(c.kind->name)) timing.push_back(&c);
+  if (timing.size() < 2) return;
+  std::stable_sort(timing.begin(), timing.end(), [](const ChosenEffect* a, const ChosenEffect* b) { return a->unique > b->unique; });
+  double left = 1.0;
+  for (const ChosenEffect* c : timing)
+    for (Finding& f : findings)
+      if (f.effect == c->kind->name && f.form != "raw") {
+        f.probability = std::min(f.probability, std::max(0.0, left));
+        left -= f.probability;
+      }
+}
+
+void tell_not_separable(const Selection& selection, Diagnosis& out) {
+  constexpr double kOdds = 0.2;
+  for (const ChosenEffect& c : selection.chosen) {
+    std::vector<std::string> set = {c.kind->name};
+    for (const auto& [name, share] : c.rivals)
+      if (share >= kOdds) set.push_back(name);
+    if (set.size() < 2) continue;
+    std::string text = "not separable here: " + set[0];
+    for (std::size_t k = 1; k < set.size(); ++k) text += " or " + set[k];
+    out.notes.push_back(text + "; what parts them: " + c.kind->separates);
+    out.not_separable.push_back(std::move(set));
+  }
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,35 @@
+#pragma once
+// From what was chosen to what is said: findings with probabilities, and errors of records that were left out.
+
+#include <vector>
+
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/select.h"
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// Below it a finding is a suspicion, no claim.
+constexpr double kNoClaim = 0.49;
+
+/// Mean square residual of every record, predicted: held-out records by a fit of the others, without any by leaving each
+/// out in turn. Both models of a comparison may follow a record by the same spread, that of `freedom`.
+struct Judged {
+  std::vector<double> adapted, plain;
+};
+Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit);
+
+/// Mean over the records that judge: held-out ones, or all.
+double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit);
+
+/// Adds what was chosen in one channel, and its rivals. `explained`: share of what the noise does not explain.
+void add_findings(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection, double explained,
+                  Diagnosis& out);
+
+/// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
+void share_among_timing(const Selection& selection, std::vector<Finding>& findings);
+
+/// Rivals that no more than odds of 4 : 1 part.
+void tell_not_separable(const Selection& selection, Diagnosis& out);
+
+}  // namespace forcegate::diagnose

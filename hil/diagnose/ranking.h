@@ -1,0 +1,15 @@
+#pragma once
+// Every family beside the base model: its evidence, what it explains alone and only it, and from which size on these
+// records would show it.
+
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/select.h"
+
+namespace forcegate::diagnose {
+
+void add_ranking(const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules, Diagnosis& out);
+
+/// What acts from record to record hides in the records' own scatter: a note says how much of it there may be.
+void tell_visible_from(Diagnosis& out);
+
+}  // namespace forcegate::diagnose
