@@ -172,7 +172,8 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   // equally sure: what explains more of the error first
   const auto rank = [&](const Finding& f) {
     const double fall = f.error_before > 0.0 ? std::max(0.0, 1.0 - f.error_after / f.error_before) : 0.0;
-    return std::pair{f.probability >= 0.5 ? std::round(10.0 * f.probability) : 10.0 * f.probability, f.form == "raw" ? 0.0 : fall};
+    const double sure = f.probability >= 0.8 ? 1.0 : f.probability >= 0.5 ? std::floor(10.0 * f.probability) / 10.0 : f.probability;
+    return std::pair{sure, f.form == "raw" ? 0.0 : fall};
   };
   std::stable_sort(out.findings.begin(), out.findings.end(), [&](const Finding& a, const Finding& b) { return rank(a) > rank(b); });
   std::vector<Finding> unique;

@@ -1,0 +1,85 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "hil/base/rng.h"
+#include "hil/diagnose/engine.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+Diagnosis answer(Campaign campaign) {
+  EngineOptions options;
+  options.threads = 1;
+  auto out = diagnose_campaign(std::move(campaign), options);
+  EXPECT_TRUE(out.has_value()) << (out ? "" : out.error().to_text());
+  return out ? *out : Diagnosis{};
+}
+
+// One recording of some machine: plain columns, no notes.
+Campaign recording(double rate_Hz, std::size_t n, const std::function<double(double)>& input,
+                   const std::function<std::vector<double>(const std::vector<double>& t, const std::vector<double>& x)>& machine, double noise) {
+  Campaign c;
+  c.name = "machine";
+  Record r;
+  r.name = "machine";
+  TimeBase clock;
+  std::vector<double> x;
+  for (std::size_t i = 0; i < n; ++i) {
+    clock.t_s.push_back(static_cast<double>(i) / rate_Hz);
+    x.push_back(input(clock.t_s.back()));
+  }
+  std::vector<double> y = machine(clock.t_s, x);
+  Rng rng(41, "machine");
+  for (double& v : y) v += noise * rng.normal();
+  r.trace.time_bases.push_back(clock);
+  r.trace.channels.push_back({"F_ref", "N", "force", 0, x, {}});
+  r.trace.channels.push_back({"U", "V", "voltage", 0, y, {}});
+  c.records.push_back(std::move(r));
+  return c;
+}
+
+TEST(SingleRecording, KeepsItsHistoryFromBlockToBlock) {
+  // a slow pole: every block begins with what the one before it left behind
+  const auto slow = [](double t) { return 3.0 + std::sin(0.011 * t) + 0.8 * std::sin(0.037 * t + 1.0) + 0.5 * std::sin(0.083 * t + 2.0); };
+  const Diagnosis d = answer(recording(0.25, 1000, slow, [](const std::vector<double>& t, const std::vector<double>& x) {
+    std::vector<double> y(x.size(), 0.0);
+    double s = 1.0;
+    for (std::size_t i = 1; i < x.size(); ++i) {
+      s += (x[i] - s) * -std::expm1(-(t[i] - t[i - 1]) / 45.0);
+      y[i] = 1.3 * s;
+    }
+    return y;
+  }, 0.02));
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().effect, "lag");
+  EXPECT_GE(d.findings.front().probability, 0.5);
+  EXPECT_LT(d.error_after, 0.3 * d.error_before);
+}
+
+TEST(SingleRecording, StrokesOfOneSpeedEachWayDoNotPartFrictionFromDamping) {
+  // out at 6, back at 13: a loop that goes with the direction and one that goes with the speed are the same here
+  const auto strokes = [](double t) {
+    constexpr double kOut_s = 6.0, kBack_s = 3.0;
+    const double x = std::fmod(t, kOut_s + kBack_s);
+    return x < kOut_s ? 6.5 * x : 39.0 - 13.0 * (x - kOut_s);
+  };
+  const Diagnosis d = answer(recording(100.0, 9000, strokes, [](const std::vector<double>&, const std::vector<double>& x) {
+    std::vector<double> y;
+    double v = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double now = i > 0 ? 100.0 * (x[i] - x[i - 1]) : 6.5;
+      v += 0.2 * (now - v);
+      y.push_back(340.0 + 0.02 * x[i] + 0.6 * v + 4.0 * std::tanh(v));
+    }
+    return y;
+  }, 0.3));
+  for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
+  ASSERT_FALSE(d.not_separable.empty());
+  EXPECT_GE(d.not_separable.front().size(), 2u);
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
