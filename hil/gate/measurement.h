@@ -55,7 +55,7 @@ class RecordMeasurement {
   WindowKeeper window_;
   WaveformKeeper waveform_;
   ExtremaPairer pairer_;
-  Sha256 digest_;
+  SampleDigest digest_;
 };
 
 }  // namespace forcegate

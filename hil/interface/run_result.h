@@ -67,7 +67,7 @@ struct CaseResult {
   double lag_s = 0.0;               ///< of the second channel against the first
   double u_lag_s = 0.0;
   DutCounters link;
-  std::string digest;               ///< SHA-256 over all samples in and out
+  std::string digest;               ///< XXH3 (128 bits) over all samples in and out
   int attempts = 1;
   std::string trace_file;           ///< relative path when the samples were kept, else ""
   std::string note;                 ///< error text when the case could not be run

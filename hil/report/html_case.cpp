@@ -77,7 +77,7 @@ std::string facts(const CaseResult& c) {
                std::to_string(l.overruns) + ", refused " + std::to_string(l.naks) +
                (c.attempts > 1 ? "; attempt " + std::to_string(c.attempts) : ""));
   if (!c.trace_file.empty()) add_fact(out, "Samples", "<code>" + escape(c.trace_file) + "</code>");
-  add_fact(out, "SHA-256", "<code>" + escape(c.digest) + "</code>");
+  add_fact(out, "XXH3 of all samples", "<code>" + escape(c.digest) + "</code>");
   return out + "</dl>\n";
 }
 

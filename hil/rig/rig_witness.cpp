@@ -184,12 +184,18 @@ void RigWitness::push_changes(const RigBlock& block, std::size_t n) {
   float previous_N = previous_force_N_;
   std::uint16_t previous_code = previous_code_;
   Still reference = reference_still_, sensor = sensor_still_;
+  // A reading in steps changes by chance: what follows from it is chosen without branches, only the rare cases jump.
   const auto count = [this](Still& still, bool same, float theta_rad, double& longest_s, double& stale_s) {
-    if (!same) {
-      if (still.moved) stale_s += static_cast<double>(still.run) * period_s_;
-      still = {0, theta_rad, false};
-    } else if (++still.run % kExamineEvery == 0) {
-      examine(still, theta_rad, longest_s);
+    if (still.moved && !same) {
+      stale_s += static_cast<double>(still.run) * period_s_;
+      still.moved = false;
+    }
+    still.run = same ? still.run + 1 : 0;
+    still.theta_rad = same ? still.theta_rad : theta_rad;
+    if (still.run != 0 && still.run % kExamineEvery == 0) {
+      Still seen = still;  // a copy: what a call may change cannot stay in registers
+      examine(seen, theta_rad, longest_s);
+      still = seen;
     }
   };
   for (std::size_t i = 0; i < n; ++i) {

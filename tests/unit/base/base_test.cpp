@@ -82,6 +82,20 @@ TEST(Units, SuffixGivesFactorToTheCanonicalUnit) {
   EXPECT_NEAR(find_unit("degF")->factor * 212 + find_unit("degF")->offset, 100.0, 1e-12);
 }
 
+// The empty input's value is the published one of XXH3-128 with seed 0.
+TEST(SampleDigest, DependsOnTheBytesAndNotOnHowTheyAreCut) {
+  SampleDigest d;
+  EXPECT_EQ(d.hex(), "99aa06d3014798d86001c324468d497f");
+  const std::string bytes(3000, 'x');
+  d.update(bytes.data(), bytes.size());
+  const std::string whole = d.hex();
+  d.update(bytes.data(), 7);
+  d.update(bytes.data() + 7, bytes.size() - 7);
+  EXPECT_EQ(d.hex(), whole);
+  d.update(bytes.data(), bytes.size() - 1);
+  EXPECT_NE(d.hex(), whole);
+}
+
 TEST(Digest, MatchesThePublishedTestVector) {
   EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
