@@ -43,16 +43,16 @@ Result<void> CaseRecorder::begin(const CaseJob& job, const CaseRecord& so_far) {
 
 Result<void> CaseRecorder::push(const RigBlock& block, std::span<const float> dut_N,
                                 std::span<const std::uint8_t> flags, const float* commanded_rad_per_s,
-                                std::size_t n) {
+                                std::size_t from, std::size_t n) {
   volts_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) volts_[i] = static_cast<float>(volts_per_code_ * block.adc[i]);
+  for (std::size_t i = 0; i < n; ++i) volts_[i] = static_cast<float>(volts_per_code_ * block.adc[from + i]);
   commanded_.assign(n, std::numeric_limits<float>::quiet_NaN());
-  if (commanded_rad_per_s != nullptr) std::copy_n(commanded_rad_per_s, n, commanded_.begin());
-  const auto part = [n](const auto& column) { return ColumnView(std::span(column.data(), n)); };
+  if (commanded_rad_per_s != nullptr) std::copy_n(commanded_rad_per_s + from, n, commanded_.begin());
+  const auto part = [from, n](const auto& column) { return ColumnView(std::span(column.data() + from, n)); };
   const ColumnView columns[] = {part(block.setpoint_N), part(block.force_ref_N), ColumnView(volts_),
                                 part(block.adc),        part(block.theta_rad),   part(block.status),
-                                ColumnView(dut_N),      ColumnView(flags),       part(commanded_)};
-  return recorder_->append({block.t_s.data(), n}, columns);
+                                part(dut_N),            part(flags),             ColumnView(commanded_)};
+  return recorder_->append({block.t_s.data() + from, n}, columns);
 }
 
 Result<void> CaseRecorder::finish() {

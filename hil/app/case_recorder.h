@@ -16,7 +16,7 @@ class CaseRecorder final : public RecordWriter {
 
   Result<void> begin(const CaseJob& job, const CaseRecord& so_far) override;
   Result<void> push(const RigBlock& block, std::span<const float> dut_N, std::span<const std::uint8_t> flags,
-                    const float* commanded_rad_per_s, std::size_t n) override;
+                    const float* commanded_rad_per_s, std::size_t from, std::size_t n) override;
   Result<void> finish() override;
 
  private:

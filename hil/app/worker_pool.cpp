@@ -223,11 +223,15 @@ class Pool {
                             sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
                             strsignal(WTERMSIG(status)))
               : fmt::format("exit code {}", WEXITSTATUS(status));
-      records_[w.job] = in_firmware ? gone(w.job, ErrorCode::firmware,
-                                           fmt::format("the firmware crashed with {} after sample {}", how,
-                                                       w.page->guard.sample_index.load()))
-                                    : gone(w.job, ErrorCode::internal,
-                                           fmt::format("a worker ended with {} outside the firmware", how));
+      // The emergency stop of a bench ends whoever holds it; no firmware is judged by that.
+      const bool ordered = WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM;
+      const std::uint64_t sample = w.page->guard.sample_index.load();
+      if (ordered)
+        records_[w.job] = gone(w.job, ErrorCode::cancelled, "stopped from outside: forcegate bench park, or a kill");
+      else if (in_firmware)
+        records_[w.job] = gone(w.job, ErrorCode::firmware, fmt::format("the firmware crashed with {} after sample {}", how, sample));
+      else
+        records_[w.job] = gone(w.job, ErrorCode::internal, fmt::format("a worker ended with {} outside the firmware", how));
     }
     release(w);
   }

@@ -22,10 +22,11 @@ class RecordWriter {
  public:
   virtual ~RecordWriter() = default;
   virtual Result<void> begin(const CaseJob& job, const CaseRecord& so_far) = 0;
-  /// commanded: wheel velocity told for each row, null where there is none.
+  /// Rows [from, from + n) of the block and of the columns beside it. commanded: wheel velocity told for each row, null
+  /// where there is none.
   virtual Result<void> push(const RigBlock& block, std::span<const float> dut_N,
                             std::span<const std::uint8_t> flags, const float* commanded_rad_per_s,
-                            std::size_t n) = 0;
+                            std::size_t from, std::size_t n) = 0;
   virtual Result<void> finish() = 0;
 };
 

@@ -40,9 +40,9 @@ struct JournalFrame {
   std::span<const std::byte> bytes;
 };
 
-/// Writes frames. Buffered bytes go to the operating system at each full second of recorded time (they then survive
+/// Writes frames. Buffered bytes go to the operating system at each half second of recorded time (they then survive
 /// `kill -9`), and to the disk once a second of wall time by a thread of its own (they then survive a power cut).
-/// Memory: one second of recording, at most 1 MB. Errors: io (a full disk is reported by the append that met it;
+/// Memory: half a second of recording, at most 1 MB. Errors: io (a full disk is reported by the append that met it;
 /// the file stays readable up to there).
 class JournalWriter {
  public:

@@ -17,7 +17,7 @@ namespace forcegate {
 namespace {
 
 constexpr std::size_t kBufferLimit = std::size_t{1} << 20;
-constexpr std::uint64_t kSecond_ns = 1'000'000'000;
+constexpr std::uint64_t kFlush_ns = 500'000'000;  // of recorded time
 
 std::string header_text(const JournalHeader& header) {
   nlohmann::json json;
@@ -128,7 +128,7 @@ Result<void> JournalWriter::append(const JournalFrame& frame) {
   impl_->put(&head, sizeof head);
   impl_->put(frame.bytes.data(), frame.bytes.size());
   impl_->put(&check, sizeof check);
-  if (frame.time_ns >= impl_->flushed_ns + kSecond_ns || impl_->buffer.size() >= kBufferLimit) {
+  if (frame.time_ns >= impl_->flushed_ns + kFlush_ns || impl_->buffer.size() >= kBufferLimit) {
     impl_->flushed_ns = frame.time_ns;
     return impl_->write_out();
   }

@@ -147,6 +147,15 @@ TEST_F(Bench, TheSpringIsFoundAgainstTheReferenceAndTheSensorBySweeps) {
   EXPECT_EQ(result["cases"].size(), 1U);
 }
 
+TEST_F(Bench, HoweverARunIsEndedItsMotorIsStoppedAndAKilledOneLosesNoMoreThanASecond) {
+  const ProcessResult r = run_process({"/usr/bin/python3", FORCEGATE_SOURCE_DIR "/ci/lib/kill_bench.py", FORCEGATE_BINARY_DIR "/forcegate",
+                                       kNative, "rigs/twin.toml", "6"},
+                                      kHere);
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  EXPECT_THAT(r.out, HasSubstr("6 kills: 6 journals readable and motors parked"));
+  for (const char* end : {"SIGINT", "SIGTERM", "bench park"}) EXPECT_THAT(r.out, HasSubstr(std::string(end) + ": motor stopped"));
+}
+
 TEST_F(Bench, NobodyHoldsABenchThatNobodyUses) {
   const ProcessResult r = forcegate({"bench", "who", "rigs/twin.toml"}, kHere);
   EXPECT_EQ(r.exit_code, 0) << r.err;

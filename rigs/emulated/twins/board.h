@@ -19,6 +19,8 @@ class Board {
   void row(double t_s, std::uint16_t code, std::uint16_t last_code);
   void power_cycle();
   bool streaming() const { return streaming_; }
+  /// Conversions sent since the stream began.
+  std::uint32_t sent_samples() const { return index_; }
 
  private:
   void understand(Bytes& stream, WireEnd& end, double t_s);

@@ -285,6 +285,7 @@ std::string TwinHost::advance(const std::vector<std::string>& words) {
     }
   }
   step(static_cast<std::size_t>(n));
+  advanced_s_ = board_.streaming() ? board_.sent_samples() / options_.plant.rate_Hz : -1.0;
   for (Wire* w : {&reference_wire_, &board_wire_}) w->apply_plug(t_s_);
   std::string reply = fmt::format("ok {:.9g}", t_s_);
   for (Wire* w : {&reference_wire_, &board_wire_})
@@ -349,10 +350,12 @@ void TwinHost::step(std::size_t samples) {
 }
 
 std::string TwinHost::status() const {
+  std::string cause = stop_cause_;
+  std::replace(cause.begin(), cause.end(), ' ', '-');
   return fmt::format("ok t_s={:.6g} theta_rad={:.6g} velocity_rad_per_s={:.6g} force_N={:.6g} command_rad_per_s={:.6g} "
-                     "alarm={} stop_s={:.6g} still_s={:.6g} stop_cause={}",
-                     t_s_, plant_.theta_rad(), velocity_rad_per_s_, force_N_, told_rad_per_s_, drive_.alarm(), stop_s_,
-                     still_s_, stop_cause_ == "none" ? "none" : std::string(stop_cause_ == "alarm" ? "alarm" : stop_cause_ == "control word" ? "control-word" : "communication-timeout"));
+                     "alarm={} stop_s={:.6g} still_s={:.6g} stop_cause={} advanced_s={:.6g}",
+                     t_s_, plant_.theta_rad(), velocity_rad_per_s_, force_N_, told_rad_per_s_, drive_.alarm(), stop_s_, still_s_,
+                     cause, advanced_s_);
 }
 
 }  // namespace forcegate::emulated

@@ -86,6 +86,7 @@ class TwinHost {
   std::int64_t index_ = 0;
   double t_s_ = 0.0, told_rad_per_s_ = 0.0, velocity_rad_per_s_ = 0.0, force_N_ = 0.0, weight_N_ = 0.0;
   double stop_s_ = -1.0, still_s_ = -1.0;
+  double advanced_s_ = -1.0;  ///< of the board's stream, when a client last moved time
   std::string stop_cause_ = "none";
   std::chrono::steady_clock::time_point paced_at_;
   double paced_rest_ = 0.0;
