@@ -2,6 +2,7 @@
 
 #include "hil/app/gate.h"
 #include "hil/app/write_file.h"
+#include "hil/report/capacitance/network_header.h"
 #include "hil/report/capacitance/weight_figures.h"
 #include "hil/report/capacitance/weight_json.h"
 #include "hil/report/capacitance/weight_page.h"
@@ -38,6 +39,7 @@ Result<MadeWeightStudy> weight_study_request(const CharacterizeRequest& request,
   };
   if (!request.output.empty()) {
     FORCEGATE_CHECK_OK(write(request.output / "capacitance.json", weight_json(made.study, made.summary)));
+    FORCEGATE_CHECK_OK(write(request.output / "networks.h", network_header(made.study)));
     FORCEGATE_CHECK_OK(write(request.output / "sheet-capacitance.html", weight_sheet_html(made.study, made.summary, pictures, request.command_line)));
   }
   if (!request.paper.empty()) {

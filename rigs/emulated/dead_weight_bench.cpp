@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "hil/base/portable_math.h"
@@ -113,8 +114,14 @@ namespace {
 Result<std::unique_ptr<WeightBench>> make(const std::map<std::string, std::string>& texts) {
   DeadWeightOptions options;
   for (const auto& [name, text] : texts) {
+    if (name == "rate_Hz") {
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), options.rate_Hz);
+      if (error != std::errc() || end != text.data() + text.size() || !(options.rate_Hz >= 1000.0 && options.rate_Hz <= 2e6))
+        return fail(ErrorCode::config, "option rate_Hz is a number from 1000 to 2000000");
+      continue;
+    }
     bool* flag = name == "noise" ? &options.noise : name == "spread" ? &options.spread : nullptr;
-    if (flag == nullptr) return fail(ErrorCode::config, "the bench of weights has no option '" + printable_utf8(name) + "'", {}, "it has: noise, spread");
+    if (flag == nullptr) return fail(ErrorCode::config, "the bench of weights has no option '" + printable_utf8(name) + "'", {}, "it has: noise, rate_Hz, spread");
     if (text != "on" && text != "off") return fail(ErrorCode::config, "option " + name + " is on or off");
     *flag = text == "on";
   }
@@ -122,7 +129,7 @@ Result<std::unique_ptr<WeightBench>> make(const std::map<std::string, std::strin
 }
 
 const Registration<WeightBenchKind> kRegistered{
-    {"dead_weight", "Eight A201-100 under calibrated weights, 0 to 250 N (Paredes-Madrid 2010), in virtual time. Options: noise=on|off, spread=on|off", make}};
+    {"dead_weight", "Eight A201-100 under calibrated weights, 0 to 250 N (Paredes-Madrid 2010), in virtual time. Options: noise=on|off, rate_Hz, spread=on|off", make}};
 
 }  // namespace
 }  // namespace forcegate::emulated

@@ -17,7 +17,8 @@ constexpr double kGainShare = 0.5;      // of each part's variance: from loading
 constexpr double kSlip_N = 40.0;        // force over which a slip is forgotten
 constexpr double kSlipChance = 0.08;    // per newton of added weight
 constexpr double kPlay_N = 4.0;
-constexpr double kCreepStart_s = 1.0, kRecovery_s = 2400.0;
+constexpr double kForgotten_s = 7200.0;  // "almost 2 h are necessary" (Lebosse 2011)
+constexpr double kCreepStart_s = 1.0, kRecovery_s = 600.0;
 
 // Band of relaxations: its lower end lies above the frequency where the departure is seen, since the loss sets in as f^2.
 constexpr double kOnsetPerDivergence = 1.0 / 0.53;  // the loss has grown to a sixth to a fifth of G there
@@ -52,7 +53,7 @@ RcSpecimen draw_rc_specimen(std::uint64_t seed, std::uint64_t set, std::uint64_t
 }
 
 void RcSensor::begin(const RcSpecimen& specimen, Rng rng, double rest_before_s) {
-  residue_N_ = creep_N() * portable::exp(-std::min(rest_before_s / kRecovery_s, 600.0));
+  residue_N_ = rest_before_s < kForgotten_s ? creep_N() * portable::exp(-rest_before_s / kRecovery_s) : 0.0;
   p_ = specimen;
   rng_ = rng;
   force_N_ = play_N_ = time_s_ = 0.0;

@@ -127,7 +127,7 @@ class SetRun {
   Result<void> judge(std::size_t s, std::size_t n, const impedance::TwoVariableModel* ours) {
     SensorResult& out = result.sensors[s];
     const auto training = joined(readings_[s], 0, n), test = joined(readings_[s], plan_.most_training, plan_.testing);
-    FORCEGATE_TRY(const Models m, learn(training, mix_seed(plan_.seed, fmt::format("network/{}/{}/{}", set_, s, n))));
+    FORCEGATE_TRY(const Models m, learn(training, network_seed(plan_, set_, s, n)));
     const auto errors = errors_of(m, ours != nullptr ? *ours : impedance::TwoVariableModel{}, test);
     out.conductance_mse_N2.push_back(errors[0]);
     out.network_mse_N2.push_back(errors[3]);
@@ -187,6 +187,10 @@ Result<std::vector<std::vector<ForceReading>>> play_loading(WeightBench& bench, 
     }
   }
   return out;
+}
+
+std::uint64_t network_seed(const WeightPlan& plan, std::size_t set, std::size_t sensor, std::size_t loadings) {
+  return mix_seed(plan.seed, fmt::format("network/{}/{}/{}", set, sensor, loadings));
 }
 
 Result<WeightStudy> run_weight_study(const WeightStudyRequest& request) {

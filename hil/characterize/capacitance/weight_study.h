@@ -73,6 +73,9 @@ struct WeightStudyRequest {
   const std::atomic<bool>* cancelled = nullptr;
 };
 
+/// Seed from which run_weight_study trains a sensor's network on `loadings` loadings.
+std::uint64_t network_seed(const WeightPlan& plan, std::size_t set, std::size_t sensor, std::size_t loadings);
+
 /// The same answer whatever the number of threads. Errors: those of the bench, of a fit, cancelled.
 Result<WeightStudy> run_weight_study(const WeightStudyRequest& request);
 

@@ -1,4 +1,5 @@
 #include "hil/app/gate.h"
+#include "hil/app/weight_gate.h"
 
 #include <charconv>
 
@@ -73,7 +74,9 @@ Result<int> run(const Invocation& in) {
   request.command_line = in.command_line();
 
   Console& console = in.console();
-  const auto made = gate(request, console.progress_callback(), &in.interrupt_flag());
+  FORCEGATE_TRY(const bool weights, is_weight_gate(request));
+  const auto made = weights ? weight_gate(request, console.progress_callback(), &in.interrupt_flag())
+                            : gate(request, console.progress_callback(), &in.interrupt_flag());
   console.end_progress();
   if (!made) return Unexpected(made.error());
   console.print(render_console(*made, {.colour = console.color()}));
@@ -170,6 +173,8 @@ const Registration<Command> kRow{Command{
                   "On a recording:"},
                  {"forcegate gate build/firmware/reference.uart.elf --rig rigs/twin.toml --plan twin",
                   "Through the real adapters, on wire-level twins of the instruments:"},
+                 {"forcegate gate build/firmware/two-variable.native.so --plan capacitance-gate",
+                  "A firmware that reads conductance and capacitance:"},
                  {"forcegate gate build/firmware/reference.native.so --fault reference_saturated=2.0",
                   "What a broken reference looks like:"}},
     .exit_codes = {kExitSuccess, kExitReject, kExitUsage, kExitNoDecision, kExitRigFault, kExitSafetyStop,

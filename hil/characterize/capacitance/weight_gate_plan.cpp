@@ -1,0 +1,68 @@
+#include <fstream>
+#include <sstream>
+
+#include "hil/base/digest.h"
+#include "hil/characterize/capacitance/weight_gate.h"
+#include "hil/rig/config.h"
+
+namespace forcegate::characterize {
+namespace {
+
+void count(ConfigReader& r, std::string_view name, std::size_t& out, std::int64_t low, std::int64_t high) {
+  auto value = static_cast<std::int64_t>(out);
+  if (r.integer(name, value, low, high)) out = static_cast<std::size_t>(value);
+}
+
+}  // namespace
+
+Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return fail(ErrorCode::config, "there is no plan file", path.string());
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  const std::string text = std::move(bytes).str();
+  FORCEGATE_TRY(const ConfigNode root, parse_config(text, path.string()));
+  WeightGatePlan plan;
+  plan.path = path;
+  plan.sha256 = sha256_hex(text);
+  ConfigReader r(root, "the plan", "docs/paper-capacitance.md");
+  std::int64_t format = 0;
+  std::string kind, study;
+  r.integer("format", format, 1, 1, ConfigReader::required);
+  r.text("kind", kind, ConfigReader::required);
+  if (r.good() && kind != "capacitance-gate") r.complain(*root.find("kind"), "this plan is not one that gates conductance and capacitance", "write kind = \"capacitance-gate\"");
+  r.text("name", plan.name, ConfigReader::required);
+  r.text("doc", plan.doc);
+  r.text("study", study, ConfigReader::required);
+  const ConfigNode *bench = r.table("bench"), *frame = r.table("frame"), *limits = r.table("limits");
+  FORCEGATE_CHECK_OK(r.finish());
+  FORCEGATE_TRY(plan.study, read_weight_plan(path.parent_path() / study));
+  if (bench != nullptr) {
+    ConfigReader b(*bench, "[bench]");
+    std::int64_t first = static_cast<std::int64_t>(plan.first_loading);
+    count(b, "pack", plan.pack, 0, 1'000'000);
+    b.integer("first_loading", first, static_cast<std::int64_t>(plan.study.most_training) + 1, 1'000'000'000);
+    count(b, "loadings", plan.loadings, 2, 100);
+    plan.first_loading = static_cast<std::uint64_t>(first);
+    FORCEGATE_CHECK_OK(b.finish());
+  }
+  if (frame != nullptr) {
+    ConfigReader f(*frame, "[frame]");
+    f.number("rate_Hz", plan.rate_Hz, 1000.0, 1e6);
+    count(f, "direct_samples", plan.direct_samples, 64, 1 << 16);
+    count(f, "sine_samples", plan.sine_samples, 64, 1 << 16);
+    f.number("overdrive_V", plan.overdrive_V, 1e-3, 50.0);
+    FORCEGATE_CHECK_OK(f.finish());
+  }
+  if (limits != nullptr) {
+    ConfigReader l(*limits, "[limits]");
+    l.number("conformance_N", plan.conformance_N, 0.0, 1e3);
+    l.number("sensor_mse_N2", plan.sensor_mse_N2, 0.0, 1e6);
+    l.number("pack_mse_N2", plan.pack_mse_N2, 0.0, 1e6);
+    l.number("pack_per_pct", plan.pack_per_pct, -100.0, 100.0);
+    FORCEGATE_CHECK_OK(l.finish());
+  }
+  return plan;
+}
+
+}  // namespace forcegate::characterize
