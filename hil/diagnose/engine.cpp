@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/diagnose/capacitance_witness.h"
 #include "hil/diagnose/findings.h"
 #include "hil/diagnose/null_calibration.h"
 #include "hil/diagnose/pictures.h"
@@ -137,10 +138,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const bool named_enough = explained > 0.5 || !structured;
   add_findings(w, w.output, selection, named_enough ? std::max(explained, 0.6) : explained, out);
   for (Finding& f : out.findings)
-    if (f.effect == "reference_drift" && !w.has_rig) {
-      f.side_witnessed = false;
-      f.evidence += "; without a third channel the side cannot be told: the sensor's own zero may drift";
-    }
+    if (f.effect == "reference_drift" && !w.has_rig) decide_by_capacitance(w.input, f);
   for (const HealthClaim& claim : raw) {
     const EffectKind* kind = EffectRegistry::instance().find(claim.effect);
     Finding f;

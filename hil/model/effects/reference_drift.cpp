@@ -76,7 +76,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .equation = "F_ref = F + c d(t)",
     .source = "warm-up of strain gauge cells; own estimate of size",
     .look_alikes = {"thermal", "creep"},
-    .separates = "an unloaded zero before and after every record; the rig's own law as third witness",
+    .separates = "an unloaded zero before and after every record; a third witness: the rig's own law, or the capacitance C_F",
     .needs = {"witness"},
     .forms = {polynomial(), warm_up(), wander()}}};
 
