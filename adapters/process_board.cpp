@@ -110,6 +110,7 @@ class ProcessBoard final : public SensorBoard {
     all["lost samples"] = counters_.indices_lost;
     return all;
   }
+  ClockFit clock() const override { return program_.clock().fit(); }
 
  private:
   AdapterProcess program_;

@@ -98,6 +98,7 @@ class ProcessMotor final : public MotorDrive {
 
   double drive_timeout_s() const override { return drive_timeout_s_; }
   std::map<std::string, std::uint64_t> counts() const override { return program_.counts(); }
+  ClockFit clock() const override { return program_.clock().fit(); }
 
  private:
   AdapterProcess program_;

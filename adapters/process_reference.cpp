@@ -101,6 +101,7 @@ class ProcessReference final : public ReferenceSensor {
     all["unbelievable readings refused"] = refused_;
     return all;
   }
+  ClockFit clock() const override { return program_.clock().fit(); }
 
  private:
   static constexpr int kJumpsMax = 20;

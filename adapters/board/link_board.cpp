@@ -9,6 +9,7 @@ namespace forcegate {
 namespace {
 
 constexpr int kAttempts = 3;
+constexpr double kTimeEvery_s = 0.5;  ///< of bench time, while the board streams
 
 }  // namespace
 
@@ -74,6 +75,9 @@ Result<void> LinkBoard::start() {
   streaming_ = true;
   next_index_ = 0;
   device_dropped_ = device_bad_ = 0;
+  clock_.clear();
+  asked_s_ = -1e9;
+  turns_ = 0;
   return {};
 }
 
@@ -92,14 +96,36 @@ Result<void> LinkBoard::poll(std::vector<BoardSample>& out) {
   for (;;) {
     link::ParseResult parsed = link::parse(buffer_);
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(parsed.consumed));
-    if (parsed.kind == link::Parse::need_more) return {};
+    if (parsed.kind == link::Parse::need_more) break;
     if (parsed.kind == link::Parse::invalid) {
       ++counters_.frames_bad;
       continue;
     }
     FORCEGATE_CHECK_OK(note(parsed.frame));
     if (parsed.frame.type == static_cast<std::uint8_t>(link::Type::samples)) FORCEGATE_CHECK_OK(take(parsed.frame, out));
+    if (parsed.frame.type == static_cast<std::uint8_t>(link::Type::time_reply)) take_time(parsed.frame);
   }
+  // Last, so that in virtual time the answer always comes with the next look.
+  if (streaming_ && world_.now_s() - asked_s_ >= kTimeEvery_s) return ask_time();
+  return {};
+}
+
+// A board that does not know TIME answers NAK, which nobody waits for.
+Result<void> LinkBoard::ask_time() {
+  asked_s_ = world_.now_s();
+  time_request_ = sequence_;
+  time_open_ = true;
+  return send(link::Type::time, link::time_payload(static_cast<std::uint64_t>(asked_s_ * 1e6)));
+}
+
+void LinkBoard::take_time(const link::Frame& frame) {
+  const auto reply = link::decode_time_reply(frame.payload);
+  if (!reply || !time_open_ || reply->request != time_request_) return;
+  time_open_ = false;
+  if (frame.t_us < last_us_ && clock_.fit().exchanges > 0) ++turns_;
+  last_us_ = frame.t_us;
+  const double device_s = 1e-6 * static_cast<double>((turns_ << 32) + frame.t_us);
+  clock_.add(asked_s_, device_s, world_.now_s());
 }
 
 Result<void> LinkBoard::take(const link::Frame& frame, std::vector<BoardSample>& out) {

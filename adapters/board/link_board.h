@@ -36,6 +36,7 @@ class LinkBoard final : public SensorBoard {
   Result<void> stop() override;
   DutCounters counters() const override;
   std::map<std::string, std::uint64_t> counts() const override;
+  ClockFit clock() const override { return clock_.fit(); }
 
  private:
   std::string where() const;
@@ -45,6 +46,8 @@ class LinkBoard final : public SensorBoard {
   /// False when nothing arrived within the time.
   Result<bool> receive(double timeout_s);
   Result<void> note(const link::Frame& frame);
+  Result<void> ask_time();
+  void take_time(const link::Frame& frame);
   Result<void> take(const link::Frame& frame, std::vector<BoardSample>& out);
 
   LinkBoardOptions options_;
@@ -58,6 +61,12 @@ class LinkBoard final : public SensorBoard {
   std::uint16_t device_dropped_ = 0, device_bad_ = 0;
   DutCounters counters_;
   std::uint64_t repeats_ = 0, foreign_ = 0;
+  DeviceClock clock_;
+  double asked_s_ = -1e9;           ///< bench time of the last TIME
+  std::uint16_t time_request_ = 0;
+  bool time_open_ = false;          ///< its reply has not come yet
+  std::uint32_t last_us_ = 0;
+  std::uint64_t turns_ = 0;         ///< of the board's 32-bit microseconds
 };
 
 }  // namespace forcegate

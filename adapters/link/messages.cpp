@@ -103,6 +103,10 @@ std::vector<std::uint8_t> stream_payload(bool run, std::uint16_t divider, std::u
   return Writer{}.u8(run ? 1 : 0).u16(divider).u8(batch).out;
 }
 
+std::vector<std::uint8_t> time_payload(std::uint64_t host) {
+  return Writer{}.u32(static_cast<std::uint32_t>(host)).u32(static_cast<std::uint32_t>(host >> 32)).out;
+}
+
 std::vector<std::uint8_t> inject_payload(std::uint32_t first_index, std::span<const std::uint16_t> adc) {
   Writer w;
   w.u32(first_index).u8(static_cast<std::uint8_t>(adc.size()));
@@ -169,6 +173,16 @@ std::optional<StreamState> decode_stream_state(std::span<const std::uint8_t> pay
   if (!r.finished() || run > 1) return std::nullopt;
   state.running = run == 1;
   return state;
+}
+
+std::optional<TimeReply> decode_time_reply(std::span<const std::uint8_t> payload) {
+  Reader r(payload);
+  TimeReply reply;
+  reply.request = r.u16();
+  reply.host = r.u32();
+  reply.host |= static_cast<std::uint64_t>(r.u32()) << 32;
+  if (!r.finished()) return std::nullopt;
+  return reply;
 }
 
 std::optional<ParamValue> decode_param_value(std::span<const std::uint8_t> payload) {

@@ -82,6 +82,8 @@ std::vector<std::uint8_t> hello_payload(std::uint32_t nonce);
 std::vector<std::uint8_t> set_cal_payload(const CalWire& calibration);
 /// Free-running stream of a board with its own converter: every divider-th sample, batch (1-32) to a frame.
 std::vector<std::uint8_t> stream_payload(bool run, std::uint16_t divider, std::uint8_t batch);
+/// Any 8 bytes of the host, which the reply echoes.
+std::vector<std::uint8_t> time_payload(std::uint64_t host);
 /// At most 32 codes.
 std::vector<std::uint8_t> inject_payload(std::uint32_t first_index, std::span<const std::uint16_t> adc);
 
@@ -93,6 +95,11 @@ struct StreamState {
   bool running = false;
 };
 std::optional<StreamState> decode_stream_state(std::span<const std::uint8_t> payload);
+struct TimeReply {
+  std::uint16_t request = 0;
+  std::uint64_t host = 0;
+};
+std::optional<TimeReply> decode_time_reply(std::span<const std::uint8_t> payload);
 struct ParamValue {
   std::uint16_t request = 0;
   CalWire calibration;

@@ -205,6 +205,7 @@ class CaseRun {
     }
     record_.samples = done;
     devices_.rig->park();
+    record_.rig.details = devices_.rig->info().details;  // with what the instruments counted
     measurement_->zero_after(devices_.rig->reference_zero());
     if (dut_open_) {
       auto closed = devices_.dut->close();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/base/config_node.h"
+#include "hil/base/device_clock.h"
 #include "hil/base/registry.h"
 #include "hil/base/result.h"
 #include "hil/interface/bench_world.h"
@@ -29,6 +30,8 @@ class Device {
   virtual void close() noexcept = 0;
   /// Counts of what the link survived ("retries", "drained bytes"), for the report.
   virtual std::map<std::string, std::uint64_t> counts() const { return {}; }
+  /// Its clock against the bench's; no exchanges: it has told no time.
+  virtual ClockFit clock() const { return {}; }
 };
 
 struct MotorState {

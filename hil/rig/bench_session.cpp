@@ -1,5 +1,7 @@
 #include "hil/rig/bench_session.h"
 
+#include <fmt/format.h>
+
 namespace forcegate {
 namespace {
 
@@ -42,6 +44,7 @@ Result<void> BenchSession::open() {
   FORCEGATE_TRY(identity_["board"], board_->open());
   FORCEGATE_TRY(identity_["motor"], motor_->open());
   open_ = true;
+  ticks_.clear();
   return {};
 }
 
@@ -65,6 +68,7 @@ Result<void> BenchSession::arm() {
     return armed;
   }
   armed_ = true;
+  if (!bench_.twins) real_time_.request();
   return {};
 }
 
@@ -72,6 +76,7 @@ void BenchSession::make_safe() noexcept {
   bool stopped = true;
   if (armed_ || guard_.id() > 0) stopped = motor_->emergency().has_value();
   armed_ = false;
+  real_time_.release();
   if (stopped) guard_.dismiss();  // else it stays and tries when we are gone
   if (!open_) return;
   (void)reference_->stop();
@@ -100,6 +105,16 @@ std::map<std::string, std::string> BenchSession::details() const {
   add("motor", motor_->counts());
   add("reference", reference_->counts());
   add("board", board_->counts());
+  const auto tell_clock = [&](const std::string& device, const ClockFit& c) {
+    if (c.exchanges > 0)
+      out[device + " clock"] = fmt::format("skew {:+.0f} ppm, residual {:.2f} ms, u {:.2f} ms, from {} exchanges", c.skew_ppm,
+                                           1e3 * c.residual_s, 1e3 * c.u_s, c.exchanges);
+  };
+  tell_clock("motor", motor_->clock());
+  tell_clock("reference", reference_->clock());
+  tell_clock("board", board_->clock());
+  if (ticks_.ticks() > 0) out["late ticks"] = ticks_.to_text();
+  if (ticks_.ticks() > 0 && !bench_.twins) out["real time"] = real_time_.text();
   return out;
 }
 

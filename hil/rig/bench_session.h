@@ -9,6 +9,7 @@
 #include "hil/rig/bench_file.h"
 #include "hil/rig/lease.h"
 #include "hil/rig/park_guard.h"
+#include "hil/rig/tick_clock.h"
 
 namespace forcegate {
 
@@ -35,10 +36,14 @@ class BenchSession {
 
   const BenchFile& bench() const { return bench_; }
   BenchWorld& world() { return *world_; }
+  /// How late the harness came back from a wait that was to end at due_s (bench time).
+  void ticked(double due_s) {
+    if (!world_->is_virtual()) ticks_.add(world_->now_s() - due_s);
+  }
   MotorDrive& motor() { return *motor_; }
   ReferenceSensor& reference() { return *reference_; }
   SensorBoard& board() { return *board_; }
-  /// Identities after open() and counts so far, as "reference serial" -> "FT12345", "link retries" -> "0".
+  /// Identities after open(), counts, clocks and lateness so far, as "reference serial" -> "FT12345", "link retries" -> "0".
   std::map<std::string, std::string> details() const;
 
  private:
@@ -53,6 +58,8 @@ class BenchSession {
   std::unique_ptr<SensorBoard> board_;
   ParkGuard guard_;
   Lease lease_;
+  TickHistogram ticks_;
+  RealTime real_time_;
   bool open_ = false, armed_ = false;
   std::map<std::string, DeviceIdentity> identity_;
 };

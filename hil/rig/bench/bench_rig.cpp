@@ -102,7 +102,10 @@ class BenchRig final : public Rig, public Dut {
   void park() noexcept override {
     begun_ = false;
     commanded_rad_per_s_ = 0.0;
-    if (session_) session_->make_safe();
+    if (session_) {
+      for (const auto& [key, value] : session_->details()) info_.details[key] = value;
+      session_->make_safe();
+    }
     if (logged_.empty()) return;
     (void)SpecimenLog(bench_.specimens.log).end(logged_, utc_seconds(), turns_.cycles());
     logged_.clear();
@@ -196,6 +199,7 @@ class BenchRig final : public Rig, public Dut {
     BenchWorld& world = session_->world();
     const double due_s = offset_s_ + static_cast<double>(index_ + chunk - 1) / info_.rate_Hz;
     FORCEGATE_CHECK_OK(world.advance_to(std::max(due_s, world.now_s())));
+    session_->ticked(due_s);
     FORCEGATE_CHECK_OK(look());
     const double patience_s = world.now_s() + bench_.limits.board_stale_s;
     while (pending_.size() < chunk) {

@@ -175,6 +175,23 @@ TEST(DigitalFt, AnotherSensorThanTheBenchFileSaysIsRefused) {
   EXPECT_TRUE(opened.error().where.starts_with("reference")) << opened.error().to_text();
 }
 
+TEST(BoardClock, IsComparedByTimeMessagesWhileTheBoardStreams) {
+  TwinBench b;
+  BenchSession& s = *b.session;
+  TwinBench::ok(s.open());
+  TwinBench::ok(s.board().start());
+  std::vector<BoardSample> samples;
+  for (int i = 0; i < 600; ++i) {
+    TwinBench::ok(b.advance(0.01));
+    TwinBench::ok(s.board().poll(samples));
+  }
+  const ClockFit fit = s.board().clock();
+  EXPECT_EQ(fit.exchanges, 12U);  // twice a second
+  EXPECT_NEAR(fit.skew_ppm, 0.0, 1.0);  // one plant, one clock
+  EXPECT_NEAR(fit.u_s, 0.005 / std::sqrt(3.0), 1e-4);  // an answer is looked for every 10 ms
+  EXPECT_NE(s.details().at("board clock").find("12 exchanges"), std::string::npos);
+}
+
 // BENCH: after one stall every later RTU read was an answer to an earlier request, and libmodbus called it success.
 TEST(TwinSession, ALateReplyIsNeverTakenForAFreshOne) {
   TwinBench b("twin_rtu.toml", {{"response_timeout_ms = 1000", "response_timeout_ms = 40"}, {"worst_reply_ms = 50", "worst_reply_ms = 150"}});
