@@ -124,7 +124,9 @@ void add_spread_claims(const std::vector<SensorStudy>& studies, std::vector<Pape
   const SensorStudy* flexi = study_of(studies, "flexiforce");
   if (const Spread* b = flexi != nullptr ? flexi->find("identified.b") : nullptr; b != nullptr && std::isfinite(b->sd_specimens))
     out.push_back({"IV-A1b", "Decay rate b between specimens, relative sd", "flexiforce", "approximately 25 %", 25.0, "%",
-                   100.0 * b->sd_specimens / b->mean, kNan, b->specimens, std::nullopt, std::nullopt, "drawn from a cut normal, as above"});
+                   100.0 * b->sd_specimens / b->mean, kNan, b->specimens, std::nullopt, std::nullopt, 
+                   "drawn with 25 % and cut at two standard deviations, which leaves 22 %; specimens seed:1 to seed:30 happen to "
+                   "spread by 16.4 %, seed:1 to seed:300 by 22.4 %"});
 }
 
 void add_law_claims(const SensorStudy& study, std::vector<PaperClaim>& out) {
