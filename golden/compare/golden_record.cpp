@@ -103,6 +103,14 @@ const std::vector<float>& values(const GoldenWindow& w, GoldenCurve curve) {
   return curve == GoldenCurve::ati ? w.ati_N : w.dut_N;
 }
 
+// A hold has no lag to speak of: what moves less than the tube is wide are noise and drift.
+bool moves(const std::vector<float>& golden_N, const TubeOptions& o) {
+  const auto [low, high] = std::minmax_element(golden_N.begin(), golden_N.end());
+  const double middle_N = 0.5 * (static_cast<double>(*low) + static_cast<double>(*high));
+  const double span_N = static_cast<double>(*high) - static_cast<double>(*low);
+  return span_N > 2.0 * tolerance_N(o, middle_N, span_N);
+}
+
 void compare_extrema(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve, const TubeOptions& o,
                      GoldenComparison& out) {
   double low = 0.0, high = 0.0;
@@ -120,7 +128,10 @@ void compare_extrema(const GoldenRecord& g, const GoldenContent& tested, GoldenC
     const double apart_N = std::fabs(force(got, curve) - force(want, curve));
     worse(out, ratio(apart_s, o.time_s), want.t_s,
           fmt::format("an extremum comes at {:.3f} s, in the golden at {:.3f} s", got.t_s, want.t_s));
-    worse(out, ratio(apart_N, tolerance_N(o, force(want, curve), high - low)), want.t_s,
+    const double tolerance = tolerance_N(o, force(want, curve), high - low);
+    out.margins.push_back({want.maximum ? "max" : "min", want.t_s, force(want, curve), force(got, curve), tolerance - apart_N});
+    out.worst_margin_N = std::min(out.worst_margin_N, tolerance - apart_N);
+    worse(out, ratio(apart_N, tolerance), want.t_s,
           fmt::format("the extremum at {:.3f} s is {:.4f} N, in the golden {:.4f} N", want.t_s, force(got, curve),
                       force(want, curve)));
     ++out.n;
@@ -203,7 +214,8 @@ Result<GoldenRecord> parse_golden_record(std::string_view text, const std::strin
 }
 
 Result<GoldenComparison> compare_golden(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve) {
-  const TubeOptions& o = curve == GoldenCurve::ati ? g.ati : g.firmware;
+  TubeOptions o = curve == GoldenCurve::ati ? g.ati : g.firmware;
+  o.keep_margins = true;
   GoldenComparison out;
   out.lag_s = std::numeric_limits<double>::quiet_NaN();
   if (g.content.extrema.empty() && g.content.windows.empty())
@@ -223,8 +235,10 @@ Result<GoldenComparison> compare_golden(const GoldenRecord& g, const GoldenConte
   }
   out.worst_margin_N = std::numeric_limits<double>::infinity();
   compare_extrema(g, tested, curve, o, out);
+  const double lag_limit_s = o.lag_limit_s;
   for (std::size_t k = 0; k < g.content.windows.size(); ++k) {
     const GoldenWindow &want = g.content.windows[k], &got = tested.windows[k];
+    o.lag_limit_s = moves(values(want, curve), o) ? lag_limit_s : std::numeric_limits<double>::infinity();
     FORCEGATE_TRY(const TubeResult tube, compare_tube({want.t0_s, want.step_s, values(want, curve)},
                                                       {got.t0_s, got.step_s, values(got, curve)}, o));
     if (tube.state == TubeState::not_compared) {
@@ -233,6 +247,9 @@ Result<GoldenComparison> compare_golden(const GoldenRecord& g, const GoldenConte
       return out;
     }
     out.n += tube.n;
+    for (std::size_t i = 0; i < tube.margin.size(); ++i)
+      out.margins.push_back({"window", want.t0_s + static_cast<double>(i) * want.step_s, values(want, curve)[i],
+                             values(got, curve)[i], tube.margin[i]});
     if (std::isfinite(tube.lag_s) && !(std::fabs(tube.lag_s) <= std::fabs(out.lag_s))) out.lag_s = tube.lag_s;
     out.worst_margin_N = std::min(out.worst_margin_N, tube.worst_margin);
     if (tube.state == TubeState::outside)

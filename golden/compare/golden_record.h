@@ -56,21 +56,30 @@ std::string to_text(const GoldenRecord& golden);
 /// Errors (parse) name the line.
 Result<GoldenRecord> parse_golden_record(std::string_view text, const std::string& name);
 
+/// One extremum or sample of a window.
+struct GoldenMargin {
+  std::string where;  ///< "max", "min", "window"
+  double t_s = 0.0, golden_N = 0.0, tested_N = 0.0;
+  double margin_N = 0.0;  ///< signed distance to the edge of the tube, < 0 outside
+};
+
 /// How a record stands to its golden, for one of the two curves.
 struct GoldenComparison {
   TubeState state = TubeState::not_compared;
   std::string cause;          ///< "" when inside
   double outside = 0.0;       ///< largest |deviation| / tolerance over extrema and windows; <= 1 is inside
-  double worst_margin_N = 0.0;  ///< smallest distance to the edge of the tube in the windows, < 0 outside
+  double worst_margin_N = 0.0;  ///< smallest of the margins
   double worst_at_s = 0.0;
   double lag_s = 0.0;         ///< of the window that lags most; NaN when undetermined
   std::size_t n = 0;          ///< extrema and samples compared
+  std::vector<GoldenMargin> margins;  ///< of each of them
 };
 
 enum class GoldenCurve { ati, firmware };
 
 /// Coverage first: another number of extrema, a missing or truncated window, samples that are not numbers are not
-/// compared. Then extrema (instants within time_s, forces within the tolerance) and windows (tube.h).
+/// compared. Then extrema (instants within time_s, forces within the tolerance) and windows (tube.h). The lag of a window
+/// that moves by less than the width of the tube is not limited: it is made of noise.
 Result<GoldenComparison> compare_golden(const GoldenRecord& golden, const GoldenContent& tested, GoldenCurve curve);
 
 }  // namespace forcegate

@@ -9,6 +9,7 @@
 #include "hil/app/gate_player.h"
 #include "hil/app/golden.h"
 #include "hil/app/run_folder.h"
+#include "hil/app/write_file.h"
 #include "hil/base/text.h"
 #include "hil/gate/run_judge.h"
 #include "hil/gate/waiver.h"
@@ -187,12 +188,15 @@ class GateRun {
                          std::move(result_)};
     const auto& notes = player_->notes();
     material.head.notes.insert(material.head.notes.end(), notes.begin(), notes.end());
-    const ChecksByRecord others = golden_checks(material, goldens_, material.head.notes);
+    std::vector<GoldenMargins> margins;
+    const ChecksByRecord others = golden_checks(material, goldens_, material.head.notes, &margins);
     std::vector<JudgedCheck> of_run = judge_material(material, others);
     apply_waivers(waivers_, request_.today, of_run, material.records, material.head.notes);
     RunResult result = to_run_result(material, of_run);
     if (folder && !material.cancelled) {
-      const BundleSource source{setup_.plan.path, request_.firmware, limits_path_, request_.waivers, request_.today, goldens_};
+const BundleSource source{setup_.plan.path, request_.firmware, limits_path_, request_.waivers, request_.today, goldens_};
+      for (const GoldenMargins& one : margins)
+        FORCEGATE_CHECK_OK(write_file_atomically(folder->path() / "golden" / one.file, one.csv));
       FORCEGATE_CHECK_OK(write_bundle(folder->path(), source, material));
       FORCEGATE_CHECK_OK(folder->publish(result));
     }

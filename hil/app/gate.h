@@ -40,6 +40,7 @@ struct GateRequest {
   std::map<std::string, double> faults;
   std::vector<std::string> only_cases;  ///< names; empty = all
   std::vector<std::string> panel;       ///< overrides the plan's; empty = the plan's
+  std::filesystem::path goldens;  ///< every case is held against the golden traces of this folder; empty: the plan decides
   std::filesystem::path waivers;  ///< file of waivers; empty = none
   std::string today;              ///< ISO date against which they expire; needed with waivers
   unsigned threads = 0;

@@ -164,6 +164,10 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
     plan.panel = request.panel;
     for (PlanCase& c : plan.cases) c.specimens.clear();
   }
+  if (!request.goldens.empty()) {
+    plan.limits.goldens = std::filesystem::absolute(request.goldens).lexically_normal().string();
+    for (PlanCase& c : plan.cases) c.checks |= kCheckGolden;
+  }
   FORCEGATE_CHECK_OK(select_cases(request, plan));
   FORCEGATE_CHECK_OK(select_lanes(request, setup));
   if (!request.limits_file.empty() || request.without_limits)
@@ -230,8 +234,9 @@ CaseJob record_job(const GateRequest& request, const GateSetup& setup, std::size
   job.lane_options = request.lane_options;
   job.image = std::filesystem::absolute(request.firmware).string();
   job.planned = planned;
-  // One record stands for its case; what cannot be played again is drawn in any case.
-  job.curves = (session == 0 && specimen == specimens[specimens.size() / 2]) || !setup.rig.emulated;
+  // One record stands for its case; what cannot be played again is drawn in any case. Without a folder there is no report.
+  const bool stands = session == 0 && specimen == specimens[specimens.size() / 2];
+  job.curves = (stands && !request.output.empty()) || !setup.rig.emulated;
   job.session = session;
   job.attempt = attempt;
   job.record = static_cast<std::uint64_t>(case_index) + 1;

@@ -49,7 +49,7 @@ double stored_mre(const GoldenRecord& golden) {
   return value;
 }
 
-JudgedCheck compared(const CaseRecord& record, const GoldenRecord& golden, GoldenCurve curve) {
+JudgedCheck compared(const CaseRecord& record, const GoldenRecord& golden, GoldenCurve curve, std::string& csv) {
   const bool rig = curve == GoldenCurve::ati;
   JudgedCheck j;
   Check& c = j.check;
@@ -63,6 +63,9 @@ JudgedCheck compared(const CaseRecord& record, const GoldenRecord& golden, Golde
              fmt::format("golden of {}", when == golden.provenance.end() ? "unknown date" : when->second)};
   const auto got = compare_golden(golden, golden_content(record), curve);
   if (!got) return not_run(record, c.id.c_str(), c.title.c_str(), got.error().text, true);
+  for (const GoldenMargin& m : got->margins)
+    csv += fmt::format("{},{},{:.3f},{:.4f},{:.4f},{:.4f}\n", rig ? "ati" : "firmware", m.where, m.t_s, m.golden_N,
+                       m.tested_N, m.margin_N);
   c.n = got->n;
   c.value = got->state == TubeState::not_compared ? kNan : got->outside;
   c.evidence = got->cause.empty() ? fmt::format("{} extrema and samples, nearest to the edge of the tube {:.4f} N, lag {:+.1f} ms",
@@ -77,7 +80,7 @@ JudgedCheck compared(const CaseRecord& record, const GoldenRecord& golden, Golde
 }
 
 void hold_against(const GoldenRecord& golden, const PlanCase& planned, const PlayedRecord& one,
-                  std::vector<JudgedCheck>& list, std::vector<std::string>& notes) {
+                  std::vector<JudgedCheck>& list, std::vector<std::string>& notes, std::string& csv) {
   const CaseRecord& record = one.record;
   const std::string rig = record.rig.name + "/" + record.rig.version;
   if (golden.rig != rig) {
@@ -85,7 +88,7 @@ void hold_against(const GoldenRecord& golden, const PlanCase& planned, const Pla
                            fmt::format("the golden is of rig {}, this is {}", golden.rig, rig), false));
     return;
   }
-  if (planned.loop == LoopMode::open) list.push_back(compared(record, golden, GoldenCurve::ati));
+  if (planned.loop == LoopMode::open) list.push_back(compared(record, golden, GoldenCurve::ati, csv));
   const char* why = golden.algorithm != record.firmware.algorithm_id ? "the golden is of another algorithm"
                     : golden.seed != one.job.seed                    ? "the golden is of another seed"
                                                                      : nullptr;
@@ -93,7 +96,7 @@ void hold_against(const GoldenRecord& golden, const PlanCase& planned, const Pla
     list.push_back(not_run(record, "golden_firmware", "Firmware against its golden trace", why, false));
     return;
   }
-  list.push_back(compared(record, golden, GoldenCurve::firmware));
+  list.push_back(compared(record, golden, GoldenCurve::firmware, csv));
   const double now = mre_maxima_pct(record, planned), then = stored_mre(golden);
   if (list.back().check.value > 1.0 && now < then)
     notes.push_back(fmt::format(
@@ -102,13 +105,17 @@ void hold_against(const GoldenRecord& golden, const PlanCase& planned, const Pla
         record.id, now, then));
 }
 
-}  // namespace
-
-std::string golden_file_name(const std::string& case_name, const std::string& specimen) {
-  std::string name = case_name + "@" + specimen + ".golden";
+std::string file_name(const std::string& case_name, const std::string& specimen, const char* ending) {
+  std::string name = case_name + "@" + specimen + ending;
   std::replace(name.begin(), name.end(), '/', '-');
   std::replace(name.begin(), name.end(), ':', '-');
   return name;
+}
+
+}  // namespace
+
+std::string golden_file_name(const std::string& case_name, const std::string& specimen) {
+  return file_name(case_name, specimen, ".golden");
 }
 
 GoldenContent golden_content(const CaseRecord& record) {
@@ -133,7 +140,7 @@ Result<std::vector<GoldenRecord>> read_goldens(const fs::path& folder) {
 }
 
 ChecksByRecord golden_checks(const RunMaterial& m, const std::vector<GoldenRecord>& goldens,
-                             std::vector<std::string>& notes) {
+                             std::vector<std::string>& notes, std::vector<GoldenMargins>* margins) {
   ChecksByRecord checks;
   for (std::size_t c = 0; c < m.plan.cases.size(); ++c) {
     const PlanCase& planned = m.plan.cases[c];
@@ -149,7 +156,12 @@ ChecksByRecord golden_checks(const RunMaterial& m, const std::vector<GoldenRecor
       });
       if (golden == goldens.end()) continue;
       any = true;
-      if (!one.record.failure) hold_against(*golden, planned, one, checks[k], notes);  // a failure is a finding of its own
+      if (one.record.failure) continue;  // a finding of its own
+      std::string csv;
+      hold_against(*golden, planned, one, checks[k], notes, csv);
+      if (margins != nullptr && !csv.empty())
+        margins->push_back({file_name(planned.name, one.job.specimen, ".csv"),
+                            "curve,where,t_s,golden_N,tested_N,margin_N\n" + csv});
     }
     if (!any && first != nullptr)
       checks[static_cast<std::size_t>(first - m.records.data())].push_back(

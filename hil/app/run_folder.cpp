@@ -19,7 +19,7 @@ constexpr const char* kPart = ".part-";
 
 // Everything that a run may leave in its folder.
 bool is_ours(const fs::path& folder) {
-  std::vector<std::string> ours{"traces", "bundle", "bundle.json"};
+  std::vector<std::string> ours{"traces", "bundle", "bundle.json", "golden"};
   for (const ReporterKind& reporter : Registry<ReporterKind>::instance().all())
     if (!reporter.file_name.empty()) ours.push_back(reporter.file_name);
   std::error_code error;

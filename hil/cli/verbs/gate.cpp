@@ -67,6 +67,7 @@ Result<int> run(const Invocation& in) {
   request.threads = static_cast<unsigned>(threads);
   request.keep = in.flag("keep");
   request.started_at = utc_now();
+  if (in.given("golden")) request.goldens = in.text("golden");
   if (in.given("waivers")) request.waivers = in.text("waivers");
   request.today = in.given("today") ? in.text("today") : request.started_at.substr(0, 10);
   if (request.rig == "bench") request.rig_options["today"] = request.today;
@@ -149,7 +150,10 @@ const Registration<Command> kRow{Command{
            .value_name = "N",
            .doc = "Worker processes at a time; 0: one per processor.",
            .fallback = "0"},
-          {.name = "waivers",
+          {.name = "golden",
+          .value_name = "FOLDER",
+          .doc = "Hold every case against the golden traces of this folder (forcegate bless makes them)."},
+         {.name = "waivers",
            .value_name = "FILE",
            .doc = "Findings that somebody answers for until a day (docs/trust.md)."},
           {.name = "today", .value_name = "DATE", .doc = "Day against which waivers expire; default: today."},
@@ -167,6 +171,8 @@ const Registration<Command> kRow{Command{
                   "The whole nightly plan:"},
                  {"forcegate gate new.elf --accepted old.elf",
                   "Is it any worse than the build in the field?"},
+                 {"forcegate gate build/firmware/reference.native.so --golden golden/traces/smoke",
+                  "Against golden traces, with the margin of every sample in golden/*.csv:"},
                  {"forcegate gate build/firmware/reference-m4f.block.elf --lane tick",
                   "Worst-case instructions of a sample, stack, RAM and flash:"},
                  {"forcegate gate build/firmware/reference.native.so --record run.csv --cal cal.toml",
