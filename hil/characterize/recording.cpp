@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/gate/calibrate.h"
+#include "hil/trace/static_line.h"
 
 namespace forcegate::characterize {
 namespace {
@@ -93,18 +94,15 @@ void describe_cycles(SessionSheet& sheet, const Extrema& extrema, double duratio
 }
 
 Result<void> describe_static(SessionSheet& sheet, const Columns& c, const std::string& name) {
-  double n = 0, su = 0, sf = 0, suu = 0, suf = 0, sff = 0;
-  for (std::size_t i = 0; i < c.t_s.size(); ++i) {
-    const double u = static_cast<double>(c.sensor_V[i]), f = static_cast<double>(c.force_N[i]);
-    n += 1, su += u, sf += f, suu += u * u, suf += u * f, sff += f * f;
-  }
-  const double vuu = suu / n - su * su / (n * n), vuf = suf / n - su * sf / (n * n), vff = sff / n - sf * sf / (n * n);
-  if (!(vuu > 1e-6) || !(vuf > 0.0)) return fail(ErrorCode::device, "the sensor did not answer the force", name, "is it the sensor's channel?");
+  StaticLine line;
+  for (std::size_t i = 0; i < c.t_s.size(); ++i)
+    line.push(static_cast<double>(c.sensor_V[i]), static_cast<double>(c.force_N[i]));
+  if (!line.answers(1e-6)) return fail(ErrorCode::device, "the sensor did not answer the force", name, "is it the sensor's channel?");
   Calibration& k = sheet.calibration;
-  k.gain_N_per_V = vuf / vuu;
-  k.offset_N = sf / n - k.gain_N_per_V * su / n;
+  k.gain_N_per_V = line.gain_N_per_V();
+  k.offset_N = line.offset_N();
   k.level = CalibrationLevel::statical;
-  sheet.calibration_rmse_N = std::sqrt(std::max(0.0, vff - vuf * vuf / vuu));
+  sheet.calibration_rmse_N = line.residual_N();
   add(sheet, "static.gain", "Gain G, eq. (1)", "N/V", k.gain_N_per_V);
   add(sheet, "static.offset", "Offset F0, eq. (1)", "N", k.offset_N);
   add(sheet, "static.residual", "Residual of the line", "N", sheet.calibration_rmse_N);

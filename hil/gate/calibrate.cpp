@@ -17,6 +17,7 @@
 #include "hil/rig/self_check.h"
 #include "hil/trace/decay_fit.h"
 #include "hil/trace/extrema.h"
+#include "hil/trace/static_line.h"
 
 namespace forcegate {
 namespace {
@@ -103,41 +104,31 @@ class CalibrationRun {
 
   bool sweep() {
     const CalibrationSweep stimulus(job_.calibrate);
-    double n = 0, su = 0, sf = 0, suu = 0, suf = 0, sff = 0, u_sum = 0, f_sum = 0;
-    std::size_t filled = 0;
+    StaticLine line;
     const double volts = out_.rig.v_range_V / static_cast<double>((1u << out_.rig.adc_bits) - 1u);
-    const auto group = std::max<std::size_t>(1, static_cast<std::size_t>(kMeanOver_s * out_.rig.rate_Hz));
+    PairMeans means(std::max<std::size_t>(1, static_cast<std::size_t>(kMeanOver_s * out_.rig.rate_Hz)));
     const bool played = play(stimulus, 1000001, [&](const RigBlock& b, std::size_t rows) {
-      for (std::size_t i = 0; i < rows; ++i) {
-        u_sum += volts * b.adc[i];
-        f_sum += b.force_ref_N[i];
-        if (++filled < group) continue;
-        const double u = u_sum / static_cast<double>(group), f = f_sum / static_cast<double>(group);
-        filled = 0;
-        u_sum = f_sum = 0.0;
-        if (!std::isfinite(f)) continue;
-        n += 1, su += u, sf += f, suu += u * u, suf += u * f, sff += f * f;
-      }
+      for (std::size_t i = 0; i < rows; ++i)
+        if (means.push(volts * b.adc[i], b.force_ref_N[i]) && std::isfinite(means.force_N()))
+          line.push(means.sensor_V(), means.force_N());
     });
     if (!played) return false;
-    const double vuu = suu / n - su * su / (n * n), vuf = suf / n - su * sf / (n * n),
-                 vff = sff / n - sf * sf / (n * n);
-    if (!(n > 20.0) || !(vuu > 1e-4) || !(vuf > 0.0))
+    if (!(line.n() > 20.0) || !line.answers(1e-4))
       return failed(CaseFailure::Stage::rig,
                     {ErrorCode::device, "the sensor did not answer the calibration sweep", job_.id,
                      "is the sensor mounted and plugged in?"},
                     Blame::sensor);
     Calibration& c = out_.calibration;
-    c.gain_N_per_V = vuf / vuu;
-    c.offset_N = sf / n - c.gain_N_per_V * su / n;
+    c.gain_N_per_V = line.gain_N_per_V();
+    c.offset_N = line.offset_N();
     c.level = CalibrationLevel::statical;
     c.id = job_.specimen.substr(0, 14) + "/s";
-    const double residual = std::sqrt(std::max(0.0, vff - vuf * vuf / vuu));
+    const double residual = line.residual_N(), vuu = line.variance_V2();
     // Hysteresis and curvature repeat in every branch: each branch of each sweep counts as four items.
     const double independent = 8.0 * job_.calibrate.sweeps;
     const double u_gain = residual / std::sqrt(independent * vuu);
     out_.u_gain_rel = u_gain / c.gain_N_per_V;
-    out_.u_offset_N = residual * std::sqrt((1.0 + su * su / (n * n) / vuu) / independent);
+    out_.u_offset_N = residual * std::sqrt((1.0 + line.mean_V() * line.mean_V() / vuu) / independent);
     out_.calibration_rmse_N = residual;
     out_.calibration_text =
         fmt::format("{}: G {} N/V, F0 {} N from {} sweeps, residual {:.3f} N", job_.specimen,

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "hil/characterize/session.h"
+#include "hil/trace/static_line.h"
 
 namespace forcegate::characterize {
 namespace {
@@ -22,7 +23,6 @@ Result<void> run(Session& s) {
   const StudyPlan& plan = s.plan;
   const RigInfo info = s.bench.info();
   const double per_code = s.bench.volts_per_code();
-  const auto group = std::max<std::size_t>(1, static_cast<std::size_t>(kMeanOver_s * info.rate_Hz));
   const StimulusSpec ramp{"ramp",
                           {{"low_N", plan.sweep_low_N},
                            {"high_N", plan.sweep_high_N},
@@ -30,22 +30,18 @@ Result<void> run(Session& s) {
                            {"cycles", static_cast<double>(plan.sweeps)}},
                           {}, {}, 1};
   std::array<std::array<Bin, kBins>, 2> bins{};
-  double n = 0, su = 0, sf = 0, suu = 0, suf = 0, sff = 0, u_sum = 0, f_sum = 0;
-  std::size_t filled = 0;
+  StaticLine line;
+  PairMeans means(std::max<std::size_t>(1, static_cast<std::size_t>(kMeanOver_s * info.rate_Hz)));
   CurveSink curve("fig4", 0.0, plan.sweep_s * plan.sweeps, per_code, false, 120);
   const double span_N = plan.sweep_high_N - plan.sweep_low_N;
   FORCEGATE_TRY(const PlayedRecord played,
                 s.bench.play(ramp, [&](const RigBlock& b, std::size_t rows, std::span<const float> none) {
                   if (s.curves) curve(b, rows, none);
                   for (std::size_t i = 0; i < rows; ++i) {
-                    u_sum += per_code * b.adc[i];
-                    f_sum += static_cast<double>(b.force_ref_N[i]);
-                    if (++filled < group) continue;
-                    const double u = u_sum / static_cast<double>(group), f = f_sum / static_cast<double>(group);
-                    filled = 0;
-                    u_sum = f_sum = 0.0;
+                    if (!means.push(per_code * b.adc[i], static_cast<double>(b.force_ref_N[i]))) continue;
+                    const double u = means.sensor_V(), f = means.force_N();
                     if (!std::isfinite(f)) continue;
-                    n += 1, su += u, sf += f, suu += u * u, suf += u * f, sff += f * f;
+                    line.push(u, f);
                     const bool falling = std::fmod(b.t_s[i], plan.sweep_s) > 0.5 * plan.sweep_s;
                     const double at = (f - plan.sweep_low_N) / span_N;
                     if (at < 0.0 || at >= 1.0) continue;
@@ -54,18 +50,17 @@ Result<void> run(Session& s) {
                   }
                 }));
   (void)played;
-  const double vuu = suu / n - su * su / (n * n), vuf = suf / n - su * sf / (n * n), vff = sff / n - sf * sf / (n * n);
-  if (!(n > 20.0) || !(vuu > 1e-4) || !(vuf > 0.0))
+  if (!(line.n() > 20.0) || !line.answers(1e-4))
     return fail(ErrorCode::device, "the sensor did not answer the calibration sweep", {}, "is the sensor mounted and plugged in?");
   Calibration& c = s.sheet.calibration;
   c.adc_bits = info.adc_bits;
   c.v_range_V = info.v_range_V;
-  c.gain_N_per_V = vuf / vuu;
-  c.offset_N = sf / n - c.gain_N_per_V * su / n;
+  c.gain_N_per_V = line.gain_N_per_V();
+  c.offset_N = line.offset_N();
   c.level = CalibrationLevel::statical;
   c.id = s.bench.setup().specimen.substr(0, 14) + "/s";
   s.calibrated = true;
-  s.sheet.calibration_rmse_N = std::sqrt(std::max(0.0, vff - vuf * vuf / vuu));
+  s.sheet.calibration_rmse_N = line.residual_N();
 
   double bend_N = 0.0, loop_N = 0.0;
   for (std::size_t k = 0; k < kBins; ++k) {
