@@ -10,6 +10,7 @@
 
 #include "hil/base/text.h"
 #include "hil/gate/board_faults.h"
+#include "hil/gate/case_result.h"
 #include "hil/gate/play_profile.h"
 #include "hil/gate/runner.h"
 #include "hil/gate/statistics.h"
@@ -189,23 +190,10 @@ class CalibrationRun {
                      {}});
     c.level = CalibrationLevel::identified;
     c.id = job_.specimen.substr(0, 14) + "/i";
-    DecayFit& d = out_.decay;
-    d = {true,
-         fit->a_V,
-         fit->b_per_s,
-         fit->c_V,
-         u_min_V,
-         fit->u_a_V,
-         fit->u_b_per_s,
-         fit->u_c_V,
-         fit->rmse_V,
-         0.0,
-         static_cast<std::uint64_t>(fit->n)};
-    const double start_V = fit->a_V + fit->c_V;
-    d.loss_pct = 100.0 * (1.0 - (fit->a_V * std::exp(-fit->b_per_s * t_s.back()) + fit->c_V) / start_V);
+    out_.decay = to_decay_fit(*fit, u_min_V, t_s.back());
     out_.calibration_text +=
         fmt::format("; b {} 1/s = {:.3f} x eq. (5), c/a = {:.3f} x eq. (5), {:.1f} % of the swing lost",
-                    with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.b_scale, c.q_scale, d.loss_pct);
+                    with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.b_scale, c.q_scale, out_.decay.loss_pct);
     return true;
   }
 

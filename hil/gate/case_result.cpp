@@ -46,23 +46,26 @@ DecayFit decay(const CaseRecord& record, const Calibration& calibration) {
   const double u_min_V = moments(minima_V).mean;
   const auto fit = fit_decay(t_s, maxima_V, u_min_V);
   if (!fit) return d;
-  d = {true,
-       fit->a_V,
-       fit->b_per_s,
-       fit->c_V,
-       u_min_V,
-       fit->u_a_V,
-       fit->u_b_per_s,
-       fit->u_c_V,
-       fit->rmse_V,
-       0.0,
-       static_cast<std::uint64_t>(fit->n)};
-  d.loss_pct =
-      100.0 * (1.0 - (fit->a_V * std::exp(-fit->b_per_s * t_s.back()) + fit->c_V) / (fit->a_V + fit->c_V));
-  return d;
+  return to_decay_fit(*fit, u_min_V, t_s.back());
 }
 
 }  // namespace
+
+DecayFit to_decay_fit(const DecayParameters& fit, double u_min_V, double until_s) {
+  const double start_V = fit.a_V + fit.c_V;
+  const double loss = 1.0 - (fit.a_V * std::exp(-fit.b_per_s * until_s) + fit.c_V) / start_V;
+  return {.fitted = true,
+          .a_V = fit.a_V,
+          .b_per_s = fit.b_per_s,
+          .c_V = fit.c_V,
+          .u_min_V = u_min_V,
+          .u_a_V = fit.u_a_V,
+          .u_b_per_s = fit.u_b_per_s,
+          .u_c_V = fit.u_c_V,
+          .rmse_V = fit.rmse_V,
+          .loss_pct = 100.0 * loss,
+          .n = static_cast<std::uint64_t>(fit.n)};
+}
 
 std::string stimulus_in_words(const StimulusSpec& spec) {
   std::string out = spec.name;
