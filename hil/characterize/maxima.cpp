@@ -67,14 +67,18 @@ void ExtremaSink::operator()(const RigBlock& block, std::size_t n, std::span<con
 
 Extrema ExtremaSink::finish() {
   pairer_.finish();
+  return extrema_of(pairer_.pairs(), closed_loop_);
+}
+
+Extrema extrema_of(const std::vector<PairedExtremum>& pairs, bool closed_loop) {
   Extrema out;
-  for (const PairedExtremum& p : pairer_.pairs()) {
+  for (const PairedExtremum& p : pairs) {
     Turns& turns = p.turn == Turn::maximum ? out.maxima : out.minima;
     turns.t_s.push_back(p.t_s);
     turns.setpoint_N.push_back(p.guide);
     turns.sensor_V.push_back(p.value[0]);
     turns.ati_N.push_back(p.value[1]);
-    if (closed_loop_) turns.estimate_N.push_back(p.value[2]);
+    if (closed_loop) turns.estimate_N.push_back(p.value[2]);
   }
   return out;
 }

@@ -26,6 +26,9 @@ struct Extrema {
   double loss() const;
 };
 
+/// followers of the pairs: sensor volts, ATI newtons and, in closed loop, the estimate.
+Extrema extrema_of(const std::vector<PairedExtremum>& pairs, bool closed_loop = false);
+
 /// Sink that collects them. `prominence_N` of the set-point; a value is the extremum of a moving mean over
 /// 2 half_width + 1 samples.
 class ExtremaSink {

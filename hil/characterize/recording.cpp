@@ -48,15 +48,7 @@ Extrema extrema_of(const Columns& c, double prominence_N) {
   const float* followers[2] = {c.sensor_V.data(), c.force_N.data()};
   pairer.push(c.t_s, c.force_N, {followers, 2});
   pairer.finish();
-  Extrema out;
-  for (const PairedExtremum& p : pairer.pairs()) {
-    Turns& turns = p.turn == Turn::maximum ? out.maxima : out.minima;
-    turns.t_s.push_back(p.t_s);
-    turns.setpoint_N.push_back(p.guide);
-    turns.sensor_V.push_back(p.value[0]);
-    turns.ati_N.push_back(p.value[1]);
-  }
-  return out;
+  return extrema_of(pairer.pairs());
 }
 
 void add(SessionSheet& sheet, const char* key, const char* title, const char* unit, double value) {
