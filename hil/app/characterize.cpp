@@ -26,21 +26,6 @@ using characterize::SessionSheet;
 
 constexpr std::size_t kMostCalibrationFiles = 60;
 
-// Eq. (7) in double precision; the gate's conformance check ties the firmware to it.
-characterize::Compensation eq_7(const Calibration& calibration) {
-  struct State {
-    LebosseOracle oracle;
-    std::uint8_t flags = 0;
-  };
-  const auto state = std::make_shared<State>(State{LebosseOracle(calibration)});
-  return {[state](std::uint16_t code) {
-            const LebosseOracle::Output out = state->oracle.step(code);
-            state->flags = out.flags;
-            return out.force_N;
-          },
-          [state] { return (state->flags & kDutLearning) != 0; }};
-}
-
 std::string file_name_of(std::string specimen) {
   for (char& c : specimen)
     if (std::string_view("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-").find(c) == std::string_view::npos) c = '-';
@@ -139,13 +124,27 @@ Result<void> study_rig(const CharacterizeRequest& request, const std::function<v
   } else {
     study.threads = request.threads;
   }
-  study.compensation = eq_7;
+  study.compensation = oracle_compensation;
   study.progress = progress;
   FORCEGATE_TRY(out.studies, characterize::run_study(study, state));
   return {};
 }
 
 }  // namespace
+
+characterize::Compensation oracle_compensation(const Calibration& calibration) {
+  struct State {
+    LebosseOracle oracle;
+    std::uint8_t flags = 0;
+  };
+  const auto state = std::make_shared<State>(State{LebosseOracle(calibration)});
+  return {[state](std::uint16_t code) {
+            const LebosseOracle::Output out = state->oracle.step(code);
+            state->flags = out.flags;
+            return out.force_N;
+          },
+          [state] { return (state->flags & kDutLearning) != 0; }};
+}
 
 Result<Characterization> characterize_request(const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress,
                                               const std::atomic<bool>* cancelled) {

@@ -49,6 +49,9 @@ Result<Characterization> characterize_request(const CharacterizeRequest& request
 /// was measured. FSR: static law and one lag, ours (the paper gives no model of it).
 Result<std::string> model_of_study(const characterize::SensorStudy& study);
 
+/// Eq. (7) in double precision for force control in a study; the gate's conformance check ties the firmware to it.
+characterize::Compensation oracle_compensation(const Calibration& calibration);
+
 /// Calibration for `forcegate gate --cal`.
 std::string calibration_text(const characterize::SessionSheet& sheet);
 

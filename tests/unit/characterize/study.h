@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "golden/compare/lebosse_oracle.h"
+#include "hil/app/characterize.h"
 #include "hil/characterize/population_study.h"
-#include "hil/interface/dut.h"
+#include "hil/interface/rig.h"
 
 namespace forcegate::test {
 
@@ -20,20 +20,6 @@ T value_or_abort(Result<T> result) {
   return std::move(*result);
 }
 
-inline characterize::Compensation eq_7(const Calibration& calibration) {
-  struct State {
-    LebosseOracle oracle;
-    std::uint8_t flags = 0;
-  };
-  const auto state = std::make_shared<State>(State{LebosseOracle(calibration)});
-  return {[state](std::uint16_t code) {
-            const LebosseOracle::Output out = state->oracle.step(code);
-            state->flags = out.flags;
-            return out.force_N;
-          },
-          [state] { return (state->flags & kDutLearning) != 0; }};
-}
-
 inline characterize::StudyPlan plan_of_the_paper() {
   return value_or_abort(characterize::read_study_plan(FORCEGATE_SOURCE_DIR "/ci/plans/characterize.toml"));
 }
@@ -43,7 +29,7 @@ inline characterize::StudyRequest request_of(characterize::StudyPlan plan, std::
   request.plan = std::move(plan);
   request.sensors = std::move(sensors);
   request.make_rig = [](const std::string& sensor) { return make_rig("emulated", {{"sensor", sensor}}); };
-  request.compensation = eq_7;
+  request.compensation = oracle_compensation;
   return request;
 }
 
