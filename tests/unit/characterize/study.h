@@ -1,24 +1,15 @@
 #pragma once
 // A study on the emulated rig as tests need it: short records, one specimen.
 
-#include <iostream>
 #include <memory>
 #include <string>
 
 #include "hil/app/characterize.h"
 #include "hil/characterize/population_study.h"
 #include "hil/interface/rig.h"
+#include "tests/support/value_or_abort.h"
 
 namespace forcegate::test {
-
-template <class T>
-T value_or_abort(Result<T> result) {
-  if (!result) {
-    std::cerr << result.error().to_text() << '\n';
-    std::abort();
-  }
-  return std::move(*result);
-}
 
 inline characterize::StudyPlan plan_of_the_paper() {
   return value_or_abort(characterize::read_study_plan(FORCEGATE_SOURCE_DIR "/ci/plans/characterize.toml"));

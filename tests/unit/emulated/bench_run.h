@@ -11,17 +11,9 @@
 #include "hil/interface/controller.h"
 #include "hil/interface/rig.h"
 #include "hil/interface/stimulus.h"
+#include "tests/support/value_or_abort.h"
 
 namespace forcegate::test {
-
-template <class T>
-T value_or_abort(Result<T> result) {
-  if (!result) {
-    std::cerr << result.error().to_text() << '\n';
-    std::abort();
-  }
-  return std::move(*result);
-}
 
 inline std::unique_ptr<Stimulus> stimulus(const std::string& name, std::map<std::string, double> numbers,
                                           std::map<std::string, std::vector<double>> lists = {},
