@@ -43,7 +43,7 @@ Result<Columns> read_all(Rig& rig, BenchProgress& progress) {
   return out;
 }
 
-Extrema extrema_of(const Columns& c, double prominence_N) {
+Extrema find_extrema(const Columns& c, double prominence_N) {
   ExtremaPairer pairer({.prominence = prominence_N, .followers = 2, .half_width = 2});
   const float* followers[2] = {c.sensor_V.data(), c.force_N.data()};
   pairer.push(c.t_s, c.force_N, {followers, 2});
@@ -116,7 +116,7 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
   sheet.specimen = name;
   sheet.samples = columns.t_s.size();
   sheet.calibration = nominal_calibration(rig.info());
-  const Extrema extrema = extrema_of(columns, 0.25 * range_N);
+  const Extrema extrema = find_extrema(columns, 0.25 * range_N);
   const std::size_t turns = extrema.maxima.size() + extrema.minima.size();
   const double duration_s = columns.t_s.back() - columns.t_s.front();
   if (turns >= kTurnsNeeded && duration_s / static_cast<double>(turns) < kSlowHalfCycle_s)

@@ -54,7 +54,7 @@ DecayFit decay(const CaseRecord& record, const Calibration& calibration) {
 DecayFit to_decay_fit(const DecayParameters& fit, double u_min_V, double until_s) {
   const double start_V = fit.a_V + fit.c_V;
   const double loss = 1.0 - (fit.a_V * std::exp(-fit.b_per_s * until_s) + fit.c_V) / start_V;
-  return {.fitted = true,
+  return {.valid = true,
           .a_V = fit.a_V,
           .b_per_s = fit.b_per_s,
           .c_V = fit.c_V,
