@@ -50,7 +50,8 @@ class PowerRun {
       gatings_.forget_calibrations();
       if (i < request_.seeds) FORCEGATE_CHECK_OK(run_reference(plan_, plan_.seed + i, result_.reference));
       for (MutantOutcome& outcome : result_.outcomes)
-        if (i < runs_of(outcome.mutant)) FORCEGATE_CHECK_OK(run_mutant(outcome, plan_.seed + i));
+        if (i < runs_of(outcome.mutant))
+          FORCEGATE_CHECK_OK(run_mutant(outcome, plan_.seed + i, request_.quick || i >= request_.mutant_seeds));
     }
     if (panel_ != nullptr) {
       result_.panel.plan_name = panel_->name;
@@ -84,6 +85,7 @@ class PowerRun {
   }
 
   // Levels of a family are gated more often: the share of rejections at each is what its smallest defect follows from.
+  // These further runs are quick ones; what would be seen without conformance is measured in the full ones only.
   std::size_t runs_of(const Mutant& m) const {
     return m.level ? std::max(request_.mutant_seeds, request_.family_seeds) : request_.mutant_seeds;
   }
@@ -107,14 +109,14 @@ class PowerRun {
   }
 
   Result<Gated> gate_image(const Plan& plan, const Mutant* mutant, const std::filesystem::path& image,
-                           std::uint64_t seed) {
+                           std::uint64_t seed, bool quick) {
     const bool cross_only = mutant != nullptr && mutant->images.front().extension() != ".so";
     const bool common = cross_only && mutant->good() && image.string().find(".uart.") == std::string::npos;
     const std::vector<std::string> cases = cases_for(plan, image, common);
     if (cases.empty())
       return fail(ErrorCode::config, "no case of the plan can be played on this image", image.string(),
                   "add one with lane = \"tick\" or \"uart\"");
-    if (mutant == nullptr || mutant->good() || !request_.quick) return gatings_.gate(plan, image, seed, cases);
+    if (mutant == nullptr || mutant->good() || !quick) return gatings_.gate(plan, image, seed, cases);
     // Quick: case by case until one rejects for the reason expected; a rejection anywhere is one.
     Gated whole;
     for (const std::string& one : cases) {
@@ -141,7 +143,7 @@ class PowerRun {
       // The emulated targets run the same code on the same codes: once is enough for what does not depend on
       // a seed.
       if (image.extension() != ".so" && (seed != plan.seed || cases_for(plan, image, false).empty())) continue;
-      FORCEGATE_TRY(const Gated g, gate_image(plan, nullptr, image, seed));
+      FORCEGATE_TRY(const Gated g, gate_image(plan, nullptr, image, seed, false));
       accepted = accepted && g.kind == DecisionKind::accept;
       rejected = rejected || g.kind == DecisionKind::reject;
       if (g.kind != DecisionKind::accept)
@@ -153,7 +155,7 @@ class PowerRun {
     return {};
   }
 
-  Result<void> run_mutant(MutantOutcome& outcome, std::uint64_t seed) {
+  Result<void> run_mutant(MutantOutcome& outcome, std::uint64_t seed, bool quick) {
     const Mutant& m = outcome.mutant;
     step(fmt::format("{}, seed {}", m.name, seed));
     if (m.images.empty()) return {};
@@ -162,10 +164,10 @@ class PowerRun {
     std::string reason;
     for (const std::filesystem::path& image : m.images) {
       if (image.extension() != ".so" && m.images.size() > 1 && cases_for(plan_, image, false).empty()) continue;
-      FORCEGATE_TRY(const Gated g, gate_image(plan_, &m, image, seed));
+      FORCEGATE_TRY(const Gated g, gate_image(plan_, &m, image, seed, quick));
       accepted = accepted && g.kind == DecisionKind::accept;
       rejected = rejected || g.kind == DecisionKind::reject;
-      blind_known = blind_known && g.conformance_known && !(request_.quick && !m.good());
+      blind_known = blind_known && g.conformance_known && !(quick && !m.good());
       blind_rejected = blind_rejected || g.blind == DecisionKind::reject;
       failed.insert(g.failed.begin(), g.failed.end());
       if (reason.empty() || (m.good() ? g.kind != DecisionKind::accept : g.kind == DecisionKind::reject))
@@ -207,7 +209,7 @@ std::vector<FamilyOutcome> PowerResult::families() const {
   for (const MutantOutcome& o : outcomes) {
     if (!o.mutant.level) continue;
     if (out.empty() || out.back().family != o.mutant.family) {
-      out.push_back({o.mutant.family, o.mutant.unit, o.mutant.breaks, kNan, kNan, o.runs, true, {}});
+      out.push_back({o.mutant.family, o.mutant.unit, o.mutant.breaks, kNan, kNan, o.runs, o.blind_runs, {}});
     }
     FamilyOutcome& f = out.back();
     f.levels.push_back(&o);
@@ -220,7 +222,7 @@ std::vector<FamilyOutcome> PowerResult::families() const {
     };
     settle(f.smallest, o.rejected, o.runs);
     settle(f.smallest_blind, o.blind_rejected, o.blind_runs);
-    f.blind_known = f.blind_known && o.blind_runs > 0;
+    f.blind_runs = std::min(f.blind_runs, o.blind_runs);
   }
   return out;
 }

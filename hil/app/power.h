@@ -19,7 +19,7 @@ struct PowerRequest {
   std::string plan = "power";
   std::size_t seeds = 59;         ///< runs of the reference; specimens and sessions differ
   std::size_t mutant_seeds = 1;   ///< runs of every mutant
-  std::size_t family_seeds = 1;   ///< runs of every level of a graded family, at least mutant_seeds
+  std::size_t family_seeds = 1;   ///< runs of every level of a graded family, at least mutant_seeds; the others quick
   std::string panel_plan = "panel";
   std::size_t panel_seeds = 0;  ///< runs of the reference under panel_plan
   bool quick = false;             ///< a bad build is done with at the case that rejects it
@@ -55,7 +55,7 @@ struct FamilyOutcome {
   std::string family, unit, breaks;
   double smallest = 0.0, smallest_blind = 0.0;
   std::size_t runs = 0;  ///< of each level
-  bool blind_known = false;
+  std::size_t blind_runs = 0;  ///< of each level, at least
   std::vector<const MutantOutcome*> levels;  ///< from the smallest defect on
 };
 

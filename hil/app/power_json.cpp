@@ -57,7 +57,7 @@ Json to_json(const FamilyOutcome& f) {
   return {{"family", f.family},
           {"unit", f.unit},
           {"smallest", number(f.smallest)},
-          {"smallest_without_conformance", f.blind_known ? number(f.smallest_blind) : Json(nullptr)},
+          {"smallest_without_conformance", f.blind_runs > 0 ? number(f.smallest_blind) : Json(nullptr)},
           {"runs", f.runs},
           {"levels", levels}};
 }

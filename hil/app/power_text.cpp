@@ -55,6 +55,11 @@ std::string slip_at_smallest(const FamilyOutcome& f) {
   return "-";
 }
 
+std::string without_conformance(const FamilyOutcome& f) {
+  if (f.blind_runs == 0) return "-";
+  return fmt::format("{} ({} run{})", level(f.smallest_blind, f.unit), f.blind_runs, f.blind_runs == 1 ? "" : "s");
+}
+
 // "0.001: 0, 0.01: 20, 0.1: 20", of as many runs each
 std::string by_level(const FamilyOutcome& f) {
   std::vector<std::string> parts;
@@ -99,7 +104,7 @@ std::string power_text(const PowerResult& r) {
   for (const FamilyOutcome& f : r.families())
     out +=
         fmt::format("  {:<28} {:<18} without conformance: {:<16} slips: {:<24} {}\n", f.family, level(f.smallest, f.unit),
-                    f.blind_known ? level(f.smallest_blind, f.unit) : "-", slip_at_smallest(f), f.breaks);
+                    without_conformance(f), slip_at_smallest(f), f.breaks);
   out += "\nsurvivors\n";
   survivors(r, [&](const MutantOutcome& o, const std::string& why) {
     out += fmt::format("  {:<28} {} ({})\n", o.mutant.name, why, verdict(o));
@@ -139,7 +144,7 @@ std::string power_markdown(const PowerResult& r) {
       "without conformance | runs a level | rejected of them, level by level |\n|---|---|---|---|---|---|---|\n";
   for (const FamilyOutcome& f : r.families())
     out += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", f.family, f.breaks, level(f.smallest, f.unit),
-                       slip_at_smallest(f), f.blind_known ? level(f.smallest_blind, f.unit) : "-", f.runs, by_level(f));
+                       slip_at_smallest(f), without_conformance(f), f.runs, by_level(f));
   out += "\n## Survivors\n\n";
   survivors(r, [&](const MutantOutcome& o, const std::string& why) {
     out += fmt::format("- `{}` ({}): {}\n", o.mutant.name, o.mutant.breaks, why);

@@ -131,6 +131,26 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
       << "a rejected run is never golden";
 }
 
+TEST_F(Trust, the_committed_goldens_of_the_smoke_plan_hold_and_every_margin_is_kept) {
+  const ProcessResult r = run({"gate", kGood, "--golden", "golden/traces/smoke", "-o", folder / "run"});
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  for (const char* name : {"sine_f0.50_A1.50_m2.70@q50", "four_sines@q50", "hold_after_cycling@q50", "force_control_sine@q50"}) {
+    std::ifstream margins(fs::path(folder / "run") / "golden" / (std::string(name) + ".csv"));
+    std::string line;
+    ASSERT_TRUE(std::getline(margins, line)) << name;
+    EXPECT_EQ(line, "curve,where,t_s,golden_N,tested_N,margin_N");
+    std::size_t samples = 0;
+    for (; std::getline(margins, line); ++samples)
+      EXPECT_GE(std::stod(line.substr(line.rfind(',') + 1)), 0.0) << name << ": " << line;
+    EXPECT_GT(samples, 200u) << name;
+  }
+  // Under another seed the rig's truth is still held, the firmware's curve is not comparable.
+  const ProcessResult other =
+      run({"gate", kGood, "--golden", "golden/traces/smoke", "--seed", "8", "--case", "sine_f0.50_A1.50_m2.70", "-o", folder / "run"});
+  EXPECT_EQ(other.exit_code, 0) << other.out << other.err;
+  EXPECT_EQ(run({"gate", kGood, "--golden", folder / "nowhere", "--case", "four_sines", "-o", folder / "run"}).exit_code, 3);
+}
+
 TEST_F(Trust, a_waiver_holds_until_its_day) {
   const std::string waivers = folder / "waivers.toml";
   std::ofstream(waivers) << "format = 1\n";

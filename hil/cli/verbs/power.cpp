@@ -66,7 +66,7 @@ const Registration<Command> kRow{Command{
          {.name = "mutant-seeds", .value_name = "N", .doc = "Runs of each mutant.", .fallback = "1"},
          {.name = "family-seeds",
           .value_name = "N",
-          .doc = "Runs of each level of a graded family (gain off by 1, 2, 5 % ...), if more than --mutant-seeds.",
+          .doc = "Runs of each level of a graded family (gain off by 1, 2, 5 % ...) if more than --mutant-seeds; the rest as with --quick.",
           .fallback = "1"},
          {.name = "panel-seeds", .value_name = "N", .doc = "Runs of the reference under --panel-plan too.", .fallback = "0"},
          {.name = "panel-plan",
