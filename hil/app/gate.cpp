@@ -194,7 +194,7 @@ class GateRun {
     apply_waivers(waivers_, request_.today, of_run, material.records, material.head.notes);
     RunResult result = to_run_result(material, of_run);
     if (folder && !material.cancelled) {
-const BundleSource source{setup_.plan.path, request_.firmware, limits_path_, request_.waivers, request_.today, goldens_};
+      const BundleSource source{setup_.plan.path, request_.firmware, limits_path_, request_.waivers, request_.today, goldens_};
       for (const GoldenMargins& one : margins)
         FORCEGATE_CHECK_OK(write_file_atomically(folder->path() / "golden" / one.file, one.csv));
       FORCEGATE_CHECK_OK(write_bundle(folder->path(), source, material));
