@@ -154,7 +154,8 @@ TEST_F(Trust, the_committed_goldens_of_the_smoke_plan_hold_and_every_margin_is_k
 TEST_F(Trust, a_waiver_holds_until_its_day) {
   const std::string waivers = folder / "waivers.toml";
   std::ofstream(waivers) << "format = 1\n";
-  for (const char* check : {"mre_maxima", "mre_minima", "promise_maxima", "promise_minima", "conformance", "hold_amplification"})
+  for (const char* check : {"mre_maxima", "mre_minima", "promise_maxima", "promise_minima", "conformance", "prelude_conformance",
+                            "hold_amplification"})
     std::ofstream(waivers, std::ios::app) << "[[waiver]]\ncase = \"*\"\ncheck = \"" << check
                                           << "\"\nowner = \"A. Smith\"\nreason = \"known\"\nexpires = \"2026-12-31\"\n";
   const auto on = [&](const std::string& day) {
