@@ -28,12 +28,12 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
 }
 
 std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, double before, double after) {
-  char text[400];
+  char text[480];
   const double milli = 1000.0;
-  std::snprintf(text, sizeof text, "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s; %d of %d %s that it touches improve",
+  std::snprintf(text, sizeof text, "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s; %d of %d %s that it touches improve, its strength differs by %.0f %% between records",
                 chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(),
                 100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str(), chosen.left_out.improved,
-                chosen.left_out.excited, chosen.left_out.blocks ? "parts of records" : "records");
+                chosen.left_out.excited, chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter);
   return text;
 }
 

@@ -199,6 +199,32 @@ void flip_residuals(MixedProblem& problem, const MixedFit& fit, const std::vecto
   }
 }
 
+double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const std::vector<int>& columns) {
+  const VectorXd sigma2 = expand_variance(problem, fit.variance);
+  const Index d = fit.coefficient.size();
+  VectorXd effect = VectorXd::Zero(d + 1), rest = with_minus(fit.coefficient);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+    if (std::find(columns.begin(), columns.end(), fit.columns[b]) != columns.end()) {
+      const Index at = problem.n_fixed + static_cast<Index>(b);
+      effect[at] = fit.coefficient[at];
+      rest[at] = 0.0;
+    }
+  // one noise for all: a record that the effect does not fit would else be the one that counts least
+  double pooled = 0.0;
+  for (double s2 : fit.s2) pooled += s2 / static_cast<double>(fit.s2.size());
+  double information = 0.0, scatter = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < problem.records.size(); ++i) {
+    const MatrixXd M = marginal(take(problem, i, fit.columns), sigma2, problem.records[i].n_eff / pooled);
+    const double w = effect.dot(M * effect);
+    if (!(w > 1e-9)) continue;
+    const double lambda = effect.dot(M * rest) / w;
+    information += w;
+    scatter += w * (lambda - 1.0) * (lambda - 1.0);
+    n += 1.0;
+  }
+  return information > 0.0 ? std::sqrt(std::max(0.0, scatter - n) / information) : 0.0;
+}
+
 std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit, const MixedFit& freedom) {
   const VectorXd sigma2 = expand_variance(problem, freedom.variance);
   std::vector<double> out;

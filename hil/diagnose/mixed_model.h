@@ -80,6 +80,11 @@ struct LeftOut {
 /// at the same freedom.
 LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const MixedFit* freedom = nullptr);
 
+/// How much the strength of some columns differs from record to record, relative to the strength itself: with lambda_i the
+/// factor by which record i alone would multiply their contribution, and w_i its information,
+/// h^2 = (sum w_i (lambda_i - 1)^2 - n) / sum w_i (Cochran 1954). A law has the same strength in every record.
+double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const std::vector<int>& columns);
+
 /// Adapted mean square residual of every record at the coefficients of `fit` and the variances of `freedom`.
 std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit, const MixedFit& freedom);
 

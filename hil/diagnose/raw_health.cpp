@@ -6,6 +6,7 @@
 
 #include "hil/base/portable_math.h"
 #include "hil/diagnose/mains_line.h"
+#include "hil/diagnose/reference_scatter.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -174,6 +175,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   if (n < 16) return out;
   out.noise_U_V = white_noise(U);
   out.noise_F_N = white_noise(F);
+  out.scatter_F_N = reference_scatter_N(t, F, U);
   out.lsb_U_V = value_step(U);
   out.lsb_F_N = value_step(F);
   const double gain = std::abs(scales.gain_V_per_N);
@@ -309,7 +311,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
       bit_V.push_back(h.bit_V);
     }
     if (h.at_rail > 0) rail_V = h.rail_V;
-    noise_F.push_back(h.noise_F_N);
+    noise_F.push_back(std::max(h.noise_F_N, h.scatter_F_N));
     lsb_F = std::max(lsb_F, h.lsb_F_N);
     if (h.hum_ratio > 25.0 && h.hum_V > 4e-4 * scales.U_range_V) {
       ++with_hum;

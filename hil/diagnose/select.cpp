@@ -266,6 +266,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     chosen.fit = family.best.fit;
     chosen.left_out = cross_fit(channel, result.base, family.best.fit);
     chosen.between = is_between_records(family.kind->name);
+    chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, variant.columns);
     const bool first = out.chosen.empty();
     const bool slight_shift = rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
                               chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);

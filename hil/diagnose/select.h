@@ -18,6 +18,7 @@ struct ChosenEffect {
   double effect_rms = 0.0;       ///< share of the span
   double unique = 0.0;           ///< log evidence that the final model loses without it
   double share_of_family = 0.0;  ///< softmax over the families that competed, at the working temperature
+  double strength_scatter = 0.0; ///< between records, relative to the strength
   bool between = false;          ///< it acts from record to record
   CrossFit left_out;             ///< against the model before it entered
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share

@@ -69,6 +69,15 @@ TEST(CrossFit, AnEffectOfTwoRecordsIsJudgedOnTheirBlocks) {
   EXPECT_EQ(c.parts, c.blocks ? 32 : 8);
 }
 
+TEST(StrengthScatter, IsSmallForOneLawAndLargeForSomethingElse) {
+  const auto scatter = [](const ResidualChannel& channel) {
+    const MixedFit fit = fit_mixed(channel.problem, {0}, nullptr, 20, RecordUse::all_records);
+    return strength_scatter(channel.problem, fit, {0});
+  };
+  EXPECT_LT(scatter(make(0.02, 8, 8)), 0.25);
+  EXPECT_GT(scatter(make(0.02, 8, 4)), 0.5);
+}
+
 TEST(CrossFit, TwoModelsAreComparedAtTheSameFreedom) {
   const ResidualChannel channel = make(0.02, 6, 6);
   const MixedFit before = fit_mixed(channel.problem, {}, nullptr, 20, RecordUse::all_records);

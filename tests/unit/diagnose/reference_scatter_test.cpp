@@ -1,0 +1,49 @@
+#include "hil/diagnose/reference_scatter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "hil/base/rng.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+struct Made {
+  std::vector<double> t, F, U;
+};
+
+// 2 V/N; `keep`: coloured noise of the reference, `shake`: the force itself trembles and the output sees it.
+Made make(double noise_N, double keep, double shake_N) {
+  Made out;
+  Rng rng(51, "scatter");
+  double e = 0.0, s = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const double t = i / 500.0, force = 2.0 + std::sin(2.0 * t);
+    e = keep * e + std::sqrt(1.0 - keep * keep) * rng.normal();
+    s = 0.7 * s + std::sqrt(1.0 - 0.49) * rng.normal();
+    out.t.push_back(t);
+    out.F.push_back(force + noise_N * e + shake_N * s);
+    out.U.push_back(2.0 * (force + shake_N * s) + 0.002 * rng.normal());
+  }
+  return out;
+}
+
+double scatter(const Made& m) { return reference_scatter_N(m.t, m.F, m.U); }
+
+TEST(ReferenceScatter, SeesWhiteAndColouredNoiseAlike) {
+  EXPECT_NEAR(scatter(make(0.03, 0.0, 0.0)), 0.03, 0.004);
+  EXPECT_NEAR(scatter(make(0.03, 0.8, 0.0)), 0.03, 0.008);
+}
+
+TEST(ReferenceScatter, LeavesOutAForceThatReallyTrembles) { EXPECT_LT(scatter(make(0.005, 0.0, 0.05)), 0.008); }
+
+TEST(ReferenceScatter, GivesNothingForAFewSamples) {
+  Made m = make(0.03, 0.0, 0.0);
+  m.t.resize(100);
+  EXPECT_EQ(scatter(m), 0.0);
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
