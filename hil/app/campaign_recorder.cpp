@@ -5,9 +5,11 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "hil/app/write_file.h"
 #include "hil/gate/play_profile.h"
+#include "hil/trace/trace_recorder.h"
 
 namespace forcegate {
 namespace {
@@ -114,6 +116,17 @@ Json describe_record(const std::string& file, const ProfileToRecord& p, const St
   return r;
 }
 
+JournalHeader header_of(const std::string& name, const RecordingBench& bench, const RigInfo& rig) {
+  JournalHeader header;
+  header.name = name;
+  header.time_bases.push_back({"rig", rig.rate_Hz});
+  header.channels = {{"F_cmd", "N", "force", SampleType::f32, 0},   {"F_ref", "N", "force", SampleType::f32, 0},
+                     {"U", "counts", "voltage", SampleType::u16, 0}, {"theta", "rad", "angle", SampleType::f32, 0},
+                     {"status", "counts", "status", SampleType::u16, 0}};
+  header.provenance = {{"rig", rig.name + "/" + rig.version}, {"specimen", bench.specimen}};
+  return header;
+}
+
 }  // namespace
 
 Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench, const std::vector<ProfileToRecord>& profiles,
@@ -158,14 +171,30 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench, c
       rows.push(block, n, volts);
       if (progress) progress((done_s + block.t_s[n - 1]) / total_s, p.name);
     };
-    if (auto ok = play_profile(*rig, *made[k], request, bench.safety, sink, cancelled, played); !ok) {
-      if (ok.error().where.empty()) ok.error().where = p.name;
-      return Unexpected(ok.error());
-    }
-    done_s += made[k]->duration_s();
     const std::string file = fmt::format("r{:02d}_{}.csv", request.record, p.name);
     if (fs::exists(folder / file, error))
       return fail(ErrorCode::usage, "there is such a record already", (folder / file).string(), "choose another folder");
+    // An emulated record can be made again; what instruments said cannot.
+    std::optional<TraceRecorder> journal;
+    ProfileSaver saver;
+    if (rig->board_firmware() != nullptr) {
+      FORCEGATE_TRY(TraceRecorder created, TraceRecorder::create((folder / file).replace_extension(".h5"), header_of(p.name, bench, info)));
+      journal.emplace(std::move(created));
+      saver = [&journal](const RigBlock& b, std::size_t from, std::size_t n) {
+        const auto part = [from, n](const auto& column) { return ColumnView(std::span(column.data() + from, n)); };
+        const ColumnView columns[] = {part(b.setpoint_N), part(b.force_ref_N), part(b.adc), part(b.theta_rad), part(b.status)};
+        return journal->append({b.t_s.data() + from, n}, columns);
+      };
+    }
+    if (auto ok = play_profile(*rig, *made[k], request, bench.safety, sink, cancelled, played, saver); !ok) {
+      Error& e = ok.error();
+      if (e.where.empty()) e.where = p.name;
+      if (journal && played.samples > 0)
+        e.hint += std::string(e.hint.empty() ? "" : "; ") + "what was recorded until then: forcegate recover " + journal->journal_path().string();
+      return Unexpected(e);
+    }
+    if (journal) FORCEGATE_CHECK_OK(journal->close());
+    done_s += made[k]->duration_s();
     FORCEGATE_CHECK_OK(write_file_atomically(folder / file, rows.text()));
     const double start_s = campaign_s + (json["records"].empty() ? 0.0 : p.rest_before_s + kBetweenRecords_s);
     json["records"].push_back(describe_record(file, p, *made[k], start_s, bench, played.rig));

@@ -6,13 +6,15 @@
 #include <cmath>
 
 #include "hil/gate/runner.h"
+#include "hil/gate/settled_rows.h"
 #include "hil/interface/controller.h"
 #include "hil/rig/self_check.h"
 
 namespace forcegate {
 
 Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest request, const SafetyLimits& safety,
-                          const ProfileSink& sink, const std::atomic<bool>* cancelled, PlayedProfile& out) {
+                          const ProfileSink& sink, const std::atomic<bool>* cancelled, PlayedProfile& out,
+                          const ProfileSaver& saver) {
   SafetyGate gate(rig, safety);
   const StimulusFacts facts = stimulus.facts();
   request.duration_s = stimulus.duration_s();
@@ -35,8 +37,16 @@ Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest r
   std::vector<float> commanded(block.size());
   const auto total = static_cast<std::uint64_t>(std::llround(request.duration_s * rate_Hz));
   out.expected_samples = total;
+  SettledRows settled(rate_Hz);
+  const auto save = [&](std::size_t end) -> Result<void> {
+    const std::size_t from = settled.saved();
+    if (!saver || end <= from) return {};
+    settled.save_until(end);
+    return saver(block, from, end - from);
+  };
   while (out.samples < total && !gate.report().stopped()) {
     std::size_t rows = 0;
+    settled.next_block();
     while (rows < block.size() && out.samples + rows < total) {
       ControllerInput in;
       in.t_s = static_cast<double>(out.samples + rows) / rate_Hz;
@@ -53,8 +63,10 @@ Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest r
         commanded[i] = static_cast<float>(told);
       }
       rows += got;
+      FORCEGATE_CHECK_OK(save(settled.due(rows)));
     }
     if (rows == 0) break;
+    FORCEGATE_CHECK_OK(save(rows));
     witness.push(block, rows, commanded.data());
     if (sink) sink(block, rows);
     out.samples += rows;

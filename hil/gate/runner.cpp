@@ -7,6 +7,7 @@
 #include "hil/gate/board_faults.h"
 #include "hil/gate/measurement.h"
 #include "hil/gate/prelude.h"
+#include "hil/gate/settled_rows.h"
 #include "hil/rig/safety_gate.h"
 #include "hil/trace/extrema.h"
 
@@ -14,9 +15,6 @@ namespace forcegate {
 namespace {
 
 constexpr std::size_t kPeriodsPerBlock = 409;
-// What real instruments said is recorded before its block is whole. The reference of the youngest rows may still be
-// interpolated anew.
-constexpr double kSaved_s = 0.2, kUnsettled_s = 0.1;
 constexpr std::size_t kReplayBlock = 4096;
 
 class CaseRun {
@@ -107,6 +105,7 @@ class CaseRun {
     period_samples_ =
         std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(kControlPeriod_s * rate_Hz)));
     on_board_ = devices_.rig->board_firmware() != nullptr;
+    settled_ = SettledRows(rate_Hz);
     block_rows_ = record_.rig.can_move ? period_samples_ * kPeriodsPerBlock : kReplayBlock;
     block_.resize(block_rows_);
     dut_.resize(block_rows_);
@@ -162,24 +161,19 @@ class CaseRun {
         estimate_N_ = force_N;
       }
       rows += *got;
-      if (on_board_ && !save_settled(rows)) return 0;
+      if (on_board_ && !save(settled_.due(rows))) return 0;
       if (gate_.report().stopped()) break;
     }
     if (!closed && !on_board_ && rows > 0 && !feed(first, 0, rows)) return 0;
     return rows;
   }
 
-  bool save_settled(std::size_t rows) {
-    const auto unsettled = static_cast<std::size_t>(kUnsettled_s * record_.rig.rate_Hz);
-    const auto enough = static_cast<std::size_t>((kSaved_s + kUnsettled_s) * record_.rig.rate_Hz);
-    return rows < saved_ + enough || save(rows - unsettled);
-  }
-
   // Rows of the block up to `end` into the recording.
   bool save(std::size_t end) {
-    if (devices_.writer == nullptr || end <= saved_) return true;
-    auto written = devices_.writer->push(block_, dut_, flags_, controller_ ? commanded_.data() : nullptr, saved_, end - saved_);
-    saved_ = end;
+    const std::size_t from = settled_.saved();
+    if (devices_.writer == nullptr || end <= from) return true;
+    auto written = devices_.writer->push(block_, dut_, flags_, controller_ ? commanded_.data() : nullptr, from, end - from);
+    settled_.save_until(end);
     return written ? true : failed(Stage::harness, written.error());
   }
 
@@ -220,7 +214,7 @@ class CaseRun {
   void consume(std::size_t n) {
     measurement_->push(block_, {dut_.data(), n}, {flags_.data(), n}, controller_ ? commanded_.data() : nullptr, n);
     save(n);
-    saved_ = 0;
+    settled_.next_block();
   }
 
   void measure() {
@@ -238,7 +232,7 @@ class CaseRun {
   std::unique_ptr<Controller> controller_;
   bool dut_open_ = false;
   bool on_board_ = false;     ///< the firmware runs behind the rig's own wires
-  std::size_t saved_ = 0;     ///< rows of the block that are in the recording
+  SettledRows settled_;
   std::size_t period_samples_ = 10, block_rows_ = 4090;
   RigBlock block_;
   std::vector<float> dut_, commanded_;

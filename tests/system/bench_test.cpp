@@ -156,6 +156,26 @@ TEST_F(Bench, HoweverARunIsEndedItsMotorIsStoppedAndAKilledOneLosesNoMoreThanASe
   for (const char* end : {"SIGINT", "SIGTERM", "bench park"}) EXPECT_THAT(r.out, HasSubstr(std::string(end) + ": motor stopped"));
 }
 
+TEST_F(Bench, AKilledRecordingIsRecoveredFromItsJournal) {
+  // Whenever the kill comes, it must once come in the middle; a busy machine is later than a quiet one.
+  for (const int after_ms : {700, 1200, 2000, 4000, 8000}) {
+    const std::string out = folder / ("record" + std::to_string(after_ms));
+    ProcessOptions options = kHere;
+    options.signal_after = std::chrono::milliseconds(after_ms);
+    (void)forcegate({"record", "--rig", "rigs/twin.toml", "--case", "slow_triangles", "-o", out}, options);
+    const std::string journal = out + "/r01_slow_triangles.fgj";
+    if (!std::filesystem::exists(journal)) continue;
+    const ProcessResult r = forcegate({"recover", journal, "-o", folder / "r.h5", "--json"}, kHere);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const Json report = Json::parse(r.out, nullptr, false);
+    if (report["samples"].get<int>() == 0) continue;
+    EXPECT_EQ(report["closed"], false);
+    EXPECT_GT(report["last_s"].get<double>(), 0.4);
+    return;
+  }
+  FAIL() << "no kill has hit a recording";
+}
+
 TEST_F(Bench, NobodyHoldsABenchThatNobodyUses) {
   const ProcessResult r = forcegate({"bench", "who", "rigs/twin.toml"}, kHere);
   EXPECT_EQ(r.exit_code, 0) << r.err;
