@@ -14,10 +14,14 @@
 namespace forcegate {
 namespace {
 
+// A source with a header beside it is a helper of the others, no entry of its own.
 std::set<std::string> stems(const std::string& folder) {
   std::set<std::string> out;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(FORCEGATE_SOURCE_DIR "/") + folder))
-    if (entry.path().extension() == ".cpp") out.insert(entry.path().stem().string());
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(FORCEGATE_SOURCE_DIR "/") + folder)) {
+    std::filesystem::path header = entry.path();
+    if (header.extension() == ".cpp" && !std::filesystem::exists(header.replace_extension(".h")))
+      out.insert(entry.path().stem().string());
+  }
   return out;
 }
 
