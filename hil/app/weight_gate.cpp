@@ -23,7 +23,7 @@ namespace {
 using namespace characterize;
 
 constexpr double kCpu_s = 30.0, kWall_s = 180.0;
-constexpr std::size_t kBlock = 640;
+constexpr std::size_t kBlock = 800;
 
 struct Session {
   DutInfo info;

@@ -49,7 +49,7 @@ TEST(TwoVariableFirmware, AnImageWithoutItsNetworksIsRefusedWithTheReason) {
   const TemporaryFolder folder;
   const ProcessResult r = gate(kFirmware / "reference.native.so", folder.path() / "run");
   EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
-  EXPECT_THAT(r.out, HasSubstr("32000 Hz"));
+  EXPECT_THAT(r.out, HasSubstr("40000 Hz"));
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ struct WeightGatePlan {
   std::size_t pack = 0;
   std::uint64_t first_loading = 1000;
   std::size_t loadings = 3;
-  double rate_Hz = 32000.0;
-  std::size_t direct_samples = 480, sine_samples = 160;
+  double rate_Hz = 40000.0;
+  std::size_t direct_samples = 600, sine_samples = 200;
   double overdrive_V = 12.0;
   double conformance_N = 0.005, sensor_mse_N2 = 2.01, pack_mse_N2 = 0.515, pack_per_pct = 39.7;
   std::size_t frame_samples() const { return direct_samples + sine_samples; }

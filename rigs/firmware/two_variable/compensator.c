@@ -6,7 +6,8 @@
 #include "networks.h"
 
 static const float kTwoPi = 6.28318530717958647692f;
-static const float kSin[FW_SINE_PERIOD] = {0.0f, 0.70710678f, 1.0f, 0.70710678f, 0.0f, -0.70710678f, -1.0f, -0.70710678f};
+static const float kSin[FW_SINE_PERIOD] = {0.0f, 0.58778525f, 0.95105652f, 0.95105652f, 0.58778525f, 0.0f, -0.58778525f, -0.95105652f, -0.95105652f, -0.58778525f};
+static const float kCos[FW_SINE_PERIOD] = {1.0f, 0.80901699f, 0.30901699f, -0.30901699f, -0.80901699f, -1.0f, -0.80901699f, -0.30901699f, 0.30901699f, 0.80901699f};
 
 static float hyperbolic_tangent(float x) {
   const float size = x < 0.0f ? -x : x;
@@ -26,7 +27,8 @@ int fw_sensor_of(const char* id) {
 void fw_compensator_reset(FwCompensator* c, const FwCalibration* calibration) {
   memset(c, 0, sizeof *c);
   c->calibration = *calibration;
-  c->network = &kNetworks[fw_sensor_of(calibration->id)];
+  const int sensor = fw_sensor_of(calibration->id);
+  c->network = &kNetworks[sensor < 0 ? 0 : sensor]; /* the link starts with a nominal calibration that names none */
   c->flags = FW_FLAG_LEARNING;
 }
 
@@ -52,7 +54,7 @@ static void finish_frame(FwCompensator* c) {
   float in_phase = 0.0f, quadrature = 0.0f;
   for (int k = 0; k < FW_SINE_PERIOD; ++k) {
     in_phase += (float)c->sine[k] * kSin[k];
-    quadrature += (float)c->sine[k] * kSin[(k + FW_SINE_PERIOD / 4) % FW_SINE_PERIOD];
+    quadrature += (float)c->sine[k] * kCos[k];
   }
   const float scale = 2.0f * lsb_V / (float)FW_SINE_SAMPLES / FW_SINE_V;
   c->flags = 0;

@@ -36,7 +36,7 @@ typedef struct {
   uint8_t flags;
 } FwCompensator;
 
-/* The calibration must be valid. Forgets everything. */
+/* Forgets everything. */
 void fw_compensator_reset(FwCompensator* c, const FwCalibration* calibration);
 
 /* One raw code -> force in newtons; *flags gets FW_FLAG_*. */

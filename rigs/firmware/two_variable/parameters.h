@@ -6,10 +6,10 @@
 
 /* One frame: first channel, samples under the direct voltage; second channel, samples under the sine, whose phase is 0 at
    its first sample. */
-#define FW_RATE_HZ 32000
-#define FW_DIRECT_SAMPLES 480 /* 15 ms */
-#define FW_SINE_SAMPLES 160   /* 5 ms, 20 periods */
-#define FW_SINE_PERIOD 8      /* samples: 4 kHz (Paredes-Madrid et al. 2010, eq. 10) */
+#define FW_RATE_HZ 40000
+#define FW_DIRECT_SAMPLES 600 /* 15 ms */
+#define FW_SINE_SAMPLES 200   /* 5 ms, 20 periods */
+#define FW_SINE_PERIOD 10     /* samples: 4 kHz (Paredes-Madrid et al. 2010, eq. 10) */
 #define FW_FRAME_SAMPLES (FW_DIRECT_SAMPLES + FW_SINE_SAMPLES)
 
 #define FW_SINE_V 3.0f

@@ -21,7 +21,7 @@ WeightGatePlan small_plan() {
 }
 
 Result<std::unique_ptr<WeightBench>> bench(double rate_Hz) {
-  return make_weight_bench("dead_weight", rate_Hz > 0.0 ? std::map<std::string, std::string>{{"rate_Hz", "32000"}} : std::map<std::string, std::string>{});
+  return make_weight_bench("dead_weight", rate_Hz > 0.0 ? std::map<std::string, std::string>{{"rate_Hz", "40000"}} : std::map<std::string, std::string>{});
 }
 
 class WeightGate : public ::testing::Test {
@@ -64,7 +64,7 @@ TEST_F(WeightGate, frames_hold_both_channels_of_every_level_and_a_saturated_one)
   ASSERT_EQ(pack_->sensors.size(), 8u);
   const SensorFrames& s = pack_->sensors[0];
   EXPECT_EQ(s.force_N.size(), 2u * 25u + 2u);
-  EXPECT_EQ(s.codes.size(), s.force_N.size() * 640u);
+  EXPECT_EQ(s.codes.size(), s.force_N.size() * 800u);
   EXPECT_TRUE(std::isnan(s.oracle_N[50]));
   EXPECT_NEAR(s.oracle_N[51], 250.0, 5.0);
   EXPECT_NEAR(s.oracle_N[10], s.force_N[10], 5.0);
@@ -106,7 +106,7 @@ TEST(WeightGatePlan, the_committed_one_is_good_and_its_loadings_are_none_of_the_
   const auto plan = read_weight_gate_plan(FORCEGATE_SOURCE_DIR "/ci/plans/capacitance-gate.toml");
   ASSERT_TRUE(plan.has_value()) << plan.error().to_text();
   EXPECT_GT(plan->first_loading, plan->study.most_training + plan->study.testing + 1);
-  EXPECT_EQ(plan->frame_samples(), 640u);
+  EXPECT_EQ(plan->frame_samples(), 800u);
   EXPECT_FALSE(read_weight_gate_plan(FORCEGATE_SOURCE_DIR "/ci/plans/capacitance.toml").has_value());
 }
 
