@@ -39,7 +39,7 @@ def spoil(reply):
     elif fault == "hang":
         time.sleep(600)
     elif fault == "late":
-        time.sleep(0.4)
+        time.sleep(2.5)
     elif fault == "silent":
         return True
     elif fault == "garbage":
