@@ -129,8 +129,13 @@ Result<int> run(const Invocation& in) {
                                                  c.place, c.subject, short_number(c.ours), c.unit, c.paper)) +
           "\n";
     }
-  text += fmt::format("{:.0f} h of bench time in {:.1f} s, {:.1f} million samples a second",
-                      made->rig_time_s / 3600.0, wall_s, 1e-6 * static_cast<double>(made->samples) / wall_s);
+  const double samples_per_s = static_cast<double>(made->samples) / wall_s;
+  text += fmt::format("{} of bench time in {:.1f} s, {} samples a second",
+                      made->rig_time_s < 7200.0 ? fmt::format("{:.1f} min", made->rig_time_s / 60.0)
+                                                : fmt::format("{:.0f} h", made->rig_time_s / 3600.0),
+                      wall_s,
+                      samples_per_s < 1e6 ? fmt::format("{:.0f}", samples_per_s)
+                                          : fmt::format("{:.1f} million", 1e-6 * samples_per_s));
   if (request.recordings.empty() && outside == 0 && made->plan.limits.empty())
     text += "; every figure that has a window lies in it";
   console.print(text);
