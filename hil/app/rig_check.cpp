@@ -150,12 +150,12 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
 }
 
 std::string repeatability_text(const RepeatabilityAnswer& a) {
-  std::string out = fmt::format("{:<26}{:<12}{:>4}{:>9}{:>9}{:>9}{:>12}{:>8}\n", "case", "error", "n", "mean", "s", "largest",
+  std::string out = fmt::format("{:<26}{:<12}{:>4}{:>9}{:>9}{:>9}{:>14}{:>8}\n", "case", "error", "n", "mean", "s", "largest",
                                 "plan's limit", "%GRR");
   std::size_t refused = 0;
   for (const CheckRepeatability& r : a.rows) {
     refused += !r.resolved;
-    out += fmt::format("{:<26}{:<12}{:>4}{:>9.3f}{:>9.3f}{:>9.3f}{:>12}{:>8.1f}  {}\n", r.case_name, r.check_id, r.n, r.mean, r.s,
+    out += fmt::format("{:<26}{:<12}{:>4}{:>9.3f}{:>9.3f}{:>9.3f}{:>14}{:>8.1f}  {}\n", r.case_name, r.check_id, r.n, r.mean, r.s,
                        r.largest, std::isfinite(r.plan_limit) ? fmt::format("{:.3g}", r.plan_limit) : "derived", r.gauge_pct,
                        r.resolved ? "" : "REFUSED: this rig cannot resolve that limit");
   }

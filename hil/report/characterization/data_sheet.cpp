@@ -67,6 +67,14 @@ std::string failures(const SensorStudy& study) {
 
 }  // namespace
 
+namespace {
+
+std::string bench_time(double seconds) {
+  return seconds < 7200.0 ? fmt::format("{:.1f} min", seconds / 60.0) : fmt::format("{:.0f} h", seconds / 3600.0);
+}
+
+}  // namespace
+
 std::string data_sheet_html(const SensorStudy& study, const characterize::StudyPlan& plan, const std::string& command) {
   const std::string name = study.sensor == "fsr" ? "Interlink FSR" : study.sensor == "flexiforce" ? "Tekscan FlexiForce A201" : study.sensor;
   std::size_t specimens = 0, sessions = 0;
@@ -79,7 +87,9 @@ std::string data_sheet_html(const SensorStudy& study, const characterize::StudyP
   HtmlPage page;
   page.title = "Data sheet: " + name;
   page.body = "<header class=\"ok\"><div><h1>" + escape(name) + "</h1>\n<p class=\"why\">" +
-              escape(fmt::format("{} specimens, {} sessions, {:.0f} h of bench time; plan {}, seed {}", specimens, sessions, study.rig_time_s / 3600.0, plan.name, plan.seed)) +
+              escape(fmt::format("{} specimen{}, {} session{}, {} of bench time{}", specimens, specimens == 1 ? "" : "s", sessions,
+                                 sessions == 1 ? "" : "s", bench_time(study.rig_time_s),
+                                 plan.name.empty() ? "" : fmt::format("; plan {}, seed {}", plan.name, plan.seed))) +
               "</p></div></header>\n<main>\n";
   for (const Section& section : kSections) page.body += section_table(study, section);
   page.body += laws_section(study) + failures(study);

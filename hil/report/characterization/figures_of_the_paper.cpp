@@ -98,10 +98,13 @@ class Pictures {
     if (a != nullptr) draw(*a, "sensor_V", {Role::firmware}, "FlexiForce");
     if (b != nullptr) draw(*b, "sensor_V", {Role::model, Dash::dashed}, "FSR");
     p.hline(0.95, "", Role::muted, Dash::dotted);
+    std::string times;
+    for (const auto& [ms, who] : {std::pair(a != nullptr ? value("step.ati") : fsr_value("step.ati"), "Nano17"),
+                                  {value("step.sensor"), "FlexiForce"},
+                                  {fsr_value("step.sensor"), "FSR"}})
+      if (std::isfinite(ms)) times += fmt::format("{}{:.0f} ms ({})", times.empty() ? "" : ", ", ms, who);
     add("fig05.svg", "Fig. 5",
-        fmt::format("A step of the wheel from 1 to 4 N. Within 5 % of the step after {:.0f} ms (Nano17), {:.0f} ms (FlexiForce), {:.0f} ms (FSR).",
-                    value("step.ati"), value("step.sensor"), fsr_value("step.sensor")),
-        std::move(f));
+        "A step of the wheel from 1 to 4 N." + (times.empty() ? "" : " Within 5 % of the step after " + times + "."), std::move(f));
   }
 
   void decay() {
