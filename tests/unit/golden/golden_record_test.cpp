@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -84,6 +85,33 @@ TEST(GoldenRecord, a_lag_is_a_defect_and_not_absorbed) {
   const GoldenComparison late = compare(golden(), sine(1.0, 0.03));
   EXPECT_EQ(late.state, TubeState::outside);
   EXPECT_NEAR(late.lag_s, 0.03, 0.005);
+}
+
+TEST(GoldenRecord, in_a_hold_the_lag_is_noise_and_not_limited_but_the_tube_is) {
+  GoldenRecord g = golden();
+  GoldenContent tested = sine();
+  for (std::size_t i = 0; i < 101; ++i) {  // a hold that sinks by 5 mN; the tested one a second later
+    g.content.windows[1].ati_N[i] = 3.0F - 5e-5F * static_cast<float>(i);
+    tested.windows[1].ati_N[i] = 3.0F - 5e-5F * (static_cast<float>(i) - 20.0F);
+  }
+  EXPECT_EQ(compare(g, tested).state, TubeState::inside) << compare(g, tested).cause;
+  tested.windows[1].ati_N[50] += 0.05F;
+  EXPECT_EQ(compare(g, tested).state, TubeState::outside);
+}
+
+TEST(GoldenRecord, every_extremum_and_sample_compared_has_its_margin) {
+  const GoldenComparison c = compare(golden(), sine(1.005));
+  ASSERT_EQ(c.margins.size(), c.n);
+  double least_N = 1e9;
+  std::size_t windows = 0;
+  for (const GoldenMargin& m : c.margins) {
+    least_N = std::min(least_N, m.margin_N);
+    windows += m.where == "window";
+  }
+  EXPECT_EQ(windows, 303u);
+  EXPECT_NEAR(least_N, c.worst_margin_N, 1e-6);
+  EXPECT_NEAR(least_N, 0.02 - 0.005 * 3.0, 2e-3);
+  EXPECT_LT(compare(golden(), sine(1.03)).worst_margin_N, 0.0);
 }
 
 // The traps in which other comparators call a bad trace good.
