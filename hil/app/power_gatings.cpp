@@ -79,13 +79,15 @@ Result<PowerGatings> PowerGatings::open(const std::vector<const Plan*>& plans, c
   gatings.cancelled_ = cancelled;
   if (journal.empty()) return gatings;
   FORCEGATE_TRY(const std::string program, sha256_file("/proc/self/exe"));
-  Json header = {{"power", 1}, {"program", program}};
+  // Plans and limits are in each gating's id, so that one journal serves runs under one plan and under two.
   for (const Plan* plan : plans) {
-    header[plan->name] = plan->sha256;
+    std::string& digest = gatings.plans_[plan->name];
+    digest = plan->sha256.substr(0, 12);
     if (plan->limits.derived.empty()) continue;
-    FORCEGATE_TRY(header[plan->name + " limits"], sha256_file(plan->path.parent_path() / plan->limits.derived));
+    FORCEGATE_TRY(const std::string limits, sha256_file(plan->path.parent_path() / plan->limits.derived));
+    digest += "-" + limits.substr(0, 12);
   }
-  FORCEGATE_TRY(gatings.journal_, ResumeJournal::open(journal, header.dump()));
+  FORCEGATE_TRY(gatings.journal_, ResumeJournal::open(journal, Json{{"job", "power"}, {"program", program}}.dump()));
   return gatings;
 }
 
@@ -102,7 +104,8 @@ Result<Gated> PowerGatings::gate(const Plan& plan, const std::filesystem::path& 
   std::string id;
   if (journal_.keeps()) {
     FORCEGATE_TRY(const std::string digest, sha256(image));
-    id = fmt::format("{}/{}/{}/{}/{}", plan.name, seed, image.filename().string(), digest.substr(0, 16), join(cases, "+"));
+    id = fmt::format("{}@{}/{}/{}@{}/{}", plan.name, plans_[plan.name], seed, image.filename().string(),
+                     digest.substr(0, 12), join(cases, "+"));
     if (const std::string* line = journal_.find(id)) return gated_from_json(*line);
   }
   GateRequest request;

@@ -28,7 +28,7 @@ Result<Gated> gated_from_json(const std::string& line);
 
 class PowerGatings {
  public:
-  /// journal: file of the gatings done before, with the same program and plans; empty = none is kept.
+  /// journal: file of the gatings done before, by the same program; empty = none is kept.
   static Result<PowerGatings> open(const std::vector<const Plan*>& plans, const std::filesystem::path& journal,
                                    unsigned threads, const std::atomic<bool>* cancelled);
 
@@ -46,6 +46,7 @@ class PowerGatings {
   const std::atomic<bool>* cancelled_ = nullptr;
   std::map<std::string, CalibrationCache> calibrations_;  ///< by plan and seed
   std::map<std::filesystem::path, std::string> sha256_;
+  std::map<std::string, std::string> plans_;  ///< name -> digests of the plan and of its derived limits
 };
 
 }  // namespace forcegate
