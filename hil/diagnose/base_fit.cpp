@@ -178,7 +178,9 @@ void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>
     const OwnDecay own = own_decay(r, rows[k]);
     const bool decays = own.mean_square < (1.0 - kExplains) * own.static_mean_square && own.depth > 0.03;
     if (r.dynamic_assumed && !decays) {
-      set_static(r);
+      // a change of frequency is looked for where nothing decays too: D stays at 1
+      if (r.frequency_jumps_s.empty()) set_static(r);
+      else w.shifts[k].log_q = 8.0;
       continue;
     }
     if (!decays) continue;

@@ -168,8 +168,10 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
 
   // one entry per effect, claims first
   // equally sure: what explains more of the error first
+  std::map<std::string, double> most;
+  for (const Finding& f : out.findings) most[f.unit] = std::max(most[f.unit], f.error_before);
   const auto rank = [&](const Finding& f) {
-    const double fall = f.error_before > 0.0 ? std::max(0.0, 1.0 - f.error_after / f.error_before) : 0.0;
+    const double of = most[f.unit], fall = of > 0.0 ? (f.error_before * f.error_before - f.error_after * f.error_after) / (of * of) : 0.0;
     const double sure = f.probability >= 0.8 ? 1.0 : f.probability >= 0.5 ? std::floor(10.0 * f.probability) / 10.0 : f.probability;
     return std::pair{sure, f.form == "raw" ? 0.0 : fall};
   };
@@ -180,11 +182,16 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       unique.push_back(std::move(f));
   out.findings = std::move(unique);
   const bool claims = std::any_of(out.findings.begin(), out.findings.end(), [](const Finding& f) { return f.probability >= 0.5; });
-  out.verdict = claims ? DiagnosisVerdict::known : structured ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
-  out.residual_unknown = claims && structured && explained < 0.8;
-
   tell_not_separable(selection, out);
   if (w.has_rig && rig.base.valid) tell_not_separable(rig, out);
+  // rivals that hold half of the probability together are no "none": there is something, and its name is open
+  double together = 0.0;
+  for (const std::vector<std::string>& set : out.not_separable)
+    for (const Finding& f : out.findings)
+      if (std::find(set.begin(), set.end(), f.effect) != set.end()) together += f.probability;
+  const bool open = structured || together >= 0.8;
+  out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
+  out.residual_unknown = claims && structured && explained < 0.8;
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual);

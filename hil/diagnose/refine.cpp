@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/select.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -81,6 +83,8 @@ void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const 
   for (FamilyScore& family : result.families) {
     // the user's own equation starts where the user guessed: it is always given its chance
     const bool own = EffectRegistry::instance().find(family.kind->name) != family.kind;
+    // a handful of records does not settle a shape: its evidence stays the mean over the grid
+    if (is_between_records(family.kind->name)) continue;
     if (!own && (family.gain < reach || refined == kMostFamilies)) continue;
     const int spare = channel.first_spare;
     const std::size_t candidates = channel.candidates.size(), variants = channel.variants.size();

@@ -331,8 +331,12 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     const std::string why = objection(channel, result, family, chosen, largest_removed, rules, threads);
     if (!why.empty()) {
       out.rejected.push_back(family.kind->name + ": " + why);
-      // the scatter within records and the spread between them are different questions: the next family may answer the other
-      if (first && ++place < result.families.size() && place < kMostPlaces) {
+      // the scatter within records and the spread between them are different questions: the next family may answer the
+      // other. What fits worse than a refused family answers the same question no better
+      const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain;
+      ++place;
+      while (!unphysical && place < result.families.size() && is_between_records(result.families[place].kind->name) == chosen.between) ++place;
+      if (first && place < result.families.size() && (!unphysical || place < kMostPlaces)) {
         --step;
         continue;
       }
