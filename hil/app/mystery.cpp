@@ -1,6 +1,11 @@
 #include "hil/app/mystery.h"
 
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
 #include "hil/base/digest.h"
+#include "hil/base/read_file.h"
 #include "hil/base/rng.h"
 #include "rigs/emulated/hidden/campaign_maker.h"
 #include "rigs/emulated/hidden/campaign_writer.h"
@@ -34,6 +39,31 @@ std::vector<std::string> choose_effects(const MysteryRequest& request, Rng& rng)
 }
 
 }  // namespace
+
+bool is_mystery(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::exists(folder / hidden::kSealedFile, ignored);
+}
+
+Result<std::vector<std::string>> play_on_mystery(const std::filesystem::path& folder,
+                                                 const std::vector<MysterySegment>& segments) {
+  FORCEGATE_TRY(const hidden::SealedSheet sheet, hidden::read_sealed(folder));
+  FORCEGATE_TRY(const std::string text, hidden::open(sheet));
+  FORCEGATE_TRY(const hidden::Truth truth, hidden::truth_from_json(text));
+  FORCEGATE_TRY(const std::string description, read_file(folder / "campaign.json"));
+  const auto json = nlohmann::json::parse(description, nullptr, false, true);
+  if (json.is_discarded() || !json.contains("records"))
+    return fail(ErrorCode::parse, "the campaign's description cannot be read", (folder / "campaign.json").string());
+  const std::size_t before = json["records"].size();
+  std::vector<hidden::AskedForce> asked;
+  std::vector<std::string> names;
+  for (const MysterySegment& s : segments) {
+    asked.push_back({s.kind, s.t_s, s.force_N, s.f_min_Hz});
+    names.push_back(fmt::format("r{:02d}_{}", before + asked.size(), s.name));
+  }
+  FORCEGATE_TRY(const hidden::MadeCampaign made, hidden::continue_campaign(truth, before, asked));
+  return hidden::append_records(made, names, folder);
+}
 
 std::vector<std::string> mystery_effect_names() {
   std::vector<std::string> names = {"none", "foreign"};

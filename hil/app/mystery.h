@@ -32,6 +32,19 @@ struct MysteryResult {
 Result<MysteryResult> make_mystery(const MysteryRequest& request,
                                    const std::function<void(const std::string&)>& on_commitment);
 
+/// A force to be played on the sensor of a mystery.
+struct MysterySegment {
+  std::string name, kind;
+  std::vector<double> t_s, force_N;
+  double f_min_Hz = 0.0;  ///< lowest frequency of a cyclic load; 0: not cyclic
+};
+/// Whether the folder holds a mystery, whose sensor is at hand as long as its seal is.
+bool is_mystery(const std::filesystem::path& folder);
+/// Plays the segments on the sensor of the mystery in `folder` and appends the records there; nothing of the truth is said.
+/// The names of the new files, in order. Errors: a seal that was changed; those of the files.
+Result<std::vector<std::string>> play_on_mystery(const std::filesystem::path& folder,
+                                                 const std::vector<MysterySegment>& segments);
+
 /// Names for --effect: the catalogue, "none", "foreign", and the foreign ones by name.
 std::vector<std::string> mystery_effect_names();
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/mystery.h"
 #include "hil/app/write_file.h"
 #include "hil/trace/csv.h"
 
@@ -87,6 +88,14 @@ double distance(const Character& a, const Character& b) {
   return std::sqrt(sum);
 }
 
+// Among the numbers of the segment; 0 when it has none.
+double lowest_frequency_Hz(const ExperimentSegment& s) {
+  double lowest = 0.0;
+  for (const auto& [name, value] : s.numbers)
+    if (name.starts_with("f") && name.ends_with("_Hz") && (lowest == 0.0 || value < lowest)) lowest = value;
+  return lowest;
+}
+
 struct Recording {
   fs::path path;
   Character character;
@@ -134,9 +143,7 @@ std::string odds_text(double log_odds_) { return fmt::format("{:.3g}", std::exp(
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress, const std::atomic<bool>* cancelled) {
   NextRunResult out;
   std::error_code error;
-  if (request.bench.rig != "replay" && fs::exists(request.campaign.campaign / "sealed_truth.json", error))
-    return fail(ErrorCode::usage, "the sensor of a mystery is not on the rig " + request.bench.rig, request.campaign.campaign.string(),
-                "a mystery answers with what it has; forcegate record makes a campaign of a sensor that stays at hand");
+  const bool sealed = request.bench.rig != "replay" && is_mystery(request.campaign.campaign);
   if (progress) progress(0.0, "diagnosing what there is");
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
   out.planned = out.before.next_experiment;
@@ -149,6 +156,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
   FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
   std::vector<ProfileToRecord> profiles;
+  std::vector<MysterySegment> asked;
   for (std::size_t k = 0; k < out.planned.segments.size(); ++k) {
     const ExperimentSegment& s = out.planned.segments[k];
     FORCEGATE_TRY(const fs::path profile, write_profile(s, out.folder, k + 1));
@@ -170,6 +178,8 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
     } else if (s.heats) {
       out.skipped.push_back(s.name + ": this rig cannot heat");
       continue;
+    } else if (sealed) {
+      asked.push_back({slug(s.name), s.stimulus, s.t_s, s.force_N, lowest_frequency_Hz(s)});
     } else {
       ProfileToRecord p;
       p.name = slug(s.name);
@@ -184,6 +194,10 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
                   record_profiles(request.bench, profiles, out.folder,
                                   [&](double fraction, std::string_view now) { if (progress) progress(0.2 + 0.5 * fraction, now); }, cancelled));
     for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k].file;
+  }
+  if (!asked.empty()) {
+    FORCEGATE_TRY(const std::vector<std::string> files, play_on_mystery(out.folder, asked));
+    for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k];
   }
   if (out.segments.empty())
     return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(), out.folder.string(),

@@ -56,7 +56,8 @@ const Registration<Command> kRow{Command{
         "for the explanation; each is simulated for all rivals and the rival is refitted inside.\n\n"
         "--run plays them on a rig, appends the records to a copy of the campaign (nothing is overwritten) "
         "and diagnoses again: "
-        "odds before, expected and now. With --record the segments are picked from files that you recorded.",
+        "odds before, expected and now. With --record the segments are picked from files that you recorded. "
+        "The sensor of a mystery is played on as long as its seal lies beside it; nothing is revealed.",
     .positionals = {campaign_positional()},
     .options = joined({{model_row()},
                        campaign_rows(),

@@ -200,6 +200,7 @@ MadeCampaign perform(const CampaignRequest& request, const Stage& stage,
   truth.campaign = request.name;
   truth.seed = request.seed;
   truth.tier = stage.kinds.empty() ? Tier::none : request.tier;
+  truth.minutes = request.minutes;
   truth.conditions = describe(c);
   truth.voltage_span_V = span_of(made.records, Measure::voltage);
   truth.force_span_N = span_of(made.records, Measure::force);
@@ -242,6 +243,50 @@ Result<MadeCampaign> make_campaign_at(const CampaignRequest& request, const std:
   if (strengths.size() != stage.kinds.size())
     return fail(ErrorCode::usage, "one strength for each effect is needed");
   return perform(request, stage, strengths);
+}
+
+Result<MadeCampaign> continue_campaign(const Truth& truth, std::size_t before, const std::vector<AskedForce>& asked) {
+  CampaignRequest request;
+  request.seed = truth.seed;
+  request.name = truth.campaign;
+  request.tier = truth.tier;
+  request.minutes = truth.minutes;
+  for (const TruthEffect& e : truth.effects) request.effects.push_back(e.name);
+  FORCEGATE_TRY(Stage stage, set_stage(request));
+  const std::size_t own = stage.plans.size();
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    const AskedForce& a = asked[k];
+    if (a.t_s.size() < 2 || a.t_s.size() != a.force_N.size() || !std::is_sorted(a.t_s.begin(), a.t_s.end()))
+      return fail(ErrorCode::usage, "a force to play needs at least two points in order of time");
+    const RecordPlan& last = stage.plans.back();
+    RecordPlan p;
+    p.kind = a.kind;
+    p.dynamic = a.f_min_Hz > 0.0;
+    p.f_min_Hz = a.f_min_Hz;
+    p.point_s = a.t_s;
+    p.point_N = a.force_N;
+    p.duration_s = a.t_s.back();
+    p.rate_Hz = stage.conditions.slow_rate_Hz;
+    p.rest_before_s = a.rest_before_s;
+    p.start_s = std::round(last.start_s + last.duration_s + a.rest_before_s);
+    p.low_N = *std::min_element(a.force_N.begin(), a.force_N.end());
+    p.high_N = *std::max_element(a.force_N.begin(), a.force_N.end());
+    p.drive_V = last.drive_V;
+    p.mounting = last.mounting;
+    const std::string number = std::to_string(before + k);
+    p.seed = mix_seed(truth.seed, "record/" + number);
+    p.session_seed = mix_seed(truth.seed, "session/asked/" + number);
+    stage.plans.push_back(std::move(p));
+  }
+  std::vector<std::unique_ptr<HiddenEffect>> effects;
+  for (std::size_t k = 0; k < stage.kinds.size(); ++k)
+    effects.push_back(make_effect(*stage.kinds[k], truth.seed, truth.effects[k].strength));
+  MadeCampaign made;
+  made.conditions = stage.conditions;
+  made.truth = truth;
+  made.records = run_campaign(stage.conditions, stage.climate, stage.plans, effects, {});
+  made.records.erase(made.records.begin(), made.records.begin() + static_cast<std::ptrdiff_t>(own));
+  return made;
 }
 
 Campaign to_campaign(MadeCampaign&& made) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/read_file.h"
 #include "rigs/emulated/hidden/documentation.h"
 
 namespace forcegate::hidden {
@@ -85,6 +86,26 @@ void put(Json& object, const char* key, const std::optional<T>& value) {
   if (value) object[key] = *value;
 }
 
+Json description_of(const RecordNotes& said) {
+  Json r = {{"file", said.file}};
+  if (!said.kind.empty()) r["kind"] = said.kind;
+  put(r, "role", said.role);
+  put(r, "fs_Hz", said.rate_Hz);
+  put(r, "duration_s", said.duration_s);
+  put(r, "start_s", said.start_s);
+  put(r, "rest_before_s", said.rest_before_s);
+  put(r, "excitation_start_s", said.excitation_start_s);
+  put(r, "dynamic", said.dynamic);
+  put(r, "f_min_Hz", said.f_min_Hz);
+  put(r, "A_N", said.A_N);
+  put(r, "m_N", said.m_N);
+  put(r, "drive_V", said.drive_V);
+  put(r, "eccentricity_mm", said.eccentricity_mm);
+  put(r, "preload_mm", said.preload_mm);
+  put(r, "mounting", said.mounting);
+  return r;
+}
+
 Json description(const MadeCampaign& made) {
   const BenchNotes notes = write_down(made.truth.seed, made.truth.campaign, made.conditions, made.records);
   Json bench = Json::object();
@@ -96,25 +117,7 @@ Json description(const MadeCampaign& made) {
   put(bench, "reference_noise_N", notes.reference_noise_N);
   put(bench, "adc_bits", notes.adc_bits);
   Json records = Json::array();
-  for (const RecordNotes& said : notes.records) {
-    Json r = {{"file", said.file}};
-    if (!said.kind.empty()) r["kind"] = said.kind;
-    put(r, "role", said.role);
-    put(r, "fs_Hz", said.rate_Hz);
-    put(r, "duration_s", said.duration_s);
-    put(r, "start_s", said.start_s);
-    put(r, "rest_before_s", said.rest_before_s);
-    put(r, "excitation_start_s", said.excitation_start_s);
-    put(r, "dynamic", said.dynamic);
-    put(r, "f_min_Hz", said.f_min_Hz);
-    put(r, "A_N", said.A_N);
-    put(r, "m_N", said.m_N);
-    put(r, "drive_V", said.drive_V);
-    put(r, "eccentricity_mm", said.eccentricity_mm);
-    put(r, "preload_mm", said.preload_mm);
-    put(r, "mounting", said.mounting);
-    records.push_back(std::move(r));
-  }
+  for (const RecordNotes& said : notes.records) records.push_back(description_of(said));
   return Json{
       {"campaign", made.truth.campaign}, {"sensor", notes.sensor}, {"bench", bench}, {"records", records}};
 }
@@ -135,6 +138,30 @@ Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bo
     FORCEGATE_CHECK_OK(write_text(folder / file, csv_text(made.records[i])));
   }
   return write_text(list, json.dump(1) + "\n");
+}
+
+Result<std::vector<std::string>> append_records(const MadeCampaign& made, const std::vector<std::string>& names,
+                                                const fs::path& folder) {
+  const fs::path list = folder / "campaign.json";
+  FORCEGATE_TRY(const std::string text, read_file(list));
+  Json json = Json::parse(text, nullptr, false, true);
+  if (json.is_discarded() || !json.contains("records") || !json["records"].is_array())
+    return fail(ErrorCode::parse, "the campaign's description cannot be read", list.string());
+  const BenchNotes notes = write_down(made.truth.seed, made.truth.campaign, made.conditions, made.records);
+  std::vector<std::string> files;
+  std::error_code ignored;
+  for (std::size_t i = 0; i < made.records.size(); ++i) {
+    RecordNotes said = notes.records[i];
+    said.file = names[i] + ".csv";
+    said.role.reset();
+    if (fs::exists(folder / said.file, ignored))
+      return fail(ErrorCode::usage, "there is such a record already", (folder / said.file).string(), "choose another folder");
+    FORCEGATE_CHECK_OK(write_text(folder / said.file, csv_text(made.records[i])));
+    json["records"].push_back(description_of(said));
+    files.push_back(said.file);
+  }
+  FORCEGATE_CHECK_OK(write_text(list, json.dump(1) + "\n"));
+  return files;
 }
 
 }  // namespace forcegate::hidden

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "hil/base/result.h"
 #include "rigs/emulated/hidden/campaign_maker.h"
@@ -10,5 +12,9 @@ namespace forcegate::hidden {
 /// Writes campaign.json and one CSV per record into `folder` (created when missing; its parent must exist).
 /// Refuses a folder that holds a campaign.json already unless `overwrite`. Nothing of the truth is written.
 Result<void> write_campaign(const MadeCampaign& made, const std::filesystem::path& folder, bool overwrite);
+
+/// Adds the records of continue_campaign to a campaign.json; the names of the new files, in order. No file is overwritten.
+Result<std::vector<std::string>> append_records(const MadeCampaign& made, const std::vector<std::string>& names,
+                                                const std::filesystem::path& folder);
 
 }  // namespace forcegate::hidden

@@ -64,6 +64,18 @@ void fill_phase(const RecordPlan& plan, double t0, Waves& waves, Frequency frequ
   }
 }
 
+/// Straight lines between the points.
+void fill_points(const RecordPlan& plan, Waves& waves) {
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < waves.size(); ++i) {
+    const double t = static_cast<double>(i) * waves.step_s;
+    while (k + 2 < plan.point_s.size() && plan.point_s[k + 1] <= t) ++k;
+    const double span_s = plan.point_s[k + 1] - plan.point_s[k];
+    const double share = span_s > 0.0 ? std::clamp((t - plan.point_s[k]) / span_s, 0.0, 1.0) : 1.0;
+    waves.setpoint_N[i] = plan.point_N[k] + share * (plan.point_N[k + 1] - plan.point_N[k]);
+  }
+}
+
 std::vector<double> levels_of(const RecordPlan& plan) {
   std::vector<double> levels;
   const double span = plan.high_N - plan.low_N;
@@ -89,6 +101,7 @@ std::vector<double> levels_of(const RecordPlan& plan) {
 void fill_setpoint(const RecordPlan& plan, Waves& waves) {
   const double t0 = plan.excitation_start_s;
   std::fill(waves.setpoint_N.begin(), waves.setpoint_N.end(), plan.low_N);
+  if (plan.point_s.size() > 1) return fill_points(plan, waves);
   if (plan.kind == "ramp") return fill_ramp(plan, t0, waves);
   if (plan.kind == "sine" || plan.kind == "multisine") return fill_sines(plan, t0, waves);
   if (plan.kind == "sweep") {

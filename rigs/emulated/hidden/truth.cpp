@@ -77,6 +77,7 @@ std::string to_json(const Truth& t) {
                   {"voltage_noise_pct", t.voltage_noise_pct},
                   {"force_noise_pct", t.force_noise_pct},
                   {"repeatability_pct", t.repeatability_pct},
+                  {"minutes", t.minutes},
                   {"conditions", t.conditions}};
   return j.dump(1);
 }
@@ -96,6 +97,7 @@ Result<Truth> truth_from_json(const std::string& text) {
     j.at("voltage_noise_pct").get_to(t.voltage_noise_pct);
     j.at("force_noise_pct").get_to(t.force_noise_pct);
     j.at("repeatability_pct").get_to(t.repeatability_pct);
+    t.minutes = j.value("minutes", t.minutes);  // sheets of older campaigns do not say it
     j.at("conditions").get_to(t.conditions);
     return t;
   } catch (const Json::exception& e) {
