@@ -154,7 +154,7 @@ TEST(League, AnInterruptedLeagueGoesOnFromItsJournal) {
   request.seed = 5;
   const auto other = play_league(request, engine, nullptr);
   ASSERT_FALSE(other);
-  EXPECT_NE(other.error().text.find("another league"), std::string::npos);
+  EXPECT_NE(other.error().text.find("another job"), std::string::npos) << other.error().to_text();
   std::filesystem::remove(journal);
 }
 
