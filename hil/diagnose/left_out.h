@@ -32,11 +32,8 @@ struct CrossFit {
   double log_ratio_error = 0.0;              ///< standard error of that mean
   double share = 0.0;                        ///< of what the noise does not explain in excited parts
 
-  /// A law helps every record that it moves; what helps some and harms others is something else. One in eight may be chance.
   /// Blocks of one or two records do not repeat a rare event in the same size: their error must fall, no more.
-  bool helps() const {
-    return blocks ? fall > 0.0 && improved > 0 : fall > standard_error && excited - improved <= excited / 8 && log_ratio > 0.0;
-  }
+  bool helps() const { return blocks ? fall > 0.0 && improved > 0 : fall > standard_error && improved * 2 > excited && log_ratio > 0.0; }
 };
 CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);
 

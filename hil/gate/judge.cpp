@@ -40,7 +40,8 @@ class CaseJudge {
     out_.sound = rig_sound_ && complete_;
     output();
     conformance();
-    for (JudgedCheck& check : judge_target(plan_, record_, link_sound_)) out_.checks.push_back(std::move(check));
+    const Blame spoiled = !link_sound_ ? Blame::link : rig_sound_ ? Blame::none : rig_blame_;
+    for (JudgedCheck& check : judge_target(plan_, record_, spoiled)) out_.checks.push_back(std::move(check));
     values();
     hold();
     return std::move(out_);

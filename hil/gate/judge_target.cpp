@@ -42,7 +42,7 @@ double or_none(double limit) { return limit > 0.0 ? limit : -1.0; }
 
 }  // namespace
 
-std::vector<JudgedCheck> judge_target(const Plan& plan, const CaseRecord& record, bool link_sound) {
+std::vector<JudgedCheck> judge_target(const Plan& plan, const CaseRecord& record, Blame spoiled) {
   TargetJudge judge(record);
   const DutResources& r = record.resources;
   const PlanLimits& l = plan.limits;
@@ -75,12 +75,12 @@ std::vector<JudgedCheck> judge_target(const Plan& plan, const CaseRecord& record
               p.conformance_limit, p.conformance_source.c_str(), p.conformance_evidence);
   }
   std::vector<JudgedCheck> checks = judge.take();
-  if (!link_sound)
+  if (spoiled != Blame::none)
     for (JudgedCheck& j : checks)
       if (j.check.id.starts_with("prelude_")) {
         j.judgeable = false;
         j.check.verdict = Verdict::rig_error;
-        j.check.blame = Blame::link;
+        j.check.blame = spoiled;
       }
   return checks;
 }

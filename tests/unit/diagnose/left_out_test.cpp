@@ -69,22 +69,6 @@ TEST(CrossFit, AnEffectOfTwoRecordsIsJudgedOnTheirBlocks) {
   EXPECT_EQ(c.parts, c.blocks ? 32 : 8);
 }
 
-TEST(CrossFit, WhatHelpsSomeRecordsAndHarmsOthersIsNoLaw) {
-  CrossFit c;
-  c.fall = 2.0;
-  c.standard_error = 1.0;
-  c.log_ratio = 0.3;
-  c.excited = 8;
-  c.improved = 7;
-  EXPECT_TRUE(c.helps());
-  c.improved = 6;
-  EXPECT_FALSE(c.helps());
-  c.excited = c.improved = 3;
-  EXPECT_TRUE(c.helps());
-  c.improved = 2;
-  EXPECT_FALSE(c.helps());
-}
-
 TEST(StrengthScatter, IsSmallForOneLawAndLargeForSomethingElse) {
   const auto scatter = [](const ResidualChannel& channel) {
     const MixedFit fit = fit_mixed(channel.problem, {0}, nullptr, 20, RecordUse::all_records);
