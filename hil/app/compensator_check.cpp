@@ -11,9 +11,9 @@
 #include <cmath>
 #include <deque>
 #include <fstream>
-#include <iterator>
 #include <memory>
 
+#include "hil/base/read_file.h"
 #include "hil/model/rows.h"
 
 extern char** environ;
@@ -49,11 +49,6 @@ struct TemporaryFolder {
   }
 };
 
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 class Library {
  public:
   static Result<std::unique_ptr<Library>> build(const std::string& header) {
@@ -77,7 +72,7 @@ class Library {
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
     }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-      return fail(ErrorCode::config, "the exported header does not compile: " + text_of(log).substr(0, 600), "cc");
+      return fail(ErrorCode::config, "the exported header does not compile: " + read_file(log).value_or("").substr(0, 600), "cc");
     out->handle_ = dlopen(target.c_str(), RTLD_NOW | RTLD_LOCAL);
     out->replay_ = out->handle_ == nullptr ? nullptr : reinterpret_cast<Replay>(dlsym(out->handle_, "fg_replay"));
     if (out->replay_ == nullptr) return fail(ErrorCode::io, "the built header cannot be loaded", target);

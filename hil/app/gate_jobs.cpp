@@ -15,30 +15,6 @@
 namespace forcegate {
 namespace {
 
-Result<std::string> choose_lane(const GateRequest& request, const Rig& rig) {
-  const auto& lanes = Registry<LaneKind>::instance();
-  const std::string own = rig.board_lane();
-  if (!own.empty() && (request.lane.empty() || request.lane == own)) return own;
-  if (!request.lane.empty()) {
-    const LaneKind* lane = lanes.find(request.lane);
-    if (lane == nullptr) {
-      const std::string near = nearest_name(request.lane, lanes.names());
-      return fail(
-          ErrorCode::usage, "there is no lane named '" + printable_utf8(request.lane) + "'", {},
-          near.empty() ? "choose one of: " + join(lanes.names(), ", ") : "did you mean '" + near + "'?");
-    }
-    if (!lane->accepts(request.firmware))
-      return fail(ErrorCode::usage, "lane '" + request.lane + "' cannot run this image",
-                  request.firmware.string(), lane->doc);
-    return lane->name;
-  }
-  for (const LaneKind& lane : lanes.all())
-    if (lane.accepts(request.firmware)) return lane.name;
-  return fail(ErrorCode::usage, "this file is not a firmware image that any lane can run",
-              request.firmware.string(),
-              "give an ELF image built for one of the ports: " + join(lanes.names(), ", "));
-}
-
 Result<void> select_cases(const GateRequest& request, Plan& plan) {
   if (request.only_cases.empty()) return {};
   std::vector<std::string> names;
@@ -140,15 +116,42 @@ Result<std::filesystem::path> find_plan(const std::string& name) {
       !near.empty() ? "did you mean '" + near + "'?" : "give a file, or the name of a file in ci/plans");
 }
 
+Result<std::string> image_sha256(const std::filesystem::path& image) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(image, ignored))
+    return fail(ErrorCode::usage, "there is no firmware file", image.string(),
+                "build the images first (./ci/build) or mend the path");
+  return sha256_file(image);
+}
+
+Result<std::string> choose_lane(const GateRequest& request, const std::string& board_lane) {
+  const auto& lanes = Registry<LaneKind>::instance();
+  if (!board_lane.empty() && (request.lane.empty() || request.lane == board_lane)) return board_lane;
+  if (!request.lane.empty()) {
+    const LaneKind* lane = lanes.find(request.lane);
+    if (lane == nullptr) {
+      const std::string near = nearest_name(request.lane, lanes.names());
+      return fail(
+          ErrorCode::usage, "there is no lane named '" + printable_utf8(request.lane) + "'", {},
+          near.empty() ? "choose one of: " + join(lanes.names(), ", ") : "did you mean '" + near + "'?");
+    }
+    if (!lane->accepts(request.firmware))
+      return fail(ErrorCode::usage, "lane '" + request.lane + "' cannot run this image",
+                  request.firmware.string(), lane->doc);
+    return lane->name;
+  }
+  for (const LaneKind& lane : lanes.all())
+    if (lane.accepts(request.firmware)) return lane.name;
+  return fail(ErrorCode::usage, "this file is not a firmware image that any lane can run",
+              request.firmware.string(),
+              "give an ELF image built for one of the ports: " + join(lanes.names(), ", "));
+}
+
 Result<GateSetup> prepare_gate(const GateRequest& request) {
   GateSetup setup;
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(request.firmware, ignored))
-    return fail(ErrorCode::usage, "there is no firmware file", request.firmware.string(),
-                "build the images first (./ci/build) or mend the path");
-  FORCEGATE_TRY(setup.firmware_sha256, sha256_file(request.firmware));
+  FORCEGATE_TRY(setup.firmware_sha256, image_sha256(request.firmware));
   FORCEGATE_TRY(const auto rig, make_rig(request.rig, request.rig_options));
-  FORCEGATE_TRY(setup.lane, choose_lane(request, *rig));
+  FORCEGATE_TRY(setup.lane, choose_lane(request, rig->board_lane()));
   FORCEGATE_TRY(const std::filesystem::path plan_path, find_plan(request.plan));
   FORCEGATE_TRY(setup.plan, read_plan(plan_path));
   setup.rig = rig->info();

@@ -18,6 +18,13 @@ struct GateSetup {
   std::vector<std::string> specimens;  ///< all that are needed, in order of first use
 };
 
+/// Name of the lane that runs the request's image: the one asked for, else that of the rig's own board, else the first
+/// that accepts it. Errors: usage.
+Result<std::string> choose_lane(const GateRequest& request, const std::string& board_lane = {});
+
+/// Errors: usage when there is no such file.
+Result<std::string> image_sha256(const std::filesystem::path& image);
+
 /// Checks everything that can be wrong before a record is made (exit 2).
 Result<GateSetup> prepare_gate(const GateRequest& request);
 

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -105,10 +104,8 @@ Result<std::vector<Mutant>> read_mutants(const std::filesystem::path& folder) {
                 "build them: cmake --build build --target mutants");
   std::vector<Mutant> all;
   for (const fs::path& path : descriptions) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    FORCEGATE_TRY(std::vector<Mutant> family, parse_mutant(text.str(), path.stem().string(), path.string()));
+    FORCEGATE_TRY(const std::string text, read_file(path));
+    FORCEGATE_TRY(std::vector<Mutant> family, parse_mutant(text, path.stem().string(), path.string()));
     for (Mutant& m : family) {
       for (const char* ending : {".native.so", "-m4f.block.elf", "-m3.block.elf", ".uart.elf"})
         if (const fs::path image = folder / (m.name + ending); fs::is_regular_file(image, error))

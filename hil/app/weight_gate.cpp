@@ -8,8 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "hil/app/child_result.h"
+#include "hil/app/gate_jobs.h"
 #include "hil/app/run_folder.h"
+#include "hil/app/watched_task.h"
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
@@ -22,7 +23,6 @@ namespace {
 
 using namespace characterize;
 
-constexpr double kCpu_s = 30.0, kWall_s = 180.0;
 constexpr std::size_t kBlock = 800;
 
 struct Session {
@@ -32,19 +32,6 @@ struct Session {
   std::string digest;
 };
 
-Result<const LaneKind*> lane_for(const GateRequest& request) {
-  const auto& lanes = Registry<LaneKind>::instance();
-  if (!request.lane.empty()) {
-    const LaneKind* lane = lanes.find(request.lane);
-    if (lane == nullptr || !lane->accepts(request.firmware))
-      return fail(ErrorCode::usage, "lane '" + printable_utf8(request.lane) + "' cannot run this image", request.firmware.string(), "choose one of: " + join(lanes.names(), ", "));
-    return lane;
-  }
-  for (const LaneKind& lane : lanes.all())
-    if (lane.accepts(request.firmware)) return &lane;
-  return fail(ErrorCode::usage, "this file is not a firmware image that any lane can run", request.firmware.string(), "build the target firmware and give build/firmware/two-variable.native.so");
-}
-
 // In the child: a whole session of one sensor.
 Result<std::string> play_session(const GateRequest& request, const LaneKind& lane, const WeightGatePlan& plan, const SensorFrames& frames, const DutSession& session) {
   FORCEGATE_TRY(const auto dut, lane.make(request.lane_options));
@@ -52,14 +39,18 @@ Result<std::string> play_session(const GateRequest& request, const LaneKind& lan
   const std::size_t step = plan.frame_samples(), n = frames.codes.size();
   std::vector<float> force_N(n);
   std::vector<std::uint8_t> flags(n);
+  SampleDigest digest;
   for (std::size_t at = 0; at < n; at += kBlock) {
     const std::size_t many = std::min(kBlock, n - at);
     FORCEGATE_CHECK_OK(dut->process(static_cast<std::uint32_t>(at), std::span(frames.codes).subspan(at, many), std::span(force_N).subspan(at, many), std::span(flags).subspan(at, many)));
+    digest.update(&frames.codes[at], many * sizeof(std::uint16_t));
+    digest.update(&force_N[at], many * sizeof(float));
+    digest.update(&flags[at], many);
   }
   FORCEGATE_TRY(const DutCounters counters, dut->close());
   nlohmann::json out{{"info", {info.board, info.build_id, info.algorithm_id, info.protocol_major, info.protocol_minor}},
                      {"counters", {counters.samples, counters.frames_dropped, counters.frames_bad, counters.indices_lost}},
-                     {"digest", sha256_hex(std::string_view(reinterpret_cast<const char*>(force_N.data()), n * sizeof(float)))}};
+                     {"digest", digest.hex()}};
   for (std::size_t i = step - 1; i < n; i += step) {
     out["force"].push_back(std::isfinite(force_N[i]) ? nlohmann::json(force_N[i]) : nlohmann::json(nullptr));
     out["flags"].push_back(flags[i]);
@@ -119,7 +110,7 @@ class WeightGateRun {
     result_.plan_sha256 = plan_.sha256;
     result_.seed = plan_.study.seed;
     result_.firmware_path = request_.firmware.string();
-    FORCEGATE_TRY(result_.firmware_sha256, sha256_file(request_.firmware));
+    FORCEGATE_TRY(result_.firmware_sha256, image_sha256(request_.firmware));
     result_.rig.name = pack_.bench.name;
     result_.rig.version = pack_.bench.version;
     result_.rig.rate_Hz = pack_.bench.rate_Hz;
@@ -146,7 +137,7 @@ class WeightGateRun {
     session.calibration.id = fmt::format("{}/{}/{}", plan_.study.seed, plan_.pack, s + 1);
     session.nonce = static_cast<std::uint32_t>(mix_seed(plan_.study.seed, result_.firmware_sha256 + name_of(s)) & 0xFFFFFFFFu);
     CaseResult out = case_of(s, frames, session.calibration);
-    const auto text = run_in_child([&] { return play_session(request_, lane_, plan_, frames, session); }, kCpu_s, kWall_s);
+    const auto text = run_watched({{out.id, [&](const auto&) { return play_session(request_, lane_, plan_, frames, session); }}}, {}).front();
     if (!text) {
       const ErrorCode code = text.error().code;
       if (code == ErrorCode::usage || code == ErrorCode::config || code == ErrorCode::io) return Unexpected(text.error());
@@ -243,8 +234,8 @@ Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& pr
   FORCEGATE_TRY(WeightGatePlan plan, read_weight_gate_plan(path));
   if (request.seed && *request.seed != plan.study.seed)
     return fail(ErrorCode::usage, "another seed is another pack, for which the image has no networks", "--seed", "leave it out");
-  FORCEGATE_TRY(const LaneKind* lane, lane_for(request));
-  return WeightGateRun(request, std::move(plan), *lane).run(progress, cancelled);
+  FORCEGATE_TRY(const std::string lane, choose_lane(request));
+  return WeightGateRun(request, std::move(plan), *Registry<LaneKind>::instance().find(lane)).run(progress, cancelled);
 }
 
 }  // namespace forcegate

@@ -83,4 +83,27 @@ Result<std::string> execute_job_text(std::string_view job_json) {
   return to_json(execute_job(job));
 }
 
+std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const WorkerOptions& options,
+                                       const WorkerEvents& events) {
+  std::vector<WatchedTask> tasks;
+  for (const CaseJob& job : jobs)
+    tasks.push_back({job.id, [&job](const std::function<void(double)>& progress) -> Result<std::string> { return to_json(execute_job(job, progress)); }});
+  const auto answers = run_watched(tasks, options, events);
+  std::vector<CaseRecord> records;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    auto record = answers[i] ? record_from_json(*answers[i]) : Unexpected(answers[i].error());
+    if (record) {
+      records.push_back(std::move(*record));
+      continue;
+    }
+    const ErrorCode code = answers[i] ? ErrorCode::internal : record.error().code;
+    records.push_back(failed(jobs[i],
+                             code == ErrorCode::firmware    ? CaseFailure::Stage::firmware
+                             : code == ErrorCode::cancelled ? CaseFailure::Stage::setup
+                                                            : CaseFailure::Stage::harness,
+                             {code, record.error().text, jobs[i].id, {}}));
+  }
+  return records;
+}
+
 }  // namespace forcegate

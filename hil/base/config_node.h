@@ -3,6 +3,8 @@
 // known, of the right type and in range; every complaint names file:line:column. Where the values come from (TOML) is
 // the business of hil/rig/config.h.
 
+#include <cstddef>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -39,6 +41,8 @@ class ConfigReader {
   bool number(std::string_view name, double& out, double minimum, double maximum, Need need = optional);
   bool integer(std::string_view name, std::int64_t& out, std::int64_t minimum, std::int64_t maximum,
                Need need = optional);
+  /// A whole number of things, not below `minimum` >= 0.
+  bool count(std::string_view name, std::size_t& out, std::int64_t minimum, std::int64_t maximum, Need need = optional);
   bool boolean(std::string_view name, bool& out);
   bool texts(std::string_view name, std::vector<std::string>& out, Need need = optional);
   bool choice(std::string_view name, std::string& out, const std::vector<std::string>& choices,

@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/characterize/session.h"
 #include "hil/rig/config.h"
@@ -170,11 +169,8 @@ Result<StudyPlan> parse_study_plan(std::string_view text, const std::string& nam
 }
 
 Result<StudyPlan> read_study_plan(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(ErrorCode::config, "there is no plan file", path.string());
-  std::ostringstream text;
-  text << in.rdbuf();
-  FORCEGATE_TRY(StudyPlan plan, parse_study_plan(std::move(text).str(), path.string()));
+  FORCEGATE_TRY(const std::string text, read_file(path));
+  FORCEGATE_TRY(StudyPlan plan, parse_study_plan(text, path.string()));
   plan.path = path;
   return plan;
 }

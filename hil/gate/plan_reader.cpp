@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "hil/base/digest.h"
+#include "hil/base/read_file.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
 #include "hil/gate/plan.h"
@@ -261,6 +260,9 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
   Plan plan;
   plan.path = name;
   plan.sha256 = sha256_hex(text);
+  if (const ConfigNode* kind = root.find("kind"))
+    return fail(ErrorCode::config, "this is a plan of kind '" + kind->text + "', not one of cases for a gate on the test bench", kind->where,
+                "forcegate gate, plan and check take kind capacitance-gate, forcegate characterize takes characterize and capacitance");
   ConfigReader r(root, "the plan");
   std::int64_t format = 0, seed = 1;
   r.integer("format", format, 1, kPlanFormat, ConfigReader::required);
@@ -307,14 +309,8 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
 }
 
 Result<Plan> read_plan(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored))
-    return fail(ErrorCode::config, "there is no plan file", path.string());
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) return fail(ErrorCode::io, "the plan cannot be read", path.string());
-  FORCEGATE_TRY(Plan plan, parse_plan(std::move(text).str(), path.string()));
+  FORCEGATE_TRY(const std::string text, read_file(path));
+  FORCEGATE_TRY(Plan plan, parse_plan(text, path.string()));
   plan.path = path;
   return plan;
 }

@@ -1,11 +1,10 @@
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/report/result_fields.h"
 #include "hil/report/result_json.h"
@@ -177,12 +176,8 @@ Result<RunResult> result_from_json(std::string_view text, const std::string& nam
 }
 
 Result<RunResult> read_result(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(ErrorCode::io, "cannot open the result", path.string(), "check the path");
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in.good() && !in.eof()) return fail(ErrorCode::io, "cannot read the result", path.string());
-  return result_from_json(text.str(), path.string());
+  FORCEGATE_TRY(const std::string text, read_file(path));
+  return result_from_json(text, path.string());
 }
 
 }  // namespace forcegate

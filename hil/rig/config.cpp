@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include <fstream>
-#include <sstream>
-
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -68,14 +66,8 @@ Result<ConfigNode> parse_config(std::string_view text, const std::string& name) 
 }
 
 Result<ConfigNode> read_config(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored))
-    return fail(ErrorCode::config, "there is no such file", path.string());
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) return fail(ErrorCode::io, "the file cannot be read", path.string());
-  return parse_config(std::move(text).str(), path.string());
+  FORCEGATE_TRY(const std::string text, read_file(path));
+  return parse_config(text, path.string());
 }
 
 }  // namespace forcegate

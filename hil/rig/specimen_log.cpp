@@ -9,9 +9,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/trace/date_time.h"
@@ -34,9 +33,7 @@ Result<std::map<std::string, SpecimenHistory>> SpecimenLog::read() const {
   std::map<std::string, SpecimenHistory> out;
   std::error_code ignored;
   if (!std::filesystem::exists(file_, ignored)) return out;
-  std::ifstream in(file_, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in) return fail(ErrorCode::io, "the specimen log cannot be read", file_.string());
+  FORCEGATE_TRY(const std::string text, read_file(file_));
   std::size_t from = 0;
   for (int number = 1; from < text.size(); ++number) {
     const std::size_t to = text.find('\n', from);

@@ -1,26 +1,11 @@
-#include <fstream>
-#include <sstream>
-
 #include "hil/base/digest.h"
+#include "hil/base/read_file.h"
 #include "hil/characterize/capacitance/weight_gate.h"
 #include "hil/rig/config.h"
 
 namespace forcegate::characterize {
-namespace {
-
-void count(ConfigReader& r, std::string_view name, std::size_t& out, std::int64_t low, std::int64_t high) {
-  auto value = static_cast<std::int64_t>(out);
-  if (r.integer(name, value, low, high)) out = static_cast<std::size_t>(value);
-}
-
-}  // namespace
-
 Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(ErrorCode::config, "there is no plan file", path.string());
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  const std::string text = std::move(bytes).str();
+  FORCEGATE_TRY(const std::string text, read_file(path));
   FORCEGATE_TRY(const ConfigNode root, parse_config(text, path.string()));
   WeightGatePlan plan;
   plan.path = path;
@@ -40,17 +25,17 @@ Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path) 
   if (bench != nullptr) {
     ConfigReader b(*bench, "[bench]");
     std::int64_t first = static_cast<std::int64_t>(plan.first_loading);
-    count(b, "pack", plan.pack, 0, 1'000'000);
+    b.count("pack", plan.pack, 0, 1'000'000);
     b.integer("first_loading", first, static_cast<std::int64_t>(plan.study.most_training) + 1, 1'000'000'000);
-    count(b, "loadings", plan.loadings, 2, 100);
+    b.count("loadings", plan.loadings, 2, 100);
     plan.first_loading = static_cast<std::uint64_t>(first);
     FORCEGATE_CHECK_OK(b.finish());
   }
   if (frame != nullptr) {
     ConfigReader f(*frame, "[frame]");
     f.number("rate_Hz", plan.rate_Hz, 1000.0, 1e6);
-    count(f, "direct_samples", plan.direct_samples, 64, 1 << 16);
-    count(f, "sine_samples", plan.sine_samples, 64, 1 << 16);
+    f.count("direct_samples", plan.direct_samples, 64, 1 << 16);
+    f.count("sine_samples", plan.sine_samples, 64, 1 << 16);
     f.number("overdrive_V", plan.overdrive_V, 1e-3, 50.0);
     FORCEGATE_CHECK_OK(f.finish());
   }

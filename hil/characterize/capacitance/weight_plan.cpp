@@ -3,28 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/rig/config.h"
 
 namespace forcegate::characterize {
 namespace {
-
-Result<std::string> text_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(ErrorCode::config, "there is no plan file", path.string());
-  std::ostringstream text;
-  text << in.rdbuf();
-  return std::move(text).str();
-}
-
-void count(ConfigReader& r, std::string_view name, std::size_t& out, std::int64_t low, std::int64_t high) {
-  auto value = static_cast<std::int64_t>(out);
-  if (r.integer(name, value, low, high)) out = static_cast<std::size_t>(value);
-}
 
 Result<void> read_loading(const ConfigNode& node, WeightPlan& p) {
   ConfigReader r(node, "[loading]");
@@ -32,9 +18,9 @@ Result<void> read_loading(const ConfigNode& node, WeightPlan& p) {
   r.number("force_max_N", p.force_max_N, 10.0, 1e4);
   r.number("hold_s", p.hold_s, 0.1, 3600.0);
   r.number("rest_s", p.rest_s, 0.0, 1e9);
-  count(r, "training", p.training, 2, 50);
-  count(r, "most_training", p.most_training, 2, 50);
-  count(r, "testing", p.testing, 1, 50);
+  r.count("training", p.training, 2, 50);
+  r.count("most_training", p.most_training, 2, 50);
+  r.count("testing", p.testing, 1, 50);
   if (r.good() && p.most_training < p.training) r.complain(node, "most_training is less than training");
   if (r.good() && p.force_max_N < 6.0 * p.step_N) r.complain(node, "a loading needs at least six levels");
   return r.finish();
@@ -45,8 +31,8 @@ Result<void> read_source(const ConfigNode& node, WeightPlan& p) {
   r.number("dc_V", p.dc_V, -50.0, 50.0);
   r.number("sine_V", p.sine_V, 1e-3, 50.0);
   r.number("sine_Hz", p.sine_Hz, 1.0, 1e6);
-  count(r, "dc_samples", p.dc_samples, 64, 1 << 20);
-  count(r, "sine_samples", p.sine_samples, 64, 1 << 20);
+  r.count("dc_samples", p.dc_samples, 64, 1 << 20);
+  r.count("sine_samples", p.sine_samples, 64, 1 << 20);
   if (r.good() && std::abs(p.dc_V) < 1e-3) r.complain(node, "dc_V must not be 0: eq. (8) divides by it");
   return r.finish();
 }
@@ -56,8 +42,8 @@ Result<void> read_sweep(const ConfigNode& node, WeightPlan& p) {
   r.number("amplitude_V", p.sweep_V, 1e-3, 50.0);
   r.number("low_Hz", p.sweep_low_Hz, 1.0, 1e6);
   r.number("high_Hz", p.sweep_high_Hz, 1.0, 1e6);
-  count(r, "points", p.sweep_points, 12, 1000);
-  count(r, "samples", p.sweep_samples, 64, 1 << 20);
+  r.count("points", p.sweep_points, 12, 1000);
+  r.count("samples", p.sweep_samples, 64, 1 << 20);
   if (const ConfigNode* forces = r.array("forces_N")) {
     p.sweep_forces_N.clear();
     for (const ConfigNode& item : forces->items) {
@@ -76,8 +62,7 @@ Result<void> read_sweep(const ConfigNode& node, WeightPlan& p) {
 }  // namespace
 
 Result<std::string> plan_kind(const std::filesystem::path& path) {
-  FORCEGATE_TRY(const std::string text, text_of(path));
-  FORCEGATE_TRY(const ConfigNode root, parse_config(text, path.string()));
+  FORCEGATE_TRY(const ConfigNode root, read_config(path));
   const ConfigNode* kind = root.find("kind");
   if (kind == nullptr || kind->kind != ConfigNode::Kind::text) return fail(ErrorCode::config, "the plan says no kind", path.string(), "write kind = \"characterize\" or \"capacitance\"");
   return kind->text;
@@ -101,7 +86,7 @@ Result<WeightPlan> parse_weight_plan(std::string_view text, const std::string& n
   FORCEGATE_CHECK_OK(r.finish());
   if (population != nullptr) {
     ConfigReader p(*population, "[population]");
-    count(p, "sets", plan.sets, 1, 10000);
+    p.count("sets", plan.sets, 1, 10000);
     FORCEGATE_CHECK_OK(p.finish());
   }
   if (loading != nullptr) FORCEGATE_CHECK_OK(read_loading(*loading, plan));
@@ -111,7 +96,7 @@ Result<WeightPlan> parse_weight_plan(std::string_view text, const std::string& n
 }
 
 Result<WeightPlan> read_weight_plan(const std::filesystem::path& path) {
-  FORCEGATE_TRY(const std::string text, text_of(path));
+  FORCEGATE_TRY(const std::string text, read_file(path));
   FORCEGATE_TRY(WeightPlan plan, parse_weight_plan(text, path.string()));
   plan.path = path;
   return plan;

@@ -1,3 +1,5 @@
+#include "hil/app/watched_task.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -12,10 +14,9 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <nlohmann/json.hpp>
 #include <thread>
 
-#include "hil/app/worker.h"
-#include "hil/gate/case_json.h"
 #include "hil/interface/firmware_guard.h"
 
 namespace forcegate {
@@ -41,7 +42,16 @@ double cpu_time_s(pid_t pid) {
   return clock_getcpuclockid(pid, &clock) == 0 ? now_s(clock) : 0.0;
 }
 
-[[noreturn]] void work(const CaseJob& job, WorkerPage* page, int out) {
+// What comes over the pipe: a mark, then the text or the error as JSON.
+constexpr char kText = 'T', kError = 'E';
+
+std::string answer_of(const Result<std::string>& made) {
+  if (made) return kText + *made;
+  const Error& e = made.error();
+  return kError + nlohmann::json{static_cast<int>(e.code), e.text, e.where, e.hint}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+[[noreturn]] void serve(const WatchedTask& task, WorkerPage* page, int out) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
@@ -51,11 +61,10 @@ double cpu_time_s(pid_t pid) {
   dup2(null, STDIN_FILENO);
   dup2(null, STDOUT_FILENO);  // what a firmware prints is not part of any answer
   g_firmware_guard.store(&page->guard);
-  const CaseRecord record = execute_job(job, [page](double t_s) {
+  const std::string text = answer_of(task.work([page](double t_s) {
     page->t_s.store(static_cast<float>(t_s), std::memory_order_relaxed);
     page->progress.fetch_add(1, std::memory_order_relaxed);
-  });
-  const std::string text = to_json(record);
+  }));
   for (std::size_t at = 0; at < text.size();) {
     const ssize_t n = write(out, text.data() + at, text.size() - at);
     if (n < 0 && errno == EINTR) continue;
@@ -67,28 +76,28 @@ double cpu_time_s(pid_t pid) {
 
 class Pool {
  public:
-  Pool(const std::vector<CaseJob>& jobs, const WorkerOptions& options, const WorkerEvents& events)
-      : jobs_(jobs), options_(options), events_(events), records_(jobs.size()) {}
+  Pool(const std::vector<WatchedTask>& tasks, const WorkerOptions& options, const WorkerEvents& events)
+      : tasks_(tasks), options_(options), events_(events), answers_(tasks.size()) {}
 
-  std::vector<CaseRecord> run() {
+  std::vector<Result<std::string>> run() {
     unsigned workers =
         options_.workers > 0 ? options_.workers : std::max(1u, std::thread::hardware_concurrency());
     std::size_t next = 0;
-    while (next < jobs_.size() || !running_.empty()) {
+    while (next < tasks_.size() || !running_.empty()) {
       if (cancelled()) {
         while (!running_.empty()) end(running_.back(), "interrupted", true);
-        for (; next < jobs_.size(); ++next) records_[next] = gone(next, ErrorCode::cancelled, "interrupted");
+        for (; next < tasks_.size(); ++next) answers_[next] = gone(next, ErrorCode::cancelled, "interrupted");
         break;
       }
-      while (next < jobs_.size() && running_.size() < workers) start(next++);
+      while (next < tasks_.size() && running_.size() < workers) start(next++);
       wait();
     }
-    return std::move(records_);
+    return std::move(answers_);
   }
 
  private:
   struct Worker {
-    std::size_t job = 0;
+    std::size_t task = 0;
     pid_t pid = -1;
     int in = -1;
     WorkerPage* page = nullptr;
@@ -100,43 +109,38 @@ class Pool {
 
   bool cancelled() const { return options_.cancelled != nullptr && options_.cancelled->load(); }
 
-  CaseRecord gone(std::size_t job, ErrorCode code, std::string text, std::string hint = {}) const {
-    CaseRecord record;
-    record.id = jobs_[job].id;
-    record.index = jobs_[job].index;
-    const auto stage = code == ErrorCode::firmware    ? CaseFailure::Stage::firmware
-                       : code == ErrorCode::cancelled ? CaseFailure::Stage::setup
-                                                      : CaseFailure::Stage::harness;
-    record.failure = CaseFailure{stage, {code, std::move(text), jobs_[job].id, std::move(hint)}};
-    return record;
+  Result<std::string> gone(std::size_t task, ErrorCode code, std::string text) const {
+    return fail(code, std::move(text), tasks_[task].id);
   }
 
-  void start(std::size_t job) {
+  Result<std::string> not_started(std::size_t task) const {
+    return gone(task, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
+  }
+
+  void start(std::size_t task) {
     int ends[2];
     void* memory =
         mmap(nullptr, sizeof(WorkerPage), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED || pipe2(ends, O_CLOEXEC) != 0) {
       if (memory != MAP_FAILED) munmap(memory, sizeof(WorkerPage));
-      records_[job] =
-          gone(job, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
+      answers_[task] = not_started(task);
       return;
     }
     auto* page = new (memory) WorkerPage;
     const pid_t pid = fork();
     if (pid == 0) {
       close(ends[0]);
-      work(jobs_[job], page, ends[1]);
+      serve(tasks_[task], page, ends[1]);
     }
     close(ends[1]);
     if (pid < 0) {
       close(ends[0]);
       munmap(memory, sizeof(WorkerPage));
-      records_[job] =
-          gone(job, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
+      answers_[task] = not_started(task);
       return;
     }
     Worker w;
-    w.job = job;
+    w.task = task;
     w.pid = pid;
     w.in = ends[0];
     w.page = page;
@@ -173,7 +177,7 @@ class Pool {
     const float t_s = w.page->t_s.load(std::memory_order_relaxed);
     if (t_s == w.shown_t_s || !events_.progress) return;
     w.shown_t_s = t_s;
-    events_.progress(w.job, t_s);
+    events_.progress(w.task, t_s);
   }
 
   void watch(Worker& w) {
@@ -205,57 +209,59 @@ class Pool {
     kill(w.pid, SIGKILL);
     int status = 0;
     waitpid(w.pid, &status, 0);
-    records_[w.job] = gone(w.job, interrupted ? ErrorCode::cancelled : ErrorCode::firmware, std::move(text));
+    answers_[w.task] = gone(w.task, interrupted ? ErrorCode::cancelled : ErrorCode::firmware, std::move(text));
     release(w);
   }
 
   void finish(Worker& w) {
+    close(w.in);  // a child that still writes, beyond the largest answer, ends by it
+    w.in = -1;
     int status = 0;
     waitpid(w.pid, &status, 0);
-    auto record = record_from_json(w.answer);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && record) {
-      records_[w.job] = std::move(*record);
-    } else {
-      const bool in_firmware = w.page->guard.in_firmware.load() != 0;
-      const std::string how =
-          WIFSIGNALED(status)
-              ? fmt::format("signal {} ({})",
-                            sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
-                            strsignal(WTERMSIG(status)))
-              : fmt::format("exit code {}", WEXITSTATUS(status));
-      // The emergency stop of a bench ends whoever holds it; no firmware is judged by that.
-      const bool ordered = WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM;
-      const std::uint64_t sample = w.page->guard.sample_index.load();
-      if (ordered)
-        records_[w.job] = gone(w.job, ErrorCode::cancelled, "stopped from outside: forcegate bench park, or a kill");
-      else if (in_firmware)
-        records_[w.job] = gone(w.job, ErrorCode::firmware, fmt::format("the firmware crashed with {} after sample {}", how, sample));
-      else
-        records_[w.job] = gone(w.job, ErrorCode::internal, fmt::format("a worker ended with {} outside the firmware", how));
-    }
+    answers_[w.task] = WIFEXITED(status) && WEXITSTATUS(status) == 0 && !w.answer.empty() ? answered(w) : ended(w, status);
     release(w);
   }
 
-  void release(Worker& w) {
-    close(w.in);
-    munmap(w.page, sizeof(WorkerPage));
-    const std::size_t job = w.job;
-    running_.erase(running_.begin() + (&w - running_.data()));
-    if (events_.done) events_.done(job);
+  Result<std::string> answered(Worker& w) const {
+    if (w.answer.front() == kText) return std::move(w.answer.erase(0, 1));
+    const auto e = nlohmann::json::parse(w.answer.begin() + 1, w.answer.end(), nullptr, false);
+    if (w.answer.front() != kError || !e.is_array() || e.size() != 4) return gone(w.task, ErrorCode::internal, "a worker gave no answer");
+    return Unexpected(Error{static_cast<ErrorCode>(e[0].get<int>()), e[1], e[2], e[3]});
   }
 
-  const std::vector<CaseJob>& jobs_;
+  Result<std::string> ended(const Worker& w, int status) const {
+    const std::string how =
+        WIFSIGNALED(status)
+            ? fmt::format("signal {} ({})", sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
+                          strsignal(WTERMSIG(status)))
+            : fmt::format("exit code {}", WEXITSTATUS(status));
+    // The emergency stop of a bench ends whoever holds it; no firmware is judged by that.
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM)
+      return gone(w.task, ErrorCode::cancelled, "stopped from outside: forcegate bench park, or a kill");
+    if (w.page->guard.in_firmware.load() != 0)
+      return gone(w.task, ErrorCode::firmware, fmt::format("the firmware crashed with {} after sample {}", how, w.page->guard.sample_index.load()));
+    return gone(w.task, ErrorCode::internal, fmt::format("a worker ended with {} outside the firmware", how));
+  }
+
+  void release(Worker& w) {
+    if (w.in >= 0) close(w.in);
+    munmap(w.page, sizeof(WorkerPage));
+    const std::size_t task = w.task;
+    running_.erase(running_.begin() + (&w - running_.data()));
+    if (events_.done) events_.done(task);
+  }
+
+  const std::vector<WatchedTask>& tasks_;
   const WorkerOptions& options_;
   const WorkerEvents& events_;
-  std::vector<CaseRecord> records_;
+  std::vector<Result<std::string>> answers_;
   std::vector<Worker> running_;
 };
 
 }  // namespace
 
-std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const WorkerOptions& options,
-                                       const WorkerEvents& events) {
-  return Pool(jobs, options, events).run();
+std::vector<Result<std::string>> run_watched(const std::vector<WatchedTask>& tasks, const WorkerOptions& options, const WorkerEvents& events) {
+  return Pool(tasks, options, events).run();
 }
 
 }  // namespace forcegate

@@ -1,0 +1,40 @@
+#pragma once
+// Work with code of a firmware image, which may crash or hang: every task runs in a forked child of its own, watched
+// through a page that both share, and its text comes back over a pipe. Two instances in one process would share static
+// state.
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hil/base/result.h"
+
+namespace forcegate {
+
+struct WorkerOptions {
+  unsigned workers = 0;      ///< at a time; 0: one per processor
+  double hang_cpu_s = 10.0;  ///< CPU time without progress inside the firmware that counts as a hang
+  double blocked_s = 120.0;  ///< wall time without progress and without CPU time
+  const std::atomic<bool>* cancelled = nullptr;
+};
+
+/// What a caller may show while tasks run. Called from the calling thread.
+struct WorkerEvents {
+  std::function<void(std::size_t task, double t_s)> progress;
+  std::function<void(std::size_t task)> done;
+};
+
+struct WatchedTask {
+  std::string id;  ///< where of its errors
+  /// Runs in the child, with stdin and stdout at /dev/null. `progress` tells the time in the record, s.
+  std::function<Result<std::string>(const std::function<void(double t_s)>& progress)> work;
+};
+
+/// Runs every task and returns the texts in their order, whatever the number of workers. An error of `work` comes back as
+/// it was. A child that dies or hangs gives ErrorCode::firmware when it was inside the image (FirmwareGuard), with signal
+/// and sample, else internal; one that is stopped from outside or interrupted gives cancelled. The calling process must
+/// have no other threads.
+std::vector<Result<std::string>> run_watched(const std::vector<WatchedTask>& tasks, const WorkerOptions& options, const WorkerEvents& events = {});
+
+}  // namespace forcegate
