@@ -15,7 +15,7 @@ bool some_lane_runs(const std::filesystem::path& image) {
   return false;
 }
 
-Result<AcceptedBuild> open_stored(const std::filesystem::path& path, const GateSetup& setup) {
+Result<AcceptedBuild> open_stored(const std::filesystem::path& path, const RunResult& head) {
   AcceptedBuild build;
   build.path = path.string();
   build.stored = true;
@@ -34,27 +34,31 @@ Result<AcceptedBuild> open_stored(const std::filesystem::path& path, const GateS
                 std::string("the stored run has another ") + what + ": " + printable_utf8(theirs),
                 path.string(), "compare runs of one plan, seed and rig, or give the image itself");
   };
-  FORCEGATE_CHECK_OK(differs("plan", build.run.plan_sha256, setup.plan.sha256));
-  FORCEGATE_CHECK_OK(differs("seed", std::to_string(build.run.seed), std::to_string(setup.plan.seed)));
+  FORCEGATE_CHECK_OK(differs("plan", build.run.plan_sha256, head.plan_sha256));
+  FORCEGATE_CHECK_OK(differs("seed", std::to_string(build.run.seed), std::to_string(head.seed)));
   FORCEGATE_CHECK_OK(differs("rig", build.run.rig.name + "/" + build.run.rig.version,
-                             setup.rig.name + "/" + setup.rig.version));
+                             head.rig.name + "/" + head.rig.version));
   return build;
 }
 
 }  // namespace
 
-Result<AcceptedBuild> open_accepted(const GateRequest& request, const GateSetup& setup) {
+Result<AcceptedBuild> open_accepted(const GateRequest& request, const RunResult& head) {
   std::filesystem::path path = request.accepted;
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) path /= "result.json";
   if (!std::filesystem::is_regular_file(path, ignored))
     return fail(ErrorCode::usage, "there is no accepted build", path.string(),
                 "--accepted takes an image, a run's folder or its result.json");
-  if (!some_lane_runs(path)) return open_stored(path, setup);
+  if (!some_lane_runs(path)) return open_stored(path, head);
   AcceptedBuild build;
   build.path = std::filesystem::absolute(path).string();
   FORCEGATE_TRY(build.sha256, sha256_file(path));
   return build;
+}
+
+std::string accepted_note(const AcceptedBuild& build) {
+  return "accepted build: " + build.path + " (sha256 " + build.sha256.substr(0, 12) + ")";
 }
 
 CaseJob accepted_job(const CaseJob& job, const AcceptedBuild& build) {
@@ -64,14 +68,16 @@ CaseJob accepted_job(const CaseJob& job, const AcceptedBuild& build) {
   twin.curves = false;
   twin.nonce =
       static_cast<std::uint32_t>(mix_seed(job.seed, build.sha256 + "/accepted/" + job.id) & 0xFFFFFFFFu);
-  const auto& lanes = Registry<LaneKind>::instance();
-  if (const LaneKind* own = lanes.find(job.lane); own == nullptr || !own->accepts(build.path))
-    for (const LaneKind& lane : lanes.all())
-      if (lane.accepts(build.path)) {
-        twin.lane = lane.name;
-        break;
-      }
+  twin.lane = accepted_lane(job.lane, build);
   return twin;
+}
+
+std::string accepted_lane(const std::string& own, const AcceptedBuild& build) {
+  const auto& lanes = Registry<LaneKind>::instance();
+  if (const LaneKind* lane = lanes.find(own); lane != nullptr && lane->accepts(build.path)) return own;
+  for (const LaneKind& lane : lanes.all())
+    if (lane.accepts(build.path)) return lane.name;
+  return own;
 }
 
 std::vector<JudgedCheck> compare_with_accepted(const Plan& plan, const AcceptedBuild& build, bool rig_repeats,

@@ -18,9 +18,15 @@ struct AcceptedBuild {
   RunResult run;  ///< of a stored one
 };
 
-/// Opens GateRequest::accepted. Errors (usage): no such file, neither an image that a lane can run nor a
-/// result.json, a stored run of another plan, seed or rig.
-Result<AcceptedBuild> open_accepted(const GateRequest& request, const GateSetup& setup);
+/// Opens GateRequest::accepted. `head` names plan, seed and rig of the run. Errors (usage): no such file, neither an image
+/// that a lane can run nor a result.json, a stored run of another plan, seed or rig.
+Result<AcceptedBuild> open_accepted(const GateRequest& request, const RunResult& head);
+
+/// Lane for the accepted image: that of the candidate where it accepts it, else the first that does.
+std::string accepted_lane(const std::string& own, const AcceptedBuild& build);
+
+/// For the notes of a result.
+std::string accepted_note(const AcceptedBuild& build);
 
 /// The same record for the accepted image.
 CaseJob accepted_job(const CaseJob& job, const AcceptedBuild& build);

@@ -8,11 +8,9 @@
 
 #include "hil/app/bundle.h"
 #include "hil/app/gate.h"
-#include "hil/app/golden.h"
 #include "hil/app/write_file.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
-#include "hil/gate/runner.h"
 
 namespace forcegate {
 namespace fs = std::filesystem;
@@ -42,53 +40,59 @@ double furthest_N(const GoldenContent& a, const GoldenContent& b, std::size_t ev
   return worst;
 }
 
-std::string change_of(const GoldenRecord* old, const GoldenRecord& now) {
+std::string change_of(const GoldenRecord* old, const GoldenRecord& now, const std::string& truth) {
   if (old == nullptr) return "new";
   if (old->extrema_in_all != now.content.extrema.size())
     return fmt::format("{} extrema instead of {}", now.content.extrema.size(), old->extrema_in_all);
   const double ati = furthest_N(old->content, now.content, old->every, GoldenCurve::ati);
   const double dut = furthest_N(old->content, now.content, old->every, GoldenCurve::firmware);
   if (ati < 1e-4 && dut < 1e-4) return "unchanged";
-  return fmt::format("ATI by at most {:.4f} N, firmware by at most {:.4f} N", ati, dut);
+  return fmt::format("{} by at most {:.4f} N, firmware by at most {:.4f} N", truth, ati, dut);
 }
 
-Result<void> refuse_unaccepted(const RunMaterial& m) {
-  Plan plan = m.plan;
-  for (PlanCase& c : plan.cases) c.checks &= ~static_cast<unsigned>(kCheckGolden);
+// A run as it is blessed, of whatever kind.
+struct BlessedRun {
+  const RunResult* head = nullptr;
+  std::string level, rig;
+  std::string goldens;  ///< folder that the plan names
+  Decision without_goldens;
+  std::vector<GoldenTarget> targets;
+};
+
+BlessedRun blessed(const RunMaterial& m) {
   RunMaterial without = m;
-  without.plan = plan;
-  const RunResult judged = to_run_result(without, judge_material(without));
-  if (judged.decision.kind == DecisionKind::accept) return {};
-  return fail(ErrorCode::usage,
-              fmt::format("this run is {} apart from its goldens: {}", to_string(judged.decision.kind),
-                          judged.decision.reason),
-              {}, "bless a run that is accepted");
+  for (PlanCase& c : without.plan.cases) c.checks &= ~static_cast<unsigned>(kCheckGolden);
+  const std::string rig = m.records.empty() ? std::string() : m.records.front().record.rig.id;
+  return {&m.head, std::string(to_string(m.level)), rig, m.plan.limits.goldens,
+          to_run_result(without, judge_material(without)).decision, golden_targets(m)};
 }
 
-GoldenRecord golden_of(const RunMaterial& m, const Bundle& bundle, const PlanCase& planned,
-                      const PlayedRecord& one, const BlessRequest& request) {
-  const CaseRecord& r = one.record;
+BlessedRun blessed(const characterize::WeightMaterial& m) {
+  characterize::WeightMaterial without = m;
+  const RunResult judged = to_run_result(without, judge_material(without));
+  without.plan.goldens = ".";  // every sensor has its golden, wherever the first ones are put
+  return {&m.head, std::string(to_string(CalibrationLevel::nominal)), m.head.rig.id, m.plan.goldens, judged.decision, golden_targets(without)};
+}
+
+GoldenRecord golden_of(const BlessedRun& run, const Bundle& bundle, const GoldenTarget& target, const BlessRequest& request) {
   GoldenRecord g;
-  g.plan = m.plan.name;
-  g.case_name = planned.name;
-  g.specimen = one.job.specimen;
-  g.seed = one.job.seed;
-  g.rig = r.rig.name + "/" + r.rig.version;
-  g.algorithm = r.firmware.algorithm_id;
-  g.ati = {.absolute = 0.08, .time_s = 0.01, .lag_limit_s = 0.01};
-  g.firmware = {.absolute = 0.05, .relative = 0.01, .time_s = 0.01, .lag_limit_s = 0.02};
-  g.content = golden_content(r);
-  g.provenance["firmware_sha256"] = m.head.firmware_sha256;
+  g.plan = run.head->plan_name;
+  g.case_name = target.case_name;
+  g.specimen = target.specimen;
+  g.seed = target.seed;
+  g.rig = target.rig;
+  g.algorithm = target.algorithm;
+  g.ati = target.truth_tube;
+  g.firmware = target.firmware_tube;
+  g.content = target.content;
+  g.provenance["firmware_sha256"] = run.head->firmware_sha256;
   g.provenance["bundle"] = bundle.id;
   g.provenance["tool_version"] = bundle.tool_version;
-  g.provenance["date"] = m.head.started_at.substr(0, 10);
-  g.provenance["calibration"] = std::string(to_string(m.level)) + " " + one.job.calibration.id;
+  g.provenance["date"] = run.head->started_at.substr(0, 10);
+  g.provenance["calibration"] = run.level + " " + target.calibration;
   g.provenance["who"] = cell(request.who);
   g.provenance["reason"] = cell(request.reason);
-  double sum = 0.0, n = 0.0;
-  for (const CasePair& p : r.pairs)
-    if (p.maximum && p.t_s >= judged_from_s(planned, r) && p.ati_N > 0.1) sum += std::fabs(p.dut_N / p.ati_N - 1.0), n += 1.0;
-  g.provenance["mre_maxima_pct"] = fmt::format("{:.3f}", n > 0.0 ? 100.0 * sum / n : 0.0);
+  g.provenance[target.error_name] = fmt::format("{:.3f}", std::isfinite(target.error) ? target.error : 0.0);
   return g;
 }
 
@@ -103,48 +107,48 @@ Result<void> append_line(const fs::path& path, const std::string& line) {
 
 Result<BlessAnswer> bless_run(const BlessRequest& request) {
   FORCEGATE_TRY(const Bundle bundle, read_bundle(request.source));
-  const RunMaterial& m = bundle.material;
-  FORCEGATE_CHECK_OK(refuse_unaccepted(m));
+  const BlessedRun run = std::visit([](const auto& m) { return blessed(m); }, bundle.material);
+  const RunResult& head = *run.head;
+  if (run.without_goldens.kind != DecisionKind::accept)
+    return fail(ErrorCode::usage,
+                fmt::format("this run is {} apart from its goldens: {}", to_string(run.without_goldens.kind),
+                            run.without_goldens.reason),
+                {}, "bless a run that is accepted");
   fs::path folder = request.goldens;
   if (folder.empty()) {
-    if (m.plan.limits.goldens.empty())
-      return fail(ErrorCode::usage, "the plan of this run names no goldens", m.plan.name,
-                  "add goldens = \"...\" to its [limits] and \"golden\" to the checks of a case, or give --goldens FOLDER");
-    FORCEGATE_TRY(const fs::path plan, find_plan(m.plan.name));
-    folder = (plan.parent_path() / m.plan.limits.goldens).lexically_normal();
+    if (run.goldens.empty())
+      return fail(ErrorCode::usage, "the plan of this run names no goldens", head.plan_name,
+                  "add goldens = \"...\" to its [limits] (and \"golden\" to the checks of a case), or give --goldens FOLDER");
+    FORCEGATE_TRY(const fs::path plan, find_plan(head.plan_name));
+    folder = (plan.parent_path() / run.goldens).lexically_normal();
   }
   FORCEGATE_TRY(const std::vector<GoldenRecord> before, read_goldens(folder));
   BlessAnswer answer;
   std::vector<std::pair<fs::path, std::string>> files;
-  std::size_t changed = 0;
-  for (const PlayedRecord& one : m.records) {
-    const PlanCase& planned = m.plan.cases[one.case_index];
-    const bool middle = one.specimen_index == specimens_of(m.plan, planned).size() / 2;
-    if (!(planned.checks & kCheckGolden) || !middle || one.superseded || one.job.session != 0) continue;
-    GoldenRecord now = golden_of(m, bundle, planned, one, request);
+  for (const GoldenTarget& target : run.targets) {
+    if (!target.to_bless) continue;
+    GoldenRecord now = golden_of(run, bundle, target, request);
     const auto old = std::find_if(before.begin(), before.end(), [&](const GoldenRecord& g) {
       return g.case_name == now.case_name && g.specimen == now.specimen;
     });
     if (old != before.end()) now.ati = old->ati, now.firmware = old->firmware;
     BlessChange change{golden_file_name(now.case_name, now.specimen),
-                       change_of(old == before.end() ? nullptr : &*old, now), true};
+                       change_of(old == before.end() ? nullptr : &*old, now, target.truth), true};
     change.changed = change.what != "unchanged";
     if (change.changed) files.emplace_back(folder / change.file, to_text(now));
-    changed += change.changed;
     answer.changes.push_back(std::move(change));
   }
   if (answer.changes.empty())
-    return fail(ErrorCode::usage, "no case of this run asks for a golden", m.plan.name,
+    return fail(ErrorCode::usage, "no case of this run asks for a golden", head.plan_name,
                 "add \"golden\" to the checks of a case");
   answer.governance = folder.parent_path() / "CHANGES.md";
   std::string list;
   for (const BlessChange& c : answer.changes)
     if (c.changed) list += (list.empty() ? "" : "; ") + c.file + ": " + c.what;
-  answer.line = fmt::format("| {} | {} | {} | {} | {} | {} | {} | bundle {} | {} |\n", m.head.started_at.substr(0, 10),
-                            m.plan.name, cell(request.who), cell(request.reason), m.head.firmware_sha256.substr(0, 16),
-                            m.records.empty() ? "" : m.records.front().record.rig.id, to_string(m.level), bundle.id.substr(0, 16),
-                            list);
-  if (request.dry_run || changed == 0) return answer;
+  answer.line = fmt::format("| {} | {} | {} | {} | {} | {} | {} | bundle {} | {} |\n", head.started_at.substr(0, 10),
+                            head.plan_name, cell(request.who), cell(request.reason), head.firmware_sha256.substr(0, 16),
+                            run.rig, run.level, bundle.id.substr(0, 16), list);
+  if (request.dry_run || files.empty()) return answer;
   for (const auto& [path, text] : files) FORCEGATE_CHECK_OK(write_file_atomically(path, text));
   FORCEGATE_CHECK_OK(append_line(answer.governance, answer.line));
   answer.written = true;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "hil/app/golden.h"
+#include "hil/app/sensor_records.h"
 #include "hil/app/write_file.h"
 #include "hil/base/digest.h"
 #include "hil/base/read_file.h"
@@ -33,13 +33,19 @@ std::string id_of(const std::vector<BundleFile>& files) {
   return sha256_hex(list);
 }
 
-RunResult head_of(const RunMaterial& material) {
-  RunResult head = material.head;
-  head.cases.clear();
+// What is not judged; the checks are those against the accepted build.
+RunResult with_compared(RunResult head, const std::vector<JudgedCheck>& compared) {
   head.checks.clear();
-  for (const JudgedCheck& j : material.compared) head.checks.push_back(j.check);
+  for (const JudgedCheck& j : compared) head.checks.push_back(j.check);
   head.decision = {};
   return head;
+}
+
+std::vector<JudgedCheck> take_compared(RunResult& head) {
+  std::vector<JudgedCheck> compared;
+  for (Check& check : head.checks) compared.push_back({.check = std::move(check), .judgeable = false});
+  head.checks.clear();
+  return compared;
 }
 
 std::string manifest_text(const std::string& id, const std::string& version, const std::vector<BundleFile>& files) {
@@ -79,55 +85,51 @@ bool complete(const RunMaterial& m) {
   return true;
 }
 
-}  // namespace
+// The files of a bundle as they are written; the list of them comes last.
+class BundleWriter {
+ public:
+  explicit BundleWriter(const fs::path& folder) : folder_(folder) {
+    std::error_code ignored;
+    fs::create_directories(folder / "bundle", ignored);
+  }
 
-Result<void> write_bundle(const fs::path& folder, const BundleSource& source, const RunMaterial& material) {
-  const fs::path inner = folder / "bundle";
-  std::error_code error;
-  fs::create_directories(inner, error);
-  std::vector<std::string> names{"bundle/plan.json", "bundle/plan.toml", "bundle/head.json", "bundle/run.json",
-                                 "bundle/records.jsonl", "bundle/firmware"};
-  FORCEGATE_CHECK_OK(write_file_atomically(inner / "plan.json", to_json(material.plan)));
-  FORCEGATE_TRY(const std::string plan_text, read_file(source.plan));
-  FORCEGATE_CHECK_OK(write_file_atomically(inner / "plan.toml", plan_text));
-  if (!material.limits.plan.empty()) {
-    FORCEGATE_TRY(const std::string limits, read_file(source.limits));
-    FORCEGATE_CHECK_OK(write_file_atomically(inner / "limits.toml", limits));
-    names.emplace_back("bundle/limits.toml");
+  Result<void> add(const std::string& name, const std::string& bytes) {
+    names_.push_back("bundle/" + name);
+    return write_file_atomically(folder_ / names_.back(), bytes);
   }
-  if (!source.waivers.empty()) {
-    FORCEGATE_TRY(const std::string waivers, read_file(source.waivers));
-    FORCEGATE_CHECK_OK(write_file_atomically(inner / "waivers.toml", waivers));
-    names.emplace_back("bundle/waivers.toml");
+  Result<void> copy(const std::string& name, const fs::path& from) {
+    FORCEGATE_TRY(const std::string bytes, read_file(from));
+    return add(name, bytes);
   }
-  for (const GoldenRecord& golden : source.goldens) {
-    names.push_back("bundle/goldens/" + golden_file_name(golden.case_name, golden.specimen));
-    FORCEGATE_CHECK_OK(write_file_atomically(folder / names.back(), to_text(golden)));
-  }
-  FORCEGATE_CHECK_OK(write_file_atomically(inner / "head.json", to_json(head_of(material))));
-  const Json run{{"level", std::string(to_string(material.level))}, {"cancelled", material.cancelled},
-                 {"today", source.today}};
-  FORCEGATE_CHECK_OK(write_file_atomically(inner / "run.json", run.dump(1) + "\n"));
-  std::string records;
-  for (const PlayedRecord& one : material.records)
-    records += fmt::format("{{\"case\":{},\"specimen\":{},\"superseded\":{},\"job\":{},\"record\":{}}}\n",
-                           one.case_index, one.specimen_index, one.superseded, to_json(one.job), to_json(one.record));
-  FORCEGATE_CHECK_OK(write_file_atomically(inner / "records.jsonl", records));
-  FORCEGATE_TRY(const std::string image, read_file(source.firmware));
-  FORCEGATE_CHECK_OK(write_file_atomically(inner / "firmware", image));
-  for (const PlayedRecord& one : material.records)
-    if (const std::string& name = one.record.trace_file; !name.empty() && fs::exists(folder / name, error))
-      names.push_back(name);
-  std::sort(names.begin(), names.end());
-  std::vector<BundleFile> files;
-  for (const std::string& name : names) {
-    FORCEGATE_TRY(files.emplace_back(), describe(folder, name));
-  }
-  return write_file_atomically(folder / "bundle.json",
-                               manifest_text(id_of(files), material.head.tool_version, files));
-}
+  void list(const std::string& name) { names_.push_back(name); }
 
-Result<Bundle> read_bundle(const fs::path& folder) {
+  // What every kind of run has.
+  Result<void> add_common(const BundleSource& source, const RunResult& head, const Json& run) {
+    FORCEGATE_CHECK_OK(copy("plan.toml", source.plan));
+    if (!source.waivers.empty()) FORCEGATE_CHECK_OK(copy("waivers.toml", source.waivers));
+    for (const GoldenRecord& golden : source.evidence.goldens)
+      FORCEGATE_CHECK_OK(add("goldens/" + golden_file_name(golden.case_name, golden.specimen), to_text(golden)));
+    FORCEGATE_CHECK_OK(add("head.json", to_json(head)));
+    FORCEGATE_CHECK_OK(add("run.json", run.dump(1) + "\n"));
+    return copy("firmware", source.firmware);
+  }
+
+  Result<void> seal(const std::string& tool_version) {
+    std::sort(names_.begin(), names_.end());
+    std::vector<BundleFile> files;
+    for (const std::string& name : names_) {
+      FORCEGATE_TRY(files.emplace_back(), describe(folder_, name));
+    }
+    return write_file_atomically(folder_ / "bundle.json", manifest_text(id_of(files), tool_version, files));
+  }
+
+ private:
+  fs::path folder_;
+  std::vector<std::string> names_;
+};
+
+// Every listed file is there and as it was written.
+Result<Bundle> read_manifest(const fs::path& folder) {
   const std::string where = (folder / "bundle.json").string();
   std::error_code ignored;
   if (!fs::exists(folder / "bundle.json", ignored))
@@ -156,31 +158,96 @@ Result<Bundle> read_bundle(const fs::path& folder) {
   }
   if (id_of(bundle.files) != bundle.id)
     return fail(ErrorCode::parse, "the list of the bundle was changed", where, "take the bundle as the run wrote it");
-  RunMaterial& m = bundle.material;
-  FORCEGATE_TRY(const std::string plan, read_file(folder / "bundle" / "plan.json"));
+  return bundle;
+}
+
+Result<RunMaterial> read_material(const fs::path& inner, const nlohmann::json& run) {
+  RunMaterial m;
+  std::error_code ignored;
+  FORCEGATE_TRY(const std::string plan, read_file(inner / "plan.json"));
   FORCEGATE_TRY(m.plan, plan_from_json(plan));
-  if (fs::exists(folder / "bundle" / "limits.toml", ignored)) {
-    FORCEGATE_TRY(m.limits, read_limits(folder / "bundle" / "limits.toml"));
+  if (fs::exists(inner / "limits.toml", ignored)) {
+    FORCEGATE_TRY(m.limits, read_limits(inner / "limits.toml"));
   }
-  FORCEGATE_TRY(bundle.goldens, read_goldens(folder / "bundle" / "goldens"));
-  FORCEGATE_TRY(m.head, read_result(folder / "bundle" / "head.json"));
-  for (Check& check : m.head.checks) m.compared.push_back({.check = std::move(check), .judgeable = false});
-  m.head.checks.clear();
-  FORCEGATE_TRY(const std::string run_text, read_file(folder / "bundle" / "run.json"));
-  const auto run = nlohmann::json::parse(run_text, nullptr, false);
-  if (!run.is_object()) return fail(ErrorCode::parse, "run.json cannot be read", folder.string());
+  FORCEGATE_TRY(m.head, read_result(inner / "head.json"));
+  m.compared = take_compared(m.head);
   const std::string level = run.value("level", "nominal");
   m.level = level == "identified" ? CalibrationLevel::identified
             : level == "static"   ? CalibrationLevel::statical
                                   : CalibrationLevel::nominal;
   m.cancelled = run.value("cancelled", false);
-  bundle.today = run.value("today", "");
-  if (fs::exists(folder / "bundle" / "waivers.toml", ignored)) {
-    FORCEGATE_TRY(bundle.waivers, read_waivers(folder / "bundle" / "waivers.toml"));
-  }
-  FORCEGATE_CHECK_OK(read_records(folder / "bundle" / "records.jsonl", m));
+  FORCEGATE_CHECK_OK(read_records(inner / "records.jsonl", m));
   if (!complete(m))
-    return fail(ErrorCode::parse, "the bundle lacks records that its plan asks for", folder.string());
+    return fail(ErrorCode::parse, "the bundle lacks records that its plan asks for", inner.string());
+  return m;
+}
+
+Result<characterize::WeightMaterial> read_weight_material(const fs::path& inner, const nlohmann::json& run) {
+  characterize::WeightMaterial m;
+  FORCEGATE_TRY(m.plan, characterize::read_weight_gate_plan(inner / "plan.toml", inner / "study.toml"));
+  m.plan.goldens = run.value("goldens", "");
+  m.sensors = run.value("sensors", std::size_t{0});
+  m.with_accepted = run.value("accepted", false);
+  m.cancelled = run.value("cancelled", false);
+  FORCEGATE_TRY(m.head, read_result(inner / "head.json"));
+  FORCEGATE_TRY(const std::string text, read_file(inner / "records.jsonl"));
+  FORCEGATE_TRY(m.records, sensor_records_from(text, m.plan, (inner / "records.jsonl").string()));
+  if (m.records.size() != m.head.cases.size())
+    return fail(ErrorCode::parse, "the bundle has another number of records than of cases", inner.string());
+  return m;
+}
+
+}  // namespace
+
+Result<void> write_bundle(const fs::path& folder, const BundleSource& source, const RunMaterial& material) {
+  BundleWriter out(folder);
+  FORCEGATE_CHECK_OK(out.add("plan.json", to_json(material.plan)));
+  if (!material.limits.plan.empty()) FORCEGATE_CHECK_OK(out.copy("limits.toml", source.limits));
+  RunResult head = with_compared(material.head, material.compared);
+  head.cases.clear();
+  FORCEGATE_CHECK_OK(out.add_common(source, head, {{"level", std::string(to_string(material.level))}, {"cancelled", material.cancelled}, {"today", source.evidence.today}}));
+  std::string records;
+  for (const PlayedRecord& one : material.records)
+    records += fmt::format("{{\"case\":{},\"specimen\":{},\"superseded\":{},\"job\":{},\"record\":{}}}\n",
+                           one.case_index, one.specimen_index, one.superseded, to_json(one.job), to_json(one.record));
+  FORCEGATE_CHECK_OK(out.add("records.jsonl", records));
+  std::error_code ignored;
+  for (const PlayedRecord& one : material.records)
+    if (const std::string& name = one.record.trace_file; !name.empty() && fs::exists(folder / name, ignored))
+      out.list(name);
+  return out.seal(material.head.tool_version);
+}
+
+Result<void> write_bundle(const fs::path& folder, const BundleSource& source, const characterize::WeightMaterial& material) {
+  BundleWriter out(folder);
+  FORCEGATE_CHECK_OK(out.copy("study.toml", material.plan.study.path));
+  FORCEGATE_CHECK_OK(out.add_common(source, material.head,
+                                    {{"kind", characterize::kWeightGateKind}, {"sensors", material.sensors}, {"goldens", material.plan.goldens}, {"accepted", material.with_accepted},
+                                     {"cancelled", material.cancelled}, {"today", source.evidence.today}}));
+  FORCEGATE_CHECK_OK(out.add("records.jsonl", to_text(material.records)));
+  return out.seal(material.head.tool_version);
+}
+
+Result<Bundle> read_bundle(const fs::path& folder) {
+  FORCEGATE_TRY(Bundle bundle, read_manifest(folder));
+  const fs::path inner = folder / "bundle";
+  FORCEGATE_TRY(const std::string run_text, read_file(inner / "run.json"));
+  const auto run = nlohmann::json::parse(run_text, nullptr, false);
+  if (!run.is_object()) return fail(ErrorCode::parse, "run.json cannot be read", folder.string());
+  const std::string kind = run.value("kind", "");
+  if (kind == characterize::kWeightGateKind) {
+    FORCEGATE_TRY(bundle.material, read_weight_material(inner, run));
+  } else if (kind.empty()) {
+    FORCEGATE_TRY(bundle.material, read_material(inner, run));
+  } else {
+    return fail(ErrorCode::parse, "the bundle is of a kind that this program does not know: " + printable_utf8(kind), folder.string());
+  }
+  FORCEGATE_TRY(bundle.evidence.goldens, read_goldens(inner / "goldens"));
+  bundle.evidence.today = run.value("today", "");
+  std::error_code ignored;
+  if (fs::exists(inner / "waivers.toml", ignored)) {
+    FORCEGATE_TRY(bundle.evidence.waivers, read_waivers(inner / "waivers.toml"));
+  }
   return bundle;
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "hil/app/golden.h"
+#include "hil/app/weight_gate.h"
 #include "hil/app/worker.h"
 #include "hil/base/read_file.h"
 #include "hil/gate/case_json.h"
@@ -17,6 +17,8 @@
 namespace forcegate {
 namespace fs = std::filesystem;
 namespace {
+
+using characterize::WeightMaterial;
 
 std::unique_ptr<Comparator> comparator_for(const CaseRecord& record) {
   if (!record.conformance_known) return nullptr;
@@ -109,15 +111,9 @@ Result<void> take_plan(const fs::path& path, RunMaterial& m) {
   return {};
 }
 
-}  // namespace
-
-Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& progress,
-                              const std::atomic<bool>* cancelled) {
-  FORCEGATE_TRY(Bundle bundle, read_bundle(request.run));
-  CheckAnswer answer;
-  answer.bundle_id = bundle.id;
-  RunMaterial& m = bundle.material;
-  answer.records = m.records.size();
+// A run of cases on the test bench under what the request asks for.
+Result<void> look_again(const CheckRequest& request, RunMaterial& m, const GateProgress& progress,
+                        const std::atomic<bool>* cancelled, CheckAnswer& answer) {
   FORCEGATE_CHECK_OK(measure_kept(request.run, m, answer));
   if (request.replay) FORCEGATE_CHECK_OK(play_again(request, m, progress, cancelled, answer));
   if (!request.plan.empty()) {
@@ -127,12 +123,55 @@ Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& p
   if (!request.limits.empty()) {
     FORCEGATE_TRY(m.limits, read_limits(request.limits));
   }
+  return {};
+}
+
+// A run of a firmware that reads conductance and capacitance.
+Result<void> look_again(const CheckRequest& request, WeightMaterial& m, const GateProgress& progress,
+                        const std::atomic<bool>* cancelled, CheckAnswer& answer) {
+  if (!request.limits.empty())
+    return fail(ErrorCode::usage, "a gate of conductance and capacitance has no derived limits", request.limits.string(),
+                "its limits stand in its plan: --plan judges under those of another");
+  if (request.replay) {
+    FORCEGATE_TRY(const std::vector<std::string> digests, play_weights_again(m, request.run / "bundle" / "firmware", request.threads, progress, cancelled));
+    for (std::size_t i = 0; i < digests.size(); ++i) {
+      if (m.records[i].failure) continue;
+      ++answer.played_again;
+      if (digests[i] != m.head.cases[i].digest)
+        answer.differences.push_back(fmt::format("{}: played again it gives other samples", m.head.cases[i].id));
+    }
+  }
+  if (request.plan.empty()) return {};
+  FORCEGATE_TRY(const fs::path path, find_plan(request.plan.string()));
+  FORCEGATE_TRY(characterize::WeightGatePlan other, characterize::read_weight_gate_plan(path));
+  if (other.loadings != m.plan.loadings || other.pack != m.plan.pack || other.frame_samples() != m.plan.frame_samples() || other.study.seed != m.plan.study.seed)
+    return fail(ErrorCode::usage, "the plan plays something else than the run did", path.string(), "give one that differs in its limits alone");
+  other.goldens = m.plan.goldens;
+  m.plan = std::move(other);
+  m.head.plan_sha256 = m.plan.sha256;
+  m.head.decision_rule = m.plan.rule.to_text();
+  return {};
+}
+
+}  // namespace
+
+Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& progress,
+                              const std::atomic<bool>* cancelled) {
+  FORCEGATE_TRY(Bundle bundle, read_bundle(request.run));
+  CheckAnswer answer;
+  answer.bundle_id = bundle.id;
+  if (!request.today.empty()) bundle.evidence.today = request.today;
   answer.other_limits = !request.plan.empty() || !request.limits.empty() || !request.today.empty();
   std::vector<std::string> notes;  // head.json has them already
-  const ChecksByRecord others = golden_checks(m, bundle.goldens, notes);
-  std::vector<JudgedCheck> of_run = judge_material(m, others);
-  apply_waivers(bundle.waivers, request.today.empty() ? bundle.today : request.today, of_run, m.records, notes);
-  answer.result = to_run_result(m, of_run);
+  const Result<void> judged = std::visit(
+      [&](auto& m) -> Result<void> {
+        answer.records = m.records.size();
+        FORCEGATE_CHECK_OK(look_again(request, m, progress, cancelled, answer));
+        answer.result = judged_run(m, bundle.evidence, notes);
+        return {};
+      },
+      bundle.material);
+  if (!judged) return Unexpected(judged.error());
   const fs::path stored = request.run / "result.json";
   FORCEGATE_TRY(const RunResult before, read_result(stored));
   answer.stored = before.decision;

@@ -7,12 +7,9 @@
 
 #include "hil/app/bundle.h"
 #include "hil/app/gate_player.h"
-#include "hil/app/golden.h"
 #include "hil/app/run_folder.h"
-#include "hil/app/write_file.h"
 #include "hil/base/text.h"
 #include "hil/gate/run_judge.h"
-#include "hil/gate/waiver.h"
 
 namespace forcegate {
 namespace {
@@ -23,19 +20,19 @@ class GateRun {
       : request_(request), setup_(std::move(setup)), cancelled_(cancelled) {}
 
   Result<RunResult> run(const GateProgress& progress) {
+    head();
     FORCEGATE_CHECK_OK(read_derived_limits());
     if (!request_.accepted.empty()) {
-      FORCEGATE_TRY(accepted_, open_accepted(request_, setup_));
+      FORCEGATE_TRY(accepted_, open_accepted(request_, result_));
     }
-    FORCEGATE_CHECK_OK(read_golden_traces());
-    FORCEGATE_CHECK_OK(read_the_waivers());
+    FORCEGATE_TRY(evidence_, read_evidence(request_, setup_.plan.path, setup_.plan.limits.goldens));
     std::optional<RunFolder> folder;
     if (!request_.output.empty()) {
       FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
       folder.emplace(std::move(opened));
     }
     const std::filesystem::path keep_folder = folder ? folder->path() : std::filesystem::path();
-    head();
+    if (accepted_) result_.notes.push_back(accepted_note(*accepted_));
     GatePlayer player(request_, setup_, limits_, progress, cancelled_);
     player_ = &player;
     if (accepted_) player.set_accepted(&*accepted_);
@@ -68,39 +65,15 @@ class GateRun {
     return {};
   }
 
-  Result<void> read_golden_traces() {
-    const Plan& plan = setup_.plan;
-    if (plan.limits.goldens.empty()) return {};
-    FORCEGATE_TRY(goldens_, read_goldens(plan.path.parent_path() / plan.limits.goldens));
-    return {};
-  }
-
-  Result<void> read_the_waivers() {
-    if (request_.waivers.empty()) return {};
-    if (!is_iso_date(request_.today))
-      return fail(ErrorCode::usage, "'" + request_.today + "' is no date", "--today", "write 2026-12-31");
-    FORCEGATE_TRY(waivers_, read_waivers(request_.waivers));
-    return {};
-  }
-
   void head() {
     const Plan& plan = setup_.plan;
-    result_.tool_version = FORCEGATE_VERSION;
-    result_.command_line = request_.command_line;
-    result_.started_at = request_.started_at;
+    result_ = run_head(request_, setup_.firmware_sha256, setup_.lane);
     result_.plan_name = plan.name;
     result_.plan_sha256 = plan.sha256;
     result_.seed = plan.seed;
-    result_.firmware_path = request_.firmware.string();
-    result_.firmware_sha256 = setup_.firmware_sha256;
     result_.rig = setup_.rig;
     result_.decision_rule = plan.rule.to_text();
-    result_.environment["compiler"] = "GCC " __VERSION__;
-    result_.environment["lane"] = setup_.lane;
     for (const std::string& note : setup_.notes) result_.notes.push_back(note);
-    if (accepted_)
-      result_.notes.push_back(fmt::format("accepted build: {} (sha256 {})", accepted_->path,
-                                          accepted_->sha256.substr(0, 12)));
   }
 
   using Wanted = std::vector<std::pair<std::size_t, std::size_t>>;
@@ -182,6 +155,7 @@ class GateRun {
 
   // Golden traces and waivers come in when every record is made.
   Result<RunResult> conclude(std::optional<RunFolder>& folder) {
+    for (JudgedCheck& j : compared_) j.judgeable = false;  // final, as in the bundle: a stored run is judged in the same way
     RunMaterial material{setup_.plan,           limits_,
                          player_->level(),      player_->cancelled(),
                          std::move(player_->records()), std::move(compared_),
@@ -189,17 +163,9 @@ class GateRun {
     const auto& notes = player_->notes();
     material.head.notes.insert(material.head.notes.end(), notes.begin(), notes.end());
     std::vector<GoldenMargins> margins;
-    const ChecksByRecord others = golden_checks(material, goldens_, material.head.notes, &margins);
-    std::vector<JudgedCheck> of_run = judge_material(material, others);
-    apply_waivers(waivers_, request_.today, of_run, material.records, material.head.notes);
-    RunResult result = to_run_result(material, of_run);
-    if (folder && !material.cancelled) {
-      const BundleSource source{setup_.plan.path, request_.firmware, limits_path_, request_.waivers, request_.today, goldens_};
-      for (const GoldenMargins& one : margins)
-        FORCEGATE_CHECK_OK(write_file_atomically(folder->path() / "golden" / one.file, one.csv));
-      FORCEGATE_CHECK_OK(write_bundle(folder->path(), source, material));
-      FORCEGATE_CHECK_OK(folder->publish(result));
-    }
+    RunResult result = judged_run(material, evidence_, material.head.notes, &margins);
+    if (folder && !material.cancelled)
+      FORCEGATE_CHECK_OK(publish_run(*folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_}, material, margins, result));
     return result;
   }
 
@@ -220,8 +186,7 @@ class GateRun {
   DerivedLimits limits_;
   std::filesystem::path limits_path_;
   std::optional<AcceptedBuild> accepted_;
-  std::vector<GoldenRecord> goldens_;
-  std::vector<Waiver> waivers_;
+  RunEvidence evidence_;
   GatePlayer* player_ = nullptr;  ///< while run() lasts
   std::vector<JudgedCheck> panel_, compared_;
   RunResult result_;

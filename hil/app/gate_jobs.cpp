@@ -19,13 +19,7 @@ Result<void> select_cases(const GateRequest& request, Plan& plan) {
   if (request.only_cases.empty()) return {};
   std::vector<std::string> names;
   for (const PlanCase& c : plan.cases) names.push_back(c.name);
-  for (const std::string& wanted : request.only_cases)
-    if (std::find(names.begin(), names.end(), wanted) == names.end()) {
-      const std::string near = nearest_name(wanted, names);
-      return fail(ErrorCode::usage, "the plan has no case '" + printable_utf8(wanted) + "'",
-                  plan.path.string(),
-                  near.empty() ? "it has: " + join(names, ", ") : "did you mean '" + near + "'?");
-    }
+  FORCEGATE_CHECK_OK(known_cases(request.only_cases, names, plan.path.string()));
   std::erase_if(plan.cases, [&](const PlanCase& c) {
     return std::find(request.only_cases.begin(), request.only_cases.end(), c.name) ==
            request.only_cases.end();
@@ -114,6 +108,28 @@ Result<std::filesystem::path> find_plan(const std::string& name) {
   return fail(
       ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", {},
       !near.empty() ? "did you mean '" + near + "'?" : "give a file, or the name of a file in ci/plans");
+}
+
+RunResult run_head(const GateRequest& request, const std::string& firmware_sha256, const std::string& lane) {
+  RunResult head;
+  head.tool_version = FORCEGATE_VERSION;
+  head.command_line = request.command_line;
+  head.started_at = request.started_at;
+  head.firmware_path = request.firmware.string();
+  head.firmware_sha256 = firmware_sha256;
+  head.environment["compiler"] = "GCC " __VERSION__;
+  head.environment["lane"] = lane;
+  return head;
+}
+
+Result<void> known_cases(const std::vector<std::string>& wanted, const std::vector<std::string>& known, const std::string& where) {
+  for (const std::string& name : wanted)
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      const std::string near = nearest_name(name, known);
+      return fail(ErrorCode::usage, "the plan has no case '" + printable_utf8(name) + "'", where,
+                  near.empty() ? "it has: " + join(known, ", ") : "did you mean '" + near + "'?");
+    }
+  return {};
 }
 
 Result<std::string> image_sha256(const std::filesystem::path& image) {

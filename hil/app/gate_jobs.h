@@ -25,6 +25,12 @@ Result<std::string> choose_lane(const GateRequest& request, const std::string& b
 /// Errors: usage when there is no such file.
 Result<std::string> image_sha256(const std::filesystem::path& image);
 
+/// What a result says of program, command, image and lane.
+RunResult run_head(const GateRequest& request, const std::string& firmware_sha256, const std::string& lane);
+
+/// Errors (usage): a name that is none of `known`, which `where` has.
+Result<void> known_cases(const std::vector<std::string>& wanted, const std::vector<std::string>& known, const std::string& where);
+
 /// Checks everything that can be wrong before a record is made (exit 2).
 Result<GateSetup> prepare_gate(const GateRequest& request);
 

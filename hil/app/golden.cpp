@@ -8,8 +8,6 @@
 #include <limits>
 
 #include "hil/base/read_file.h"
-#include "hil/gate/runner.h"
-#include "hil/trace/extrema.h"
 
 namespace forcegate {
 namespace fs = std::filesystem;
@@ -17,11 +15,11 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-JudgedCheck not_run(const CaseRecord& record, const char* id, const char* title, std::string why, bool required) {
+JudgedCheck not_run(const GoldenTarget& target, const char* id, const std::string& title, std::string why, bool required) {
   JudgedCheck j;
   j.judgeable = false;
   j.check.id = id;
-  j.check.case_id = record.id;
+  j.check.case_id = target.record_id;
   j.check.title = title;
   j.check.value = kNan;
   j.check.verdict = Verdict::not_run;
@@ -31,38 +29,27 @@ JudgedCheck not_run(const CaseRecord& record, const char* id, const char* title,
   return j;
 }
 
-double mre_maxima_pct(const CaseRecord& record, const PlanCase& planned) {
-  std::vector<double> actual, expected;
-  for (const CasePair& p : record.pairs)
-    if (p.maximum && p.t_s >= judged_from_s(planned, record)) {
-      actual.push_back(p.dut_N);
-      expected.push_back(p.ati_N);
-    }
-  return 100.0 * mean_relative_error(actual, expected, 0.1).mean;
-}
-
-double stored_mre(const GoldenRecord& golden) {
-  const auto at = golden.provenance.find("mre_maxima_pct");
+double stored_error(const GoldenRecord& golden, const std::string& name) {
+  const auto at = golden.provenance.find(name);
   double value = kNan;
   if (at != golden.provenance.end())
     std::from_chars(at->second.data(), at->second.data() + at->second.size(), value);
   return value;
 }
 
-JudgedCheck compared(const CaseRecord& record, const GoldenRecord& golden, GoldenCurve curve, std::string& csv) {
+JudgedCheck compared(const GoldenTarget& target, const GoldenRecord& golden, GoldenCurve curve, std::string& csv) {
   const bool rig = curve == GoldenCurve::ati;
   JudgedCheck j;
   Check& c = j.check;
   c.id = rig ? "rig_golden" : "golden_firmware";
-  c.case_id = record.id;
-  c.title = rig ? "ATI against its golden trace, deviation over tolerance"
-                : "Firmware against its golden trace, deviation over tolerance";
+  c.case_id = target.record_id;
+  c.title = (rig ? target.truth : "Firmware") + " against its golden trace, deviation over tolerance";
   c.unit = "1";
   const auto when = golden.provenance.find("date");
   c.limit = {Limit::Kind::upper, 1.0,
              fmt::format("golden of {}", when == golden.provenance.end() ? "unknown date" : when->second)};
-  const auto got = compare_golden(golden, golden_content(record), curve);
-  if (!got) return not_run(record, c.id.c_str(), c.title.c_str(), got.error().text, true);
+  const auto got = compare_golden(golden, target.content, curve);
+  if (!got) return not_run(target, c.id.c_str(), c.title, got.error().text, true);
   for (const GoldenMargin& m : got->margins)
     csv += fmt::format("{},{},{:.3f},{:.4f},{:.4f},{:.4f}\n", rig ? "ati" : "firmware", m.where, m.t_s, m.golden_N,
                        m.tested_N, m.margin_N);
@@ -79,30 +66,28 @@ JudgedCheck compared(const CaseRecord& record, const GoldenRecord& golden, Golde
   return j;
 }
 
-void hold_against(const GoldenRecord& golden, const PlanCase& planned, const PlayedRecord& one,
-                  std::vector<JudgedCheck>& list, std::vector<std::string>& notes, std::string& csv) {
-  const CaseRecord& record = one.record;
-  const std::string rig = record.rig.name + "/" + record.rig.version;
-  if (golden.rig != rig) {
-    list.push_back(not_run(record, "rig_golden", "ATI against its golden trace",
-                           fmt::format("the golden is of rig {}, this is {}", golden.rig, rig), false));
+void hold_against(const GoldenRecord& golden, const GoldenTarget& target, std::vector<JudgedCheck>& list,
+                  std::vector<std::string>& notes, std::string& csv) {
+  if (golden.rig != target.rig) {
+    list.push_back(not_run(target, "rig_golden", target.truth + " against its golden trace",
+                           fmt::format("the golden is of rig {}, this is {}", golden.rig, target.rig), false));
     return;
   }
-  if (planned.loop == LoopMode::open) list.push_back(compared(record, golden, GoldenCurve::ati, csv));
-  const char* why = golden.algorithm != record.firmware.algorithm_id ? "the golden is of another algorithm"
-                    : golden.seed != one.job.seed                    ? "the golden is of another seed"
-                                                                     : nullptr;
+  if (target.with_truth) list.push_back(compared(target, golden, GoldenCurve::ati, csv));
+  const char* why = golden.algorithm != target.algorithm ? "the golden is of another algorithm"
+                    : golden.seed != target.seed         ? "the golden is of another seed"
+                                                         : nullptr;
   if (why != nullptr) {
-    list.push_back(not_run(record, "golden_firmware", "Firmware against its golden trace", why, false));
+    list.push_back(not_run(target, "golden_firmware", "Firmware against its golden trace", why, false));
     return;
   }
-  list.push_back(compared(record, golden, GoldenCurve::firmware, csv));
-  const double now = mre_maxima_pct(record, planned), then = stored_mre(golden);
+  list.push_back(compared(target, golden, GoldenCurve::firmware, csv));
+  const double now = target.error, then = stored_error(golden, target.error_name);
   if (list.back().check.value > 1.0 && now < then)
     notes.push_back(fmt::format(
-        "the golden of {} looks stale: the build leaves it and is nearer to the ATI (MRE of the maxima {:.2f} % instead "
-        "of {:.2f} %); if that is meant: forcegate bless RUN --reason ... --who ...",
-        record.id, now, then));
+        "the golden of {} looks stale: the build leaves it and is nearer to the {} ({} {:.2f} instead of {:.2f}); if that is "
+        "meant: forcegate bless RUN --reason ... --who ...",
+        target.record_id, target.truth, target.error_name, now, then));
 }
 
 std::string file_name(const std::string& case_name, const std::string& specimen, const char* ending) {
@@ -116,13 +101,6 @@ std::string file_name(const std::string& case_name, const std::string& specimen,
 
 std::string golden_file_name(const std::string& case_name, const std::string& specimen) {
   return file_name(case_name, specimen, ".golden");
-}
-
-GoldenContent golden_content(const CaseRecord& record) {
-  GoldenContent content;
-  for (const CasePair& p : record.pairs) content.extrema.push_back({p.maximum, p.t_s, p.ati_N, p.dut_N});
-  for (const RecordWindow& w : record.waveform) content.windows.push_back({w.t0_s, w.step_s, w.ati_N, w.dut_N});
-  return content;
 }
 
 Result<std::vector<GoldenRecord>> read_goldens(const fs::path& folder) {
@@ -139,34 +117,30 @@ Result<std::vector<GoldenRecord>> read_goldens(const fs::path& folder) {
   return goldens;
 }
 
-ChecksByRecord golden_checks(const RunMaterial& m, const std::vector<GoldenRecord>& goldens,
+ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets, const std::vector<GoldenRecord>& goldens,
                              std::vector<std::string>& notes, std::vector<GoldenMargins>* margins) {
   ChecksByRecord checks;
-  for (std::size_t c = 0; c < m.plan.cases.size(); ++c) {
-    const PlanCase& planned = m.plan.cases[c];
-    if (!(planned.checks & kCheckGolden)) continue;
-    const PlayedRecord* first = nullptr;
+  for (std::size_t first = 0, end = 0; first < targets.size(); first = end) {
+    const std::string& case_name = targets[first].case_name;
     bool any = false;
-    for (std::size_t k = 0; k < m.records.size(); ++k) {
-      const PlayedRecord& one = m.records[k];
-      if (one.case_index != c || one.superseded || one.job.session != 0) continue;
-      if (first == nullptr) first = &one;
+    for (end = first; end < targets.size() && targets[end].case_name == case_name; ++end) {
+      const GoldenTarget& target = targets[end];
       const auto golden = std::find_if(goldens.begin(), goldens.end(), [&](const GoldenRecord& g) {
-        return g.case_name == planned.name && g.specimen == one.job.specimen;
+        return g.case_name == case_name && g.specimen == target.specimen;
       });
       if (golden == goldens.end()) continue;
       any = true;
-      if (one.record.failure) continue;  // a finding of its own
+      if (target.failed) continue;
       std::string csv;
-      hold_against(*golden, planned, one, checks[k], notes, csv);
+      hold_against(*golden, target, checks[target.place], notes, csv);
       if (margins != nullptr && !csv.empty())
-        margins->push_back({file_name(planned.name, one.job.specimen, ".csv"),
+        margins->push_back({file_name(case_name, target.specimen, ".csv"),
                             "curve,where,t_s,golden_N,tested_N,margin_N\n" + csv});
     }
-    if (!any && first != nullptr)
-      checks[static_cast<std::size_t>(first - m.records.data())].push_back(
-          not_run(first->record, "golden", "Golden trace",
-                  "there is no golden for " + planned.name + ": bless a run (forcegate bless)", true));
+    if (!any)
+      checks[targets[first].place].push_back(
+          not_run(targets[first], "golden", "Golden trace",
+                  "there is no golden for " + case_name + ": bless a run (forcegate bless)", true));
   }
   return checks;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "golden/compare/golden_record.h"
+#include "hil/characterize/capacitance/weight_material.h"
 #include "hil/gate/run_judge.h"
 
 namespace forcegate {
@@ -17,7 +18,29 @@ Result<std::vector<GoldenRecord>> read_goldens(const std::filesystem::path& fold
 /// "sine_f0.50_A1.50_m2.70@q50.golden"
 std::string golden_file_name(const std::string& case_name, const std::string& specimen);
 
-GoldenContent golden_content(const CaseRecord& record);
+/// A record as goldens see it.
+struct GoldenTarget {
+  std::size_t place = 0;  ///< of the record in the run
+  std::string record_id, case_name, specimen;
+  std::uint64_t seed = 0;
+  std::string rig;        ///< "emulated/1"
+  std::string algorithm;  ///< that the firmware declares
+  std::string truth = "ATI";  ///< what the first curve is
+  bool with_truth = true;     ///< false in a closed loop, where the firmware itself makes it
+  bool failed = false;        ///< a finding of its own
+  bool to_bless = false;      ///< stands for its case
+  std::string calibration;
+  GoldenContent content;
+  TubeOptions truth_tube, firmware_tube;  ///< of a first golden
+  std::string error_name;  ///< of a number that says how near the firmware is to the truth: mre_maxima_pct; "" = none
+  double error = 0.0;
+};
+
+/// Of the records whose case asks for `golden`, first session, attempts that stand; one case's targets follow each other.
+std::vector<GoldenTarget> golden_targets(const RunMaterial& material);
+/// Of every sensor, its loadings as windows; the first curve is the network in double precision on the same codes, which
+/// shows whether the bench still gives them.
+std::vector<GoldenTarget> golden_targets(const characterize::WeightMaterial& material);
 
 /// Signed margins of one record, extremum by extremum and sample by sample, as CSV.
 struct GoldenMargins {
@@ -25,12 +48,12 @@ struct GoldenMargins {
   std::string csv;   ///< curve,where,t_s,golden_N,tested_N,margin_N
 };
 
-/// Checks golden_rig and golden_firmware of every record whose case asks for `golden` (one specimen of a case is enough:
+/// Checks rig_golden and golden_firmware of every target (one specimen of a case is enough:
 /// others of it without a golden are passed over). A missing golden is not_run and required: no decision. A golden of
 /// another rig, or for the firmware of another seed, is not comparable: not_run, not required. notes: stale goldens, where
 /// the build leaves the golden and is nearer to the ATI than it.
 /// margins, when given: what to write beside the result, one file for each record that was compared.
-ChecksByRecord golden_checks(const RunMaterial& material, const std::vector<GoldenRecord>& goldens,
+ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets, const std::vector<GoldenRecord>& goldens,
                              std::vector<std::string>& notes, std::vector<GoldenMargins>* margins = nullptr);
 
 }  // namespace forcegate

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
+#include "hil/app/weight_gate.h"
 #include "hil/base/text.h"
 #include "hil/gate/case_result.h"
 #include "hil/interface/stimulus.h"
 
 namespace forcegate {
 namespace {
+
+constexpr double kWeightSample_s = 35e-9;  // measured: capacitance-gate, 10.6 million samples with training in 0.38 s
 
 double duration_s(const StimulusSpec& spec) {
   const auto made = make_stimulus(spec);
@@ -27,6 +31,9 @@ std::string hours(double s) {
 
 PlanEstimate estimate_plan(const Plan& plan, double rate_Hz, double ns_per_sample) {
   PlanEstimate e;
+  e.name = plan.name, e.doc = plan.doc, e.sha256 = plan.sha256;
+  e.calibration = to_string(plan.calibration.level);
+  e.rule_name = plan.rule.name, e.rule = plan.rule.to_text(), e.looks = plan.rule.looks;
   std::set<std::string> specimens;
   for (const PlanCase& c : plan.cases) {
     PlanEstimateRow row;
@@ -61,11 +68,55 @@ PlanEstimate estimate_plan(const Plan& plan, double rate_Hz, double ns_per_sampl
   return e;
 }
 
-std::string plan_in_words(const Plan& plan, const PlanEstimate& e, bool with_times) {
+PlanEstimate estimate_plan(const characterize::WeightGatePlan& plan, const WeightBenchInfo& bench) {
+  const characterize::WeightPlan& study = plan.study;
+  PlanEstimate e;
+  e.name = plan.name, e.doc = plan.doc, e.sha256 = plan.sha256;
+  e.weights = true;
+  e.calibration = to_string(CalibrationLevel::nominal);
+  e.rule_name = plan.rule.name, e.rule = plan.rule.to_text(), e.looks = plan.rule.looks;
+  const auto sensors = static_cast<double>(bench.sensors);
+  const double levels = std::floor(study.force_max_N / study.step_N + 1e-9);
+  double samples = 0.0;
+  const auto add = [&](std::string name, std::size_t loadings, std::size_t codes, double rate_Hz, std::string source) {
+    PlanEstimateRow row;
+    row.name = std::move(name);
+    row.loop = to_string(LoopMode::open);
+    row.stimulus = fmt::format("weights step_N={} force_max_N={}, {} sensors", shortest(study.step_N), shortest(study.force_max_N), bench.sensors);
+    row.source = std::move(source);
+    row.specimens = loadings;
+    row.record_s = levels * (study.hold_s + sensors * static_cast<double>(codes) / rate_Hz);
+    row.bench_s = static_cast<double>(loadings) * (row.record_s + study.rest_s);
+    samples += static_cast<double>(loadings) * levels * sensors * static_cast<double>(codes);
+    e.records += loadings;
+    e.rig_s += static_cast<double>(loadings) * row.record_s;
+    e.bench_s += row.bench_s;
+    e.cases.push_back(std::move(row));
+  };
+  add("training", study.training, study.dc_samples + study.sine_samples, bench.rate_Hz, "Paredes-Madrid 2010, IV");
+  e.calibration_bench_s = e.bench_s;
+  add("loadings", plan.loadings, plan.frame_samples(), plan.rate_Hz, "Paredes-Madrid 2010, IV");
+  e.emulated_cpu_s = samples * kWeightSample_s;
+  return e;
+}
+
+Result<PlanEstimate> estimate_named_plan(const std::string& name) {
+  FORCEGATE_TRY(const std::filesystem::path path, find_plan(name));
+  FORCEGATE_TRY(const bool weights, is_weight_plan(name));
+  if (!weights) {
+    FORCEGATE_TRY(const Plan plan, read_plan(path));
+    return estimate_plan(plan);
+  }
+  FORCEGATE_TRY(const characterize::WeightGatePlan plan, characterize::read_weight_gate_plan(path));
+  FORCEGATE_TRY(const auto bench, make_weight_bench("dead_weight", {}));
+  return estimate_plan(plan, bench->info());
+}
+
+std::string plan_in_words(const PlanEstimate& e, bool with_times) {
   std::string out =
-      fmt::format("plan {}: {} cases, {} records, calibration {}, rule {}\n", plan.name, plan.cases.size(),
-                  e.records, to_string(plan.calibration.level), plan.rule.name);
-  if (!plan.doc.empty()) out += plan.doc + "\n";
+      fmt::format("plan {}: {} cases, {} records, calibration {}, rule {}\n", e.name, e.cases.size(),
+                  e.records, e.calibration, e.rule_name);
+  if (!e.doc.empty()) out += e.doc + "\n";
   for (const PlanEstimateRow& row : e.cases) {
     out += fmt::format("  {:<26} {:<6} x {:<3} {}", row.name, row.loop, row.specimens, row.stimulus);
     if (with_times) out += fmt::format("  | {} each, {} on a bench", hours(row.record_s), hours(row.bench_s));
@@ -76,9 +127,9 @@ std::string plan_in_words(const Plan& plan, const PlanEstimate& e, bool with_tim
         "on a bench {} (of it calibration {}, rests included); emulated {} of rig time, about {} on one "
         "core\n",
         hours(e.bench_s), hours(e.calibration_bench_s), hours(e.rig_s), hours(e.emulated_cpu_s));
-  if (with_times && plan.rule.looks > 1)
+  if (with_times && e.looks > 1)
     out += fmt::format("what stays undecided is measured in up to {} sessions: at most {} times as long\n",
-                       plan.rule.looks, plan.rule.looks);
+                       e.looks, e.looks);
   return out;
 }
 

@@ -4,18 +4,22 @@
 #include <string>
 #include <vector>
 
+#include "hil/characterize/capacitance/weight_gate.h"
 #include "hil/gate/plan.h"
 
 namespace forcegate {
 
 struct PlanEstimateRow {
   std::string name, loop, stimulus, source;
-  std::size_t specimens = 0;
+  std::size_t specimens = 0;  ///< records of it
   double record_s = 0.0;  ///< rig time of one record
   double bench_s = 0.0;   ///< all its records with the rests before them, on a real bench
 };
 
 struct PlanEstimate {
+  std::string name, doc, sha256, calibration, rule_name, rule;
+  int looks = 1;
+  bool weights = false;  ///< a plan of kind capacitance-gate
   std::vector<PlanEstimateRow> cases;
   std::size_t records = 0;
   double calibration_bench_s = 0.0;
@@ -27,7 +31,14 @@ struct PlanEstimate {
 /// `ns_per_sample`: cost of one emulated sample with everything (measured: tests/speed).
 PlanEstimate estimate_plan(const Plan& plan, double rate_Hz = 1000.0, double ns_per_sample = 100.0);
 
+/// Of a gate of conductance and capacitance: the loadings of its training and its own, all sensors of the pack under the
+/// same weights. `bench`: sensors, and the converter's rate for the training.
+PlanEstimate estimate_plan(const characterize::WeightGatePlan& plan, const WeightBenchInfo& bench);
+
+/// Plan of either kind, with the emulated bench's sensors and rate. Errors: those of the plan.
+Result<PlanEstimate> estimate_named_plan(const std::string& name);
+
 /// Table for a person.
-std::string plan_in_words(const Plan& plan, const PlanEstimate& estimate, bool with_times);
+std::string plan_in_words(const PlanEstimate& estimate, bool with_times);
 
 }  // namespace forcegate

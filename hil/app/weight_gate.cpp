@@ -4,238 +4,283 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "hil/app/accepted_build.h"
+#include "hil/app/bundle.h"
 #include "hil/app/gate_jobs.h"
-#include "hil/app/run_folder.h"
-#include "hil/app/watched_task.h"
-#include "hil/base/digest.h"
+#include "hil/app/weight_session.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
-#include "hil/characterize/capacitance/weight_gate.h"
-#include "hil/gate/decision.h"
-#include "hil/interface/dut.h"
 
 namespace forcegate {
 namespace {
 
 using namespace characterize;
 
-constexpr std::size_t kBlock = 800;
+constexpr const char* kBench = "dead_weight";
 
-struct Session {
-  DutInfo info;
-  FrameAnswers answers;
-  DutCounters counters;
-  std::string digest;
-};
+std::string sensor_name(const WeightGatePlan& plan, std::size_t sensor) { return fmt::format("pack{}-sensor{}", plan.pack, sensor + 1); }
 
-// In the child: a whole session of one sensor.
-Result<std::string> play_session(const GateRequest& request, const LaneKind& lane, const WeightGatePlan& plan, const SensorFrames& frames, const DutSession& session) {
-  FORCEGATE_TRY(const auto dut, lane.make(request.lane_options));
-  FORCEGATE_TRY(const DutInfo info, dut->open(session));
-  const std::size_t step = plan.frame_samples(), n = frames.codes.size();
-  std::vector<float> force_N(n);
-  std::vector<std::uint8_t> flags(n);
-  SampleDigest digest;
-  for (std::size_t at = 0; at < n; at += kBlock) {
-    const std::size_t many = std::min(kBlock, n - at);
-    FORCEGATE_CHECK_OK(dut->process(static_cast<std::uint32_t>(at), std::span(frames.codes).subspan(at, many), std::span(force_N).subspan(at, many), std::span(flags).subspan(at, many)));
-    digest.update(&frames.codes[at], many * sizeof(std::uint16_t));
-    digest.update(&force_N[at], many * sizeof(float));
-    digest.update(&flags[at], many);
-  }
-  FORCEGATE_TRY(const DutCounters counters, dut->close());
-  nlohmann::json out{{"info", {info.board, info.build_id, info.algorithm_id, info.protocol_major, info.protocol_minor}},
-                     {"counters", {counters.samples, counters.frames_dropped, counters.frames_bad, counters.indices_lost}},
-                     {"digest", digest.hex()}};
-  for (std::size_t i = step - 1; i < n; i += step) {
-    out["force"].push_back(std::isfinite(force_N[i]) ? nlohmann::json(force_N[i]) : nlohmann::json(nullptr));
-    out["flags"].push_back(flags[i]);
-  }
-  return out.dump();
+Result<PackFrames> frames_of(const WeightGatePlan& plan, const std::string& bench, const std::map<std::string, std::string>& options) {
+  return play_pack(plan, [&](double rate_Hz) {
+    auto own = options;
+    if (rate_Hz > 0.0) own["rate_Hz"] = shortest(rate_Hz);
+    return make_weight_bench(bench, own);
+  });
 }
 
-Session session_of(const std::string& text, const DutSession& asked) {
-  const auto in = nlohmann::json::parse(text);
-  Session s;
-  s.info = {in["info"][3], in["info"][4], in["info"][0], in["info"][1], in["info"][2], asked.nonce, asked.calibration.adc_bits, asked.rate_Hz};
-  s.counters.samples = in["counters"][0], s.counters.frames_dropped = in["counters"][1], s.counters.frames_bad = in["counters"][2], s.counters.indices_lost = in["counters"][3];
-  s.digest = in["digest"];
-  for (const auto& v : in["force"]) s.answers.force_N.push_back(v.is_null() ? std::numeric_limits<double>::quiet_NaN() : v.get<double>());
-  for (const auto& v : in["flags"]) s.answers.flags.push_back(v.get<std::uint8_t>());
-  return s;
+DutSession session_of(const WeightGatePlan& plan, const WeightBenchInfo& bench, std::size_t sensor, const std::filesystem::path& image, const std::string& image_sha256) {
+  DutSession session;
+  session.image = image;
+  session.rate_Hz = bench.rate_Hz;
+  session.calibration.v_range_V = 2.0 * bench.range_V;
+  session.calibration.adc_bits = bench.adc_bits;
+  session.calibration.id = fmt::format("{}/{}/{}", plan.study.seed, plan.pack, sensor + 1);
+  session.nonce = static_cast<std::uint32_t>(mix_seed(plan.study.seed, image_sha256 + sensor_name(plan, sensor)) & 0xFFFFFFFFu);
+  return session;
 }
+
+RigInfo rig_of(const WeightBenchInfo& bench, const std::map<std::string, std::string>& options) {
+  RigInfo rig;
+  rig.name = bench.name;
+  rig.id = fmt::format("{} sensors under weights", bench.sensors);
+  rig.version = bench.version;
+  rig.rate_Hz = bench.rate_Hz;
+  rig.adc_bits = bench.adc_bits;
+  rig.v_range_V = 2.0 * bench.range_V;
+  rig.force_max_N = bench.force_max_N;
+  rig.reference_resolution_N = 0.0;
+  rig.reference_u_rel = bench.force_u_rel;
+  rig.emulated = bench.emulated;
+  rig.details["reference"] = "weights";
+  rig.details["feedback resistor"] = shortest(bench.feedback_ohm) + " ohm";
+  rig.details["amplifier saturates at"] = shortest(bench.rail_V) + " V";
+  for (const auto& [name, value] : options) rig.details["option " + name] = value;
+  return rig;
+}
+
+constexpr std::string_view kOption = "option ";
 
 class WeightGateRun {
  public:
-  WeightGateRun(const GateRequest& request, WeightGatePlan plan, const LaneKind& lane) : request_(request), plan_(std::move(plan)), lane_(lane) {}
+  WeightGateRun(const GateRequest& request, WeightGatePlan plan, std::string lane, const std::atomic<bool>* cancelled)
+      : request_(request), lane_(std::move(lane)), cancelled_(cancelled) {
+    m_.plan = std::move(plan);
+  }
 
-  Result<RunResult> run(const GateProgress& progress, const std::atomic<bool>* cancelled) {
+  Result<RunResult> run(const GateProgress& progress) {
+    FORCEGATE_TRY(const std::string sha256, image_sha256(request_.firmware));
+    FORCEGATE_TRY(evidence_, read_evidence(request_, m_.plan.path, m_.plan.goldens));
     std::optional<RunFolder> folder;
     if (!request_.output.empty()) {
       FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
       folder.emplace(std::move(opened));
     }
-    const std::string bench = request_.rig == "emulated" ? "dead_weight" : request_.rig;
-    FORCEGATE_TRY(pack_, play_pack(plan_, [&](double rate_Hz) {
-                    auto options = request_.rig_options;
-                    if (rate_Hz > 0.0) options["rate_Hz"] = shortest(rate_Hz);
-                    return make_weight_bench(bench, options);
-                  }));
-    FORCEGATE_CHECK_OK(head());
-    for (std::size_t s = 0; s < pack_.sensors.size(); ++s) {
-      if (progress) progress(static_cast<double>(s) / static_cast<double>(pack_.sensors.size()), name_of(s));
-      cancelled_ = cancelled_ || (cancelled != nullptr && cancelled->load());
-      if (!cancelled_ && wanted(s)) FORCEGATE_CHECK_OK(sensor(s));
-    }
-    conclude();
-    if (folder && !cancelled_) FORCEGATE_CHECK_OK(folder->publish(result_));
-    return std::move(result_);
+    if (progress) progress(0.0, "training and frames");
+    FORCEGATE_TRY(pack_, frames_of(m_.plan, request_.rig == "emulated" ? kBench : request_.rig, request_.rig_options));
+    head(sha256);
+    FORCEGATE_CHECK_OK(choose_sensors());
+    if (!request_.accepted.empty()) FORCEGATE_CHECK_OK(open_the_accepted());
+    FORCEGATE_CHECK_OK(play(progress));
+    m_.cancelled = cancelled_ != nullptr && cancelled_->load();
+    std::vector<GoldenMargins> margins;
+    RunResult result = judged_run(m_, evidence_, m_.head.notes, &margins);
+    if (folder && result.decision.exit_code != kInterrupted)
+      FORCEGATE_CHECK_OK(publish_run(*folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_}, m_, margins, result));
+    return result;
   }
 
  private:
-  std::string name_of(std::size_t s) const { return fmt::format("pack{}-sensor{}", plan_.pack, s + 1); }
-  bool wanted(std::size_t s) const {
-    return request_.only_cases.empty() || std::find(request_.only_cases.begin(), request_.only_cases.end(), name_of(s)) != request_.only_cases.end();
+  static constexpr int kInterrupted = 130;
+
+  void head(const std::string& sha256) {
+    m_.sensors = pack_.sensors.size();
+    RunResult& h = m_.head;
+    h = run_head(request_, sha256, lane_);
+    h.plan_name = m_.plan.name;
+    h.plan_sha256 = m_.plan.sha256;
+    h.seed = m_.plan.study.seed;
+    h.rig = rig_of(pack_.bench, request_.rig_options);
+    h.decision_rule = m_.plan.rule.to_text();
+    h.notes.push_back(fmt::format("eq. (11) compares with the conductance model of the same {} training loadings; the networks belong to pack {} of seed {}",
+                                  m_.plan.study.training, m_.plan.pack, m_.plan.study.seed));
   }
 
-  Result<void> head() {
-    result_.tool_version = FORCEGATE_VERSION;
-    result_.command_line = request_.command_line;
-    result_.started_at = request_.started_at;
-    result_.plan_name = plan_.name;
-    result_.plan_sha256 = plan_.sha256;
-    result_.seed = plan_.study.seed;
-    result_.firmware_path = request_.firmware.string();
-    FORCEGATE_TRY(result_.firmware_sha256, image_sha256(request_.firmware));
-    result_.rig.name = pack_.bench.name;
-    result_.rig.version = pack_.bench.version;
-    result_.rig.rate_Hz = pack_.bench.rate_Hz;
-    result_.rig.adc_bits = pack_.bench.adc_bits;
-    result_.rig.v_range_V = 2.0 * pack_.bench.range_V;
-    result_.rig.force_max_N = pack_.bench.force_max_N;
-    result_.rig.reference_resolution_N = 0.0;
-    result_.rig.reference_u_rel = pack_.bench.force_u_rel;
-    result_.rig.emulated = pack_.bench.emulated;
-    result_.decision_rule = plan_.rule.to_text();
-    result_.environment["compiler"] = "GCC " __VERSION__;
-    result_.environment["lane"] = lane_.name;
-    result_.notes.push_back(fmt::format("eq. (11) compares with the conductance model of the same {} training loadings; the networks belong to pack {} of seed {}", plan_.study.training, plan_.pack, plan_.study.seed));
-    return {};
-  }
-
-  Result<void> sensor(std::size_t s) {
-    const SensorFrames& frames = pack_.sensors[s];
-    DutSession session;
-    session.image = request_.firmware;
-    session.rate_Hz = pack_.bench.rate_Hz;
-    session.calibration.v_range_V = 2.0 * pack_.bench.range_V;
-    session.calibration.adc_bits = pack_.bench.adc_bits;
-    session.calibration.id = fmt::format("{}/{}/{}", plan_.study.seed, plan_.pack, s + 1);
-    session.nonce = static_cast<std::uint32_t>(mix_seed(plan_.study.seed, result_.firmware_sha256 + name_of(s)) & 0xFFFFFFFFu);
-    CaseResult out = case_of(s, frames, session.calibration);
-    const auto text = run_watched({{out.id, [&](const auto&) { return play_session(request_, lane_, plan_, frames, session); }}}, {}).front();
-    if (!text) {
-      const ErrorCode code = text.error().code;
-      if (code == ErrorCode::usage || code == ErrorCode::config || code == ErrorCode::io) return Unexpected(text.error());
-      out.note = text.error().text;
-      const std::string note = "no session: " + text.error().text;
-      if (std::find(result_.notes.begin(), result_.notes.end(), note) == result_.notes.end()) result_.notes.push_back(note);
-      failures_.emplace_back(result_.cases.size(), text.error());
-      result_.cases.push_back(std::move(out));
-      return {};
-    }
-    Session made = session_of(*text, session);
-    result_.firmware = made.info;
-    out.link = made.counters;
-    out.digest = made.digest;
-    out.overview.push_back({"weights", "N", {}, {}});
-    out.overview.push_back({"firmware", "N", {}, {}});
-    for (std::size_t i = 0; i < frames.force_N.size(); ++i)
-      for (std::size_t k = 0; k < 2; ++k) {
-        out.overview[k].t_s.push_back(static_cast<float>(static_cast<double>((i + 1) * plan_.frame_samples()) / plan_.rate_Hz));
-        out.overview[k].value.push_back(static_cast<float>(k == 0 ? frames.force_N[i] : made.answers.force_N[i]));
+  Result<void> choose_sensors() {
+    std::vector<std::string> names;
+    for (std::size_t s = 0; s < m_.sensors; ++s) names.push_back(sensor_name(m_.plan, s));
+    FORCEGATE_CHECK_OK(known_cases(request_.only_cases, names, m_.plan.path.string()));
+    for (std::size_t s = 0; s < m_.sensors; ++s)
+      if (request_.only_cases.empty() || std::find(request_.only_cases.begin(), request_.only_cases.end(), names[s]) != request_.only_cases.end()) {
+        SensorRecord& record = m_.records.emplace_back();
+        record.sensor = s;
+        record.frames = pack_.sensors[s];
+        record.frames.codes.clear();
+        m_.head.cases.push_back(case_of(s));
       }
-    for (JudgedCheck& j : judge_sensor(plan_, frames, made.answers, out.id)) judged_.emplace_back(result_.cases.size(), std::move(j));
-    result_.cases.push_back(std::move(out));
-    answers_.push_back(std::move(made.answers));
+    if (m_.records.size() < m_.sensors)
+      m_.head.notes.push_back(fmt::format("{} of {} sensors were played: what is asked of the whole pack was not judged", m_.records.size(), m_.sensors));
     return {};
   }
 
-  CaseResult case_of(std::size_t s, const SensorFrames& frames, const Calibration& calibration) const {
+  CaseResult case_of(std::size_t s) const {
+    const WeightPlan& study = m_.plan.study;
     CaseResult out;
-    out.id = name_of(s);
-    out.title = fmt::format("Sensor {} of pack {}, {} loadings of 0 to {:.0f} N and a saturated amplifier", s + 1, plan_.pack, plan_.loadings, plan_.study.force_max_N);
-    out.lane = lane_.name;
+    out.id = sensor_name(m_.plan, s);
+    out.title = fmt::format("Sensor {} of pack {}, {} loadings of 0 to {:.0f} N and a saturated amplifier", s + 1, m_.plan.pack, m_.plan.loadings, study.force_max_N);
+    out.lane = lane_;
     out.loop = "open";
-    out.stimulus = fmt::format("weights step_N={} force_max_N={}", shortest(plan_.study.step_N), shortest(plan_.study.force_max_N));
-    out.facts.minimum_N = plan_.study.step_N;
-    out.facts.maximum_N = plan_.study.force_max_N;
-    out.facts.mean_N = 0.5 * plan_.study.force_max_N;
+    out.stimulus = fmt::format("weights step_N={} force_max_N={}", shortest(study.step_N), shortest(study.force_max_N));
+    out.facts.minimum_N = study.step_N;
+    out.facts.maximum_N = study.force_max_N;
+    out.facts.mean_N = 0.5 * study.force_max_N;
     out.parameter_source = "Paredes-Madrid 2010, IV";
-    out.samples = frames.codes.size();
-    out.duration_s = static_cast<double>(out.samples) / plan_.rate_Hz;
-    out.specimen = calibration.id;
-    out.seed = plan_.study.seed;
-    out.calibration = calibration;
+    out.samples = pack_.sensors[s].codes.size();
+    out.duration_s = static_cast<double>(out.samples) / m_.plan.rate_Hz;
+    out.lag_s = std::nan("");  // a force a frame under weights that stand
+    out.seed = study.seed;
+    out.calibration = session_of(m_.plan, pack_.bench, s, {}, {}).calibration;
+    out.specimen = out.calibration.id;
     return out;
   }
 
-  void conclude() {
-    for (const auto& [index, error] : failures_) {
-      JudgedCheck j;
-      j.check = {.id = "session", .case_id = result_.cases[index].id, .title = "The image answers", .value = 0.0, .unit = "1", .limit = {Limit::Kind::lower, 1.0, "docs/protocol.md"},
-                 .blame = error.code == ErrorCode::firmware ? Blame::firmware : Blame::harness, .evidence = error.text};
-      judged_.emplace_back(index, std::move(j));
+  Result<void> open_the_accepted() {
+    FORCEGATE_TRY(accepted_, open_accepted(request_, m_.head));
+    m_.head.notes.push_back(accepted_note(*accepted_));
+    m_.with_accepted = true;
+    if (!accepted_->stored) return {};
+    const std::filesystem::path path = accepted_->path;
+    auto bundle = read_bundle(path.parent_path());
+    if (!bundle)
+      return fail(ErrorCode::usage, "the stored run of the accepted build cannot be compared frame by frame: " + bundle.error().text, bundle.error().where,
+                  "give the folder of its run as forcegate gate -o wrote it, or its image");
+    const auto* theirs = std::get_if<WeightMaterial>(&bundle->material);
+    if (theirs == nullptr) return fail(ErrorCode::usage, "the stored run is of another kind of gate", accepted_->path);
+    for (SensorRecord& own : m_.records)
+      for (const SensorRecord& one : theirs->records)
+        if (one.sensor == own.sensor) own.accepted_N = one.answers.force_N;
+    return {};
+  }
+
+  // The candidate's sessions and, in turn with them, those of the accepted image.
+  Result<void> play(const GateProgress& progress) {
+    std::vector<WeightSession> sessions;
+    const bool both = accepted_ && !accepted_->stored;
+    for (const SensorRecord& record : m_.records) {
+      const auto add = [&](const std::filesystem::path& image, const std::string& sha256, const std::string& lane) {
+        sessions.push_back({sensor_name(m_.plan, record.sensor), lane, request_.lane_options, session_of(m_.plan, pack_.bench, record.sensor, image, sha256),
+                            &pack_.sensors[record.sensor], m_.plan.frame_samples()});
+      };
+      add(request_.firmware, m_.head.firmware_sha256, lane_);
+      if (both) add(accepted_->path, accepted_->sha256, accepted_lane(lane_, *accepted_));
     }
-    std::vector<JudgedCheck> of_pack;
-    if (answers_.size() == pack_.sensors.size()) of_pack = judge_pack(plan_, pack_, answers_);
-    std::vector<JudgedCheck*> all;
-    for (JudgedCheck& j : of_pack) all.push_back(&j);
-    for (auto& [index, j] : judged_) all.push_back(&j);
-    apply_rule(plan_.rule, all);
-    RunEvents events;
-    events.cancelled = cancelled_;
-    for (const auto& [index, error] : failures_)
-      if (error.code == ErrorCode::internal) events.harness_error = true, events.harness_text = error.text;
-    std::vector<const Check*> checks;
-    for (const JudgedCheck* j : all) checks.push_back(&j->check);
-    result_.decision = decide(checks, plan_.rule, events);
-    for (const JudgedCheck& j : of_pack) result_.checks.push_back(j.check);
-    for (const auto& [index, j] : judged_) result_.cases[index].checks.push_back(j.check);
+    WorkerOptions options;
+    options.workers = request_.threads;
+    options.hang_cpu_s = request_.hang_cpu_s;
+    options.cancelled = cancelled_;
+    double done = 0.0;
+    const WorkerEvents events{{}, [&](std::size_t k) {
+                                done += 1.0;
+                                if (progress) progress(done / static_cast<double>(sessions.size()), sessions[k].id);
+                              }};
+    auto answers = run_weight_sessions(sessions, options, events);
+    for (std::size_t i = 0; i < m_.records.size(); ++i) {
+      FORCEGATE_CHECK_OK(take(i, std::move(answers[both ? 2 * i : i])));
+      if (both && answers[2 * i + 1]) m_.records[i].accepted_N = std::move(answers[2 * i + 1]->answers.force_N);
+    }
+    return {};
+  }
+
+  Result<void> take(std::size_t i, Result<WeightSessionAnswer> answer) {
+    SensorRecord& record = m_.records[i];
+    if (answer) {
+      CaseResult& c = m_.head.cases[i];
+      m_.head.firmware = answer->firmware;
+      c.link = answer->link;
+      c.digest = std::move(answer->digest);
+      record.answers = std::move(answer->answers);
+      return {};
+    }
+    const ErrorCode code = answer.error().code;
+    if (code == ErrorCode::usage || code == ErrorCode::config || code == ErrorCode::io) return Unexpected(answer.error());
+    record.failure = answer.error();
+    const std::string note = "no session: " + answer.error().text;
+    if (std::find(m_.head.notes.begin(), m_.head.notes.end(), note) == m_.head.notes.end()) m_.head.notes.push_back(note);
+    return {};
   }
 
   const GateRequest& request_;
-  WeightGatePlan plan_;
-  const LaneKind& lane_;
+  const std::string lane_;
+  const std::atomic<bool>* cancelled_;
+  RunEvidence evidence_;
   PackFrames pack_;
-  RunResult result_;
-  std::vector<std::pair<std::size_t, JudgedCheck>> judged_;
-  std::vector<std::pair<std::size_t, Error>> failures_;
-  std::vector<FrameAnswers> answers_;
-  bool cancelled_ = false;
+  WeightMaterial m_;
+  std::optional<AcceptedBuild> accepted_;
 };
+
+// Options of the other kind of gate, and why they mean nothing here.
+Result<void> refuse_what_means_nothing(const GateRequest& request, const WeightGatePlan& plan) {
+  const auto refuse = [&](bool given, const char* option, const char* why, const char* help = "leave it out") -> Result<void> {
+    if (given) return fail(ErrorCode::usage, std::string(why), option, help);
+    return {};
+  };
+  FORCEGATE_CHECK_OK(refuse(!request.faults.empty(), "--fault", "the faults are those of the test bench with wheel and ATI; weights have none of them"));
+  FORCEGATE_CHECK_OK(refuse(!request.panel.empty(), "--specimen", "the specimens of this plan are the sensors of its pack", "--case pack0-sensor1 takes one of them"));
+  FORCEGATE_CHECK_OK(refuse(!request.calibration_file.empty() || request.level, "--cal, --calibration", "the networks are compiled into the image, CAL only names the sensor"));
+  FORCEGATE_CHECK_OK(refuse(!request.limits_file.empty(), "--limits", "a gate of conductance and capacitance has no derived limits", "its limits stand in its plan"));
+  FORCEGATE_CHECK_OK(refuse(request.rig_options.contains("record"), "--record", "a recording has one channel; this plan needs the codes of both sources"));
+  FORCEGATE_CHECK_OK(refuse(request.keep, "--keep", "codes are not kept: the emulated bench gives them again", "forcegate check RUN --replay plays them and compares the digests"));
+  return refuse(request.seed && *request.seed != plan.study.seed, "--seed", "another seed is another pack, for which the image has no networks");
+}
 
 }  // namespace
 
-Result<bool> is_weight_gate(const GateRequest& request) {
-  FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
+Result<bool> is_weight_plan(const std::string& plan) {
+  FORCEGATE_TRY(const std::filesystem::path path, find_plan(plan));
   const auto kind = plan_kind(path);
-  return kind && *kind == "capacitance-gate";
+  return kind && *kind == kWeightGateKind;
 }
 
 Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& progress, const std::atomic<bool>* cancelled) {
-  if (!request.faults.empty() || !request.panel.empty() || !request.accepted.empty() || !request.calibration_file.empty() || request.level)
-    return fail(ErrorCode::usage, "a plan of conductance and capacitance takes no faults, specimens, accepted build or calibration", {}, "leave those options out");
   FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
   FORCEGATE_TRY(WeightGatePlan plan, read_weight_gate_plan(path));
-  if (request.seed && *request.seed != plan.study.seed)
-    return fail(ErrorCode::usage, "another seed is another pack, for which the image has no networks", "--seed", "leave it out");
+  FORCEGATE_CHECK_OK(refuse_what_means_nothing(request, plan));
+  if (!request.goldens.empty()) plan.goldens = std::filesystem::absolute(request.goldens).lexically_normal().string();
+  FORCEGATE_CHECK_OK(image_sha256(request.firmware));
   FORCEGATE_TRY(const std::string lane, choose_lane(request));
-  return WeightGateRun(request, std::move(plan), *Registry<LaneKind>::instance().find(lane)).run(progress, cancelled);
+  return WeightGateRun(request, std::move(plan), lane, cancelled).run(progress);
+}
+
+Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored, const std::filesystem::path& image, unsigned threads, const GateProgress& progress,
+                                                    const std::atomic<bool>* cancelled) {
+  if (!stored.head.rig.emulated)
+    return fail(ErrorCode::usage, "only records of an emulated bench can be played again", image.string(), "leave --replay out: what was measured is judged in any case");
+  std::map<std::string, std::string> options;
+  for (const auto& [name, value] : stored.head.rig.details)
+    if (name.starts_with(kOption)) options[name.substr(kOption.size())] = value;
+  FORCEGATE_TRY(const PackFrames pack, frames_of(stored.plan, stored.head.rig.name, options));
+  std::vector<WeightSession> sessions;
+  std::vector<std::string> digests(stored.records.size());
+  for (std::size_t i = 0; i < stored.records.size(); ++i) {
+    const std::size_t s = stored.records[i].sensor;
+    if (s >= pack.sensors.size()) return fail(ErrorCode::parse, "the stored run has a sensor that the bench has not", stored.head.cases[i].id);
+    sessions.push_back({stored.head.cases[i].id, stored.head.cases[i].lane, {}, session_of(stored.plan, pack.bench, s, image, stored.head.firmware_sha256), &pack.sensors[s], stored.plan.frame_samples()});
+  }
+  WorkerOptions worker;
+  worker.workers = threads;
+  worker.cancelled = cancelled;
+  double done = 0.0;
+  const WorkerEvents events{{}, [&](std::size_t k) {
+                              done += 1.0;
+                              if (progress) progress(done / static_cast<double>(sessions.size()), sessions[k].id);
+                            }};
+  auto answers = run_weight_sessions(sessions, worker, events);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (answers[i]) digests[i] = std::move(answers[i]->digest);
+    else if (answers[i].error().code == ErrorCode::cancelled) return Unexpected(answers[i].error());
+  }
+  return digests;
 }
 
 }  // namespace forcegate

@@ -11,36 +11,44 @@
 namespace forcegate {
 namespace {
 
+const Check* rig_fault(const std::vector<JudgedCheck>& checks) {
+  for (const JudgedCheck& j : checks)
+    if (j.check.verdict == Verdict::rig_error) return &j.check;
+  return nullptr;
+}
+
 // Checks of others obey the order of a record's own: rig first. One of them that finds the rig at fault takes the record
-// out of the judgement; arithmetic on the same codes stays judged.
+// out of the judgement.
 void add_checks(const std::vector<JudgedCheck>& others, JudgedCase& one) {
-  const auto cause = [](const std::vector<JudgedCheck>& checks) -> const Check* {
-    for (const JudgedCheck& j : checks)
-      if (j.check.verdict == Verdict::rig_error) return &j.check;
-    return nullptr;
-  };
-  const Check* const own = cause(one.checks);
+  const Check* const own = rig_fault(one.checks);
+  const Blame blame = own != nullptr ? own->blame : Blame::rig;
+  const bool at_fault = own != nullptr;
   for (JudgedCheck j : others) {
     if (!one.sound && j.judgeable) {
       j.judgeable = false;
-      j.check.verdict = own != nullptr ? Verdict::rig_error : Verdict::inconclusive;
-      j.check.blame = own != nullptr ? own->blame : Blame::rig;
+      j.check.verdict = at_fault ? Verdict::rig_error : Verdict::inconclusive;
+      j.check.blame = blame;
     }
     one.checks.push_back(std::move(j));
   }
-  const Check* const found = own == nullptr ? cause(others) : nullptr;
-  if (found == nullptr) return;
+  if (at_fault || charge_rig(one.checks) == nullptr) return;
   one.sound = false;
   one.maxima.usable = one.minima.usable = false;
-  for (JudgedCheck& j : one.checks)
+}
+
+}  // namespace
+
+const Check* charge_rig(std::vector<JudgedCheck>& checks) {
+  const Check* const found = rig_fault(checks);
+  if (found == nullptr) return nullptr;
+  for (JudgedCheck& j : checks)
     if (j.judgeable && j.check.id != "conformance") {
       j.judgeable = false;
       j.check.verdict = Verdict::rig_error;
       j.check.blame = found->blame;
     }
+  return found;
 }
-
-}  // namespace
 
 std::vector<JudgedCheck*> all_checks(std::vector<JudgedCheck>& of_run, std::vector<PlayedRecord>& records) {
   std::vector<JudgedCheck*> all;

@@ -36,6 +36,10 @@ struct RunMaterial {
 /// Checks that others made of a record (golden traces), by place of the record; they take part in the decision rule.
 using ChecksByRecord = std::map<std::size_t, std::vector<JudgedCheck>>;
 
+/// Where one of a record's checks found the rig at fault, what is still to be judged becomes rig_error with its blame;
+/// arithmetic on the same codes ("conformance") stays judged. Returns that check, or null.
+const Check* charge_rig(std::vector<JudgedCheck>& checks);
+
 /// Judges every record anew (PlayedRecord::judged) and returns the checks of the whole run; the decision rule has run over
 /// all of them together.
 std::vector<JudgedCheck> judge_records(const Plan& plan, const DerivedLimits& limits,

@@ -20,7 +20,7 @@ bool matches(const Waiver& w, const Check& c) {
 }
 
 bool may_be_waived(const Check& c) {
-  if (!c.required || c.id == "safety_stop" || c.id == "firmware_runs") return false;
+  if (!c.required || c.id == "safety_stop" || c.id == "firmware_runs" || c.id == "session") return false;
   return c.verdict == Verdict::fail || c.verdict == Verdict::marginal || c.verdict == Verdict::inconclusive ||
          c.verdict == Verdict::not_run;
 }
@@ -76,9 +76,11 @@ Result<std::vector<Waiver>> read_waivers(const std::filesystem::path& path) {
 
 void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today, std::vector<JudgedCheck>& of_run,
                    std::vector<PlayedRecord>& records, std::vector<std::string>& notes) {
-  if (waivers.empty()) return;
-  std::vector<Check*> all;
-  for (JudgedCheck* j : all_checks(of_run, records)) all.push_back(&j->check);
+  apply_waivers(waivers, today, of_run, all_checks(of_run, records), notes);
+}
+
+void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today, std::vector<JudgedCheck>& of_run,
+                   const std::vector<JudgedCheck*>& all, std::vector<std::string>& notes) {
   std::vector<JudgedCheck> expired;
   for (const Waiver& w : waivers) {
     if (w.expires < today) {
@@ -96,11 +98,11 @@ void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today,
       continue;
     }
     std::size_t met = 0;
-    for (Check* c : all)
-      if (matches(w, *c) && may_be_waived(*c)) {
-        c->evidence = fmt::format("waived by {} until {}: {} (was {}: {})", w.owner, w.expires, w.reason,
-                                  to_string(c->verdict), c->evidence);
-        c->verdict = Verdict::waived;
+    for (JudgedCheck* j : all)
+      if (Check& c = j->check; matches(w, c) && may_be_waived(c)) {
+        c.evidence = fmt::format("waived by {} until {}: {} (was {}: {})", w.owner, w.expires, w.reason,
+                                 to_string(c.verdict), c.evidence);
+        c.verdict = Verdict::waived;
         ++met;
       }
     notes.push_back(met > 0 ? fmt::format("waiver for {}: {} checks waived; the day was taken as {}", in_words(w), met, today)

@@ -11,6 +11,8 @@
 
 namespace forcegate::characterize {
 
+inline constexpr const char* kWeightGateKind = "capacitance-gate";  ///< of a plan
+
 struct WeightGatePlan {
   std::string name, doc, sha256;
   std::filesystem::path path;
@@ -22,12 +24,16 @@ struct WeightGatePlan {
   std::size_t direct_samples = 600, sine_samples = 200;
   double overdrive_V = 12.0;
   double conformance_N = 0.005, sensor_mse_N2 = 2.01, pack_mse_N2 = 0.515, pack_per_pct = 39.7;
+  double loss_pct = 0.5;  ///< of error reduction against an accepted build, percentage points
+  std::string goldens;    ///< folder of the golden traces beside the plan; "" = none are compared
   std::size_t frame_samples() const { return direct_samples + sine_samples; }
+  double frame_end_s(std::size_t frame) const { return static_cast<double>((frame + 1) * frame_samples()) / rate_Hz; }
   DecisionRule rule;
 };
 
-/// Strict reader; the study's plan is sought beside this one. Errors (config) with file:line:column.
-Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path);
+/// Strict reader; the study's plan is sought beside this one, unless `study` names it. Errors (config) with
+/// file:line:column.
+Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path, const std::filesystem::path& study = {});
 
 /// Everything that one sensor's firmware instance is fed, frame by frame: direct samples, then those of the sine, as codes
 /// with 2^(bits-1) for 0 V; the last two frames are an overdriven and a sound one at full force.
@@ -53,8 +59,13 @@ struct FrameAnswers {
   std::vector<std::uint8_t> flags;
 };
 
-/// Checks of one sensor, and of the pack; `case_id` names the sensor. Not judged yet: see apply_rule.
+/// Mean squared errors of an estimate of every frame against the weights, loading by loading.
+std::vector<double> squared_error_by_loading_N2(const WeightGatePlan& plan, const SensorFrames& frames, const std::vector<double>& estimate_N);
+
+/// Checks of one sensor, and of the pack (of each sensor its frames and answers); `case_id` names the sensor. Not judged
+/// yet (see apply_rule), but for rig_network, and for the pack where the network in double precision itself misses a limit:
+/// those are rig_error.
 std::vector<JudgedCheck> judge_sensor(const WeightGatePlan& plan, const SensorFrames& frames, const FrameAnswers& answers, const std::string& case_id);
-std::vector<JudgedCheck> judge_pack(const WeightGatePlan& plan, const PackFrames& pack, const std::vector<FrameAnswers>& answers);
+std::vector<JudgedCheck> judge_pack(const WeightGatePlan& plan, const std::vector<const SensorFrames*>& frames, const std::vector<const FrameAnswers*>& answers);
 
 }  // namespace forcegate::characterize

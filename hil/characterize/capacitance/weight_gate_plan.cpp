@@ -4,7 +4,7 @@
 #include "hil/rig/config.h"
 
 namespace forcegate::characterize {
-Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path) {
+Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path, const std::filesystem::path& study_path) {
   FORCEGATE_TRY(const std::string text, read_file(path));
   FORCEGATE_TRY(const ConfigNode root, parse_config(text, path.string()));
   WeightGatePlan plan;
@@ -21,7 +21,7 @@ Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path) 
   r.text("study", study, ConfigReader::required);
   const ConfigNode *bench = r.table("bench"), *frame = r.table("frame"), *limits = r.table("limits");
   FORCEGATE_CHECK_OK(r.finish());
-  FORCEGATE_TRY(plan.study, read_weight_plan(path.parent_path() / study));
+  FORCEGATE_TRY(plan.study, read_weight_plan(study_path.empty() ? path.parent_path() / study : study_path));
   if (bench != nullptr) {
     ConfigReader b(*bench, "[bench]");
     std::int64_t first = static_cast<std::int64_t>(plan.first_loading);
@@ -45,6 +45,8 @@ Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path) 
     l.number("sensor_mse_N2", plan.sensor_mse_N2, 0.0, 1e6);
     l.number("pack_mse_N2", plan.pack_mse_N2, 0.0, 1e6);
     l.number("pack_per_pct", plan.pack_per_pct, -100.0, 100.0);
+    l.number("loss_pct", plan.loss_pct, 0.0, 100.0);
+    l.text("goldens", plan.goldens);
     FORCEGATE_CHECK_OK(l.finish());
   }
   return plan;

@@ -75,7 +75,7 @@ Result<int> run(const Invocation& in) {
   request.command_line = in.command_line();
 
   Console& console = in.console();
-  FORCEGATE_TRY(const bool weights, is_weight_gate(request));
+  FORCEGATE_TRY(const bool weights, is_weight_plan(request.plan));
   const auto made = weights ? weight_gate(request, console.progress_callback(), &in.interrupt_flag())
                             : gate(request, console.progress_callback(), &in.interrupt_flag());
   console.end_progress();

@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hil/app/gate.h"
 #include "hil/cli/command.h"
 
 namespace forcegate {
@@ -10,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Plan& plan, const PlanEstimate& e) {
+Json to_json(const PlanEstimate& e) {
   Json cases = Json::array();
   for (const PlanEstimateRow& row : e.cases)
     cases.push_back({{"name", row.name},
@@ -21,10 +20,10 @@ Json to_json(const Plan& plan, const PlanEstimate& e) {
                      {"record_s", row.record_s},
                      {"bench_s", row.bench_s}});
   return {{"format", 1},
-          {"plan", plan.name},
-          {"sha256", plan.sha256},
-          {"calibration", std::string(to_string(plan.calibration.level))},
-          {"rule", plan.rule.to_text()},
+          {"plan", e.name},
+          {"sha256", e.sha256},
+          {"calibration", e.calibration},
+          {"rule", e.rule},
           {"records", e.records},
           {"rig_s", e.rig_s},
           {"bench_s", e.bench_s},
@@ -33,12 +32,10 @@ Json to_json(const Plan& plan, const PlanEstimate& e) {
 }
 
 Result<int> run(const Invocation& in) {
-  FORCEGATE_TRY(const std::filesystem::path path, find_plan(in.text("PLAN")));
-  FORCEGATE_TRY(const Plan plan, read_plan(path));
-  const PlanEstimate estimate = estimate_plan(plan);
-  in.console().print(plan_in_words(plan, estimate, in.flag("estimate")));
-  in.console().print_json(to_json(plan, estimate).dump(2));
-  in.console().next("forcegate gate build/firmware/reference.native.so --plan " + in.text("PLAN"));
+  FORCEGATE_TRY(const PlanEstimate estimate, estimate_named_plan(in.text("PLAN")));
+  in.console().print(plan_in_words(estimate, in.flag("estimate")));
+  in.console().print_json(to_json(estimate).dump(2));
+  in.console().next(std::string("forcegate gate build/firmware/") + (estimate.weights ? "two-variable" : "reference") + ".native.so --plan " + in.text("PLAN"));
   return kExitSuccess;
 }
 

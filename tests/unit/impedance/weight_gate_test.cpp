@@ -1,4 +1,4 @@
-#include "hil/characterize/capacitance/weight_gate.h"
+#include "hil/characterize/capacitance/weight_material.h"
 
 #include <gtest/gtest.h>
 
@@ -43,9 +43,16 @@ class WeightGate : public ::testing::Test {
     return out;
   }
 
+  static std::vector<JudgedCheck> of_pack(const WeightGatePlan& plan, const std::vector<FrameAnswers>& answers) {
+    std::vector<const SensorFrames*> frames;
+    std::vector<const FrameAnswers*> pointers;
+    for (std::size_t s = 0; s < answers.size(); ++s) frames.push_back(&pack_->sensors[s]), pointers.push_back(&answers[s]);
+    return judge_pack(plan, frames, pointers);
+  }
+
   static DecisionKind decision(const std::vector<FrameAnswers>& answers) {
     const WeightGatePlan plan = small_plan();
-    std::vector<JudgedCheck> judged = judge_pack(plan, *pack_, answers);
+    std::vector<JudgedCheck> judged = of_pack(plan, answers);
     for (std::size_t s = 0; s < answers.size(); ++s)
       for (JudgedCheck& j : judge_sensor(plan, pack_->sensors[s], answers[s], "sensor" + std::to_string(s))) judged.push_back(std::move(j));
     std::vector<JudgedCheck*> all;
@@ -97,9 +104,89 @@ TEST_F(WeightGate, rejects_the_conductance_model_for_want_of_error_reduction) {
   WeightGatePlan plan = small_plan();
   std::vector<FrameAnswers> answers = sound();
   for (std::size_t s = 0; s < answers.size(); ++s) answers[s].force_N = pack_->sensors[s].conductance_N;
-  std::vector<JudgedCheck> judged = judge_pack(plan, *pack_, answers);
+  std::vector<JudgedCheck> judged = of_pack(plan, answers);
   EXPECT_NEAR(judged[1].check.value, 0.0, 1e-9);
   EXPECT_EQ(decision(answers), DecisionKind::reject);
+}
+
+// A whole run with these answers.
+WeightMaterial run_of(const PackFrames& pack, const std::vector<FrameAnswers>& answers) {
+  WeightMaterial m;
+  m.plan = small_plan();
+  m.sensors = pack.sensors.size();
+  for (std::size_t s = 0; s < answers.size(); ++s) {
+    SensorRecord& r = m.records.emplace_back();
+    r.sensor = s, r.frames = pack.sensors[s], r.answers = answers[s];
+    m.head.cases.emplace_back().id = "sensor" + std::to_string(s + 1);
+  }
+  return m;
+}
+
+RunResult judged(WeightMaterial m) {
+  const auto of_run = judge_material(m);
+  return to_run_result(m, of_run);
+}
+
+const Check& of(const std::vector<Check>& checks, std::string_view id) {
+  for (const Check& c : checks)
+    if (c.id == id) return c;
+  static const Check kNone;
+  return kNone;
+}
+
+TEST_F(WeightGate, a_bench_on_which_the_network_itself_errs_is_never_blamed_on_the_firmware) {
+  WeightMaterial m = run_of(*pack_, sound());
+  for (std::size_t i = 0; i < m.records[2].frames.force_N.size(); ++i) m.records[2].frames.oracle_N[i] += 4.0, m.records[2].answers.force_N[i] += 4.0;
+  const RunResult result = judged(m);
+  EXPECT_EQ(result.decision.kind, DecisionKind::no_decision) << result.decision.reason;
+  EXPECT_EQ(result.decision.blame, Blame::rig);
+  EXPECT_EQ(of(result.cases[2].checks, "mse").verdict, Verdict::rig_error);
+  EXPECT_EQ(of(result.cases[2].checks, "conformance").verdict, Verdict::pass) << "arithmetic on the same codes stays judged";
+  EXPECT_EQ(of(result.cases[3].checks, "mse").verdict, Verdict::pass);
+  EXPECT_EQ(of(result.checks, "mse_pack").verdict, Verdict::rig_error);
+}
+
+TEST_F(WeightGate, a_firmware_that_departs_from_the_network_is_blamed_on_a_spoiled_bench_too) {
+  WeightMaterial m = run_of(*pack_, sound());
+  for (std::size_t i = 0; i < m.records[2].frames.force_N.size(); ++i) m.records[2].frames.oracle_N[i] += 4.0;
+  EXPECT_EQ(judged(m).decision.kind, DecisionKind::reject);
+}
+
+TEST_F(WeightGate, a_session_that_broke_off_leaves_the_pack_unjudged_and_rejects) {
+  WeightMaterial m = run_of(*pack_, sound());
+  m.records[1].failure = Error{ErrorCode::firmware, "the firmware crashed with signal SEGV after sample 800", "sensor2", {}};
+  const RunResult result = judged(m);
+  EXPECT_EQ(result.decision.kind, DecisionKind::reject);
+  EXPECT_TRUE(result.checks.empty());
+  EXPECT_NE(result.cases[1].note.find("SEGV"), std::string::npos);
+  m.records[1].failure->code = ErrorCode::cancelled;
+  EXPECT_EQ(judged(m).decision.exit_code, 130);
+}
+
+TEST_F(WeightGate, the_same_build_is_no_worse_than_itself_and_a_worse_one_is) {
+  WeightMaterial m = run_of(*pack_, sound());
+  m.with_accepted = true;
+  for (SensorRecord& r : m.records) r.accepted_N = r.answers.force_N;
+  RunResult same = judged(m);
+  EXPECT_EQ(same.decision.kind, DecisionKind::accept) << same.decision.reason;
+  EXPECT_EQ(of(same.checks, "no_worse_per").value, 0.0);
+  // The accepted build stood on the weights themselves: all of the network's error is a loss.
+  for (SensorRecord& r : m.records) r.accepted_N = r.frames.force_N;
+  const RunResult worse = judged(m);
+  EXPECT_EQ(worse.decision.kind, DecisionKind::reject);
+  EXPECT_NEAR(of(worse.checks, "no_worse_per").value, 100.0 - of(worse.checks, "per_pack").value, 1e-9);
+  m.records[5].accepted_N.clear();
+  const RunResult partner = judged(m);
+  EXPECT_EQ(of(partner.checks, "no_worse_per").verdict, Verdict::inconclusive);
+  EXPECT_NE(of(partner.checks, "no_worse_per").evidence.find("sensor6"), std::string::npos);
+}
+
+TEST_F(WeightGate, a_part_of_the_pack_is_judged_without_the_checks_of_the_pack) {
+  WeightMaterial m = run_of(*pack_, sound());
+  m.records.resize(3), m.head.cases.resize(3);
+  const RunResult result = judged(m);
+  EXPECT_EQ(result.decision.kind, DecisionKind::accept);
+  EXPECT_TRUE(result.checks.empty());
 }
 
 TEST(WeightGatePlan, the_committed_one_is_good_and_its_loadings_are_none_of_the_training) {

@@ -1,0 +1,71 @@
+#include "hil/app/weight_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hil/base/digest.h"
+
+namespace forcegate {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kBlock = 800;
+
+// In the child: the whole session of one sensor. Numbers that are none travel as null.
+Result<std::string> play(const WeightSession& s) {
+  const LaneKind* lane = Registry<LaneKind>::instance().find(s.lane);
+  FORCEGATE_TRY(const auto dut, lane->make(s.lane_options));
+  FORCEGATE_TRY(const DutInfo info, dut->open(s.session));
+  const std::vector<std::uint16_t>& codes = s.frames->codes;
+  std::vector<float> force_N(codes.size());
+  std::vector<std::uint8_t> flags(codes.size());
+  SampleDigest digest;
+  for (std::size_t at = 0; at < codes.size(); at += kBlock) {
+    const std::size_t many = std::min(kBlock, codes.size() - at);
+    FORCEGATE_CHECK_OK(dut->process(static_cast<std::uint32_t>(at), std::span(codes).subspan(at, many), std::span(force_N).subspan(at, many), std::span(flags).subspan(at, many)));
+    digest.update(&codes[at], many * sizeof(std::uint16_t));
+    digest.update(&force_N[at], many * sizeof(float));
+    digest.update(&flags[at], many);
+  }
+  FORCEGATE_TRY(const DutCounters n, dut->close());
+  json out{{"info", {info.board, info.build_id, info.algorithm_id, info.protocol_major, info.protocol_minor}},
+           {"link", {n.samples, n.frames_dropped, n.frames_bad, n.indices_lost, n.overruns, n.naks}},
+           {"digest", digest.hex()}};
+  for (std::size_t i = s.frame_samples - 1; i < codes.size(); i += s.frame_samples) {
+    out["force"].push_back(std::isfinite(force_N[i]) ? json(static_cast<double>(force_N[i])) : json(nullptr));
+    out["flags"].push_back(flags[i]);
+  }
+  return out.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+WeightSessionAnswer answer_of(const std::string& text, const DutSession& asked) {
+  const auto in = json::parse(text);
+  WeightSessionAnswer out;
+  const auto &info = in["info"], &link = in["link"];
+  out.firmware = {info[3], info[4], info[0], info[1], info[2], asked.nonce, asked.calibration.adc_bits, asked.rate_Hz};
+  out.link = {link[0], link[1], link[2], link[3], link[4], link[5]};
+  out.digest = in["digest"];
+  for (const auto& v : in["force"]) out.answers.force_N.push_back(v.is_null() ? std::nan("") : v.get<double>());
+  for (const auto& v : in["flags"]) out.answers.flags.push_back(v.get<std::uint8_t>());
+  return out;
+}
+
+}  // namespace
+
+std::vector<Result<WeightSessionAnswer>> run_weight_sessions(const std::vector<WeightSession>& sessions, const WorkerOptions& options, const WorkerEvents& events) {
+  std::vector<WatchedTask> tasks;
+  for (const WeightSession& s : sessions) tasks.push_back({s.id, [&s](const auto&) { return play(s); }});
+  const auto texts = run_watched(tasks, options, events);
+  std::vector<Result<WeightSessionAnswer>> out;
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    if (texts[i])
+      out.emplace_back(answer_of(*texts[i], sessions[i].session));
+    else
+      out.emplace_back(Unexpected(texts[i].error()));
+  }
+  return out;
+}
+
+}  // namespace forcegate
