@@ -18,11 +18,13 @@ constexpr double kWidth = 560.0;
 
 struct Signals {
   const PlotTrace *setpoint, *ati, *firmware, *raw;
+  std::string reference;  ///< name of what the firmware is held against: the ATI, or weights
 };
 
 Signals signals_of(const std::vector<PlotTrace>& traces) {
-  return {find_trace(traces, "set-point"), find_trace(traces, "ATI"), find_trace(traces, "firmware"),
-          find_trace(traces, "raw")};
+  const PlotTrace* const weights = find_trace(traces, "weights");
+  return {find_trace(traces, "set-point"), weights != nullptr ? weights : find_trace(traces, "ATI"), find_trace(traces, "firmware"),
+          find_trace(traces, "raw"), weights != nullptr ? "weights" : "ATI"};
 }
 
 struct ErrorTrace {
@@ -38,7 +40,7 @@ std::vector<ErrorTrace> errors_of(const CaseResult& c, const Signals& s) {
   if (c.loop == "closed" && s.ati && s.setpoint)
     out.push_back({difference(*s.ati, *s.setpoint), "ATI \u2212 set-point", Role::reference});
   if (s.firmware && s.ati)
-    out.push_back({difference(*s.firmware, *s.ati), "firmware \u2212 ATI", Role::firmware});
+    out.push_back({difference(*s.firmware, *s.ati), "firmware \u2212 " + s.reference, Role::firmware});
   return out;
 }
 
@@ -111,7 +113,7 @@ Figure window_figure(const CaseResult& c) {
   if (s.ati == nullptr && s.firmware == nullptr) return figure;
   figure.share_x = true;
   Panel& force = figure.panel({"", ""}, {"Force", "N"}, 170.0);
-  if (s.ati) force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference}, "ATI");
+  if (s.ati) force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference}, s.reference);
   if (s.firmware)
     force.line(doubles(s.firmware->t_s), doubles(s.firmware->value), {Role::firmware}, "firmware");
   if (s.setpoint)
@@ -146,7 +148,7 @@ Figure overview_figure(const CaseResult& c) {
   if (fast) {
     if (s.ati) {
       const Envelope e = envelope(*s.ati, kColumns);
-      force.band(e.t, e.low, e.high, Role::muted, "ATI", 0.28);
+      force.band(e.t, e.low, e.high, Role::muted, s.reference, 0.28);
     }
     edges(s.raw, Role::raw, "raw sensor", 1.1);
     edges(s.firmware, Role::firmware, "firmware", 1.4);
@@ -154,7 +156,7 @@ Figure overview_figure(const CaseResult& c) {
     if (s.raw)
       force.line(doubles(s.raw->t_s), doubles(s.raw->value), {Role::raw, Dash::solid, 1.0}, "raw sensor");
     if (s.ati)
-      force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference, Dash::solid, 1.2}, "ATI");
+      force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference, Dash::solid, 1.2}, s.reference);
     if (s.firmware)
       force.line(doubles(s.firmware->t_s), doubles(s.firmware->value), {Role::firmware, Dash::solid, 1.0},
                  "firmware");
@@ -163,6 +165,10 @@ Figure overview_figure(const CaseResult& c) {
   Panel& error = figure.panel({"Time", "s"}, {"Error", "N"}, 78.0);
   for (Panel* panel : {&force, &error}) panel->x_axis.low = 0.0, panel->x_axis.high = c.duration_s;
   for (const ErrorTrace& e : errors) {
+    if (e.trace.t_s.size() < 3 * kColumns) {
+      error.line(doubles(e.trace.t_s), doubles(e.trace.value), {e.role, Dash::solid, 1.1}, e.label);
+      continue;
+    }
     const Envelope span = envelope(e.trace, kColumns);
     error.band(span.t, span.low, span.high, e.role, e.label, errors.size() > 1 ? 0.5 : 0.75);
   }
@@ -171,8 +177,36 @@ Figure overview_figure(const CaseResult& c) {
   return figure;
 }
 
+const ExtremaSeries* levels_of(const CaseResult& c) {
+  for (const ExtremaSeries& e : c.extrema)
+    if (e.name == "levels" && e.raw_N.size() == e.expected_N.size() && e.actual_N.size() == e.expected_N.size()) return &e;
+  return nullptr;
+}
+
+Figure levels_figure(const CaseResult& c) {
+  Figure figure("Error over force of " + c.id, kWidth);
+  const ExtremaSeries* levels = levels_of(c);
+  if (levels == nullptr) return figure;
+  std::vector<double> force_N, own_N, model_N;
+  double own = 0.0, model = 0.0;
+  for (std::size_t i = 0; i < levels->expected_N.size(); ++i) {
+    force_N.push_back(levels->expected_N[i]);
+    own_N.push_back(levels->actual_N[i] - levels->expected_N[i]);
+    model_N.push_back(levels->raw_N[i] - levels->expected_N[i]);
+    if (std::abs(own_N.back()) > std::abs(own)) own = own_N.back();
+    if (std::abs(model_N.back()) > std::abs(model)) model = model_N.back();
+  }
+  Panel& panel = figure.panel({"Weights", "N"}, {"Error", "N"}, 254.0);
+  panel.hline(0.0);
+  panel.points(force_N, model_N, {Role::raw, Dash::solid, 1.0, Marker::ring, 3.4}, "conductance model");
+  panel.points(force_N, own_N, {Role::firmware, Dash::solid, 1.0, Marker::dot, 3.0}, "firmware");
+  figure.summary = "Largest: firmware " + display(own, 2) + " N, conductance model " + display(model, 2) + " N.";
+  return figure;
+}
+
 Figure decay_figure(const CaseResult& c) {
   Figure figure("Extrema of " + c.id + " over time", kWidth);
+  if (levels_of(c) != nullptr) return figure;
   const bool closed = c.loop == "closed";
   bool any = false;
   for (const ExtremaSeries& e : c.extrema) any |= !e.t_s.empty();

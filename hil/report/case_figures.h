@@ -23,6 +23,12 @@ figures::Figure overview_figure(const CaseResult& result);
 /// each extremum.
 figures::Figure decay_figure(const CaseResult& result);
 
+/// The series "levels" of a loading, nullptr when there is none.
+const ExtremaSeries* levels_of(const CaseResult& result);
+
+/// Error of firmware and conductance model over the weights, level by level. No panels without the series "levels".
+figures::Figure levels_figure(const CaseResult& result);
+
 /// Error over force in the window as a density, coloured by loading direction.
 figures::Figure loop_figure(const CaseResult& result);
 

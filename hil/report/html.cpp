@@ -69,7 +69,8 @@ std::string reproduce(const RunResult& r) {
                  figures::display(r.rig.rate_Hz) + " Hz, " + std::to_string(r.rig.adc_bits) + " bit over " +
                  figures::display(r.rig.v_range_V) + " V, up to " + figures::display(r.rig.force_max_N) +
                  " N");
-  row("ATI reference", "resolution " + figures::display(r.rig.reference_resolution_N) + " N, noise " +
+  const auto reference = r.rig.details.find("reference");
+  row(reference == r.rig.details.end() ? "ATI reference" : "Uncertainty of the " + reference->second, "resolution " + figures::display(r.rig.reference_resolution_N) + " N, noise " +
                            figures::display(r.rig.reference_noise_N) + " N, relative u " +
                            figures::display(r.rig.reference_u_rel));
   out += table_of(r.rig.details) + table_of(r.environment);
@@ -119,6 +120,7 @@ std::string cases(const RunResult& r) {
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  const auto reference = r.rig.details.find("reference");
   std::vector<std::string> verdicts;
   for (const std::size_t i : order)
     if (const std::string w(word(case_verdict(r.cases[i])));
@@ -128,7 +130,8 @@ std::string cases(const RunResult& r) {
       "<section id=\"cases\"><h2>Cases</h2>\n<p class=\"q\">Failed cases come first and are open. Values are "
       "value(standard uncertainty in the last digits), k = 1; whiskers and U are k = 2. Error = later name "
       "minus "
-      "earlier: firmware \u2212 ATI, ATI \u2212 set-point.</p>\n" +
+      "earlier: firmware \u2212 " +
+      (reference == r.rig.details.end() ? std::string("ATI, ATI \u2212 set-point") : reference->second) + ".</p>\n" +
       html_filter_row(verdicts);
   std::size_t opened = 0;
   for (const std::size_t i : order) {

@@ -101,17 +101,21 @@ std::string extrema_table(const CaseResult& c) {
     return std::abs(a.error_N) > std::abs(b.error_N);
   });
   rows.resize(shown);
-  const bool closed = c.loop == "closed";
+  const bool closed = c.loop == "closed", levels = levels_of(c) != nullptr;
+  const std::string what = levels ? "levels" : "extrema";
   std::string out =
-      "<details><summary>Largest errors of extrema</summary><div class=\"scroll\" tabindex=\"0\" "
-      "role=\"group\" aria-label=\"Extrema table\"><table><caption>" +
+      "<details><summary>Largest errors of " + what + "</summary><div class=\"scroll\" tabindex=\"0\" "
+      "role=\"group\" aria-label=\"Table of " + what + "\"><table><caption>" +
       std::to_string(shown) + " of " + std::to_string(all) +
-      " extrema, largest error first; all are in result.json</caption><thead><tr>"
+      " " + what + ", largest error first; all are in result.json</caption><thead><tr>"
       "<th scope=\"col\">Kind</th><th scope=\"col\" class=\"n\">Time / s</th><th scope=\"col\" class=\"n\">";
   out += closed ? "Set-point / N</th><th scope=\"col\" class=\"n\">ATI / N"
-                : "ATI / N</th><th scope=\"col\" class=\"n\">Firmware / N";
+         : levels ? "Weights / N</th><th scope=\"col\" class=\"n\">Firmware / N"
+                  : "ATI / N</th><th scope=\"col\" class=\"n\">Firmware / N";
+  out += "</th><th scope=\"col\" class=\"n\">";
+  out += levels ? "Conductance model / N" : "Raw sensor / N";
   out +=
-      "</th><th scope=\"col\" class=\"n\">Raw sensor / N</th><th scope=\"col\" class=\"n\">Error / N</th><th "
+      "</th><th scope=\"col\" class=\"n\">Error / N</th><th "
       "scope=\"col\" class=\"n\">Error / % of reading</th></tr></thead><tbody>\n";
   for (const ExtremumRow& r : rows) {
     const auto cell = [](double v, int decimals) {
@@ -121,7 +125,7 @@ std::string extrema_table(const CaseResult& c) {
              "</td>";
     };
     const double relative = std::abs(r.expected_N) >= 0.5 ? 100.0 * r.error_N / std::abs(r.expected_N) : NAN;
-    out += "<tr><td>" + std::string(*r.series == "minima" ? "minimum" : "maximum") + "</td>" +
+    out += "<tr><td>" + std::string(levels ? "level" : *r.series == "minima" ? "minimum" : "maximum") + "</td>" +
            cell(r.t_s, 3) + cell(r.expected_N, 3) + cell(r.actual_N, 3) + cell(r.raw_N, 3) +
            cell(r.error_N, 3) + cell(relative, 1) + "</tr>\n";
   }
@@ -136,10 +140,11 @@ std::string pictures(const CaseResult& c) {
   };
   const std::string reason = c.window_reason.empty() ? std::string("chosen cycles") : escape(c.window_reason);
   const Figure window = window_figure(c), overview = overview_figure(c), decay = decay_figure(c),
-               loop = loop_figure(c);
+               levels = levels_figure(c), loop = loop_figure(c);
   add(window, "Window: " + reason + ". " + escape(window.summary));
   add(overview, "Whole record, decimated with its peaks kept. " + escape(overview.summary));
   add(decay, "Maxima \u25cf and minima \u25cb. " + escape(decay.summary));
+  add(levels, "Every level of every loading. " + escape(levels.summary));
   if (case_verdict(c) !=
       Verdict::pass)  // explains an error; a passed case does without, for the size of the page
     add(loop, "Where in the cycle the error sits, darker = more samples. " + escape(loop.summary));
@@ -196,7 +201,7 @@ std::string sound_rig_row(const std::vector<const Check*>& checks) {
     list += (list.empty() ? "" : "; ") + escape(c->id) + " " + escape(value_text(*c, Glyphs::unicode)) + " " +
             escape(limit_text(*c, Glyphs::unicode));
   return "<tr><td>" + verdict_word(Verdict::pass) + "</td><td class=\"c\" colspan=\"4\">" +
-         std::to_string(checks.size()) + " checks of the rig<small>" + list + "</small></td></tr>\n";
+         std::to_string(checks.size()) + (checks.size() == 1 ? " check of the rig<small>" : " checks of the rig<small>") + list + "</small></td></tr>\n";
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ const Registration<Command> kRow{Command{
         "bench, rests of the specimen included, and on the emulated rig.",
     .positionals = {{.name = "PLAN", .doc = "Plan file, or the name of one in ci/plans."}},
     .options = {{.name = "estimate", .value_name = "", .doc = "Bench time and emulated time."}},
-    .examples = {{"forcegate plan bench --estimate", "Does the bench plan fit one shift?"}},
+    .examples = {{"forcegate plan bench --estimate", "Does the bench plan fit one shift?"},
+                 {"forcegate plan capacitance-gate --estimate", "And two days of weights?"}},
     .run = run,
 }};
 

@@ -132,6 +132,22 @@ TEST(Html, has_equal_bytes_for_equal_results) {
   EXPECT_EQ(html(sample::run(Variant::reject, 60.0)), html(sample::run(Variant::reject, 60.0)));
 }
 
+TEST(Html, under_weights_nothing_is_called_ati_and_every_level_is_drawn) {
+  RunResult run;
+  run.rig.details["reference"] = "weights";
+  CaseResult& c = run.cases.emplace_back();
+  c.id = "pack0-sensor1", c.loop = "open", c.duration_s = 3.0;
+  c.overview = {{"weights", "N", {1, 2, 3}, {5, 10, 15}}, {"firmware", "N", {1, 2, 3}, {5.5F, 10, 15}}};
+  c.extrema = {{"levels", {1, 2, 3}, {5, 10, 15}, {5.5F, 10, 15}, {4, 9, 17}}};
+  const std::string page = html(run);
+  EXPECT_EQ(first_unbalanced(page), "");
+  EXPECT_THAT(page, HasSubstr("firmware \u2212 weights"));
+  EXPECT_THAT(page, HasSubstr("Conductance model / N"));
+  EXPECT_THAT(page, HasSubstr("conductance model 2 N"));
+  EXPECT_THAT(page, Not(HasSubstr("ATI")));
+  EXPECT_THAT(page, Not(HasSubstr("Maxima")));
+}
+
 TEST(Html, survives_a_case_without_anything) {
   RunResult r;
   r.cases.resize(1);
