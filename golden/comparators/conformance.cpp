@@ -44,6 +44,7 @@ class Conformance final : public Comparator {
         if (flags_differ_++ == 0) first_flag_ = n_;
         error = full_scale;
       }
+      if (error <= worst_) continue;
       if (!(error <= full_scale)) error = full_scale;  // NaN and infinity too
       if (error > worst_) {
         worst_ = error;

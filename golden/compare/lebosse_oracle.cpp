@@ -12,6 +12,7 @@ namespace {
 constexpr std::int64_t kSmooth = 8, kWindow = 19456, kClose = 19712, kQuarter = kWindow / 4;
 constexpr std::int64_t kPoints = 512, kDecimation = 38, kBins = 102;
 constexpr std::int64_t kBucket = 10240, kBuckets = 12;
+constexpr std::int64_t kQuiet = 5000;  // shortest rest that ends an excitation
 
 std::int64_t floor_shift20(std::int64_t v) { return v >= 0 ? v / 1048576 : -((-v + 1048575) / 1048576); }
 
@@ -90,8 +91,8 @@ void LebosseOracle::arm(std::int64_t onset, bool rising) {
 }
 
 void LebosseOracle::quiet() {
-  std::int64_t limit = 5000;
-  if (phase_ == Phase::cycling) limit = std::clamp<std::int64_t>(2 * interval_, 5000, 20000);
+  std::int64_t limit = kQuiet;
+  if (phase_ == Phase::cycling) limit = std::clamp<std::int64_t>(2 * interval_, kQuiet, 20000);
   if (i_ - still_since_ < limit) return;
   if (phase_ == Phase::armed) {
     phase_ = known_ ? Phase::held : Phase::rest;
@@ -108,14 +109,14 @@ void LebosseOracle::quiet() {
   }
 }
 
-void LebosseOracle::movement() {
+inline void LebosseOracle::movement() {
   const std::int64_t moved = sum_ - still_value_;
   const bool active = phase_ == Phase::armed || phase_ == Phase::cycling;
   if (std::abs(moved) > band_) {
     still_value_ = sum_;
     still_since_ = i_;
     if (!active) arm(i_, moved > 0);
-  } else if (active) {
+  } else if (active && i_ - still_since_ >= kQuiet) {
     quiet();
   }
   if (phase_ == Phase::held && (i_ - held_since_) / 6 >= exposure_) {
@@ -124,7 +125,7 @@ void LebosseOracle::movement() {
   }
 }
 
-void LebosseOracle::turning() {
+inline void LebosseOracle::turning() {
   const std::int64_t onward = rising_ ? sum_ - extreme_.value : extreme_.value - sum_;
   if (onward > 0) {
     extreme_ = {sum_, i_};
@@ -175,25 +176,29 @@ void LebosseOracle::confirm() {
 }
 
 void LebosseOracle::floor_restart(std::int64_t value) {
-  pushes_ = 0;
+  bucket_number_ = in_bucket_ = 0;
+  slot_ = 0;
   bucket_[0] = value;
   floor_ = value;
 }
 
-void LebosseOracle::floor_push() {
-  const std::int64_t number = pushes_ / kBucket;
-  auto& current = bucket_[static_cast<std::size_t>(number % kBuckets)];
-  if (number > 0 && pushes_ % kBucket == 0) {
-    current = sum_;
-    const auto used = static_cast<std::ptrdiff_t>(std::min(number + 1, kBuckets));
-    floor_ = *std::min_element(bucket_.begin(), bucket_.begin() + used);
-  }
-  ++pushes_;
-  if (sum_ < current) current = sum_;
-  if (sum_ < floor_) floor_ = sum_;
+void LebosseOracle::next_bucket() {
+  in_bucket_ = 0;
+  ++bucket_number_;
+  slot_ = static_cast<std::size_t>(bucket_number_ % kBuckets);
+  bucket_[slot_] = sum_;
+  const auto used = static_cast<std::ptrdiff_t>(std::min(bucket_number_ + 1, kBuckets));
+  floor_ = *std::min_element(bucket_.begin(), bucket_.begin() + used);
 }
 
-void LebosseOracle::observe(std::uint16_t code) {
+inline void LebosseOracle::floor_push() {
+  if (in_bucket_ == kBucket) next_bucket();
+  ++in_bucket_;
+  bucket_[slot_] = std::min(bucket_[slot_], sum_);
+  floor_ = std::min(floor_, sum_);
+}
+
+inline void LebosseOracle::observe(std::uint16_t code) {
   const std::int64_t age = i_ - window_;
   if (age < kWindow) {
     const auto k = static_cast<std::size_t>(age / kQuarter);
@@ -283,7 +288,7 @@ LebosseOracle::Output LebosseOracle::step(std::uint16_t code) {
     last_.fill(code);
     sum_ = still_value_ = kSmooth * code;
   }
-  auto& oldest = last_[static_cast<std::size_t>(i_ % kSmooth)];
+  auto& oldest = last_[static_cast<std::size_t>(i_) % last_.size()];
   sum_ += code - oldest;
   oldest = code;
 
@@ -296,7 +301,7 @@ LebosseOracle::Output LebosseOracle::step(std::uint16_t code) {
       if (open_ && i_ - window_ >= kClose) close_window();
     }
   }
-  if (i_ % 8 == 7) tick();
+  if (static_cast<std::size_t>(i_) % 8 == 7) tick();
 
   double voltage = volt_ * code;
   if (voltage > floor_V_ && factor_ > 1.0) voltage = floor_V_ + factor_ * (voltage - floor_V_);

@@ -52,6 +52,7 @@ class LebosseOracle {
   void close_window();
   void floor_restart(std::int64_t value);
   void floor_push();
+  void next_bucket();
   std::int64_t lowest_bin() const;
   void tick();
 
@@ -77,7 +78,8 @@ class LebosseOracle {
   std::array<std::int64_t, 4> quarter_low_{};
 
   std::array<std::int64_t, 12> bucket_{};
-  std::int64_t pushes_ = 0, floor_ = 0;
+  std::int64_t bucket_number_ = 0, in_bucket_ = 0, floor_ = 0;
+  std::size_t slot_ = 0;
 
   std::int64_t held_since_ = 0, exposure_ = 0;
   Extreme peak_;

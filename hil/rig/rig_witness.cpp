@@ -20,6 +20,17 @@ constexpr double kJump = 0.02;           // of the converter's range, 0.1 N of a
 constexpr float kStood_N = 0.06f;        // ATI from one sample to the next: two steps of the Nano17
 constexpr double kFollows = 0.3;         // r^2; the slow FSR at 3 Hz still has 0.5
 constexpr std::uint16_t kReferenceBad = kRigReferenceSaturated | kRigReferenceFault;
+
+bool all_sound(const RigBlock& block, std::size_t n) {
+  const float *force_N = block.force_ref_N.data(), *theta = block.theta_rad.data();
+  const std::uint16_t* status = block.status.data();
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  unsigned strange = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    strange |= status[i] | static_cast<unsigned>(!(std::fabs(force_N[i]) <= kLargest)) |
+               static_cast<unsigned>(!(std::fabs(theta[i]) <= kLargest));
+  return strange == 0;
+}
 }  // namespace
 
 void RigWitness::begin(const RigInfo& info) {
@@ -91,23 +102,48 @@ void RigWitness::push_time(const RigBlock& block, std::size_t n) {
     o_.first_t_s = block_.start_s = t_s[0];
     previous_t_s_ = t_s[0] - period_s_;
   }
-  double previous_s = previous_t_s_, worst_s = o_.worst_step_s, gap_worst_s = o_.worst_gap_s;
-  const double period_s = period_s_, gap_s = 1.5 * period_s_;
-  std::uint64_t back = 0, gaps = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double step_s = t_s[i] - previous_s;
-    previous_s = t_s[i];
-    back += !(step_s > 0.0);
-    gaps += step_s > gap_s;
-    worst_s = std::max(worst_s, std::fabs(step_s - period_s));
-    gap_worst_s = std::max(gap_worst_s, step_s - period_s);
+  // The smallest and the largest step say it all unless there is a gap or a step back.
+  constexpr std::size_t kLanes = 4;
+  const double first_s = t_s[0] - previous_t_s_;
+  double low_s[kLanes], high_s[kLanes];
+  std::fill_n(low_s, kLanes, first_s);
+  std::fill_n(high_s, kLanes, first_s);
+  unsigned back = !(first_s > 0.0);
+  std::size_t i = 1;
+  for (; i + kLanes <= n; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const double step_s = t_s[i + k] - t_s[i + k - 1];
+      back |= !(step_s > 0.0);
+      low_s[k] = step_s < low_s[k] ? step_s : low_s[k];
+      high_s[k] = step_s > high_s[k] ? step_s : high_s[k];
+    }
+  for (; i < n; ++i) {
+    const double step_s = t_s[i] - t_s[i - 1];
+    back |= !(step_s > 0.0);
+    low_s[0] = std::min(low_s[0], step_s);
+    high_s[0] = std::max(high_s[0], step_s);
   }
-  o_.worst_gap_s = gap_worst_s;
-  o_.time_not_monotone += back;
-  o_.time_gaps += gaps;
-  o_.worst_step_s = worst_s;
-  o_.last_t_s = previous_t_s_ = previous_s;
+  const double shortest_s = *std::min_element(low_s, low_s + kLanes), longest_s = *std::max_element(high_s, high_s + kLanes);
+  if (back != 0 || longest_s > 1.5 * period_s_) {
+    count_strange_times(block, n);
+  } else {
+    o_.worst_step_s = std::max({o_.worst_step_s, std::fabs(shortest_s - period_s_), std::fabs(longest_s - period_s_)});
+    o_.worst_gap_s = std::max(o_.worst_gap_s, longest_s - period_s_);
+  }
+  o_.last_t_s = previous_t_s_ = t_s[n - 1];
   o_.samples += n;
+}
+
+void RigWitness::count_strange_times(const RigBlock& block, std::size_t n) {
+  double previous_s = previous_t_s_;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double step_s = block.t_s[i] - previous_s;
+    previous_s = block.t_s[i];
+    o_.time_not_monotone += !(step_s > 0.0);
+    o_.time_gaps += step_s > 1.5 * period_s_;
+    o_.worst_step_s = std::max(o_.worst_step_s, std::fabs(step_s - period_s_));
+    o_.worst_gap_s = std::max(o_.worst_gap_s, step_s - period_s_);
+  }
 }
 
 void RigWitness::push_codes(const RigBlock& block, std::size_t n) {
@@ -135,6 +171,7 @@ void RigWitness::push_codes(const RigBlock& block, std::size_t n) {
   }
 }
 
+template <bool kSound>
 void RigWitness::push_force(const RigBlock& block, std::size_t n) {
   const float* force_N = block.force_ref_N.data();
   const std::uint16_t* status = block.status.data();
@@ -144,7 +181,7 @@ void RigWitness::push_force(const RigBlock& block, std::size_t n) {
   std::uint64_t good = 0, seconds = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double x = force_N[i];
-    if (!std::isfinite(x) || status[i] & kReferenceBad) {
+    if (!kSound && (!std::isfinite(x) || status[i] & kReferenceBad)) {
       // A lost row is the link's.
       o_.reference_not_finite += !std::isfinite(x) && !(status[i] & kRigSampleLost);
       run = 0;
@@ -175,6 +212,7 @@ void RigWitness::push_force(const RigBlock& block, std::size_t n) {
 }
 
 // Readings that do not change while the spring moves, codes at the rail under load, jumps of the code.
+template <bool kSound>
 void RigWitness::push_changes(const RigBlock& block, std::size_t n) {
   const float *force_N = block.force_ref_N.data(), *theta = block.theta_rad.data();
   const std::uint16_t *code = block.adc.data(), *status = block.status.data();
@@ -201,7 +239,7 @@ void RigWitness::push_changes(const RigBlock& block, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) {
     const float now_N = force_N[i];
     const std::uint16_t now_code = code[i];
-    if (!std::isfinite(now_N) || status[i] & kReferenceBad) {
+    if (!kSound && (!std::isfinite(now_N) || status[i] & kReferenceBad)) {
       previous_N = std::numeric_limits<float>::quiet_NaN();
       continue;
     }
@@ -227,13 +265,14 @@ void RigWitness::push_changes(const RigBlock& block, std::size_t n) {
   sensor_still_ = sensor;
 }
 
+template <bool kSound>
 void RigWitness::push_groups(const RigBlock& block, std::size_t n) {
   const float *force_N = block.force_ref_N.data(), *theta = block.theta_rad.data();
   const std::uint16_t *code = block.adc.data(), *status = block.status.data();
   int filled = group_n_;
   double sum_theta = group_theta_, sum_force = group_force_, sum_code = group_code_;
   for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(force_N[i]) || status[i] & kReferenceBad) continue;
+    if (!kSound && (!std::isfinite(force_N[i]) || status[i] & kReferenceBad)) continue;
     sum_theta += theta[i];
     sum_force += force_N[i];
     sum_code += code[i];
@@ -248,6 +287,7 @@ void RigWitness::push_groups(const RigBlock& block, std::size_t n) {
 
 // e = integral of (command - theta'), v = theta'. Both sides pass the same leak, so e = tau v of a sound drive stays true;
 // at a stop the sums begin anew.
+template <bool kSound>
 void RigWitness::push_wheel(const RigBlock& block, std::size_t n, const float* commanded) {
   const float *force_N = block.force_ref_N.data(), *theta = block.theta_rad.data();
   const std::uint16_t* status = block.status.data();
@@ -257,14 +297,14 @@ void RigWitness::push_wheel(const RigBlock& block, std::size_t n, const float* c
   float previous = previous_theta_;
   std::uint64_t still = theta_run_, longest = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(force_N[i]) || status[i] & kReferenceBad) {
+    if (!kSound && (!std::isfinite(force_N[i]) || status[i] & kReferenceBad)) {
       last = std::numeric_limits<double>::quiet_NaN();
       continue;
     }
-    if (!std::isfinite(theta[i])) continue;
-    const bool stop = status[i] & kRigTravelStop;
+    if (!kSound && !std::isfinite(theta[i])) continue;
+    const bool stop = !kSound && status[i] & kRigTravelStop;
     const double moved = static_cast<double>(theta[i]) - last, v = moved * per_period;
-    if (stop || status[i] & kRigSampleLost || !std::isfinite(v + previous_v)) {
+    if (stop || (!kSound && status[i] & kRigSampleLost) || !std::isfinite(v + previous_v)) {
       e = v_high = 0.0;
     } else {
       e = keep * e + (commanded[i] * period_s_ - moved);
@@ -288,14 +328,22 @@ void RigWitness::push_wheel(const RigBlock& block, std::size_t n, const float* c
   o_.theta_still_while_commanded_s = std::max(o_.theta_still_while_commanded_s, static_cast<double>(longest) * period_s_);
 }
 
+template <bool kSound>
+void RigWitness::push_rows(const RigBlock& block, std::size_t n, const float* commanded) {
+  push_force<kSound>(block, n);
+  push_changes<kSound>(block, n);
+  push_groups<kSound>(block, n);
+  if (info_.geometry.eccentricity_mm > 0.0 && commanded != nullptr) push_wheel<kSound>(block, n, commanded);
+}
+
 void RigWitness::push(const RigBlock& block, std::size_t n, const float* commanded) {
   if (n == 0) return;
   push_time(block, n);
   push_codes(block, n);
-  push_force(block, n);
-  push_changes(block, n);
-  push_groups(block, n);
-  if (info_.geometry.eccentricity_mm > 0.0 && commanded != nullptr) push_wheel(block, n, commanded);
+  if (all_sound(block, n))
+    push_rows<true>(block, n, commanded);
+  else
+    push_rows<false>(block, n, commanded);
 }
 
 RigObservation RigWitness::finish() const {

@@ -72,9 +72,17 @@ class RigWitness {
   double spring_N(double theta_rad) const;
   void push_time(const RigBlock& block, std::size_t n);
   void push_codes(const RigBlock& block, std::size_t n);
+  void count_strange_times(const RigBlock& block, std::size_t n);
+  // kSound: no row of the block has a status bit or a value that is not finite, so nobody need ask.
+  template <bool kSound>
+  void push_rows(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s);
+  template <bool kSound>
   void push_force(const RigBlock& block, std::size_t n);
+  template <bool kSound>
   void push_changes(const RigBlock& block, std::size_t n);
+  template <bool kSound>
   void push_groups(const RigBlock& block, std::size_t n);
+  template <bool kSound>
   void push_wheel(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s);
   void push_spring(double t_s, double theta_rad, double force_N, double code);
   void close_block();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hil/base/portable_math.h"
 
@@ -68,6 +69,16 @@ Result<double> SafetyGate::command(double velocity_rad_per_s) {
   return velocity;
 }
 
+// No status bit and no force above the limit (NaN is neither below nor at it): nothing to count, nothing to stop.
+bool SafetyGate::all_sound(const RigBlock& rows, std::size_t at, std::size_t n) const {
+  const std::uint16_t* const status = rows.status.data() + at;
+  const float* const force_N = rows.force_ref_N.data() + at;
+  const double force_max_N = std::min<double>(force_max_N_, std::numeric_limits<float>::max());
+  unsigned strange = 0;
+  for (std::size_t i = 0; i < n; ++i) strange |= status[i] | static_cast<unsigned>(!(std::fabs(force_N[i]) <= force_max_N));
+  return strange == 0;
+}
+
 Result<std::size_t> SafetyGate::run(std::size_t n, RigBlock& out, std::size_t at) {
   if (report_.stopped()) return std::size_t{0};
   auto ran = rig_.run(n, out, at);
@@ -76,6 +87,11 @@ Result<std::size_t> SafetyGate::run(std::size_t n, RigBlock& out, std::size_t at
     return ran;
   }
   const std::size_t got = *ran;
+  if (got > 0 && all_sound(out, at, got)) {
+    last_t_s_ = out.t_s[at + got - 1];
+    if (can_move_) lost_run_ = 0;
+    return got;
+  }
   constexpr std::uint16_t kReferenceBad = kRigReferenceSaturated | kRigReferenceFault;
   for (std::size_t i = at; i < at + got; ++i) {
     const std::uint16_t status = out.status[i];

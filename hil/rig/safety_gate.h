@@ -51,6 +51,7 @@ class SafetyGate {
   Rig& rig() { return rig_; }
 
  private:
+  bool all_sound(const RigBlock& rows, std::size_t at, std::size_t n) const;
   void stop(StopReason reason, double t_s, double force_N);
 
   Rig& rig_;

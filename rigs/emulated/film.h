@@ -51,19 +51,20 @@ class Film {
 
   /// Samples in order: volts before the converter's rails and noise. tick() is called between two runs.
   void run(std::size_t n, const double* force_N, double* voltage_V) {
-    double film[kBatch];
+    double film[kBatch], voltage = voltage_;
+    const double creep_N = creep_, wander = wander_, offset_N = p_.offset_N, per_gain = per_gain_, follow = follow_;
     for (std::size_t done = 0; done < n; done += kBatch) {
       const std::size_t m = n - done < kBatch ? n - done : kBatch;
+      double* const out_V = voltage_V + done;
       for (std::size_t i = 0; i < m; ++i) film[i] = static_force_N(force_N[done + i]);
-      double voltage = voltage_;
-      for (std::size_t i = 0; i < m; ++i) {
-        memory_.push(film[i]);
-        voltage += follow_ * (target_V(film[i]) - voltage);
-        voltage_V[done + i] = voltage;
-      }
-      voltage_ = voltage;
+      memory_.run(m, film, [&](std::size_t i, double kept_N, double low_N) {
+        const double wander_N = wander * (film[i] - low_N);
+        voltage += follow * ((kept_N + creep_N + wander_N - offset_N) * per_gain - voltage);
+        out_V[i] = voltage;
+      });
       film_N_ = film[m - 1];
     }
+    voltage_ = voltage;
   }
 
   /// Every 10 ms.

@@ -21,6 +21,7 @@
 //  - Disturbance B: a sudden change of rhythm closes part of the lost contacts again for some 20 s (Fig. 8).
 // Rate laws are integrated once per tick (10 ms): the fastest of them has a time constant of 1 s.
 
+#include <cstddef>
 #include <cstdint>
 
 namespace forcegate::emulated {
@@ -53,32 +54,36 @@ class LoadingMemory {
   /// `lost` is the share y left by cycling that ended `rest_before_s` ago.
   void begin(const LoadingParameters& p, double step_s, double force_N, double lost, double rest_before_s);
 
-  /// Every sample.
-  void push(double force_N) {
-    ++index_;
-    if (force_N < lo_) lo_ = force_N;
-    if (force_N > hi_) hi_ = force_N;
-    if (rising_) {
-      if (force_N > extreme_) {
-        extreme_ = force_N;
-        extreme_at_ = index_;
-      } else if (extreme_ - force_N > prominence_) {
-        turn(force_N);
+  /// Samples in order. put(i, output, lo): output force of the film before the static law,
+  ///   F - loss (F - lo) - residue F,  and the lower envelope.
+  template <class Put>
+  void run(std::size_t n, const double* force_N, Put put) {
+    // Rising and falling are one search for the largest y = +-F; in locals, because what put() writes might be a member.
+    double lo = lo_, hi = hi_, sign = rising_ ? 1.0 : -1.0, far = sign * extreme_;
+    std::int64_t index = index_, far_at = extreme_at_;
+    const double prominence = prominence_, loss = loss_, residue = residue_;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double force = force_N[i], y = sign * force;
+      ++index;
+      lo = force < lo ? force : lo;
+      hi = force > hi ? force : hi;
+      if (y > far) {
+        far = y;
+        far_at = index;
+      } else if (far - y > prominence) {
+        lo_ = lo, hi_ = hi, extreme_ = sign * far, extreme_at_ = far_at, index_ = index;
+        turn(force);
+        lo = lo_, hi = hi_, sign = -sign, far = sign * extreme_, far_at = extreme_at_;
       }
-    } else {
-      if (force_N < extreme_) {
-        extreme_ = force_N;
-        extreme_at_ = index_;
-      } else if (force_N - extreme_ > prominence_) {
-        turn(force_N);
-      }
+      put(i, force - loss * (force - lo) - residue * force, lo);
     }
+    lo_ = lo, hi_ = hi, extreme_ = sign * far, extreme_at_ = far_at, index_ = index;
   }
 
   /// Every `dt_s` (10 ms); `force_N` is the latest force.
   void tick(double dt_s, double force_N);
 
-  /// Output force of the film before the static law: F - loss (F - lo) - residue F.
+  /// The same for a force that does not move.
   double apply(double force_N) const { return force_N - loss_ * (force_N - lo_) - residue_ * force_N; }
 
   double lost_share() const { return lost_; }          ///< y

@@ -53,7 +53,7 @@ inline double bare_lane(std::uint64_t samples, const Calibration& calibration, F
   std::vector<float> theta(kBlock), reference(kBlock), output(kBlock);
   std::vector<std::uint16_t> adc(kBlock), status(kBlock);
   std::vector<std::uint8_t> flags(kBlock);
-  Sha256 digest;
+  SampleDigest digest;
   double estimate = force_N, worst = 0.0, sum_spring = 0.0, sum_square = 0.0, sum_second = 0.0, sum_error = 0.0;
   std::array<std::array<double, kMean>, 3> ring{};
   std::array<double, 3> mean{}, high{-1e9, -1e9, -1e9}, low{1e9, 1e9, 1e9};
