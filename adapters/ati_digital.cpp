@@ -11,6 +11,7 @@
 
 #include "adapters/ati/digital.h"
 #include "adapters/ati/reading_filter.h"
+#include "adapters/ati/reference_options.h"
 #include "hil/base/arrival_clock.h"
 #include "hil/interface/device.h"
 
@@ -21,16 +22,14 @@ constexpr double kResync_s = 0.2;  ///< bench time between two attempts to begin
 constexpr int kResyncMax = 10, kAttempts = 3;
 constexpr std::size_t kJamBytes = 72, kHold = 2;
 constexpr std::uint8_t kStream = 0x46, kLock = 0x6A;
-constexpr std::array<const char*, 3> kAxes{"Fx", "Fy", "Fz"};
 using Wall = std::chrono::steady_clock;
 
-struct DigitalOptions {
-  std::string port, serial, calibration_id;
+struct DigitalOptions : ati::ReferenceOptions {
+  std::string port;
   LineSettings line{1250000, LineParity::even};
   std::uint8_t slave = 10;
   int calibration_index = 1;
-  double rate_Hz = 0.0, sign = 1.0, resolution_N = 0.0, noise_N = 0.0, force_max_N = 0.0, jump_max_N = 2.0, reply_timeout_s = 0.5;
-  std::size_t axis = 2;
+  double rate_Hz = 0.0, reply_timeout_s = 0.5;
 };
 
 class AtiDigital final : public ReferenceSensor {
@@ -263,32 +262,21 @@ class AtiDigital final : public ReferenceSensor {
 Result<std::unique_ptr<ReferenceSensor>> make(const ConfigNode& table, BenchWorld& world) {
   ConfigReader in(table, "[reference]", "docs/bench.md");
   DigitalOptions o;
-  std::string axis = "Fz", parity = "even";
-  std::int64_t baud = 1250000, slave = 10, index = 1, sign = 1, timeout_ms = 500;
-  for (const char* elsewhere : {"adapter", "calibration_expires", "u_rel"}) in.any(elsewhere);
+  std::string parity = "even";
+  std::int64_t baud = 1250000, slave = 10, index = 1, timeout_ms = 500;
   in.text("port", o.port, ConfigReader::required);
   in.integer("baud", baud, 19200, 1250000);
   in.choice("parity", parity, {"none", "even", "odd"});
   in.integer("slave", slave, 1, 247);
   in.integer("calibration_index", index, 1, 16);
   in.number("rate_Hz", o.rate_Hz, 10, 10000, ConfigReader::required);
-  in.choice("axis", axis, {"Fx", "Fy", "Fz"});
-  in.integer("sign", sign, -1, 1);
   in.integer("reply_timeout_ms", timeout_ms, 5, 5000);
-  in.number("resolution_N", o.resolution_N, 1e-6, 10, ConfigReader::required);
-  in.number("noise_N", o.noise_N, 0, 10);
-  in.number("force_max_N", o.force_max_N, 0.1, 100000, ConfigReader::required);
-  in.number("jump_max_N", o.jump_max_N, 0.01, 100000);
-  in.text("serial", o.serial, ConfigReader::required);
-  in.text("calibration_id", o.calibration_id, ConfigReader::required);
+  ati::read_reference_options(in, o);
   FORCEGATE_CHECK_OK(in.finish());
   o.line = {static_cast<unsigned>(baud), parity == "even" ? LineParity::even : parity == "odd" ? LineParity::odd : LineParity::none};
   o.slave = static_cast<std::uint8_t>(slave);
   o.calibration_index = static_cast<int>(index);
   o.reply_timeout_s = static_cast<double>(timeout_ms) * 1e-3;
-  o.sign = sign < 0 ? -1.0 : 1.0;
-  for (std::size_t i = 0; i < kAxes.size(); ++i)
-    if (axis == kAxes[i]) o.axis = i;
   return std::make_unique<AtiDigital>(std::move(o), world);
 }
 

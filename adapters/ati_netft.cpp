@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -11,6 +10,7 @@
 
 #include "adapters/ati/rdt.h"
 #include "adapters/ati/reading_filter.h"
+#include "adapters/ati/reference_options.h"
 #include "adapters/transport/network.h"
 #include "hil/base/arrival_clock.h"
 #include "hil/interface/device.h"
@@ -22,14 +22,11 @@ using ati::RdtCommand;
 constexpr double kSilence_s = 0.1;  ///< bench time after which the stream is asked for again
 constexpr int kAsksMax = 5, kDisorderMax = 20, kImplausibleMax = 50;
 constexpr std::uint32_t kGapMax = 100000;  ///< records; more is a restart of the box, no loss
-constexpr std::array<const char*, 3> kAxes{"Fx", "Fy", "Fz"};
 
-struct NetFtOptions {
-  std::string host, serial, calibration_id;
+struct NetFtOptions : ati::ReferenceOptions {
+  std::string host;
   int udp_port = 49152, http_port = 80;
-  double rate_Hz = 1000.0, counts_per_force = 0.0, sign = 1.0;
-  std::size_t axis = 2;
-  double resolution_N = 0.0, noise_N = 0.0, force_max_N = 0.0, jump_max_N = 2.0, u_time_s = 0.0005, page_timeout_s = 2.0;
+  double rate_Hz = 1000.0, counts_per_force = 0.0, u_time_s = 0.0005, page_timeout_s = 2.0;
   bool bias = false;
 };
 
@@ -211,32 +208,20 @@ class AtiNetFt final : public ReferenceSensor {
 Result<std::unique_ptr<ReferenceSensor>> make(const ConfigNode& table, BenchWorld& world) {
   ConfigReader in(table, "[reference]", "docs/bench.md");
   NetFtOptions o;
-  std::string axis = "Fz";
-  std::int64_t udp = 49152, http = 80, sign = 1, page_ms = 2000;
-  for (const char* elsewhere : {"adapter", "calibration_expires", "u_rel"}) in.any(elsewhere);
+  std::int64_t udp = 49152, http = 80, page_ms = 2000;
   in.text("host", o.host, ConfigReader::required);
   in.integer("udp_port", udp, 0, 65535);
   in.integer("http_port", http, 0, 65535);
   in.integer("page_timeout_ms", page_ms, 10, 60000);
   in.number("rate_Hz", o.rate_Hz, 10, 8000, ConfigReader::required);
   in.number("counts_per_force", o.counts_per_force, 1e-3, 1e9, ConfigReader::required);
-  in.choice("axis", axis, {"Fx", "Fy", "Fz"});
-  in.integer("sign", sign, -1, 1);
   in.boolean("bias", o.bias);
-  in.number("resolution_N", o.resolution_N, 1e-6, 10, ConfigReader::required);
-  in.number("noise_N", o.noise_N, 0, 10);
   in.number("u_time_s", o.u_time_s, 1e-6, 0.1);
-  in.number("force_max_N", o.force_max_N, 0.1, 100000, ConfigReader::required);
-  in.number("jump_max_N", o.jump_max_N, 0.01, 100000);
-  in.text("serial", o.serial, ConfigReader::required);
-  in.text("calibration_id", o.calibration_id, ConfigReader::required);
+  ati::read_reference_options(in, o);
   FORCEGATE_CHECK_OK(in.finish());
   o.udp_port = static_cast<int>(udp);
   o.http_port = static_cast<int>(http);
   o.page_timeout_s = static_cast<double>(page_ms) * 1e-3;
-  o.sign = sign < 0 ? -1.0 : 1.0;
-  for (std::size_t i = 0; i < kAxes.size(); ++i)
-    if (axis == kAxes[i]) o.axis = i;
   return std::make_unique<AtiNetFt>(std::move(o), world);
 }
 

@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "adapters/ati/record.h"
+#include "adapters/ati/reference_options.h"
 #include "hil/base/arrival_clock.h"
 #include "hil/base/text.h"
 #include "hil/interface/device.h"
@@ -21,18 +21,13 @@ constexpr double kReply_s = 1.0;     ///< wall time for an answer to a command
 constexpr double kResync_s = 0.2;    ///< bench time between two attempts to stop a stream
 constexpr int kResyncMax = 10;
 constexpr int kBadLinesMax = 20;
-constexpr std::array<const char*, 6> kAxes{"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
 
-struct AtiOptions {
+struct AtiOptions : ati::ReferenceOptions {
   std::string port;
   LineSettings line{38400, LineParity::none};
   bool binary = true, checksum = true, bias = false;
   int average = 1;
-  double counts_per_force = 1.0, newtons_per_unit = 1.0, sign = 1.0;
-  std::size_t axis = 2;
-  double rate_Hz = 0.0;
-  double resolution_N = 0.025, noise_N = 0.0, force_max_N = 17.0, jump_max_N = 2.0;
-  std::string serial, calibration_id;
+  double counts_per_force = 1.0, newtons_per_unit = 1.0, rate_Hz = 0.0;
 };
 
 class AtiSerial final : public ReferenceSensor {
@@ -280,37 +275,24 @@ class AtiSerial final : public ReferenceSensor {
 Result<std::unique_ptr<ReferenceSensor>> make(const ConfigNode& table, BenchWorld& world) {
   ConfigReader in(table, "[reference]", "docs/bench.md");
   AtiOptions o;
-  std::string form = "binary", checksum = "sum8", axis = "Fz", units = "N", expires;
-  std::int64_t baud = 38400, average = 1, sign = 1;
-  in.any("adapter");
-  in.any("calibration_expires");
-  in.any("u_rel");
+  std::string form = "binary", checksum = "sum8", units = "N";
+  std::int64_t baud = 38400, average = 1;
   in.text("port", o.port, ConfigReader::required);
   in.integer("baud", baud, 1200, 1250000);
   in.choice("form", form, {"ascii", "binary"});
   in.choice("checksum", checksum, {"none", "sum8"});
-  in.choice("axis", axis, {"Fx", "Fy", "Fz"});
   in.choice("units", units, {"N", "lbf"});
-  in.integer("sign", sign, -1, 1);
   in.integer("average", average, 1, 255);
   in.boolean("bias", o.bias);
   in.number("counts_per_force", o.counts_per_force, 1e-3, 1e7, ConfigReader::required);
   in.number("rate_Hz", o.rate_Hz, 1, 10000);
-  in.number("resolution_N", o.resolution_N, 1e-6, 10, ConfigReader::required);
-  in.number("noise_N", o.noise_N, 0, 10);
-  in.number("force_max_N", o.force_max_N, 0.1, 100000, ConfigReader::required);
-  in.number("jump_max_N", o.jump_max_N, 0.01, 100000);
-  in.text("serial", o.serial, ConfigReader::required);
-  in.text("calibration_id", o.calibration_id, ConfigReader::required);
+  ati::read_reference_options(in, o);
   FORCEGATE_CHECK_OK(in.finish());
   o.line.baud = static_cast<unsigned>(baud);
   o.binary = form == "binary";
   o.checksum = checksum == "sum8";
   o.average = static_cast<int>(average);
-  o.sign = sign < 0 ? -1.0 : 1.0;
   o.newtons_per_unit = units == "lbf" ? 4.4482216152605 : 1.0;
-  for (std::size_t i = 0; i < kAxes.size(); ++i)
-    if (axis == kAxes[i]) o.axis = i;
   return std::make_unique<AtiSerial>(std::move(o), world);
 }
 
