@@ -42,8 +42,16 @@ class Adapter:
     def close(self):
         """Leaves the instrument quiet. Called at the end, whatever the end is."""
 
+    def verbs(self):
+        """What the bench may ask for beside open and close: verb -> function of the request that returns the fields of
+        the answer. An adapter with a verb of its own extends the table."""
+        return {}
+
     def handle(self, verb, request):
-        raise AdapterError(f"this adapter knows no '{verb}'")
+        verbs = self.verbs()
+        if verb not in verbs:
+            raise AdapterError(f"this adapter knows no '{verb}'")
+        return verbs[verb](request)
 
 
 class ReferenceAdapter(Adapter):
@@ -57,16 +65,12 @@ class ReferenceAdapter(Adapter):
     def stop(self):
         raise NotImplementedError
 
-    def handle(self, verb, request):
-        if verb == "start":
-            self.start()
-        elif verb == "stop":
-            self.stop()
-        elif verb == "poll":
-            return {"rows": [[r.t_s, _number(r.force_N), int(r.status)] for r in self.poll()]}
-        else:
-            return super().handle(verb, request)
-        return {}
+    def verbs(self):
+        return {
+            "start": lambda request: _done(self.start()),
+            "stop": lambda request: _done(self.stop()),
+            "poll": lambda request: {"rows": [[r.t_s, _number(r.force_N), int(r.status)] for r in self.poll()]},
+        }
 
 
 class BoardAdapter(Adapter):
@@ -86,19 +90,17 @@ class BoardAdapter(Adapter):
     def stop(self):
         raise NotImplementedError
 
-    def handle(self, verb, request):
-        if verb == "load":
-            return self.load(request)
-        if verb == "start":
-            self.start(request["rate_Hz"])
-        elif verb == "stop":
-            self.stop()
-        elif verb == "poll":
-            samples, counts = self.poll()
-            return {"rows": [[s.index, s.adc, _number(s.force_N), s.flags] for s in samples], **counts}
-        else:
-            return super().handle(verb, request)
-        return {}
+    def verbs(self):
+        return {
+            "load": self.load,
+            "start": lambda request: _done(self.start(request["rate_Hz"])),
+            "stop": lambda request: _done(self.stop()),
+            "poll": lambda request: self._rows(*self.poll()),
+        }
+
+    @staticmethod
+    def _rows(samples, counts):
+        return {"rows": [[s.index, s.adc, _number(s.force_N), s.flags] for s in samples], **counts}
 
 
 class MotorAdapter(Adapter):
@@ -121,20 +123,19 @@ class MotorAdapter(Adapter):
         """Stops at once and switches off, in any state."""
         raise NotImplementedError
 
-    def handle(self, verb, request):
-        if verb == "arm":
-            return {"timeout_s": self.arm(request["timeout_s"])}
-        if verb == "read":
-            return self.read()
-        if verb == "velocity":
-            self.velocity(request["rad_per_s"])
-        elif verb == "stop":
-            self.stop()
-        elif verb == "emergency":
-            self.emergency()
-        else:
-            return super().handle(verb, request)
-        return {}
+    def verbs(self):
+        return {
+            "arm": lambda request: {"timeout_s": self.arm(request["timeout_s"])},
+            "read": lambda request: self.read(),
+            "velocity": lambda request: _done(self.velocity(request["rad_per_s"])),
+            "stop": lambda request: _done(self.stop()),
+            "emergency": lambda request: _done(self.emergency()),
+        }
+
+
+def _done(_):
+    """The answer of a verb that has nothing to tell, whatever its method returns."""
+    return {}
 
 
 def _number(value):
