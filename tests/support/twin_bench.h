@@ -51,6 +51,14 @@ struct TwinBench {
   }
   void say(const std::string& line) { ok(hand->say(line)); }
   void mount(const std::string& rest = "low_N=0.5 high_N=4") { say("mount specimen=q50 seed=1 session=0 record=1 rest_s=7200 " + rest); }
+  /// A specimen on the bench, everything connected, drive armed, reference and board streaming.
+  void run_up(const std::string& rest = "low_N=0.5 high_N=4") {
+    mount(rest);
+    ok(session->open());
+    ok(session->arm());
+    ok(session->reference().start());
+    ok(session->board().start());
+  }
   double status(const std::string& key) {
     auto s = hand->status();
     return s && s->contains(key) ? std::stod(s->at(key)) : -1e9;

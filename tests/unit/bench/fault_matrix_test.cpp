@@ -31,12 +31,8 @@ const Changes kQuick{{"response_timeout_ms = 1000", "response_timeout_ms = 60"},
 Seen play(const std::string& file, const std::string& fault) {
   TwinBench b(file, kQuick);
   Seen seen;
-  b.mount();
+  b.run_up();
   BenchSession& s = *b.session;
-  TwinBench::ok(s.open());
-  TwinBench::ok(s.arm());
-  TwinBench::ok(s.reference().start());
-  TwinBench::ok(s.board().start());
   const double zero_s = s.world().now_s();
   if (!fault.empty()) b.say("fault " + fault);
   const auto step = [&](int i) -> Result<void> {

@@ -180,12 +180,8 @@ TEST(PythonAdapters, TurnTheWheelAndReadForceAndBoardOfTheTwins) {
   // Long waits, so that a busy machine is no fault of the drive.
   TwinBench b("twin_python.toml", {{"drive_timeout_ms = 500", "drive_timeout_ms = 5000\nreply_timeout_ms = 20000\nstart_timeout_ms = 20000"}});
   ASSERT_TRUE(b.session);
-  b.mount();
+  b.run_up();
   BenchSession& s = *b.session;
-  TwinBench::ok(s.open());
-  TwinBench::ok(s.arm());
-  TwinBench::ok(s.reference().start());
-  TwinBench::ok(s.board().start());
   const double start = s.motor().read().value().theta_rad;
   std::vector<ReferenceReading> readings;
   std::vector<BoardSample> samples;

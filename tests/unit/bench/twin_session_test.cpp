@@ -16,12 +16,8 @@ class OverBothLinks : public testing::TestWithParam<const char*> {};
 
 TEST_P(OverBothLinks, TheWheelFollowsItsVelocityAndTheForceTheWheel) {
   TwinBench b(GetParam());
-  b.mount();
+  b.run_up();
   BenchSession& s = *b.session;
-  TwinBench::ok(s.open());
-  TwinBench::ok(s.arm());
-  TwinBench::ok(s.reference().start());
-  TwinBench::ok(s.board().start());
   const double start = s.motor().read().value().theta_rad;
   TwinBench::ok(s.motor().command_velocity(1.5));
   std::vector<ReferenceReading> readings;
