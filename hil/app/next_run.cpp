@@ -26,10 +26,29 @@ std::string slug(const std::string& text) {
   return out;
 }
 
+// What a run leaves that could play nothing: the forces to record, if anything.
+bool holds_only_profiles(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename() != kProfiles) return false;
+  return !error;
+}
+
+// The copy was made for records that never came. Forces that a person may still record stay.
+void forget_copy(const fs::path& folder, bool keep_profiles) {
+  std::error_code error;
+  if (!keep_profiles) {
+    fs::remove_all(folder, error);
+    return;
+  }
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename() != kProfiles) fs::remove_all(entry.path(), error);
+}
+
 // A whole campaign with a description, in a new folder.
 Result<void> copy_campaign(const fs::path& from, const fs::path& to) {
   std::error_code error;
-  if (fs::exists(to, error)) return fail(ErrorCode::usage, "the output exists already", to.string(), "choose another folder with -o");
+  if (fs::exists(to, error) && !holds_only_profiles(to)) return fail(ErrorCode::usage, "the output exists already", to.string(), "choose another folder with -o");
   const bool single = fs::is_regular_file(from, error) && from.filename() != "campaign.json";
   const fs::path folder = single ? fs::path() : fs::is_directory(from, error) ? from : from.parent_path();
   fs::create_directories(to, error);
@@ -153,8 +172,8 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   fs::path from = request.campaign.campaign;
   if (from.filename().empty()) from = from.parent_path();
   out.folder = !request.output.empty() ? request.output : from.parent_path() / (from.stem().string() + "-next");
-  FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
   FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
+  FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
   std::vector<ProfileToRecord> profiles;
   std::vector<MysterySegment> asked;
   for (std::size_t k = 0; k < out.planned.segments.size(); ++k) {
@@ -199,9 +218,11 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
     FORCEGATE_TRY(const std::vector<std::string> files, play_on_mystery(out.folder, asked));
     for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k];
   }
-  if (out.segments.empty())
-    return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(), out.folder.string(),
+  if (out.segments.empty()) {
+    forget_copy(out.folder, request.bench.rig == "replay");
+    return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(), from.string(),
                 "record one of them and give it with --record");
+  }
   if (progress) progress(0.8, "diagnosing again");
   CampaignRequest again = request.campaign;
   again.campaign = out.folder;

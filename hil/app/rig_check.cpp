@@ -135,13 +135,12 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
     const Moments m = moments(list);
     const double p99 = sample_quantile(list, 0.99), derived = p99 + 2.0 * m.sd;
     const auto planned = std::find_if(plan.cases.begin(), plan.cases.end(), [&](const PlanCase& c) { return c.name == key.first; });
-    const auto given = planned == plan.cases.end()     ? std::optional<double>{}
-                       : key.second == "mre_maxima"     ? planned->maxima_pct
-                       : key.second == "mre_minima"     ? planned->minima_pct
-                                                        : std::optional<double>{};
+    double given = std::nan("");  // limit of the plan
+    if (planned != plan.cases.end() && key.second == "mre_maxima") given = planned->maxima_pct.value_or(given);
+    if (planned != plan.cases.end() && key.second == "mre_minima") given = planned->minima_pct.value_or(given);
     CheckRepeatability row{key.first, key.second, like[key].unit, list.size(), m.mean, m.sd,
-                      *std::max_element(list.begin(), list.end()), given.value_or(std::nan("")), 0.0, false};
-    row.gauge_pct = gauge_share_pct(m.sd, given.value_or(derived));
+                           *std::max_element(list.begin(), list.end()), given, 0.0, false};
+    row.gauge_pct = gauge_share_pct(m.sd, std::isnan(given) ? derived : given);
     row.resolved = row.gauge_pct <= kGaugeRefused_pct;
     if (row.resolved) answer.limits.by_case_and_check[key] = {p99, m.sd, derived, like[key].unit, list.size()};
     answer.rows.push_back(std::move(row));
