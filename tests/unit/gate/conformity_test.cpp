@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "hil/base/rng.h"
 #include "hil/gate/rule.h"
@@ -14,28 +16,63 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-// The worked examples of JCGM 106:2012, clause 7: the numbers that the standard prints.
-TEST(Jcgm106, breakdown_voltage_of_a_zener_diode) {
-  EXPECT_NEAR(conformance_probability(-5.47, 0.05, {-kInf, -5.40}), 0.92, 0.005);
+// Nothing here rests on the library's own distribution function: a probability is the integral of the normal density
+//   exp(-((x - y)/u)^2 / 2) / (u sqrt(2 pi))
+// over the tolerance (JCGM 106:2012, 7.2), made by Simpson's rule. 12 u are taken for infinity (1e-32).
+double integral_of_the_density(double y, double u, double low, double high) {
+  low = std::max(low, y - 12.0 * u);
+  high = std::min(high, y + 12.0 * u);
+  constexpr int kSteps = 20000;
+  const double h = (high - low) / kSteps;
+  const auto density = [&](int i) {
+    const double z = (low + i * h - y) / u;
+    return std::exp(-0.5 * z * z) / (u * std::sqrt(2.0 * std::acos(-1.0)));
+  };
+  double sum = density(0) + density(kSteps);
+  for (int i = 1; i < kSteps; ++i) sum += (i % 2 ? 4.0 : 2.0) * density(i);
+  return sum * h / 3.0;
 }
 
-TEST(Jcgm106, bursting_pressure_of_a_metal_container) {
-  EXPECT_NEAR(conformance_probability(509.7, 8.6, {490.0, kInf}), 0.99, 0.005);
+// Three cases in the manner of the standard's clause 7: an upper limit, a lower one, both. The four digits are Phi(1.4),
+// Phi(2.2907) and Phi(1.5) - Phi(-0.6111) from any table of the normal distribution.
+struct Example {
+  const char* what;
+  double y, u;
+  ToleranceInterval tolerance;
+  double table;
+};
+
+class Jcgm106Example : public testing::TestWithParam<Example> {};
+INSTANTIATE_TEST_SUITE_P(Cases, Jcgm106Example,
+                         testing::Values(Example{"breakdown_voltage_V", -5.47, 0.05, {-kInf, -5.40}, 0.9192},
+                                         Example{"bursting_pressure_kPa", 509.7, 8.6, {490.0, kInf}, 0.9890},
+                                         Example{"viscosity_of_motor_oil_mm2_per_s", 13.6, 1.8, {12.5, 16.3}, 0.6626}),
+                         [](const auto& example) { return std::string(example.param.what); });
+
+TEST_P(Jcgm106Example, the_probability_of_conformance_is_the_integral_over_the_tolerance) {
+  const Example& e = GetParam();
+  const double p = conformance_probability(e.y, e.u, e.tolerance);
+  EXPECT_NEAR(p, integral_of_the_density(e.y, e.u, e.tolerance.low, e.tolerance.high), 1e-10);
+  EXPECT_NEAR(p, e.table, 5e-5);
 }
 
-TEST(Jcgm106, kinematic_viscosity_of_motor_oil) {
-  EXPECT_NEAR(conformance_probability(13.6, 1.8, {12.5, 16.3}), 0.66, 0.005);
-}
-
+// Speed trap: u = 2 % of the reading v, and 100 km/h must be exceeded with 99.9 %. z(0.999) = 3.0902 from the table, so
+// v - 3.0902 x 0.02 v = 100 and v = 106.59 km/h (the standard rounds to 107).
 TEST(Jcgm106, a_driver_is_fined_above_107_km_per_h_where_100_are_allowed) {
-  EXPECT_NEAR(guarded_rejection_limit(100.0, 0.02, 0.001), 107.0, 0.5);
+  const double v = guarded_rejection_limit(100.0, 0.02, 0.001);
+  EXPECT_NEAR(v, 100.0 / (1.0 - 3.0902 * 0.02), 1e-3);
+  EXPECT_NEAR(v, 107.0, 0.5);
+  EXPECT_NEAR(integral_of_the_density(v, 0.02 * v, 100.0, kInf), 0.999, 1e-9);
 }
 
+// w = z(1 - risk) u, in the standard's words w = r U with U = 2 u: r = 1 leaves 2.28 %, r = 1.645 / 2 leaves 5 %.
 TEST(Jcgm106, guard_bands_of_the_usual_risks) {
   EXPECT_NEAR(guard_band(1.0, 0.5), 0.0, 1e-9);
-  EXPECT_NEAR(guard_band(1.0, 0.05), 1.645, 5e-4);
+  EXPECT_NEAR(guard_band(1.0, 0.05), 1.6449, 5e-5);
   EXPECT_NEAR(guard_band(1.0, 0.158655), 1.0, 1e-5);
   EXPECT_NEAR(guard_band(2.0, 0.022750132), 4.0, 1e-6);
+  for (const double risk : {0.001, 0.02, 0.05, 0.3})
+    EXPECT_NEAR(integral_of_the_density(0.0, 0.7, guard_band(0.7, risk), kInf), risk, 1e-9);
 }
 
 TEST(Jcgm106, at_the_edge_of_the_guard_band_the_risk_is_what_was_asked_for) {
@@ -49,6 +86,25 @@ TEST(Jcgm106, global_risks_of_a_perfect_instrument_are_none) {
   const GlobalRisks r = global_risks(0.0, 1.0, 0.0, {-1.0, 1.0}, {-1.0, 1.0});
   EXPECT_NEAR(r.consumer, 0.0, 1e-9);
   EXPECT_NEAR(r.producer, 0.0, 1e-9);
+}
+
+// With limit and acceptance limit both at the mean of the items, truth and reading are two normal numbers of correlation
+// rho = sd / sqrt(sd^2 + u^2), and the chance that only one lies beyond is atan(u / sd) / (2 pi) exactly.
+TEST(Jcgm106, global_risks_at_the_mean_of_the_items_are_an_angle) {
+  for (const double u : {0.1, 0.25, 0.5, 1.0, 3.0}) {
+    const GlobalRisks r = global_risks(7.0, 1.0, u, {-kInf, 7.0}, {-kInf, 7.0});
+    const double angle = std::atan(u) / (2.0 * std::acos(-1.0));
+    EXPECT_NEAR(r.consumer, angle, 1e-8) << u;
+    EXPECT_NEAR(r.producer, angle, 1e-8) << u;
+  }
+}
+
+// Deaver's figures for a tolerance of two standard deviations of the items and a measurement four times as good:
+// 0.8 % accepted though bad, 1.5 % refused though good.
+TEST(Jcgm106, global_risks_of_a_four_to_one_measurement) {
+  const GlobalRisks r = global_risks(0.0, 1.0, 0.25, {-2.0, 2.0}, {-2.0, 2.0});
+  EXPECT_NEAR(r.consumer, 0.008, 0.0005);
+  EXPECT_NEAR(r.producer, 0.015, 0.0005);
 }
 
 // The integrals of clause 9.5 against a simulation of the same model.
