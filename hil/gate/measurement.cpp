@@ -35,7 +35,8 @@ RecordMeasurement::RecordMeasurement(const CaseJob& job, CaseRecord& record, Com
   witness_.begin(record.rig);
   output_.begin(rate_Hz, start_s);
   hold_.begin(rate_Hz, start_s);
-  lag_.begin(rate_Hz, start_s);
+  // One clock drives all of an emulated rig: nothing to compare.
+  lag_.begin(rate_Hz, start_s, record.rig.emulated ? std::numeric_limits<double>::infinity() : record.duration_s);
   waveform_.begin(record.facts, record.duration_s, rate_Hz);
   overview_.begin(record.expected_samples, kOverviewColumns);
   const double f_Hz = record.facts.lowest_frequency_Hz;
@@ -119,6 +120,10 @@ void RecordMeasurement::finish(const Stimulus& stimulus) {
   lag_.finish(record_.lag_s, record_.u_lag_s);
   double unused = 0.0;
   lag_.finish_raw(record_.raw_lag_s, unused);
+  if (const LagDrift d = lag_.drift(); std::isfinite(d.drift_ppm))
+    record_.rig.details["sensor behind reference"] =
+        fmt::format("{:.2f} ms in the first half of the record, {:.2f} ms in the second: {:+.1f} ppm, u = {:.1f} ppm",
+                    1e3 * d.first_lag_s, 1e3 * d.second_lag_s, d.drift_ppm, d.u_drift_ppm);
   if (job_.curves) {
     record_.overview = overview_.finish();
     if (!window_.has_snapshot()) record_.window_reason = "end of the record";

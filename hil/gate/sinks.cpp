@@ -153,24 +153,51 @@ HoldFacts HoldWatch::finish() const {
   return facts;
 }
 
-void LagEstimator::begin(double rate_Hz, double from_s) {
+void LagEstimator::begin(double rate_Hz, double from_s, double until_s) {
   *this = LagEstimator();
-  firmware_ = raw_ = LagFit(kGroup / rate_Hz);
+  firmware_ = raw_ = raw_first_ = raw_second_ = LagFit(kGroup / rate_Hz);
   from_s_ = from_s;
+  between_s_ = 0.5 * (until_s - from_s);
+  half_s_ = from_s + between_s_;
+}
+
+LagDrift LagEstimator::drift() const {
+  LagDrift d;
+  if (!second_half_) return d;
+  double u_first_s = 0.0, u_second_s = 0.0;
+  raw_first_.finish(d.first_lag_s, u_first_s);
+  raw_second_.finish(d.second_lag_s, u_second_s);
+  d.drift_ppm = 1e6 * (d.second_lag_s - d.first_lag_s) / between_s_;
+  d.u_drift_ppm = 1e6 * std::sqrt(u_first_s * u_first_s + u_second_s * u_second_s) / between_s_;
+  return d;
 }
 
 void LagEstimator::push(const RecordBlock& b) {
-  for (std::size_t i = 0; i < b.n; ++i) {
-    sum_x_ += b.rig->force_ref_N[i];
-    sum_y_ += b.dut_N[i];
-    sum_raw_ += b.raw_N[i];
-    if (++filled_ < kGroup) continue;
-    const double x = b.rig->t_s[i] < from_s_ ? kNan : sum_x_ / kGroup;
-    firmware_.push(x, sum_y_ / kGroup);
-    raw_.push(x, sum_raw_ / kGroup);
-    filled_ = 0;
-    sum_x_ = sum_y_ = sum_raw_ = 0.0;
+  const float *ati_N = b.rig->force_ref_N.data(), *dut_N = b.dut_N.data(), *raw_N = b.raw_N.data();
+  double sum_x = sum_x_, sum_y = sum_y_, sum_raw = sum_raw_;
+  int filled = filled_;
+  for (std::size_t i = 0; i < b.n;) {
+    const std::size_t end = std::min(b.n, i + static_cast<std::size_t>(kGroup - filled));
+    filled += static_cast<int>(end - i);
+    for (; i < end; ++i) {
+      sum_x += ati_N[i];
+      sum_y += dut_N[i];
+      sum_raw += raw_N[i];
+    }
+    if (filled < kGroup) break;
+    const double t_s = b.rig->t_s[end - 1], x = t_s < from_s_ ? kNan : sum_x / kGroup;
+    firmware_.push(x, sum_y / kGroup);
+    if (!second_half_ && t_s >= half_s_) {
+      second_half_ = true;
+      raw_first_ = raw_;
+    }
+    raw_.push(x, sum_raw / kGroup);
+    if (second_half_) raw_second_.push(x, sum_raw / kGroup);
+    filled = 0;
+    sum_x = sum_y = sum_raw = 0.0;
   }
+  filled_ = filled;
+  sum_x_ = sum_x, sum_y_ = sum_y, sum_raw_ = sum_raw;
 }
 
 void Overview::begin(std::uint64_t samples, std::size_t columns) {

@@ -55,21 +55,34 @@ class HoldWatch {
   double dut_ = 0.0, raw_ = 0.0, ati_ = 0.0;
 };
 
+/// How the sensor's lag behind the ATI changes from the first to the second half of a record: what is left of the skew
+/// of their clocks, seen in the signals themselves,
+///   drift = (lag_2 - lag_1) / T,  T from the middle of the one half to that of the other,
+/// in parts per million; positive: the sensor falls behind. It holds besides whatever else changes the lag. NaN when the
+/// force hardly moves in one of the halves (hil/trace/lag_fit.h).
+struct LagDrift {
+  double first_lag_s = std::numeric_limits<double>::quiet_NaN(), second_lag_s = first_lag_s;
+  double drift_ppm = first_lag_s, u_drift_ppm = first_lag_s;
+};
+
 /// Lag of the firmware, and of the raw sensor force, behind the ATI (hil/trace/lag_fit.h) on means over kGroup samples.
 class LagEstimator {
  public:
   static constexpr int kGroup = 10;
-  void begin(double rate_Hz, double from_s);
+  /// until_s: end of the record, whose halves are compared; infinity: they are not.
+  void begin(double rate_Hz, double from_s, double until_s = std::numeric_limits<double>::infinity());
   void push(const RecordBlock& block);
   /// NaN when the force hardly moves.
   void finish(double& lag_s, double& u_lag_s) const { firmware_.finish(lag_s, u_lag_s); }
   void finish_raw(double& lag_s, double& u_lag_s) const { raw_.finish(lag_s, u_lag_s); }
+  LagDrift drift() const;
 
  private:
-  double from_s_ = 0.0;
+  double from_s_ = 0.0, half_s_ = 0.0, between_s_ = 0.0;
+  bool second_half_ = false;
   int filled_ = 0;
   double sum_x_ = 0.0, sum_y_ = 0.0, sum_raw_ = 0.0;
-  LagFit firmware_, raw_;
+  LagFit firmware_, raw_, raw_first_, raw_second_;
 };
 
 /// Curves for pictures: `columns` pixel columns, each with the rows that hold first, last and the extremes of
