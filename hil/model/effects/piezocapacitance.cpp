@@ -1,24 +1,60 @@
-// Piezo-capacitance: displacement current d(C V)/dt leads the force.  dU = g c tau0 dF/dt / (1 + F/Fm), tau0 = 10 ms.
+// Piezo-capacitance: displacement current d(C V)/dt leads the force, tau0 = 10 ms, m: at mid force.
+//   load_dependent:        dU = g c tau0 dF/dt 2 / (1 + F/Fm): C grows less and less with the force
+//   measured_capacitance:  dU = g c tau0 dC/dt / C'(Fm), C(F) as recorded (C_F)
 // (A lead without the load factor cannot be told from a reference that is late.) Hundreds of pF at 50 to 250 N (Paredes-Madrid et al. 2010).
 
+#include <cmath>
+
+#include "hil/model/capacitance_curve.h"
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
 namespace {
 
-EffectForm form(const char* name, bool loaded) {
+constexpr double kFollow_s = 0.005;  // bandwidth of the derivative
+
+void assumed_columns(const CampaignInput& c, const RecordInput& r, ColumnsRef out) {
+  const double middle = c.lowest_N + 0.5 * c.range_N;
+  const auto y = low_pass_rows(r, kFollow_s);
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    out(static_cast<Eigen::Index>(i), 0) = 2.0 * (r.F_N[i] - y[i]) * (2.0 / (1.0 + std::max(r.F_N[i], 0.0) / middle));
+}
+
+// The charge moved by a step is C(after) - C(before), up and down alike: the derivative is that of C(F) at full rate.
+void measured_columns(const CampaignInput& c, const RecordInput& r, const CapacitanceCurve& curve, ColumnsRef out) {
+  if (r.fast_F_N.empty()) return;
+  const double slope = curve.slope_F_per_N(c.lowest_N + 0.5 * c.range_N);
+  double q = curve.at_F(r.fast_F_N[0]) / slope, y = q;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    double sum = 0.0;
+    const std::uint32_t begin = r.row_begin[i], end = r.row_begin[i + 1];
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const double before = q;
+      q = curve.at_F(r.fast_F_N[k]) / slope;
+      if (k > 0) {
+        const double middle = 0.5 * (before + q);
+        y = middle + (y - middle) * std::exp(-(r.fast_t_s[k] - r.fast_t_s[k - 1]) / kFollow_s);
+      }
+      sum += q - y;
+    }
+    out(static_cast<Eigen::Index>(i), 0) = 2.0 * sum / static_cast<double>(end - begin);
+  }
+}
+
+EffectForm form(const char* name, bool measured) {
   return {.name = name,
           .shape = {},
           .strength = {{"c", "1", -50.0, 50.0, 0.0, "lead in units of 10 ms"}},
           .sign = StrengthSign::positive,
-          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
-          .columns = [loaded](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
-            const double middle = c.lowest_N + 0.5 * c.range_N;
-            const auto y = low_pass_rows(r, 0.005);
-            for (std::size_t i = 0; i < r.rows(); ++i)
-              out(static_cast<Eigen::Index>(i), 0) =
-                  2.0 * (r.F_N[i] - y[i]) * (loaded ? 2.0 / (1.0 + std::max(r.F_N[i], 0.0) / middle) : 1.0);
+          .grid = [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
+            if (measured && !capacitance_curve(c)) return {};
+            return {{}};
+          },
+          .columns = [measured](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+            if (!measured) return assumed_columns(c, r, out);
+            out.setZero();
+            if (const auto curve = capacitance_curve(c)) measured_columns(c, r, *curve, out);
           }};
 }
 
@@ -26,12 +62,12 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .name = "piezocapacitance",
     .side = "sensor",
     .summary = "the output leads the force on every edge, more at low load",
-    .equation = "dU = g c tau0 dF/dt / (1 + F/Fm)",
+    .equation = "dU = g c tau0 dC(F)/dt / C'(Fm)",
     .source = "Paredes-Madrid et al. 2010",
     .look_alikes = {"delay", "rc", "lag"},
     .separates = "edges of equal height at low and high load, with the capacitance channel recorded",
     .needs = {},
-    .forms = {form("load_dependent", true)}}};
+    .forms = {form("load_dependent", false), form("measured_capacitance", true)}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -1,56 +1,73 @@
-// Parasitic RC: the sensor's own resistance R(F) ~ 1/F with a cable or filter capacitance makes a pole that is slower
-// at low load.  y' = (F - y) (F + Fe) / (tau Fm), dU = g D c (y - F); Fm the mid force, Fe 2 % of the span.
+// Parasitic RC: the sensor's own resistance R(F) ~ 1/F with a capacitance makes a pole that is slower at low load.
+//   y' = (F - y) / (tau R(F) C / (Rm Cm)),  R(F) ~ 1/(F + Fe),  dU = g D c (y - F);  m: at mid force, Fe 2 % of the span.
+// load_dependent_pole: C of cable or filter, the same at every force. measured_capacitance: C(F) as recorded (C_F); since it
+// grows with the force, the tail shortens less with the load.
 // Paredes-Madrid et al. 2010: sensor = R(F) parallel C(F).
 
 #include <cmath>
 
+#include "hil/model/capacitance_curve.h"
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
 namespace {
 
+// `factor(F)`: C(F) / C(Fm).
+template <class Factor>
+void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, ColumnsRef out, const Factor& factor) {
+  const double middle = c.lowest_N + 0.5 * c.range_N, floor = 0.02 * c.range_N;
+  double y = r.fast_F_N[0];
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    double sum = 0.0;
+    const std::uint32_t begin = r.row_begin[i], end = r.row_begin[i + 1];
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const double F = r.fast_F_N[k];
+      if (k > 0) {
+        const double rate = (std::max(F, 0.0) + floor) / (tau_s * middle * factor(F));
+        const double before = 0.5 * (F + r.fast_F_N[k - 1]);
+        y = before + (y - before) * std::exp(-rate * (r.fast_t_s[k] - r.fast_t_s[k - 1]));
+      }
+      sum += y;
+    }
+    out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (sum / static_cast<double>(end - begin) - r.F_N[i]);
+  }
+}
+
+EffectForm form(const char* name, bool measured) {
+  return {.name = name,
+          .shape = {{"tau_s", "s", 1e-4, 10.0, 0.02, "time constant at mid force"}},
+          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal behind the pole"}},
+          .sign = StrengthSign::positive,
+          .grid =
+              [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
+                if (measured && !capacitance_curve(c)) return {};
+                return {{0.003}, {0.008}, {0.02}, {0.05}, {0.12}};
+              },
+          .columns =
+              [measured](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                out.setZero();
+                if (r.fast_F_N.empty()) return;
+                if (!measured) return pole_columns(c, r, shape[0], out, [](double) { return 1.0; });
+                const auto curve = capacitance_curve(c);
+                if (!curve) return;
+                const double middle_F = curve->at_F(c.lowest_N + 0.5 * c.range_N), least = 0.1;
+                pole_columns(c, r, shape[0], out, [&](double F) { return std::max(least, curve->at_F(F) / middle_F); });
+              },
+          .least = 0.0,
+          .most = 1.2};
+}
+
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "rc",
     .side = "instrument",
     .summary = "the output lags with a tail that is longer at low load",
-    .equation = "y' = (F - y)(F + Fe)/(tau Fm), dU = g D c (y - F)",
+    .equation = "y' = (F - y)(F + Fe)/(tau Fm) Cm/C(F), dU = g D c (y - F)",
     .source = "Paredes-Madrid et al. 2010",
     .look_alikes = {"lag", "delay", "piezocapacitance"},
-    .separates = "steps of equal height at low and at high mean load",
+    .separates = "steps of equal height at low and at high mean load, with the capacitance channel recorded",
     .needs = {},
-    .forms = {{.name = "load_dependent_pole",
-               .shape = {{"tau_s", "s", 1e-4, 10.0, 0.02, "time constant at mid force"}},
-               .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal behind the pole"}},
-               .sign = StrengthSign::positive,
-               .grid =
-                   [](const CampaignInput&) {
-                     return std::vector<std::vector<double>>{{0.003}, {0.008}, {0.02}, {0.05}, {0.12}};
-                   },
-               .columns =
-                   [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                     out.setZero();
-                     if (r.fast_F_N.empty()) return;
-                     const double middle = c.lowest_N + 0.5 * c.range_N, floor = 0.02 * c.range_N;
-                     double y = r.fast_F_N[0];
-                     for (std::size_t i = 0; i < r.rows(); ++i) {
-                       double sum = 0.0;
-                       const std::uint32_t begin = r.row_begin[i], end = r.row_begin[i + 1];
-                       for (std::uint32_t k = begin; k < end; ++k) {
-                         const double F = r.fast_F_N[k];
-                         if (k > 0) {
-                           const double rate = (std::max(F, 0.0) + floor) / (shape[0] * middle);
-                           const double before = 0.5 * (F + r.fast_F_N[k - 1]);
-                           y = before + (y - before) * std::exp(-rate * (r.fast_t_s[k] - r.fast_t_s[k - 1]));
-                         }
-                         sum += y;
-                       }
-                       out(static_cast<Eigen::Index>(i), 0) =
-                           r.decay[i] * (sum / static_cast<double>(end - begin) - r.F_N[i]);
-                     }
-                   },
-               .least = 0.0,
-               .most = 1.2}}}};
+    .forms = {form("load_dependent_pole", false), form("measured_capacitance", true)}}};
 
 }  // namespace
 }  // namespace forcegate

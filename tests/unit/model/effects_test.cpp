@@ -3,8 +3,10 @@
 #include <Eigen/Dense>
 
 #include <cmath>
+#include <functional>
 
 #include "hil/base/rng.h"
+#include "hil/model/capacitance_curve.h"
 #include "hil/model/effect.h"
 #include "hil/model/model.h"
 #include "synthetic.h"
@@ -136,6 +138,66 @@ double explained_by(const std::string& effect, const std::string& form_name, con
     best = std::max(best, 1.0 - with / without);
   }
   return best;
+}
+
+// The campaign with a recorded capacitance C(F), F.
+CampaignInput with_capacitance(const std::function<double(double)>& C) {
+  CampaignInput made = input();
+  made.has_capacitance = true;
+  for (RecordInput& r : made.records) {
+    r.C_F.clear();
+    for (const double F : r.F_N) r.C_F.push_back(C(F));
+  }
+  return made;
+}
+
+TEST(CapacitanceCurve, IsTheRecordedOneAndNoneThatSaysNothingAboutTheForce) {
+  const auto rising = [](double F) { return 1e-12 * (22.0 + 3.1 * F - 0.11 * F * F); };
+  const CampaignInput campaign = with_capacitance(rising);
+  const auto curve = capacitance_curve(campaign);
+  ASSERT_TRUE(curve.has_value());
+  for (const double F : {0.5, 2.0, 3.0}) {
+    EXPECT_NEAR(curve->at_F(F), rising(F), 1e-16);
+    EXPECT_NEAR(curve->slope_F_per_N(F), 1e-12 * (3.1 - 0.22 * F), 1e-16);
+  }
+  EXPECT_FALSE(capacitance_curve(input()).has_value()) << "nothing is recorded";
+  EXPECT_FALSE(capacitance_curve(with_capacitance([](double) { return 22e-12; })).has_value());
+  EXPECT_FALSE(capacitance_curve(with_capacitance([](double F) { return 1e-12 * (40.0 - F); })).has_value());
+}
+
+// A current V dC/dt of this very C, and a pole of R(F) and this C, against the forms with and without the recorded channel.
+TEST(CapacitanceForms, TheRecordedCapacitanceExplainsItsCurrentAndItsPoleBetterThanAnAssumedOne) {
+  const CampaignInput campaign = with_capacitance([](double F) { return 1e-12 * (2.0 + 0.5 * F + 1.5 * F * F); });
+  const double middle = campaign.lowest_N + 0.5 * campaign.range_N;
+  std::vector<std::vector<double>> current, pole;
+  for (const RecordInput& r : campaign.records) {
+    std::vector<double> i_row, p_row;
+    const auto C_of = [](double F) { return 2.0 + 0.5 * F + 1.5 * F * F; };
+    double y = r.fast_F_N[0], charge = C_of(r.fast_F_N[0]);
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      double sum = 0.0, current_sum = 0.0;
+      for (std::uint32_t k = r.row_begin[i]; k < r.row_begin[i + 1]; ++k) {
+        const double F = r.fast_F_N[k], dt = k > 0 ? r.fast_t_s[k] - r.fast_t_s[k - 1] : 1.0;
+        const double tau_s = 0.03 * (middle / (std::max(F, 0.0) + 0.02 * campaign.range_N)) * C_of(F) / C_of(middle);
+        const double moved = k > 0 ? dt / (0.003 + dt) * (C_of(F) - charge) : 0.0;
+        charge += moved;
+        current_sum += moved / dt;
+        if (k > 0) y += dt / (tau_s + dt) * (F - y);
+        sum += y;
+      }
+      i_row.push_back(current_sum / (r.row_begin[i + 1] - r.row_begin[i]));
+      p_row.push_back(sum / (r.row_begin[i + 1] - r.row_begin[i]) - r.F_N[i]);
+    }
+    current.push_back(std::move(i_row));
+    pole.push_back(std::move(p_row));
+  }
+  const double current_measured = explained_by("piezocapacitance", "measured_capacitance", campaign, current),
+               current_assumed = explained_by("piezocapacitance", "load_dependent", campaign, current);
+  EXPECT_GT(current_measured, 0.9);
+  EXPECT_GT(current_measured, current_assumed + 0.02);
+  const double pole_measured = explained_by("rc", "measured_capacitance", campaign, pole), pole_assumed = explained_by("rc", "load_dependent_pole", campaign, pole);
+  EXPECT_GT(pole_measured, 0.9);
+  EXPECT_GT(pole_measured, pole_assumed);
 }
 
 TEST(Recovery, PlayOperatorsFollowALoopMadeByAPreisachPlane) {
