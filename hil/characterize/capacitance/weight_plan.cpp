@@ -12,8 +12,10 @@
 namespace forcegate::characterize {
 namespace {
 
+constexpr const char* kGuide = "docs/characterize.md";
+
 Result<void> read_loading(const ConfigNode& node, WeightPlan& p) {
-  ConfigReader r(node, "[loading]");
+  ConfigReader r(node, "[loading]", kGuide);
   r.number("step_N", p.step_N, 0.5, 100.0);
   r.number("force_max_N", p.force_max_N, 10.0, 1e4);
   r.number("hold_s", p.hold_s, 0.1, 3600.0);
@@ -27,7 +29,7 @@ Result<void> read_loading(const ConfigNode& node, WeightPlan& p) {
 }
 
 Result<void> read_source(const ConfigNode& node, WeightPlan& p) {
-  ConfigReader r(node, "[source]");
+  ConfigReader r(node, "[source]", kGuide);
   r.number("dc_V", p.dc_V, -50.0, 50.0);
   r.number("sine_V", p.sine_V, 1e-3, 50.0);
   r.number("sine_Hz", p.sine_Hz, 1.0, 1e6);
@@ -38,7 +40,7 @@ Result<void> read_source(const ConfigNode& node, WeightPlan& p) {
 }
 
 Result<void> read_sweep(const ConfigNode& node, WeightPlan& p) {
-  ConfigReader r(node, "[sweep]");
+  ConfigReader r(node, "[sweep]", kGuide);
   r.number("amplitude_V", p.sweep_V, 1e-3, 50.0);
   r.number("low_Hz", p.sweep_low_Hz, 1.0, 1e6);
   r.number("high_Hz", p.sweep_high_Hz, 1.0, 1e6);
@@ -72,7 +74,7 @@ Result<WeightPlan> parse_weight_plan(std::string_view text, const std::string& n
   FORCEGATE_TRY(const ConfigNode root, parse_config(text, name));
   WeightPlan plan;
   plan.path = name;
-  ConfigReader r(root, "the plan", "docs/paper-capacitance.md");
+  ConfigReader r(root, "the plan", kGuide);
   std::int64_t format = 0, seed = static_cast<std::int64_t>(plan.seed);
   std::string kind;
   r.integer("format", format, 1, 1, ConfigReader::required);
@@ -85,7 +87,7 @@ Result<WeightPlan> parse_weight_plan(std::string_view text, const std::string& n
   const ConfigNode *population = r.table("population"), *loading = r.table("loading"), *source = r.table("source"), *sweep = r.table("sweep");
   FORCEGATE_CHECK_OK(r.finish());
   if (population != nullptr) {
-    ConfigReader p(*population, "[population]");
+    ConfigReader p(*population, "[population]", kGuide);
     p.count("sets", plan.sets, 1, 10000);
     FORCEGATE_CHECK_OK(p.finish());
   }
