@@ -33,7 +33,7 @@ std::string id_of(const std::vector<BundleFile>& files) {
   return sha256_hex(list);
 }
 
-// What is not judged; the checks are those against the accepted build.
+// What is not judged; its checks are those against the accepted build, with their values but without a verdict.
 RunResult with_compared(RunResult head, const std::vector<JudgedCheck>& compared) {
   head.checks.clear();
   for (const JudgedCheck& j : compared) head.checks.push_back(j.check);
@@ -43,7 +43,7 @@ RunResult with_compared(RunResult head, const std::vector<JudgedCheck>& compared
 
 std::vector<JudgedCheck> take_compared(RunResult& head) {
   std::vector<JudgedCheck> compared;
-  for (Check& check : head.checks) compared.push_back({.check = std::move(check), .judgeable = false});
+  for (Check& check : head.checks) compared.push_back({.check = std::move(check)});
   head.checks.clear();
   return compared;
 }

@@ -155,7 +155,6 @@ class GateRun {
 
   // Golden traces and waivers come in when every record is made.
   Result<RunResult> conclude(std::optional<RunFolder>& folder) {
-    for (JudgedCheck& j : compared_) j.judgeable = false;  // final, as in the bundle: a stored run is judged in the same way
     RunMaterial material{setup_.plan,           limits_,
                          player_->level(),      player_->cancelled(),
                          std::move(player_->records()), std::move(compared_),

@@ -29,7 +29,7 @@ struct RunMaterial {
   CalibrationLevel level = CalibrationLevel::nominal;
   bool cancelled = false;
   std::vector<PlayedRecord> records;  ///< in the order in which they were played
-  std::vector<JudgedCheck> compared;  ///< against the accepted build; verdicts are final
+  std::vector<JudgedCheck> compared;  ///< against the accepted build; still to be judged
   RunResult head;                     ///< what is not judged: names, hashes, versions, notes
 };
 

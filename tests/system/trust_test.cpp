@@ -42,6 +42,16 @@ TEST_F(Trust, a_stored_run_gives_the_same_result_byte_for_byte_and_can_be_played
   EXPECT_THAT(r.out, HasSubstr("2 records played again"));
 }
 
+TEST_F(Trust, what_a_run_was_compared_with_is_judged_again_too) {
+  for (const auto& [image, code] : {std::pair{kGood, 0}, std::pair{kGain, 1}}) {
+    const std::string stored = gated(image, "run", {"--accepted", kGood});
+    EXPECT_THAT(read_text(fs::path(stored) / "result.json"), HasSubstr("no_worse_maxima/"));
+    const ProcessResult r = run({"check", stored});
+    EXPECT_EQ(r.exit_code, code) << r.out << r.err;
+    EXPECT_THAT(r.out, HasSubstr("byte for byte"));
+  }
+}
+
 TEST_F(Trust, a_rejected_run_is_measured_again_from_the_samples_it_kept) {
   const std::string stored = gated(kOff, "run");
   const ProcessResult r = run({"check", stored});
