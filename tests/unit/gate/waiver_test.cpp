@@ -24,11 +24,11 @@ WaivedRun one_failure() {
   WaivedRun run;
   run.records.resize(1);
   JudgedCheck good, bad;
-  good.check = {.id = "output_finite", .case_id = "sine/q50", .title = "Finite", .value = 0.0, .unit = "1"};
-  good.check.limit = {Limit::Kind::upper, 0.0, "test"};
+  good.check = {.id = "output_finite", .case_id = "sine/q50", .title = "Finite", .value = 0.0, .unit = "1",
+                .limit = {Limit::Kind::upper, 0.0, "test"}, .evidence = ""};
   good.check.verdict = Verdict::pass;
-  bad.check = {.id = "mre_minima", .case_id = "sine/q50", .title = "Minima", .value = 9.0, .unit = "%"};
-  bad.check.limit = {Limit::Kind::upper, 7.5, "test"};
+  bad.check = {.id = "mre_minima", .case_id = "sine/q50", .title = "Minima", .value = 9.0, .unit = "%",
+               .limit = {Limit::Kind::upper, 7.5, "test"}, .evidence = ""};
   bad.check.verdict = Verdict::fail;
   bad.check.blame = Blame::firmware;
   run.of_record() = {good, bad};
