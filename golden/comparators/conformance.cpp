@@ -64,10 +64,10 @@ class Conformance final : public Comparator {
       return c;
     }
     c.value = worst_;
-    c.worst_at_s = static_cast<double>(worst_at_) * 1e-3;
+    c.worst_at_s = static_cast<double>(worst_at_) / 1000.0;
     c.evidence = flags_differ_ > 0
                      ? "state flags differ in " + std::to_string(flags_differ_) + " samples, first at " +
-                           shortest(static_cast<double>(first_flag_) * 1e-3) + " s"
+                           shortest(static_cast<double>(first_flag_) / 1000.0) + " s"
                      : "largest difference at " + shortest(c.worst_at_s) + " s";
     return c;
   }

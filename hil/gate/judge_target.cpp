@@ -56,7 +56,9 @@ std::vector<JudgedCheck> judge_target(const Plan& plan, const CaseRecord& record
             "high-water mark of the painted stack");
   const double stack = std::isnan(r.stack_bytes) ? 0.0 : r.stack_bytes;
   judge.add("ram_bytes", "RAM", r.ram_bytes + stack, "B", or_none(l.ram_bytes), "ours: plan",
-            fmt::format("static data {:.0f} B, stack {:.0f} B", r.ram_bytes, stack));
+            fmt::format("static data {:.0f} B, ", r.ram_bytes) +
+                (std::isnan(r.stack_bytes) ? std::string("stack not measured on this lane")
+                                           : fmt::format("stack {:.0f} B", stack)));
   judge.add("flash_bytes", "Flash", r.flash_bytes, "B", or_none(l.flash_bytes), "ours: plan",
             "sections that are loaded");
   judge.add("heap_growth", "Memory taken and not given back", r.heap_growth_bytes, "B", 0.0,

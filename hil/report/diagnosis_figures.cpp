@@ -106,7 +106,10 @@ Figure record_error_figure(const Diagnosis& d) {
     rows.push_back({r.record + (r.kind.empty() ? "" : ", " + r.kind) + (r.heldout ? " *" : ""), r.before,
                     r.after, r.floor > 0.0 ? r.floor : NAN});
   Figure figure = before_after_rows("Error of every record", rows, "RMSE", d.unit);
-  figure.summary = "* held out: never seen by the fit.";
+  if (std::ranges::any_of(d.records, &RecordError::heldout))
+    figure.summary = "* held out: never seen by the fit.";
+  else if (d.records.size() > 1)
+    figure.summary = "Each record is judged with the strengths that the others give.";
   return figure;
 }
 

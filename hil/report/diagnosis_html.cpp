@@ -170,13 +170,15 @@ std::string ranking(const Diagnosis& d) {
 
 std::string records(const Diagnosis& d) {
   if (d.records.empty()) return {};
+  const bool any_heldout = std::ranges::any_of(d.records, &RecordError::heldout);
+  const std::string role = any_heldout ? "fitted" : d.records.size() > 1 ? "left out in turn" : "in blocks";
   std::string out = "<section id=\"records\"><h2>Records</h2>\n" + picture(record_error_figure(d)) +
                     table_start("RMS error of each record in " + d.unit +
                                     " (adapted: gain, offset and decay of the record may follow the data)",
                                 {"Record", "Kind", "Role", "#Before", "#After", "#Plain before",
                                  "#Plain after", "#Noise", "#Explainable / %"});
   for (const RecordError& r : d.records)
-    out += "<tr>" + cell(escape(r.record)) + cell(escape(r.kind)) + cell(r.heldout ? "held out" : "fitted") +
+    out += "<tr>" + cell(escape(r.record)) + cell(escape(r.kind)) + cell(r.heldout ? "held out" : role) +
            cell(display(r.before, 3), true) + cell(display(r.after, 3), true) +
            cell(display(r.plain_before, 3), true) + cell(display(r.plain_after, 3), true) +
            cell(display(r.floor, 2), true) + cell(display(std::round(100.0 * r.explainable), 3), true) +

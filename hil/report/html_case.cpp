@@ -180,6 +180,7 @@ std::string html_check_table(const std::vector<JudgedRow>& rows, const std::stri
     out +=
         "<td class=\"c\">" + escape(c.title) + (c.required ? "" : " <span class=\"q\">(not required)</span>");
     std::string small = escape(c.evidence);
+    if (!small.empty() && small.back() != '.') small += '.';
     if (!c.limit.source.empty())
       small += (small.empty() ? "" : " ") + std::string("Limit: ") + escape(c.limit.source) + ".";
     if (c.n > 0) small += " n = " + std::to_string(c.n) + ".";
