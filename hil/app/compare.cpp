@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/residual_map.h"
 #include "hil/model/rows.h"
 
@@ -45,12 +46,16 @@ std::string comparison_text(const Comparison& c) {
   out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "record", "kind", "as written", "refitted", "adapted", "floor", "explainable");
   out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "", "", "mV", "mV", "mV", "mV", "%");
   for (const RecordError& r : d.records) {
-    double written = 0.0;
+    std::string written = "-";
     for (const auto& a : c.as_written)
-      if (a.record == r.record) written = a.rmse_V;
-    out += fmt::format("  {:<22} {:<10} {:>12.3g} {:>12.3g} {:>12.3g} {:>9.3g} {:>12.0f}{}\n", r.record, r.kind, 1e3 * written,
-                       1e3 * r.plain_before, 1e3 * r.before, 1e3 * r.floor, 100.0 * r.explainable, r.heldout ? "  held out" : "");
+      if (a.record == r.record) written = plain_number(1e3 * a.rmse_V);
+    out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12.0f}{}\n", r.record, r.kind, written,
+                       plain_number(1e3 * r.plain_before), plain_number(1e3 * r.before), plain_number(1e3 * r.floor), 100.0 * r.explainable,
+                       r.heldout ? "  held out" : "");
   }
+  if (c.as_written.size() == 1 && d.records.size() > 1)
+    out += fmt::format("  {:<22} {:<10} {:>12}\n\none recording, judged in {} blocks", c.as_written.front().record, "whole",
+                       plain_number(1e3 * c.as_written.front().rmse_V), d.records.size());
   out += "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset\n"
          "and decay within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";
   for (std::size_t k = 0; k < d.maps.size() && k < 4; ++k)

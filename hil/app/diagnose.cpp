@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/drift.h"
 #include "hil/diagnose/next_experiment.h"
@@ -22,7 +23,7 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request) {
 
 std::string diagnosis_text(const Diagnosis& d) {
   std::string out;
-  const auto milli = [](double v) { return fmt::format("{:.3g}", 1e3 * v); };
+  const auto milli = [](double v) { return plain_number(1e3 * v); };
   if (d.verdict == DiagnosisVerdict::none) {
     out += "verdict: nothing is missing that these records could show\n";
   } else if (d.verdict == DiagnosisVerdict::unknown) {
@@ -42,7 +43,7 @@ std::string diagnosis_text(const Diagnosis& d) {
                              : fmt::format("      {} fits nearly as well; {}\n", a.effect, a.separates);
   }
   if (d.residual_unknown) out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") + "\n";
-  out += fmt::format("held-out error: {} -> {} mV (floor {} mV); without the records' own repeatability {} -> {} mV\n", milli(d.error_before),
+  out += fmt::format("held-out error: {} -> {} mV (floor {} mV); with one gain, offset and decay for all of them {} -> {} mV\n", milli(d.error_before),
                      milli(d.error_after), milli(d.floor), milli(d.plain_before), milli(d.plain_after));
   if (const auto F = d.errors.find("F"); F != d.errors.end())
     out += fmt::format("reference against the rig's law: {} -> {} mN\n", milli(F->second.before), milli(F->second.after));

@@ -1,6 +1,7 @@
 #include "hil/app/explain.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace forcegate {
 namespace {
@@ -38,6 +39,17 @@ const std::vector<Explanation>& explanations() {
        "The evidence sentence says what is missing. A required check that did not run prevents an ACCEPT."},
       {"waived", "verdict", "A person has taken responsibility for this check, with a name and a date of expiry.",
        "Remove the waiver from the plan when its reason is gone."},
+      {"known", "diagnosis", "An effect of the library explains what the model leaves, and records that were left out say so too.",
+       "forcegate add EFFECT --fit CAMPAIGN -o better.toml; forcegate history better.toml --on CAMPAIGN shows the fall."},
+      {"unknown", "diagnosis",
+       "Structure remains that no effect of the library explains; the answer names the quantities that it depends on.",
+       "Look at the map of that quantity (--html). An equation of your own can be a candidate: [[effect]] in the model file."},
+      {"not separable", "diagnosis", "Several effects leave the same signature on these records; none of them is claimed.",
+       "forcegate next CAMPAIGN says which record parts them."},
+      {"none", "diagnosis",
+       "What is left is what the declared instruments may leave. It says nothing about effects that the "
+       "records do not excite.",
+       "The notes say from which size on an effect between records would show; forcegate next plans further records."},
       {"none", "who must act", "Nobody: the decision is ACCEPT.", "Nothing."},
       {"firmware", "who must act", "The author of the build.", "Mend the build; the report shows where it departs."},
       {"sensor", "who must act", "The specimen under the indenter.", "Exchange the sensor, or let it rest for two hours."},
@@ -65,10 +77,10 @@ const std::vector<Explanation>& explanations() {
   return kAll;
 }
 
-const Explanation* find_explanation(std::string_view term) {
-  for (const Explanation& e : explanations())
-    if (same_word(e.term, term)) return &e;
-  return nullptr;
+std::vector<Explanation> find_explanations(std::string_view term) {
+  std::vector<Explanation> out;
+  std::ranges::copy_if(explanations(), std::back_inserter(out), [&](const Explanation& e) { return same_word(e.term, term); });
+  return out;
 }
 
 }  // namespace forcegate

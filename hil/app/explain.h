@@ -9,7 +9,7 @@ namespace forcegate {
 
 struct Explanation {
   std::string term;     ///< "marginal", "NO-DECISION", "4"
-  std::string kind;     ///< "verdict", "decision", "who must act", "exit code"
+  std::string kind;     ///< "verdict", "decision", "who must act", "exit code", "diagnosis"
   std::string meaning;
   std::string what_to_do;
 };
@@ -17,7 +17,7 @@ struct Explanation {
 /// Sorted by kind as a report mentions them.
 const std::vector<Explanation>& explanations();
 
-/// Case-insensitive; nullptr when there is none.
-const Explanation* find_explanation(std::string_view term);
+/// Every meaning of a word, case-insensitive: "none" is said of a diagnosis and of who must act. Empty when there is none.
+std::vector<Explanation> find_explanations(std::string_view term);
 
 }  // namespace forcegate

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -17,7 +18,7 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::s
 }
 
 std::string waterfall_text(const diagnose::Waterfall& w) {
-  std::string out = fmt::format("  {:<22} {:>8.3g} mV\n", "base law", 1e3 * w.start);
+  std::string out = fmt::format("  {:<22} {:>8} mV\n", "base law", plain_number(1e3 * w.start));
   const double full = std::max(w.start, 1e-12);
   for (const auto& bar : w.bars) {
     const auto length = static_cast<std::size_t>(std::clamp(40.0 * bar.as_added / full, 0.0, 40.0));
@@ -26,14 +27,15 @@ std::string waterfall_text(const diagnose::Waterfall& w) {
     out += fmt::format("  {:<22} {:>+8.3g} mV  {:<40} over all orders {:+.3g} [{:+.3g}, {:+.3g}]\n", bar.effect, -1e3 * bar.as_added, picture,
                        -1e3 * bar.average, -1e3 * bar.high, -1e3 * bar.low);
   }
-  out += fmt::format("  {:<22} {:>8.3g} mV\n  {:<22} {:>8.3g} mV\n", "what is left", 1e3 * w.end, "floor", 1e3 * w.floor);
+  out += fmt::format("  {:<22} {:>8} mV\n  {:<22} {:>8} mV\n", "what is left", plain_number(1e3 * w.end), "floor", plain_number(1e3 * w.floor));
   return out;
 }
 
 std::string refit_text(const diagnose::Refit& r, const std::string& add) {
   std::string out = add.empty() ? "refitted\n" : "added " + add + " and refitted everything\n";
-  out += fmt::format("held-out error: {:.3g} -> {:.3g} mV (floor {:.3g} mV); without the records' own repeatability {:.3g} -> {:.3g} mV\n",
-                     1e3 * r.error_before, 1e3 * r.error_after, 1e3 * r.floor, 1e3 * r.plain_before, 1e3 * r.plain_after);
+  out += fmt::format("held-out error: {} -> {} mV (floor {} mV); with one gain, offset and decay for all of them {} -> {} mV\n",
+                     plain_number(1e3 * r.error_before), plain_number(1e3 * r.error_after), plain_number(1e3 * r.floor),
+                     plain_number(1e3 * r.plain_before), plain_number(1e3 * r.plain_after));
   if (!add.empty() && r.error_after >= r.error_before) out += "the held-out error did not fall: this effect is not needed for these records\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)

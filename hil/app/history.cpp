@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/base/plain_number.h"
+
 namespace forcegate {
 
 Result<History> history_request(const CampaignRequest& request) {
@@ -20,8 +22,8 @@ std::string history_text(const History& h) {
   std::string out = h.model.name + ", " + (h.model.sensor.empty() ? "sensor not named" : h.model.sensor) + "\n";
   if (h.model.history.empty()) out += "  no steps yet: the model is as it was written\n";
   for (const HistoryStep& s : h.model.history)
-    out += fmt::format("  {:<22} on {:<16} {:>8.3g} -> {:>8.3g} mV held out (floor {:.3g}){}\n", s.effect.empty() ? "refit" : "+ " + s.effect,
-                       s.campaign, 1e3 * s.error_before, 1e3 * s.error_after, 1e3 * s.floor,
+    out += fmt::format("  {:<22} on {:<16} {:>8} -> {:>8} mV held out (floor {}){}\n", s.effect.empty() ? "refit" : "+ " + s.effect,
+                       s.campaign, plain_number(1e3 * s.error_before), plain_number(1e3 * s.error_after), plain_number(1e3 * s.floor),
                        s.accepted ? "" : "  [the held-out error did not fall]");
   if (h.waterfall) out += "waterfall, held out:\n" + waterfall_text(*h.waterfall);
   return out;

@@ -6,17 +6,17 @@
 
 namespace forcegate {
 
-Result<NextExperiment> next_request(const CampaignRequest& request) {
-  FORCEGATE_TRY(Diagnosis diagnosis, diagnose_request(request));
-  return std::move(diagnosis.next_experiment);
-}
+std::string odds_text(double odds) { return odds > 1000.0 ? "over 1000" : fmt::format("{:.3g}", odds); }
 
 std::string next_text(const NextExperiment& n) {
-  if (n.segments.empty()) return "nothing competes: no further measurement is needed to tell effects apart\n";
+  if (n.segments.empty())
+    return "nothing competes: no further measurement is needed to tell effects apart\n"
+           "What these records do not excite they cannot show: slow ramps, a staircase with long holds, long sines of two\n"
+           "frequencies and swings, a rest, and one ramp again at the end (docs/campaign.md)\n";
   std::string out = fmt::format("measure next, {:.2g} minutes of rig time:\n", n.minutes);
   for (const ExperimentSegment& s : n.segments) {
-    out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {:.3g} -> {:.3g} to 1, likeness {:.2f} -> {:.2f}\n", s.name, s.minutes, s.separates,
-                       s.odds_before, s.odds_after, s.cosine_before, s.cosine_after);
+    out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1, likeness {:.2f} -> {:.2f}\n", s.name, s.minutes, s.separates,
+                       odds_text(s.odds_before), odds_text(s.odds_after), s.cosine_before, s.cosine_after);
     for (const auto& [name, value] : s.numbers) out += fmt::format("      {} = {:g}\n", name, value);
   }
   return out;

@@ -155,7 +155,6 @@ double log_odds(const Diagnosis& d, const std::string& first, const std::string&
   return std::clamp(a - b, -20.0, 20.0);
 }
 
-std::string odds_text(double log_odds_) { return fmt::format("{:.3g}", std::exp(std::fabs(log_odds_))); }
 
 }  // namespace
 
@@ -242,8 +241,9 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
 std::string next_run_text(const NextRunResult& r) {
   std::string out;
   for (const SegmentOdds& s : r.segments)
-    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {:.3g} to 1 expected, {} to 1 now for {}\n", s.segment, s.file, s.rivals,
-                       odds_text(s.before), s.expected, odds_text(s.after), s.leads);
+    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {} to 1 expected, {} to 1 now for {}\n", s.segment, s.file, s.rivals,
+                       odds_text(std::exp(std::fabs(s.before))), odds_text(s.expected), odds_text(std::exp(std::fabs(s.after))),
+                       s.leads);
   for (const std::string& s : r.skipped) out += "left out " + s + "\n";
   const auto claims = [](const Diagnosis& d) {
     std::string text = to_string(d.verdict);

@@ -7,6 +7,7 @@
 
 #include "hil/base/parallel.h"
 #include "hil/base/text.h"
+#include "hil/trace/columns.h"
 #include "hil/trace/convert.h"
 
 namespace forcegate {
@@ -149,6 +150,7 @@ struct Reading {
   Record* record = nullptr;
   fs::path file;
   std::vector<std::string> notes;
+  std::vector<std::string> mapped;
   Result<void> result;
 };
 
@@ -162,6 +164,7 @@ void load(Reading& reading, const CampaignOptions& options) {
     return;
   }
   reading.notes = std::move(read->notes);
+  reading.mapped = std::move(read->mapped);
   record.trace = std::move(read->trace);
   record.trace.name = record.name;
 }
@@ -170,25 +173,50 @@ void load_all(std::vector<Reading>& readings, const CampaignOptions& options) {
   parallel_for(readings.size(), options.threads, [&](std::size_t i) { load(readings[i], options); });
 }
 
-/// "r1, r2: the separator is a semicolon": each note once, with the records that it is about.
+/// "r1, r2: the separator is a semicolon": each note once, with the records that it is about. Notes that differ in their
+/// numbers alone are one note: the first record's stands for all.
 void add_notes(const std::vector<Reading>& readings, Campaign& campaign) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> all;
+  struct Shared {
+    std::string pattern, text;
+    bool same = true;
+    std::vector<std::string> names;
+  };
+  std::vector<Shared> all;
   for (const Reading& reading : readings)
     for (const std::string& note : reading.notes) {
-      auto at = std::find_if(all.begin(), all.end(), [&](const auto& known) { return known.first == note; });
-      if (at == all.end()) at = all.insert(all.end(), {note, {}});
-      at->second.push_back(reading.record->name);
+      std::string pattern;
+      for (const char c : note)
+        if ((c < '0' || c > '9') && c != '.') pattern += c;
+      auto at = std::ranges::find(all, pattern, &Shared::pattern);
+      if (at == all.end()) at = all.insert(all.end(), {pattern, note, true, {}});
+      at->same = at->same && at->text == note;
+      at->names.push_back(reading.record->name);
     }
   constexpr std::size_t kMostNames = 4;
-  for (auto& [note, names] : all) {
-    std::string who = names.size() == readings.size() && names.size() > 1 ? "every record" : "";
-    if (who.empty()) {
-      const std::size_t more = names.size() > kMostNames ? names.size() - kMostNames : 0;
-      if (more > 0) names.resize(kMostNames);
-      who = join(names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
-    }
-    campaign.notes.push_back(who + ": " + note);
+  for (Shared& note : all) {
+    const bool everyone = note.names.size() == readings.size() && readings.size() > 1;
+    const std::string first = note.names.front();
+    if (!note.same) note.names.erase(note.names.begin());
+    const std::size_t more = note.names.size() > kMostNames ? note.names.size() - kMostNames : 0;
+    if (more > 0) note.names.resize(kMostNames);
+    const std::string who = everyone ? (note.same ? "every record" : "every other record")
+                                     : join(note.names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
+    campaign.notes.push_back(note.same ? who + ": " + note.text : first + ": " + note.text + "; the like in " + who);
   }
+}
+
+/// A mapped column that exists nowhere is a typing mistake, and what is then read is not what was meant.
+Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptions& options, const fs::path& where) {
+  for (const auto& [from, to] : options.column_map) {
+    if (std::ranges::any_of(readings, [&, &name = from](const Reading& r) { return std::ranges::find(r.mapped, name) != r.mapped.end(); })) continue;
+    std::vector<std::string> columns;
+    for (const Reading& reading : readings)
+      for (const Channel& c : reading.record->trace.channels)
+        if (const std::string name = header_of(c.name, c.unit); std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
+    return fail(ErrorCode::usage, "no record has a column \"" + from + "\" to map to " + to, where.string(),
+                "there are " + join(columns, ", ") + "; only columns of CSV and MAT files can be mapped");
+  }
+  return {};
 }
 
 Result<Campaign> read_described(const fs::path& file, const CampaignOptions& options) {
@@ -248,6 +276,7 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
   for (std::size_t i = 0; i < readings.size(); ++i) readings[i].record = &campaign.records[i];
   load_all(readings, options);
   for (Reading& reading : readings) FORCEGATE_CHECK_OK(std::move(reading.result));
+  FORCEGATE_CHECK_OK(check_map(readings, options, file));
   add_notes(readings, campaign);
   return campaign;
 }
@@ -284,10 +313,28 @@ Result<Campaign> read_folder(const fs::path& folder, const CampaignOptions& opti
     if (!first_error) first_error = std::move(error);
     return true;
   });
+  if (readings.empty()) return tl::unexpected(std::move(*first_error));
+  FORCEGATE_CHECK_OK(check_map(readings, options, folder));
   add_notes(readings, campaign);
   for (const Reading& reading : readings) campaign.records.push_back(std::move(*reading.record));
-  if (campaign.records.empty()) return tl::unexpected(std::move(*first_error));
   return campaign;
+}
+
+Result<Campaign> read_single(const fs::path& path, const CampaignOptions& options) {
+  Campaign single;
+  single.folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  single.name = path.stem().string();
+  Record record;
+  record.name = single.name;
+  std::vector<Reading> reading(1);
+  reading[0].record = &record;
+  reading[0].file = path;
+  load_all(reading, options);
+  FORCEGATE_CHECK_OK(std::move(reading[0].result));
+  FORCEGATE_CHECK_OK(check_map(reading, options, path));
+  add_notes(reading, single);
+  single.records.push_back(std::move(record));
+  return single;
 }
 
 }  // namespace
@@ -297,38 +344,9 @@ Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& opti
   const fs::file_status status = fs::status(path, failed);
   if (!fs::exists(status))
     return fail(ErrorCode::io, "there is no such file or folder", path.string(), "check the name");
-  Result<Campaign> campaign;
-  if (fs::is_directory(status)) {
-    campaign = fs::exists(path / kFileName, failed) ? read_described(path / kFileName, options) : read_folder(path, options);
-  } else if (path.extension() == ".json") {
-    campaign = read_described(path, options);
-  } else {
-    Campaign single;
-    single.folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
-    single.name = path.stem().string();
-    Record record;
-    record.name = single.name;
-    std::vector<Reading> reading(1);
-    reading[0].record = &record;
-    reading[0].file = path;
-    load_all(reading, options);
-    FORCEGATE_CHECK_OK(std::move(reading[0].result));
-    add_notes(reading, single);
-    single.records.push_back(std::move(record));
-    campaign = std::move(single);
-  }
-  if (!campaign) return campaign;
-  for (const auto& mapping : options.column_map) {
-    const std::string& to = mapping.second;
-    // A mapped column that exists nowhere is a typing mistake; its target is then missing from every record.
-    const std::size_t end = to.rfind('_');
-    const std::string target = to.substr(0, end);
-    const bool found = target == "t" || target == "time" ||
-                       std::any_of(campaign->records.begin(), campaign->records.end(),
-                                   [&](const Record& r) { return r.trace.find(target) || r.trace.find(to); });
-    if (!found) campaign->notes.push_back("no record has a column \"" + mapping.first + "\" to map to " + to);
-  }
-  return campaign;
+  if (fs::is_directory(status))
+    return fs::exists(path / kFileName, failed) ? read_described(path / kFileName, options) : read_folder(path, options);
+  return path.extension() == ".json" ? read_described(path, options) : read_single(path, options);
 }
 
 }  // namespace forcegate

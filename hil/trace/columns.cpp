@@ -46,6 +46,15 @@ const Synonyms* synonym(std::string_view name) {
   return nullptr;
 }
 
+}  // namespace
+
+std::string known_name(std::string_view name) {
+  const Synonyms* known = synonym(name);
+  return known != nullptr ? known->name : std::string(name);
+}
+
+namespace {
+
 bool names_a_clock(std::string_view name) {
   static constexpr std::array kClocks = {"t", "time", "timestamp", "time_stamp", "elapsed", "clock", "t_rel", "sec", "seconds", "zeit"};
   if (name == "T") return false;

@@ -28,6 +28,9 @@ ColumnMeaning meaning_of(std::string_view header);
 /// Returns one note for each renamed channel.
 std::vector<std::string> use_canonical_names(Trace& trace);
 
+/// The name under which Forcegate knows a common synonym: "F_ref" for "force", "U" for "voltage"; else the name itself.
+std::string known_name(std::string_view name);
+
 /// Suffix for a header: "F_ref" with unit "N" -> "F_ref_N", "cm/s" -> "_cm_s".
 std::string header_of(std::string_view name, std::string_view unit);
 

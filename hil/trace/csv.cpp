@@ -78,9 +78,15 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
     const std::string& header = table.columns[c].header;
     ColumnMeaning meaning = meaning_of(header);
     auto mapped = options.column_map.find(header);
-    if (mapped == options.column_map.end())  // as notes and errors write it
-      mapped = options.column_map.find(header_of(meaning.name, meaning.unit.symbol));
-    if (mapped != options.column_map.end()) meaning = meaning_of(mapped->second);
+    // as notes and errors write it, unless another column is really called so
+    for (const std::string& alias : {header_of(meaning.name, meaning.unit.symbol), header_of(meaning.name, meaning.unit.canonical),
+                                     header_of(known_name(meaning.name), meaning.unit.canonical)})
+      if (mapped == options.column_map.end() && std::ranges::find(table.columns, alias, &CsvColumn::header) == table.columns.end())
+        mapped = options.column_map.find(alias);
+    if (mapped != options.column_map.end()) {
+      meaning = meaning_of(mapped->second);
+      out.mapped.push_back(mapped->first);
+    }
     if (meaning.name.empty()) meaning.name = "column_" + std::to_string(c + 1);
     if (meaning.is_clock && clock_column == table.columns.size()) clock_column = c;
     if (!meaning.note.empty()) assumed.push_back(meaning.name + " in " + meaning.unit.symbol);

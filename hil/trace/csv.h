@@ -21,6 +21,7 @@ struct CsvOptions {
 struct TraceFile {
   Trace trace;
   std::vector<std::string> notes;  ///< what was assumed, converted, dropped; one sentence each
+  std::vector<std::string> mapped;  ///< entries of the column map that met a column
 };
 
 /// Every column becomes a channel in its canonical unit. A column of counts beside a physical one of the same name

@@ -76,6 +76,13 @@ TEST(CommandLine, WrongWordsAreUsageErrorsWithASuggestion) {
   }
 }
 
+TEST(CommandLine, ExplainsEveryMeaningOfAWord) {
+  const ProcessResult r = forcegate({"explain", "none"});
+  EXPECT_EQ(r.exit_code, 0);
+  EXPECT_THAT(r.out, HasSubstr("none (diagnosis)"));
+  EXPECT_THAT(r.out, HasSubstr("none (who must act)"));
+}
+
 TEST(CommandLine, MissingAndSuperfluousArgumentsAreNamed) {
   EXPECT_THAT(forcegate({"convert", "a.csv"}).err, HasSubstr("TO is missing"));
   EXPECT_THAT(forcegate({"version", "now"}).err, HasSubstr("unexpected argument \"now\""));

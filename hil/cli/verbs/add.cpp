@@ -21,7 +21,7 @@ Result<int> run(const Invocation& in) {
     in.console().next("the same with -o better.toml, which keeps it");
   else
     in.console().next("forcegate history " + shell_quoted(request.output.string()) + " --on " +
-                      shell_quoted(in.text("fit")));
+                      campaign_words(in, in.text("fit")));
   return kExitSuccess;
 }
 

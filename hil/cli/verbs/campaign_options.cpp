@@ -1,5 +1,7 @@
 #include "hil/cli/verbs/campaign_options.h"
 
+#include "hil/cli/parse.h"
+
 namespace forcegate {
 
 Option model_row() {
@@ -24,6 +26,13 @@ std::vector<Option> campaign_rows() {
 
 Positional campaign_positional() {
   return {.name = "CAMPAIGN", .doc = "Campaign folder, campaign.json, one CSV or one HDF5 run."};
+}
+
+std::string campaign_words(const Invocation& in, const std::string& campaign) {
+  std::string out = shell_quoted(campaign);
+  for (const std::string& map : in.texts("map")) out += " --map " + shell_quoted(map);
+  if (in.given("rate")) out += " --rate " + in.text("rate");
+  return out;
 }
 
 Result<CampaignRequest> campaign_request(const Invocation& in, const std::string& campaign,

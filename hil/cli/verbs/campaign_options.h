@@ -12,6 +12,8 @@ Option model_row();
 std::vector<Option> campaign_rows();
 /// CAMPAIGN.
 Positional campaign_positional();
+/// The campaign as the next command must name it: quoted, with the --map and --rate that it was read with.
+std::string campaign_words(const Invocation& in, const std::string& campaign);
 /// From the values of campaign_rows(). Errors: usage.
 Result<CampaignRequest> campaign_request(const Invocation& in, const std::string& campaign,
                                          const std::string& model);

@@ -37,16 +37,18 @@ Result<int> run(const Invocation& in) {
     return kExitSuccess;
   }
   const std::string term = in.text("TERM");
-  const Explanation* found = find_explanation(term);
-  if (found == nullptr) {
+  const std::vector<Explanation> found = find_explanations(term);
+  if (found.empty()) {
     const std::vector<std::string> known = terms();
     const std::string near = nearest_name(term, known);
     return fail(ErrorCode::usage, fmt::format("no report uses the word \"{}\"", term), "forcegate explain",
                 near.empty() ? "\"forcegate explain\" lists all of them" : fmt::format("did you mean \"{}\"?", near));
   }
-  console.print(fmt::format("{} ({})\n{}\nWhat to do: {}", console.paint(Paint::strong, found->term), found->kind,
-                            trim(wrapped(found->meaning, 0)), trim(wrapped(found->what_to_do, 0))));
-  add(*found);
+  for (const Explanation& e : found) {
+    console.print(fmt::format("{} ({})\n{}\nWhat to do: {}", console.paint(Paint::strong, e.term), e.kind,
+                              trim(wrapped(e.meaning, 0)), trim(wrapped(e.what_to_do, 0))));
+    add(e);
+  }
   console.print_json(document.dump(2));
   console.next("forcegate explain");
   return kExitSuccess;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
@@ -15,8 +17,11 @@ Result<int> run(const Invocation& in) {
   in.console().print(history_text(answer));
   in.console().print_json(history_json(answer));
   const std::string model = shell_quoted(request.model);
+  // one recording cannot tell one law for all records from its own repeatability: the model is exported as it was fitted
+  const std::filesystem::path on = in.text("on");
+  const bool several = std::filesystem::is_directory(on) || on.extension() == ".json";
   if (in.given("on"))
-    in.console().next("forcegate export " + model + " --fit " + shell_quoted(in.text("on")) +
+    in.console().next("forcegate export " + model + (several ? " --fit " + campaign_words(in, on.string()) : "") +
                       " --c comp.h puts it into firmware");
   else
     in.console().next("forcegate history " + model + " --on CAMPAIGN");

@@ -38,12 +38,15 @@ Result<int> play(const Invocation& in) {
 Result<int> run(const Invocation& in) {
   if (in.flag("run")) return play(in);
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
-  FORCEGATE_TRY(const NextExperiment answer, next_request(request));
+  FORCEGATE_TRY(const Diagnosis diagnosis, diagnose_request(request));
+  const NextExperiment& answer = diagnosis.next_experiment;
   in.console().print(next_text(answer));
   in.console().print_json(next_json(answer));
   if (!answer.segments.empty())
-    in.console().next("forcegate next " + shell_quoted(in.text("CAMPAIGN")) +
+    in.console().next("forcegate next " + campaign_words(in, in.text("CAMPAIGN")) +
                       " --run on your rig, or record it yourself and add --record FILE");
+  else
+    in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) + " --html diagnosis.html");
   return kExitSuccess;
 }
 

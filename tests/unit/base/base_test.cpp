@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "hil/base/digest.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/portable_math.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
@@ -59,6 +60,10 @@ TEST(Text, ControlBytesAndBrokenUtf8NeverPass) {
 }
 
 TEST(Text, UncertaintyInParenthesesFollowsTheDigitRule) {
+  EXPECT_EQ(plain_number(0.00123456), "0.00123");
+  EXPECT_EQ(plain_number(12.345), "12.3");
+  EXPECT_EQ(plain_number(999.6), "1000");
+  EXPECT_EQ(plain_number(-14532.4), "-14532");
   EXPECT_EQ(with_uncertainty(4.5213, 0.3), "4.5(3)");
   EXPECT_EQ(with_uncertainty(4.5213, 0.12), "4.52(12)");
   EXPECT_EQ(with_uncertainty(4.5213, 0.0996), "4.52(10)");

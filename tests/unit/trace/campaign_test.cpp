@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 namespace forcegate {
@@ -122,11 +123,57 @@ TEST_F(ReadCampaign, RefusesAnEmptyFolderAndAMissingPath) {
   EXPECT_EQ(read_campaign(folder_ / "nowhere").error().code, ErrorCode::io);
 }
 
-TEST_F(ReadCampaign, NotesAMappedColumnThatIsNotThere) {
+TEST_F(ReadCampaign, RefusesToMapAColumnThatIsNotThereAndSaysWhichAre) {
   put("r.csv", kCsv);
-  const auto c = read_campaign(folder_, {.column_map = {{"frce", "F_dut_N"}}, .assumed_rate_Hz = 0.0});
-  ASSERT_TRUE(c);
-  EXPECT_THAT(c->notes, Contains(HasSubstr("\"frce\"")));
+  for (const fs::path& path : {folder_, folder_ / "r.csv"}) {
+    const auto c = read_campaign(path, {.column_map = {{"frce", "F_dut_N"}}, .assumed_rate_Hz = 0.0});
+    ASSERT_FALSE(c);
+    EXPECT_EQ(c.error().code, ErrorCode::usage);
+    EXPECT_THAT(c.error().text, HasSubstr("\"frce\""));
+    EXPECT_THAT(c.error().hint, HasSubstr("F_ref_N, U_V, level_m"));
+  }
+}
+
+TEST_F(ReadCampaign, MapsAColumnByItsOwnNameAndByTheNameInCanonicalUnits) {
+  put("r.csv", "t_s,pressure_bar,U_V\n0,1,2\n0.1,2,3\n0.2,3,4\n");
+  for (const char* name : {"pressure_bar", "pressure_Pa"}) {
+    const auto c = read_campaign(folder_ / "r.csv", {.column_map = {{name, "F_ref_N"}}, .assumed_rate_Hz = 0.0});
+    ASSERT_TRUE(c) << c.error().text;
+    const Channel* force = c->records[0].trace.find("F_ref");
+    ASSERT_NE(force, nullptr) << name;
+    EXPECT_EQ(force->value[2], 3.0) << name;
+  }
+}
+
+TEST_F(ReadCampaign, MapsAColumnByTheNameThatItWasTakenFor) {
+  put("r.csv", "t_s,position_mm,force_N\n0,1,2\n0.1,2,3\n0.2,3,4\n");
+  const auto c = read_campaign(folder_ / "r.csv", {.column_map = {{"F_ref_N", "U_V"}, {"position_mm", "F_ref_N"}}, .assumed_rate_Hz = 0.0});
+  ASSERT_TRUE(c) << c.error().text;
+  EXPECT_EQ(c->records[0].trace.find("U")->value[2], 4.0);
+  EXPECT_EQ(c->records[0].trace.find("F_ref")->value[2], 3.0);
+}
+
+TEST_F(ReadCampaign, TellsOnceWhatRecordsShareEvenWhenTheNumbersDiffer) {
+  std::string a = "t_s,F_ref_N,U_V\n", b = a;
+  for (int i = 0; i < 200; ++i) {
+    const std::string row = std::to_string(i) + "e-2,1,2\n";
+    if (i != 50) a += row;
+    if (i != 50 && i != 90 && i != 91) b += row;
+  }
+  put("a.csv", a);
+  put("b.csv", b);
+  const auto c = read_campaign(folder_);
+  ASSERT_TRUE(c) << c.error().text;
+  std::vector<std::string> gaps;
+  for (const std::string& note : c->notes)
+    if (note.find("in the clock") != std::string::npos) gaps.push_back(note);
+  EXPECT_THAT(gaps, ::testing::SizeIs(::testing::Le(2u)));
+  put("c.csv", b);
+  put("d.csv", b);
+  const auto more = read_campaign(folder_);
+  ASSERT_TRUE(more);
+  EXPECT_EQ(std::ranges::count_if(more->notes, [](const std::string& n) { return n.find("in the clock") != std::string::npos; }),
+            static_cast<std::ptrdiff_t>(gaps.size()));
 }
 
 }  // namespace
