@@ -154,7 +154,7 @@ const Registration<Command> kRow{Command{
         "JSON), a model file that compare, diagnose and fit take, and "
         "calibration files for gate --cal. A plan says which procedures, how many specimens and sessions.\n\n"
         "On the emulated rig the whole study of the paper, 30 specimens in 3 sessions with both sensors, is "
-        "some 2300 hours of bench time and takes minutes. --paper writes "
+        "some 3200 hours of bench time and takes 20 minutes of one processor. --paper writes "
         "the page that sets every figure of the paper beside ours (docs/paper.md).\n\n"
         "A plan can set limits ([[limit]]) that every session must keep; a broken one gives exit code 1. The "
         "plan tms does so for robotised TMS.\n\n"
