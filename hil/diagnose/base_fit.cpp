@@ -82,7 +82,9 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
 
 void set_repeatability(MixedProblem& problem, bool one_recording) {
   problem.nz = kColumns;
-  problem.n_fixed = 4;
+  // F_min, swing and shape of the decay too: a decay in volts, another lowest force than the one that was found, a stretched
+  // exponential are the same in all records, and no spread between them
+  problem.n_fixed = kFirstShape + kShapes;
   problem.components = {{"gain", 0.02, 0.002, 0.5},   {"offset", 0.01, 0.001, 0.5}, {"log_b", 0.25, 0.05, 0.5},
                         {"log_q", 0.14, 0.03, 0.5},   {"F_min", 0.01, 0.001, 0.5},  {"swing", 0.03, 0.003, 0.5},
                         {"shape", 0.02, 0.003, 0.5},  {"wander", 0.002, 3e-4, 0.5}};
@@ -96,7 +98,8 @@ void set_repeatability(MixedProblem& problem, bool one_recording) {
   problem.component_of_z = {0, 1, 2, 3, 4, 5};
   for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(6);
   for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(7);
-  problem.fixed_prior_sd = Eigen::Vector4d(10.0, 10.0, 1.0, 1.0);
+  problem.fixed_prior_sd = Eigen::VectorXd::Constant(problem.n_fixed, 0.005);
+  problem.fixed_prior_sd.head(6) << 10.0, 10.0, 1.0, 1.0, 0.005, 0.3;
 }
 
 Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, const std::vector<std::size_t>& rows) {

@@ -58,6 +58,22 @@ bool is_structure(const Structure& s, double noise_rms) {
   return s.rms > 0.0015 && s.rms > 0.7 * noise_rms && s.share > 0.35 && s.records * 3 >= s.of_records && s.records >= 2;
 }
 
+// Records that the model leaves far more of than their instruments may. A change of frequency is not counted: how the decay goes on
+// after it differs from law to law.
+int far_above_noise(const ResidualChannel& channel, const Workspace& w, const MixedFit& fit) {
+  constexpr double kFar = 2.5;
+  int out = 0;
+  double left = 0.0, noise = 0.0;
+  for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
+    if (!w.input.records[channel.record_of[i]].frequency_jumps_s.empty()) continue;
+    const double allowed = channel.problem.records[i].allowed_variance;
+    left += fit.adapted[i];
+    noise += allowed;
+    out += fit.adapted[i] > kFar * kFar * allowed ? 1 : 0;
+  }
+  return left > kFar * kFar * noise ? out : 0;
+}
+
 double noise_rms(const ResidualChannel& channel) {
   double sum = 0.0;
   for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
@@ -102,25 +118,29 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     return std::any_of(raw.begin(), raw.end(), [&](const HealthClaim& c) { return c.effect == name; });
   };
 
-  Selection rig;
+  Selection rig, drive;
   bool reference_moves = false;
+  // the rig's own law is only nearly linear and its guide only nearly free: a finding must explain most of the misfit
+  SelectionRules rig_rules = rules;
+  rig_rules.first_gain = 20.0;
+  rig_rules.first_fall = 0.3;
+  rig_rules.later_fall = 0.6;
+  rig_rules.sure_gain = 1e9;
+  rig_rules.first_total_fall = 0.3;
+  rig_rules.later_total_fall = 0.6;
+  rig_rules.smallest_rms = 1e-3;
+  // a servo loop leaves more than a motor's fault: the evidence must be large instead
+  SelectionRules drive_rules = rig_rules;
+  drive_rules.first_gain = 200.0;
+  drive_rules.first_fall = 0.2;
+  if (w.has_command) drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
   if (w.has_rig) {
-    // the rig's own law is only nearly linear and its guide only nearly free: a finding must explain most of the misfit
-    SelectionRules rig_rules = rules;
-    rig_rules.first_gain = 20.0;
-    rig_rules.first_fall = 0.3;
-    rig_rules.later_fall = 0.6;
-    rig_rules.sure_gain = 1e9;
-    rig_rules.first_total_fall = rig_rules.later_total_fall = 1.1;
-    rig_rules.smallest_rms = 1e-3;
-    // every command reaches the force late; without a data sheet of the motor that is no finding
-    rig_rules.nuisance = {"motor"};
     rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules, options.threads);
     for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
   }
   std::vector<std::string> skip = options.in_model;
   std::vector<int> always = model_columns(w.output, options.in_model);
-  if (w.has_rig) skip.push_back("reference_drift");
+  if (w.has_rig && w.rig_sees_zero) skip.push_back("reference_drift");
   if (reference_moves)
     for (int j : bank_columns(w.output, *EffectRegistry::instance().find("reference_drift"))) always.push_back(j);
   if (raw_says("clipping")) skip.push_back("clipping");
@@ -138,7 +158,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const bool named_enough = explained > 0.5 || !structured;
   add_findings(w, w.output, selection, named_enough ? std::max(explained, 0.6) : explained, out);
   for (Finding& f : out.findings)
-    if (f.effect == "reference_drift" && !w.has_rig) decide_by_capacitance(w.input, f);
+    if (f.effect == "reference_drift" && f.unit == w.output.unit) decide_by_capacitance(w.input, f);
   for (const HealthClaim& claim : raw) {
     const EffectKind* kind = EffectRegistry::instance().find(claim.effect);
     Finding f;
@@ -160,6 +180,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     }
   }
 
+  if (w.has_command && drive.base.valid) add_findings(w, w.command, drive, 0.6, out);
   share_among_timing(selection, out.findings);
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (raw_says("reference_noise"))
@@ -189,16 +210,17 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   for (const std::vector<std::string>& set : out.not_separable)
     for (const Finding& f : out.findings)
       if (std::find(set.begin(), set.end(), f.effect) != set.end()) together += f.probability;
-  const bool open = structured || together >= 0.8;
+  const bool open = structured || together >= 0.8 || far_above_noise(w.output, w, selection.final) >= 2;
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
-  out.residual_unknown = claims && structured && explained < 0.8;
+  out.residual_unknown = claims && ((structured && explained < 0.8) || far_above_noise(w.output, w, selection.claimed) > 0);
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual);
   const auto residual_after = residual_rows(w.output, selection.final);
   out.maps_after = residual_maps(w, w.output, residual_after);
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown) out.depends_on = depends_on(out.maps_after);
-  add_records(w, selection.base, selection.final, out);
+  // what the user gets who takes the findings in, not what all forms of their families soak up beside them
+  add_records(w, selection.base, selection.claimed, out);
   for (Finding& f : out.findings)
     if (f.form == "raw") {
       f.error_before = out.error_before;
@@ -212,12 +234,18 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   for (RankedEffect& r : out.ranking)
     if (const auto found = null.score.find(r.effect); found != null.score.end()) r.null_score = found->second;
   if (w.has_rig && rig.base.valid) add_ranking(w.rig, rig, rules, out);
+  if (w.has_command && drive.base.valid) add_ranking(w.command, drive, rules, out);
   if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  for (const std::string& what : selection.nuisance) out.notes.push_back(what);
-  for (const std::string& why : selection.rejected) out.notes.push_back("not taken: " + why);
-  if (options.pictures) add_pictures(w, selection, residual, residual_after, out);
+  // a family may come up, and be turned down, once for every model that it is tried beside
+  const auto note_once = [&](std::string note) {
+    if (std::find(out.notes.begin(), out.notes.end(), note) == out.notes.end()) out.notes.push_back(std::move(note));
+  };
+  for (const std::string& what : selection.nuisance) note_once(what);
+  for (const Selection* tried : std::initializer_list<const Selection*>{&selection, &rig, &drive})
+    for (const std::string& why : tried->rejected) note_once("not taken: " + why);
+  if (options.pictures) add_pictures(w, selection, residual, residual_rows(w.output, selection.claimed), out);
   return out;
 }
 

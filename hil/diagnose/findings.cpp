@@ -10,31 +10,40 @@ namespace {
 
 std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const ChosenEffect& chosen) {
   std::vector<FoundParameter> out;
-  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-  const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
-  for (std::size_t k = 0; k < c.shape.size(); ++k) {
-    // half the distance to the neighbours of the grid stands for the uncertainty of a shape
-    const ParameterSpec& spec = c.form->shape[k];
-    out.push_back({spec.name, c.shape[k], 0.3 * std::abs(c.shape[k]), spec.unit});
+  std::vector<int> variants = {chosen.variant};
+  variants.insert(variants.end(), chosen.further.begin(), chosen.further.end());
+  for (const int v : variants) {
+    const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
+    const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+    for (std::size_t k = 0; k < c.shape.size(); ++k) {
+      // half the distance to the neighbours of the grid stands for the uncertainty of a shape
+      const ParameterSpec& spec = c.form->shape[k];
+      out.push_back({spec.name, c.shape[k], 0.3 * std::abs(c.shape[k]), spec.unit});
+    }
+    for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
+      for (int column : variant.columns)
+        if (chosen.fit.columns[b] == column) {
+          const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
+          const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
+          out.push_back({spec.name, chosen.fit.coefficient[at], std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
+        }
   }
-  for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
-    for (int column : variant.columns)
-      if (chosen.fit.columns[b] == column) {
-        const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
-        const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-        out.push_back({spec.name, chosen.fit.coefficient[at], std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
-      }
   return out;
 }
 
 std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, double before, double after) {
   char text[480];
   const double milli = 1000.0;
-  std::snprintf(text, sizeof text, "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s; %d of %d %s that it touches improve, its strength differs by %.0f %% between records",
+  std::snprintf(text, sizeof text, "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s",
                 chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(),
-                100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str(), chosen.left_out.improved,
-                chosen.left_out.excited, chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter);
-  return text;
+                100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str());
+  std::string out = text;
+  if (chosen.left_out.excited > 0) {
+    std::snprintf(text, sizeof text, "; %d of %d %s that it touches improve, its strength differs by %.0f %% between records", chosen.left_out.improved,
+                  chosen.left_out.excited, chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter);
+    out += text;
+  }
+  return out;
 }
 
 }  // namespace
@@ -82,7 +91,8 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.records_excited = chosen.left_out.excited;
     f.evidence = sentence(chosen, channel, f.error_before, f.error_after);
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
-    const double allowed = chosen.between ? 1.0 : 1.02;
+    constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
+    const double allowed = chosen.between ? kLeast : 1.02;
     if (f.error_after > allowed * f.error_before) {
       f.probability = std::min(f.probability, kNoClaim);
       f.evidence += "; not claimed: the error of records left out does not fall";

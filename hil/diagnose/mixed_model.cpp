@@ -243,13 +243,22 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
   MatrixXd total = MatrixXd::Zero(d + 1, d + 1);
   for (std::size_t i = 0; i < n_records; ++i) {
     parts.push_back(take(problem, i, fit.columns));
-    single.push_back(fit.counts(problem.records[i]) ? marginal(parts[i], sigma2, problem.records[i].n_eff / fit.s2[i])
-                                                    : MatrixXd::Zero(d + 1, d + 1));
-    total += single.back();
+    single.push_back(marginal(parts[i], sigma2, problem.records[i].n_eff / fit.s2[i]));
+    if (fit.counts(problem.records[i])) total += single.back();
   }
+  // beta and c integrated out, up to what does not depend on the records
+  const auto evidence = [&](const MatrixXd& M) {
+    MatrixXd P = M.topLeftCorner(d, d);
+    P.diagonal() += prior;
+    const Eigen::LLT<MatrixXd> llt(P);
+    double half = 0.0;
+    for (Index j = 0; j < d; ++j) half += std::log(llt.matrixL()(j, j));
+    return 0.5 * M.col(d).head(d).dot(llt.solve(M.col(d).head(d))) - half;
+  };
   LeftOut out{std::vector<double>(n_records), std::vector<double>(n_records), std::vector<double>(n_records)};
   for (std::size_t i = 0; i < n_records; ++i) {
-    const MatrixXd M = total - single[i];
+    const bool counts = fit.counts(problem.records[i]);
+    const MatrixXd M = counts ? MatrixXd(total - single[i]) : total;
     MatrixXd P = M.topLeftCorner(d, d);
     P.diagonal() += prior;
     const VectorXd coefficient = P.llt().solve(M.col(d).head(d));
@@ -259,7 +268,7 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     out.adapted[i] = freedom == nullptr
                          ? c.mean_square
                          : condition(parts[i], v, expand_variance(problem, freedom->variance), n_eff / freedom->s2[i]).mean_square;
-    out.log_density[i] = -0.5 * (n_eff * std::log(fit.s2[i]) + n_eff * c.mean_square / fit.s2[i] + c.penalty + c.log_det);
+    out.log_density[i] = evidence(M + single[i]) - evidence(M) - 0.5 * (n_eff * std::log(fit.s2[i]) + single[i](d, d) + c.log_det);
     out.plain[i] = std::max(0.0, v.dot(parts[i].cc * v));
   }
   return out;

@@ -93,7 +93,7 @@ RecordInput simulate(const Workspace& w, const Segment& s) {
     r.travel_N[i] = r.travel_N[i - 1] + std::abs(r.F_N[i] - r.F_N[i - 1]);
   }
   const RecordInput& last = w.input.records.back();
-  r.index = w.input.records.size();
+  r.index = r.recording = w.input.records.size();
   r.start_s = last.start_s + last.duration_s + 600.0;
   r.travel_before_N = w.input.travel_total_N;
   r.drive_mean_V = last.drive_mean_V;
@@ -103,9 +103,11 @@ RecordInput simulate(const Workspace& w, const Segment& s) {
       r.temp_C.push_back(T + s.temperature_C * static_cast<double>(i) / static_cast<double>(n_rows));
   }
   if (w.input.has_theta)
-    for (std::size_t i = 0; i < n_rows; ++i)
+    for (std::size_t i = 0; i < n_rows; ++i) {
       r.theta_rad.push_back((r.rate_N_per_s[i] < 0.0 ? -1.0 : 1.0) *
                             std::acos(std::clamp(1.0 - 2.0 * (r.F_N[i] - low) / std::max(1e-9, high - low), -1.0, 1.0)));
+      r.sin_theta.push_back(std::sin(r.theta_rad.back()));
+    }
   r.F_min_N = s.dynamic ? low : 0.0;
   r.f_Hz = s.dynamic ? 0.5 : 0.0;
   r.A_N = 0.5 * (high - low);

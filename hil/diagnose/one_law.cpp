@@ -173,19 +173,10 @@ std::vector<Chosen> variants_of(const EffectKind& kind, const CampaignInput& inp
 }
 
 ModelEffect effect_from(const Chosen& c, const VectorXd& beta, const VectorXd& se, Index first) {
-  ModelEffect out;
-  out.effect = c.kind->name;
-  out.form = c.form->name;
-  for (std::size_t k = 0; k < c.shape.size(); ++k) {
-    const ParameterSpec& s = c.form->shape[k];
-    out.shape.push_back({s.name, s.unit, c.shape[k], 0.0, s.minimum, s.maximum, s.neutral});
-  }
-  for (std::size_t j = 0; j < c.form->strength.size(); ++j) {
-    const ParameterSpec& s = c.form->strength[j];
-    const Index at = first + static_cast<Index>(j);
-    out.strength.push_back({s.name, s.unit, std::clamp(beta[at] / beta[0], s.minimum, s.maximum), se[at] / std::fabs(beta[0]), s.minimum, s.maximum, s.neutral});
-  }
-  return out;
+  std::vector<Estimate> strength;
+  for (Index at = first; at < first + static_cast<Index>(c.form->strength.size()); ++at)
+    strength.push_back({beta[at] / beta[0], se[at] / std::fabs(beta[0])});
+  return model_effect(*c.kind, *c.form, c.shape, strength);
 }
 
 }  // namespace

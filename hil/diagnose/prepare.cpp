@@ -100,7 +100,10 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   if (single) cut_into_blocks(*w);
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   fit_base(*w);
-  if (options.search) build_rig_channel(*w, options.threads);
+  if (options.search) {
+    build_rig_channel(*w, options.threads);
+    build_command_channel(*w, options.threads);
+  }
   build_output_channel(*w, options.threads, options.search ? nullptr : &options.in_model);
   return w;
 }

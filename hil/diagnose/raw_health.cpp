@@ -213,8 +213,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       high = std::max(high, F[k]);
     }
     if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
-    if (std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V) {
-      ++out.zeros;
+    const auto at_low_end = [&](std::size_t k) { return std::abs(U[k] - low_rail) < 1e-9 + out.lsb_U_V; };
+    if (at_low_end(i)) {
+      ++(at_low_end(i - 1) || at_low_end(i + 1) ? out.zeros : out.lone_zeros);
       mark(i, jump);
     } else if (comes_back(i, jump)) {
       spike.push_back(i);
@@ -290,6 +291,11 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
 std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
                                        const BenchFacts& bench) {
   std::vector<HealthClaim> out;
+  // where spikes stand elsewhere too, a single sample at the low end is one of them
+  std::size_t spikes = 0;
+  for (const RecordHealth& h : health) spikes += h.outliers;
+  constexpr std::size_t kFewestSpikes = 12;
+  const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, rail = 0.0, missing = 0.0;
   std::vector<double> noise_F, hum;
   std::size_t with_hum = 0, with_outliers = 0, with_held = 0;
@@ -301,10 +307,11 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     outliers += static_cast<double>(h.outliers);
     held += static_cast<double>(h.held);
     zeros += static_cast<double>(h.zeros);
+    (lone_are_spikes ? outliers : zeros) += static_cast<double>(h.lone_zeros);
     missing += static_cast<double>(h.missing);
     rail += static_cast<double>(h.at_rail);
     with_outliers += h.outliers >= 2 ? 1 : 0;
-    with_held += h.held + h.zeros >= 4 ? 1 : 0;
+    with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
     bit_errors += static_cast<double>(h.bit_errors);
     if (h.bit_errors > 0) {
       ++with_bit_errors;

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "hil/base/text.h"
+#include "hil/diagnose/further_forms.h"
 #include "hil/diagnose/refine.h"
+#include "hil/diagnose/select.h"
 #include "hil/diagnose/user_candidates.h"
 
 namespace forcegate::diagnose {
@@ -38,26 +40,15 @@ Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::v
 
 ModelEffect effect_of(const Workspace& w, const Variant& variant, const MixedFit& fit) {
   const Candidate& c = w.output.candidates[static_cast<std::size_t>(variant.candidate)];
-  ModelEffect out;
-  out.effect = c.kind->name;
-  out.form = c.form->name;
-  for (std::size_t k = 0; k < c.shape.size(); ++k) {
-    const ParameterSpec& s = c.form->shape[k];
-    out.shape.push_back({s.name, s.unit, c.shape[k], 0.0, s.minimum, s.maximum, s.neutral});
-  }
-  for (int j = 0; j < c.count; ++j) {
-    const ParameterSpec& s = c.form->strength[static_cast<std::size_t>(j)];
-    ModelParameter p{s.name, s.unit, 0.0, 0.0, s.minimum, s.maximum, s.neutral};
+  std::vector<Estimate> strength(static_cast<std::size_t>(c.count));
+  for (int j = 0; j < c.count; ++j)
     for (std::size_t b = 0; b < fit.columns.size(); ++b)
       if (fit.columns[b] == c.first + j) {
         const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
         // the strengths were fitted beside the working gain; the law carries its own
-        p.value = std::clamp(fit.coefficient[at] / fit.coefficient[0], s.minimum, s.maximum);
-        p.se = std::sqrt(std::max(0.0, fit.covariance(at, at)));
+        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / fit.coefficient[0], std::sqrt(std::max(0.0, fit.covariance(at, at)))};
       }
-    out.strength.push_back(p);
-  }
-  return out;
+  return model_effect(*c.kind, *c.form, c.shape, strength);
 }
 
 Waterfall waterfall_of(const Workspace& w, const std::vector<std::pair<std::string, std::vector<int>>>& effects, const MixedFit& base) {
@@ -110,7 +101,9 @@ Waterfall waterfall_of(const Workspace& w, const std::vector<std::pair<std::stri
 }  // namespace
 
 Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
-  std::vector<std::string> names = start.effect_names();
+  std::vector<std::string> names;  // an effect may stand in the model with several forms
+  for (const std::string& name : start.effect_names())
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   for (const UserEffect& effect : start.user_effects)
     if (is_fitted(effect)) names.push_back(effect.name);
   if (!add.empty()) {
@@ -139,9 +132,13 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
     before = now;
     present.insert(present.end(), variant.columns.begin(), variant.columns.end());
-    effects.emplace_back(name, variant.columns);
     variants.push_back(best.variant);
     now = fit_mixed(w.output.problem, present, &best.fit, 15);
+    const EffectKind& kind = *w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
+    const std::size_t first = present.size() - variant.columns.size();
+    if (!is_between_records(name))
+      for (const int v : further_forms(w.output, kind, present, now)) variants.push_back(v);
+    effects.emplace_back(name, std::vector<int>(present.begin() + static_cast<std::ptrdiff_t>(first), present.end()));
   }
   if (add.empty()) before = base;
 

@@ -8,11 +8,13 @@ namespace forcegate::diagnose {
 
 namespace {
 
+constexpr double kOpen = 0.02;  // of the force span
+
 // k (preload + eccentricity (1 - cos theta)) without k: the zero of the reference can be seen against it.
 std::vector<double> spring_travel_mm(const RecordInput& r) {
   std::vector<double> out;
-  if (r.theta_rad.empty() || !std::isfinite(r.eccentricity_mm) || !std::isfinite(r.preload_mm)) return out;
-  for (double th : r.theta_rad) out.push_back(r.preload_mm + r.eccentricity_mm * (1.0 - std::cos(th)));
+  if (r.cos_theta.empty() || !std::isfinite(r.eccentricity_mm) || !std::isfinite(r.preload_mm)) return out;
+  for (const double c : r.cos_theta) out.push_back(r.preload_mm + r.eccentricity_mm * (1.0 - c));
   return out;
 }
 
@@ -20,10 +22,12 @@ struct Line {
   double n = 0.0, mean_x = 0.0, mean_y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
 };
 
-Line line_of(const std::vector<double>& x, const RecordInput& r) {
+// Rows whose force is above `least_N` only: where the contact is open the force stands at zero whatever the wheel does.
+Line line_of(const std::vector<double>& x, const RecordInput& r, double least_N) {
   Line out;
+  const auto counts = [&](std::size_t i) { return r.ok[i] != 0 && r.F_N[i] > least_N; };
   for (std::size_t i = 0; i < r.rows(); ++i)
-    if (r.ok[i] != 0) {
+    if (counts(i)) {
       out.mean_x += x[i];
       out.mean_y += r.F_N[i];
       out.n += 1.0;
@@ -32,7 +36,7 @@ Line line_of(const std::vector<double>& x, const RecordInput& r) {
   out.mean_x /= out.n;
   out.mean_y /= out.n;
   for (std::size_t i = 0; i < r.rows(); ++i)
-    if (r.ok[i] != 0) {
+    if (counts(i)) {
       out.xx += (x[i] - out.mean_x) * (x[i] - out.mean_x);
       out.xy += (x[i] - out.mean_x) * (r.F_N[i] - out.mean_y);
       out.yy += (r.F_N[i] - out.mean_y) * (r.F_N[i] - out.mean_y);
@@ -45,10 +49,10 @@ double stiffness_N_per_mm(const CampaignInput& input) {
   double xx = 0.0, xy = 0.0, yy = 0.0;
   int n = 0, with_angle = 0;
   for (const RecordInput& r : input.records) {
-    with_angle += r.theta_rad.empty() ? 0 : 1;
+    with_angle += r.cos_theta.empty() ? 0 : 1;
     const std::vector<double> x = spring_travel_mm(r);
     if (x.empty()) continue;
-    const Line line = line_of(x, r);
+    const Line line = line_of(x, r, kOpen * input.range_N);
     if (line.n < 50.0) continue;
     ++n;
     xx += line.xx / line.n;
@@ -63,6 +67,8 @@ double stiffness_N_per_mm(const CampaignInput& input) {
 
 void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
   const double stiffness = stiffness_N_per_mm(w.input);
+  w.rig_sees_zero = stiffness > 0.0;
+  w.rig_slope_N.assign(w.input.records.size(), 0.0);
   for (std::size_t k = 0; k < w.input.records.size(); ++k) {
     RecordInput& r = w.input.records[k];
     r.rig_force_N.clear();
@@ -71,23 +77,25 @@ void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
       if (x.empty()) continue;
       for (double& v : x) v *= stiffness;
       r.rig_force_N = std::move(x);
+      w.rig_slope_N[k] = stiffness * r.eccentricity_mm;
       records.push_back(k);
       continue;
     }
     // the geometry is not known: the line of the record itself gives a force in newtons, and takes its zero away
     std::vector<double> s;
-    if (!r.theta_rad.empty())
-      for (double th : r.theta_rad) s.push_back(1.0 - std::cos(th));
+    if (!r.cos_theta.empty())
+      for (const double c : r.cos_theta) s.push_back(1.0 - c);
     else if (!r.F_cmd_N.empty())
       s = r.F_cmd_N;
     else
       continue;
-    const Line line = line_of(s, r);
+    const Line line = line_of(s, r, kOpen * w.input.range_N);
     // without a clear linear relation the coordinate is not the rig's
     if (line.n < 50.0 || !(line.xx > 0.0) || line.xy * line.xy < 0.5 * line.xx * line.yy ||
         std::sqrt(line.yy / line.n) < 0.01 * w.input.range_N)
       continue;
     for (double v : s) r.rig_force_N.push_back(line.mean_y + line.xy / line.xx * (v - line.mean_x));
+    if (!r.cos_theta.empty()) w.rig_slope_N[k] = line.xy / line.xx;
     records.push_back(k);
   }
 }

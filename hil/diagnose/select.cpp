@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/further_forms.h"
 #include "hil/diagnose/left_out.h"
 #include "hil/diagnose/null_calibration.h"
 #include "hil/diagnose/refine.h"
@@ -13,6 +14,8 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+constexpr double kOfNoise = 0.4;  // an effect must remove more than this share of what the instruments may leave
 
 VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
   VectorXd out = VectorXd::Zero(channel.problem.ns);
@@ -33,6 +36,13 @@ bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& fam
     return std::abs(c.shape[0] * family.best.fit.coefficient[at]) <= kAllowed_s;
   }
   return false;
+}
+
+// RMS of what the declared instruments may leave.
+double noise_rms(const ResidualChannel& channel) {
+  double sum = 0.0;
+  for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
 double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
@@ -71,7 +81,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall))
     return "it leaves most of the residual";
   if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
-  if (std::max(removed_rms, total_rms) < rules.smallest_rms) return "too small for the declared instruments";
+  if (std::max(removed_rms, total_rms) < std::max(rules.smallest_rms, kOfNoise * noise_rms(channel))) return "too small for the declared instruments";
   // the form of an effect is known to a share of its size only: what it leaves of that size is no second effect
   if (removed_rms < rules.form_error * removed_before) return "it is no more than the first one's form may be wrong by";
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
@@ -152,6 +162,20 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& alway
   if (!final.valid) return;
   out.final = final;
   out.excess_after = excess_mean_square(channel, final);
+}
+
+// The model that the findings describe, effect by effect.
+void fit_claimed(const ResidualChannel& channel, Selection& out) {
+  std::vector<int> present = out.base.columns;
+  out.claimed = out.base;
+  for (ChosenEffect& chosen : out.chosen) {
+    for (int j : chosen.columns)
+      if (std::find(present.begin(), present.end(), j) == present.end()) present.push_back(j);
+    MixedFit fit = fit_mixed(channel.problem, present, &out.claimed, 12, RecordUse::all_records);
+    if (!fit.valid) return;
+    if (!chosen.between) chosen.further = further_forms(channel, *chosen.kind, present, fit);
+    chosen.fit = out.claimed = std::move(fit);
+  }
 }
 
 }  // namespace
@@ -239,16 +263,26 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
   Selection out;
   std::vector<int> present = always;
   std::vector<std::string> taken = skip;
-  ScreenResult result = screen(channel, present, taken, nullptr, threads);
-  out.base = result.base;
-  out.final = result.base;
-  if (!result.base.valid) return out;
-  out.excess_before = out.excess_after = excess_mean_square(channel, result.base);
-  out.first = result;
+  ScreenResult result;
+  std::size_t place = 0;  // in the ranking
+  // what is carried along before anything is chosen belongs to the model that the first effect is judged against
+  const auto screen_again = [&](const MixedFit* warm) {
+    result = screen(channel, present, taken, warm, threads);
+    place = 0;
+    if (!result.base.valid) return false;
+    out.final = result.base;
+    out.excess_after = excess_mean_square(channel, result.base);
+    if (out.chosen.empty()) {
+      out.first = result;
+      out.base = result.base;
+      out.excess_before = out.excess_after;
+    }
+    return true;
+  };
+  if (!screen_again(nullptr)) return out;
 
   int latencies = 0;
   double largest_removed = 0.0;  // RMS
-  std::size_t place = 0;  // in the ranking
   constexpr std::size_t kMostPlaces = 4;
   for (int step = 0; step < rules.most; ++step) {
     if (result.families.empty()) break;
@@ -275,16 +309,8 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       for (const Candidate& c : channel.candidates)
         if (c.kind->name == "delay" && c.shape[0] < 0.0 && c.shape[0] > -0.006) present.push_back(c.first);
       out.nuisance.push_back("a lead of the output of a few milliseconds is left to the reference");
-      result = screen(channel, present, taken, &family.best.fit, threads);
-      if (!result.base.valid) break;
-      if (first) {
-        out.base = result.base;
-        out.excess_before = excess_mean_square(channel, result.base);
-      }
-      out.final = result.base;
-      out.excess_after = excess_mean_square(channel, result.base);
+      if (!screen_again(&family.best.fit)) break;
       ++latencies;
-      place = 0;
       --step;
       continue;
     }
@@ -297,17 +323,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
           present.push_back(c.first);
       out.nuisance.push_back(slight_shift ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
                                           : "the output leads the reference by a few milliseconds, as a reference with its own lag does");
-      result = screen(channel, present, taken, &family.best.fit, threads);
-      if (!result.base.valid) break;
-      if (first) {
-        out.base = result.base;
-        out.first = result;
-        out.excess_before = excess_mean_square(channel, result.base);
-      }
-      out.final = result.base;
-      out.excess_after = excess_mean_square(channel, result.base);
-      if (++latencies > 2) break;
-      place = 0;
+      if (!screen_again(&family.best.fit) || ++latencies > 2) break;
       --step;
       continue;
     }
@@ -316,15 +332,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       for (int j : family_columns(channel, *family.kind))
         if (std::find(present.begin(), present.end(), j) == present.end()) present.push_back(j);
       out.nuisance.push_back(family.kind->name + " explains part of it and is nobody's fault");
-      result = screen(channel, present, taken, &family.best.fit, threads);
-      if (!result.base.valid) break;
-      if (first) {
-        out.base = result.base;
-        out.excess_before = excess_mean_square(channel, result.base);
-      }
-      out.final = result.base;
-      out.excess_after = excess_mean_square(channel, result.base);
-      place = 0;
+      if (!screen_again(&family.best.fit)) break;
       --step;
       continue;
     }
@@ -350,14 +358,11 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     for (int j : variant.columns) present.push_back(j);
     for (int j : family_columns(channel, *family.kind))
       if (std::find(present.begin(), present.end(), j) == present.end()) present.push_back(j);
-    result = screen(channel, present, taken, &family.best.fit, threads);
-    if (!result.base.valid) break;
-    place = 0;
-    out.final = result.base;
-    out.excess_after = excess_mean_square(channel, result.base);
+    if (!screen_again(&family.best.fit)) break;
   }
 
   drop_needless(channel, always, rules, out);
+  fit_claimed(channel, out);
   // what is reported comes from the fit records alone
   const auto report = [&](MixedFit& fit) {
     const MixedFit refitted = fit_mixed(channel.problem, fit.columns, &fit, 8);
@@ -365,6 +370,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
   };
   report(out.base);
   report(out.final);
+  report(out.claimed);
   for (ChosenEffect& chosen : out.chosen) report(chosen.fit);
   return out;
 }

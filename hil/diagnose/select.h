@@ -13,6 +13,7 @@ struct ChosenEffect {
   const EffectKind* kind = nullptr;
   int variant = 0;
   std::vector<int> columns;      ///< the variant's own
+  std::vector<int> further;      ///< variants of the same family that stand beside it in the model
   double gain = 0.0;             ///< log evidence when it entered
   double fall = 0.0;             ///< share of the excess mean square that it removed when it entered
   double effect_rms = 0.0;       ///< share of the span
@@ -28,7 +29,8 @@ struct ChosenEffect {
 struct Selection {
   ScreenResult first;            ///< screen over the base model alone
   std::vector<ChosenEffect> chosen;
-  MixedFit base, final;
+  MixedFit base, final;          ///< final: the chosen effects with all forms of their families, to judge what is left
+  MixedFit claimed;              ///< the chosen variants alone: what a model gains that takes them in
   double excess_before = 0.0, excess_after = 0.0;  ///< mean squares above the noise
   std::vector<std::string> nuisance;  ///< what was carried along without being a finding
   std::vector<std::string> rejected;  ///< why the next one was not taken

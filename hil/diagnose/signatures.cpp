@@ -131,6 +131,8 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
     // one recording has no other to be compared with
     if (w.input.single && needs_records(kind.name)) return;
     if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) return;
+    // the drive has a channel of its own
+    if (only == nullptr && kind.name == "motor") return;
     for (const EffectForm& form : kind.forms)
       for (const std::vector<double>& shape : form.grid(w.input)) {
         Candidate c{&kind, &form, shape, out.problem.ns, static_cast<int>(form.strength.size())};
@@ -203,14 +205,41 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   w.has_rig = true;
 
   MixedProblem& p = channel.problem;
-  p.nz = 2 + 3 + 2;
-  p.n_fixed = 2;
-  // a command reaches the force through a motor: its ordinary lag is no finding
-  p.components = {{"rig_gain", 0.02, 0.002, 0.5}, {"rig_offset", 0.02, 0.001, 0.5}, {"rig_wander", 0.002, 3e-4, 0.5},
-                  {"motor_lag", 1.0, 1.0, 1.0}};
-  p.component_of_z = {0, 1, 2, 2, 2, 3, 3};
-  p.fixed_prior_sd = Eigen::Vector2d(10.0, 10.0);
+  p.nz = 4 + 3 + 2;
+  p.n_fixed = 4;
+  // a command reaches the force through a motor, a reference reads the force a few milliseconds late, and the angle's zero is
+  // known to a degree or two: no findings. Both are the same in all records: what differs from record to record is a play
+  p.components = {{"rig_gain", 0.02, 0.002, 0.5}, {"rig_offset", 0.02, 0.001, 0.5}, {"reference_lag", 0.01, 0.01, 50.0}, {"angle_zero", 5e-4, 5e-4, 50.0},
+                  {"rig_wander", 0.002, 3e-4, 0.5}, {"motor_lag", 1.0, 1.0, 1.0}};
+  p.component_of_z = {0, 1, 2, 3, 4, 4, 4, 5, 5};
+  p.fixed_prior_sd = Eigen::Vector4d(10.0, 10.0, 2.0, 0.03);
   list_candidates(w, EffectChannel::rig, false, channel);
+  fill_channel(w, channel, threads, [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z, std::vector<double>& y) {
+    const double slope = w.rig_slope_N[r.index] / channel.scale;
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(j);
+      Z(row, 0) = r.rig_force_N[rows[j]] / channel.scale;
+      Z(row, 1) = 1.0;
+      if (slope != 0.0) {
+        Z(row, 2) = slope * (r.cos_theta[rows[j]] - r.late_cos_theta[rows[j]]);
+        Z(row, 3) = slope * r.sin_theta[rows[j]];
+      }
+      for (int q = 0; q < 3; ++q)
+        if (r.duration_s > 60.0 * (q + 1))
+          Z(row, 4 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
+      y.push_back(r.F_N[rows[j]] / channel.scale);
+    }
+    if (r.theta_rad.empty())
+      for (int q = 0; q < 2; ++q) {
+        const auto late = low_pass_channel(r, r.rig_force_N, q == 0 ? 0.03 : 0.1, r.rig_force_N[0]);
+        for (std::size_t j = 0; j < rows.size(); ++j)
+          Z(static_cast<Eigen::Index>(j), 7 + q) = (late[rows[j]] - r.rig_force_N[rows[j]]) / channel.scale;
+      }
+  });
+}
+
+void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill) {
+  MixedProblem& p = channel.problem;
   reserve_spare(channel);
   channel.column_factor = 1.0 / channel.scale;
   const std::size_t n = channel.record_of.size();
@@ -222,21 +251,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
     const auto& rows = channel.rows[k].row;
     Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), p.nz);
     std::vector<double> y;
-    for (std::size_t j = 0; j < rows.size(); ++j) {
-      const auto row = static_cast<Eigen::Index>(j);
-      Z(row, 0) = r.rig_force_N[rows[j]] / channel.scale;
-      Z(row, 1) = 1.0;
-      for (int q = 0; q < 3; ++q)
-        if (r.duration_s > 60.0 * (q + 1))
-          Z(row, 2 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
-      y.push_back(r.F_N[rows[j]] / channel.scale);
-    }
-    if (r.theta_rad.empty())
-      for (int q = 0; q < 2; ++q) {
-        const auto late = low_pass_channel(r, r.rig_force_N, q == 0 ? 0.03 : 0.1, r.rig_force_N[0]);
-        for (std::size_t j = 0; j < rows.size(); ++j)
-          Z(static_cast<Eigen::Index>(j), 5 + q) = (late[rows[j]] - r.rig_force_N[rows[j]]) / channel.scale;
-      }
+    fill(r, rows, Z, y);
     RecordGram& gram = p.records[k];
     gram.name = r.name;
     gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);

@@ -3,6 +3,7 @@
 // signatures and their Gram matrices.
 
 #include <Eigen/Dense>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,8 +64,11 @@ struct Workspace {
   std::vector<RecordShift> shifts;     ///< per record
   std::vector<double> noise_V;         ///< row noise of U at given F_ref, errors in variables included
   std::vector<double> white_V;         ///< its white part alone
-  ResidualChannel output, rig;
+  ResidualChannel output, rig, command;
+  bool has_command = false;
   bool has_rig = false;
+  std::vector<double> rig_slope_N;     ///< per record: newtons a unit of 1 - cos th; 0 without an angle
+  bool rig_sees_zero = false;          ///< the rig's own law has one zero for all records: a drift of the reference shows beside it
   bool all_fit = false;                ///< no record is marked held out: records are left out in turn
 };
 
@@ -87,6 +91,14 @@ void set_repeatability(MixedProblem& problem, bool one_recording);
 void build_output_channel(Workspace& workspace, unsigned threads, const std::vector<std::string>* only = nullptr);
 /// The same for F_ref against angle or command; sets has_rig.
 void build_rig_channel(Workspace& workspace, unsigned threads);
+
+/// What the drive makes of a command; sets has_command. After build_rig_channel.
+void build_command_channel(Workspace& workspace, unsigned threads);
+
+/// Rows of a channel of forces: `fill` writes Z and appends y for the chosen rows of one record; then the candidates' columns, Gram
+/// matrices and priors. nz, n_fixed, components and candidates of the channel are set before.
+using FillRows = std::function<void(const RecordInput&, const std::vector<std::size_t>&, Eigen::MatrixXd&, std::vector<double>&)>;
+void fill_channel(const Workspace& workspace, ResidualChannel& channel, unsigned threads, const FillRows& fill);
 
 /// Fills rig_force_N of the records with a witness and lists them: by the declared geometry and one stiffness for all
 /// where it is known (then the zero of the reference shows), else by each record's own line.

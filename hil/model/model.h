@@ -3,6 +3,7 @@
 // standard errors and the history of how it came in. A TOML file (docs/diagnosis.md shows one).
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,14 @@ struct ModelEffect {
   std::string effect, form;
   std::vector<ModelParameter> shape, strength;  ///< in the order of the form
 };
+
+/// A value and its standard error.
+struct Estimate {
+  double value = 0.0, se = 0.0;
+};
+
+/// One form of an effect of the library. `shape` and `strength` in the order of the form; strengths are kept within its bounds.
+ModelEffect model_effect(const EffectKind& kind, const EffectForm& form, std::span<const double> shape, std::span<const Estimate> strength);
 
 /// An effect of the user's own: equations that muparser understands.
 ///   state.<name> = derivative, output = newtons of equivalent force added, in F, dF, t, T, th and the parameters.

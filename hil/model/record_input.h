@@ -10,6 +10,8 @@
 
 namespace forcegate {
 
+constexpr double kLateAngle_s = 0.005;
+
 struct RecordInput {
   std::string name, kind;
   bool heldout = false;
@@ -22,6 +24,8 @@ struct RecordInput {
   std::vector<double> F_N, U_V;       ///< reference force and sensor output
   std::vector<double> rate_N_per_s;   ///< central difference of F_N
   std::vector<double> theta_rad, temp_C, humidity, C_F, F_cmd_N, drive_V;
+  /// Means of sin th and cos th over each row, and of cos th behind a pole of kLateAngle_s: an angle turns within a row, and wraps
+  std::vector<double> sin_theta, cos_theta, late_cos_theta;
   std::vector<std::uint8_t> ok;       ///< 0: the row touches a gap, a missing or a masked sample
 
   // full rate, for delay, lag, RC

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "hil/model/states.h"
+
 namespace forcegate {
 
 namespace {
@@ -62,6 +64,23 @@ struct RowMeans {
     return out;
   }
 };
+
+void set_angle(const Trace& trace, std::size_t clock, const RowMeans& mean, RecordInput& out) {
+  const Channel* theta = trace.find("theta");
+  if (theta == nullptr || out.theta_rad.empty()) return;
+  const std::vector<double> angle = held(on_clock(trace, *theta, clock));
+  const std::size_t n = out.fast_t_s.size();
+  std::vector<double> sine(n), cosine(n), late(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    sine[i] = std::sin(angle[i]);
+    cosine[i] = std::cos(angle[i]);
+  }
+  LowPass pole(kLateAngle_s, cosine[0]);
+  for (std::size_t i = 0; i < n; ++i) late[i] = i == 0 ? cosine[0] : pole.step(cosine[i - 1], cosine[i], out.fast_t_s[i] - out.fast_t_s[i - 1]);
+  out.sin_theta = mean(sine);
+  out.cos_theta = mean(cosine);
+  out.late_cos_theta = mean(late);
+}
 
 }  // namespace
 
@@ -138,6 +157,7 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
     return held(std::move(rows));
   };
   out.theta_rad = channel("theta");
+  set_angle(trace, clock, mean, out);
   out.temp_C = channel("temp");
   out.humidity = channel("RH");
   if (out.humidity.empty()) out.humidity = channel("humidity");

@@ -25,8 +25,10 @@ const Registration<EffectKind> kRegistered{EffectKind{
                .sign = StrengthSign::positive,
                .grid =
                    [](const CampaignInput& c) {
-                     return std::vector<std::vector<double>>{{-0.05 * c.range_N}, {0.0}, {0.03 * c.range_N},
-                                                             {0.08 * c.range_N}};
+                     // far above zero too: the preload that was declared may be that of before the wheel was moved away
+                     std::vector<std::vector<double>> out;
+                     for (const double share : {-0.05, 0.0, 0.03, 0.08, 0.16, 0.28}) out.push_back({share * c.range_N});
+                     return out;
                    },
                .columns =
                    [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
@@ -34,7 +36,10 @@ const Registration<EffectKind> kRegistered{EffectKind{
                      if (r.rig_force_N.empty()) return;
                      for (std::size_t i = 0; i < r.rows(); ++i)
                        out(static_cast<Eigen::Index>(i), 0) = std::max(0.0, shape[0] - r.rig_force_N[i]);
-                   }}}}};
+                   },
+               // an open contact carries nothing: a slope that is a little less at the bottom is another thing
+               .least = 0.35,
+               .most = 2.0}}}};
 
 }  // namespace
 }  // namespace forcegate

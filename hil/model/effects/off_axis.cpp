@@ -1,8 +1,6 @@
 // Off-axis push: the eccentric wheel also pushes sideways.  dU = g D (c1 sin th + c2 F sin th / R).
 // With a turning wheel a loop that keeps its width at any speed; in servo mode a single curve: the clash is the signature.
 
-#include <cmath>
-
 #include "hil/model/effect.h"
 
 namespace forcegate {
@@ -18,9 +16,9 @@ EffectForm form(const char* name, bool decayed) {
           .columns =
               [decayed](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 out.setZero();
-                if (r.theta_rad.empty()) return;
+                if (r.sin_theta.empty()) return;
                 for (std::size_t i = 0; i < r.rows(); ++i) {
-                  const double s = (decayed ? r.decay[i] : 1.0) * std::sin(r.theta_rad[i]);
+                  const double s = (decayed ? r.decay[i] : 1.0) * r.sin_theta[i];
                   out(static_cast<Eigen::Index>(i), 0) = s;
                   out(static_cast<Eigen::Index>(i), 1) = s * r.F_N[i] / c.range_N;
                 }

@@ -1,0 +1,77 @@
+// What the drive makes of a command: the force that the wheel's angle gives (or F_ref, without an angle) against the commanded one.
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/workspace.h"
+#include "hil/model/states.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr double kPoles_s[] = {0.03, 0.1};
+constexpr double kFollows = 0.8;  // least squared correlation of force and command
+
+const std::vector<double>& reached_N(const RecordInput& r) { return r.cos_theta.empty() || r.rig_force_N.empty() ? r.F_N : r.rig_force_N; }
+
+bool follows_command(const RecordInput& r, double range_N) {
+  if (r.F_cmd_N.empty()) return false;
+  const std::vector<double>& y = reached_N(r);
+  double n = 0.0, x1 = 0.0, y1 = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) {
+      const double dx = r.F_cmd_N[i] - r.F_cmd_N[0], dy = y[i] - y[0];
+      n += 1.0;
+      x1 += dx;
+      y1 += dy;
+      xx += dx * dx;
+      xy += dx * dy;
+      yy += dy * dy;
+    }
+  if (n < 50.0) return false;
+  xx -= x1 * x1 / n;
+  xy -= x1 * y1 / n;
+  yy -= y1 * y1 / n;
+  return xx > n * std::pow(0.01 * range_N, 2) && yy > 0.0 && xy * xy > kFollows * xx * yy;
+}
+
+}  // namespace
+
+void build_command_channel(Workspace& w, unsigned threads) {
+  ResidualChannel& channel = w.command;
+  channel = ResidualChannel{};
+  channel.scale = w.input.range_N;
+  channel.unit = "N";
+  for (std::size_t k = 0; k < w.input.records.size(); ++k)
+    if (follows_command(w.input.records[k], w.input.range_N)) channel.record_of.push_back(k);
+  w.has_command = channel.record_of.size() >= 2;
+  if (!w.has_command) return;
+  MixedProblem& p = channel.problem;
+  p.nz = 8;
+  p.n_fixed = 3;
+  // a drive follows late, differently in every manner of moving, and the angle's zero is known to a degree or two: no findings
+  p.components = {{"drive_gain", 0.02, 0.002, 0.5}, {"drive_offset", 0.02, 0.001, 0.5}, {"angle_zero", 0.01, 0.002, 0.5},
+                  {"drive_lag", 1.0, 1.0, 1.0}, {"drive_wander", 0.002, 3e-4, 0.5}};
+  p.component_of_z = {0, 1, 2, 3, 3, 4, 4, 4};
+  p.fixed_prior_sd = Eigen::Vector3d(10.0, 10.0, 0.03);
+  const std::vector<std::string> only = {"motor"};
+  list_candidates(w, EffectChannel::rig, false, channel, &only);
+  fill_channel(w, channel, threads, [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z, std::vector<double>& y) {
+    const std::vector<double>& reached = reached_N(r);
+    std::vector<double> late[2];
+    for (int q = 0; q < 2; ++q) late[q] = low_pass_channel(r, r.F_cmd_N, kPoles_s[q], r.F_cmd_N[0]);
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(j);
+      Z(row, 0) = r.F_cmd_N[rows[j]] / channel.scale;
+      Z(row, 1) = 1.0;
+      if (!r.sin_theta.empty()) Z(row, 2) = w.rig_slope_N[r.index] * r.sin_theta[rows[j]] / channel.scale;
+      for (int q = 0; q < 2; ++q) Z(row, 3 + q) = (late[q][rows[j]] - r.F_cmd_N[rows[j]]) / channel.scale;
+      for (int q = 0; q < 3; ++q)
+        if (r.duration_s > 60.0 * (q + 1)) Z(row, 5 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
+      y.push_back(reached[rows[j]] / channel.scale);
+    }
+  });
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,103 @@
+#include "hil/model/lagged_channel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hil/model/states.h"
+
+namespace forcegate {
+
+namespace {
+
+constexpr double kWalk_s = 1.0;  // step through earlier records: the lags are minutes
+
+double mean_of(const CampaignInput& c, AirChannel channel) {
+  double sum = 0.0, n = 0.0;
+  for (const RecordInput& r : c.records)
+    for (const double x : r.*channel) {
+      sum += x;
+      n += 1.0;
+    }
+  return n > 0.0 ? sum / n : 0.0;
+}
+
+double state_at_start(const CampaignInput& c, const RecordInput& record, AirChannel channel, double tau_s) {
+  LowPass film(tau_s, 0.0);
+  double before = 0.0, at_s = 0.0;
+  bool running = false;
+  const auto to = [&](double x, double t_s) {
+    if (!running) film = LowPass(tau_s, x);
+    else if (t_s > at_s) film.step(before, x, t_s - at_s);
+    running = true;
+    before = x;
+    at_s = std::max(at_s, t_s);
+  };
+  for (const RecordInput& r : c.records) {
+    const std::vector<double>& x = r.*channel;
+    if (r.recording == record.recording) break;
+    if (x.empty()) continue;
+    const auto stride = static_cast<std::size_t>(std::max(1.0, kWalk_s / r.row_step_s));
+    for (std::size_t i = 0; i < x.size(); i += stride) to(x[i], r.start_s + r.t_s[i]);
+    to(x.back(), r.start_s + r.t_s.back());
+  }
+  to((record.*channel).front(), record.start_s + record.t_s.front());
+  return film.state();
+}
+
+}  // namespace
+
+std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record, AirChannel channel, double tau_s) {
+  const std::vector<double>& x = record.*channel;
+  if (x.empty() || !(tau_s > 0.0)) return x;
+  return low_pass_channel(record, x, tau_s, state_at_start(campaign, record, channel, tau_s));
+}
+
+EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix, const std::string& unit) {
+  return {.name = "lagged",
+          .shape = {{"tau_s", "s", 0.0, 1e5, 60.0, "time constant of the sensor behind the instrument in the air"}},
+          .strength = {{"c_gain_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0, "relative change of gain"},
+                       {"c_offset_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0, "change of offset, shares of the span"}},
+          .sign = StrengthSign::either,
+          .grid =
+              [recorded](const CampaignInput& c) {
+                return c.*recorded ? std::vector<std::vector<double>>{{0.0}, {60.0}, {240.0}, {800.0}, {2400.0}}
+                                   : std::vector<std::vector<double>>{};
+              },
+          .columns =
+              [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                out.setZero();
+                if ((r.*channel).empty()) return;
+                const double reference = mean_of(c, channel);
+                const std::vector<double> x = lagged_channel(c, r, channel, shape[0]);
+                for (std::size_t i = 0; i < r.rows(); ++i) {
+                  const auto row = static_cast<Eigen::Index>(i);
+                  out(row, 0) = (x[i] - reference) * r.base_force_N(i);
+                  out(row, 1) = (x[i] - reference) * c.range_N;
+                }
+              },
+          .singles = true};
+}
+
+EffectForm unrecorded_form(std::function<bool(const CampaignInput&)> possible) {
+  return {.name = "unrecorded",
+          .shape = {},
+          .strength = {{"k1", "1", -1.0, 1.0, 0.0, "half wave of the gain over the campaign"},
+                       {"k2", "1", -1.0, 1.0, 0.0, "one wave"},
+                       {"k3", "1", -1.0, 1.0, 0.0, "one and a half waves"},
+                       {"k4", "1", -1.0, 1.0, 0.0, "two waves"}},
+          .sign = StrengthSign::either,
+          .grid = [possible = std::move(possible)](const CampaignInput& c) {
+            return !c.single && possible(c) ? std::vector<std::vector<double>>{{}} : std::vector<std::vector<double>>{};
+          },
+          .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+            double T = 1.0;
+            for (const RecordInput& other : c.records) T = std::max(T, other.start_s + other.duration_s);
+            for (std::size_t i = 0; i < r.rows(); ++i)
+              for (int k = 1; k <= 4; ++k)
+                out(static_cast<Eigen::Index>(i), k - 1) =
+                    r.base_force_N(i) * std::cos(k * std::numbers::pi * (r.start_s + r.t_s[i]) / T);
+          }};
+}
+
+}  // namespace forcegate

@@ -1,0 +1,25 @@
+#pragma once
+// Gain and zero that follow a slow channel of the air (temperature, humidity) behind a first-order lag:
+//   dU = g (c_gain W + c_offset R)(x_s - x_ref),  tau x_s' + x_s = x,  R the force span, x_ref the mean of x.
+// The state runs through the whole campaign: between two records x is taken along a straight line.
+
+#include <string>
+#include <vector>
+
+#include "hil/model/effect.h"
+
+namespace forcegate {
+
+using AirChannel = std::vector<double> RecordInput::*;
+
+/// x_s at every row of the record; `tau_s` 0: x itself. In equilibrium at the start of the first record.
+std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record, AirChannel channel, double tau_s);
+
+/// Form "lagged" with strengths c_gain_per_<unit>, c_offset_per_<unit>. `recorded`: whether a campaign has the channel.
+EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix, const std::string& unit);
+
+/// Nobody wrote the channel down: the gain moves smoothly over the campaign, whatever is done to the sensor; half waves of the
+/// campaign's time. `possible`: whether the campaign may be explained so.
+EffectForm unrecorded_form(std::function<bool(const CampaignInput&)> possible);
+
+}  // namespace forcegate

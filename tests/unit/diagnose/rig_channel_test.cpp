@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "hil/base/rng.h"
+#include "hil/diagnose/engine.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+struct Bench {
+  double reference_lag_s = 0.0;
+  double lift_N = 0.0;                                      // the wheel stands so far back
+  std::function<double(double)> zero_N = [](double) { return 0.0; };  // of the reference, in campaign time
+  std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
+};
+
+// A wheel that turns in three records and goes slowly to and fro in four; the sensor is a straight line.
+Campaign turning(const Bench& bench) {
+  constexpr double kRate_Hz = 250.0, k = 0.25, e = 6.0;
+  Campaign c;
+  c.name = "wheel";
+  c.bench.reference_resolution_N = 0.005;
+  c.bench.spring_N_per_mm = k;
+  Rng rng(11, "wheel");
+  const double hertz[] = {0.0, 0.4, 0.0, 1.5, 0.0, 3.0, 0.0};
+  for (int n = 0; n < 7; ++n) {
+    Record r;
+    r.name = "r" + std::to_string(n);
+    r.kind = hertz[n] > 0.0 ? "sine" : "ramp";
+    r.dynamic = false;
+    r.start_s = 1500.0 * n;
+    const double p = 1.0 + 0.3 * n;
+    r.eccentricity_mm = e;
+    r.preload_mm = p;
+    TimeBase clock;
+    std::vector<double> F_ref, U, theta, command;
+    double late = 0.0;
+    for (int i = 0; i < 22500; ++i) {
+      const double t = i / kRate_Hz;
+      const double wanted = hertz[n] > 0.0 ? 2.0 * std::numbers::pi * hertz[n] * t : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
+      const double th = wanted + bench.slip_rad(wanted), F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N);
+      late = i == 0 ? F : late + (bench.reference_lag_s > 0.0 ? -std::expm1(-1.0 / (kRate_Hz * bench.reference_lag_s)) : 1.0) * (F - late);
+      clock.t_s.push_back(t);
+      theta.push_back(std::remainder(th, 2.0 * std::numbers::pi));
+      command.push_back(k * (p + e * (1.0 - std::cos(wanted))));
+      F_ref.push_back(std::round((late + bench.zero_N(*r.start_s + t) + 0.003 * rng.normal()) / 0.005) * 0.005);
+      U.push_back(2.0 * F + 0.2 + 0.003 * rng.normal());
+    }
+    r.trace.time_bases.push_back(clock);
+    r.trace.channels.push_back({"F_ref", "N", "force", 0, F_ref, {}});
+    r.trace.channels.push_back({"U", "V", "voltage", 0, U, {}});
+    r.trace.channels.push_back({"theta", "rad", "angle", 0, theta, {}});
+    r.trace.channels.push_back({"F_cmd", "N", "force", 0, command, {}});
+    c.records.push_back(std::move(r));
+  }
+  return c;
+}
+
+Diagnosis diagnose(const Bench& bench) {
+  EngineOptions options;
+  options.pictures = false;
+  auto out = diagnose_campaign(turning(bench), options);
+  EXPECT_TRUE(out.has_value());
+  return out ? *out : Diagnosis{};
+}
+
+std::string claims(const Diagnosis& d) {
+  std::string out;
+  for (const Finding& f : d.findings)
+    if (f.probability >= 0.5) out += f.effect + " ";
+  return out;
+}
+
+TEST(RigChannel, AReferenceThatReadsAFewMillisecondsLateIsNoBacklash) {
+  Bench bench;
+  bench.reference_lag_s = 0.004;
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "");
+  EXPECT_EQ(to_string(d.verdict), "none");
+}
+
+TEST(RigChannel, AZeroThatMovesIsSeenBesideALateReference) {
+  Bench bench;
+  bench.reference_lag_s = 0.003;
+  bench.zero_N = [](double t) { return 0.06 * std::log1p(t / 2000.0) - 0.05 * std::cos(t / 2500.0); };
+  EXPECT_EQ(claims(diagnose(bench)), "reference_drift ");
+}
+
+TEST(RigChannel, AWheelThatLeavesTheSensorIsContactLoss) {
+  Bench bench;
+  bench.lift_N = 0.6;
+  const Diagnosis d = diagnose(bench);
+  std::string notes;
+  for (const std::string& note : d.notes) notes += note + "\n";
+  ASSERT_FALSE(d.findings.empty()) << notes;
+  EXPECT_EQ(d.findings.front().effect, "contact_loss");
+}
+
+TEST(RigChannel, AWheelThatTurnsUnevenlyIsTheMotor) {
+  Bench bench;
+  bench.slip_rad = [](double th) { return 0.03 * std::sin(5.0 * th + 0.4) - 0.03 * std::sin(0.4); };
+  EXPECT_EQ(claims(diagnose(bench)), "motor ");
+}
+
+TEST(RigChannel, AZeroErrorOfTheAngleIsNoFinding) {
+  Bench bench;
+  bench.slip_rad = [](double) { return 0.02; };
+  EXPECT_EQ(claims(diagnose(bench)), "");
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
