@@ -26,9 +26,10 @@ CampaignInput input() {
 // The campaign with what a form asks for: a humidity channel, a thermometer that is missing, a recording of another machine.
 CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
   CampaignInput out = input();
-  out.has_command = true;
+  out.has_command = out.has_capacitance = true;
   for (RecordInput& r : out.records) {
     r.F_cmd_N = r.F_N;
+    for (const double F : r.F_N) r.C_F.push_back(1e-12 * (22.0 + 3.1 * F));
     for (std::size_t i = 0; i < r.rows(); ++i) r.rig_force_N.push_back(r.F_N[i] - 0.05 * (1.0 - r.F_N[i]));
   }
   RecordInput& cyclic = out.records[1];
