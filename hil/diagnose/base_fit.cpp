@@ -171,30 +171,49 @@ OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
   return best;
 }
 
-// Records that nobody declared are cyclic where their own decay explains most of what a straight line leaves. Where the
-// law's constants are far off (a sensor of another range), the search starts from the records' own.
+// Explains most of what a straight line leaves.
+bool is_decay(const OwnDecay& own) {
+  constexpr double kExplains = 0.6;
+  return own.mean_square < (1.0 - kExplains) * own.static_mean_square && own.depth > 0.03;
+}
+
+// Where the law's constants are far off (a sensor of another range), the search starts from the record's own.
+RecordShift start_of(const Workspace& w, const RecordInput& r, const OwnDecay& own) {
+  constexpr double kFar = 1.2;
+  const double log_b = std::log(own.rate_per_s / w.law.decay_rate_per_s(r.f_Hz));
+  const double log_q = std::log((1.0 / own.depth - 1.0) / w.law.depth_ratio(r.A_N));
+  if (std::abs(log_b) <= kFar && std::abs(log_q) <= kFar) return {};
+  return {std::clamp(log_b, -kLargestShift, kLargestShift), std::clamp(log_q, -kLargestShift, kLargestShift)};
+}
+
+// Records that nobody declared are cyclic where their own decay explains most of what a straight line leaves.
 void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>& rows) {
-  constexpr double kExplains = 0.6, kFar = 1.2;
   for (std::size_t k = 0; k < w.input.records.size(); ++k) {
     RecordInput& r = w.input.records[k];
     if (!r.dynamic) continue;
     const OwnDecay own = own_decay(r, rows[k]);
-    const bool decays = own.mean_square < (1.0 - kExplains) * own.static_mean_square && own.depth > 0.03;
-    if (r.dynamic_assumed && !decays) {
+    if (is_decay(own)) {
+      w.shifts[k] = start_of(w, r, own);
+    } else if (r.dynamic_assumed) {
       // a change of frequency is looked for where nothing decays too: D stays at 1
       if (r.frequency_jumps_s.empty()) set_static(r);
       else w.shifts[k].log_q = 8.0;
-      continue;
     }
-    if (!decays) continue;
-    const double log_b = std::log(own.rate_per_s / w.law.decay_rate_per_s(r.f_Hz));
-    const double log_q = std::log((1.0 / own.depth - 1.0) / w.law.depth_ratio(r.A_N));
-    if (std::abs(log_b) > kFar || std::abs(log_q) > kFar)
-      w.shifts[k] = {std::clamp(log_b, -kLargestShift, kLargestShift), std::clamp(log_q, -kLargestShift, kLargestShift)};
   }
 }
 
+// Blocks of one recording have one decay: a late block alone has hardly any of it left.
+void start_blocks(Workspace& w, const std::vector<std::vector<std::size_t>>& rows) {
+  const RecordInput& whole = w.input.records.front();
+  if (!whole.dynamic) return;
+  std::vector<std::size_t> all;
+  for (const auto& block : rows) all.insert(all.end(), block.begin(), block.end());
+  if (const OwnDecay own = own_decay(whole, all); is_decay(own)) w.shifts.assign(w.shifts.size(), start_of(w, whole, own));
+}
+
 }  // namespace
+
+bool decays_by_itself(const RecordInput& record) { return is_decay(own_decay(record, choose_rows(record, 4000))); }
 
 void fit_base(Workspace& w) {
   const std::size_t n = w.input.records.size();
@@ -202,7 +221,8 @@ void fit_base(Workspace& w) {
   w.gain_V_per_N = w.scales.gain_V_per_N;
   std::vector<std::vector<std::size_t>> rows;
   for (const RecordInput& r : w.input.records) rows.push_back(choose_rows(r, 800));
-  if (w.law.decays) choose_excitation(w, rows);
+  if (w.law.decays && w.input.single) start_blocks(w, rows);
+  else if (w.law.decays) choose_excitation(w, rows);
   // start: slope of static records alone, since the decay flattens the dynamic ones
   double FF = 0.0, FU = 0.0;
   for (const RecordInput& r : w.input.records) {

@@ -34,7 +34,7 @@ void cut_into_blocks(Workspace& w) {
     w.health.push_back(health);
   }
   w.input.notes.push_back(std::string("one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn") +
-                          (whole.dynamic ? "" : "; no decay is assumed"));
+                          (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
 }
 
 }  // namespace
@@ -94,7 +94,10 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     for (const Record& record : campaign.records)
       if (record.name == input.name) declared = &record;
     estimate_excitation(input, declared, w->input.range_N);
-    if (single && input.dynamic && input.dynamic_assumed) set_static(input);
+    if (single && input.dynamic && input.dynamic_assumed) {
+      input.dynamic_assumed = false;  // the blocks share the answer of the whole
+      if (!w->law.decays || !decays_by_itself(input)) set_static(input);
+    }
     w->health.push_back(health[input.name]);
   }
   if (single) cut_into_blocks(*w);

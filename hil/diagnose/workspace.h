@@ -82,6 +82,8 @@ void fit_base(Workspace& workspace);
 
 /// Columns of Z for the chosen rows, each divided by the voltage span.
 Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record, const std::vector<std::size_t>& rows);
+/// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
+bool decays_by_itself(const RecordInput& record);
 /// Sets nz, components and priors of the output channel.
 void set_repeatability(MixedProblem& problem, bool one_recording);
 

@@ -81,5 +81,22 @@ TEST(SingleRecording, StrokesOfOneSpeedEachWayDoNotPartFrictionFromDamping) {
   EXPECT_GE(d.not_separable.front().size(), 2u);
 }
 
+TEST(SingleRecording, TheSwingOfACycledSensorMayDecayAsItsModelSays) {
+  // Lebosse 2011, eq. (3), with b and c/a of a specimen of its own: the paper's experiment as one CSV of t, F, U
+  for (const double b_per_s : {0.0052, 0.0095}) {
+    const auto sine = [](double t) { return 2.15 + 1.05 * std::sin(3.14159265358979 * t); };
+    const Diagnosis d = answer(recording(50.0, 40000, sine, [&](const std::vector<double>& t, const std::vector<double>& F) {
+      constexpr double kKept = 0.27, kLowest_N = 1.1;
+      std::vector<double> U;
+      for (std::size_t i = 0; i < F.size(); ++i)
+        U.push_back((kLowest_N + (kKept + (1.0 - kKept) * std::exp(-b_per_s * t[i])) * (F[i] - kLowest_N) - 0.12) / 0.53);
+      return U;
+    }, 0.003));
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << b_per_s;
+    for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << f.effect << " at b = " << b_per_s;
+    EXPECT_LT(d.error_before, 0.006) << "the law itself must follow the record";
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
