@@ -191,6 +191,7 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     if (rows.rows() < 16) continue;
     RecordInput r = at_rate(rows, rate_Hz, most_s);
     set_decay(r, model.law);
+    r.recording = input.records.front().recording;  // no history: the firmware is switched on where the record begins
     FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
     const std::size_t n = r.rows();
     std::vector<float> u(n), shrink(n), low(n, static_cast<float>(r.F_min_N)), T(n, 0.0f), recorded(n);

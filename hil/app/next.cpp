@@ -4,11 +4,19 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/base/plain_number.h"
+#include "hil/base/text.h"
+
 namespace forcegate {
 
-std::string odds_text(double odds) { return odds > 1000.0 ? "over 1000" : fmt::format("{:.3g}", odds); }
-
-std::string next_text(const NextExperiment& n) {
+std::string next_text(const Diagnosis& d) {
+  const NextExperiment& n = d.next_experiment;
+  if (n.segments.empty() && !d.not_separable.empty())
+    return "not separable here: " + join(d.not_separable.front(), " or ") +
+           "; no record of a few minutes on this rig would part them (the diagnosis says what would)\n";
+  if (n.segments.empty() && d.verdict == DiagnosisVerdict::unknown)
+    return "structure remains that no effect of the library explains, so none competes; it depends on " + join(d.depends_on, ", ") +
+           "\nLook at its map (--html), or write an equation of your own: [[effect]] in the model file (docs/diagnosis.md)\n";
   if (n.segments.empty())
     return "nothing competes: no further measurement is needed to tell effects apart\n"
            "What these records do not excite they cannot show: slow ramps, a staircase with long holds, long sines of two\n"

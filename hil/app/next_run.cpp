@@ -9,6 +9,7 @@
 
 #include "hil/app/mystery.h"
 #include "hil/app/write_file.h"
+#include "hil/base/plain_number.h"
 #include "hil/trace/csv.h"
 
 namespace forcegate {

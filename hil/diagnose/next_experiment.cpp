@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/select.h"
 
 namespace forcegate::diagnose {
@@ -259,10 +259,8 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
   }
   if (!out.segments.empty()) {
     const ExperimentSegment& s = out.segments.front();
-    char text[300];
-    std::snprintf(text, sizeof text, "%s (%.2g min) separates %s: odds %.3g to 1 now, %.3g to 1 expected", s.name.c_str(), s.minutes,
-                  s.separates.c_str(), s.odds_before, s.odds_after);
-    out.sentence = text;
+    out.sentence = fmt::format("{} ({:.2g} min) separates {}: odds {} to 1 now, {} to 1 expected", s.name, s.minutes, s.separates,
+                               odds_text(s.odds_before), odds_text(s.odds_after));
   }
   return out;
 }

@@ -40,7 +40,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
   FORCEGATE_TRY(const Diagnosis diagnosis, diagnose_request(request));
   const NextExperiment& answer = diagnosis.next_experiment;
-  in.console().print(next_text(answer));
+  in.console().print(next_text(diagnosis));
   in.console().print_json(next_json(answer));
   if (!answer.segments.empty())
     in.console().next("forcegate next " + campaign_words(in, in.text("CAMPAIGN")) +
