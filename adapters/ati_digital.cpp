@@ -35,7 +35,9 @@ struct DigitalOptions : ati::ReferenceOptions {
 class AtiDigital final : public ReferenceSensor {
  public:
   AtiDigital(DigitalOptions options, BenchWorld& world)
-      : options_(std::move(options)), world_(world), filter_(options_.force_max_N, options_.jump_max_N, kHold) {}
+      : options_(std::move(options)),
+        world_(world),
+        filter_(options_.force_max_N, options_.jump_max_N, kHold) {}
   ~AtiDigital() override { close(); }
 
   Result<DeviceIdentity> open() override {
@@ -49,17 +51,22 @@ class AtiDigital final : public ReferenceSensor {
       block.insert(block.end(), words.begin(), words.end());
     }
     auto calibration = ati::decode_calibration(block);
-    if (!calibration) return fail(calibration.error().code, calibration.error().text, where(), calibration.error().hint);
+    if (!calibration)
+      return fail(calibration.error().code, calibration.error().text, where(), calibration.error().hint);
     calibration_ = std::move(*calibration);
     if (calibration_.serial != options_.serial)
-      return fail(ErrorCode::device, "the sensor has serial number " + calibration_.serial + ", the bench file says " + options_.serial,
-                  where(), "connect the right sensor, or enter its calibration and serial number");
+      return fail(
+          ErrorCode::device,
+          "the sensor has serial number " + calibration_.serial + ", the bench file says " + options_.serial,
+          where(), "connect the right sensor, or enter its calibration and serial number");
     FORCEGATE_CHECK_OK(switch_lock(0xAA));
-    const auto written = command(ati::encode_write(options_.slave, ati::kGainRegister, calibration_.gains_and_offsets), 16, 8);
+    const auto written =
+        command(ati::encode_write(options_.slave, ati::kGainRegister, calibration_.gains_and_offsets), 16, 8);
     const auto locked = switch_lock(0x18);
     if (!written) return Unexpected(written.error());
     FORCEGATE_CHECK_OK(locked);
-    return DeviceIdentity{"ATI Digital F/T " + calibration_.part, calibration_.serial, "", options_.calibration_id};
+    return DeviceIdentity{"ATI Digital F/T " + calibration_.part, calibration_.serial, "",
+                          options_.calibration_id};
   }
 
   void close() noexcept override {
@@ -114,14 +121,16 @@ class AtiDigital final : public ReferenceSensor {
       const auto parsed = ati::parse_gages(std::span<const std::uint8_t>(buffer_).subspan(at), record);
       if (parsed == ati::GageParse::need_more) break;
       const double force_N = options_.sign * ati::gage_force_N(calibration_, record, options_.axis);
-      if (parsed == ati::GageParse::invalid || (!record.status_error && !is_railed(record) && !filter_.plausible(force_N))) {
+      if (parsed == ati::GageParse::invalid ||
+          (!record.status_error && !is_railed(record) && !filter_.plausible(force_N))) {
         ++bad_records_;
         filter_.drop();
         return resynchronise(now_s);
       }
       take(record, force_N, now_s, out);
     }
-    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(std::min(at, buffer_.size())));
+    buffer_.erase(buffer_.begin(),
+                  buffer_.begin() + static_cast<std::ptrdiff_t>(std::min(at, buffer_.size())));
     return {};
   }
 
@@ -129,8 +138,11 @@ class AtiDigital final : public ReferenceSensor {
     return {options_.rate_Hz, options_.resolution_N, options_.noise_N, 0.5 / options_.rate_Hz};
   }
   std::map<std::string, std::uint64_t> counts() const override {
-    return {{"bad records", bad_records_}, {"resynchronisations", resyncs_}, {"error records", error_records_},
-            {"undated records", undated_}, {"requests repeated", repeats_}};
+    return {{"bad records", bad_records_},
+            {"resynchronisations", resyncs_},
+            {"error records", error_records_},
+            {"undated records", undated_},
+            {"requests repeated", repeats_}};
   }
 
  private:
@@ -141,7 +153,9 @@ class AtiDigital final : public ReferenceSensor {
   static constexpr double kQuiet_s = 0.02;
 
   std::string where() const { return "reference: " + (line_ ? line_->name() : options_.port); }
-  Unexpected told(const Error& e) const { return fail(ErrorCode::device, e.text, where(), "check cable and power"); }
+  Unexpected told(const Error& e) const {
+    return fail(ErrorCode::device, e.text, where(), "check cable and power");
+  }
 
   Result<void> send(std::span<const std::uint8_t> bytes) {
     if (!line_) return fail(ErrorCode::device, "the reference is not open", where());
@@ -161,7 +175,8 @@ class AtiDigital final : public ReferenceSensor {
       if (*n == 0) return {};
       buffer_.insert(buffer_.end(), bytes, bytes + *n);
       timeout_s = 0.0;
-      if (buffer_.size() > 1000000) return fail(ErrorCode::device, "the sensor floods the line", where(), "check the baud rate");
+      if (buffer_.size() > 1000000)
+        return fail(ErrorCode::device, "the sensor floods the line", where(), "check the baud rate");
     }
   }
   /// Reads until nothing comes for a while (wall time: an exchange).
@@ -172,11 +187,13 @@ class AtiDigital final : public ReferenceSensor {
       FORCEGATE_CHECK_OK(receive(kQuiet_s));
     } while (!buffer_.empty() && Wall::now() < end);
     if (!buffer_.empty())
-      return fail(ErrorCode::device, "the sensor's stream does not end", where(), "check baud rate, parity and wiring");
+      return fail(ErrorCode::device, "the sensor's stream does not end", where(),
+                  "check baud rate, parity and wiring");
     return {};
   }
 
-  Result<std::vector<std::uint8_t>> command(const std::vector<std::uint8_t>& request, std::uint8_t function, std::size_t size) {
+  Result<std::vector<std::uint8_t>> command(const std::vector<std::uint8_t>& request, std::uint8_t function,
+                                            std::size_t size) {
     Error last;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       if (attempt > 0) ++repeats_;
@@ -188,7 +205,8 @@ class AtiDigital final : public ReferenceSensor {
         FORCEGATE_CHECK_OK(receive(0.01));
       }
       if (buffer_.empty()) {
-        last = {ErrorCode::timeout, "the sensor does not answer", where(), "check power, cable, baud rate (1.25 M, 115200 or 19200) and slave"};
+        last = {ErrorCode::timeout, "the sensor does not answer", where(),
+                "check power, cable, baud rate (1.25 M, 115200 or 19200) and slave"};
         continue;
       }
       auto reply = ati::decode_frame(buffer_, options_.slave, function);
@@ -198,16 +216,19 @@ class AtiDigital final : public ReferenceSensor {
     return Unexpected(last);
   }
   Result<std::vector<std::uint16_t>> read_registers(int address, int count) {
-    FORCEGATE_TRY(const auto data, command(ati::encode_read(options_.slave, address, count), 3, static_cast<std::size_t>(2 * count) + 5));
+    FORCEGATE_TRY(const auto data, command(ati::encode_read(options_.slave, address, count), 3,
+                                           static_cast<std::size_t>(2 * count) + 5));
     if (data.size() != static_cast<std::size_t>(2 * count) + 1 || data[0] != 2 * count)
       return fail(ErrorCode::device, "the sensor answers with another number of registers", where());
     std::vector<std::uint16_t> words;
-    for (std::size_t i = 1; i < data.size(); i += 2) words.push_back(static_cast<std::uint16_t>(data[i] << 8 | data[i + 1]));
+    for (std::size_t i = 1; i < data.size(); i += 2)
+      words.push_back(static_cast<std::uint16_t>(data[i] << 8 | data[i + 1]));
     return words;
   }
   Result<void> switch_lock(std::uint8_t key) {
     FORCEGATE_TRY(const auto data, command(ati::encode_frame(options_.slave, kLock, {&key, 1}), kLock, 5));
-    if (data[0] != 1) return fail(ErrorCode::device, "the sensor does not let its settings be changed", where());
+    if (data[0] != 1)
+      return fail(ErrorCode::device, "the sensor does not let its settings be changed", where());
     return {};
   }
 
@@ -221,7 +242,8 @@ class AtiDigital final : public ReferenceSensor {
   Result<void> resynchronise(double now_s) {
     ++resyncs_;
     if (++resyncs_in_a_row_ > kResyncMax)
-      return fail(ErrorCode::device, "the stream of the sensor is unreadable", where(), "check baud rate, shield and termination of the line");
+      return fail(ErrorCode::device, "the stream of the sensor is unreadable", where(),
+                  "check baud rate, shield and termination of the line");
     state_ = State::stopping;
     asked_s_ = now_s;
     buffer_.clear();
@@ -273,7 +295,9 @@ Result<std::unique_ptr<ReferenceSensor>> make(const ConfigNode& table, BenchWorl
   in.integer("reply_timeout_ms", timeout_ms, 5, 5000);
   ati::read_reference_options(in, o);
   FORCEGATE_CHECK_OK(in.finish());
-  o.line = {static_cast<unsigned>(baud), parity == "even" ? LineParity::even : parity == "odd" ? LineParity::odd : LineParity::none};
+  o.line = {static_cast<unsigned>(baud), parity == "even"  ? LineParity::even
+                                         : parity == "odd" ? LineParity::odd
+                                                           : LineParity::none};
   o.slave = static_cast<std::uint8_t>(slave);
   o.calibration_index = static_cast<int>(index);
   o.reply_timeout_s = static_cast<double>(timeout_ms) * 1e-3;
@@ -281,7 +305,8 @@ Result<std::unique_ptr<ReferenceSensor>> make(const ConfigNode& table, BenchWorl
 }
 
 const Registration<ReferenceKind> kRegistered{
-    {"ati_digital", "ATI Digital F/T on RS-485: Modbus frames, then a stream of gage records at 1.25 Mbaud", make}};
+    {"ati_digital", "ATI Digital F/T on RS-485: Modbus frames, then a stream of gage records at 1.25 Mbaud",
+     make}};
 
 }  // namespace
 }  // namespace forcegate

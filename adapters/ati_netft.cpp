@@ -41,12 +41,14 @@ class AtiNetFt final : public ReferenceSensor {
     FORCEGATE_TRY(const ati::NetFtConfig config, named(read_page()));
     if (std::fabs(config.counts_per_force - options_.counts_per_force) > 1e-9 * options_.counts_per_force)
       return fail(ErrorCode::config,
-                  fmt::format("the box counts {:.9g} to a unit of force, the bench file says {:.9g}", config.counts_per_force,
-                              options_.counts_per_force),
-                  where(), "select the calibration of this sensor in the box, or enter its scale in the bench file");
+                  fmt::format("the box counts {:.9g} to a unit of force, the bench file says {:.9g}",
+                              config.counts_per_force, options_.counts_per_force),
+                  where(),
+                  "select the calibration of this sensor in the box, or enter its scale in the bench file");
     if (config.rate_Hz > 0.0 && std::fabs(config.rate_Hz - options_.rate_Hz) > 1e-6 * options_.rate_Hz)
-      return fail(ErrorCode::config, fmt::format("the box sends {:.6g} records a second, the bench file says {:.6g}", config.rate_Hz,
-                                                 options_.rate_Hz),
+      return fail(ErrorCode::config,
+                  fmt::format("the box sends {:.6g} records a second, the bench file says {:.6g}",
+                              config.rate_Hz, options_.rate_Hz),
                   where(), "set the RDT rate in the box or rate_Hz in the bench file");
     newtons_per_count_ = config.newtons_per_unit / config.counts_per_force;
     FORCEGATE_TRY(line_, named(world_.open_datagrams("reference", options_.host, options_.udp_port)));
@@ -98,7 +100,8 @@ class AtiNetFt final : public ReferenceSensor {
         return fail(ErrorCode::timeout, "the Net F/T sends nothing", where(),
                     "check power and network; only one program at a time gets its records");
       if (options_.bias && rdt_)
-        return fail(ErrorCode::device, "the Net F/T fell silent: its bias may be lost", where(), "begin the record again");
+        return fail(ErrorCode::device, "the Net F/T fell silent: its bias may be lost", where(),
+                    "begin the record again");
       rdt_.reset();
       clock_.restart();
       return ask();
@@ -110,25 +113,32 @@ class AtiNetFt final : public ReferenceSensor {
     return {options_.rate_Hz, options_.resolution_N, options_.noise_N, options_.u_time_s};
   }
   std::map<std::string, std::uint64_t> counts() const override {
-    return {{"bad datagrams", bad_datagrams_}, {"lost records", lost_}, {"repeated or late records", disordered_},
-            {"error records", error_records_}, {"unbelievable records", implausible_}, {"records that stood still", stalled_},
+    return {{"bad datagrams", bad_datagrams_},
+            {"lost records", lost_},
+            {"repeated or late records", disordered_},
+            {"error records", error_records_},
+            {"unbelievable records", implausible_},
+            {"records that stood still", stalled_},
             {"requests repeated", repeats_}};
   }
 
  private:
   std::string where() const { return "reference: " + (line_ ? line_->name() : options_.host); }
-  Unexpected told(const Error& e) const { return fail(ErrorCode::device, e.text, where(), "check power and network of the Net F/T"); }
+  Unexpected told(const Error& e) const {
+    return fail(ErrorCode::device, e.text, where(), "check power and network of the Net F/T");
+  }
   /// Errors of the network become those of the reference.
   template <class T>
   Result<T> named(Result<T> result) const {
     if (result) return result;
     const Error& e = result.error();
-    return fail(e.code == ErrorCode::io ? ErrorCode::device : e.code, e.text, where() + (e.where.empty() ? "" : " " + e.where),
-                e.hint);
+    return fail(e.code == ErrorCode::io ? ErrorCode::device : e.code, e.text,
+                where() + (e.where.empty() ? "" : " " + e.where), e.hint);
   }
   Result<ati::NetFtConfig> read_page() const {
     FORCEGATE_TRY(const int port, world_.tcp_port("reference", options_.http_port));
-    FORCEGATE_TRY(const std::string page, http_get(options_.host, port, "/netftapi2.xml", options_.page_timeout_s));
+    FORCEGATE_TRY(const std::string page,
+                  http_get(options_.host, port, "/netftapi2.xml", options_.page_timeout_s));
     return ati::parse_netft_page(page);
   }
   Result<void> send(RdtCommand command) {
@@ -157,7 +167,8 @@ class AtiNetFt final : public ReferenceSensor {
       if (ahead == 0 || ahead >= kGapMax) {
         ++disordered_;
         if (++disorder_ > kDisorderMax)
-          return fail(ErrorCode::device, "the Net F/T counts its records anew: it has restarted", where(), "begin the record again");
+          return fail(ErrorCode::device, "the Net F/T counts its records anew: it has restarted", where(),
+                      "begin the record again");
         return {};
       }
       for (std::uint32_t i = 1; i < ahead; ++i) clock_.next(now_s);
@@ -180,8 +191,8 @@ class AtiNetFt final : public ReferenceSensor {
     } else if (!filter_.plausible(force_N)) {
       ++implausible_;
       if (++implausible_in_a_row_ > kImplausibleMax)
-        return fail(ErrorCode::device, fmt::format("the Net F/T reads {:.3g} N again and again", force_N), where(),
-                    "check force_max_N, scale and unit of the reference");
+        return fail(ErrorCode::device, fmt::format("the Net F/T reads {:.3g} N again and again", force_N),
+                    where(), "check force_max_N, scale and unit of the reference");
       return {};
     }
     implausible_in_a_row_ = 0;
@@ -202,7 +213,8 @@ class AtiNetFt final : public ReferenceSensor {
   double newtons_per_count_ = 0.0, heard_s_ = 0.0;
   bool streaming_ = false;
   int asks_ = 0, disorder_ = 0, implausible_in_a_row_ = 0;
-  std::uint64_t bad_datagrams_ = 0, lost_ = 0, disordered_ = 0, error_records_ = 0, implausible_ = 0, stalled_ = 0, repeats_ = 0;
+  std::uint64_t bad_datagrams_ = 0, lost_ = 0, disordered_ = 0, error_records_ = 0, implausible_ = 0,
+                stalled_ = 0, repeats_ = 0;
 };
 
 Result<std::unique_ptr<ReferenceSensor>> make(const ConfigNode& table, BenchWorld& world) {

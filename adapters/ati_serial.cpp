@@ -17,8 +17,8 @@
 namespace forcegate {
 namespace {
 
-constexpr double kReply_s = 1.0;     ///< wall time for an answer to a command
-constexpr double kResync_s = 0.2;    ///< bench time between two attempts to stop a stream
+constexpr double kReply_s = 1.0;   ///< wall time for an answer to a command
+constexpr double kResync_s = 0.2;  ///< bench time between two attempts to stop a stream
 constexpr int kResyncMax = 10;
 constexpr int kBadLinesMax = 20;
 
@@ -73,8 +73,8 @@ class AtiSerial final : public ReferenceSensor {
     if (state_ == State::stopping) FORCEGATE_CHECK_OK(wait_for_prompt(now_s));
     if (state_ == State::echo && !skip_echo()) return {};
     while (state_ == State::streaming) {
-      const ati::ParseResult parsed = options_.binary ? ati::parse_binary(buffer_, options_.checksum)
-                                                      : ati::parse_ascii(buffer_, width_);
+      const ati::ParseResult parsed =
+          options_.binary ? ati::parse_binary(buffer_, options_.checksum) : ati::parse_ascii(buffer_, width_);
       if (parsed.kind == ati::Parse::need_more) break;
       const bool plausible = parsed.kind == ati::Parse::value && is_plausible(parsed.record);
       if (!plausible) {
@@ -90,7 +90,8 @@ class AtiSerial final : public ReferenceSensor {
         continue;
       }
       const bool learning = !options_.binary && width_ == 0;
-      if (learning) width_ = std::exchange(candidate_width_, parsed.consumed) == parsed.consumed ? parsed.consumed : 0;
+      if (learning)
+        width_ = std::exchange(candidate_width_, parsed.consumed) == parsed.consumed ? parsed.consumed : 0;
       buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(parsed.consumed));
       if (learning)
         clock_.next(now_s);  // lines count once two in a row have one length
@@ -118,7 +119,9 @@ class AtiSerial final : public ReferenceSensor {
     return {rate_Hz(), options_.resolution_N, options_.noise_N, 0.5 / rate_Hz()};
   }
   std::map<std::string, std::uint64_t> counts() const override {
-    return {{"bad records", bad_records_}, {"resynchronisations", resyncs_}, {"error records", error_records_},
+    return {{"bad records", bad_records_},
+            {"resynchronisations", resyncs_},
+            {"error records", error_records_},
             {"undated records", undated_records_}};
   }
 
@@ -126,7 +129,9 @@ class AtiSerial final : public ReferenceSensor {
   enum class State { idle, echo, streaming, stopping };
 
   std::string where() const { return "reference: " + (line_ ? line_->name() : options_.port); }
-  std::size_t record_bytes() const { return options_.binary ? (options_.checksum ? 14 : 13) : (width_ ? width_ : 45); }
+  std::size_t record_bytes() const {
+    return options_.binary ? (options_.checksum ? 14 : 13) : (width_ ? width_ : 45);
+  }
   double rate_Hz() const {
     return options_.rate_Hz > 0.0 ? options_.rate_Hz
                                   : options_.line.baud / (10.0 * static_cast<double>(record_bytes()));
@@ -135,7 +140,8 @@ class AtiSerial final : public ReferenceSensor {
   Result<void> send(std::string_view text) {
     if (!line_) return fail(ErrorCode::device, "the reference is not open", where());
     auto sent = line_->write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, kReply_s);
-    if (!sent) return Unexpected(Error{ErrorCode::device, sent.error().text, where(), "check cable and power"});
+    if (!sent)
+      return Unexpected(Error{ErrorCode::device, sent.error().text, where(), "check cable and power"});
     return {};
   }
 
@@ -166,12 +172,14 @@ class AtiSerial final : public ReferenceSensor {
       if (body.substr(0, text.size()) == text) {
         const std::string answer(trim(body.substr(text.size())));
         if (answer.find('?') == std::string::npos && answer.find("rror") == std::string::npos) return answer;
-        return fail(ErrorCode::device, "the ATI controller refuses '" + text + "': " + printable_utf8(answer), where());
+        return fail(ErrorCode::device, "the ATI controller refuses '" + text + "': " + printable_utf8(answer),
+                    where());
       }
       FORCEGATE_CHECK_OK(stop());
     }
-    return fail(ErrorCode::device, "the ATI controller echoes '" + printable_utf8(trim(got)) + "' to '" + text + "'",
-                where(), "check baud rate and parity");
+    return fail(ErrorCode::device,
+                "the ATI controller echoes '" + printable_utf8(trim(got)) + "' to '" + text + "'", where(),
+                "check baud rate and parity");
   }
 
   Result<void> receive() {
@@ -187,7 +195,8 @@ class AtiSerial final : public ReferenceSensor {
 
   bool skip_echo() {
     std::size_t i = 0;
-    while (i < buffer_.size() && (buffer_[i] == 'Q' || buffer_[i] == 'S' || buffer_[i] == '\r' || buffer_[i] == '\n'))
+    while (i < buffer_.size() &&
+           (buffer_[i] == 'Q' || buffer_[i] == 'S' || buffer_[i] == '\r' || buffer_[i] == '\n'))
       ++i;
     if (i == buffer_.size()) return false;
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -203,10 +212,12 @@ class AtiSerial final : public ReferenceSensor {
   bool is_plausible(const ati::Record& r) const {
     if (r.error != 0) return true;  // its own kind of reading
     for (std::size_t axis = 0; axis < 3; ++axis)
-      if (std::abs(r.counts[axis]) / options_.counts_per_force * options_.newtons_per_unit > 1.05 * options_.force_max_N)
+      if (std::abs(r.counts[axis]) / options_.counts_per_force * options_.newtons_per_unit >
+          1.05 * options_.force_max_N)
         return false;
     const double force_N = force_of(r);
-    return !(std::fabs(force_N - last_N_) > options_.jump_max_N);  // the first one has nothing to be compared with
+    return !(std::fabs(force_N - last_N_) >
+             options_.jump_max_N);  // the first one has nothing to be compared with
   }
 
   // A record counts only when the one behind it is sound too: a byte lost in its middle shows there.

@@ -40,8 +40,9 @@ class ModbusMotor final : public MotorDrive {
     DeviceIdentity identity{"Modbus drive", "", "", ""};
     FORCEGATE_CHECK_OK(read());
     if (const auto at = map_.reg.find("serial"); at != map_.reg.end()) {
-      FORCEGATE_TRY(const auto words, verified([&] { return line_->read(at->second.read_function, at->second.address,
-                                                                         at->second.size()); }));
+      FORCEGATE_TRY(const auto words, verified([&] {
+                      return line_->read(at->second.read_function, at->second.address, at->second.size());
+                    }));
       identity.serial = std::to_string(decode_bits(at->second, words));
     }
     return identity;
@@ -60,11 +61,14 @@ class ModbusMotor final : public MotorDrive {
     const Register& timeout = map_.reg.at(map_.heartbeat.drive_timeout_reg);
     FORCEGATE_TRY(const auto words, encode(timeout, map_.heartbeat.drive_timeout_ms));
     FORCEGATE_CHECK_OK(write_register(timeout, words));
-    FORCEGATE_TRY(const auto echoed, verified([&] { return line_->read(timeout.read_function, timeout.address,
-                                                                        timeout.size()); }));
+    FORCEGATE_TRY(const auto echoed, verified([&] {
+                    return line_->read(timeout.read_function, timeout.address, timeout.size());
+                  }));
     if (echoed != words)
-      return fail(ErrorCode::safety, "the drive does not accept its communication timeout: it would not stop when "
-                                     "the harness dies", where(),
+      return fail(ErrorCode::safety,
+                  "the drive does not accept its communication timeout: it would not stop when "
+                  "the harness dies",
+                  where(),
                   "set [motor.heartbeat] drive_timeout_reg to the register of the drive's own timeout");
     FORCEGATE_CHECK_OK(run_command("enable", std::nullopt));
     armed_ = true;
@@ -72,7 +76,8 @@ class ModbusMotor final : public MotorDrive {
   }
 
   Result<void> command_velocity(double rad_per_s) override {
-    if (!armed_) return fail(ErrorCode::safety, "the drive is not armed: nothing moves", where(), "arm it first");
+    if (!armed_)
+      return fail(ErrorCode::safety, "the drive is not armed: nothing moves", where(), "arm it first");
     return run_command("run", rad_per_s);
   }
 
@@ -80,14 +85,16 @@ class ModbusMotor final : public MotorDrive {
     if (!line_) return fail(ErrorCode::device, "the drive is not open", where());
     FORCEGATE_TRY(MotorState state, verified([&] { return read_once(); }));
     if (last_theta_) {  // a jump that no motor can make is not believed at once
-      const double reach = kJumpMargin_rad + 1.5 * *map_.reg.at("velocity_set").high * (state.t_s - last_t_s_);
+      const double reach =
+          kJumpMargin_rad + 1.5 * *map_.reg.at("velocity_set").high * (state.t_s - last_t_s_);
       if (std::fabs(state.theta_rad - *last_theta_) > reach) {
         ++implausible_;
         FORCEGATE_TRY(const MotorState again, verified([&] { return read_once(); }));
         if (std::fabs(again.theta_rad - state.theta_rad) > reach ||
             std::fabs(again.theta_rad - *last_theta_) > reach)
           return fail(ErrorCode::device,
-                      fmt::format("the drive's position jumps from {:.3f} to {:.3f} rad", *last_theta_, state.theta_rad),
+                      fmt::format("the drive's position jumps from {:.3f} to {:.3f} rad", *last_theta_,
+                                  state.theta_rad),
                       where(), "check encoder, word order and scale of the register 'position'");
         state = again;
       }
@@ -128,8 +135,11 @@ class ModbusMotor final : public MotorDrive {
   double drive_timeout_s() const override { return map_.heartbeat.drive_timeout_ms * 1e-3; }
 
   std::map<std::string, std::uint64_t> counts() const override {
-    return {{"retries", retries_}, {"reconnects", reconnects_}, {"stale replies refused", stale_},
-            {"position jumps refused", implausible_}, {"drained bytes", line_ ? line_->drained_bytes() : 0}};
+    return {{"retries", retries_},
+            {"reconnects", reconnects_},
+            {"stale replies refused", stale_},
+            {"position jumps refused", implausible_},
+            {"drained bytes", line_ ? line_->drained_bytes() : 0}};
   }
 
  private:
@@ -194,7 +204,8 @@ class ModbusMotor final : public MotorDrive {
     std::vector<std::vector<std::uint16_t>> values;
     if (map_.heartbeat.read_write_together && blocks_.size() == 1) {
       const std::uint16_t word = ++counter_;
-      FORCEGATE_TRY(auto words, line_->write_and_read(heart.address, {&word, 1}, blocks_[0].address, blocks_[0].count));
+      FORCEGATE_TRY(auto words,
+                    line_->write_and_read(heart.address, {&word, 1}, blocks_[0].address, blocks_[0].count));
       values.push_back(std::move(words));
     } else {
       FORCEGATE_CHECK_OK(beat());
@@ -211,9 +222,10 @@ class ModbusMotor final : public MotorDrive {
     const auto words_of = [&](const Register& r) {
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
         const ReadBlock& b = blocks_[i];
-        if (b.function == r.read_function && r.address >= b.address && r.address + r.size() <= b.address + b.count)
-          return std::span<const std::uint16_t>(values[i]).subspan(static_cast<std::size_t>(r.address - b.address),
-                                                                   static_cast<std::size_t>(r.size()));
+        if (b.function == r.read_function && r.address >= b.address &&
+            r.address + r.size() <= b.address + b.count)
+          return std::span<const std::uint16_t>(values[i]).subspan(
+              static_cast<std::size_t>(r.address - b.address), static_cast<std::size_t>(r.size()));
       }
       return std::span<const std::uint16_t>();
     };
@@ -252,7 +264,8 @@ class ModbusMotor final : public MotorDrive {
     } else if (argument) {
       FORCEGATE_TRY(words, encode(reg, *argument));
     } else {
-      return fail(ErrorCode::config, "a command without argument writes no value to register '" + step.reg + "'", where());
+      return fail(ErrorCode::config,
+                  "a command without argument writes no value to register '" + step.reg + "'", where());
     }
     return line_->write(reg.write_function, reg.address, words);
   }
@@ -298,7 +311,8 @@ Result<std::unique_ptr<MotorDrive>> make(const ConfigNode& table, BenchWorld& wo
   in.any("adapter");
   LineOptions line;
   std::string port = "motor0", kind = "rtu", parity = "even";
-  std::int64_t base = 0, response = 150, byte = 20, gap = 0, worst = 300, baud = 115200, slave = 1, tcp_port = 502;
+  std::int64_t base = 0, response = 150, byte = 20, gap = 0, worst = 300, baud = 115200, slave = 1,
+               tcp_port = 502;
   in.integer("address_base", base, 0, 1);
   in.integer("response_timeout_ms", response, 5, 5000);
   in.integer("byte_timeout_ms", byte, 1, 5000);
@@ -323,7 +337,9 @@ Result<std::unique_ptr<MotorDrive>> make(const ConfigNode& table, BenchWorld& wo
   line.tcp = kind == "tcp";
   line.tcp_port = static_cast<int>(tcp_port);
   line.serial.baud = static_cast<unsigned>(baud);
-  line.serial.parity = parity == "even" ? LineParity::even : parity == "odd" ? LineParity::odd : LineParity::none;
+  line.serial.parity = parity == "even"  ? LineParity::even
+                       : parity == "odd" ? LineParity::odd
+                                         : LineParity::none;
   line.slave = static_cast<int>(slave);
   line.response_timeout_ms = static_cast<int>(response);
   line.byte_timeout_ms = static_cast<int>(byte);
@@ -333,7 +349,8 @@ Result<std::unique_ptr<MotorDrive>> make(const ConfigNode& table, BenchWorld& wo
 }
 
 const Registration<MotorKind> kRegistered{
-    {"modbus_motor", "Velocity drive over Modbus RTU or TCP; its registers are declared in the bench file", make}};
+    {"modbus_motor", "Velocity drive over Modbus RTU or TCP; its registers are declared in the bench file",
+     make}};
 
 }  // namespace
 }  // namespace forcegate

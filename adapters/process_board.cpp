@@ -20,7 +20,11 @@ bool whole(double value, double least, double most) {
 class ProcessBoard final : public SensorBoard {
  public:
   ProcessBoard(ProcessOptions program, int adc_bits, double rate_Hz, std::string serial, BenchWorld& world)
-      : program_(std::move(program), world), world_(world), adc_bits_(adc_bits), rate_Hz_(rate_Hz), serial_(std::move(serial)) {}
+      : program_(std::move(program), world),
+        world_(world),
+        adc_bits_(adc_bits),
+        rate_Hz_(rate_Hz),
+        serial_(std::move(serial)) {}
   ~ProcessBoard() override { close(); }
 
   Result<DeviceIdentity> open() override {
@@ -58,15 +62,25 @@ class ProcessBoard final : public SensorBoard {
       return at != reply.text.end() ? at->second : std::string();
     };
     if (number("nonce") != static_cast<double>(session.nonce))
-      return fail(ErrorCode::firmware, "the board does not echo the nonce: stale output is never judged", program_.where());
+      return fail(ErrorCode::firmware, "the board does not echo the nonce: stale output is never judged",
+                  program_.where());
     if (number("rate_Hz") != session.rate_Hz)
-      return fail(ErrorCode::firmware, "the image runs at " + shortest(number("rate_Hz")) + " Hz, the bench at " +
-                                           shortest(session.rate_Hz) + " Hz", program_.where());
-    if (number("adc_bits") != c.adc_bits || !whole(number("protocol_major"), 0, 255) || !whole(number("protocol_minor"), 0, 255))
+      return fail(ErrorCode::firmware,
+                  "the image runs at " + shortest(number("rate_Hz")) + " Hz, the bench at " +
+                      shortest(session.rate_Hz) + " Hz",
+                  program_.where());
+    if (number("adc_bits") != c.adc_bits || !whole(number("protocol_major"), 0, 255) ||
+        !whole(number("protocol_minor"), 0, 255))
       return program_.bad("the answer to 'load' needs adc_bits as asked, protocol_major and protocol_minor");
     counters_ = {};
-    return DutInfo{static_cast<int>(number("protocol_major")), static_cast<int>(number("protocol_minor")), text("board"),
-                   text("build_id"), text("algorithm_id"), session.nonce, c.adc_bits, session.rate_Hz};
+    return DutInfo{static_cast<int>(number("protocol_major")),
+                   static_cast<int>(number("protocol_minor")),
+                   text("board"),
+                   text("build_id"),
+                   text("algorithm_id"),
+                   session.nonce,
+                   c.adc_bits,
+                   session.rate_Hz};
   }
 
   Result<void> start() override {
@@ -83,14 +97,16 @@ class ProcessBoard final : public SensorBoard {
     FORCEGATE_TRY(const Reply reply, program_.ask("poll"));
     const double last_code = static_cast<double>((1U << adc_bits_) - 1U);
     for (const std::vector<double>& row : reply.rows) {
-      if (row.size() != 4 || !whole(row[0], 0, 4294967295.0) || !whole(row[1], 0, last_code) || !whole(row[3], 0, 255))
+      if (row.size() != 4 || !whole(row[0], 0, 4294967295.0) || !whole(row[1], 0, last_code) ||
+          !whole(row[3], 0, 255))
         return program_.bad("a sample is not [index, code, force, flags]");
       const auto index = static_cast<std::uint32_t>(row[0]);
       if (index < next_index_) return program_.bad("samples come out of order");
       counters_.indices_lost += index - next_index_;
       next_index_ = index + 1;
       ++counters_.samples;
-      out.push_back({index, static_cast<std::uint16_t>(row[1]), static_cast<float>(row[2]), static_cast<std::uint8_t>(row[3])});
+      out.push_back({index, static_cast<std::uint16_t>(row[1]), static_cast<float>(row[2]),
+                     static_cast<std::uint8_t>(row[3])});
     }
     const auto count = [&](const char* key, std::uint64_t& value) {
       if (const auto at = reply.number.find(key); at != reply.number.end() && whole(at->second, 0, 9e15))
@@ -135,7 +151,8 @@ Result<std::unique_ptr<SensorBoard>> make(const ConfigNode& table, BenchWorld& w
   in.number("rate_Hz", rate_Hz, 100, 10000);
   in.text("serial", serial, ConfigReader::required);
   FORCEGATE_CHECK_OK(in.finish());
-  return std::make_unique<ProcessBoard>(std::move(program), static_cast<int>(bits), rate_Hz, std::move(serial), world);
+  return std::make_unique<ProcessBoard>(std::move(program), static_cast<int>(bits), rate_Hz,
+                                        std::move(serial), world);
 }
 
 const Registration<BoardKind> kRegistered{

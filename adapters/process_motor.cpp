@@ -14,7 +14,10 @@ using process::Reply;
 class ProcessMotor final : public MotorDrive {
  public:
   ProcessMotor(ProcessOptions program, double velocity_max, double timeout_s, BenchWorld& world)
-      : program_(std::move(program), world), world_(world), velocity_max_rad_per_s_(velocity_max), drive_timeout_s_(timeout_s) {}
+      : program_(std::move(program), world),
+        world_(world),
+        velocity_max_rad_per_s_(velocity_max),
+        drive_timeout_s_(timeout_s) {}
   ~ProcessMotor() override { close(); }
 
   Result<DeviceIdentity> open() override {
@@ -34,8 +37,10 @@ class ProcessMotor final : public MotorDrive {
     const auto echoed = reply.number.find("timeout_s");
     if (echoed == reply.number.end() || std::fabs(echoed->second - drive_timeout_s_) > 1e-3) {
       (void)program_.ask("emergency");
-      return fail(ErrorCode::safety, "the drive does not confirm its communication timeout: it would not stop when the "
-                                     "harness dies", program_.where(),
+      return fail(ErrorCode::safety,
+                  "the drive does not confirm its communication timeout: it would not stop when the "
+                  "harness dies",
+                  program_.where(),
                   "the program must set the timeout, read it back from the drive and answer 'timeout_s'");
     }
     armed_ = true;
@@ -43,7 +48,9 @@ class ProcessMotor final : public MotorDrive {
   }
 
   Result<void> command_velocity(double rad_per_s) override {
-    if (!armed_) return fail(ErrorCode::safety, "the drive is not armed: nothing moves", program_.where(), "arm it first");
+    if (!armed_)
+      return fail(ErrorCode::safety, "the drive is not armed: nothing moves", program_.where(),
+                  "arm it first");
     if (!(std::fabs(rad_per_s) <= velocity_max_rad_per_s_))
       return fail(ErrorCode::safety, "the velocity is beyond the limit of the drive", program_.where());
     FORCEGATE_CHECK_OK(program_.ask("velocity", {{"rad_per_s", rad_per_s}}));
@@ -117,7 +124,8 @@ Result<std::unique_ptr<MotorDrive>> make(const ConfigNode& table, BenchWorld& wo
   in.number("velocity_max_rad_per_s", velocity_max, 0.001, 1000, ConfigReader::required);
   in.integer("drive_timeout_ms", timeout_ms, 20, 5000, ConfigReader::required);
   FORCEGATE_CHECK_OK(in.finish());
-  return std::make_unique<ProcessMotor>(std::move(program), velocity_max, static_cast<double>(timeout_ms) * 1e-3, world);
+  return std::make_unique<ProcessMotor>(std::move(program), velocity_max,
+                                        static_cast<double>(timeout_ms) * 1e-3, world);
 }
 
 const Registration<MotorKind> kRegistered{

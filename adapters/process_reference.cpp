@@ -36,8 +36,10 @@ class ProcessReference final : public ReferenceSensor {
                   "set clock = \"paced\" under [twins]");
     FORCEGATE_TRY(DeviceIdentity identity, program_.open(true));
     if (!identity.serial.empty() && identity.serial != options_.serial)
-      return fail(ErrorCode::device, "the sensor has serial number " + identity.serial + ", the bench file says " + options_.serial,
-                  program_.where(), "connect the right sensor, or enter its calibration and serial number");
+      return fail(
+          ErrorCode::device,
+          "the sensor has serial number " + identity.serial + ", the bench file says " + options_.serial,
+          program_.where(), "connect the right sensor, or enter its calibration and serial number");
     identity.serial = options_.serial;
     identity.calibration = options_.calibration_id;
     return identity;
@@ -80,11 +82,12 @@ class ProcessReference final : public ReferenceSensor {
       if (reading.status != 0) {
         reading.force_N = std::numeric_limits<float>::quiet_NaN();
         last_N_ = std::numeric_limits<double>::quiet_NaN();
-      } else if (std::fabs(row[1]) > 1.05 * options_.force_max_N || std::fabs(row[1] - last_N_) > options_.jump_max_N) {
+      } else if (std::fabs(row[1]) > 1.05 * options_.force_max_N ||
+                 std::fabs(row[1] - last_N_) > options_.jump_max_N) {
         ++refused_;
         if (++jumps_in_a_row_ > kJumpsMax)
-          return fail(ErrorCode::device, fmt::format("the reference reads {:.3g} N again and again", row[1]), program_.where(),
-                      "check scale, units and wiring of the reference");
+          return fail(ErrorCode::device, fmt::format("the reference reads {:.3g} N again and again", row[1]),
+                      program_.where(), "check scale, units and wiring of the reference");
         continue;
       } else {
         last_N_ = row[1];

@@ -26,8 +26,9 @@ class RealWorld final : public BenchWorld {
     if (port.starts_with("/")) return port;
     const auto at = ports_.find(port);
     if (at == ports_.end())
-      return fail(ErrorCode::config, "the bench file has no port '" + printable_utf8(port) + "'", "[ports]",
-                  "add " + port + " = \"/dev/serial/by-id/...\"; forcegate bench scan lists what is connected");
+      return fail(
+          ErrorCode::config, "the bench file has no port '" + printable_utf8(port) + "'", "[ports]",
+          "add " + port + " = \"/dev/serial/by-id/...\"; forcegate bench scan lists what is connected");
     return at->second;
   }
 
@@ -44,7 +45,8 @@ class RealWorld final : public BenchWorld {
     return hid::open_hidraw(vendor, product, serial);
   }
 
-  Result<std::unique_ptr<Transport>> open_datagrams(const std::string& device, const std::string& host, int port) override {
+  Result<std::unique_ptr<Transport>> open_datagrams(const std::string& device, const std::string& host,
+                                                    int port) override {
     if (port > 0) return connect_udp(host, port);
     return fail(ErrorCode::config, "[" + device + "] needs a udp_port", {}, "49152 is the one of Net F/T");
   }
@@ -79,7 +81,8 @@ class RealWorld final : public BenchWorld {
       if (word == "{image}") word = image;
     const auto program = find_program(argv.front());
     if (!program)
-      return fail(ErrorCode::config, "the program that flashes the board is not installed: " + argv.front(), "[board] flash");
+      return fail(ErrorCode::config, "the program that flashes the board is not installed: " + argv.front(),
+                  "[board] flash");
     argv.front() = program->string();
     FORCEGATE_TRY(const PrivateFolder folder, PrivateFolder::make());
     ChildProcess child;
@@ -87,8 +90,10 @@ class RealWorld final : public BenchWorld {
     child.finish(kFlash_s);
     const auto end = child.ended();
     if (end == "exit code 0") return {};
-    return fail(ErrorCode::device, "flashing the board failed: " + end.value_or("no end") + ": " +
-                                       last_line(folder.path() / "log"), "board: " + argv.front());
+    return fail(
+        ErrorCode::device,
+        "flashing the board failed: " + end.value_or("no end") + ": " + last_line(folder.path() / "log"),
+        "board: " + argv.front());
   }
 
  private:

@@ -22,7 +22,8 @@ namespace {
 using Options = std::map<std::string, std::string>;
 
 Unexpected bad_option(const std::string& name, const std::string& value, const char* what) {
-  return fail(ErrorCode::config, "option " + name + " = \"" + printable_utf8(value) + "\" " + what, "rig replay");
+  return fail(ErrorCode::config, "option " + name + " = \"" + printable_utf8(value) + "\" " + what,
+              "rig replay");
 }
 
 Result<double> positive(const Options& options, const char* name, double fallback) {
@@ -96,7 +97,8 @@ Result<Grid> make_grid(const TimeBase& base, const std::string& path) {
   const double step = 1.0 / rate;
   const double samples = (t.back() - t.front()) * rate + 1.0;
   if (samples > 4e9)
-    return fail(ErrorCode::config, "the record is too long to be replayed: more than 4e9 samples", path, "cut it into parts");
+    return fail(ErrorCode::config, "the record is too long to be replayed: more than 4e9 samples", path,
+                "cut it into parts");
   Grid grid;
   grid.rate_Hz = rate;
   if (keeps_step(base, step)) {
@@ -104,7 +106,8 @@ Result<Grid> make_grid(const TimeBase& base, const std::string& path) {
     for (std::size_t i = 0; i < t.size(); ++i) {
       if (gap < base.gaps.size() && base.gaps[gap].index == i) {
         const auto missing = std::llround((t[i] - t[i - 1]) * rate) - 1;
-        for (long long k = 0; k < missing; ++k) grid.rows.push_back({static_cast<std::uint32_t>(i - 1), true});
+        for (long long k = 0; k < missing; ++k)
+          grid.rows.push_back({static_cast<std::uint32_t>(i - 1), true});
         ++gap;
       }
       grid.rows.push_back({static_cast<std::uint32_t>(i), false});
@@ -119,25 +122,29 @@ Result<Grid> make_grid(const TimeBase& base, const std::string& path) {
       grid.rows.push_back({static_cast<std::uint32_t>(row), now - t[row] > 1.5 * step});
     }
   }
-  grid.lost = static_cast<std::size_t>(std::count_if(grid.rows.begin(), grid.rows.end(), [](const GridRow& r) { return r.lost; }));
+  grid.lost = static_cast<std::size_t>(
+      std::count_if(grid.rows.begin(), grid.rows.end(), [](const GridRow& r) { return r.lost; }));
   return grid;
 }
 
 class ReplayRig : public Rig {
  public:
   static Result<std::unique_ptr<Rig>> make(const Options& options) {
-    static const std::vector<std::string> kKnown = {"record", "cal", "adc_bits", "v_range_V", "rate_Hz", "name"};
+    static const std::vector<std::string> kKnown = {"record",    "cal",     "adc_bits",
+                                                    "v_range_V", "rate_Hz", "name"};
     for (const auto& [key, value] : options)
       if (std::find(kKnown.begin(), kKnown.end(), key) == kKnown.end()) {
         const std::string near = nearest_name(key, kKnown);
-        return fail(ErrorCode::config, "the replay rig has no option \"" + printable_utf8(key) + "\"", "rig replay",
+        return fail(ErrorCode::config, "the replay rig has no option \"" + printable_utf8(key) + "\"",
+                    "rig replay",
                     near.empty() ? "it knows: " + join(kKnown, ", ") : "did you mean \"" + near + "\"?");
       }
     const auto record = options.find("record");
     if (record == options.end())
       return fail(ErrorCode::usage, "the replay rig needs a recording", "rig replay", "add --record run.csv");
     auto rig = std::make_unique<ReplayRig>();
-    if (auto loaded = rig->load(record->second, options); !loaded) return tl::unexpected(std::move(loaded).error());
+    if (auto loaded = rig->load(record->second, options); !loaded)
+      return tl::unexpected(std::move(loaded).error());
     return std::unique_ptr<Rig>(std::move(rig));
   }
 
@@ -145,8 +152,9 @@ class ReplayRig : public Rig {
 
   Result<void> begin(const RigRecordRequest& request) override {
     if (!request.faults.empty())
-      return fail(ErrorCode::config, "a replay cannot inject the fault \"" + request.faults.begin()->first + "\"",
-                  "rig replay", "faults belong to the emulated rig");
+      return fail(ErrorCode::config,
+                  "a replay cannot inject the fault \"" + request.faults.begin()->first + "\"", "rig replay",
+                  "faults belong to the emulated rig");
     at_ = 0;
     return {};
   }
@@ -189,7 +197,8 @@ class ReplayRig : public Rig {
     };
     FORCEGATE_TRY(const double bits, either("adc_bits", 16));
     FORCEGATE_TRY(info_.v_range_V, either("v_range_V", 10.0));
-    if (bits != std::floor(bits) || bits < 4 || bits > 16) return bad_option("adc_bits", shortest(bits), "must be 4 to 16");
+    if (bits != std::floor(bits) || bits < 4 || bits > 16)
+      return bad_option("adc_bits", shortest(bits), "must be 4 to 16");
     info_.adc_bits = static_cast<int>(bits);
     FORCEGATE_TRY(const double rate_Hz, positive(options, "rate_Hz", 0.0));
     for (const auto& [key, value] : calibration) info_.details["calibration." + key] = value;
@@ -227,8 +236,10 @@ class ReplayRig : public Rig {
     if (grid_.held)
       file.notes.push_back("the clock jitters by more than 1 %: sampled at " + shortest(grid_.rate_Hz) +
                            " Hz, the latest row held");
-    if (grid_.lost > 0) file.notes.push_back(std::to_string(grid_.lost) + " samples were lost in gaps of the record");
-    if (no_reference > 0) file.notes.push_back(std::to_string(no_reference) + " rows have no reference force");
+    if (grid_.lost > 0)
+      file.notes.push_back(std::to_string(grid_.lost) + " samples were lost in gaps of the record");
+    if (no_reference > 0)
+      file.notes.push_back(std::to_string(no_reference) + " rows have no reference force");
     if (!file.notes.empty()) info_.details["notes"] = join(file.notes, "; ");
     return {};
   }

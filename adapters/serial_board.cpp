@@ -23,7 +23,8 @@ Result<std::unique_ptr<SensorBoard>> make(const ConfigNode& table, BenchWorld& w
   o.batch = static_cast<int>(batch);
   o.reply_timeout_s = static_cast<double>(timeout_ms) * 1e-3;
   const LineSettings line{static_cast<unsigned>(baud), LineParity::none};
-  return std::make_unique<LinkBoard>(o, [&world, port, line] { return world.open_line(port, line); }, world);
+  return std::make_unique<LinkBoard>(
+      o, [&world, port, line] { return world.open_line(port, line); }, world);
 }
 
 const Registration<BoardKind> kRegistered{

@@ -39,7 +39,8 @@ constexpr double kNewtons[] = {0.0, 4.4482216152605, 1.0, 4448.2216152605, 1000.
 
 }  // namespace
 
-std::vector<std::uint8_t> encode_frame(std::uint8_t slave, std::uint8_t function, std::span<const std::uint8_t> data) {
+std::vector<std::uint8_t> encode_frame(std::uint8_t slave, std::uint8_t function,
+                                       std::span<const std::uint8_t> data) {
   std::vector<std::uint8_t> out;
   out.reserve(data.size() + 4);
   out.push_back(slave);
@@ -58,7 +59,8 @@ std::vector<std::uint8_t> encode_read(std::uint8_t slave, int address, int count
   return encode_frame(slave, 3, data);
 }
 
-std::vector<std::uint8_t> encode_write(std::uint8_t slave, int address, std::span<const std::uint16_t> words) {
+std::vector<std::uint8_t> encode_write(std::uint8_t slave, int address,
+                                       std::span<const std::uint16_t> words) {
   std::vector<std::uint8_t> data;
   put(data, address);
   put(data, static_cast<int>(words.size()));
@@ -67,7 +69,8 @@ std::vector<std::uint8_t> encode_write(std::uint8_t slave, int address, std::spa
   return encode_frame(slave, 16, data);
 }
 
-Result<std::vector<std::uint8_t>> decode_frame(std::span<const std::uint8_t> b, std::uint8_t slave, std::uint8_t function) {
+Result<std::vector<std::uint8_t>> decode_frame(std::span<const std::uint8_t> b, std::uint8_t slave,
+                                               std::uint8_t function) {
   const auto wrong = [](std::string what) { return fail(ErrorCode::device, "the sensor's answer " + what); };
   if (b.size() < 5) return wrong("is too short");
   const std::uint16_t crc = crc16(b.first(b.size() - 2));
@@ -91,7 +94,8 @@ Result<DigitalCalibration> decode_calibration(std::span<const std::uint16_t> w) 
   for (std::size_t row = 0; row < 6; ++row)
     for (std::size_t column = 0; column < 6; ++column) {
       const float value = std::bit_cast<float>(long_at(w, 32 + 2 * (6 * row + column)));
-      if (!std::isfinite(value) || std::fabs(value) > 1e12F) return wrong("a matrix with something that is no number");
+      if (!std::isfinite(value) || std::fabs(value) > 1e12F)
+        return wrong("a matrix with something that is no number");
       c.matrix[row][column] = static_cast<double>(value);
       any = any || (row < 3 && value != 0.0F);
     }

@@ -18,14 +18,16 @@ inline constexpr std::size_t kGageRecordSize = 13;
 inline constexpr int kCalibrationRegister = 0x00E3, kCalibrationStride = 192, kCalibrationWords = 168;
 inline constexpr int kGainRegister = 0x0000, kStatusRegister = 0x001D;
 
-std::vector<std::uint8_t> encode_frame(std::uint8_t slave, std::uint8_t function, std::span<const std::uint8_t> data);
+std::vector<std::uint8_t> encode_frame(std::uint8_t slave, std::uint8_t function,
+                                       std::span<const std::uint8_t> data);
 /// Function 3. At most 125 registers.
 std::vector<std::uint8_t> encode_read(std::uint8_t slave, int address, int count);
 /// Function 16.
 std::vector<std::uint8_t> encode_write(std::uint8_t slave, int address, std::span<const std::uint16_t> words);
 
 /// Data behind slave and function of a whole, undamaged reply; the error names what is wrong with it.
-Result<std::vector<std::uint8_t>> decode_frame(std::span<const std::uint8_t> bytes, std::uint8_t slave, std::uint8_t function);
+Result<std::vector<std::uint8_t>> decode_frame(std::span<const std::uint8_t> bytes, std::uint8_t slave,
+                                               std::uint8_t function);
 
 struct DigitalCalibration {
   std::string serial, part;

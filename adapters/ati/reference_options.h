@@ -9,11 +9,11 @@
 namespace forcegate::ati {
 
 struct ReferenceOptions {
-  std::size_t axis = 2;            ///< 0, 1, 2: Fx, Fy, Fz
-  double sign = 1.0;               ///< -1: pressing the sensor reads negative
+  std::size_t axis = 2;  ///< 0, 1, 2: Fx, Fy, Fz
+  double sign = 1.0;     ///< -1: pressing the sensor reads negative
   double resolution_N = 0.0, noise_N = 0.0;
-  double force_max_N = 0.0;        ///< end of the calibrated range
-  double jump_max_N = 2.0;         ///< from one record to the next; more is an unreadable record
+  double force_max_N = 0.0;  ///< end of the calibrated range
+  double jump_max_N = 2.0;   ///< from one record to the next; more is an unreadable record
   std::string serial, calibration_id;
 };
 

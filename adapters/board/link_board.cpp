@@ -26,7 +26,8 @@ Result<DeviceIdentity> LinkBoard::open() {
   buffer_.clear();
   expects_sequence_ = false;
   static constexpr std::uint8_t kFlush = 0;  // ends whatever half a frame the board has in its buffer
-  if (auto sent = line_->write({&kFlush, 1}, options_.reply_timeout_s); !sent) return Unexpected(told(sent.error()));
+  if (auto sent = line_->write({&kFlush, 1}, options_.reply_timeout_s); !sent)
+    return Unexpected(told(sent.error()));
   FORCEGATE_CHECK_OK(stop());
   FORCEGATE_TRY(const link::Frame reply, ask(link::Type::hello, link::hello_payload(0), link::Type::info));
   const auto info = link::decode_info(reply.payload);
@@ -48,11 +49,12 @@ Result<DutInfo> LinkBoard::load(const DutSession& session) {
   const auto info = link::decode_info(reply.payload);
   if (!info) return fail(ErrorCode::firmware, "the board sends a malformed INFO frame", where());
   if (info->nonce != session.nonce)
-    return fail(ErrorCode::firmware, "the board does not echo the nonce: stale output is never judged", where());
+    return fail(ErrorCode::firmware, "the board does not echo the nonce: stale output is never judged",
+                where());
   if (static_cast<double>(info->rate_Hz) != session.rate_Hz)
     return fail(ErrorCode::firmware,
-                "the image runs at " + std::to_string(info->rate_Hz) + " Hz, the bench at " + shortest(session.rate_Hz) +
-                    " Hz",
+                "the image runs at " + std::to_string(info->rate_Hz) + " Hz, the bench at " +
+                    shortest(session.rate_Hz) + " Hz",
                 where());
   const link::CalWire calibration = link::to_wire(session.calibration);
   FORCEGATE_TRY(const link::Frame value,
@@ -61,8 +63,9 @@ Result<DutInfo> LinkBoard::load(const DutSession& session) {
   if (!echoed || !(echoed->calibration == calibration))
     return fail(ErrorCode::firmware, "the board does not echo the calibration", where());
   FORCEGATE_CHECK_OK(ask(link::Type::reset, {}, link::Type::reset_done));
-  return DutInfo{reply.version >> 4, reply.version & 15, info->board,          info->build_id,
-                 info->algorithm_id, info->nonce,        calibration.adc_bits, static_cast<double>(info->rate_Hz)};
+  return DutInfo{
+      reply.version >> 4, reply.version & 15, info->board,          info->build_id,
+      info->algorithm_id, info->nonce,        calibration.adc_bits, static_cast<double>(info->rate_Hz)};
 }
 
 Result<void> LinkBoard::start() {
@@ -70,7 +73,8 @@ Result<void> LinkBoard::start() {
   FORCEGATE_TRY(const link::Frame reply,
                 ask(link::Type::stream, link::stream_payload(true, 1, batch), link::Type::stream_state));
   const auto state = link::decode_stream_state(reply.payload);
-  if (!state || !state->running) return fail(ErrorCode::device, "the board does not start its stream", where());
+  if (!state || !state->running)
+    return fail(ErrorCode::device, "the board does not start its stream", where());
   stream_request_ = state->request;
   streaming_ = true;
   next_index_ = 0;
@@ -102,7 +106,8 @@ Result<void> LinkBoard::poll(std::vector<BoardSample>& out) {
       continue;
     }
     FORCEGATE_CHECK_OK(note(parsed.frame));
-    if (parsed.frame.type == static_cast<std::uint8_t>(link::Type::samples)) FORCEGATE_CHECK_OK(take(parsed.frame, out));
+    if (parsed.frame.type == static_cast<std::uint8_t>(link::Type::samples))
+      FORCEGATE_CHECK_OK(take(parsed.frame, out));
     if (parsed.frame.type == static_cast<std::uint8_t>(link::Type::time_reply)) take_time(parsed.frame);
   }
   // Last, so that in virtual time the answer always comes with the next look.
@@ -158,8 +163,11 @@ DutCounters LinkBoard::counters() const {
 
 std::map<std::string, std::uint64_t> LinkBoard::counts() const {
   const DutCounters c = counters();
-  return {{"damaged frames", c.frames_bad}, {"lost frames", c.frames_dropped}, {"lost samples", c.indices_lost},
-          {"repeated frames", repeats_},    {"foreign frames", foreign_}};
+  return {{"damaged frames", c.frames_bad},
+          {"lost frames", c.frames_dropped},
+          {"lost samples", c.indices_lost},
+          {"repeated frames", repeats_},
+          {"foreign frames", foreign_}};
 }
 
 Result<void> LinkBoard::send(link::Type type, const std::vector<std::uint8_t>& payload) {
@@ -198,7 +206,8 @@ Result<void> LinkBoard::note(const link::Frame& frame) {
   return {};
 }
 
-Result<link::Frame> LinkBoard::ask(link::Type type, const std::vector<std::uint8_t>& payload, link::Type answer) {
+Result<link::Frame> LinkBoard::ask(link::Type type, const std::vector<std::uint8_t>& payload,
+                                   link::Type answer) {
   if (!line_) return fail(ErrorCode::device, "the board is not open", where());
   using Clock = std::chrono::steady_clock;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -218,14 +227,17 @@ Result<link::Frame> LinkBoard::ask(link::Type type, const std::vector<std::uint8
       }
       FORCEGATE_CHECK_OK(note(parsed.frame));
       const std::vector<std::uint8_t>& p = parsed.frame.payload;
-      const bool ours = p.size() >= 2 && (p[0] | p[1] << 8) == request;  // every answer begins with the request's number
+      const bool ours =
+          p.size() >= 2 && (p[0] | p[1] << 8) == request;  // every answer begins with the request's number
       if (!ours) continue;
       if (parsed.frame.type == static_cast<std::uint8_t>(answer)) return std::move(parsed.frame);
       if (parsed.frame.type != static_cast<std::uint8_t>(link::Type::nak)) continue;
       ++counters_.naks;
       const auto nak = link::decode_nak(p);
-      return fail(ErrorCode::firmware,
-                  "the board refuses a request: " + std::string(nak ? link::nak_text(nak->code) : "malformed NAK"), where());
+      return fail(
+          ErrorCode::firmware,
+          "the board refuses a request: " + std::string(nak ? link::nak_text(nak->code) : "malformed NAK"),
+          where());
     }
   }
   return fail(ErrorCode::timeout, "the board does not answer", where(),

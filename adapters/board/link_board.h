@@ -62,11 +62,11 @@ class LinkBoard final : public SensorBoard {
   DutCounters counters_;
   std::uint64_t repeats_ = 0, foreign_ = 0;
   DeviceClock clock_;
-  double asked_s_ = -1e9;           ///< bench time of the last TIME
+  double asked_s_ = -1e9;  ///< bench time of the last TIME
   std::uint16_t time_request_ = 0;
-  bool time_open_ = false;          ///< its reply has not come yet
+  bool time_open_ = false;  ///< its reply has not come yet
   std::uint32_t last_us_ = 0;
-  std::uint64_t turns_ = 0;         ///< of the board's 32-bit microseconds
+  std::uint64_t turns_ = 0;  ///< of the board's 32-bit microseconds
 };
 
 }  // namespace forcegate

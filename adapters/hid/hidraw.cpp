@@ -49,8 +49,10 @@ class Hidraw final : public Transport {
 
 }  // namespace
 
-Result<std::unique_ptr<Transport>> open_hidraw(unsigned short vendor, unsigned short product, const std::string& serial) {
-  const std::string where = fmt::format("hid:{:04x}:{:04x}{}", vendor, product, serial.empty() ? "" : " " + serial);
+Result<std::unique_ptr<Transport>> open_hidraw(unsigned short vendor, unsigned short product,
+                                               const std::string& serial) {
+  const std::string where =
+      fmt::format("hid:{:04x}:{:04x}{}", vendor, product, serial.empty() ? "" : " " + serial);
   if (hid_init() != 0) return fail(ErrorCode::device, "HID devices cannot be listed", where);
   std::string path;
   int found = 0;
@@ -65,7 +67,8 @@ Result<std::unique_ptr<Transport>> open_hidraw(unsigned short vendor, unsigned s
     return fail(ErrorCode::device, "there is no such HID device", where,
                 "forcegate bench scan lists what is connected; a udev rule must let you open it");
   if (found > 1)
-    return fail(ErrorCode::device, fmt::format("{} HID devices look alike", found), where, "give the serial number of one");
+    return fail(ErrorCode::device, fmt::format("{} HID devices look alike", found), where,
+                "give the serial number of one");
   hid_device* const device = hid_open_path(path.c_str());
   if (device == nullptr)
     return fail(ErrorCode::device, "the HID device cannot be opened", where + " " + path,

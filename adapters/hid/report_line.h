@@ -35,6 +35,7 @@ class ReportLine final : public Transport {
 };
 
 /// ErrorCode::device when there is no such device, or several and no serial number tells them apart.
-Result<std::unique_ptr<Transport>> open_hidraw(unsigned short vendor, unsigned short product, const std::string& serial);
+Result<std::unique_ptr<Transport>> open_hidraw(unsigned short vendor, unsigned short product,
+                                               const std::string& serial);
 
 }  // namespace forcegate::hid

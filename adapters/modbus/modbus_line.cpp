@@ -19,8 +19,8 @@ namespace forcegate::modbus {
 namespace {
 
 // Rates that libmodbus 3.1.6 knows; any other one silently becomes 9600.
-constexpr std::array kRates{1200u, 2400u, 4800u, 9600u, 19200u, 38400u, 57600u, 115200u, 230400u, 460800u, 500000u,
-                            576000u, 921600u, 1000000u};
+constexpr std::array kRates{1200u,   2400u,   4800u,   9600u,   19200u,  38400u,  57600u,
+                            115200u, 230400u, 460800u, 500000u, 576000u, 921600u, 1000000u};
 
 double monotonic_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -50,10 +50,14 @@ std::string ModbusLine::name() const {
 
 Error ModbusLine::error_of(int number, const std::string& what) const {
   const bool late = number == ETIMEDOUT;
-  const bool gone = number == ECONNRESET || number == EPIPE || number == EIO || number == EBADF || number == ENXIO;
+  const bool gone =
+      number == ECONNRESET || number == EPIPE || number == EIO || number == EBADF || number == ENXIO;
   return {late ? ErrorCode::timeout : ErrorCode::device,
-          what + ": " + (late ? "no answer" : gone ? "the link is gone" : modbus_strerror(number)), "motor: " + name(),
-          gone ? "check cable and power of the drive" : ""};
+          what + ": " +
+              (late   ? "no answer"
+               : gone ? "the link is gone"
+                      : modbus_strerror(number)),
+          "motor: " + name(), gone ? "check cable and power of the drive" : ""};
 }
 
 Result<void> ModbusLine::connect() {
@@ -69,15 +73,17 @@ Result<void> ModbusLine::connect() {
       // libmodbus does not lock; pyserial and our own serial layer respect flock.
       context->lock = Descriptor(::open(options_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
       if (!context->lock)
-        return fail(ErrorCode::device, "cannot open the serial port: " + system_text(errno), "motor: " + name(),
-                    "check the cable and that you belong to the group dialout");
+        return fail(ErrorCode::device, "cannot open the serial port: " + system_text(errno),
+                    "motor: " + name(), "check the cable and that you belong to the group dialout");
       if (flock(context->lock.get(), LOCK_EX | LOCK_NB) != 0)
-        return fail(ErrorCode::device, "another program holds the serial port", "motor: " + name(), "close it there");
+        return fail(ErrorCode::device, "another program holds the serial port", "motor: " + name(),
+                    "close it there");
     }
     const char parity = options_.serial.parity == LineParity::even  ? 'E'
                         : options_.serial.parity == LineParity::odd ? 'O'
                                                                     : 'N';
-    context->bus = modbus_new_rtu(options_.path.c_str(), static_cast<int>(options_.serial.baud), parity, 8, 1);
+    context->bus =
+        modbus_new_rtu(options_.path.c_str(), static_cast<int>(options_.serial.baud), parity, 8, 1);
   }
   if (context->bus == nullptr) return Unexpected(error_of(errno, "cannot prepare the Modbus link"));
   modbus_t* bus = context->bus;
@@ -136,7 +142,8 @@ Result<std::vector<std::uint16_t>> ModbusLine::read(int function, int address, i
                               : modbus_read_registers(context_->bus, address, count, words.data());
   const int number = errno;
   last_end_s_ = monotonic_s();
-  if (n != count) return Unexpected(error_of(number, fmt::format("reading registers {:#06x}+{}", address, count)));
+  if (n != count)
+    return Unexpected(error_of(number, fmt::format("reading registers {:#06x}+{}", address, count)));
   return words;
 }
 
@@ -144,14 +151,16 @@ Result<void> ModbusLine::write(int function, int address, std::span<const std::u
   if (context_ == nullptr) return Unexpected(error_of(EBADF, "cannot write"));
   before_request();
   const int n = function == 6 ? modbus_write_register(context_->bus, address, words[0])
-                              : modbus_write_registers(context_->bus, address, static_cast<int>(words.size()), words.data());
+                              : modbus_write_registers(context_->bus, address, static_cast<int>(words.size()),
+                                                       words.data());
   const int number = errno;
   last_end_s_ = monotonic_s();
   if (n < 1) return Unexpected(error_of(number, fmt::format("writing register {:#06x}", address)));
   return {};
 }
 
-Result<std::vector<std::uint16_t>> ModbusLine::write_and_read(int write_address, std::span<const std::uint16_t> words,
+Result<std::vector<std::uint16_t>> ModbusLine::write_and_read(int write_address,
+                                                              std::span<const std::uint16_t> words,
                                                               int read_address, int count) {
   if (context_ == nullptr) return Unexpected(error_of(EBADF, "cannot exchange"));
   before_request();
@@ -160,7 +169,8 @@ Result<std::vector<std::uint16_t>> ModbusLine::write_and_read(int write_address,
                                                 words.data(), read_address, count, out.data());
   const int number = errno;
   last_end_s_ = monotonic_s();
-  if (n != count) return Unexpected(error_of(number, fmt::format("exchanging registers {:#06x}", read_address)));
+  if (n != count)
+    return Unexpected(error_of(number, fmt::format("exchanging registers {:#06x}", read_address)));
   return out;
 }
 

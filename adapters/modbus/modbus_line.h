@@ -24,7 +24,7 @@ struct LineOptions {
   LineSettings serial;
   int slave = 1;
   int response_timeout_ms = 150, byte_timeout_ms = 20;
-  int min_gap_ms = 0;       ///< silence between messages that the drive needs
+  int min_gap_ms = 0;        ///< silence between messages that the drive needs
   int worst_reply_ms = 300;  ///< latest moment at which an answer to an old request may still come
   bool lock = true;          ///< RTU: refuse a port that another program holds
 };

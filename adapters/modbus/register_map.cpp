@@ -72,7 +72,8 @@ Result<Register> read_register(const std::string& name, const ConfigNode& node, 
   return r;
 }
 
-Result<std::vector<Step>> read_steps(const std::string& name, const ConfigNode& list, const RegisterMap& map) {
+Result<std::vector<Step>> read_steps(const std::string& name, const ConfigNode& list,
+                                     const RegisterMap& map) {
   std::vector<Step> steps;
   if (list.kind != ConfigNode::Kind::array || list.items.empty())
     return fail(ErrorCode::config, fmt::format("command '{}' must be a list of writes", name), list.where,
@@ -89,8 +90,9 @@ Result<std::vector<Step>> read_steps(const std::string& name, const ConfigNode& 
     step.after_ms = static_cast<int>(after);
     FORCEGATE_CHECK_OK(in.finish());
     if (!map.reg.contains(step.reg))
-      return fail(ErrorCode::config, fmt::format("command '{}' names the unknown register '{}'", name, step.reg),
-                  item.where, "declare it under [motor.reg]");
+      return fail(ErrorCode::config,
+                  fmt::format("command '{}' names the unknown register '{}'", name, step.reg), item.where,
+                  "declare it under [motor.reg]");
     steps.push_back(step);
   }
   return steps;
@@ -110,7 +112,8 @@ Result<Condition> read_condition(const std::string& name, const ConfigNode& node
     in.complain(node, fmt::format("state '{}' needs either 'equals' or 'not_equals'", name));
   FORCEGATE_CHECK_OK(in.finish());
   if (!map.reg.contains(c.reg))
-    return fail(ErrorCode::config, fmt::format("state '{}' names the unknown register '{}'", name, c.reg), node.where);
+    return fail(ErrorCode::config, fmt::format("state '{}' names the unknown register '{}'", name, c.reg),
+                node.where);
   c.mask = static_cast<std::uint32_t>(mask);
   c.equal = equal;
   c.value = static_cast<std::uint32_t>(equal ? equals : differs);
@@ -143,7 +146,8 @@ Result<Heartbeat> read_heartbeat(const ConfigNode& node, const RegisterMap& map)
   FORCEGATE_CHECK_OK(in.finish());
   for (const std::string& name : {h.reg, h.drive_timeout_reg})
     if (!map.reg.contains(name))
-      return fail(ErrorCode::config, fmt::format("[motor.heartbeat] names the unknown register '{}'", name), node.where);
+      return fail(ErrorCode::config, fmt::format("[motor.heartbeat] names the unknown register '{}'", name),
+                  node.where);
   if (map.reg.at(h.reg).size() != 1)
     return fail(ErrorCode::config, "the heartbeat register must have 16 bits", node.where);
   h.max_missed = static_cast<int>(missed);
@@ -160,7 +164,8 @@ Result<std::vector<std::uint16_t>> encode(const Register& reg, double value) {
     return fail(ErrorCode::safety,
                 fmt::format("{} for register '{}' is outside its limits", shortest(value), reg.name));
   const double raw = reg.scale * value + reg.offset;
-  if (reg.type == WordType::f32) return split_words(reg, std::bit_cast<std::uint32_t>(static_cast<float>(raw)));
+  if (reg.type == WordType::f32)
+    return split_words(reg, std::bit_cast<std::uint32_t>(static_cast<float>(raw)));
   double low = 0, high = 0;
   range_of(reg.type, low, high);
   const double rounded = std::nearbyint(raw);
@@ -180,7 +185,8 @@ Result<std::vector<std::uint16_t>> encode_raw(const Register& reg, std::int64_t 
 
 std::uint32_t decode_bits(const Register& reg, std::span<const std::uint16_t> words) {
   if (reg.size() == 1) return words[0];
-  const std::uint32_t high = reg.high_word_first ? words[0] : words[1], low = reg.high_word_first ? words[1] : words[0];
+  const std::uint32_t high = reg.high_word_first ? words[0] : words[1],
+                      low = reg.high_word_first ? words[1] : words[0];
   return high << 16 | low;
 }
 
@@ -202,7 +208,8 @@ Result<double> decode(const Register& reg, std::span<const std::uint16_t> words)
 std::vector<ReadBlock> merge_reads(const std::vector<const Register*>& registers, int gap, int longest) {
   std::vector<const Register*> sorted = registers;
   std::sort(sorted.begin(), sorted.end(), [](const Register* a, const Register* b) {
-    return a->read_function != b->read_function ? a->read_function < b->read_function : a->address < b->address;
+    return a->read_function != b->read_function ? a->read_function < b->read_function
+                                                : a->address < b->address;
   });
   std::vector<ReadBlock> blocks;
   for (const Register* r : sorted) {
@@ -243,9 +250,10 @@ Result<RegisterMap> read_register_map(ConfigReader& motor, int address_base) {
   }
   FORCEGATE_CHECK_OK(require(map.reg.contains("position"), "register 'position' (rad)", registers->where,
                              "displacement comes from reading back the position, never from the set-point"));
-  FORCEGATE_CHECK_OK(require(map.reg.contains("velocity_set"), "register 'velocity_set' (rad/s)", registers->where, {}));
-  FORCEGATE_CHECK_OK(require(map.reg.at("velocity_set").low.has_value(), "limits for 'velocity_set'", registers->where,
-                             "add limits = [-V, V] in rad/s"));
+  FORCEGATE_CHECK_OK(
+      require(map.reg.contains("velocity_set"), "register 'velocity_set' (rad/s)", registers->where, {}));
+  FORCEGATE_CHECK_OK(require(map.reg.at("velocity_set").low.has_value(), "limits for 'velocity_set'",
+                             registers->where, "add limits = [-V, V] in rad/s"));
   for (const char* name : {"enable", "run", "stop", "emergency"})
     FORCEGATE_CHECK_OK(require(map.cmd.contains(name), fmt::format("command '{}'", name), commands->where,
                                "every drive must be able to stop"));

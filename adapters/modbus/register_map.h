@@ -44,7 +44,7 @@ struct Condition {
 };
 
 struct Heartbeat {
-  std::string reg;             ///< writable and readable, 16 bits
+  std::string reg;                   ///< writable and readable, 16 bits
   bool read_write_together = false;  ///< function 23
   int max_missed = 3;
   std::string drive_timeout_reg;

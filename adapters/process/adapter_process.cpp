@@ -22,7 +22,8 @@ void read_process_options(ConfigReader& in, const ConfigNode& table, ProcessOpti
   std::int64_t reply_ms = 1000, start_ms = 5000;
   in.any("adapter");
   out.options.kind = ConfigNode::Kind::table;
-  if (in.texts("command", out.command, ConfigReader::required) && (out.command.empty() || out.command.front().empty()))
+  if (in.texts("command", out.command, ConfigReader::required) &&
+      (out.command.empty() || out.command.front().empty()))
     in.complain(*in.any("command"), "'command' names no program",
                 "for example command = [\"/usr/bin/python3\", \"-m\", \"forcegate_adapter\", \"ati\"]");
   in.text("folder", folder);
@@ -30,7 +31,8 @@ void read_process_options(ConfigReader& in, const ConfigNode& table, ProcessOpti
   if (const ConfigNode* options = in.table("options")) out.options = *options;
   in.integer("reply_timeout_ms", reply_ms, 10, 60000);
   in.integer("start_timeout_ms", start_ms, 10, 60000);
-  out.folder = std::filesystem::path(folder).is_absolute() ? std::filesystem::path(folder) : folder_of_bench(table) / folder;
+  out.folder = std::filesystem::path(folder).is_absolute() ? std::filesystem::path(folder)
+                                                           : folder_of_bench(table) / folder;
   out.reply_timeout_s = static_cast<double>(reply_ms) * 1e-3;
   out.start_timeout_s = static_cast<double>(start_ms) * 1e-3;
 }
@@ -38,7 +40,8 @@ void read_process_options(ConfigReader& in, const ConfigNode& table, ProcessOpti
 std::string AdapterProcess::where() const { return options_.device + ": " + join(options_.command, " "); }
 
 Unexpected AdapterProcess::bad(const std::string& what) const {
-  return fail(ErrorCode::device, what, where(), "docs/adapters.md says what an adapter's program has to answer");
+  return fail(ErrorCode::device, what, where(),
+              "docs/adapters.md says what an adapter's program has to answer");
 }
 
 Unexpected AdapterProcess::gone() {
@@ -46,7 +49,8 @@ Unexpected AdapterProcess::gone() {
   const std::string how = child_.ended().value_or("no end");
   const std::string last = log_folder_ ? last_line(log_folder_->path() / "log") : "";
   end();
-  return fail(ErrorCode::device, "the adapter's program ended (" + how + ")" + (last.empty() ? "" : ": " + last), where(),
+  return fail(ErrorCode::device,
+              "the adapter's program ended (" + how + ")" + (last.empty() ? "" : ": " + last), where(),
               "run its command by hand to see what it says");
 }
 
@@ -55,7 +59,9 @@ Result<DeviceIdentity> AdapterProcess::open(bool exclusive) {
   Fields fields{{"exclusive", exclusive}, {"options", &options_.options}};
   if (!options_.port.empty()) {
     auto path = world_.serial_path(options_.port);
-    if (!path) return fail(path.error().code, path.error().text, options_.device + ": " + path.error().where, path.error().hint);
+    if (!path)
+      return fail(path.error().code, path.error().text, options_.device + ": " + path.error().where,
+                  path.error().hint);
     fields.emplace_back("port", *path);
   }
   std::vector<std::string> argv = options_.command;
@@ -65,7 +71,8 @@ Result<DeviceIdentity> AdapterProcess::open(bool exclusive) {
   argv.front() = program->string();
   std::error_code ignored;
   if (!std::filesystem::is_directory(options_.folder, ignored))
-    return fail(ErrorCode::config, "the folder of the adapter's program does not exist: " + options_.folder.string(), where());
+    return fail(ErrorCode::config,
+                "the folder of the adapter's program does not exist: " + options_.folder.string(), where());
   if (!log_folder_) {
     FORCEGATE_TRY(PrivateFolder made, PrivateFolder::make());
     log_folder_.emplace(std::move(made));
@@ -101,7 +108,8 @@ Result<Reply> AdapterProcess::exchange(std::string_view verb, const Fields& fiel
   const double sent_s = world_.now_s();
   const std::string line = encode_request(id, verb, sent_s, fields) + "\n";
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
-  if (auto sent = line_->write({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}, timeout_s); !sent) {
+  if (auto sent = line_->write({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}, timeout_s);
+      !sent) {
     if (sent.error().code != ErrorCode::timeout) return gone();
     return fail(ErrorCode::timeout, "the adapter's program does not read its input", where());
   }
@@ -124,8 +132,8 @@ Result<Reply> AdapterProcess::exchange(std::string_view verb, const Fields& fiel
       return bad("the adapter's program says a line without end");
     }
     if (Clock::now() >= end)
-      return fail(ErrorCode::timeout, "the adapter's program does not answer '" + std::string(verb) + "'", where(),
-                  "look whether its instrument is on, or raise reply_timeout_ms");
+      return fail(ErrorCode::timeout, "the adapter's program does not answer '" + std::string(verb) + "'",
+                  where(), "look whether its instrument is on, or raise reply_timeout_ms");
     std::uint8_t bytes[4096];
     const double left_s = std::chrono::duration<double>(end - Clock::now()).count();
     const auto n = line_->read(bytes, std::max(0.001, std::min(kLook_s, left_s)));

@@ -47,7 +47,9 @@ class AdapterProcess {
 
   /// The program's clock, from the `clock_s` of its answers.
   const DeviceClock& clock() const { return clock_; }
-  std::map<std::string, std::uint64_t> counts() const { return {{"stale replies refused", stale_}, {"restarts", restarts_}}; }
+  std::map<std::string, std::uint64_t> counts() const {
+    return {{"stale replies refused", stale_}, {"restarts", restarts_}};
+  }
 
  private:
   Result<Reply> exchange(std::string_view verb, const Fields& fields, double timeout_s);

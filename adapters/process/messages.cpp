@@ -33,10 +33,13 @@ Json json_of(const ConfigNode& node) {
   return nullptr;
 }
 
-Unexpected malformed(const std::string& what) { return fail(ErrorCode::device, "the adapter's program says " + what); }
+Unexpected malformed(const std::string& what) {
+  return fail(ErrorCode::device, "the adapter's program says " + what);
+}
 
 Result<std::vector<double>> row_of(const Json& row) {
-  if (!row.is_array() || row.empty() || row.size() > kRowWidth) return malformed("a row that is no short list");
+  if (!row.is_array() || row.empty() || row.size() > kRowWidth)
+    return malformed("a row that is no short list");
   std::vector<double> out;
   for (const Json& value : row) {
     if (!value.is_number() && !value.is_null()) return malformed("a row with something that is no number");
@@ -68,7 +71,8 @@ std::string encode_request(std::uint64_t id, std::string_view verb, double now_s
 Result<Reply> decode_reply(std::string_view line) {
   if (line.size() > kLineMax) return malformed("a line without end");
   const Json document = Json::parse(line, nullptr, false);
-  if (!document.is_object()) return malformed("'" + printable_utf8(line.substr(0, 60)) + "' instead of a JSON object");
+  if (!document.is_object())
+    return malformed("'" + printable_utf8(line.substr(0, 60)) + "' instead of a JSON object");
   const auto id = document.find("id"), ok = document.find("ok");
   if (id == document.end() || !id->is_number_unsigned() || ok == document.end() || !ok->is_boolean())
     return malformed("an object without the number 'id' and the truth value 'ok'");

@@ -32,7 +32,8 @@ Result<std::unique_ptr<Transport>> ChildProcess::start_connected(const std::vect
                                                                  const std::filesystem::path& folder,
                                                                  const std::filesystem::path& log) {
   const Descriptor err(open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-  if (!err) return fail(ErrorCode::io, "cannot open the log of a program: " + system_text(errno), log.string());
+  if (!err)
+    return fail(ErrorCode::io, "cannot open the log of a program: " + system_text(errno), log.string());
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     return fail(ErrorCode::io, "no pair of sockets: " + system_text(errno), argv.front());
@@ -43,8 +44,8 @@ Result<std::unique_ptr<Transport>> ChildProcess::start_connected(const std::vect
   return std::make_unique<DescriptorTransport>(std::move(ours), argv.front());
 }
 
-Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const std::filesystem::path& folder, int in, int out,
-                                  int err) {
+Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const std::filesystem::path& folder,
+                                  int in, int out, int err) {
   kill_and_reap();
   std::vector<char*> arguments;
   for (const std::string& a : argv) arguments.push_back(const_cast<char*>(a.c_str()));
@@ -56,8 +57,7 @@ Result<void> ChildProcess::launch(const std::vector<std::string>& argv, const st
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
     setpgid(0, 0);  // an interrupt from the keyboard is for the harness, which then ends us in order
-    if (dup2(in, 0) < 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0 || chdir(folder.c_str()) != 0)
-      _exit(127);
+    if (dup2(in, 0) < 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0 || chdir(folder.c_str()) != 0) _exit(127);
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -41,7 +41,8 @@ class ChildProcess {
   pid_t id() const { return pid_; }
 
  private:
-  Result<void> launch(const std::vector<std::string>& argv, const std::filesystem::path& folder, int in, int out, int err);
+  Result<void> launch(const std::vector<std::string>& argv, const std::filesystem::path& folder, int in,
+                      int out, int err);
   pid_t pid_ = -1;
   int status_ = 0;
   bool reaped_ = true;

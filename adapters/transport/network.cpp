@@ -22,8 +22,8 @@ Result<Descriptor> connect_socket(const std::string& host, int port, int kind, d
   addrinfo* list = nullptr;
   const std::string where = host + ":" + std::to_string(port);
   if (const int error = getaddrinfo(host.c_str(), std::to_string(port).c_str(), &wish, &list); error != 0)
-    return fail(ErrorCode::device, std::string("the network does not know the host: ") + gai_strerror(error), where,
-                "check the address in the bench file");
+    return fail(ErrorCode::device, std::string("the network does not know the host: ") + gai_strerror(error),
+                where, "check the address in the bench file");
   int last = 0;
   Descriptor found;
   for (const addrinfo* a = list; a != nullptr && !found; a = a->ai_next) {
@@ -34,7 +34,8 @@ Result<Descriptor> connect_socket(const std::string& host, int port, int kind, d
       pollfd p{fd.get(), POLLOUT, 0};
       socklen_t size = sizeof error;
       error = ETIMEDOUT;
-      if (poll(&p, 1, static_cast<int>(timeout_s * 1e3)) == 1) getsockopt(fd.get(), SOL_SOCKET, SO_ERROR, &error, &size);
+      if (poll(&p, 1, static_cast<int>(timeout_s * 1e3)) == 1)
+        getsockopt(fd.get(), SOL_SOCKET, SO_ERROR, &error, &size);
     }
     if (error == 0)
       found = std::move(fd);
@@ -42,7 +43,9 @@ Result<Descriptor> connect_socket(const std::string& host, int port, int kind, d
       last = error;
   }
   freeaddrinfo(list);
-  if (!found) return fail(ErrorCode::device, "cannot connect: " + system_text(last), where, "check power, network and address");
+  if (!found)
+    return fail(ErrorCode::device, "cannot connect: " + system_text(last), where,
+                "check power, network and address");
   return found;
 }
 
@@ -51,7 +54,8 @@ class Datagrams final : public Transport {
  public:
   Datagrams(Descriptor fd, std::string name) : fd_(std::move(fd)), name_(std::move(name)) {}
   Result<void> write(std::span<const std::uint8_t> bytes, double) override {
-    if (send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size())) return {};
+    if (send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()))
+      return {};
     return fail(ErrorCode::io, "cannot send: " + system_text(errno), name_);
   }
   Result<std::size_t> read(std::span<std::uint8_t> into, double timeout_s) override {
@@ -84,7 +88,8 @@ Result<std::string> http_get(const std::string& host, int port, const std::strin
   FORCEGATE_TRY(Descriptor fd, connect_socket(host, port, SOCK_STREAM, timeout_s));
   DescriptorTransport line(std::move(fd), where);
   const std::string request = "GET " + path + " HTTP/1.0\r\nHost: " + host + "\r\nConnection: close\r\n\r\n";
-  FORCEGATE_CHECK_OK(line.write({reinterpret_cast<const std::uint8_t*>(request.data()), request.size()}, timeout_s));
+  FORCEGATE_CHECK_OK(
+      line.write({reinterpret_cast<const std::uint8_t*>(request.data()), request.size()}, timeout_s));
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   std::string page;
   for (;;) {
@@ -93,11 +98,13 @@ Result<std::string> http_get(const std::string& host, int port, const std::strin
     if (!n) break;  // the server closes behind the page
     page.append(reinterpret_cast<const char*>(bytes), *n);
     if (page.size() > kPageMax) return fail(ErrorCode::device, "the page is larger than 256 kB", where);
-    if (Clock::now() > end) return fail(ErrorCode::timeout, "the page does not end", where, "check the network");
+    if (Clock::now() > end)
+      return fail(ErrorCode::timeout, "the page does not end", where, "check the network");
   }
   const std::size_t body = page.find("\r\n\r\n");
   if (!page.starts_with("HTTP/1.") || body == std::string::npos || page.substr(8, 5) != " 200 ")
-    return fail(ErrorCode::device, "the answer is not a page", where, "check that this is the address of the instrument");
+    return fail(ErrorCode::device, "the answer is not a page", where,
+                "check that this is the address of the instrument");
   return page.substr(body + 4);
 }
 

@@ -56,7 +56,8 @@ class Conformance final : public Comparator {
   Comparison finish() override {
     Comparison c;
     c.limit = kLimit_LSB;
-    c.limit_source = "half a step of the converter, ten times what single precision costs (docs/algorithm.md)";
+    c.limit_source =
+        "half a step of the converter, ten times what single precision costs (docs/algorithm.md)";
     c.n = n_;
     if (n_ == 0) {
       c.value = std::nan("");

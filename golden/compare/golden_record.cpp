@@ -32,7 +32,8 @@ class Reader {
   void next() { ++at_; }
   Unexpected bad(const std::string& what) const {
     const std::size_t line = more() ? rows_[at_].first : lines_;
-    return fail(ErrorCode::parse, what, fmt::format("{}:{}", name_, line), "record and bless the golden again");
+    return fail(ErrorCode::parse, what, fmt::format("{}:{}", name_, line),
+                "record and bless the golden again");
   }
   static bool number(const std::string& word, double& value) {
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -98,7 +99,9 @@ void worse(GoldenComparison& c, double outside, double t_s, std::string what) {
   if (outside > 1.0) c.cause = std::move(what);
 }
 
-double force(const GoldenExtremum& e, GoldenCurve curve) { return curve == GoldenCurve::ati ? e.ati_N : e.dut_N; }
+double force(const GoldenExtremum& e, GoldenCurve curve) {
+  return curve == GoldenCurve::ati ? e.ati_N : e.dut_N;
+}
 const std::vector<float>& values(const GoldenWindow& w, GoldenCurve curve) {
   return curve == GoldenCurve::ati ? w.ati_N : w.dut_N;
 }
@@ -111,8 +114,8 @@ bool moves(const std::vector<float>& golden_N, const TubeOptions& o) {
   return span_N > 2.0 * tolerance_N(o, middle_N, span_N);
 }
 
-void compare_extrema(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve, const TubeOptions& o,
-                     GoldenComparison& out) {
+void compare_extrema(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve,
+                     const TubeOptions& o, GoldenComparison& out) {
   double low = 0.0, high = 0.0;
   for (const GoldenExtremum& e : g.content.extrema) {
     low = std::min(low == 0.0 ? force(e, curve) : low, force(e, curve));
@@ -129,11 +132,12 @@ void compare_extrema(const GoldenRecord& g, const GoldenContent& tested, GoldenC
     worse(out, ratio(apart_s, o.time_s), want.t_s,
           fmt::format("an extremum comes at {:.3f} s, in the golden at {:.3f} s", got.t_s, want.t_s));
     const double tolerance = tolerance_N(o, force(want, curve), high - low);
-    out.margins.push_back({want.maximum ? "max" : "min", want.t_s, force(want, curve), force(got, curve), tolerance - apart_N});
+    out.margins.push_back(
+        {want.maximum ? "max" : "min", want.t_s, force(want, curve), force(got, curve), tolerance - apart_N});
     out.worst_margin_N = std::min(out.worst_margin_N, tolerance - apart_N);
     worse(out, ratio(apart_N, tolerance), want.t_s,
-          fmt::format("the extremum at {:.3f} s is {:.4f} N, in the golden {:.4f} N", want.t_s, force(got, curve),
-                      force(want, curve)));
+          fmt::format("the extremum at {:.3f} s is {:.4f} N, in the golden {:.4f} N", want.t_s,
+                      force(got, curve), force(want, curve)));
     ++out.n;
   }
 }
@@ -159,7 +163,8 @@ std::string to_text(const GoldenRecord& g) {
   }
   for (const GoldenWindow& w : g.content.windows) {
     out += fmt::format("window {:.3f} {} {}\n", w.t0_s, shortest(w.step_s), w.ati_N.size());
-    for (std::size_t i = 0; i < w.ati_N.size(); ++i) out += fmt::format("{:.4f} {:.4f}\n", w.ati_N[i], w.dut_N[i]);
+    for (std::size_t i = 0; i < w.ati_N.size(); ++i)
+      out += fmt::format("{:.4f} {:.4f}\n", w.ati_N[i], w.dut_N[i]);
   }
   return out;
 }
@@ -184,8 +189,8 @@ Result<GoldenRecord> parse_golden_record(std::string_view text, const std::strin
         return r.bad("an extremum wants instant, ATI and firmware");
       golden.content.extrema.push_back(e);
     } else if (w[0] == "extrema") {
-      counted = w.size() == 4 && Reader::count(w[1], golden.extrema_in_all) && Reader::count(w[3], golden.every) &&
-                golden.every > 0;
+      counted = w.size() == 4 && Reader::count(w[1], golden.extrema_in_all) &&
+                Reader::count(w[3], golden.every) && golden.every > 0;
       if (!counted) return r.bad("extrema wants their number and a step");
     } else if (w[0] == "tolerance") {
       if (!read_tolerance(w, golden)) return r.bad("a tolerance line is malformed");
@@ -195,42 +200,57 @@ Result<GoldenRecord> parse_golden_record(std::string_view text, const std::strin
       std::string value = w[1];
       for (std::size_t i = 2; i < w.size(); ++i) value += " " + w[i];
       std::size_t seed = 0;
-      if (w[0] == "plan") golden.plan = value;
-      else if (w[0] == "case") golden.case_name = value;
-      else if (w[0] == "specimen") golden.specimen = value;
-      else if (w[0] == "rig") golden.rig = value;
-      else if (w[0] == "algorithm") golden.algorithm = value;
-      else if (w[0] == "seed" && Reader::count(value, seed)) golden.seed = seed;
-      else golden.provenance[w[0]] = value;
+      if (w[0] == "plan")
+        golden.plan = value;
+      else if (w[0] == "case")
+        golden.case_name = value;
+      else if (w[0] == "specimen")
+        golden.specimen = value;
+      else if (w[0] == "rig")
+        golden.rig = value;
+      else if (w[0] == "algorithm")
+        golden.algorithm = value;
+      else if (w[0] == "seed" && Reader::count(value, seed))
+        golden.seed = seed;
+      else
+        golden.provenance[w[0]] = value;
     }
     r.next();
   }
   if (!counted || golden.case_name.empty() || golden.specimen.empty())
     return r.bad("the golden lacks its case, specimen or extrema");
-  const std::size_t expected = golden.extrema_in_all == 0 ? 0 : (golden.extrema_in_all - 1) / golden.every + 1;
+  const std::size_t expected =
+      golden.extrema_in_all == 0 ? 0 : (golden.extrema_in_all - 1) / golden.every + 1;
   if (golden.content.extrema.size() != expected)
-    return r.bad(fmt::format("the golden holds {} extrema instead of {}", golden.content.extrema.size(), expected));
+    return r.bad(
+        fmt::format("the golden holds {} extrema instead of {}", golden.content.extrema.size(), expected));
   return golden;
 }
 
-Result<GoldenComparison> compare_golden(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve) {
+Result<GoldenComparison> compare_golden(const GoldenRecord& g, const GoldenContent& tested,
+                                        GoldenCurve curve) {
   TubeOptions o = curve == GoldenCurve::ati ? g.ati : g.firmware;
   o.keep_margins = true;
   GoldenComparison out;
   out.lag_s = std::numeric_limits<double>::quiet_NaN();
   if (g.content.extrema.empty() && g.content.windows.empty())
-    return fail(ErrorCode::config, "the golden holds neither extrema nor a window", g.case_name, "bless it again");
+    return fail(ErrorCode::config, "the golden holds neither extrema nor a window", g.case_name,
+                "bless it again");
   if (tested.extrema.size() != g.extrema_in_all) {
-    out.cause = fmt::format("the record has {} extrema, the golden {}", tested.extrema.size(), g.extrema_in_all);
+    out.cause =
+        fmt::format("the record has {} extrema, the golden {}", tested.extrema.size(), g.extrema_in_all);
     return out;
   }
-  const auto odd = [&](const GoldenExtremum& e) { return !std::isfinite(force(e, curve)) || !std::isfinite(e.t_s); };
+  const auto odd = [&](const GoldenExtremum& e) {
+    return !std::isfinite(force(e, curve)) || !std::isfinite(e.t_s);
+  };
   if (const auto n = std::count_if(tested.extrema.begin(), tested.extrema.end(), odd); n > 0) {
     out.cause = fmt::format("{} of {} extrema are not numbers", n, tested.extrema.size());
     return out;
   }
   if (tested.windows.size() != g.content.windows.size()) {
-    out.cause = fmt::format("the record has {} windows, the golden {}", tested.windows.size(), g.content.windows.size());
+    out.cause = fmt::format("the record has {} windows, the golden {}", tested.windows.size(),
+                            g.content.windows.size());
     return out;
   }
   out.worst_margin_N = std::numeric_limits<double>::infinity();
@@ -248,13 +268,13 @@ Result<GoldenComparison> compare_golden(const GoldenRecord& g, const GoldenConte
     }
     out.n += tube.n;
     for (std::size_t i = 0; i < tube.margin.size(); ++i)
-      out.margins.push_back({"window", want.t0_s + static_cast<double>(i) * want.step_s, values(want, curve)[i],
-                             values(got, curve)[i], tube.margin[i]});
+      out.margins.push_back({"window", want.t0_s + static_cast<double>(i) * want.step_s,
+                             values(want, curve)[i], values(got, curve)[i], tube.margin[i]});
     if (std::isfinite(tube.lag_s) && !(std::fabs(tube.lag_s) <= std::fabs(out.lag_s))) out.lag_s = tube.lag_s;
     out.worst_margin_N = std::min(out.worst_margin_N, tube.worst_margin);
     if (tube.state == TubeState::outside)
-      worse(out, std::max(std::nextafter(1.0, 2.0), 1.0 - tube.worst_margin / std::max(1e-9, o.absolute)), tube.worst_at_s,
-            fmt::format("window from {:.1f} s: {}", want.t0_s, tube.cause));
+      worse(out, std::max(std::nextafter(1.0, 2.0), 1.0 - tube.worst_margin / std::max(1e-9, o.absolute)),
+            tube.worst_at_s, fmt::format("window from {:.1f} s: {}", want.t0_s, tube.cause));
   }
   out.state = out.outside <= 1.0 ? TubeState::inside : TubeState::outside;
   return out;

@@ -43,9 +43,10 @@ struct GoldenContent {
 struct GoldenRecord {
   std::string plan, case_name, specimen;
   std::uint64_t seed = 0;
-  std::string rig;           ///< "emulated/1"
-  std::string algorithm;     ///< of the firmware; only the same one is held against the firmware's curve
-  std::map<std::string, std::string> provenance;  ///< firmware_sha256, calibration, date, who, reason, mre_maxima_pct
+  std::string rig;        ///< "emulated/1"
+  std::string algorithm;  ///< of the firmware; only the same one is held against the firmware's curve
+  std::map<std::string, std::string>
+      provenance;  ///< firmware_sha256, calibration, date, who, reason, mre_maxima_pct
   TubeOptions ati, firmware;
   std::size_t extrema_in_all = 0, every = 1;
   GoldenContent content;
@@ -66,12 +67,12 @@ struct GoldenMargin {
 /// How a record stands to its golden, for one of the two curves.
 struct GoldenComparison {
   TubeState state = TubeState::not_compared;
-  std::string cause;          ///< "" when inside
-  double outside = 0.0;       ///< largest |deviation| / tolerance over extrema and windows; <= 1 is inside
+  std::string cause;            ///< "" when inside
+  double outside = 0.0;         ///< largest |deviation| / tolerance over extrema and windows; <= 1 is inside
   double worst_margin_N = 0.0;  ///< smallest of the margins
   double worst_at_s = 0.0;
-  double lag_s = 0.0;         ///< of the window that lags most; NaN when undetermined
-  std::size_t n = 0;          ///< extrema and samples compared
+  double lag_s = 0.0;                 ///< of the window that lags most; NaN when undetermined
+  std::size_t n = 0;                  ///< extrema and samples compared
   std::vector<GoldenMargin> margins;  ///< of each of them
 };
 
@@ -80,6 +81,7 @@ enum class GoldenCurve { ati, firmware };
 /// Coverage first: another number of extrema, a missing or truncated window, samples that are not numbers are not
 /// compared. Then extrema (instants within time_s, forces within the tolerance) and windows (tube.h). The lag of a window
 /// that moves by less than the width of the tube is not limited: it is made of noise.
-Result<GoldenComparison> compare_golden(const GoldenRecord& golden, const GoldenContent& tested, GoldenCurve curve);
+Result<GoldenComparison> compare_golden(const GoldenRecord& golden, const GoldenContent& tested,
+                                        GoldenCurve curve);
 
 }  // namespace forcegate

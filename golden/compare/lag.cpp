@@ -18,15 +18,18 @@ struct Sums {
 };
 
 // tested[i + shift] against golden[i]; slope in signal units per sample.
-std::array<Sums, kBlocks> block_sums(std::span<const float> g, std::span<const float> x, std::ptrdiff_t shift) {
+std::array<Sums, kBlocks> block_sums(std::span<const float> g, std::span<const float> x,
+                                     std::ptrdiff_t shift) {
   std::array<Sums, kBlocks> out{};
   const auto n = static_cast<std::ptrdiff_t>(std::min(g.size(), x.size()));
   const std::ptrdiff_t first = std::max<std::ptrdiff_t>(1, -shift);
   const std::ptrdiff_t last = std::min(n - 1, n - shift);
   if (last <= first) return out;
   for (std::size_t b = 0; b < kBlocks; ++b) {
-    const auto low = first + (last - first) * static_cast<std::ptrdiff_t>(b) / static_cast<std::ptrdiff_t>(kBlocks);
-    const auto high = first + (last - first) * static_cast<std::ptrdiff_t>(b + 1) / static_cast<std::ptrdiff_t>(kBlocks);
+    const auto low =
+        first + (last - first) * static_cast<std::ptrdiff_t>(b) / static_cast<std::ptrdiff_t>(kBlocks);
+    const auto high =
+        first + (last - first) * static_cast<std::ptrdiff_t>(b + 1) / static_cast<std::ptrdiff_t>(kBlocks);
     double sd = 0.0, ss = 0.0;
     for (std::ptrdiff_t i = low; i < high; ++i) {
       const auto k = static_cast<std::size_t>(i);

@@ -20,7 +20,8 @@ Result<void> refuse_bad_options(const TubeOptions& o, const SampledTrace& golden
   if (golden.value.empty())
     return fail(ErrorCode::config, "the golden trace is empty", "tube", "record and bless it again");
   if (!(golden.step_s > 0.0))
-    return fail(ErrorCode::config, "the golden trace has no sampling step", "tube", "record and bless it again");
+    return fail(ErrorCode::config, "the golden trace has no sampling step", "tube",
+                "record and bless it again");
   return {};
 }
 
@@ -37,7 +38,8 @@ std::string coverage_fault(const SampledTrace& g, const SampledTrace& x) {
     return fmt::format("the tested trace is sampled every {} s, the golden every {} s", shortest(x.step_s),
                        shortest(g.step_s));
   if (std::fabs(x.t0_s - g.t0_s) > 0.5 * g.step_s)
-    return fmt::format("the tested trace starts at {} s, the golden at {} s", shortest(x.t0_s), shortest(g.t0_s));
+    return fmt::format("the tested trace starts at {} s, the golden at {} s", shortest(x.t0_s),
+                       shortest(g.t0_s));
   if (x.value.size() < g.value.size())
     return fmt::format("the tested trace is truncated: {} of {} samples", x.value.size(), g.value.size());
   if (x.value.size() > g.value.size())
@@ -169,17 +171,20 @@ std::string_view to_string(TubeState state) {
   return "not compared";
 }
 
-Result<TubeResult> compare_tube(const SampledTrace& golden, const SampledTrace& tested, const TubeOptions& options) {
+Result<TubeResult> compare_tube(const SampledTrace& golden, const SampledTrace& tested,
+                                const TubeOptions& options) {
   FORCEGATE_CHECK_OK(refuse_bad_options(options, golden));
   if (const std::size_t n = not_finite(golden.value); n > 0)
-    return fail(ErrorCode::config, fmt::format("{} of {} golden samples are not numbers", n, golden.value.size()),
-                "tube", "record and bless the golden again");
+    return fail(ErrorCode::config,
+                fmt::format("{} of {} golden samples are not numbers", n, golden.value.size()), "tube",
+                "record and bless the golden again");
   TubeResult r;
   r.cause = coverage_fault(golden, tested);
   if (!r.cause.empty()) return r;
 
   const double record_s = golden.step_s * static_cast<double>(golden.value.size());
-  const double search_s = std::min(0.25 * record_s, std::max(10.0 * options.time_s, 4.0 * options.lag_limit_s));
+  const double search_s =
+      std::min(0.25 * record_s, std::max(10.0 * options.time_s, 4.0 * options.lag_limit_s));
   const LagEstimate lag = estimate_lag(golden, tested, search_s);
   r.lag_s = lag.lag_s;
   r.u_lag_s = lag.u_s;
@@ -217,14 +222,15 @@ Result<TubeResult> compare_tube(const SampledTrace& golden, const SampledTrace& 
     if (worst < 0.0)
       for (std::size_t i = 0; i < n; ++i)
         if (margin[i] < 0.0)
-          note_outside(r, golden.t0_s + golden.step_s * static_cast<double>(first + i), golden.step_s, margin[i]);
+          note_outside(r, golden.t0_s + golden.step_s * static_cast<double>(first + i), golden.step_s,
+                       margin[i]);
     if (options.keep_margins)
       for (std::size_t i = 0; i < n; ++i) r.margin[first + i] = static_cast<float>(margin[i]);
     r.n += n;
   }
   if (r.n_outside > 0)
-    r.cause = fmt::format("{} of {} samples are outside the tube, worst by {:.4g} at {:.3f} s", r.n_outside, r.n,
-                          -r.worst_margin, r.worst_at_s);
+    r.cause = fmt::format("{} of {} samples are outside the tube, worst by {:.4g} at {:.3f} s", r.n_outside,
+                          r.n, -r.worst_margin, r.worst_at_s);
   else if (!r.lag_within_limit)
     r.cause = fmt::format("the tested trace lags by {:.4g} s, limit {:.4g} s", r.lag_s, options.lag_limit_s);
   r.state = r.n_outside == 0 && r.lag_within_limit ? TubeState::inside : TubeState::outside;

@@ -46,17 +46,17 @@ struct TubeSpan {
 
 struct TubeResult {
   TubeState state = TubeState::not_compared;
-  std::string cause;                ///< why not compared, or what is outside; "" when inside
-  std::size_t n = 0;                ///< samples compared
+  std::string cause;  ///< why not compared, or what is outside; "" when inside
+  std::size_t n = 0;  ///< samples compared
   std::size_t n_outside = 0;
-  double worst_margin = 0.0;        ///< smallest signed distance to the edge, unit of the signal; < 0 outside
+  double worst_margin = 0.0;  ///< smallest signed distance to the edge, unit of the signal; < 0 outside
   double worst_at_s = 0.0;
-  double lag_s = 0.0;               ///< tested behind golden is positive; NaN when undetermined (constant golden)
-  double u_lag_s = 0.0;             ///< standard error over 16 blocks of the record
+  double lag_s = 0.0;    ///< tested behind golden is positive; NaN when undetermined (constant golden)
+  double u_lag_s = 0.0;  ///< standard error over 16 blocks of the record
   bool lag_within_limit = true;
-  std::vector<TubeSpan> spans;      ///< runs of samples outside, at most kTubeSpansKept
+  std::vector<TubeSpan> spans;  ///< runs of samples outside, at most kTubeSpansKept
   std::size_t spans_in_all = 0;
-  std::vector<float> margin;        ///< per sample, only with keep_margins
+  std::vector<float> margin;  ///< per sample, only with keep_margins
 };
 inline constexpr std::size_t kTubeSpansKept = 100;
 

@@ -33,7 +33,8 @@ std::string line_of(const fs::path& path) {
 std::string who(const std::map<std::string, std::string>& details, const char* device) {
   std::vector<std::string> parts;
   for (const char* what : {" model", " serial", " calibration"})
-    if (const auto at = details.find(std::string(device) + what); at != details.end()) parts.push_back(at->second);
+    if (const auto at = details.find(std::string(device) + what); at != details.end())
+      parts.push_back(at->second);
   return join(parts, ", ");
 }
 
@@ -45,7 +46,8 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
     std::vector<fs::path> folders{"rigs"};
     char program[4096];
     if (const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1); n > 0)
-      folders.push_back(fs::path(std::string(program, static_cast<std::size_t>(n))).parent_path().parent_path() / "rigs");
+      folders.push_back(
+          fs::path(std::string(program, static_cast<std::size_t>(n))).parent_path().parent_path() / "rigs");
     for (const fs::path& folder : folders) {
       std::error_code ignored;
       for (const auto& entry : fs::directory_iterator(folder, ignored))
@@ -77,14 +79,15 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
   return rows;
 }
 
-Result<std::vector<BenchItem>> examine_bench(const fs::path& file, const std::map<std::string, std::string>& options) {
+Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
+                                             const std::map<std::string, std::string>& options) {
   FORCEGATE_TRY(BenchFile bench, read_bench(file));
   std::vector<BenchItem> items;
   const auto given = options.find("today");
   const std::string day = given != options.end() ? given->second : utc_today();
   for (const BenchCalibration& c : bench.calibrations)
-    items.push_back({"calibration " + c.what, c.id + ", until " + c.expires, c.expires < day ? "calibrate it anew" : "",
-                     c.expires >= day});
+    items.push_back({"calibration " + c.what, c.id + ", until " + c.expires,
+                     c.expires < day ? "calibrate it anew" : "", c.expires >= day});
   FORCEGATE_TRY(const auto s, BenchSession::make(bench, options));
   const auto add = [&](const char* device, const Result<void>& opened, std::string found) {
     items.push_back(opened ? BenchItem{device, std::move(found), "", true}
@@ -94,7 +97,9 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file, const std::ma
   const auto details = s->details();
   if (!opened) {
     const std::string at = opened.error().where;
-    const char* device = at.starts_with("reference") ? "reference" : at.starts_with("board") ? "board" : "motor";
+    const char* device = at.starts_with("reference") ? "reference"
+                         : at.starts_with("board")   ? "board"
+                                                     : "motor";
     add(device, opened, {});
     return items;
   }
@@ -109,20 +114,28 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file, const std::ma
     if (board) board = s->board().poll(samples);
   }
   if (reference && readings.empty())
-    reference = fail(ErrorCode::timeout, "no record within 0.1 s", "reference", "look at the controller's display");
-  if (board && samples.empty()) board = fail(ErrorCode::timeout, "no sample within 0.1 s", "board", "reset the board");
+    reference =
+        fail(ErrorCode::timeout, "no record within 0.1 s", "reference", "look at the controller's display");
+  if (board && samples.empty())
+    board = fail(ErrorCode::timeout, "no sample within 0.1 s", "board", "reset the board");
   add("reference", reference,
-      readings.empty() ? "" : fmt::format("{}: {:.3f} N, {:.0f} records/s", who(details, "reference"),
-                                          static_cast<double>(readings.back().force_N), s->reference().facts().rate_Hz));
+      readings.empty()
+          ? ""
+          : fmt::format("{}: {:.3f} N, {:.0f} records/s", who(details, "reference"),
+                        static_cast<double>(readings.back().force_N), s->reference().facts().rate_Hz));
   add("board", board,
-      samples.empty() ? "" : fmt::format("{}: code {}, {} samples in 0.1 s", who(details, "board"), samples.back().adc, samples.size()));
+      samples.empty() ? ""
+                      : fmt::format("{}: code {}, {} samples in 0.1 s", who(details, "board"),
+                                    samples.back().adc, samples.size()));
   const auto state = s->motor().read();
   add("motor", state ? Result<void>{} : Result<void>(Unexpected(state.error())),
-      state ? fmt::format("{}: {:.3f} rad, {}, stops by itself after {:.0f} ms", who(details, "motor"), state->theta_rad,
+      state ? fmt::format("{}: {:.3f} rad, {}, stops by itself after {:.0f} ms", who(details, "motor"),
+                          state->theta_rad,
                           state->fault ? fmt::format("fault {:#x}", state->fault_code) : "no fault",
                           1e3 * s->motor().drive_timeout_s())
             : "");
-  if (state && state->fault) items.back().good = false, items.back().remedy = "find the cause of the fault, then reset the drive";
+  if (state && state->fault)
+    items.back().good = false, items.back().remedy = "find the cause of the fault, then reset the drive";
   return items;
 }
 
@@ -134,7 +147,8 @@ std::vector<ScannedPort> scan_ports() {
     stable[fs::weakly_canonical(entry.path(), ignored).string()] = entry.path().string();
   for (const auto& entry : fs::directory_iterator("/dev", ignored)) {
     const std::string name = entry.path().filename().string();
-    const bool serial = name.starts_with("ttyUSB") || name.starts_with("ttyACM"), hid = name.starts_with("hidraw");
+    const bool serial = name.starts_with("ttyUSB") || name.starts_with("ttyACM"),
+               hid = name.starts_with("hidraw");
     if (!serial && !hid) continue;
     ScannedPort port{entry.path().string(), stable[entry.path().string()], {}};
     const fs::path device = fs::path("/sys/class") / (serial ? "tty" : "hidraw") / name / "device";
@@ -151,12 +165,14 @@ std::vector<ScannedPort> scan_ports() {
     }
     ports.push_back(std::move(port));
   }
-  std::sort(ports.begin(), ports.end(), [](const ScannedPort& a, const ScannedPort& b) { return a.port < b.port; });
+  std::sort(ports.begin(), ports.end(),
+            [](const ScannedPort& a, const ScannedPort& b) { return a.port < b.port; });
   return ports;
 }
 
 Result<void> serve_bench(const fs::path& file, const fs::path& folder,
-                         const std::function<void(const std::vector<std::string>&)>& ready, const std::atomic<bool>& stop) {
+                         const std::function<void(const std::vector<std::string>&)>& ready,
+                         const std::atomic<bool>& stop) {
   FORCEGATE_TRY(const BenchFile bench, read_bench(file));
   FORCEGATE_TRY(const emulated::TwinOptions options, emulated::read_twin_options(bench.root));
   FORCEGATE_TRY(const auto host, emulated::TwinHost::make(options, fs::absolute(folder)));
@@ -176,8 +192,8 @@ Result<int> park_bench(const fs::path& file, const std::map<std::string, std::st
   return holder ? holder->pid : 0;
 }
 
-Result<JogResult> jog_bench(const fs::path& file, const std::map<std::string, std::string>& options, double angle_rad,
-                            double speed_rad_per_s, const std::atomic<bool>& stop) {
+Result<JogResult> jog_bench(const fs::path& file, const std::map<std::string, std::string>& options,
+                            double angle_rad, double speed_rad_per_s, const std::atomic<bool>& stop) {
   FORCEGATE_TRY(BenchFile bench, read_bench(file));
   FORCEGATE_TRY(const auto s, BenchSession::make(std::move(bench), options));
   FORCEGATE_CHECK_OK(s->open());
@@ -189,12 +205,14 @@ Result<JogResult> jog_bench(const fs::path& file, const std::map<std::string, st
 Result<std::vector<SpecimenRow>> list_specimens(const fs::path& file) {
   FORCEGATE_TRY(const BenchFile bench, read_bench(file));
   if (bench.specimens.log.empty())
-    return fail(ErrorCode::config, "the bench file keeps no log of specimens", file.string(), "add [specimens] with log = \"specimens.tsv\"");
+    return fail(ErrorCode::config, "the bench file keeps no log of specimens", file.string(),
+                "add [specimens] with log = \"specimens.tsv\"");
   FORCEGATE_TRY(const auto all, SpecimenLog(bench.specimens.log).read());
   std::vector<SpecimenRow> rows;
   for (const auto& [id, h] : all) {
     const double rest_s = std::max(0.0, utc_seconds() - h.last_use_s);
-    rows.push_back({printable_utf8(id), utc_text(h.last_use_s), h.records, h.cycles, rest_s / 3600.0, rest_s >= bench.specimens.rest_s});
+    rows.push_back({printable_utf8(id), utc_text(h.last_use_s), h.records, h.cycles, rest_s / 3600.0,
+                    rest_s >= bench.specimens.rest_s});
   }
   return rows;
 }
@@ -203,7 +221,8 @@ Result<std::optional<BenchHolder>> bench_holder(const fs::path& file) {
   FORCEGATE_TRY(const BenchFile bench, read_bench(file));
   FORCEGATE_TRY(const auto holder, lease_holder(bench.id));
   if (!holder) return std::optional<BenchHolder>();
-  const double now_s = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  const double now_s =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   return std::optional<BenchHolder>(BenchHolder{bench.name, holder->purpose, holder->token, holder->pid,
                                                 now_s - holder->since_s, now_s - holder->heartbeat_s});
 }

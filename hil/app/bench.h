@@ -47,8 +47,9 @@ struct JogResult {
   double from_rad = 0.0, to_rad = 0.0, force_N = 0.0;
 };
 /// Turns the wheel to an angle at a slow speed, under the limits of the bench file.
-Result<JogResult> jog_bench(const std::filesystem::path& file, const std::map<std::string, std::string>& options,
-                            double angle_rad, double speed_rad_per_s, const std::atomic<bool>& stop);
+Result<JogResult> jog_bench(const std::filesystem::path& file,
+                            const std::map<std::string, std::string>& options, double angle_rad,
+                            double speed_rad_per_s, const std::atomic<bool>& stop);
 
 struct SpecimenRow {
   std::string id, last_use;

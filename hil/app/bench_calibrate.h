@@ -15,10 +15,10 @@ namespace forcegate {
 
 /// One point: what was laid on or set, and what was read there.
 struct CalibrationPoint {
-  double x = 0.0;      ///< true force, N; spring: e (1 - cos theta), mm
-  double y = 0.0;      ///< mean reading, N
-  double s = 0.0;      ///< standard deviation of a reading, N
-  std::size_t n = 0;   ///< readings
+  double x = 0.0;     ///< true force, N; spring: e (1 - cos theta), mm
+  double y = 0.0;     ///< mean reading, N
+  double s = 0.0;     ///< standard deviation of a reading, N
+  std::size_t n = 0;  ///< readings
 };
 
 /// y = intercept + slope x by least squares, from at least three points.
@@ -36,12 +36,12 @@ struct CalibrateRequest {
   std::filesystem::path bench;
   std::map<std::string, std::string> options;  ///< of the session: attach, arm, today ...
   std::vector<double> masses_g{0, 50, 100, 200, 300, 400};
-  double mass_u_rel = 1e-4;            ///< of the masses
-  double gravity_m_per_s2 = 9.80665;   ///< at the place
-  double seconds = 2.0;                ///< of each point
+  double mass_u_rel = 1e-4;           ///< of the masses
+  double gravity_m_per_s2 = 9.80665;  ///< at the place
+  double seconds = 2.0;               ///< of each point
   double settle_s = 1.0;
-  std::size_t steps = 8;               ///< spring: angles on the way up, and again down
-  std::string specimen;                ///< sensor
+  std::size_t steps = 8;  ///< spring: angles on the way up, and again down
+  std::string specimen;   ///< sensor
   const std::atomic<bool>* stop = nullptr;
 };
 
@@ -49,10 +49,10 @@ struct CalibrateRequest {
 using Guide = std::function<Result<void>(const std::string& instruction)>;
 
 struct Calibrated {
-  std::string what;                        ///< "reference", "spring", "sensor"
+  std::string what;  ///< "reference", "spring", "sensor"
   std::optional<CalibrationLine> line;
-  std::vector<std::string> findings;       ///< sentences for a person
-  std::vector<std::string> bench_lines;    ///< to enter into the bench file, or the calibration file's own
+  std::vector<std::string> findings;     ///< sentences for a person
+  std::vector<std::string> bench_lines;  ///< to enter into the bench file, or the calibration file's own
   double u_rel = 0.0;
 };
 

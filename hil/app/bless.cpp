@@ -34,7 +34,8 @@ double furthest_N(const GoldenContent& a, const GoldenContent& b, std::size_t ev
     look(ati ? a.extrema[i].ati_N : a.extrema[i].dut_N,
          ati ? b.extrema[i * every].ati_N : b.extrema[i * every].dut_N);
   for (std::size_t w = 0; w < std::min(a.windows.size(), b.windows.size()); ++w) {
-    const auto &x = ati ? a.windows[w].ati_N : a.windows[w].dut_N, &y = ati ? b.windows[w].ati_N : b.windows[w].dut_N;
+    const auto &x = ati ? a.windows[w].ati_N : a.windows[w].dut_N,
+               &y = ati ? b.windows[w].ati_N : b.windows[w].dut_N;
     for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) look(x[i], y[i]);
   }
   return worst;
@@ -63,18 +64,25 @@ BlessedRun blessed(const RunMaterial& m) {
   RunMaterial without = m;
   for (PlanCase& c : without.plan.cases) c.checks &= ~static_cast<unsigned>(kCheckGolden);
   const std::string rig = m.records.empty() ? std::string() : m.records.front().record.rig.id;
-  return {&m.head, std::string(to_string(m.level)), rig, m.plan.limits.goldens,
-          to_run_result(without, judge_material(without)).decision, golden_targets(m)};
+  return {&m.head,
+          std::string(to_string(m.level)),
+          rig,
+          m.plan.limits.goldens,
+          to_run_result(without, judge_material(without)).decision,
+          golden_targets(m)};
 }
 
 BlessedRun blessed(const characterize::WeightMaterial& m) {
   characterize::WeightMaterial without = m;
   const RunResult judged = to_run_result(without, judge_material(without));
   without.plan.goldens = ".";  // every sensor has its golden, wherever the first ones are put
-  return {&m.head, std::string(to_string(CalibrationLevel::nominal)), m.head.rig.id, m.plan.goldens, judged.decision, golden_targets(without)};
+  return {&m.head,         std::string(to_string(CalibrationLevel::nominal)),
+          m.head.rig.id,   m.plan.goldens,
+          judged.decision, golden_targets(without)};
 }
 
-GoldenRecord golden_of(const BlessedRun& run, const Bundle& bundle, const GoldenTarget& target, const BlessRequest& request) {
+GoldenRecord golden_of(const BlessedRun& run, const Bundle& bundle, const GoldenTarget& target,
+                       const BlessRequest& request) {
   GoldenRecord g;
   g.plan = run.head->plan_name;
   g.case_name = target.case_name;
@@ -117,8 +125,9 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
   fs::path folder = request.goldens;
   if (folder.empty()) {
     if (run.goldens.empty())
-      return fail(ErrorCode::usage, "the plan of this run names no goldens", head.plan_name,
-                  "add goldens = \"...\" to its [limits] (and \"golden\" to the checks of a case), or give --goldens FOLDER");
+      return fail(
+          ErrorCode::usage, "the plan of this run names no goldens", head.plan_name,
+          "add goldens = \"...\" to its [limits] (and \"golden\" to the checks of a case), or give --goldens FOLDER");
     FORCEGATE_TRY(const fs::path plan, find_plan(head.plan_name));
     folder = (plan.parent_path() / run.goldens).lexically_normal();
   }
@@ -145,9 +154,10 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
   std::string list;
   for (const BlessChange& c : answer.changes)
     if (c.changed) list += (list.empty() ? "" : "; ") + c.file + ": " + c.what;
-  answer.line = fmt::format("| {} | {} | {} | {} | {} | {} | {} | bundle {} | {} |\n", head.started_at.substr(0, 10),
-                            head.plan_name, cell(request.who), cell(request.reason), head.firmware_sha256.substr(0, 16),
-                            run.rig, run.level, bundle.id.substr(0, 16), list);
+  answer.line =
+      fmt::format("| {} | {} | {} | {} | {} | {} | {} | bundle {} | {} |\n", head.started_at.substr(0, 10),
+                  head.plan_name, cell(request.who), cell(request.reason), head.firmware_sha256.substr(0, 16),
+                  run.rig, run.level, bundle.id.substr(0, 16), list);
   if (request.dry_run || files.empty()) return answer;
   for (const auto& [path, text] : files) FORCEGATE_CHECK_OK(write_file_atomically(path, text));
   FORCEGATE_CHECK_OK(append_line(answer.governance, answer.line));
@@ -183,12 +193,14 @@ Result<BlessAnswer> bless_limits(const BlessRequest& request) {
   }
   for (const auto& [key, limit] : old.by_case_and_check)
     if (!now.by_case_and_check.contains(key)) {
-      answer.changes.push_back({key.first + " " + key.second, fmt::format("gone, was {:.4g} {}", limit.value, limit.unit), true});
+      answer.changes.push_back(
+          {key.first + " " + key.second, fmt::format("gone, was {:.4g} {}", limit.value, limit.unit), true});
       list += (list.empty() ? "" : "; ") + answer.changes.back().file + ": gone";
     }
   answer.governance = target.parent_path() / "CHANGES.md";
-  answer.line = fmt::format("| {} | {} | {} | {} | {} | {} | identified | limits of {} | {} |\n", now.date, now.plan,
-                            cell(request.who), cell(request.reason), now.firmware_sha256.substr(0, 16), now.rig, now.date, list);
+  answer.line = fmt::format("| {} | {} | {} | {} | {} | {} | identified | limits of {} | {} |\n", now.date,
+                            now.plan, cell(request.who), cell(request.reason),
+                            now.firmware_sha256.substr(0, 16), now.rig, now.date, list);
   if (request.dry_run || list.empty()) return answer;
   FORCEGATE_CHECK_OK(write_file_atomically(target, write_limits(now)));
   FORCEGATE_CHECK_OK(append_line(answer.governance, answer.line));
@@ -210,14 +222,17 @@ Result<BlessAnswer> bless(const BlessRequest& request) {
 std::string bless_text(const BlessAnswer& a) {
   std::string out;
   for (const BlessChange& c : a.changes) out += fmt::format("  {:<48} {}\n", c.file, c.what);
-  out += a.written ? fmt::format("written; noted in {}\n", a.governance.string()) : std::string("nothing was written\n");
+  out += a.written ? fmt::format("written; noted in {}\n", a.governance.string())
+                   : std::string("nothing was written\n");
   return out;
 }
 
 std::string bless_json(const BlessAnswer& a) {
   nlohmann::ordered_json changes = nlohmann::ordered_json::array();
-  for (const BlessChange& c : a.changes) changes.push_back({{"file", c.file}, {"change", c.what}, {"changed", c.changed}});
-  return nlohmann::ordered_json{{"format", 1}, {"written", a.written}, {"governance", a.governance.string()}, {"changes", changes}}
+  for (const BlessChange& c : a.changes)
+    changes.push_back({{"file", c.file}, {"change", c.what}, {"changed", c.changed}});
+  return nlohmann::ordered_json{
+      {"format", 1}, {"written", a.written}, {"governance", a.governance.string()}, {"changes", changes}}
       .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

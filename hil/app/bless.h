@@ -18,8 +18,8 @@ struct BlessRequest {
 };
 
 struct BlessChange {
-  std::string file;   ///< what is written
-  std::string what;   ///< "new", "unchanged", "ATI by at most 0.0012 N, firmware by at most 0.0310 N"
+  std::string file;  ///< what is written
+  std::string what;  ///< "new", "unchanged", "ATI by at most 0.0012 N, firmware by at most 0.0310 N"
   bool changed = true;
 };
 

@@ -48,10 +48,13 @@ std::vector<JudgedCheck> take_compared(RunResult& head) {
   return compared;
 }
 
-std::string manifest_text(const std::string& id, const std::string& version, const std::vector<BundleFile>& files) {
+std::string manifest_text(const std::string& id, const std::string& version,
+                          const std::vector<BundleFile>& files) {
   Json list = Json::array();
-  for (const BundleFile& f : files) list.push_back({{"name", f.name}, {"bytes", f.bytes}, {"sha256", f.sha256}});
-  return Json{{"format", kBundleFormat}, {"id", id}, {"tool_version", version}, {"files", list}}.dump(1) + "\n";
+  for (const BundleFile& f : files)
+    list.push_back({{"name", f.name}, {"bytes", f.bytes}, {"sha256", f.sha256}});
+  return Json{{"format", kBundleFormat}, {"id", id}, {"tool_version", version}, {"files", list}}.dump(1) +
+         "\n";
 }
 
 Result<void> read_records(const fs::path& path, RunMaterial& material) {
@@ -108,7 +111,8 @@ class BundleWriter {
     FORCEGATE_CHECK_OK(copy("plan.toml", source.plan));
     if (!source.waivers.empty()) FORCEGATE_CHECK_OK(copy("waivers.toml", source.waivers));
     for (const GoldenRecord& golden : source.evidence.goldens)
-      FORCEGATE_CHECK_OK(add("goldens/" + golden_file_name(golden.case_name, golden.specimen), to_text(golden)));
+      FORCEGATE_CHECK_OK(
+          add("goldens/" + golden_file_name(golden.case_name, golden.specimen), to_text(golden)));
     FORCEGATE_CHECK_OK(add("head.json", to_json(head)));
     FORCEGATE_CHECK_OK(add("run.json", run.dump(1) + "\n"));
     return copy("firmware", source.firmware);
@@ -140,14 +144,16 @@ Result<Bundle> read_manifest(const fs::path& folder) {
   if (!manifest.is_object() || !manifest.contains("files") || !manifest["files"].is_array())
     return fail(ErrorCode::parse, "the list of the bundle cannot be read", where);
   if (manifest.value("format", 0) != kBundleFormat)
-    return fail(ErrorCode::parse, fmt::format("the bundle has format {}, this program reads {}",
-                                              manifest.value("format", 0), kBundleFormat),
+    return fail(ErrorCode::parse,
+                fmt::format("the bundle has format {}, this program reads {}", manifest.value("format", 0),
+                            kBundleFormat),
                 where);
   Bundle bundle;
   bundle.id = manifest.value("id", "");
   bundle.tool_version = manifest.value("tool_version", "");
   for (const auto& file : manifest["files"]) {
-    BundleFile listed{file.value("name", ""), file.value("bytes", std::uint64_t{0}), file.value("sha256", "")};
+    BundleFile listed{file.value("name", ""), file.value("bytes", std::uint64_t{0}),
+                      file.value("sha256", "")};
     if (listed.name.empty() || listed.name.find("..") != std::string::npos || listed.name.front() == '/')
       return fail(ErrorCode::parse, "the list names a file outside of the bundle", where);
     FORCEGATE_TRY(const BundleFile found, describe(folder, listed.name));
@@ -157,7 +163,8 @@ Result<Bundle> read_manifest(const fs::path& folder) {
     bundle.files.push_back(std::move(listed));
   }
   if (id_of(bundle.files) != bundle.id)
-    return fail(ErrorCode::parse, "the list of the bundle was changed", where, "take the bundle as the run wrote it");
+    return fail(ErrorCode::parse, "the list of the bundle was changed", where,
+                "take the bundle as the run wrote it");
   return bundle;
 }
 
@@ -205,11 +212,15 @@ Result<void> write_bundle(const fs::path& folder, const BundleSource& source, co
   if (!material.limits.plan.empty()) FORCEGATE_CHECK_OK(out.copy("limits.toml", source.limits));
   RunResult head = with_compared(material.head, material.compared);
   head.cases.clear();
-  FORCEGATE_CHECK_OK(out.add_common(source, head, {{"level", std::string(to_string(material.level))}, {"cancelled", material.cancelled}, {"today", source.evidence.today}}));
+  FORCEGATE_CHECK_OK(out.add_common(source, head,
+                                    {{"level", std::string(to_string(material.level))},
+                                     {"cancelled", material.cancelled},
+                                     {"today", source.evidence.today}}));
   std::string records;
   for (const PlayedRecord& one : material.records)
     records += fmt::format("{{\"case\":{},\"specimen\":{},\"superseded\":{},\"job\":{},\"record\":{}}}\n",
-                           one.case_index, one.specimen_index, one.superseded, to_json(one.job), to_json(one.record));
+                           one.case_index, one.specimen_index, one.superseded, to_json(one.job),
+                           to_json(one.record));
   FORCEGATE_CHECK_OK(out.add("records.jsonl", records));
   std::error_code ignored;
   for (const PlayedRecord& one : material.records)
@@ -218,12 +229,17 @@ Result<void> write_bundle(const fs::path& folder, const BundleSource& source, co
   return out.seal(material.head.tool_version);
 }
 
-Result<void> write_bundle(const fs::path& folder, const BundleSource& source, const characterize::WeightMaterial& material) {
+Result<void> write_bundle(const fs::path& folder, const BundleSource& source,
+                          const characterize::WeightMaterial& material) {
   BundleWriter out(folder);
   FORCEGATE_CHECK_OK(out.copy("study.toml", material.plan.study.path));
   FORCEGATE_CHECK_OK(out.add_common(source, material.head,
-                                    {{"kind", characterize::kWeightGateKind}, {"sensors", material.sensors}, {"goldens", material.plan.goldens}, {"accepted", material.with_accepted},
-                                     {"cancelled", material.cancelled}, {"today", source.evidence.today}}));
+                                    {{"kind", characterize::kWeightGateKind},
+                                     {"sensors", material.sensors},
+                                     {"goldens", material.plan.goldens},
+                                     {"accepted", material.with_accepted},
+                                     {"cancelled", material.cancelled},
+                                     {"today", source.evidence.today}}));
   FORCEGATE_CHECK_OK(out.add("records.jsonl", to_text(material.records)));
   return out.seal(material.head.tool_version);
 }
@@ -240,7 +256,9 @@ Result<Bundle> read_bundle(const fs::path& folder) {
   } else if (kind.empty()) {
     FORCEGATE_TRY(bundle.material, read_material(inner, run));
   } else {
-    return fail(ErrorCode::parse, "the bundle is of a kind that this program does not know: " + printable_utf8(kind), folder.string());
+    return fail(ErrorCode::parse,
+                "the bundle is of a kind that this program does not know: " + printable_utf8(kind),
+                folder.string());
   }
   FORCEGATE_TRY(bundle.evidence.goldens, read_goldens(inner / "goldens"));
   bundle.evidence.today = run.value("today", "");

@@ -57,8 +57,10 @@ Result<void> write_bundle(const std::filesystem::path& folder, const BundleSourc
 
 /// Margins of the goldens, bundle and every report, then the folder gets its name.
 template <class Material>
-Result<void> publish_run(RunFolder& folder, const BundleSource& source, const Material& material, const std::vector<GoldenMargins>& margins, const RunResult& result) {
-  for (const GoldenMargins& one : margins) FORCEGATE_CHECK_OK(write_file_atomically(folder.path() / "golden" / one.file, one.csv));
+Result<void> publish_run(RunFolder& folder, const BundleSource& source, const Material& material,
+                         const std::vector<GoldenMargins>& margins, const RunResult& result) {
+  for (const GoldenMargins& one : margins)
+    FORCEGATE_CHECK_OK(write_file_atomically(folder.path() / "golden" / one.file, one.csv));
   FORCEGATE_CHECK_OK(write_bundle(folder.path(), source, material));
   return folder.publish(result);
 }

@@ -45,7 +45,8 @@ RecordInput synthetic(const Force& force_N, double duration_s) {
   return r;
 }
 
-Result<void> sweeps(const Model& model, const CampaignInput& input, const PlanCalibration& c, CalibrationMap& map) {
+Result<void> sweeps(const Model& model, const CampaignInput& input, const PlanCalibration& c,
+                    CalibrationMap& map) {
   const auto force = [&](double t) {
     const double phase = std::fmod(t / c.sweep_s, 1.0);
     return c.sweep_low_N + (c.sweep_high_N - c.sweep_low_N) * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase);
@@ -69,8 +70,8 @@ struct Identified {
   double b_scale = 0.0, q_scale = 0.0;
 };
 
-Result<Identified> identify(const Model& model, const CampaignInput& input, RecordInput& r, const StimulusFacts& facts,
-                            const BaseLaw& law) {
+Result<Identified> identify(const Model& model, const CampaignInput& input, RecordInput& r,
+                            const StimulusFacts& facts, const BaseLaw& law) {
   Model changed = model;
   changed.law = law;
   set_decay(r, law);
@@ -90,7 +91,8 @@ Result<Identified> identify(const Model& model, const CampaignInput& input, Reco
   for (double v : minima_V) u_min_V += v / static_cast<double>(minima_V.size());
   FORCEGATE_TRY(const DecayParameters fit, fit_decay(t_s, maxima_V, u_min_V));
   const double A = facts.amplitude_N;
-  return Identified{fit.b_per_s / (0.0019 * facts.lowest_frequency_Hz + 0.0056), fit.c_V / fit.a_V * (1.0 + 1.377 * A * A)};
+  return Identified{fit.b_per_s / (0.0019 * facts.lowest_frequency_Hz + 0.0056),
+                    fit.c_V / fit.a_V * (1.0 + 1.377 * A * A)};
 }
 
 }  // namespace
@@ -103,7 +105,8 @@ Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan) {
   input.range_N = model.span_N;
   map.known = true;
   FORCEGATE_CHECK_OK(sweeps(model, input, c, map));
-  map.protocol = fmt::format("{} sweeps of {:g} s from {:g} to {:g} N", c.sweeps, c.sweep_s, c.sweep_low_N, c.sweep_high_N);
+  map.protocol = fmt::format("{} sweeps of {:g} s from {:g} to {:g} N", c.sweeps, c.sweep_s, c.sweep_low_N,
+                             c.sweep_high_N);
   if (c.level != CalibrationLevel::identified || !model.law.decays) return map;
 
   FORCEGATE_TRY(const std::unique_ptr<Stimulus> stimulus, make_stimulus(c.identification->stimulus));

@@ -43,7 +43,8 @@ class CsvRows {
       if (++filled_ < per_row_) continue;
       const double n = static_cast<double>(per_row_);
       fmt::format_to(std::back_inserter(text_), "{:.4f},", t_s_ / n);
-      if (known_ > 0) fmt::format_to(std::back_inserter(text_), "{:.4f}", ref_N_ / static_cast<double>(known_));
+      if (known_ > 0)
+        fmt::format_to(std::back_inserter(text_), "{:.4f}", ref_N_ / static_cast<double>(known_));
       fmt::format_to(std::back_inserter(text_), ",{:.5f},", U_V_ / n);
       if (wheel_) fmt::format_to(std::back_inserter(text_), "{:.4f},", theta_rad_);
       fmt::format_to(std::back_inserter(text_), "{:.4f}\n", cmd_N_ / n);
@@ -91,8 +92,8 @@ void describe_bench(Json& json, const RecordingBench& bench, const RigInfo& rig)
   json["records"] = Json::array();
 }
 
-Json describe_record(const std::string& file, const ProfileToRecord& p, const Stimulus& stimulus, double start_s,
-                     const RecordingBench& bench, const RigInfo& rig) {
+Json describe_record(const std::string& file, const ProfileToRecord& p, const Stimulus& stimulus,
+                     double start_s, const RecordingBench& bench, const RigInfo& rig) {
   const StimulusFacts f = stimulus.facts();
   Json numbers = Json::object();
   for (const auto& [name, value] : p.stimulus.numbers) numbers[name] = value;
@@ -109,7 +110,8 @@ Json describe_record(const std::string& file, const ProfileToRecord& p, const St
             {"stimulus", numbers}};
   if (f.dynamic) {
     r["excitation_start_s"] = f.excitation_start_s;
-    if (std::isfinite(f.lowest_frequency_Hz) && f.lowest_frequency_Hz > 0.0) r["f_min_Hz"] = f.lowest_frequency_Hz;
+    if (std::isfinite(f.lowest_frequency_Hz) && f.lowest_frequency_Hz > 0.0)
+      r["f_min_Hz"] = f.lowest_frequency_Hz;
     r["A_N"] = f.amplitude_N;
     r["m_N"] = f.mean_N;
   }
@@ -120,8 +122,10 @@ JournalHeader header_of(const std::string& name, const RecordingBench& bench, co
   JournalHeader header;
   header.name = name;
   header.time_bases.push_back({"rig", rig.rate_Hz});
-  header.channels = {{"F_cmd", "N", "force", SampleType::f32, 0},   {"F_ref", "N", "force", SampleType::f32, 0},
-                     {"U", "counts", "voltage", SampleType::u16, 0}, {"theta", "rad", "angle", SampleType::f32, 0},
+  header.channels = {{"F_cmd", "N", "force", SampleType::f32, 0},
+                     {"F_ref", "N", "force", SampleType::f32, 0},
+                     {"U", "counts", "voltage", SampleType::u16, 0},
+                     {"theta", "rad", "angle", SampleType::f32, 0},
                      {"status", "counts", "status", SampleType::u16, 0}};
   header.provenance = {{"rig", rig.name + "/" + rig.version}, {"specimen", bench.specimen}};
   return header;
@@ -129,7 +133,8 @@ JournalHeader header_of(const std::string& name, const RecordingBench& bench, co
 
 }  // namespace
 
-Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench, const std::vector<ProfileToRecord>& profiles,
+Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
+                                                  const std::vector<ProfileToRecord>& profiles,
                                                   const fs::path& folder, const RecordingProgress& progress,
                                                   const std::atomic<bool>* cancelled) {
   FORCEGATE_TRY(const std::unique_ptr<Rig> rig, make_rig(bench.rig, bench.rig_options));
@@ -173,16 +178,21 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench, c
     };
     const std::string file = fmt::format("r{:02d}_{}.csv", request.record, p.name);
     if (fs::exists(folder / file, error))
-      return fail(ErrorCode::usage, "there is such a record already", (folder / file).string(), "choose another folder");
+      return fail(ErrorCode::usage, "there is such a record already", (folder / file).string(),
+                  "choose another folder");
     // An emulated record can be made again; what instruments said cannot.
     std::optional<TraceRecorder> journal;
     ProfileSaver saver;
     if (rig->board_firmware() != nullptr) {
-      FORCEGATE_TRY(TraceRecorder created, TraceRecorder::create((folder / file).replace_extension(".h5"), header_of(p.name, bench, info)));
+      FORCEGATE_TRY(TraceRecorder created, TraceRecorder::create((folder / file).replace_extension(".h5"),
+                                                                 header_of(p.name, bench, info)));
       journal.emplace(std::move(created));
       saver = [&journal](const RigBlock& b, std::size_t from, std::size_t n) {
-        const auto part = [from, n](const auto& column) { return ColumnView(std::span(column.data() + from, n)); };
-        const ColumnView columns[] = {part(b.setpoint_N), part(b.force_ref_N), part(b.adc), part(b.theta_rad), part(b.status)};
+        const auto part = [from, n](const auto& column) {
+          return ColumnView(std::span(column.data() + from, n));
+        };
+        const ColumnView columns[] = {part(b.setpoint_N), part(b.force_ref_N), part(b.adc), part(b.theta_rad),
+                                      part(b.status)};
         return journal->append({b.t_s.data() + from, n}, columns);
       };
     }
@@ -190,7 +200,8 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench, c
       Error& e = ok.error();
       if (e.where.empty()) e.where = p.name;
       if (journal && played.samples > 0)
-        e.hint += std::string(e.hint.empty() ? "" : "; ") + "what was recorded until then: forcegate recover " + journal->journal_path().string();
+        e.hint += std::string(e.hint.empty() ? "" : "; ") +
+                  "what was recorded until then: forcegate recover " + journal->journal_path().string();
       return Unexpected(e);
     }
     if (journal) FORCEGATE_CHECK_OK(journal->close());

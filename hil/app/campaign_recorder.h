@@ -43,7 +43,8 @@ using RecordingProgress = std::function<void(double fraction, std::string_view n
 /// Plays the profiles one after the other and writes them into `folder`, which must hold a campaign already (they are
 /// appended to its campaign.json) or none. Record numbers and campaign time go on where the campaign ends. An existing
 /// file is never overwritten. Errors: those of the rig; usage when the rig cannot move.
-Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench, const std::vector<ProfileToRecord>& profiles,
+Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
+                                                  const std::vector<ProfileToRecord>& profiles,
                                                   const std::filesystem::path& folder,
                                                   const RecordingProgress& progress = {},
                                                   const std::atomic<bool>* cancelled = nullptr);

@@ -14,12 +14,15 @@ Result<void> CaseRecorder::begin(const CaseJob& job, const CaseRecord& so_far) {
   JournalHeader header;
   header.name = job.id;
   header.time_bases.push_back({"rig", so_far.rig.rate_Hz});
-  header.channels = {
-      {"F_cmd", "N", "force", SampleType::f32, 0},   {"F_ref", "N", "force", SampleType::f32, 0},
-      {"U", "V", "voltage", SampleType::f32, 0},     {"U", "counts", "voltage", SampleType::u16, 0},
-      {"theta", "rad", "angle", SampleType::f32, 0}, {"status", "counts", "status", SampleType::u16, 0},
-      {"F_dut", "N", "force", SampleType::f32, 0},   {"flags", "counts", "flags", SampleType::u8, 0},
-      {"w_cmd", "rad/s", "angular velocity", SampleType::f32, 0}};
+  header.channels = {{"F_cmd", "N", "force", SampleType::f32, 0},
+                     {"F_ref", "N", "force", SampleType::f32, 0},
+                     {"U", "V", "voltage", SampleType::f32, 0},
+                     {"U", "counts", "voltage", SampleType::u16, 0},
+                     {"theta", "rad", "angle", SampleType::f32, 0},
+                     {"status", "counts", "status", SampleType::u16, 0},
+                     {"F_dut", "N", "force", SampleType::f32, 0},
+                     {"flags", "counts", "flags", SampleType::u8, 0},
+                     {"w_cmd", "rad/s", "angular velocity", SampleType::f32, 0}};
   header.provenance = {{"rig", so_far.rig.name + "/" + so_far.rig.version},
                        {"firmware_build", so_far.firmware.build_id},
                        {"algorithm", so_far.firmware.algorithm_id},
@@ -49,9 +52,10 @@ Result<void> CaseRecorder::push(const RigBlock& block, std::span<const float> du
   commanded_.assign(n, std::numeric_limits<float>::quiet_NaN());
   if (commanded_rad_per_s != nullptr) std::copy_n(commanded_rad_per_s + from, n, commanded_.begin());
   const auto part = [from, n](const auto& column) { return ColumnView(std::span(column.data() + from, n)); };
-  const ColumnView columns[] = {part(block.setpoint_N), part(block.force_ref_N), ColumnView(volts_),
-                                part(block.adc),        part(block.theta_rad),   part(block.status),
-                                part(dut_N),            part(flags),             ColumnView(commanded_)};
+  const ColumnView columns[] = {
+      part(block.setpoint_N), part(block.force_ref_N), ColumnView(volts_), part(block.adc),
+      part(block.theta_rad),  part(block.status),      part(dut_N),        part(flags),
+      ColumnView(commanded_)};
   return recorder_->append({block.t_s.data() + from, n}, columns);
 }
 

@@ -28,7 +28,9 @@ constexpr std::size_t kMostCalibrationFiles = 60;
 
 std::string file_name_of(std::string specimen) {
   for (char& c : specimen)
-    if (std::string_view("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-").find(c) == std::string_view::npos) c = '-';
+    if (std::string_view("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-").find(c) ==
+        std::string_view::npos)
+      c = '-';
   return specimen;
 }
 
@@ -49,8 +51,10 @@ Result<void> write_output(const CharacterizeRequest& request, const Characteriza
   if (request.output.empty()) return {};
   FORCEGATE_CHECK_OK(writer.write(request.output / "study.json", study_json(made.studies, made.plan)));
   for (const SensorStudy& study : made.studies) {
-    FORCEGATE_CHECK_OK(writer.write(request.output / ("sheet-" + study.sensor + ".html"), data_sheet_html(study, made.plan, request.command_line)));
-    FORCEGATE_CHECK_OK(writer.write(request.output / ("sheet-" + study.sensor + ".json"), study_json({study}, made.plan, false)));
+    FORCEGATE_CHECK_OK(writer.write(request.output / ("sheet-" + study.sensor + ".html"),
+                                    data_sheet_html(study, made.plan, request.command_line)));
+    FORCEGATE_CHECK_OK(writer.write(request.output / ("sheet-" + study.sensor + ".json"),
+                                    study_json({study}, made.plan, false)));
     if (study.find("static.gain") != nullptr) {
       FORCEGATE_TRY(const std::string model, model_of_study(study));
       FORCEGATE_CHECK_OK(writer.write(request.output / (study.sensor + ".toml"), model));
@@ -58,8 +62,10 @@ Result<void> write_output(const CharacterizeRequest& request, const Characteriza
     if (study.sheets.size() > kMostCalibrationFiles) continue;
     for (const SessionSheet& sheet : study.sheets)
       if (!sheet.failure && sheet.find("static.gain") != nullptr)
-        FORCEGATE_CHECK_OK(writer.write(request.output / fmt::format("calibration-{}-{}-s{}.toml", study.sensor, file_name_of(sheet.specimen), sheet.session),
-                                        calibration_text(sheet)));
+        FORCEGATE_CHECK_OK(
+            writer.write(request.output / fmt::format("calibration-{}-{}-s{}.toml", study.sensor,
+                                                      file_name_of(sheet.specimen), sheet.session),
+                         calibration_text(sheet)));
   }
   return {};
 }
@@ -68,8 +74,11 @@ Result<void> write_paper(const CharacterizeRequest& request, const Characterizat
   if (!request.paper.empty()) {
     const auto pictures = figures_of_the_paper(made.studies);
     for (const PaperPicture& p : pictures)
-      FORCEGATE_CHECK_OK(writer.write(request.paper / "pictures" / "paper" / p.file, p.figure.svg(figures::Figure::Target::standalone)));
-    FORCEGATE_CHECK_OK(writer.write(request.paper / "paper.md", paper_markdown(made.studies, made.plan, pictures, request.command_line, "pictures/paper")));
+      FORCEGATE_CHECK_OK(writer.write(request.paper / "pictures" / "paper" / p.file,
+                                      p.figure.svg(figures::Figure::Target::standalone)));
+    FORCEGATE_CHECK_OK(writer.write(
+        request.paper / "paper.md",
+        paper_markdown(made.studies, made.plan, pictures, request.command_line, "pictures/paper")));
   }
   if (!request.golden.empty())
     for (const SensorStudy& study : made.studies)
@@ -78,14 +87,16 @@ Result<void> write_paper(const CharacterizeRequest& request, const Characterizat
   return {};
 }
 
-Result<void> study_recordings(const CharacterizeRequest& request, characterize::BenchProgress& progress, Characterization& out) {
+Result<void> study_recordings(const CharacterizeRequest& request, characterize::BenchProgress& progress,
+                              Characterization& out) {
   SensorStudy study;
   study.sensor = request.sensors.size() == 1 ? request.sensors.front() : "recording";
   for (const fs::path& path : request.recordings) {
     auto options = request.rig_options;
     options["record"] = path.string();
     FORCEGATE_TRY(const auto rig, make_rig(request.rig, options));
-    FORCEGATE_TRY(SessionSheet sheet, characterize::characterize_recording(*rig, path.filename().string(), progress));
+    FORCEGATE_TRY(SessionSheet sheet,
+                  characterize::characterize_recording(*rig, path.filename().string(), progress));
     study.rig_time_s += static_cast<double>(sheet.samples) / rig->info().rate_Hz;
     study.samples += sheet.samples;
     study.sheets.push_back(std::move(sheet));
@@ -95,7 +106,8 @@ Result<void> study_recordings(const CharacterizeRequest& request, characterize::
   return {};
 }
 
-Result<void> study_rig(const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress,
+Result<void> study_rig(const CharacterizeRequest& request,
+                       const std::function<void(double, std::string_view)>& progress,
                        characterize::BenchProgress& state, Characterization& out) {
   FORCEGATE_TRY(const fs::path path, find_plan(request.plan));
   FORCEGATE_TRY(out.plan, characterize::read_study_plan(path));
@@ -103,13 +115,16 @@ Result<void> study_rig(const CharacterizeRequest& request, const std::function<v
   if (request.sessions) out.plan.sessions = *request.sessions;
   if (!request.specimens.empty()) {
     out.plan.specimens = request.specimens;
-    out.plan.identification.assign(request.specimens.begin(), request.specimens.begin() + static_cast<std::ptrdiff_t>((request.specimens.size() + 1) / 2));
+    out.plan.identification.assign(
+        request.specimens.begin(),
+        request.specimens.begin() + static_cast<std::ptrdiff_t>((request.specimens.size() + 1) / 2));
   }
   characterize::StudyRequest study;
   study.plan = out.plan;
   for (const std::string& sensor : request.sensors)
     if (!(sensor == "fsr" ? out.plan.fsr : out.plan.flexiforce).empty()) study.sensors.push_back(sensor);
-  if (study.sensors.empty()) return fail(ErrorCode::usage, "the plan has no procedure for this sensor", path.string());
+  if (study.sensors.empty())
+    return fail(ErrorCode::usage, "the plan has no procedure for this sensor", path.string());
   study.make_rig = [&](const std::string& sensor) {
     auto options = request.rig_options;
     if (request.rig == "emulated") options["sensor"] = sensor;
@@ -117,7 +132,8 @@ Result<void> study_rig(const CharacterizeRequest& request, const std::function<v
   };
   FORCEGATE_TRY(const auto probe, study.make_rig(study.sensors.front()));
   if (!probe->info().can_move)
-    return fail(ErrorCode::usage, "rig '" + request.rig + "' cannot move a wheel", {}, "give recordings: --rig replay --record FILE");
+    return fail(ErrorCode::usage, "rig '" + request.rig + "' cannot move a wheel", {},
+                "give recordings: --rig replay --record FILE");
   if (!probe->info().emulated) {
     study.threads = 1;  // there is one bench
     study.plan.exemplar.clear();
@@ -146,7 +162,8 @@ characterize::Compensation oracle_compensation(const Calibration& calibration) {
           [state] { return (state->flags & kDutLearning) != 0; }};
 }
 
-Result<Characterization> characterize_request(const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress,
+Result<Characterization> characterize_request(const CharacterizeRequest& request,
+                                              const std::function<void(double, std::string_view)>& progress,
                                               const std::atomic<bool>* cancelled) {
   if (request.sensors.empty()) return fail(ErrorCode::usage, "no sensor is named");
   Characterization out;

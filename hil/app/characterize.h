@@ -41,9 +41,9 @@ struct Characterization {
 
 /// Errors: those of the request (usage, config), of the machine (io), cancelled. Rig errors of single sessions are in
 /// their sheets; when every session failed, the first one's error is returned.
-Result<Characterization> characterize_request(const CharacterizeRequest& request,
-                                              const std::function<void(double, std::string_view)>& progress = {},
-                                              const std::atomic<bool>* cancelled = nullptr);
+Result<Characterization> characterize_request(
+    const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress = {},
+    const std::atomic<bool>* cancelled = nullptr);
 
 /// Model file of a sensor (docs/diagnosis.md) from a study: values are means, standard errors the spread between what
 /// was measured. FSR: static law and one lag, ours (the paper gives no model of it).

@@ -17,7 +17,8 @@ using characterize::Spread;
 
 // What one more specimen may differ by: both levels of spread together.
 double spread_of(const Spread& s) {
-  const double between = std::isfinite(s.sd_specimens) ? s.sd_specimens : 0.0, within = std::isfinite(s.sd_sessions) ? s.sd_sessions : 0.0;
+  const double between = std::isfinite(s.sd_specimens) ? s.sd_specimens : 0.0,
+               within = std::isfinite(s.sd_sessions) ? s.sd_sessions : 0.0;
   return std::sqrt(between * between + within * within);
 }
 
@@ -36,7 +37,8 @@ Result<std::string> model_of_study(const SensorStudy& study) {
   model.name = study.sensor + "-characterized";
   std::size_t specimens = 0;
   if (const Spread* g = study.find("static.gain")) specimens = g->specimens;
-  model.source = fmt::format("forcegate characterize, {} specimens, {} sessions", specimens, study.sheets.size());
+  model.source =
+      fmt::format("forcegate characterize, {} specimens, {} sessions", specimens, study.sheets.size());
   if (fsr) model.source += "; static law and one lag are ours, the paper gives no model of the FSR";
   take(study, "static.gain", model.law.gain_N_per_V, model.se_gain);
   take(study, "static.offset", model.law.offset_N, model.se_offset);
@@ -56,10 +58,13 @@ Result<std::string> model_of_study(const SensorStudy& study) {
 
 std::string calibration_text(const SessionSheet& sheet) {
   const Calibration& c = sheet.calibration;
-  std::string out = fmt::format("# {}, session {}: forcegate gate FIRMWARE --cal THIS\nformat = 1\ngain_N_per_V = {}\noffset_N = {}\n", printable_utf8(sheet.specimen),
-                                sheet.session, shortest(c.gain_N_per_V), shortest(c.offset_N));
-  if (c.level == CalibrationLevel::identified) out += fmt::format("b_scale = {}\nq_scale = {}\n", shortest(c.b_scale), shortest(c.q_scale));
-  return out + fmt::format("adc_bits = {}\nv_range_V = {}\nlevel = \"{}\"\n", c.adc_bits, shortest(c.v_range_V), to_string(c.level));
+  std::string out = fmt::format(
+      "# {}, session {}: forcegate gate FIRMWARE --cal THIS\nformat = 1\ngain_N_per_V = {}\noffset_N = {}\n",
+      printable_utf8(sheet.specimen), sheet.session, shortest(c.gain_N_per_V), shortest(c.offset_N));
+  if (c.level == CalibrationLevel::identified)
+    out += fmt::format("b_scale = {}\nq_scale = {}\n", shortest(c.b_scale), shortest(c.q_scale));
+  return out + fmt::format("adc_bits = {}\nv_range_V = {}\nlevel = \"{}\"\n", c.adc_bits,
+                           shortest(c.v_range_V), to_string(c.level));
 }
 
 }  // namespace forcegate

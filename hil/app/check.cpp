@@ -39,7 +39,8 @@ Result<void> measure_kept(const fs::path& run, const RunMaterial& m, CheckAnswer
     FORCEGATE_TRY(const CaseRecord again, measure_again(job, stored, file.trace, comparator.get()));
     ++answer.measured_again;
     if (again.digest != stored.digest)
-      answer.differences.push_back(fmt::format("{}: the kept samples are not those of the record", stored.id));
+      answer.differences.push_back(
+          fmt::format("{}: the kept samples are not those of the record", stored.id));
     else if (to_json(again) != to_json(stored))
       answer.differences.push_back(
           fmt::format("{}: this program measures something else in the same samples", stored.id));
@@ -50,8 +51,8 @@ Result<void> measure_kept(const fs::path& run, const RunMaterial& m, CheckAnswer
 Result<void> play_again(const CheckRequest& request, const RunMaterial& m, const GateProgress& progress,
                         const std::atomic<bool>* cancelled, CheckAnswer& answer) {
   if (!m.head.rig.emulated)
-    return fail(ErrorCode::usage, "only records of the emulated rig can be played again", request.run.string(),
-                "leave --replay out: what was measured is judged in any case");
+    return fail(ErrorCode::usage, "only records of the emulated rig can be played again",
+                request.run.string(), "leave --replay out: what was measured is judged in any case");
   std::vector<CaseJob> jobs;
   std::vector<std::size_t> place;
   for (std::size_t i = 0; i < m.records.size(); ++i) {
@@ -93,7 +94,8 @@ Result<void> take_plan(const fs::path& path, RunMaterial& m) {
     const auto at = std::find_if(other.cases.begin(), other.cases.end(),
                                  [&](const PlanCase& o) { return o.name == c.name; });
     if (at == other.cases.end())
-      return fail(ErrorCode::usage, "the plan has no case '" + c.name + "', which the run has", path.string());
+      return fail(ErrorCode::usage, "the plan has no case '" + c.name + "', which the run has",
+                  path.string());
     c.checks = at->checks;
     c.tail_s = at->tail_s;
     c.maxima_pct = at->maxima_pct;
@@ -130,22 +132,28 @@ Result<void> look_again(const CheckRequest& request, RunMaterial& m, const GateP
 Result<void> look_again(const CheckRequest& request, WeightMaterial& m, const GateProgress& progress,
                         const std::atomic<bool>* cancelled, CheckAnswer& answer) {
   if (!request.limits.empty())
-    return fail(ErrorCode::usage, "a gate of conductance and capacitance has no derived limits", request.limits.string(),
+    return fail(ErrorCode::usage, "a gate of conductance and capacitance has no derived limits",
+                request.limits.string(),
                 "its limits stand in its plan: --plan judges under those of another");
   if (request.replay) {
-    FORCEGATE_TRY(const std::vector<std::string> digests, play_weights_again(m, request.run / "bundle" / "firmware", request.threads, progress, cancelled));
+    FORCEGATE_TRY(
+        const std::vector<std::string> digests,
+        play_weights_again(m, request.run / "bundle" / "firmware", request.threads, progress, cancelled));
     for (std::size_t i = 0; i < digests.size(); ++i) {
       if (m.records[i].failure) continue;
       ++answer.played_again;
       if (digests[i] != m.head.cases[i].digest)
-        answer.differences.push_back(fmt::format("{}: played again it gives other samples", m.head.cases[i].id));
+        answer.differences.push_back(
+            fmt::format("{}: played again it gives other samples", m.head.cases[i].id));
     }
   }
   if (request.plan.empty()) return {};
   FORCEGATE_TRY(const fs::path path, find_plan(request.plan.string()));
   FORCEGATE_TRY(characterize::WeightGatePlan other, characterize::read_weight_gate_plan(path));
-  if (other.loadings != m.plan.loadings || other.pack != m.plan.pack || other.frame_samples() != m.plan.frame_samples() || other.study.seed != m.plan.study.seed)
-    return fail(ErrorCode::usage, "the plan plays something else than the run did", path.string(), "give one that differs in its limits alone");
+  if (other.loadings != m.plan.loadings || other.pack != m.plan.pack ||
+      other.frame_samples() != m.plan.frame_samples() || other.study.seed != m.plan.study.seed)
+    return fail(ErrorCode::usage, "the plan plays something else than the run did", path.string(),
+                "give one that differs in its limits alone");
   other.goldens = m.plan.goldens;
   m.plan = std::move(other);
   m.head.plan_sha256 = m.plan.sha256;
@@ -178,18 +186,21 @@ Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& p
   FORCEGATE_TRY(const std::string bytes, read_file(stored));
   answer.same_bytes = bytes == to_json(answer.result);
   if (!answer.same_bytes && !answer.other_limits)
-    answer.differences.push_back(bundle.tool_version == answer.result.tool_version
-                                     ? "result.json differs from what the same records give now"
-                                     : fmt::format("result.json was written by version {}", bundle.tool_version));
+    answer.differences.push_back(
+        bundle.tool_version == answer.result.tool_version
+            ? "result.json differs from what the same records give now"
+            : fmt::format("result.json was written by version {}", bundle.tool_version));
   return answer;
 }
 
 std::string check_text(const CheckAnswer& a) {
   std::string out = fmt::format("{}: {}\n", to_string(a.result.decision.kind), a.result.decision.reason);
-  out += fmt::format("  bundle {}, {} records, every file as the run wrote it\n", a.bundle_id.substr(0, 16), a.records);
+  out += fmt::format("  bundle {}, {} records, every file as the run wrote it\n", a.bundle_id.substr(0, 16),
+                     a.records);
   if (a.measured_again > 0)
     out += fmt::format("  {} records measured again from their samples\n", a.measured_again);
-  if (a.played_again > 0) out += fmt::format("  {} records played again by the emulated rig\n", a.played_again);
+  if (a.played_again > 0)
+    out += fmt::format("  {} records played again by the emulated rig\n", a.played_again);
   if (a.other_limits)
     out += fmt::format("  under the limits of the run: {}: {}\n", to_string(a.stored.kind), a.stored.reason);
   else if (a.same_bytes)
@@ -200,8 +211,10 @@ std::string check_text(const CheckAnswer& a) {
 
 std::string check_json(const CheckAnswer& a) {
   const auto decision = [](const Decision& d) {
-    return nlohmann::ordered_json{{"kind", to_string(d.kind)}, {"blame", to_string(d.blame)},
-                                  {"exit_code", d.exit_code}, {"reason", d.reason}};
+    return nlohmann::ordered_json{{"kind", to_string(d.kind)},
+                                  {"blame", to_string(d.blame)},
+                                  {"exit_code", d.exit_code},
+                                  {"reason", d.reason}};
   };
   return nlohmann::ordered_json{{"format", 1},
                                 {"bundle", a.bundle_id},

@@ -30,7 +30,8 @@ Result<Comparison> compare_request(const CampaignRequest& request) {
       mean /= std::max(n, 1.0);
       for (std::size_t i = 0; i < r.rows(); ++i)
         if (r.ok[i] != 0) swing += (r.U_V[i] - mean) * (r.U_V[i] - mean);
-      out.as_written.push_back({r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0});
+      out.as_written.push_back(
+          {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0});
     }
   }
   diagnose::EngineOptions options = engine_options(model, request.threads);
@@ -43,34 +44,44 @@ Result<Comparison> compare_request(const CampaignRequest& request) {
 std::string comparison_text(const Comparison& c) {
   const Diagnosis& d = c.view;
   std::string out = fmt::format("{}: model {} against {} records\n", d.campaign, d.model, d.records.size());
-  out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "record", "kind", "as written", "refitted", "adapted", "floor", "explainable");
-  out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "", "", "mV", "mV", "mV", "mV", "%");
+  out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "record", "kind", "as written",
+                     "refitted", "adapted", "floor", "explainable");
+  out +=
+      fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "", "", "mV", "mV", "mV", "mV", "%");
   for (const RecordError& r : d.records) {
     std::string written = "-";
     for (const auto& a : c.as_written)
       if (a.record == r.record) written = plain_number(1e3 * a.rmse_V);
     out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12.0f}{}\n", r.record, r.kind, written,
-                       plain_number(1e3 * r.plain_before), plain_number(1e3 * r.before), plain_number(1e3 * r.floor), 100.0 * r.explainable,
-                       r.heldout ? "  held out" : "");
+                       plain_number(1e3 * r.plain_before), plain_number(1e3 * r.before),
+                       plain_number(1e3 * r.floor), 100.0 * r.explainable, r.heldout ? "  held out" : "");
   }
   if (c.as_written.size() == 1 && d.records.size() > 1)
-    out += fmt::format("  {:<22} {:<10} {:>12}\n\none recording, judged in {} blocks", c.as_written.front().record, "whole",
-                       plain_number(1e3 * c.as_written.front().rmse_V), d.records.size());
-  out += "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset\n"
-         "and decay within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";
+    out += fmt::format("  {:<22} {:<10} {:>12}\n\none recording, judged in {} blocks",
+                       c.as_written.front().record, "whole", plain_number(1e3 * c.as_written.front().rmse_V),
+                       d.records.size());
+  out +=
+      "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset\n"
+      "and decay within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";
   for (std::size_t k = 0; k < d.maps.size() && k < 4; ++k)
-    out += fmt::format("  {:<26} {:>4.0f} %  {}\n", d.maps[k].coordinate, std::max(0.0, 100.0 * d.maps[k].share), d.maps[k].sentence);
-  out += fmt::format("repeatability between records: gain {:.2g} %, offset {:.2g} mV, b {:.2g} %, q {:.2g} %\n", 100.0 * d.repeatability.gain,
-                     1e3 * d.repeatability.offset_V, 100.0 * d.repeatability.log_b, 100.0 * d.repeatability.log_q);
+    out += fmt::format("  {:<26} {:>4.0f} %  {}\n", d.maps[k].coordinate,
+                       std::max(0.0, 100.0 * d.maps[k].share), d.maps[k].sentence);
+  out +=
+      fmt::format("repeatability between records: gain {:.2g} %, offset {:.2g} mV, b {:.2g} %, q {:.2g} %\n",
+                  100.0 * d.repeatability.gain, 1e3 * d.repeatability.offset_V, 100.0 * d.repeatability.log_b,
+                  100.0 * d.repeatability.log_q);
   for (const std::string& note : d.notes) out += "note: " + note + "\n";
   return out;
 }
 
 std::string comparison_json(const Comparison& c) {
   auto out = nlohmann::ordered_json::parse(to_json(c.view));
-  for (const char* key : {"verdict", "residual_unknown", "findings", "ranking", "expected_false", "next_experiment"}) out.erase(key);
+  for (const char* key :
+       {"verdict", "residual_unknown", "findings", "ranking", "expected_false", "next_experiment"})
+    out.erase(key);
   nlohmann::ordered_json written = nlohmann::ordered_json::array();
-  for (const auto& a : c.as_written) written.push_back({{"record", a.record}, {"rmse_V", a.rmse_V}, {"relative", a.relative}});
+  for (const auto& a : c.as_written)
+    written.push_back({{"record", a.record}, {"rmse_V", a.rmse_V}, {"relative", a.relative}});
   out["as_written"] = written;
   return out.dump(2) + "\n";
 }

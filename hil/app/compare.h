@@ -6,8 +6,8 @@
 namespace forcegate {
 
 struct Comparison {
-  Diagnosis view;                     ///< records, maps, overlays of the refitted base; no findings
-  struct AsWritten {                  ///< the model file's own numbers, nothing refitted
+  Diagnosis view;     ///< records, maps, overlays of the refitted base; no findings
+  struct AsWritten {  ///< the model file's own numbers, nothing refitted
     std::string record;
     double rmse_V = 0.0, relative = 0.0;  ///< eq. (8); RMS over the RMS swing of U
   };

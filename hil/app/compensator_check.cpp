@@ -54,12 +54,26 @@ class Library {
   static Result<std::unique_ptr<Library>> build(const std::string& header) {
     auto out = std::make_unique<Library>();
     const fs::path& folder = out->folder_.path;
-    if (folder.empty()) return fail(ErrorCode::io, "no temporary folder can be made", fs::temp_directory_path().string());
+    if (folder.empty())
+      return fail(ErrorCode::io, "no temporary folder can be made", fs::temp_directory_path().string());
     std::ofstream(folder / "compensation.h", std::ios::binary) << header;
     std::ofstream(folder / "replay.c", std::ios::binary) << kDriver;
-    const std::string source = (folder / "replay.c").string(), target = (folder / "replay.so").string(), log = (folder / "log").string();
-    const char* const words[] = {"cc",      "-std=c11", "-O2", "-ffp-contract=off", "-Wall",       "-Wextra",      "-Wno-unused-function",
-                                 "-Werror", "-fPIC",    "-shared", source.c_str(), "-o", target.c_str(), nullptr};
+    const std::string source = (folder / "replay.c").string(), target = (folder / "replay.so").string(),
+                      log = (folder / "log").string();
+    const char* const words[] = {"cc",
+                                 "-std=c11",
+                                 "-O2",
+                                 "-ffp-contract=off",
+                                 "-Wall",
+                                 "-Wextra",
+                                 "-Wno-unused-function",
+                                 "-Werror",
+                                 "-fPIC",
+                                 "-shared",
+                                 source.c_str(),
+                                 "-o",
+                                 target.c_str(),
+                                 nullptr};
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -67,24 +81,31 @@ class Library {
     pid_t pid = 0;
     const int started = posix_spawnp(&pid, "cc", &actions, nullptr, const_cast<char* const*>(words), environ);
     posix_spawn_file_actions_destroy(&actions);
-    if (started != 0) return fail(ErrorCode::io, "there is no C compiler to build the header with", "cc", "apt-get install gcc");
+    if (started != 0)
+      return fail(ErrorCode::io, "there is no C compiler to build the header with", "cc",
+                  "apt-get install gcc");
     int status = 0;
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
     }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-      return fail(ErrorCode::config, "the exported header does not compile: " + read_file(log).value_or("").substr(0, 600), "cc");
+      return fail(ErrorCode::config,
+                  "the exported header does not compile: " + read_file(log).value_or("").substr(0, 600),
+                  "cc");
     out->handle_ = dlopen(target.c_str(), RTLD_NOW | RTLD_LOCAL);
-    out->replay_ = out->handle_ == nullptr ? nullptr : reinterpret_cast<Replay>(dlsym(out->handle_, "fg_replay"));
+    out->replay_ =
+        out->handle_ == nullptr ? nullptr : reinterpret_cast<Replay>(dlsym(out->handle_, "fg_replay"));
     if (out->replay_ == nullptr) return fail(ErrorCode::io, "the built header cannot be loaded", target);
     return out;
   }
   ~Library() {
     if (handle_ != nullptr) dlclose(handle_);
   }
-  std::vector<float> run(const std::vector<float>& u, const std::vector<float>& shrink, const std::vector<float>& low, bool low_is_force,
+  std::vector<float> run(const std::vector<float>& u, const std::vector<float>& shrink,
+                         const std::vector<float>& low, bool low_is_force,
                          const std::vector<float>& T) const {
     std::vector<float> F(u.size());
-    replay_(static_cast<int>(u.size()), u.data(), shrink.data(), low.data(), low_is_force ? 1 : 0, T.data(), F.data());
+    replay_(static_cast<int>(u.size()), u.data(), shrink.data(), low.data(), low_is_force ? 1 : 0, T.data(),
+            F.data());
     return F;
   }
 
@@ -94,7 +115,8 @@ class Library {
   Replay replay_ = nullptr;
 };
 
-std::vector<double> resample(const RecordInput& r, const std::vector<double>& x, double rate_Hz, std::size_t n) {
+std::vector<double> resample(const RecordInput& r, const std::vector<double>& x, double rate_Hz,
+                             std::size_t n) {
   std::vector<double> out;
   if (x.empty()) return out;
   out.resize(n);
@@ -143,7 +165,8 @@ RecordInput at_rate(const RecordInput& r, double rate_Hz, double most_s) {
 std::vector<float> tracked_floor(const RecordInput& r, const std::vector<float>& u, double rate_Hz) {
   std::vector<float> out(u.size());
   std::deque<std::pair<std::size_t, float>> least;
-  const auto memory = static_cast<std::size_t>(kFloorMemory_s * rate_Hz), step = static_cast<std::size_t>(std::max(1.0, kTrackerStep_s * rate_Hz));
+  const auto memory = static_cast<std::size_t>(kFloorMemory_s * rate_Hz),
+             step = static_cast<std::size_t>(std::max(1.0, kTrackerStep_s * rate_Hz));
   float bucket = 0.0f;
   for (std::size_t i = 0; i < u.size(); ++i) {
     const bool cycling = r.dynamic && r.t_s[i] >= r.onset_s;
@@ -174,8 +197,8 @@ struct Thinned {
 
 }  // namespace
 
-Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz, const Campaign& campaign,
-                                           double most_s) {
+Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz,
+                                           const Campaign& campaign, double most_s) {
   FORCEGATE_TRY(const std::unique_ptr<Library> library, Library::build(compensator.header));
   FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
   input.range_N = model.span_N;
@@ -191,7 +214,8 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     if (rows.rows() < 16) continue;
     RecordInput r = at_rate(rows, rate_Hz, most_s);
     set_decay(r, model.law);
-    r.recording = input.records.front().recording;  // no history: the firmware is switched on where the record begins
+    r.recording =
+        input.records.front().recording;  // no history: the firmware is switched on where the record begins
     FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
     const std::size_t n = r.rows();
     std::vector<float> u(n), shrink(n), low(n, static_cast<float>(r.F_min_N)), T(n, 0.0f), recorded(n);
@@ -205,8 +229,10 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     item.record = r.name;
     item.seconds = static_cast<double>(n) / rate_Hz;
     const std::vector<float> inverse = library->run(u, shrink, low, true, T);
-    for (std::size_t i = 0; i < n; ++i) item.largest_N = std::max(item.largest_N, std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]));
-    if (!std::isfinite(item.largest_N)) return fail(ErrorCode::config, "the compensator gives no number", r.name);
+    for (std::size_t i = 0; i < n; ++i)
+      item.largest_N = std::max(item.largest_N, std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]));
+    if (!std::isfinite(item.largest_N))
+      return fail(ErrorCode::config, "the compensator gives no number", r.name);
 
     const std::vector<float> floor = tracked_floor(r, recorded, rate_Hz);
     const std::vector<float> found = library->run(recorded, shrink, floor, false, T);
@@ -215,7 +241,9 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     for (std::size_t i = every; i < n; i += every) {
       const double above = static_cast<double>(recorded[i] - floor[i]);
       t.F.push_back(static_cast<float>(r.F_N[i]));
-      t.plain.push_back(above > 0.0 ? static_cast<float>(static_cast<double>(floor[i]) + above / static_cast<double>(shrink[i])) : recorded[i]);
+      t.plain.push_back(above > 0.0 ? static_cast<float>(static_cast<double>(floor[i]) +
+                                                         above / static_cast<double>(shrink[i]))
+                                    : recorded[i]);
       t.compensated.push_back(found[i]);
       plain_line.add(static_cast<double>(t.plain.back()), r.F_N[i]);
       compensated_line.add(static_cast<double>(found[i]), r.F_N[i]);
@@ -225,9 +253,11 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     out.records.push_back(item);
   }
   if (kept.empty()) return fail(ErrorCode::config, "the campaign has no record to replay", campaign.name);
-  const auto rms = [](const std::vector<float>& x, const std::vector<float>& F, std::pair<double, double> line) {
+  const auto rms = [](const std::vector<float>& x, const std::vector<float>& F,
+                      std::pair<double, double> line) {
     double sum = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) sum += std::pow(line.first * static_cast<double>(x[i]) + line.second - static_cast<double>(F[i]), 2);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      sum += std::pow(line.first * static_cast<double>(x[i]) + line.second - static_cast<double>(F[i]), 2);
     return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, x.size())));
   };
   for (std::size_t k = 0; k < kept.size(); ++k) {
@@ -235,7 +265,8 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     item.plain_rms_N = rms(kept[k].plain, kept[k].F, plain_line.fit());
     item.compensated_rms_N = rms(kept[k].compensated, kept[k].F, compensated_line.fit());
     out.plain_rms_N += item.plain_rms_N * item.plain_rms_N / static_cast<double>(kept.size());
-    out.compensated_rms_N += item.compensated_rms_N * item.compensated_rms_N / static_cast<double>(kept.size());
+    out.compensated_rms_N +=
+        item.compensated_rms_N * item.compensated_rms_N / static_cast<double>(kept.size());
   }
   out.plain_rms_N = std::sqrt(out.plain_rms_N);
   out.compensated_rms_N = std::sqrt(out.compensated_rms_N);

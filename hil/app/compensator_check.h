@@ -19,22 +19,22 @@ namespace forcegate {
 struct ReplayedRecord {
   std::string record;
   double seconds = 0.0;
-  double largest_N = 0.0;          ///< |compensator - model's own inverse|
-  double plain_rms_N = 0.0;        ///< recorded voltage through the law without the effects
+  double largest_N = 0.0;    ///< |compensator - model's own inverse|
+  double plain_rms_N = 0.0;  ///< recorded voltage through the law without the effects
   double compensated_rms_N = 0.0;
 };
 
 struct CompensatorCheck {
   std::vector<ReplayedRecord> records;
   double largest_N = 0.0;
-  double lsb_N = 0.0;              ///< G v_range / (2^bits - 1) of the campaign's converter
+  double lsb_N = 0.0;  ///< G v_range / (2^bits - 1) of the campaign's converter
   double plain_rms_N = 0.0, compensated_rms_N = 0.0;  ///< records weigh the same
   std::string compiler;
 };
 
 /// Each record is replayed for at most `most_s` seconds. Errors: io when there is no C compiler (cc), config when the header
 /// does not compile (with the compiler's words), those of the campaign.
-Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz, const Campaign& campaign,
-                                           double most_s = 600.0);
+Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz,
+                                           const Campaign& campaign, double most_s = 600.0);
 
 }  // namespace forcegate

@@ -12,9 +12,10 @@
 namespace forcegate {
 
 struct ConvertRequest {
-  std::filesystem::path from, to;  ///< formats by ending: .csv .txt .tsv .dat, .h5 .hdf5, .mat, .fgj (read only)
+  std::filesystem::path from,
+      to;  ///< formats by ending: .csv .txt .tsv .dat, .h5 .hdf5, .mat, .fgj (read only)
   std::map<std::string, std::string> column_map;
-  double assumed_rate_Hz = 0.0;    ///< 0: a file without a clock is refused
+  double assumed_rate_Hz = 0.0;  ///< 0: a file without a clock is refused
   bool overwrite = false;
 };
 
@@ -26,7 +27,7 @@ struct ConvertedChannel {
 struct ConvertReport {
   std::vector<ConvertedChannel> channels;
   double duration_s = 0.0;
-  std::vector<std::string> notes;                 ///< what was assumed, converted or dropped
+  std::vector<std::string> notes;  ///< what was assumed, converted or dropped
   std::map<std::string, std::string> provenance;
 };
 

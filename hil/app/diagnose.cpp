@@ -15,7 +15,8 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request) {
   if (diagnose::is_drift_only(campaign)) return diagnose::diagnose_drift(campaign);
   FORCEGATE_CHECK_OK(check_channels(campaign));
   const diagnose::EngineOptions options = engine_options(model, request.threads);
-  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> workspace, diagnose::prepare(std::move(campaign), options));
+  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> workspace,
+                diagnose::prepare(std::move(campaign), options));
   Diagnosis out = diagnose::diagnose_workspace(*workspace, options);
   out.next_experiment = diagnose::propose_experiment(*workspace, out);
   return out;
@@ -27,28 +28,37 @@ std::string diagnosis_text(const Diagnosis& d) {
   if (d.verdict == DiagnosisVerdict::none) {
     out += "verdict: nothing is missing that these records could show\n";
   } else if (d.verdict == DiagnosisVerdict::unknown) {
-    out += "verdict: structure remains that no effect of the library explains; it depends on " + join(d.depends_on, ", ") + "\n";
+    out += "verdict: structure remains that no effect of the library explains; it depends on " +
+           join(d.depends_on, ", ") + "\n";
   } else {
     out += "verdict: something is missing\n";
   }
   for (const Finding& f : d.findings) {
     if (f.probability < 0.05) continue;
-    out += fmt::format("  {} {:<20} {:<11} probability {:.2f}\n", f.probability >= 0.5 ? "*" : " ", f.effect, f.side, f.probability);
+    out += fmt::format("  {} {:<20} {:<11} probability {:.2f}\n", f.probability >= 0.5 ? "*" : " ", f.effect,
+                       f.side, f.probability);
     out += "      " + f.evidence + "\n";
     if (f.probability < 0.5) continue;
     for (const FoundParameter& p : f.parameters)
-      out += fmt::format("      {} = {} {}\n", p.name, with_uncertainty(p.value, p.u), p.unit == "1" ? "" : p.unit);
+      out += fmt::format("      {} = {} {}\n", p.name, with_uncertainty(p.value, p.u),
+                         p.unit == "1" ? "" : p.unit);
     for (const LookAlike& a : f.confounded_with)
-      out += a.cosine != 0.0 ? fmt::format("      looks like {} on these records (cos {:.2f}); {}\n", a.effect, a.cosine, a.separates)
+      out += a.cosine != 0.0 ? fmt::format("      looks like {} on these records (cos {:.2f}); {}\n",
+                                           a.effect, a.cosine, a.separates)
                              : fmt::format("      {} fits nearly as well; {}\n", a.effect, a.separates);
   }
-  if (d.residual_unknown) out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") + "\n";
-  out += fmt::format("held-out error: {} -> {} mV (floor {} mV); with one gain, offset and decay for all of them {} -> {} mV\n", milli(d.error_before),
-                     milli(d.error_after), milli(d.floor), milli(d.plain_before), milli(d.plain_after));
+  if (d.residual_unknown)
+    out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") + "\n";
+  out += fmt::format(
+      "held-out error: {} -> {} mV (floor {} mV); with one gain, offset and decay for all of them {} -> {} mV\n",
+      milli(d.error_before), milli(d.error_after), milli(d.floor), milli(d.plain_before),
+      milli(d.plain_after));
   if (const auto F = d.errors.find("F"); F != d.errors.end())
-    out += fmt::format("reference against the rig's law: {} -> {} mN\n", milli(F->second.before), milli(F->second.after));
+    out += fmt::format("reference against the rig's law: {} -> {} mN\n", milli(F->second.before),
+                       milli(F->second.after));
   if (!d.maps.empty() && d.maps.front().share > 0.02)
-    out += fmt::format("where it fails most: {} ({:.0f} % of the residual's variance)\n", d.maps.front().sentence, 100.0 * d.maps.front().share);
+    out += fmt::format("where it fails most: {} ({:.0f} % of the residual's variance)\n",
+                       d.maps.front().sentence, 100.0 * d.maps.front().share);
   if (!d.next_experiment.sentence.empty()) out += "measure next: " + d.next_experiment.sentence + "\n";
   for (const std::string& note : d.notes) out += "note: " + note + "\n";
   return out;

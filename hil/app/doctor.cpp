@@ -25,7 +25,8 @@ std::string find_in_path(const std::string& program) {
   for (const std::string& folder : split(path == nullptr ? "" : path, ':')) {
     const fs::path candidate = fs::path(folder.empty() ? "." : folder) / program;
     std::error_code ignored;
-    if (fs::is_regular_file(candidate, ignored) && ::access(candidate.c_str(), X_OK) == 0) return candidate.string();
+    if (fs::is_regular_file(candidate, ignored) && ::access(candidate.c_str(), X_OK) == 0)
+      return candidate.string();
   }
   return {};
 }
@@ -38,8 +39,10 @@ std::string first_line_of(const std::string& program, const char* argument) {
   return printable_utf8(trim(line));
 }
 
-DoctorItem tool(const std::string& name, const std::string& package, bool required, const std::string& used_for) {
-  DoctorItem item{name, State::missing, required, "not found in PATH", used_for, "sudo apt-get install " + package};
+DoctorItem tool(const std::string& name, const std::string& package, bool required,
+                const std::string& used_for) {
+  DoctorItem item{
+      name, State::missing, required, "not found in PATH", used_for, "sudo apt-get install " + package};
   if (const std::string path = find_in_path(name); !path.empty()) {
     const std::string version = first_line_of(name, "--version");
     item.state = State::ok;
@@ -55,8 +58,12 @@ DoctorItem processors() {
 }
 
 DoctorItem serial_ports() {
-  DoctorItem item{"serial ports", State::limited, false, "no /dev/ttyUSB*, /dev/ttyACM* or /dev/ttyS* that answers",
-                  "real boards, motor drives and ATI boxes", "connect the device; then look at: dmesg | tail"};
+  DoctorItem item{"serial ports",
+                  State::limited,
+                  false,
+                  "no /dev/ttyUSB*, /dev/ttyACM* or /dev/ttyS* that answers",
+                  "real boards, motor drives and ATI boxes",
+                  "connect the device; then look at: dmesg | tail"};
   int readable = 0, all = 0;
   std::string names;
   std::error_code ignored;
@@ -79,7 +86,8 @@ DoctorItem serial_ports() {
 }
 
 DoctorItem real_time() {
-  const std::string used_for = "steady 10 ms control periods on a real bench; the emulated rig needs none of it";
+  const std::string used_for =
+      "steady 10 ms control periods on a real bench; the emulated rig needs none of it";
   rlimit limit{};
   ::getrlimit(RLIMIT_RTPRIO, &limit);
   if (::geteuid() == 0 || limit.rlim_cur > 0) {
@@ -93,7 +101,11 @@ DoctorItem real_time() {
       return {"SCHED_FIFO", State::ok, false, "permitted", used_for, ""};
     }
   }
-  return {"SCHED_FIFO", State::limited, false, "not permitted", used_for,
+  return {"SCHED_FIFO",
+          State::limited,
+          false,
+          "not permitted",
+          used_for,
           "echo \"$USER - rtprio 50\" | sudo tee /etc/security/limits.d/forcegate.conf, then log in again"};
 }
 
@@ -101,8 +113,12 @@ DoctorItem free_space() {
   std::error_code error;
   const fs::space_info space = fs::space(fs::current_path(error), error);
   const double gigabytes = static_cast<double>(space.available) / 1e9;
-  DoctorItem item{"disk space", State::ok, false, fmt::format("{:.1f} GB free here", gigabytes),
-                  "journals and traces (about 10 MB for 20 min at 1 kHz)", ""};
+  DoctorItem item{"disk space",
+                  State::ok,
+                  false,
+                  fmt::format("{:.1f} GB free here", gigabytes),
+                  "journals and traces (about 10 MB for 20 min at 1 kHz)",
+                  ""};
   if (!error && gigabytes < 1.0) {
     item.state = State::limited;
     item.remedy = "free at least 1 GB";
@@ -111,8 +127,9 @@ DoctorItem free_space() {
 }
 
 DoctorItem firmware_images(const std::string& program) {
-  DoctorItem item{"firmware images", State::missing, true, "", "the reference build that the gate is proved with",
-                  "./ci/build"};
+  DoctorItem item{
+      "firmware images", State::missing, true, "", "the reference build that the gate is proved with",
+      "./ci/build"};
   std::error_code ignored;
   const fs::path folder = fs::weakly_canonical(program, ignored).parent_path() / "firmware";
   std::string missing;
@@ -137,7 +154,8 @@ std::vector<DoctorItem> examine_machine(const std::string& program) {
       tool("qemu-system-arm", "qemu-system-arm", true, "lanes block, tick and uart: the ELF that ships"),
       tool("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi", false,
            "building Cortex-M images; not needed to judge one"),
-      tool("python3", "python3 python3-serial", false, "instruments driven by Python through the process adapter"),
+      tool("python3", "python3 python3-serial", false,
+           "instruments driven by Python through the process adapter"),
       serial_ports(),
       real_time(),
       tool("umockdev-run", "umockdev", false, "tests of the HID and serial adapters without hardware"),

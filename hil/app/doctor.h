@@ -7,10 +7,10 @@
 namespace forcegate {
 
 struct DoctorItem {
-  std::string name;    ///< "qemu-system-arm"
+  std::string name;  ///< "qemu-system-arm"
   enum class State { ok, missing, limited } state = State::missing;
   bool required = false;  ///< the gate on the emulated rig does not work without it
-  std::string found;   ///< version, path or measured fact
+  std::string found;      ///< version, path or measured fact
   std::string used_for;
   std::string remedy;  ///< what to type; "" when ok
 };

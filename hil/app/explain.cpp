@@ -9,7 +9,8 @@ namespace {
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool same_word(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return lower(x) == lower(y); });
 }
 
 }  // namespace
@@ -23,8 +24,10 @@ const std::vector<Explanation>& explanations() {
        "Something required could not be judged: it did not run, it was inconclusive, or the rig was at fault. It is "
        "never an accept.",
        "The reason names who must act; repeat the run when they have."},
-      {"pass", "verdict", "The value is inside its limit by at least its expanded uncertainty U (k = 2).", "Nothing."},
-      {"marginal", "verdict", "The value is inside its limit, but by less than its expanded uncertainty U (k = 2).",
+      {"pass", "verdict", "The value is inside its limit by at least its expanded uncertainty U (k = 2).",
+       "Nothing."},
+      {"marginal", "verdict",
+       "The value is inside its limit, but by less than its expanded uncertainty U (k = 2).",
        "Counts as passed. Watch the trend, or take more cycles to shrink the uncertainty."},
       {"fail", "verdict",
        "The value is outside its limit by more than its uncertainty (Holm at 1 % over the required checks).",
@@ -37,35 +40,44 @@ const std::vector<Explanation>& explanations() {
        "Mend what the self-check names (zero, noise, spring witness, motor, link, clock), then repeat."},
       {"not_run", "verdict", "The check was not made: its data, its golden trace or its method is missing.",
        "The evidence sentence says what is missing. A required check that did not run prevents an ACCEPT."},
-      {"waived", "verdict", "A person has taken responsibility for this check, with a name and a date of expiry.",
+      {"waived", "verdict",
+       "A person has taken responsibility for this check, with a name and a date of expiry.",
        "Remove the waiver from the plan when its reason is gone."},
-      {"known", "diagnosis", "An effect of the library explains what the model leaves, and records that were left out say so too.",
+      {"known", "diagnosis",
+       "An effect of the library explains what the model leaves, and records that were left out say so too.",
        "forcegate add EFFECT --fit CAMPAIGN -o better.toml; forcegate history better.toml --on CAMPAIGN shows the fall."},
       {"unknown", "diagnosis",
        "Structure remains that no effect of the library explains; the answer names the quantities that it depends on.",
        "Look at the map of that quantity (--html). An equation of your own can be a candidate: [[effect]] in the model file."},
-      {"not separable", "diagnosis", "Several effects leave the same signature on these records; none of them is claimed.",
+      {"not separable", "diagnosis",
+       "Several effects leave the same signature on these records; none of them is claimed.",
        "forcegate next CAMPAIGN says which record parts them."},
       {"none", "diagnosis",
        "What is left is what the declared instruments may leave. It says nothing about effects that the "
        "records do not excite.",
        "The notes say from which size on an effect between records would show; forcegate next plans further records."},
       {"none", "who must act", "Nobody: the decision is ACCEPT.", "Nothing."},
-      {"firmware", "who must act", "The author of the build.", "Mend the build; the report shows where it departs."},
-      {"sensor", "who must act", "The specimen under the indenter.", "Exchange the sensor, or let it rest for two hours."},
+      {"firmware", "who must act", "The author of the build.",
+       "Mend the build; the report shows where it departs."},
+      {"sensor", "who must act", "The specimen under the indenter.",
+       "Exchange the sensor, or let it rest for two hours."},
       {"rig", "who must act", "The keeper of the bench: motor, wheel, trolley or spring.",
        "Run the self-check alone, then repeat."},
       {"reference", "who must act", "The keeper of the ATI reference.",
        "Unload it, zero it, check overload and calibration date."},
-      {"link", "who must act", "The connection between harness and board.", "Check cable, baud rate and frame losses."},
+      {"link", "who must act", "The connection between harness and board.",
+       "Check cable, baud rate and frame losses."},
       {"calibration", "who must act", "Whoever provides the calibration of the specimen.",
        "Judge at level identified, or repeat the static sweeps."},
-      {"user", "who must act", "Whoever wrote the command line, plan or bench file.", "Follow the help line."},
-      {"harness", "who must act", "The authors of Forcegate.", "Report it with the command line and the folder of the run."},
+      {"user", "who must act", "Whoever wrote the command line, plan or bench file.",
+       "Follow the help line."},
+      {"harness", "who must act", "The authors of Forcegate.",
+       "Report it with the command line and the folder of the run."},
       {"0", "exit code", "ACCEPT, or the verb did what it was asked.", "Nothing."},
       {"1", "exit code", "REJECT: the firmware failed a required check on a sound rig, crashed or hung.",
        "See: forcegate explain REJECT."},
-      {"2", "exit code", "The command line, a plan, a bench file or a data file is wrong.", "Follow the help line."},
+      {"2", "exit code", "The command line, a plan, a bench file or a data file is wrong.",
+       "Follow the help line."},
       {"3", "exit code", "NO-DECISION.", "See: forcegate explain NO-DECISION."},
       {"4", "exit code", "The rig misbehaved.", "Retry; the only code after which that makes sense."},
       {"5", "exit code", "A safety limit parked the rig and the cause is undecided.",
@@ -79,7 +91,8 @@ const std::vector<Explanation>& explanations() {
 
 std::vector<Explanation> find_explanations(std::string_view term) {
   std::vector<Explanation> out;
-  std::ranges::copy_if(explanations(), std::back_inserter(out), [&](const Explanation& e) { return same_word(e.term, term); });
+  std::ranges::copy_if(explanations(), std::back_inserter(out),
+                       [&](const Explanation& e) { return same_word(e.term, term); });
   return out;
 }
 

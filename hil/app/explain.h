@@ -8,8 +8,8 @@
 namespace forcegate {
 
 struct Explanation {
-  std::string term;     ///< "marginal", "NO-DECISION", "4"
-  std::string kind;     ///< "verdict", "decision", "who must act", "exit code", "diagnosis"
+  std::string term;  ///< "marginal", "NO-DECISION", "4"
+  std::string kind;  ///< "verdict", "decision", "who must act", "exit code", "diagnosis"
   std::string meaning;
   std::string what_to_do;
 };

@@ -32,7 +32,8 @@ Result<ExportResult> export_model(const ExportRequest& request) {
     FORCEGATE_TRY(const Campaign records, load_campaign(*request.fit));
     FORCEGATE_TRY(out.fit, diagnose::fit_one_law(records, model));
     model = out.fit->model;
-    if (!request.fitted.empty()) FORCEGATE_CHECK_OK(write_file_atomically(request.fitted, write_model(model)));
+    if (!request.fitted.empty())
+      FORCEGATE_CHECK_OK(write_file_atomically(request.fitted, write_model(model)));
   }
   CompensatorOptions options;
   options.rate_Hz = request.rate_Hz;
@@ -40,27 +41,33 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   Campaign campaign;
   if (request.check) {
     FORCEGATE_TRY(campaign, load_campaign(*request.check));
-    if (std::isnan(options.reference_temperature_C)) mean_temperature(campaign, options.reference_temperature_C);
+    if (std::isnan(options.reference_temperature_C))
+      mean_temperature(campaign, options.reference_temperature_C);
   }
   if (request.plan != "none") {
     FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
     FORCEGATE_TRY(const Plan plan, read_plan(path));
     FORCEGATE_TRY(options.calibration, calibration_map(model, plan));
-    if (options.calibration.known) options.calibration.protocol = "plan " + plan.name + ": " + options.calibration.protocol;
+    if (options.calibration.known)
+      options.calibration.protocol = "plan " + plan.name + ": " + options.calibration.protocol;
   }
-  options.provenance.push_back(fmt::format("Model {}, SHA-256 {}.", model.name, sha256_hex(write_model(model)).substr(0, 16)));
+  options.provenance.push_back(
+      fmt::format("Model {}, SHA-256 {}.", model.name, sha256_hex(write_model(model)).substr(0, 16)));
   for (const HistoryStep& step : model.history)
     options.provenance.push_back(fmt::format("{} on campaign {}: held-out error {:.3g} -> {:.3g} mV.",
-                                             step.effect.empty() ? "Refitted" : step.effect + " added", step.campaign,
-                                             1e3 * step.error_before, 1e3 * step.error_after));
-  options.provenance.push_back(fmt::format("G {} N/V, F0 {} N, b x {}, c/a x {}.", with_uncertainty(model.law.gain_N_per_V, model.se_gain),
+                                             step.effect.empty() ? "Refitted" : step.effect + " added",
+                                             step.campaign, 1e3 * step.error_before, 1e3 * step.error_after));
+  options.provenance.push_back(fmt::format("G {} N/V, F0 {} N, b x {}, c/a x {}.",
+                                           with_uncertainty(model.law.gain_N_per_V, model.se_gain),
                                            with_uncertainty(model.law.offset_N, model.se_offset),
                                            with_uncertainty(model.law.b_scale, model.se_b_scale),
                                            with_uncertainty(model.law.q_scale, model.se_q_scale)));
   for (const ModelEffect& e : model.effects)
     for (const ModelParameter& p : e.strength)
       if (p.value != 0.0)
-        options.provenance.push_back(fmt::format("{} {} = {}{}.", e.effect, p.name, with_uncertainty(p.value, p.se), p.unit == "1" ? "" : " " + p.unit));
+        options.provenance.push_back(fmt::format("{} {} = {}{}.", e.effect, p.name,
+                                                 with_uncertainty(p.value, p.se),
+                                                 p.unit == "1" ? "" : " " + p.unit));
   FORCEGATE_TRY(out.compensator, make_compensator(model, options));
   out.calibration = options.calibration;
   if (request.check) {
@@ -77,27 +84,36 @@ std::string export_text(const ExportResult& r) {
   const Compensator& c = r.compensator;
   std::string out;
   if (r.fit) {
-    out += fmt::format("one law for all records, as a firmware has it: error of records left out {:.3g} -> {:.3g} mV with the effects\n",
-                       1e3 * r.fit->law_left_out_V, 1e3 * r.fit->left_out_V);
+    out += fmt::format(
+        "one law for all records, as a firmware has it: error of records left out {:.3g} -> {:.3g} mV with the effects\n",
+        1e3 * r.fit->law_left_out_V, 1e3 * r.fit->left_out_V);
     for (const auto& item : r.fit->records)
-      out += fmt::format("    {:<28} {:>8.1f} -> {:.1f} mV\n", item.record, 1e3 * item.law_V, 1e3 * item.model_V);
+      out += fmt::format("    {:<28} {:>8.1f} -> {:.1f} mV\n", item.record, 1e3 * item.law_V,
+                         1e3 * item.model_V);
   }
-  if (!r.header.empty()) out += fmt::format("{}: compensator {}, {} bytes of C11\n", r.header.string(), c.id, c.header.size());
+  if (!r.header.empty())
+    out += fmt::format("{}: compensator {}, {} bytes of C11\n", r.header.string(), c.id, c.header.size());
   for (const std::string& effect : c.effects) out += "  undoes " + effect + "\n";
-  if (c.effects.empty()) out += "  the law alone: the reference firmware computes its inverse without this header\n";
-  out += fmt::format("  at most {} floating-point operations a sample, {} bytes of state, noise at rest x {:.2f}\n", c.operations, c.state_bytes,
-                     c.noise_gain);
+  if (c.effects.empty())
+    out += "  the law alone: the reference firmware computes its inverse without this header\n";
+  out += fmt::format(
+      "  at most {} floating-point operations a sample, {} bytes of state, noise at rest x {:.2f}\n",
+      c.operations, c.state_bytes, c.noise_gain);
   if (r.calibration.known)
-    out += fmt::format("  takes back what the calibration makes of it ({}): gain x {:.4f}, offset {:+.4f} N\n", r.calibration.protocol,
-                       1.0 / r.calibration.alpha, -r.calibration.beta_N / r.calibration.alpha);
+    out += fmt::format(
+        "  takes back what the calibration makes of it ({}): gain x {:.4f}, offset {:+.4f} N\n",
+        r.calibration.protocol, 1.0 / r.calibration.alpha, -r.calibration.beta_N / r.calibration.alpha);
   if (!r.check) return out;
-  out += fmt::format("built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N = {:.2g} LSB\n", r.check->compiler,
-                     r.check->largest_N, r.check->largest_N / r.check->lsb_N);
+  out += fmt::format(
+      "built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N = {:.2g} LSB\n",
+      r.check->compiler, r.check->largest_N, r.check->largest_N / r.check->lsb_N);
   out += "  recorded voltages against recorded force, RMS in mN (the law alone -> with this header):\n";
   for (const ReplayedRecord& item : r.check->records)
-    out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {:.2g} LSB\n", item.record, item.seconds, 1e3 * item.plain_rms_N,
-                       1e3 * item.compensated_rms_N, item.largest_N / r.check->lsb_N);
-  return out + fmt::format("    {:<28} {:>7} {:>8.1f} -> {:<8.1f}\n", "all records", "", 1e3 * r.check->plain_rms_N, 1e3 * r.check->compensated_rms_N);
+    out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {:.2g} LSB\n", item.record,
+                       item.seconds, 1e3 * item.plain_rms_N, 1e3 * item.compensated_rms_N,
+                       item.largest_N / r.check->lsb_N);
+  return out + fmt::format("    {:<28} {:>7} {:>8.1f} -> {:<8.1f}\n", "all records", "",
+                           1e3 * r.check->plain_rms_N, 1e3 * r.check->compensated_rms_N);
 }
 
 std::string export_json(const ExportResult& r) {
@@ -111,15 +127,26 @@ std::string export_json(const ExportResult& r) {
                                 {"needs_temperature", r.compensator.needs_temperature}};
   if (r.fit) out["fit"] = {{"law_left_out_V", r.fit->law_left_out_V}, {"left_out_V", r.fit->left_out_V}};
   if (r.calibration.known)
-    out["calibration"] = {{"protocol", r.calibration.protocol}, {"alpha", r.calibration.alpha}, {"beta_N", r.calibration.beta_N},
-                          {"b", r.calibration.b}, {"q", r.calibration.q}, {"residual_pct", r.calibration.residual_pct}};
+    out["calibration"] = {{"protocol", r.calibration.protocol},
+                          {"alpha", r.calibration.alpha},
+                          {"beta_N", r.calibration.beta_N},
+                          {"b", r.calibration.b},
+                          {"q", r.calibration.q},
+                          {"residual_pct", r.calibration.residual_pct}};
   if (r.check) {
     nlohmann::ordered_json records = nlohmann::ordered_json::array();
     for (const ReplayedRecord& item : r.check->records)
-      records.push_back({{"record", item.record}, {"seconds", item.seconds}, {"largest_N", item.largest_N},
-                         {"plain_rms_N", item.plain_rms_N}, {"compensated_rms_N", item.compensated_rms_N}});
-    out["check"] = {{"compiler", r.check->compiler}, {"largest_N", r.check->largest_N}, {"lsb_N", r.check->lsb_N},
-                    {"plain_rms_N", r.check->plain_rms_N}, {"compensated_rms_N", r.check->compensated_rms_N}, {"records", records}};
+      records.push_back({{"record", item.record},
+                         {"seconds", item.seconds},
+                         {"largest_N", item.largest_N},
+                         {"plain_rms_N", item.plain_rms_N},
+                         {"compensated_rms_N", item.compensated_rms_N}});
+    out["check"] = {{"compiler", r.check->compiler},
+                    {"largest_N", r.check->largest_N},
+                    {"lsb_N", r.check->lsb_N},
+                    {"plain_rms_N", r.check->plain_rms_N},
+                    {"compensated_rms_N", r.check->compensated_rms_N},
+                    {"records", records}};
   }
   return out.dump(2) + "\n";
 }

@@ -12,8 +12,8 @@
 namespace forcegate {
 
 struct ExportRequest {
-  std::string model;                     ///< library name or file
-  std::filesystem::path header;          ///< to write; empty: none
+  std::string model;             ///< library name or file
+  std::filesystem::path header;  ///< to write; empty: none
   double rate_Hz = 1000.0;
   std::string plan = "smoke";            ///< whose calibration is taken back; "none"
   std::optional<CampaignRequest> fit;    ///< refit one law for all records of this campaign first

@@ -39,8 +39,11 @@ std::string words(const Decision& d) {
 }
 
 nlohmann::ordered_json to_json(const Decision& d) {
-  return {{"kind", to_string(d.kind)}, {"blame", to_string(d.blame)}, {"exit_code", d.exit_code},
-          {"reason", d.reason},        {"safety_stop", d.safety_stop}};
+  return {{"kind", to_string(d.kind)},
+          {"blame", to_string(d.blame)},
+          {"exit_code", d.exit_code},
+          {"reason", d.reason},
+          {"safety_stop", d.safety_stop}};
 }
 
 }  // namespace
@@ -57,7 +60,8 @@ Result<FaultMatrix> fault_matrix(const FaultMatrixRequest& request, const GatePr
   std::vector<std::string> names;
   for (const FaultScenario& s : fault_scenarios()) {
     names.push_back(s.name);
-    if (request.only.empty() || std::find(request.only.begin(), request.only.end(), s.name) != request.only.end())
+    if (request.only.empty() ||
+        std::find(request.only.begin(), request.only.end(), s.name) != request.only.end())
       wanted.push_back(s);
   }
   for (const std::string& name : request.only)
@@ -66,7 +70,8 @@ Result<FaultMatrix> fault_matrix(const FaultMatrixRequest& request, const GatePr
       return fail(ErrorCode::usage, "there is no fault '" + printable_utf8(name) + "' in the matrix", {},
                   near.empty() ? "forcegate bench faults --help lists them" : "did you mean '" + near + "'?");
     }
-  const double runs = static_cast<double>(wanted.size() * (request.bad.empty() ? 1 : 2) + request.runaway.size());
+  const double runs =
+      static_cast<double>(wanted.size() * (request.bad.empty() ? 1 : 2) + request.runaway.size());
   double done = 0.0;
   const auto play = [&](const std::filesystem::path& image, const std::map<std::string, double>& faults,
                         const std::string& now) -> Result<Decision> {
@@ -97,42 +102,47 @@ Result<FaultMatrix> fault_matrix(const FaultMatrixRequest& request, const GatePr
     FaultMatrix::Runaway row;
     row.build = image.filename().string();
     FORCEGATE_TRY(row.decision, play(image, {}, row.build));
-    if (row.decision.kind != DecisionKind::reject) row.wrong = "a build that drives the rig to its limits is not rejected";
+    if (row.decision.kind != DecisionKind::reject)
+      row.wrong = "a build that drives the rig to its limits is not rejected";
     matrix.runaway.push_back(std::move(row));
   }
   return matrix;
 }
 
 std::string fault_matrix_text(const FaultMatrix& m) {
-  std::string out = fmt::format("{:<22}{:>8}  {:<26}{:<26}what is wrong with it, or what the harness saw\n", "fault", "size",
-                                "good build", "bad build");
+  std::string out = fmt::format("{:<22}{:>8}  {:<26}{:<26}what is wrong with it, or what the harness saw\n",
+                                "fault", "size", "good build", "bad build");
   for (const FaultRow& row : m.rows)
     out += fmt::format("{:<22}{:>8}  {:<26}{:<26}{}\n", row.scenario.name, shortest(row.scenario.magnitude),
                        words(row.good), row.with_bad ? words(row.bad) : "-",
-                       !row.wrong.empty() ? "WRONG: " + row.wrong
+                       !row.wrong.empty()                      ? "WRONG: " + row.wrong
                        : row.good.kind == DecisionKind::accept ? "too small to be seen or to tip a verdict"
                                                                : row.good.reason);
   for (const FaultMatrix::Runaway& row : m.runaway)
     out += fmt::format("{:<32}  {:<26}{:<26}{}\n", "no fault, runaway build", "-", words(row.decision),
                        row.wrong.empty() ? row.build + ": " + row.decision.reason : "WRONG: " + row.wrong);
-  out += fmt::format("\n{} faults, {} builds that run away: {} wrong\n", m.rows.size(), m.runaway.size(), m.wrong());
+  out += fmt::format("\n{} faults, {} builds that run away: {} wrong\n", m.rows.size(), m.runaway.size(),
+                     m.wrong());
   return out;
 }
 
 std::string fault_matrix_json(const FaultMatrix& m) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array(), runaway = nlohmann::ordered_json::array();
   for (const FaultRow& row : m.rows) {
-    nlohmann::ordered_json one = {{"fault", row.scenario.name},          {"magnitude", row.scenario.magnitude},
-                                  {"in_words", row.scenario.in_words},   {"clear", row.scenario.clear},
-                                  {"culprit", blame_names(row.scenario.culprits)}, {"good", to_json(row.good)}};
+    nlohmann::ordered_json one = {{"fault", row.scenario.name},
+                                  {"magnitude", row.scenario.magnitude},
+                                  {"in_words", row.scenario.in_words},
+                                  {"clear", row.scenario.clear},
+                                  {"culprit", blame_names(row.scenario.culprits)},
+                                  {"good", to_json(row.good)}};
     if (row.with_bad) one["bad"] = to_json(row.bad);
     one["wrong"] = row.wrong;
     rows.push_back(std::move(one));
   }
   for (const FaultMatrix::Runaway& row : m.runaway)
     runaway.push_back({{"build", row.build}, {"decision", to_json(row.decision)}, {"wrong", row.wrong}});
-  return nlohmann::ordered_json{{"format", 1}, {"wrong", m.wrong()}, {"faults", rows}, {"runaway", runaway}}.dump(
-      2, ' ', false, nlohmann::json::error_handler_t::replace);
+  return nlohmann::ordered_json{{"format", 1}, {"wrong", m.wrong()}, {"faults", rows}, {"runaway", runaway}}
+      .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace forcegate

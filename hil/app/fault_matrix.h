@@ -14,7 +14,8 @@ struct FaultScenario {
   std::string name;  ///< "reference_offset"
   double magnitude = 0.0;
   std::string in_words;
-  std::vector<Blame> culprits;  ///< first: the party itself; others: what cannot be told from it without more means
+  std::vector<Blame>
+      culprits;  ///< first: the party itself; others: what cannot be told from it without more means
   /// Large enough to be seen: there must be no decision. A small one may go unseen when it cannot tip a verdict.
   bool clear = true;
 };
@@ -23,8 +24,9 @@ const std::vector<FaultScenario>& fault_scenarios();
 
 struct FaultMatrixRequest {
   std::filesystem::path good;
-  std::filesystem::path bad;    ///< empty: none
-  std::vector<std::filesystem::path> runaway;  ///< builds that drive the closed loop to a limit: must be REJECT
+  std::filesystem::path bad;  ///< empty: none
+  std::vector<std::filesystem::path>
+      runaway;  ///< builds that drive the closed loop to a limit: must be REJECT
   std::string plan = "faults";
   std::vector<std::string> only;  ///< names of faults; empty = all
   unsigned threads = 0;

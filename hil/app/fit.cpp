@@ -13,7 +13,8 @@ namespace forcegate {
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
-  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), engine_options(model, request.threads)));
+  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w,
+                diagnose::prepare(std::move(campaign), engine_options(model, request.threads)));
   return diagnose::refit_model(*w, model, add, request.threads);
 }
 
@@ -24,22 +25,27 @@ std::string waterfall_text(const diagnose::Waterfall& w) {
     const auto length = static_cast<std::size_t>(std::clamp(40.0 * bar.as_added / full, 0.0, 40.0));
     std::string picture;
     for (std::size_t k = 0; k < length; ++k) picture += bar.hollow ? "o" : "#";
-    out += fmt::format("  {:<22} {:>+8.3g} mV  {:<40} over all orders {:+.3g} [{:+.3g}, {:+.3g}]\n", bar.effect, -1e3 * bar.as_added, picture,
-                       -1e3 * bar.average, -1e3 * bar.high, -1e3 * bar.low);
+    out +=
+        fmt::format("  {:<22} {:>+8.3g} mV  {:<40} over all orders {:+.3g} [{:+.3g}, {:+.3g}]\n", bar.effect,
+                    -1e3 * bar.as_added, picture, -1e3 * bar.average, -1e3 * bar.high, -1e3 * bar.low);
   }
-  out += fmt::format("  {:<22} {:>8} mV\n  {:<22} {:>8} mV\n", "what is left", plain_number(1e3 * w.end), "floor", plain_number(1e3 * w.floor));
+  out += fmt::format("  {:<22} {:>8} mV\n  {:<22} {:>8} mV\n", "what is left", plain_number(1e3 * w.end),
+                     "floor", plain_number(1e3 * w.floor));
   return out;
 }
 
 std::string refit_text(const diagnose::Refit& r, const std::string& add) {
   std::string out = add.empty() ? "refitted\n" : "added " + add + " and refitted everything\n";
-  out += fmt::format("held-out error: {} -> {} mV (floor {} mV); with one gain, offset and decay for all of them {} -> {} mV\n",
-                     plain_number(1e3 * r.error_before), plain_number(1e3 * r.error_after), plain_number(1e3 * r.floor),
-                     plain_number(1e3 * r.plain_before), plain_number(1e3 * r.plain_after));
-  if (!add.empty() && r.error_after >= r.error_before) out += "the held-out error did not fall: this effect is not needed for these records\n";
+  out += fmt::format(
+      "held-out error: {} -> {} mV (floor {} mV); with one gain, offset and decay for all of them {} -> {} mV\n",
+      plain_number(1e3 * r.error_before), plain_number(1e3 * r.error_after), plain_number(1e3 * r.floor),
+      plain_number(1e3 * r.plain_before), plain_number(1e3 * r.plain_after));
+  if (!add.empty() && r.error_after >= r.error_before)
+    out += "the held-out error did not fall: this effect is not needed for these records\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)
-    out += fmt::format("  {:<28} {:>12.5g} -> {} {}\n", m.name, m.before, with_uncertainty(m.after, m.u), m.unit == "1" ? "" : m.unit);
+    out += fmt::format("  {:<28} {:>12.5g} -> {} {}\n", m.name, m.before, with_uncertainty(m.after, m.u),
+                       m.unit == "1" ? "" : m.unit);
   if (!r.waterfall.bars.empty()) out += "error by effect, held out:\n" + waterfall_text(r.waterfall);
   return out;
 }
@@ -47,13 +53,27 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
 std::string refit_json(const diagnose::Refit& r, const std::string& add) {
   nlohmann::ordered_json moves = nlohmann::ordered_json::array(), bars = nlohmann::ordered_json::array();
   for (const auto& m : r.moves)
-    moves.push_back({{"name", m.name}, {"before", m.before}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
+    moves.push_back(
+        {{"name", m.name}, {"before", m.before}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
   for (const auto& b : r.waterfall.bars)
-    bars.push_back({{"effect", b.effect}, {"as_added", b.as_added}, {"average", b.average}, {"low", b.low}, {"high", b.high}, {"hollow", b.hollow}});
+    bars.push_back({{"effect", b.effect},
+                    {"as_added", b.as_added},
+                    {"average", b.average},
+                    {"low", b.low},
+                    {"high", b.high},
+                    {"hollow", b.hollow}});
   const nlohmann::ordered_json out = {
-      {"format", 1}, {"added", add}, {"model", r.model.name}, {"parameters", moves}, {"error_before", r.error_before},
-      {"error_after", r.error_after}, {"floor", r.floor}, {"plain_before", r.plain_before}, {"plain_after", r.plain_after},
-      {"unit", "V"}, {"waterfall", {{"start", r.waterfall.start}, {"end", r.waterfall.end}, {"bars", bars}}}};
+      {"format", 1},
+      {"added", add},
+      {"model", r.model.name},
+      {"parameters", moves},
+      {"error_before", r.error_before},
+      {"error_after", r.error_after},
+      {"floor", r.floor},
+      {"plain_before", r.plain_before},
+      {"plain_after", r.plain_after},
+      {"unit", "V"},
+      {"waterfall", {{"start", r.waterfall.start}, {"end", r.waterfall.end}, {"bars", bars}}}};
   return out.dump(2) + "\n";
 }
 

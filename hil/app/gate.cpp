@@ -114,7 +114,8 @@ class GateRun {
   Wanted undecided(int looks_so_far) {
     Wanted wanted;
     std::vector<std::string> names;
-    for (const JudgedCheck* open : worth_another_session(setup_.plan.rule, all_checks(panel_, player_->records())))
+    for (const JudgedCheck* open :
+         worth_another_session(setup_.plan.rule, all_checks(panel_, player_->records())))
       for (std::size_t k = 0; k < setup_.plan.cases.size(); ++k) {
         const PlanCase& planned = setup_.plan.cases[k];
         const auto& specimens = specimens_of(setup_.plan, planned);
@@ -122,7 +123,8 @@ class GateRun {
           const std::string record = planned.name + "/" + specimens[i];
           const Check& c = open->check;
           const bool one = c.case_id == record || c.id.ends_with("/" + record);
-          const bool panel = c.case_id.empty() && (c.id.starts_with("promise_") || c.id.starts_with("no_worse_")) &&
+          const bool panel = c.case_id.empty() &&
+                             (c.id.starts_with("promise_") || c.id.starts_with("no_worse_")) &&
                              c.id.ends_with("/" + planned.name);
           if ((one || panel) && std::find(wanted.begin(), wanted.end(), std::pair(k, i)) == wanted.end())
             wanted.emplace_back(k, i);
@@ -155,16 +157,21 @@ class GateRun {
 
   // Golden traces and waivers come in when every record is made.
   Result<RunResult> conclude(std::optional<RunFolder>& folder) {
-    RunMaterial material{setup_.plan,           limits_,
-                         player_->level(),      player_->cancelled(),
-                         std::move(player_->records()), std::move(compared_),
+    RunMaterial material{setup_.plan,
+                         limits_,
+                         player_->level(),
+                         player_->cancelled(),
+                         std::move(player_->records()),
+                         std::move(compared_),
                          std::move(result_)};
     const auto& notes = player_->notes();
     material.head.notes.insert(material.head.notes.end(), notes.begin(), notes.end());
     std::vector<GoldenMargins> margins;
     RunResult result = judged_run(material, evidence_, material.head.notes, &margins);
     if (folder && !material.cancelled)
-      FORCEGATE_CHECK_OK(publish_run(*folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_}, material, margins, result));
+      FORCEGATE_CHECK_OK(publish_run(
+          *folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_}, material,
+          margins, result));
     return result;
   }
 

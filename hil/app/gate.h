@@ -30,9 +30,10 @@ struct GateRequest {
   std::string rig = "emulated";
   std::map<std::string, std::string> rig_options;  ///< replay: "record" = path
   std::optional<CalibrationLevel> level;           ///< overrides the plan
-  std::filesystem::path limits_file;  ///< instead of the plan's, and of those its open-loop cases give themselves
+  std::filesystem::path
+      limits_file;              ///< instead of the plan's, and of those its open-loop cases give themselves
   bool without_limits = false;  ///< measure only: limits are being derived
-  std::filesystem::path calibration_file;          ///< used instead of a calibration on the rig
+  std::filesystem::path calibration_file;  ///< used instead of a calibration on the rig
   std::optional<std::uint64_t> seed;
   /// Build to be no worse than: its image, played on the same rig in turn with the candidate, or the result of
   /// its run under the same plan and seed. Empty: nothing is compared.
@@ -40,17 +41,18 @@ struct GateRequest {
   std::map<std::string, double> faults;
   std::vector<std::string> only_cases;  ///< names; empty = all
   std::vector<std::string> panel;       ///< overrides the plan's; empty = the plan's
-  std::filesystem::path goldens;  ///< every case is held against the golden traces of this folder; empty: the plan decides
+  std::filesystem::path
+      goldens;  ///< every case is held against the golden traces of this folder; empty: the plan decides
   std::filesystem::path waivers;  ///< file of waivers; empty = none
   std::string today;              ///< ISO date against which they expire; needed with waivers
   unsigned threads = 0;
   double hang_cpu_s = 10.0;                  ///< see WorkerOptions
   CalibrationCache* calibrations = nullptr;  ///< read and filled
-  bool single_look = false;      ///< no further sessions of what is undecided
-  bool keep = false;             ///< samples of every record, not only of those in doubt
-  std::filesystem::path output;  ///< folder of the result; empty = none is written
-  std::string command_line;      ///< that repeats the run
-  std::string started_at;        ///< ISO 8601; the only wall-clock text of the result
+  bool single_look = false;                  ///< no further sessions of what is undecided
+  bool keep = false;                         ///< samples of every record, not only of those in doubt
+  std::filesystem::path output;              ///< folder of the result; empty = none is written
+  std::string command_line;                  ///< that repeats the run
+  std::string started_at;                    ///< ISO 8601; the only wall-clock text of the result
 };
 
 /// fraction of the rig time of the whole run in [0, 1] and what is being done now.

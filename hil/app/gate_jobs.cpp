@@ -122,7 +122,8 @@ RunResult run_head(const GateRequest& request, const std::string& firmware_sha25
   return head;
 }
 
-Result<void> known_cases(const std::vector<std::string>& wanted, const std::vector<std::string>& known, const std::string& where) {
+Result<void> known_cases(const std::vector<std::string>& wanted, const std::vector<std::string>& known,
+                         const std::string& where) {
   for (const std::string& name : wanted)
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       const std::string near = nearest_name(name, known);

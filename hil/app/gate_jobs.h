@@ -29,7 +29,8 @@ Result<std::string> image_sha256(const std::filesystem::path& image);
 RunResult run_head(const GateRequest& request, const std::string& firmware_sha256, const std::string& lane);
 
 /// Errors (usage): a name that is none of `known`, which `where` has.
-Result<void> known_cases(const std::vector<std::string>& wanted, const std::vector<std::string>& known, const std::string& where);
+Result<void> known_cases(const std::vector<std::string>& wanted, const std::vector<std::string>& known,
+                         const std::string& where);
 
 /// Checks everything that can be wrong before a record is made (exit 2).
 Result<GateSetup> prepare_gate(const GateRequest& request);

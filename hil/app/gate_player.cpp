@@ -66,7 +66,8 @@ std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {
   WorkerOptions options;
   options.workers = request_.threads;
   // There is one bench on the table; only twins that a worker starts for itself can be had several times.
-  if (request_.rig == "bench" && (!setup_.rig.emulated || request_.rig_options.contains("attach"))) options.workers = 1;
+  if (request_.rig == "bench" && (!setup_.rig.emulated || request_.rig_options.contains("attach")))
+    options.workers = 1;
   options.cancelled = cancelled_;
   options.hang_cpu_s = request_.hang_cpu_s;
   return run_in_workers(jobs, options,
@@ -129,12 +130,14 @@ void GatePlayer::calibrate(std::uint64_t session, const std::vector<std::string>
         failures_[key] = *r.failure;
         if (r.failure->stage == CaseFailure::Stage::rig && attempt < attempts_) {
           again.push_back(open[i]);
-          notes_.push_back(fmt::format("{}, attempt {}: {}; made again", r.id, attempt, r.failure->error.text));
+          notes_.push_back(
+              fmt::format("{}, attempt {}: {}; made again", r.id, attempt, r.failure->error.text));
         }
       }
       if (!r.calibration_text.empty())
-        notes_.push_back((session == 0 ? "calibration of " : fmt::format("session {}, calibration of ", session + 1)) +
-                         r.calibration_text);
+        notes_.push_back(
+            (session == 0 ? "calibration of " : fmt::format("session {}, calibration of ", session + 1)) +
+            r.calibration_text);
     }
     open = std::move(again);
   }
@@ -195,8 +198,8 @@ void GatePlayer::play(std::uint64_t session, const std::vector<std::pair<std::si
       PlayedRecord& one = list[i];
       one.record = std::move(made[i]);
       one.judged = judge_case(setup_.plan, setup_.plan.cases[one.case_index], one.record, limits_);
-      one.superseded = attempt < attempts_ && !cancelled() && rig_at_fault(one.judged) &&
-                       !firmware_failed(one.judged);
+      one.superseded =
+          attempt < attempts_ && !cancelled() && rig_at_fault(one.judged) && !firmware_failed(one.judged);
       if (one.superseded) {
         PlayedRecord next;
         next.case_index = one.case_index;
@@ -204,7 +207,8 @@ void GatePlayer::play(std::uint64_t session, const std::vector<std::pair<std::si
         next.job = record_job(request_, setup_, one.case_index, one.job.specimen, session, attempt + 1,
                               one.job.calibration);
         planned_s_ += rig_time_s(next.job);
-        notes_.push_back(fmt::format("{}, attempt {}: the rig was at fault; played again", one.job.id, attempt));
+        notes_.push_back(
+            fmt::format("{}, attempt {}: the rig was at fault; played again", one.job.id, attempt));
         add(std::move(next), keep_folder, again);
       }
       records_.push_back(std::move(one));

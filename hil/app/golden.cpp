@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-JudgedCheck not_run(const GoldenTarget& target, const char* id, const std::string& title, std::string why, bool required) {
+JudgedCheck not_run(const GoldenTarget& target, const char* id, const std::string& title, std::string why,
+                    bool required) {
   JudgedCheck j;
   j.judgeable = false;
   j.check.id = id;
@@ -37,7 +38,8 @@ double stored_error(const GoldenRecord& golden, const std::string& name) {
   return value;
 }
 
-JudgedCheck compared(const GoldenTarget& target, const GoldenRecord& golden, GoldenCurve curve, std::string& csv) {
+JudgedCheck compared(const GoldenTarget& target, const GoldenRecord& golden, GoldenCurve curve,
+                     std::string& csv) {
   const bool rig = curve == GoldenCurve::ati;
   JudgedCheck j;
   Check& c = j.check;
@@ -51,17 +53,20 @@ JudgedCheck compared(const GoldenTarget& target, const GoldenRecord& golden, Gol
   const auto got = compare_golden(golden, target.content, curve);
   if (!got) return not_run(target, c.id.c_str(), c.title, got.error().text, true);
   for (const GoldenMargin& m : got->margins)
-    csv += fmt::format("{},{},{:.3f},{:.4f},{:.4f},{:.4f}\n", rig ? "ati" : "firmware", m.where, m.t_s, m.golden_N,
-                       m.tested_N, m.margin_N);
+    csv += fmt::format("{},{},{:.3f},{:.4f},{:.4f},{:.4f}\n", rig ? "ati" : "firmware", m.where, m.t_s,
+                       m.golden_N, m.tested_N, m.margin_N);
   c.n = got->n;
   c.value = got->state == TubeState::not_compared ? kNan : got->outside;
-  c.evidence = got->cause.empty() ? fmt::format("{} extrema and samples, nearest to the edge of the tube {:.4f} N, lag {:+.1f} ms",
-                                                got->n, got->worst_margin_N,
-                                                std::isfinite(got->lag_s) ? 1000.0 * got->lag_s : 0.0)
-                                  : got->cause;
+  c.evidence =
+      got->cause.empty()
+          ? fmt::format("{} extrema and samples, nearest to the edge of the tube {:.4f} N, lag {:+.1f} ms",
+                        got->n, got->worst_margin_N, std::isfinite(got->lag_s) ? 1000.0 * got->lag_s : 0.0)
+          : got->cause;
   if (!rig && got->state != TubeState::not_compared) return j;
   j.judgeable = false;
-  c.verdict = got->state == TubeState::inside ? Verdict::pass : rig ? Verdict::rig_error : Verdict::inconclusive;
+  c.verdict = got->state == TubeState::inside ? Verdict::pass
+              : rig                           ? Verdict::rig_error
+                                              : Verdict::inconclusive;
   c.blame = got->state == TubeState::inside ? Blame::none : rig ? Blame::rig : Blame::firmware;
   return j;
 }
@@ -70,7 +75,8 @@ void hold_against(const GoldenRecord& golden, const GoldenTarget& target, std::v
                   std::vector<std::string>& notes, std::string& csv) {
   if (golden.rig != target.rig) {
     list.push_back(not_run(target, "rig_golden", target.truth + " against its golden trace",
-                           fmt::format("the golden is of rig {}, this is {}", golden.rig, target.rig), false));
+                           fmt::format("the golden is of rig {}, this is {}", golden.rig, target.rig),
+                           false));
     return;
   }
   if (target.with_truth) list.push_back(compared(target, golden, GoldenCurve::ati, csv));
@@ -117,8 +123,9 @@ Result<std::vector<GoldenRecord>> read_goldens(const fs::path& folder) {
   return goldens;
 }
 
-ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets, const std::vector<GoldenRecord>& goldens,
-                             std::vector<std::string>& notes, std::vector<GoldenMargins>* margins) {
+ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets,
+                             const std::vector<GoldenRecord>& goldens, std::vector<std::string>& notes,
+                             std::vector<GoldenMargins>* margins) {
   ChecksByRecord checks;
   for (std::size_t first = 0, end = 0; first < targets.size(); first = end) {
     const std::string& case_name = targets[first].case_name;

@@ -23,8 +23,8 @@ struct GoldenTarget {
   std::size_t place = 0;  ///< of the record in the run
   std::string record_id, case_name, specimen;
   std::uint64_t seed = 0;
-  std::string rig;        ///< "emulated/1"
-  std::string algorithm;  ///< that the firmware declares
+  std::string rig;            ///< "emulated/1"
+  std::string algorithm;      ///< that the firmware declares
   std::string truth = "ATI";  ///< what the first curve is
   bool with_truth = true;     ///< false in a closed loop, where the firmware itself makes it
   bool failed = false;        ///< a finding of its own
@@ -32,7 +32,8 @@ struct GoldenTarget {
   std::string calibration;
   GoldenContent content;
   TubeOptions truth_tube, firmware_tube;  ///< of a first golden
-  std::string error_name;  ///< of a number that says how near the firmware is to the truth: mre_maxima_pct; "" = none
+  std::string
+      error_name;  ///< of a number that says how near the firmware is to the truth: mre_maxima_pct; "" = none
   double error = 0.0;
 };
 
@@ -53,7 +54,8 @@ struct GoldenMargins {
 /// another rig, or for the firmware of another seed, is not comparable: not_run, not required. notes: stale goldens, where
 /// the build leaves the golden and is nearer to the ATI than it.
 /// margins, when given: what to write beside the result, one file for each record that was compared.
-ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets, const std::vector<GoldenRecord>& goldens,
-                             std::vector<std::string>& notes, std::vector<GoldenMargins>* margins = nullptr);
+ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets,
+                             const std::vector<GoldenRecord>& goldens, std::vector<std::string>& notes,
+                             std::vector<GoldenMargins>* margins = nullptr);
 
 }  // namespace forcegate

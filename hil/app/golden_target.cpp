@@ -18,7 +18,8 @@ constexpr double kMreFloor_N = 0.1;
 GoldenContent content_of(const CaseRecord& record) {
   GoldenContent content;
   for (const CasePair& p : record.pairs) content.extrema.push_back({p.maximum, p.t_s, p.ati_N, p.dut_N});
-  for (const RecordWindow& w : record.waveform) content.windows.push_back({w.t0_s, w.step_s, w.ati_N, w.dut_N});
+  for (const RecordWindow& w : record.waveform)
+    content.windows.push_back({w.t0_s, w.step_s, w.ati_N, w.dut_N});
   return content;
 }
 
@@ -39,7 +40,8 @@ GoldenContent content_of(const WeightMaterial& m, const SensorRecord& record) {
     if (record.frames.loading[i] >= m.plan.loadings) break;
     if (content.windows.empty() || record.frames.loading[i] != loading) {
       loading = record.frames.loading[i];
-      content.windows.push_back({m.plan.frame_end_s(i), static_cast<double>(m.plan.frame_samples()) / m.plan.rate_Hz, {}, {}});
+      content.windows.push_back(
+          {m.plan.frame_end_s(i), static_cast<double>(m.plan.frame_samples()) / m.plan.rate_Hz, {}, {}});
     }
     content.windows.back().ati_N.push_back(static_cast<float>(record.frames.oracle_N[i]));
     content.windows.back().dut_N.push_back(static_cast<float>(record.answers.force_N[i]));
@@ -95,10 +97,12 @@ std::vector<GoldenTarget> golden_targets(const WeightMaterial& m) {
     t.calibration = c.calibration.id;
     t.content = content_of(m, one);
     // One force a frame and 5 N from frame to frame: a tolerance in time would be one of newtons.
-    t.truth_tube = {.absolute = 0.02, .lag_limit_s = t.content.windows.empty() ? 0.0 : t.content.windows.front().step_s};
+    t.truth_tube = {.absolute = 0.02,
+                    .lag_limit_s = t.content.windows.empty() ? 0.0 : t.content.windows.front().step_s};
     t.firmware_tube = {.absolute = 0.05, .lag_limit_s = t.truth_tube.lag_limit_s};
     t.error_name = "mse_N2";
-    t.error = t.failed ? std::nan("") : moments(squared_error_by_loading_N2(m.plan, one.frames, one.answers.force_N)).mean;
+    t.error = t.failed ? std::nan("")
+                       : moments(squared_error_by_loading_N2(m.plan, one.frames, one.answers.force_N)).mean;
     targets.push_back(std::move(t));
   }
   return targets;

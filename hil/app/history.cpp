@@ -19,12 +19,14 @@ Result<History> history_request(const CampaignRequest& request) {
 }
 
 std::string history_text(const History& h) {
-  std::string out = h.model.name + ", " + (h.model.sensor.empty() ? "sensor not named" : h.model.sensor) + "\n";
+  std::string out =
+      h.model.name + ", " + (h.model.sensor.empty() ? "sensor not named" : h.model.sensor) + "\n";
   if (h.model.history.empty()) out += "  no steps yet: the model is as it was written\n";
   for (const HistoryStep& s : h.model.history)
-    out += fmt::format("  {:<22} on {:<16} {:>8} -> {:>8} mV held out (floor {}){}\n", s.effect.empty() ? "refit" : "+ " + s.effect,
-                       s.campaign, plain_number(1e3 * s.error_before), plain_number(1e3 * s.error_after), plain_number(1e3 * s.floor),
-                       s.accepted ? "" : "  [the held-out error did not fall]");
+    out += fmt::format("  {:<22} on {:<16} {:>8} -> {:>8} mV held out (floor {}){}\n",
+                       s.effect.empty() ? "refit" : "+ " + s.effect, s.campaign,
+                       plain_number(1e3 * s.error_before), plain_number(1e3 * s.error_after),
+                       plain_number(1e3 * s.floor), s.accepted ? "" : "  [the held-out error did not fall]");
   if (h.waterfall) out += "waterfall, held out:\n" + waterfall_text(*h.waterfall);
   return out;
 }
@@ -32,14 +34,28 @@ std::string history_text(const History& h) {
 std::string history_json(const History& h) {
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();
   for (const HistoryStep& s : h.model.history)
-    steps.push_back({{"effect", s.effect}, {"campaign", s.campaign}, {"error_before", s.error_before}, {"error_after", s.error_after},
-                     {"plain_before", s.plain_before}, {"plain_after", s.plain_after}, {"floor", s.floor}, {"accepted", s.accepted}});
+    steps.push_back({{"effect", s.effect},
+                     {"campaign", s.campaign},
+                     {"error_before", s.error_before},
+                     {"error_after", s.error_after},
+                     {"plain_before", s.plain_before},
+                     {"plain_after", s.plain_after},
+                     {"floor", s.floor},
+                     {"accepted", s.accepted}});
   nlohmann::ordered_json out = {{"format", 1}, {"model", h.model.name}, {"steps", steps}};
   if (h.waterfall) {
     nlohmann::ordered_json bars = nlohmann::ordered_json::array();
     for (const auto& b : h.waterfall->bars)
-      bars.push_back({{"effect", b.effect}, {"as_added", b.as_added}, {"average", b.average}, {"low", b.low}, {"high", b.high}, {"hollow", b.hollow}});
-    out["waterfall"] = {{"start", h.waterfall->start}, {"end", h.waterfall->end}, {"floor", h.waterfall->floor}, {"bars", bars}};
+      bars.push_back({{"effect", b.effect},
+                      {"as_added", b.as_added},
+                      {"average", b.average},
+                      {"low", b.low},
+                      {"high", b.high},
+                      {"hollow", b.hollow}});
+    out["waterfall"] = {{"start", h.waterfall->start},
+                        {"end", h.waterfall->end},
+                        {"floor", h.waterfall->floor},
+                        {"bars", bars}};
   }
   return out.dump(2) + "\n";
 }

@@ -2,7 +2,8 @@
 
 namespace forcegate {
 
-Result<RunEvidence> read_evidence(const GateRequest& request, const std::filesystem::path& plan, const std::string& goldens) {
+Result<RunEvidence> read_evidence(const GateRequest& request, const std::filesystem::path& plan,
+                                  const std::string& goldens) {
   RunEvidence evidence;
   evidence.today = request.today;
   if (!goldens.empty()) {

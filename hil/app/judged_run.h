@@ -20,11 +20,13 @@ struct RunEvidence {
 
 /// Goldens (folder as seen from the plan's file; empty: none) and waivers of a request.
 /// Errors: usage (a day that is none), those of the files.
-Result<RunEvidence> read_evidence(const GateRequest& request, const std::filesystem::path& plan, const std::string& goldens);
+Result<RunEvidence> read_evidence(const GateRequest& request, const std::filesystem::path& plan,
+                                  const std::string& goldens);
 
 /// `Material` is RunMaterial or characterize::WeightMaterial. notes: of goldens and waivers; may be material.head.notes.
 template <class Material>
-RunResult judged_run(Material& material, const RunEvidence& evidence, std::vector<std::string>& notes, std::vector<GoldenMargins>* margins = nullptr) {
+RunResult judged_run(Material& material, const RunEvidence& evidence, std::vector<std::string>& notes,
+                     std::vector<GoldenMargins>* margins = nullptr) {
   const ChecksByRecord others = golden_checks(golden_targets(material), evidence.goldens, notes, margins);
   std::vector<JudgedCheck> of_run = judge_material(material, others);
   apply_waivers(evidence.waivers, evidence.today, of_run, all_checks(of_run, material.records), notes);

@@ -28,7 +28,8 @@ Result<const CsvColumn*> column(const CsvTable& table, const std::string& name, 
   std::vector<std::string> names;
   for (const CsvColumn& c : table.columns) names.push_back(plain_name(c.header));
   const std::string near = nearest_name(name, names);
-  return fail(ErrorCode::usage, "the table has no column '" + printable_utf8(name) + "'", request.table.string(),
+  return fail(ErrorCode::usage, "the table has no column '" + printable_utf8(name) + "'",
+              request.table.string(),
               near.empty() ? "it has: " + join(names, ", ") : "did you mean '" + near + "'?");
 }
 
@@ -51,7 +52,8 @@ Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request) {
   if (over.empty())
     for (const CsvColumn& c : table.columns) {
       const std::string name = plain_name(c.header);
-      if (!name.starts_with("u_") && std::find(request.of.begin(), request.of.end(), name) == request.of.end() &&
+      if (!name.starts_with("u_") &&
+          std::find(request.of.begin(), request.of.end(), name) == request.of.end() &&
           std::find(request.of.begin(), request.of.end(), c.header) == request.of.end())
         over.push_back(name);
     }
@@ -84,13 +86,15 @@ std::string laws_text(const std::vector<ParameterAnswer>& answers) {
     for (std::size_t k = 0; k < a.law.size(); ++k)
       out += fmt::format(" {}{}{}", k == 0 ? "" : "+ ", with_uncertainty(a.law[k].value, a.law[k].u),
                          a.law[k].term == "1" ? "" : " " + a.law[k].term);
-    out += fmt::format("\n  leave-one-out error: constant {:.3g}, the law given {:.3g}, the law now {:.3g}; scatter between records {:.3g}\n",
-                       a.loo_constant, a.loo_before, a.loo_after, a.scatter);
+    out += fmt::format(
+        "\n  leave-one-out error: constant {:.3g}, the law given {:.3g}, the law now {:.3g}; scatter between records {:.3g}\n",
+        a.loo_constant, a.loo_before, a.loo_after, a.scatter);
     out += "  candidates beside the law given:\n";
     for (std::size_t k = 0; k < std::min<std::size_t>(5, a.ranking.size()); ++k) {
       const RankedTerm& r = a.ranking[k];
-      out += fmt::format("    {:<14} F {:>7.2f}  p {:.4f} (alone {:.4f})  takes {:>3.0f} %  leave-one-out {:.3g}\n", to_string(r.term), r.F,
-                         r.p, r.p_alone, 100.0 * r.r2, r.loo_after);
+      out += fmt::format(
+          "    {:<14} F {:>7.2f}  p {:.4f} (alone {:.4f})  takes {:>3.0f} %  leave-one-out {:.3g}\n",
+          to_string(r.term), r.F, r.p, r.p_alone, 100.0 * r.r2, r.loo_after);
     }
   }
   return out;
@@ -99,8 +103,9 @@ std::string laws_text(const std::vector<ParameterAnswer>& answers) {
 std::string laws_json(const std::vector<ParameterAnswer>& answers) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   const auto term_json = [](const RankedTerm& r) {
-    return nlohmann::ordered_json{{"term", to_string(r.term)}, {"F", r.F}, {"p", r.p}, {"p_alone", r.p_alone},
-                                  {"share", r.r2}, {"leave_one_out", r.loo_after}};
+    return nlohmann::ordered_json{
+        {"term", to_string(r.term)}, {"F", r.F},      {"p", r.p},
+        {"p_alone", r.p_alone},      {"share", r.r2}, {"leave_one_out", r.loo_after}};
   };
   for (const ParameterAnswer& a : answers) {
     nlohmann::ordered_json added = nlohmann::ordered_json::array(), ranking = added, law = added;
@@ -112,9 +117,18 @@ std::string laws_json(const std::vector<ParameterAnswer>& answers) {
     }
     for (const RankedTerm& r : a.ranking) ranking.push_back(term_json(r));
     for (const LawCoefficient& c : a.law) law.push_back({{"term", c.term}, {"value", c.value}, {"u", c.u}});
-    list.push_back({{"parameter", a.name}, {"unit", a.unit}, {"records", a.n}, {"candidates", a.candidates}, {"missing", added},
-                    {"law", law}, {"leave_one_out", {{"constant", a.loo_constant}, {"before", a.loo_before}, {"after", a.loo_after}}},
-                    {"scatter", a.scatter}, {"smallest_share_seen", a.smallest_share}, {"ranking", ranking}, {"sentence", a.sentence}});
+    list.push_back(
+        {{"parameter", a.name},
+         {"unit", a.unit},
+         {"records", a.n},
+         {"candidates", a.candidates},
+         {"missing", added},
+         {"law", law},
+         {"leave_one_out", {{"constant", a.loo_constant}, {"before", a.loo_before}, {"after", a.loo_after}}},
+         {"scatter", a.scatter},
+         {"smallest_share_seen", a.smallest_share},
+         {"ranking", ranking},
+         {"sentence", a.sentence}});
   }
   return nlohmann::ordered_json{{"format", 1}, {"parameters", list}}.dump(2) + "\n";
 }

@@ -11,12 +11,12 @@
 namespace forcegate {
 
 struct LawsRequest {
-  std::filesystem::path table;      ///< CSV; "f_Hz" is covariate f in Hz, "u_b" the standard uncertainty of b
-  std::vector<std::string> of;      ///< parameters
-  std::vector<std::string> over;    ///< covariates; empty: every other column
-  std::vector<std::string> law;     ///< terms that the law has already
-  std::string scale = "linear";     ///< linear, log, reciprocal
-  double alpha = 0.05;              ///< of a false dependence, over all parameters asked for
+  std::filesystem::path table;    ///< CSV; "f_Hz" is covariate f in Hz, "u_b" the standard uncertainty of b
+  std::vector<std::string> of;    ///< parameters
+  std::vector<std::string> over;  ///< covariates; empty: every other column
+  std::vector<std::string> law;   ///< terms that the law has already
+  std::string scale = "linear";   ///< linear, log, reciprocal
+  double alpha = 0.05;            ///< of a false dependence, over all parameters asked for
   std::uint64_t seed = 1;
 };
 

@@ -18,8 +18,9 @@
 namespace forcegate {
 
 struct LeagueReply {
-  std::string json;   ///< the JSON of `forcegate diagnose`
-  std::string naive;  ///< what the largest residual correlation would have named (league_baseline.h); "" not asked
+  std::string json;  ///< the JSON of `forcegate diagnose`
+  std::string
+      naive;  ///< what the largest residual correlation would have named (league_baseline.h); "" not asked
 };
 
 /// Anything that answers a campaign. An engine sees the records and what the lab wrote down, never the truth: the

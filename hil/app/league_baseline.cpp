@@ -16,7 +16,8 @@ struct Winner {
 double limit_z(double tests) {
   const double tail = 0.005 / std::max(1.0, tests);
   double z = 3.0;
-  for (int i = 0; i < 20; ++i) z = std::sqrt(2.0 * std::log(1.0 / (tail * z * std::sqrt(2.0 * 3.14159265358979))));
+  for (int i = 0; i < 20; ++i)
+    z = std::sqrt(2.0 * std::log(1.0 / (tail * z * std::sqrt(2.0 * 3.14159265358979))));
   return z;
 }
 

@@ -61,7 +61,8 @@ LeagueEngine built_in_engine() {
             FORCEGATE_TRY(const Model model, library_model("flexiforce"));
             diagnose::EngineOptions options = engine_options(model, 1);
             options.pictures = false;
-            FORCEGATE_TRY(const auto workspace, diagnose::prepare(hidden::to_campaign(std::move(made)), options));
+            FORCEGATE_TRY(const auto workspace,
+                          diagnose::prepare(hidden::to_campaign(std::move(made)), options));
             LeagueReply reply;
             reply.naive = largest_correlation(*workspace);
             Diagnosis diagnosis = diagnose::diagnose_workspace(*workspace, options);
@@ -75,7 +76,8 @@ LeagueEngine command_engine(std::string command) {
   return {command, [command](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
             const TemporaryFolder folder;
             FORCEGATE_CHECK_OK(hidden::write_campaign(made, folder.path() / "campaign", true));
-            FORCEGATE_TRY(std::string json, output_of(command + " '" + (folder.path() / "campaign").string() + "'"));
+            FORCEGATE_TRY(std::string json,
+                          output_of(command + " '" + (folder.path() / "campaign").string() + "'"));
             return LeagueReply{std::move(json), ""};
           }};
 }

@@ -33,7 +33,8 @@ bool LeagueJournal::recall(LeagueMatch& match) const {
   const std::string* line = journal_.find(match.id);
   if (line == nullptr) return false;
   const Json j = Json::parse(*line, nullptr, false);
-  if (j.value("seed", std::uint64_t{0}) != match.seed || j.value("minutes", 0.0) != match.minutes) return false;
+  if (j.value("seed", std::uint64_t{0}) != match.seed || j.value("minutes", 0.0) != match.minutes)
+    return false;
   match.engine_s = j.value("engine_s", 0.0);
   match.generation_s = j.value("generation_s", 0.0);
   match.error = j.value("error", "");

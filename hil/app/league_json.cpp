@@ -65,7 +65,10 @@ Json to_json(const LeagueMatch& m) {
   if (m.score.removed) j["reducible_error_removed"] = *m.score.removed;
   if (!m.error.empty()) j["error"] = m.error;
   if (const Miss miss = miss_of(m); miss.stage != MissStage::none)
-    j["lost"] = {{"stage", to_string(miss.stage)}, {"effect", miss.effect}, {"other", miss.other}, {"detail", miss.detail}};
+    j["lost"] = {{"stage", to_string(miss.stage)},
+                 {"effect", miss.effect},
+                 {"other", miss.other},
+                 {"detail", miss.detail}};
   return j;
 }
 

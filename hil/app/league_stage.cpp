@@ -39,11 +39,13 @@ Miss lost(const LeagueMatch& m, const hidden::TruthEffect& effect) {
     return miss;
   };
   if (!effect.excited)
-    return at(MissStage::not_excited, "", fmt::format("RMS {:.2f} % of the span is hidden by the noise", effect.rms_pct));
+    return at(MissStage::not_excited, "",
+              fmt::format("RMS {:.2f} % of the span is hidden by the noise", effect.rms_pct));
   const Answer& answer = m.answer;
   const AnswerFinding* claim = first_claim(answer);
   const auto& ranking = answer.ranking;
-  const auto own = std::find_if(ranking.begin(), ranking.end(), [&](const auto& r) { return r.effect == effect.name; });
+  const auto own =
+      std::find_if(ranking.begin(), ranking.end(), [&](const auto& r) { return r.effect == effect.name; });
   if (const std::string why = refusal(answer, effect.name); !why.empty())
     return at(MissStage::refused, claim ? claim->effect : "", why);
   for (std::size_t i = 0; i < answer.findings.size(); ++i)
@@ -51,11 +53,13 @@ Miss lost(const LeagueMatch& m, const hidden::TruthEffect& effect) {
       return at(MissStage::outclaimed, claim ? claim->effect : "",
                 fmt::format("place {} with probability {:.2f}", i + 1, answer.findings[i].probability));
   if (own == ranking.end())
-    return is_raw(effect.name)
-               ? at(MissStage::raw_health, claim ? claim->effect : "", "the detector of the raw samples was silent")
-               : at(MissStage::not_a_candidate, claim ? claim->effect : "", "not among the families that were screened");
+    return is_raw(effect.name) ? at(MissStage::raw_health, claim ? claim->effect : "",
+                                    "the detector of the raw samples was silent")
+                               : at(MissStage::not_a_candidate, claim ? claim->effect : "",
+                                    "not among the families that were screened");
   if (own == ranking.begin())
-    return at(MissStage::evidence, claim ? claim->effect : "", fmt::format("first with evidence {:.0f}", own->score));
+    return at(MissStage::evidence, claim ? claim->effect : "",
+              fmt::format("first with evidence {:.0f}", own->score));
   return at(MissStage::outranked, ranking.front().effect,
             fmt::format("evidence {:.0f} at place {} against {:.0f}", own->score, own - ranking.begin() + 1,
                         ranking.front().score));
@@ -95,7 +99,8 @@ Miss miss_of(const LeagueMatch& m) {
     for (const hidden::TruthEffect& effect : m.truth.effects) {
       const auto end = m.answer.findings.begin() +
                        static_cast<std::ptrdiff_t>(std::min<std::size_t>(3, m.answer.findings.size()));
-      if (std::none_of(m.answer.findings.begin(), end, [&](const auto& f) { return f.effect == effect.name; }))
+      if (std::none_of(m.answer.findings.begin(), end,
+                       [&](const auto& f) { return f.effect == effect.name; }))
         return lost(m, effect);
     }
     return miss;

@@ -60,16 +60,20 @@ std::string exact(const Count& count) {
 }
 
 std::string effect_rows(const LeagueTally& t) {
-  std::string out = fmt::format("\nby effect: named first (foreign: called unknown)\n  {:<26}{:>6}{:>8}{:>8}{:>10}{:>20}{:>16}   {}\n",
-                                "", "weak", "medium", "strong", "excited", "RMS % of its span", "RMS in U %", "lost at; answered instead");
+  std::string out = fmt::format(
+      "\nby effect: named first (foreign: called unknown)\n  {:<26}{:>6}{:>8}{:>8}{:>10}{:>20}{:>16}   {}\n",
+      "", "weak", "medium", "strong", "excited", "RMS % of its span", "RMS in U %",
+      "lost at; answered instead");
   for (const auto& [name, e] : t.by_effect) {
     out += fmt::format("  {:<26}", name);
     for (std::size_t k = 0; k < 3; ++k)
-      out += fmt::format("{:>{}}", e.named[k].n ? fmt::format("{}/{}", e.named[k].k, e.named[k].n) : "-", k ? 8 : 6);
+      out += fmt::format("{:>{}}", e.named[k].n ? fmt::format("{}/{}", e.named[k].k, e.named[k].n) : "-",
+                         k ? 8 : 6);
     const auto range = [](const std::vector<double>& v) {
       return fmt::format("{:.2f} - {:.2f}", score_quantile(v, 0.0), score_quantile(v, 1.0));
     };
-    out += fmt::format("{:>10}{:>20}{:>16}", fmt::format("{}/{}", e.excited.k, e.excited.n), range(e.rms_pct), range(e.rms_voltage_pct));
+    out += fmt::format("{:>10}{:>20}{:>16}", fmt::format("{}/{}", e.excited.k, e.excited.n), range(e.rms_pct),
+                       range(e.rms_voltage_pct));
     if (!e.stages.empty()) out += "   " + counted(e.stages) + "; " + counted(e.instead);
     out += '\n';
   }
@@ -97,7 +101,8 @@ std::string league_text(const LeagueResult& result) {
   row("  side right, of those listed", &TierTally::side, "97 %");
   row("  with a false claim beside", &TierTally::false_claims, "");
   out += fmt::format("{:<34}", "  reducible error removed, median");
-  for (const TierTally& tier : t.tiers) out += fmt::format("{:<28}", percent(score_quantile(tier.removed, 0.5)));
+  for (const TierTally& tier : t.tiers)
+    out += fmt::format("{:<28}", percent(score_quantile(tier.removed, 0.5)));
   out += "85 %\n\n";
   out += fmt::format("{:<34}{:<28}{}\n", "clean campaigns, false discovery", exact(t.control_false),
                      "<= 3 %, interval of Clopper and Pearson");
@@ -113,18 +118,21 @@ std::string league_text(const LeagueResult& result) {
   out += fmt::format("{:<34}{:<28}{}\n", "no answer", share(t.no_answer), "0");
   if (!t.pair_stages.empty()) out += "pairs lost at: " + counted(t.pair_stages) + "\n";
 
-  out += fmt::format("\n{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "beside it", "weak", "medium", "strong", "clean: false", "foreign: honest");
+  out += fmt::format("\n{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "beside it", "weak", "medium", "strong",
+                     "clean: false", "foreign: honest");
   const auto zero = [](const Count& c) { return fmt::format("0/{}", c.n); };
-  out += fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "  always \"none\"", zero(t.tiers[0].named), zero(t.tiers[1].named),
-                     zero(t.tiers[2].named), zero(t.control_false), zero(t.foreign_honest));
+  out += fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "  always \"none\"", zero(t.tiers[0].named),
+                     zero(t.tiers[1].named), zero(t.tiers[2].named), zero(t.control_false),
+                     zero(t.foreign_honest));
   if (t.naive_named[0].n + t.naive_named[1].n + t.naive_named[2].n + t.naive_control_false.n > 0)
-    out += fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "  largest residual correlation", share(t.naive_named[0]),
-                       share(t.naive_named[1]), share(t.naive_named[2]),
+    out += fmt::format("{:<34}{:<28}{:<28}{:<28}{:<20}{}\n", "  largest residual correlation",
+                       share(t.naive_named[0]), share(t.naive_named[1]), share(t.naive_named[2]),
                        fmt::format("{}/{}", t.naive_control_false.k, t.naive_control_false.n),
                        fmt::format("{}/{}", t.naive_foreign_honest.k, t.naive_foreign_honest.n));
 
-  out += fmt::format("\nstated probability against truth (largest gap of a bin of 20 or more: {:.0f} points; target 5)\n",
-                     100.0 * t.calibration_error);
+  out += fmt::format(
+      "\nstated probability against truth (largest gap of a bin of 20 or more: {:.0f} points; target 5)\n",
+      100.0 * t.calibration_error);
   for (const CalibrationBin& bin : t.calibration)
     if (bin.truth.n > 0)
       out += fmt::format("  {:.2f} - {:.2f}   stated {:.2f}   true {}\n", bin.low, bin.high,

@@ -62,7 +62,8 @@ void count_foreign(const LeagueMatch& m, LeagueTally& t) {
       m.answer.depends_on.begin(), m.answer.depends_on.end(),
       [&](const std::string& name) { return std::find(right.begin(), right.end(), name) != right.end(); }));
   EffectTally& e = t.by_effect[m.effects[0]];
-  e.named[static_cast<std::size_t>(m.tier) - static_cast<std::size_t>(hidden::Tier::weak)].add(m.score.honest);
+  e.named[static_cast<std::size_t>(m.tier) - static_cast<std::size_t>(hidden::Tier::weak)].add(
+      m.score.honest);
   if (!m.naive.empty()) t.naive_foreign_honest.add(false);  // a correlation has no word for "unknown"
   count_size(m, e);
   if (!m.score.honest) ++e.instead[first_of(m)];
@@ -118,7 +119,8 @@ LeagueTally tally(const LeagueResult& result) {
   for (const CalibrationBin& bin : t.calibration) {
     const auto n = static_cast<double>(bin.truth.n);
     if (bin.truth.n >= 20)
-      t.calibration_error = std::max(t.calibration_error, std::abs(bin.stated - static_cast<double>(bin.truth.k)) / n);
+      t.calibration_error =
+          std::max(t.calibration_error, std::abs(bin.stated - static_cast<double>(bin.truth.k)) / n);
   }
   return t;
 }

@@ -29,23 +29,23 @@ struct CalibrationBin {
 
 /// One effect of the catalogue (or one foreign effect) over its campaigns.
 struct EffectTally {
-  std::array<Count, 3> named;             ///< weak, medium, strong; foreign: called unknown
-  std::vector<double> rms_pct;            ///< of its channel's span, as published in the truth
-  std::vector<double> rms_voltage_pct;    ///< plain RMS in U, % of its span
+  std::array<Count, 3> named;           ///< weak, medium, strong; foreign: called unknown
+  std::vector<double> rms_pct;          ///< of its channel's span, as published in the truth
+  std::vector<double> rms_voltage_pct;  ///< plain RMS in U, % of its span
   Count excited, naive;
-  std::map<std::string, int> stages;      ///< where it was lost
-  std::map<std::string, int> instead;     ///< first answer instead
+  std::map<std::string, int> stages;   ///< where it was lost
+  std::map<std::string, int> instead;  ///< first answer instead
 };
 
 struct LeagueTally {
   std::array<TierTally, 3> tiers;
-  Count control_false;                    ///< verdict other than none, or a claim
-  Count control_claims;                   ///< a claim
+  Count control_false;   ///< verdict other than none, or a claim
+  Count control_claims;  ///< a claim
   Count foreign_honest, foreign_claimed, foreign_coordinate, pairs, pairs_one, sensor_blamed, no_answer;
-  std::array<Count, 3> naive_named;       ///< largest residual correlation, one hidden effect
+  std::array<Count, 3> naive_named;  ///< largest residual correlation, one hidden effect
   Count naive_control_false, naive_foreign_honest;
   std::vector<CalibrationBin> calibration;  ///< over every finding of every match
-  double calibration_error = 0.0;         ///< largest |stated - true| over bins of at least 20 findings
+  double calibration_error = 0.0;           ///< largest |stated - true| over bins of at least 20 findings
   std::map<std::string, EffectTally> by_effect;
   std::map<std::string, int> control_answers;  ///< first answer on clean campaigns that were not left alone
   std::map<std::string, int> pair_stages;

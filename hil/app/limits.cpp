@@ -85,9 +85,9 @@ class Derivation {
                     std::size_t all, const GateProgress& progress, const std::atomic<bool>* cancelled) {
     const auto part = [&](double fraction, std::string_view now) {
       if (progress)
-        progress((static_cast<double>(first) + fraction * static_cast<double>(count)) /
-                     static_cast<double>(all),
-                 now);
+        progress(
+            (static_cast<double>(first) + fraction * static_cast<double>(count)) / static_cast<double>(all),
+            now);
     };
     FORCEGATE_TRY(const RunResult result, gate(gated, part, cancelled));
     if (result.decision.exit_code == 130) return fail(ErrorCode::cancelled, "interrupted");
@@ -103,11 +103,14 @@ class Derivation {
     const std::string where = gated.rig == "replay" ? gated.rig_options.at("record") : c.id;
     if (!c.note.empty()) return fail(ErrorCode::config, "a record failed: " + c.note, where);
     // Relative or absolute error of the minima: the one that the gate judges.
-    const bool absolute_minima = std::any_of(c.checks.begin(), c.checks.end(), [](const Check& check) {
-      return check.id == "mae_minima" && check.limit.kind != Limit::Kind::none;
-    }) || std::any_of(c.checks.begin(), c.checks.end(), [](const Check& check) {
-      return check.id == "accuracy_minima" && check.evidence.find("mae_minima") != std::string::npos;
-    });
+    const bool absolute_minima =
+        std::any_of(c.checks.begin(), c.checks.end(),
+                    [](const Check& check) {
+                      return check.id == "mae_minima" && check.limit.kind != Limit::Kind::none;
+                    }) ||
+        std::any_of(c.checks.begin(), c.checks.end(), [](const Check& check) {
+          return check.id == "accuracy_minima" && check.evidence.find("mae_minima") != std::string::npos;
+        });
     for (const Check& check : c.checks) {
       if (check.id != "mre_maxima" && check.id != (absolute_minima ? "mae_minima" : "mre_minima")) continue;
       if (check.verdict == Verdict::rig_error || !std::isfinite(check.value))

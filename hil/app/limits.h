@@ -11,8 +11,8 @@ struct LimitsRequest {
   std::string plan = "smoke";
   std::vector<std::filesystem::path> records;  ///< recordings to judge on instead of an emulated rig
   std::filesystem::path calibration_file;      ///< of the specimen in the recordings
-  std::size_t n = 300;              ///< specimens, each with its own session
-  std::uint64_t first_seed = 1000;  ///< specimens "seed:1000", "seed:1001" ... : none of any panel
+  std::size_t n = 300;                         ///< specimens, each with its own session
+  std::uint64_t first_seed = 1000;             ///< specimens "seed:1000", "seed:1001" ... : none of any panel
   unsigned threads = 0;
   std::string date;  ///< "2026-11-21", for the file
 };

@@ -24,7 +24,8 @@ Result<Campaign> load_recordings(const CampaignRequest& request) {
   for (const std::string& map : request.maps) {
     const std::size_t at = map.find('=');
     if (at == std::string::npos || at == 0 || at + 1 == map.size())
-      return fail(ErrorCode::usage, "\"" + map + "\" does not map a column", "--map", "write --map pressure_bar=F_ref_N");
+      return fail(ErrorCode::usage, "\"" + map + "\" does not map a column", "--map",
+                  "write --map pressure_bar=F_ref_N");
     options.column_map[map.substr(0, at)] = map.substr(at + 1);
   }
   return read_campaign(request.campaign, options);
@@ -38,16 +39,19 @@ Result<Campaign> load_campaign(const CampaignRequest& request) {
 
 Result<void> check_channels(const Campaign& campaign) {
   for (const Record& record : campaign.records)
-    for (const auto& [name, what, unit] : {std::tuple{"F_ref", "reference force", "N"}, std::tuple{"U", "output", "V"}}) {
+    for (const auto& [name, what, unit] :
+         {std::tuple{"F_ref", "reference force", "N"}, std::tuple{"U", "output", "V"}}) {
       if (record.trace.find(name)) continue;
       std::vector<std::string> columns;
       std::string likely = "NAME";
       for (const Channel& c : record.trace.channels) {
         columns.push_back(header_of(c.name, c.unit));
-        if (c.unit == unit && c.name != "F_ref" && c.name != "F_cmd" && c.name != "F_dut" && c.name != "drive" && likely == "NAME")
+        if (c.unit == unit && c.name != "F_ref" && c.name != "F_cmd" && c.name != "F_dut" &&
+            c.name != "drive" && likely == "NAME")
           likely = columns.back();
       }
-      return fail(ErrorCode::parse, std::string("no column is the ") + what + ": there are " + join(columns, ", "),
+      return fail(ErrorCode::parse,
+                  std::string("no column is the ") + what + ": there are " + join(columns, ", "),
                   (campaign.folder / record.name).string(),
                   std::string("name one, for instance --map ") + likely + "=" + name + "_" + unit);
     }

@@ -14,8 +14,8 @@ namespace forcegate {
 
 struct CampaignRequest {
   std::filesystem::path campaign;
-  std::string model;               ///< "" = flexiforce; a name of the library, or a file
-  std::vector<std::string> maps;   ///< "pressure_bar=F_ref_N"
+  std::string model;              ///< "" = flexiforce; a name of the library, or a file
+  std::vector<std::string> maps;  ///< "pressure_bar=F_ref_N"
   double assumed_rate_Hz = 0.0;
   unsigned threads = 0;
 };

@@ -53,7 +53,8 @@ Result<std::vector<std::string>> play_on_mystery(const std::filesystem::path& fo
   FORCEGATE_TRY(const std::string description, read_file(folder / "campaign.json"));
   const auto json = nlohmann::json::parse(description, nullptr, false, true);
   if (json.is_discarded() || !json.contains("records"))
-    return fail(ErrorCode::parse, "the campaign's description cannot be read", (folder / "campaign.json").string());
+    return fail(ErrorCode::parse, "the campaign's description cannot be read",
+                (folder / "campaign.json").string());
   const std::size_t before = json["records"].size();
   std::vector<hidden::AskedForce> asked;
   std::vector<std::string> names;

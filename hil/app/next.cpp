@@ -15,7 +15,8 @@ std::string next_text(const Diagnosis& d) {
     return "not separable here: " + join(d.not_separable.front(), " or ") +
            "; no record of a few minutes on this rig would part them (the diagnosis says what would)\n";
   if (n.segments.empty() && d.verdict == DiagnosisVerdict::unknown)
-    return "structure remains that no effect of the library explains, so none competes; it depends on " + join(d.depends_on, ", ") +
+    return "structure remains that no effect of the library explains, so none competes; it depends on " +
+           join(d.depends_on, ", ") +
            "\nLook at its map (--html), or write an equation of your own: [[effect]] in the model file (docs/diagnosis.md)\n";
   if (n.segments.empty())
     return "nothing competes: no further measurement is needed to tell effects apart\n"
@@ -23,8 +24,9 @@ std::string next_text(const Diagnosis& d) {
            "frequencies and swings, a rest, and one ramp again at the end (docs/campaign.md)\n";
   std::string out = fmt::format("measure next, {:.2g} minutes of rig time:\n", n.minutes);
   for (const ExperimentSegment& s : n.segments) {
-    out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1, likeness {:.2f} -> {:.2f}\n", s.name, s.minutes, s.separates,
-                       odds_text(s.odds_before), odds_text(s.odds_after), s.cosine_before, s.cosine_after);
+    out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1, likeness {:.2f} -> {:.2f}\n",
+                       s.name, s.minutes, s.separates, odds_text(s.odds_before), odds_text(s.odds_after),
+                       s.cosine_before, s.cosine_after);
     for (const auto& [name, value] : s.numbers) out += fmt::format("      {} = {:g}\n", name, value);
   }
   return out;

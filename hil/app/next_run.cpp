@@ -23,7 +23,9 @@ constexpr const char* kProfiles = "profiles";  // forces that were asked for
 std::string slug(const std::string& text) {
   std::string out;
   for (char c : text)
-    out += std::isalnum(static_cast<unsigned char>(c)) ? static_cast<char>(std::tolower(static_cast<unsigned char>(c))) : '_';
+    out += std::isalnum(static_cast<unsigned char>(c))
+               ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
+               : '_';
   return out;
 }
 
@@ -49,7 +51,8 @@ void forget_copy(const fs::path& folder, bool keep_profiles) {
 // A whole campaign with a description, in a new folder.
 Result<void> copy_campaign(const fs::path& from, const fs::path& to) {
   std::error_code error;
-  if (fs::exists(to, error) && !holds_only_profiles(to)) return fail(ErrorCode::usage, "the output exists already", to.string(), "choose another folder with -o");
+  if (fs::exists(to, error) && !holds_only_profiles(to))
+    return fail(ErrorCode::usage, "the output exists already", to.string(), "choose another folder with -o");
   const bool single = fs::is_regular_file(from, error) && from.filename() != "campaign.json";
   const fs::path folder = single ? fs::path() : fs::is_directory(from, error) ? from : from.parent_path();
   fs::create_directories(to, error);
@@ -71,12 +74,14 @@ Result<void> copy_campaign(const fs::path& from, const fs::path& to) {
   std::sort(records.begin(), records.end());
   Json list = Json::array();
   for (const fs::path& file : records) list.push_back({{"file", file.string()}});
-  return write_file_atomically(to / "campaign.json", Json{{"campaign", to.filename().string()}, {"records", list}}.dump(1) + "\n");
+  return write_file_atomically(to / "campaign.json",
+                               Json{{"campaign", to.filename().string()}, {"records", list}}.dump(1) + "\n");
 }
 
 Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folder, std::size_t number) {
   std::string text = "t_s,F_ref_N\n";
-  for (std::size_t i = 0; i < s.t_s.size(); ++i) fmt::format_to(std::back_inserter(text), "{:.4f},{:.5f}\n", s.t_s[i], s.force_N[i]);
+  for (std::size_t i = 0; i < s.t_s.size(); ++i)
+    fmt::format_to(std::back_inserter(text), "{:.4f},{:.5f}\n", s.t_s[i], s.force_N[i]);
   const fs::path path = folder / kProfiles / fmt::format("{}_{}.csv", number, slug(s.name));
   FORCEGATE_CHECK_OK(write_file_atomically(path, text));
   return path;
@@ -127,7 +132,9 @@ Result<std::vector<Recording>> read_recordings(const std::vector<fs::path>& path
   for (const fs::path& path : paths) {
     FORCEGATE_TRY(const TraceFile file, read_csv(path));
     const Channel* F = file.trace.find("F_ref");
-    if (F == nullptr) return fail(ErrorCode::config, "the recording has no reference force", path.string(), "name its column F_ref_N");
+    if (F == nullptr)
+      return fail(ErrorCode::config, "the recording has no reference force", path.string(),
+                  "name its column F_ref_N");
     out.push_back({path, character_of(file.trace.time_bases[F->time_base].t_s, F->value), false});
   }
   return out;
@@ -137,12 +144,16 @@ Result<std::vector<Recording>> read_recordings(const std::vector<fs::path>& path
 Result<void> append_recording(const fs::path& source, const fs::path& folder, const std::string& kind) {
   std::error_code error;
   const fs::path target = folder / source.filename();
-  if (fs::exists(target, error)) return fail(ErrorCode::usage, "there is such a record already", target.string(), "rename the recording");
+  if (fs::exists(target, error))
+    return fail(ErrorCode::usage, "there is such a record already", target.string(), "rename the recording");
   fs::copy_file(source, target, error);
-  if (error) return fail(ErrorCode::io, "the recording cannot be copied: " + error.message(), target.string());
+  if (error)
+    return fail(ErrorCode::io, "the recording cannot be copied: " + error.message(), target.string());
   std::ifstream file(folder / "campaign.json", std::ios::binary);
   Json json = Json::parse(file, nullptr, false, true);
-  if (json.is_discarded()) return fail(ErrorCode::parse, "the campaign's description cannot be read", (folder / "campaign.json").string());
+  if (json.is_discarded())
+    return fail(ErrorCode::parse, "the campaign's description cannot be read",
+                (folder / "campaign.json").string());
   json["records"].push_back({{"file", source.filename().string()}, {"kind", kind}});
   return write_file_atomically(folder / "campaign.json", json.dump(1) + "\n");
 }
@@ -156,10 +167,10 @@ double log_odds(const Diagnosis& d, const std::string& first, const std::string&
   return std::clamp(a - b, -20.0, 20.0);
 }
 
-
 }  // namespace
 
-Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress, const std::atomic<bool>* cancelled) {
+Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress,
+                               const std::atomic<bool>* cancelled) {
   NextRunResult out;
   std::error_code error;
   const bool sealed = request.bench.rig != "replay" && is_mystery(request.campaign.campaign);
@@ -167,11 +178,13 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
   out.planned = out.before.next_experiment;
   if (out.planned.segments.empty())
-    return fail(ErrorCode::usage, "nothing competes here: no further measurement is needed to tell effects apart", request.campaign.campaign.string(),
-                "forcegate diagnose shows the answer");
+    return fail(ErrorCode::usage,
+                "nothing competes here: no further measurement is needed to tell effects apart",
+                request.campaign.campaign.string(), "forcegate diagnose shows the answer");
   fs::path from = request.campaign.campaign;
   if (from.filename().empty()) from = from.parent_path();
-  out.folder = !request.output.empty() ? request.output : from.parent_path() / (from.stem().string() + "-next");
+  out.folder =
+      !request.output.empty() ? request.output : from.parent_path() / (from.stem().string() + "-next");
   FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
   FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
   std::vector<ProfileToRecord> profiles;
@@ -186,9 +199,11 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
       const Character wanted = character_of(s.t_s, s.force_N);
       Recording* best = nullptr;
       for (Recording& r : recordings)
-        if (!r.used && (best == nullptr || distance(r.character, wanted) < distance(best->character, wanted))) best = &r;
+        if (!r.used && (best == nullptr || distance(r.character, wanted) < distance(best->character, wanted)))
+          best = &r;
       if (best == nullptr || distance(best->character, wanted) > 2.0) {
-        out.skipped.push_back(s.name + ": none of the recordings is like it; the force to play is " + profile.string());
+        out.skipped.push_back(s.name + ": none of the recordings is like it; the force to play is " +
+                              profile.string());
         continue;
       }
       best->used = true;
@@ -209,9 +224,13 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
     out.segments.push_back(std::move(odds));
   }
   if (!profiles.empty()) {
-    FORCEGATE_TRY(const std::vector<RecordedFile> files,
-                  record_profiles(request.bench, profiles, out.folder,
-                                  [&](double fraction, std::string_view now) { if (progress) progress(0.2 + 0.5 * fraction, now); }, cancelled));
+    FORCEGATE_TRY(const std::vector<RecordedFile> files, record_profiles(
+                                                             request.bench, profiles, out.folder,
+                                                             [&](double fraction, std::string_view now) {
+                                                               if (progress)
+                                                                 progress(0.2 + 0.5 * fraction, now);
+                                                             },
+                                                             cancelled));
     for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k].file;
   }
   if (!asked.empty()) {
@@ -220,8 +239,8 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   }
   if (out.segments.empty()) {
     forget_copy(out.folder, request.bench.rig == "replay");
-    return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(), from.string(),
-                "record one of them and give it with --record");
+    return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(),
+                from.string(), "record one of them and give it with --record");
   }
   if (progress) progress(0.8, "diagnosing again");
   CampaignRequest again = request.campaign;
@@ -229,7 +248,8 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   FORCEGATE_TRY(out.after, diagnose_request(again));
   for (SegmentOdds& odds : out.segments) {
     const std::size_t at = odds.rivals.find(" / ");
-    const std::string first = odds.rivals.substr(0, at), second = at == std::string::npos ? "" : odds.rivals.substr(at + 3);
+    const std::string first = odds.rivals.substr(0, at),
+                      second = at == std::string::npos ? "" : odds.rivals.substr(at + 3);
     for (const ExperimentSegment& s : out.planned.segments)
       if (s.name == odds.segment) odds.expected = s.odds_after;
     odds.before = log_odds(out.before, first, second);
@@ -242,9 +262,9 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
 std::string next_run_text(const NextRunResult& r) {
   std::string out;
   for (const SegmentOdds& s : r.segments)
-    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {} to 1 expected, {} to 1 now for {}\n", s.segment, s.file, s.rivals,
-                       odds_text(std::exp(std::fabs(s.before))), odds_text(s.expected), odds_text(std::exp(std::fabs(s.after))),
-                       s.leads);
+    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {} to 1 expected, {} to 1 now for {}\n",
+                       s.segment, s.file, s.rivals, odds_text(std::exp(std::fabs(s.before))),
+                       odds_text(s.expected), odds_text(std::exp(std::fabs(s.after))), s.leads);
   for (const std::string& s : r.skipped) out += "left out " + s + "\n";
   const auto claims = [](const Diagnosis& d) {
     std::string text = to_string(d.verdict);
@@ -259,10 +279,19 @@ std::string next_run_text(const NextRunResult& r) {
 std::string next_run_json(const NextRunResult& r) {
   Json segments = Json::array();
   for (const SegmentOdds& s : r.segments)
-    segments.push_back({{"segment", s.segment}, {"file", s.file}, {"rivals", s.rivals}, {"log_odds_before", s.before},
-                        {"odds_expected", s.expected}, {"log_odds_after", s.after}, {"leads", s.leads}});
-  const Json out = {{"format", 1},       {"folder", r.folder.string()},          {"segments", segments},
-                    {"skipped", r.skipped}, {"before", Json::parse(to_json(r.before))}, {"after", Json::parse(to_json(r.after))}};
+    segments.push_back({{"segment", s.segment},
+                        {"file", s.file},
+                        {"rivals", s.rivals},
+                        {"log_odds_before", s.before},
+                        {"odds_expected", s.expected},
+                        {"log_odds_after", s.after},
+                        {"leads", s.leads}});
+  const Json out = {{"format", 1},
+                    {"folder", r.folder.string()},
+                    {"segments", segments},
+                    {"skipped", r.skipped},
+                    {"before", Json::parse(to_json(r.before))},
+                    {"after", Json::parse(to_json(r.after))}};
   return out.dump(2) + "\n";
 }
 

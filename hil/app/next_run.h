@@ -11,23 +11,23 @@ namespace forcegate {
 
 struct NextRunRequest {
   CampaignRequest campaign;
-  RecordingBench bench;                        ///< rig "replay": segments are picked from `recorded`
-  std::vector<std::filesystem::path> recorded; ///< CSV files
-  std::filesystem::path output;                ///< new campaign; empty: beside the old one with "-next" behind its name
+  RecordingBench bench;                         ///< rig "replay": segments are picked from `recorded`
+  std::vector<std::filesystem::path> recorded;  ///< CSV files
+  std::filesystem::path output;  ///< new campaign; empty: beside the old one with "-next" behind its name
 };
 
 /// Odds of the first rival against the second.
 struct SegmentOdds {
   std::string segment, rivals, file;
   double before = 1.0, expected = 1.0, after = 1.0;
-  std::string leads;                           ///< the rival that the new data favour
+  std::string leads;  ///< the rival that the new data favour
 };
 
 struct NextRunResult {
   std::filesystem::path folder;
   NextExperiment planned;
   std::vector<SegmentOdds> segments;
-  std::vector<std::string> skipped;            ///< with the reason
+  std::vector<std::string> skipped;  ///< with the reason
   Diagnosis before, after;
 };
 

@@ -7,7 +7,8 @@
 
 namespace forcegate {
 
-Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, const std::filesystem::path& folder) {
+Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d,
+                                                          const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> out;
   const auto put = [&](const std::string& name, const figures::Figure& figure) -> Result<void> {
     out.push_back(folder / (name + ".svg"));
@@ -21,7 +22,8 @@ Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, co
   for (const Finding& f : d.findings) {
     if (f.probability < 0.5) continue;
     int number = 0;
-    for (const EvidenceSeries& s : f.series) FORCEGATE_CHECK_OK(put(fmt::format("{}_{}", f.effect, ++number), evidence_figure(s)));
+    for (const EvidenceSeries& s : f.series)
+      FORCEGATE_CHECK_OK(put(fmt::format("{}_{}", f.effect, ++number), evidence_figure(s)));
   }
   return out;
 }

@@ -11,6 +11,7 @@ namespace forcegate {
 
 /// Writes into `folder` (made if missing): ranking, waterfall, records, map_before, map_after, and for every claim its
 /// evidence, <effect>_1.svg and so on. Returns the files in that order.
-Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& diagnosis, const std::filesystem::path& folder);
+Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& diagnosis,
+                                                          const std::filesystem::path& folder);
 
 }  // namespace forcegate

@@ -14,7 +14,8 @@
 namespace forcegate {
 namespace {
 
-constexpr double kWeightSample_s = 35e-9;  // measured: capacitance-gate, 10.6 million samples with training in 0.38 s
+constexpr double kWeightSample_s =
+    35e-9;  // measured: capacitance-gate, 10.6 million samples with training in 0.38 s
 
 double duration_s(const StimulusSpec& spec) {
   const auto made = make_stimulus(spec);
@@ -78,11 +79,13 @@ PlanEstimate estimate_plan(const characterize::WeightGatePlan& plan, const Weigh
   const auto sensors = static_cast<double>(bench.sensors);
   const double levels = std::floor(study.force_max_N / study.step_N + 1e-9);
   double samples = 0.0;
-  const auto add = [&](std::string name, std::size_t loadings, std::size_t codes, double rate_Hz, std::string source) {
+  const auto add = [&](std::string name, std::size_t loadings, std::size_t codes, double rate_Hz,
+                       std::string source) {
     PlanEstimateRow row;
     row.name = std::move(name);
     row.loop = to_string(LoopMode::open);
-    row.stimulus = fmt::format("weights step_N={} force_max_N={}, {} sensors", shortest(study.step_N), shortest(study.force_max_N), bench.sensors);
+    row.stimulus = fmt::format("weights step_N={} force_max_N={}, {} sensors", shortest(study.step_N),
+                               shortest(study.force_max_N), bench.sensors);
     row.source = std::move(source);
     row.specimens = loadings;
     row.record_s = levels * (study.hold_s + sensors * static_cast<double>(codes) / rate_Hz);
@@ -93,7 +96,8 @@ PlanEstimate estimate_plan(const characterize::WeightGatePlan& plan, const Weigh
     e.bench_s += row.bench_s;
     e.cases.push_back(std::move(row));
   };
-  add("training", study.training, study.dc_samples + study.sine_samples, bench.rate_Hz, "Paredes-Madrid 2010, IV");
+  add("training", study.training, study.dc_samples + study.sine_samples, bench.rate_Hz,
+      "Paredes-Madrid 2010, IV");
   e.calibration_bench_s = e.bench_s;
   add("loadings", plan.loadings, plan.frame_samples(), plan.rate_Hz, "Paredes-Madrid 2010, IV");
   e.emulated_cpu_s = samples * kWeightSample_s;
@@ -113,9 +117,8 @@ Result<PlanEstimate> estimate_named_plan(const std::string& name) {
 }
 
 std::string plan_in_words(const PlanEstimate& e, bool with_times) {
-  std::string out =
-      fmt::format("plan {}: {} cases, {} records, calibration {}, rule {}\n", e.name, e.cases.size(),
-                  e.records, e.calibration, e.rule_name);
+  std::string out = fmt::format("plan {}: {} cases, {} records, calibration {}, rule {}\n", e.name,
+                                e.cases.size(), e.records, e.calibration, e.rule_name);
   if (!e.doc.empty()) out += e.doc + "\n";
   for (const PlanEstimateRow& row : e.cases) {
     out += fmt::format("  {:<26} {:<6} x {:<3} {}", row.name, row.loop, row.specimens, row.stimulus);

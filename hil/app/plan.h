@@ -12,8 +12,8 @@ namespace forcegate {
 struct PlanEstimateRow {
   std::string name, loop, stimulus, source;
   std::size_t specimens = 0;  ///< records of it
-  double record_s = 0.0;  ///< rig time of one record
-  double bench_s = 0.0;   ///< all its records with the rests before them, on a real bench
+  double record_s = 0.0;      ///< rig time of one record
+  double bench_s = 0.0;       ///< all its records with the rests before them, on a real bench
 };
 
 struct PlanEstimate {

@@ -51,7 +51,8 @@ class PowerRun {
       if (i < request_.seeds) FORCEGATE_CHECK_OK(run_reference(plan_, plan_.seed + i, result_.reference));
       for (MutantOutcome& outcome : result_.outcomes)
         if (i < runs_of(outcome.mutant))
-          FORCEGATE_CHECK_OK(run_mutant(outcome, plan_.seed + i, request_.quick || i >= request_.mutant_seeds));
+          FORCEGATE_CHECK_OK(
+              run_mutant(outcome, plan_.seed + i, request_.quick || i >= request_.mutant_seeds));
     }
     if (panel_ != nullptr) {
       result_.panel.plan_name = panel_->name;
@@ -93,7 +94,8 @@ class PowerRun {
   // Cases of the plan that an image is played on. What runs natively is judged natively; a cross-compiled
   // image is there for the cases of its own lane, or, when nothing native exists of a good build, for the
   // common ones.
-  static std::vector<std::string> cases_for(const Plan& plan, const std::filesystem::path& image, bool common) {
+  static std::vector<std::string> cases_for(const Plan& plan, const std::filesystem::path& image,
+                                            bool common) {
     std::vector<std::string> names;
     for (const PlanCase& c : plan.cases) {
       const LaneKind* lane = c.lane.empty() ? nullptr : Registry<LaneKind>::instance().find(c.lane);
@@ -142,7 +144,8 @@ class PowerRun {
       if (!std::filesystem::is_regular_file(image, ignored)) continue;
       // The emulated targets run the same code on the same codes: once is enough for what does not depend on
       // a seed.
-      if (image.extension() != ".so" && (seed != plan.seed || cases_for(plan, image, false).empty())) continue;
+      if (image.extension() != ".so" && (seed != plan.seed || cases_for(plan, image, false).empty()))
+        continue;
       FORCEGATE_TRY(const Gated g, gate_image(plan, nullptr, image, seed, false));
       accepted = accepted && g.kind == DecisionKind::accept;
       rejected = rejected || g.kind == DecisionKind::reject;
@@ -163,7 +166,8 @@ class PowerRun {
     std::set<std::string> failed;
     std::string reason;
     for (const std::filesystem::path& image : m.images) {
-      if (image.extension() != ".so" && m.images.size() > 1 && cases_for(plan_, image, false).empty()) continue;
+      if (image.extension() != ".so" && m.images.size() > 1 && cases_for(plan_, image, false).empty())
+        continue;
       FORCEGATE_TRY(const Gated g, gate_image(plan_, &m, image, seed, quick));
       accepted = accepted && g.kind == DecisionKind::accept;
       rejected = rejected || g.kind == DecisionKind::reject;

@@ -17,11 +17,12 @@ namespace forcegate {
 struct PowerRequest {
   std::filesystem::path firmware;  ///< folder of the images: reference.native.so ..., mutants/
   std::string plan = "power";
-  std::size_t seeds = 59;         ///< runs of the reference; specimens and sessions differ
-  std::size_t mutant_seeds = 1;   ///< runs of every mutant
-  std::size_t family_seeds = 1;   ///< runs of every level of a graded family, at least mutant_seeds; the others quick
+  std::size_t seeds = 59;        ///< runs of the reference; specimens and sessions differ
+  std::size_t mutant_seeds = 1;  ///< runs of every mutant
+  std::size_t family_seeds =
+      1;  ///< runs of every level of a graded family, at least mutant_seeds; the others quick
   std::string panel_plan = "panel";
-  std::size_t panel_seeds = 0;  ///< runs of the reference under panel_plan
+  std::size_t panel_seeds = 0;    ///< runs of the reference under panel_plan
   bool quick = false;             ///< a bad build is done with at the case that rejects it
   std::vector<std::string> only;  ///< names of mutants or families; empty = all
   std::filesystem::path journal;  ///< gatings done are kept there and not done again; empty: none is kept
@@ -54,8 +55,8 @@ struct ReferenceRuns {
 struct FamilyOutcome {
   std::string family, unit, breaks;
   double smallest = 0.0, smallest_blind = 0.0;
-  std::size_t runs = 0;  ///< of each level
-  std::size_t blind_runs = 0;  ///< of each level, at least
+  std::size_t runs = 0;                      ///< of each level
+  std::size_t blind_runs = 0;                ///< of each level, at least
   std::vector<const MutantOutcome*> levels;  ///< from the smallest defect on
 };
 

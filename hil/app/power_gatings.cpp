@@ -59,9 +59,12 @@ std::string to_json_line(const std::string& id, const Gated& g) {
 Result<Gated> gated_from_json(const std::string& line) {
   const Json j = Json::parse(line, nullptr, false);
   const bool whole = j.is_object() && j.contains("kind") && j["kind"].is_string() && j.contains("failed") &&
-                     j["failed"].is_array() && j.contains("conformance_known") && j["conformance_known"].is_boolean() &&
-                     j.contains("blind") && j["blind"].is_string() && j.contains("reason") && j["reason"].is_string();
-  if (!whole) return fail(ErrorCode::parse, "a line of the journal is no gating: " + printable_utf8(line.substr(0, 80)));
+                     j["failed"].is_array() && j.contains("conformance_known") &&
+                     j["conformance_known"].is_boolean() && j.contains("blind") && j["blind"].is_string() &&
+                     j.contains("reason") && j["reason"].is_string();
+  if (!whole)
+    return fail(ErrorCode::parse,
+                "a line of the journal is no gating: " + printable_utf8(line.substr(0, 80)));
   Gated g;
   FORCEGATE_TRY(g.kind, kind_of(j["kind"]));
   FORCEGATE_TRY(g.blind, kind_of(j["blind"]));
@@ -72,8 +75,9 @@ Result<Gated> gated_from_json(const std::string& line) {
   return g;
 }
 
-Result<PowerGatings> PowerGatings::open(const std::vector<const Plan*>& plans, const std::filesystem::path& journal,
-                                        unsigned threads, const std::atomic<bool>* cancelled) {
+Result<PowerGatings> PowerGatings::open(const std::vector<const Plan*>& plans,
+                                        const std::filesystem::path& journal, unsigned threads,
+                                        const std::atomic<bool>* cancelled) {
   PowerGatings gatings;
   gatings.threads_ = threads;
   gatings.cancelled_ = cancelled;
@@ -87,7 +91,8 @@ Result<PowerGatings> PowerGatings::open(const std::vector<const Plan*>& plans, c
     FORCEGATE_TRY(const std::string limits, sha256_file(plan->path.parent_path() / plan->limits.derived));
     digest += "-" + limits.substr(0, 12);
   }
-  FORCEGATE_TRY(gatings.journal_, ResumeJournal::open(journal, Json{{"job", "power"}, {"program", program}}.dump()));
+  FORCEGATE_TRY(gatings.journal_,
+                ResumeJournal::open(journal, Json{{"job", "power"}, {"program", program}}.dump()));
   return gatings;
 }
 

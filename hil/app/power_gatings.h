@@ -16,7 +16,7 @@ namespace forcegate {
 /// Of a decision.
 struct Gated {
   DecisionKind kind = DecisionKind::no_decision;
-  std::set<std::string> failed;    ///< required checks, without the case in their id
+  std::set<std::string> failed;  ///< required checks, without the case in their id
   bool conformance_known = false;
   DecisionKind blind = DecisionKind::no_decision;  ///< had no implementation of its algorithm been known
   std::string reason;
@@ -29,8 +29,9 @@ Result<Gated> gated_from_json(const std::string& line);
 class PowerGatings {
  public:
   /// journal: file of the gatings done before, by the same program; empty = none is kept.
-  static Result<PowerGatings> open(const std::vector<const Plan*>& plans, const std::filesystem::path& journal,
-                                   unsigned threads, const std::atomic<bool>* cancelled);
+  static Result<PowerGatings> open(const std::vector<const Plan*>& plans,
+                                   const std::filesystem::path& journal, unsigned threads,
+                                   const std::atomic<bool>* cancelled);
 
   /// Plays the cases, or recalls what they gave. Calibrations of a plan and seed are measured once for all images.
   Result<Gated> gate(const Plan& plan, const std::filesystem::path& image, std::uint64_t seed,

@@ -40,12 +40,8 @@ Json to_json(const MutantOutcome& o) {
 }
 
 Json to_json(const ReferenceRuns& r) {
-  return {{"plan", r.plan_name},
-          {"first_seed", r.first_seed},
-          {"runs", r.n},
-          {"accepted", r.accepted},
-          {"rejected", count(r.rejected, r.n)},
-          {"not_accepted", r.reasons}};
+  return {{"plan", r.plan_name},    {"first_seed", r.first_seed},         {"runs", r.n},
+          {"accepted", r.accepted}, {"rejected", count(r.rejected, r.n)}, {"not_accepted", r.reasons}};
 }
 
 Json to_json(const FamilyOutcome& f) {

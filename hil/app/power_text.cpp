@@ -18,7 +18,8 @@ std::string share(std::size_t k, std::size_t n) {
 
 std::string verdict(const MutantOutcome& o) {
   const std::size_t undecided = o.runs - o.rejected - o.accepted;
-  for (const auto& [n, word] : {std::pair(o.accepted, "accepted"), {o.rejected, "REJECTED"}, {undecided, "undecided"}})
+  for (const auto& [n, word] :
+       {std::pair(o.accepted, "accepted"), {o.rejected, "REJECTED"}, {undecided, "undecided"}})
     if (n == o.runs) return o.runs == 1 ? word : fmt::format("{} {}x", word, n);
   return fmt::format("{} accepted, {} rejected, {} undecided", o.accepted, o.rejected, undecided);
 }
@@ -57,20 +58,23 @@ std::string slip_at_smallest(const FamilyOutcome& f) {
 
 std::string without_conformance(const FamilyOutcome& f) {
   if (f.blind_runs == 0) return "-";
-  return fmt::format("{} ({} run{})", level(f.smallest_blind, f.unit), f.blind_runs, f.blind_runs == 1 ? "" : "s");
+  return fmt::format("{} ({} run{})", level(f.smallest_blind, f.unit), f.blind_runs,
+                     f.blind_runs == 1 ? "" : "s");
 }
 
 // "0.001: 0, 0.01: 20, 0.1: 20", of as many runs each
 std::string by_level(const FamilyOutcome& f) {
   std::vector<std::string> parts;
-  for (const MutantOutcome* o : f.levels) parts.push_back(fmt::format("{}: {}", shortest(*o->mutant.level), o->rejected));
+  for (const MutantOutcome* o : f.levels)
+    parts.push_back(fmt::format("{}: {}", shortest(*o->mutant.level), o->rejected));
   return join(parts, ", ");
 }
 
 std::string command(const PowerRequest& r) {
-  std::string line = fmt::format("forcegate power --plan {} --seeds {} --mutant-seeds {} --family-seeds {}", r.plan, r.seeds,
-                                 r.mutant_seeds, r.family_seeds);
-  if (r.panel_seeds > 0) line += fmt::format(" --panel-plan {} --panel-seeds {}", r.panel_plan, r.panel_seeds);
+  std::string line = fmt::format("forcegate power --plan {} --seeds {} --mutant-seeds {} --family-seeds {}",
+                                 r.plan, r.seeds, r.mutant_seeds, r.family_seeds);
+  if (r.panel_seeds > 0)
+    line += fmt::format(" --panel-plan {} --panel-seeds {}", r.panel_plan, r.panel_seeds);
   return line + " --markdown docs/power.md";
 }
 
@@ -102,9 +106,8 @@ std::string power_text(const PowerResult& r) {
   out += "* rejected even if no independent implementation of its algorithm were known\n\n";
   out += "smallest defect found in at least 95 % of the runs\n";
   for (const FamilyOutcome& f : r.families())
-    out +=
-        fmt::format("  {:<28} {:<18} without conformance: {:<16} slips: {:<24} {}\n", f.family, level(f.smallest, f.unit),
-                    without_conformance(f), slip_at_smallest(f), f.breaks);
+    out += fmt::format("  {:<28} {:<18} without conformance: {:<16} slips: {:<24} {}\n", f.family,
+                       level(f.smallest, f.unit), without_conformance(f), slip_at_smallest(f), f.breaks);
   out += "\nsurvivors\n";
   survivors(r, [&](const MutantOutcome& o, const std::string& why) {
     out += fmt::format("  {:<28} {} ({})\n", o.mutant.name, why, verdict(o));
@@ -114,7 +117,8 @@ std::string power_text(const PowerResult& r) {
   for (const MutantOutcome* o : r.refused())
     out += fmt::format("  {:<28} {}: {}\n", o->mutant.name, verdict(*o), o->reason);
   for (const ReferenceRuns* runs : {&r.reference, &r.panel})
-    for (const std::string& why : runs->reasons) out += "  reference, plan " + runs->plan_name + ", " + why + "\n";
+    for (const std::string& why : runs->reasons)
+      out += "  reference, plan " + runs->plan_name + ", " + why + "\n";
   if (r.refused().empty() && r.reference.reasons.empty() && r.panel.reasons.empty()) out += "  none\n";
   if (!r.not_built.empty()) out += "\nnot built: " + join(r.not_built, ", ") + "\n";
   out += "\n" + slip(r) + "\n";
@@ -143,8 +147,9 @@ std::string power_markdown(const PowerResult& r) {
       "algorithm been known, as for an image with an algorithm of its own.\n\n| family | what | smallest | slips through | "
       "without conformance | runs a level | rejected of them, level by level |\n|---|---|---|---|---|---|---|\n";
   for (const FamilyOutcome& f : r.families())
-    out += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", f.family, f.breaks, level(f.smallest, f.unit),
-                       slip_at_smallest(f), without_conformance(f), f.runs, by_level(f));
+    out +=
+        fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", f.family, f.breaks, level(f.smallest, f.unit),
+                    slip_at_smallest(f), without_conformance(f), f.runs, by_level(f));
   out += "\n## Survivors\n\n";
   survivors(r, [&](const MutantOutcome& o, const std::string& why) {
     out += fmt::format("- `{}` ({}): {}\n", o.mutant.name, o.mutant.breaks, why);

@@ -32,7 +32,8 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
   }
   std::error_code error;
   if (std::filesystem::exists(request.output / "campaign.json", error))
-    return fail(ErrorCode::usage, "there is a campaign already", request.output.string(), "choose another folder with -o");
+    return fail(ErrorCode::usage, "there is a campaign already", request.output.string(),
+                "choose another folder with -o");
   RecordingBench bench = request.bench;
   bench.safety = plan.safety;
   RecordResult out;

@@ -6,8 +6,8 @@
 namespace forcegate {
 
 struct RecordRequest {
-  std::string plan = "campaign";          ///< file, or name of a plan in ci/plans
-  std::vector<std::string> only_cases;    ///< names; empty: all
+  std::string plan = "campaign";        ///< file, or name of a plan in ci/plans
+  std::vector<std::string> only_cases;  ///< names; empty: all
   RecordingBench bench;
   std::filesystem::path output;
 };

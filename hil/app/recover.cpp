@@ -11,7 +11,8 @@ Result<Recovered> recover(const RecoverRequest& request) {
     return fail(ErrorCode::usage, "the journal itself would be overwritten", out.output.string(),
                 "choose another name with --out");
   if (!request.overwrite && std::filesystem::exists(out.output, ignored))
-    return fail(ErrorCode::usage, "the output exists already", out.output.string(), "add --force to replace it");
+    return fail(ErrorCode::usage, "the output exists already", out.output.string(),
+                "add --force to replace it");
   FORCEGATE_TRY(out.report, recover_journal(request.journal, out.output));
   return out;
 }

@@ -43,11 +43,13 @@ void ResumeJournal::keep(const std::string& line) {
   if (!file_) return;
   const std::string whole = line + "\n";
   const std::lock_guard lock(*turn_);
-  failed_ |= std::fwrite(whole.data(), 1, whole.size(), file_.get()) != whole.size() || std::fflush(file_.get()) != 0;
+  failed_ |= std::fwrite(whole.data(), 1, whole.size(), file_.get()) != whole.size() ||
+             std::fflush(file_.get()) != 0;
 }
 
 Result<void> ResumeJournal::status() const {
-  if (failed_) return fail(ErrorCode::io, "the journal could not be written to the end", path_, "is the disk full?");
+  if (failed_)
+    return fail(ErrorCode::io, "the journal could not be written to the end", path_, "is the disk full?");
   return {};
 }
 

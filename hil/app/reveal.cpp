@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-
 #include "hil/app/mystery.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"

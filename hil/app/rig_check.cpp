@@ -40,8 +40,8 @@ Result<SelfcheckAnswer> selfcheck(const SelfcheckRequest& request, const GatePro
     history.push_back(visit_of(answer.result));
     FORCEGATE_CHECK_OK(append_visit(request.history, history.back()));
     answer.charts = control_charts(history);
-    answer.visits = static_cast<std::size_t>(
-        std::count_if(history.begin(), history.end(), [&](const RigVisit& v) { return v.rig == history.back().rig; }));
+    answer.visits = static_cast<std::size_t>(std::count_if(
+        history.begin(), history.end(), [&](const RigVisit& v) { return v.rig == history.back().rig; }));
     for (const ControlChart& chart : answer.charts)
       if (!chart.in_control) answer.reasons.push_back(chart.quantity + " " + chart.text);
   }
@@ -61,13 +61,13 @@ std::string selfcheck_text(const SelfcheckAnswer& a) {
       if (at == now.values.end()) continue;
       const std::string limit =
           check.limit.kind == Limit::Kind::none ? "no limit" : fmt::format("limit {:.4g}", check.limit.value);
-      out += fmt::format("    {:<11} {:<26} {:>10.4g} {:<4} {:<16} {}\n", to_string(check.verdict), check.id, check.value,
-                         check.unit, limit, check.evidence);
+      out += fmt::format("    {:<11} {:<26} {:>10.4g} {:<4} {:<16} {}\n", to_string(check.verdict), check.id,
+                         check.value, check.unit, limit, check.evidence);
     }
   }
   if (a.charts.empty()) return out;
-  out += fmt::format("  control chart over {} visits (centre and spread from the first {}; {} are needed)\n", a.visits,
-                     std::min(a.visits - 1, ControlChart::kBaseline), ControlChart::kNeeded);
+  out += fmt::format("  control chart over {} visits (centre and spread from the first {}; {} are needed)\n",
+                     a.visits, std::min(a.visits - 1, ControlChart::kBaseline), ControlChart::kNeeded);
   for (const ControlChart& chart : a.charts)
     out += fmt::format("    {:<11} {:<26} centre {:>10.4g} s {:<10.2g} {}\n",
                        !chart.enough      ? "too few"
@@ -91,8 +91,8 @@ std::string selfcheck_json(const SelfcheckAnswer& a) {
   const RigVisit now = visit_of(a.result);
   nlohmann::ordered_json values = nlohmann::ordered_json::object();
   for (const auto& [name, value] : now.values) values[name] = value;
-  return nlohmann::ordered_json{{"format", 1},       {"fit", a.fit},      {"reasons", a.reasons},
-                                {"rig", now.rig},    {"values", values},  {"visits", a.visits},
+  return nlohmann::ordered_json{{"format", 1},     {"fit", a.fit},     {"reasons", a.reasons},
+                                {"rig", now.rig},  {"values", values}, {"visits", a.visits},
                                 {"charts", charts}}
       .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -114,7 +114,8 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
     FORCEGATE_TRY(const RunResult result, gate(again, part, cancelled));
     if (result.decision.exit_code == 130) return fail(ErrorCode::cancelled, "interrupted");
     if (result.decision.exit_code == 4)
-      return fail(ErrorCode::device, "the rig is not sound: " + result.decision.reason, {}, "forcegate bench selfcheck");
+      return fail(ErrorCode::device, "the rig is not sound: " + result.decision.reason, {},
+                  "forcegate bench selfcheck");
     answer.limits.plan = plan.name;
     answer.limits.firmware_sha256 = result.firmware_sha256;
     answer.limits.rig = result.rig.name + "/" + result.rig.version + " " + result.rig.id;
@@ -124,7 +125,8 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
       const bool relative = c.facts.mean_N - c.facts.amplitude_N >= plan.limits.minima_floor_N;
       for (const Check& check : c.checks) {
         if (check.id != "mre_maxima" && check.id != (relative ? "mre_minima" : "mae_minima")) continue;
-        if (!std::isfinite(check.value)) return fail(ErrorCode::device, "a record gave no value for " + check.id, c.id);
+        if (!std::isfinite(check.value))
+          return fail(ErrorCode::device, "a record gave no value for " + check.id, c.id);
         values[{name, check.id}].push_back(check.value);
         like[{name, check.id}] = check;
       }
@@ -134,45 +136,62 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
   for (const auto& [key, list] : values) {
     const Moments m = moments(list);
     const double p99 = sample_quantile(list, 0.99), derived = p99 + 2.0 * m.sd;
-    const auto planned = std::find_if(plan.cases.begin(), plan.cases.end(), [&](const PlanCase& c) { return c.name == key.first; });
+    const auto planned = std::find_if(plan.cases.begin(), plan.cases.end(),
+                                      [&](const PlanCase& c) { return c.name == key.first; });
     double given = std::nan("");  // limit of the plan
-    if (planned != plan.cases.end() && key.second == "mre_maxima") given = planned->maxima_pct.value_or(given);
-    if (planned != plan.cases.end() && key.second == "mre_minima") given = planned->minima_pct.value_or(given);
-    CheckRepeatability row{key.first, key.second, like[key].unit, list.size(), m.mean, m.sd,
-                           *std::max_element(list.begin(), list.end()), given, 0.0, false};
+    if (planned != plan.cases.end() && key.second == "mre_maxima")
+      given = planned->maxima_pct.value_or(given);
+    if (planned != plan.cases.end() && key.second == "mre_minima")
+      given = planned->minima_pct.value_or(given);
+    CheckRepeatability row{key.first,
+                           key.second,
+                           like[key].unit,
+                           list.size(),
+                           m.mean,
+                           m.sd,
+                           *std::max_element(list.begin(), list.end()),
+                           given,
+                           0.0,
+                           false};
     row.gauge_pct = gauge_share_pct(m.sd, std::isnan(given) ? derived : given);
     row.resolved = row.gauge_pct <= kGaugeRefused_pct;
-    if (row.resolved) answer.limits.by_case_and_check[key] = {p99, m.sd, derived, like[key].unit, list.size()};
+    if (row.resolved)
+      answer.limits.by_case_and_check[key] = {p99, m.sd, derived, like[key].unit, list.size()};
     answer.rows.push_back(std::move(row));
   }
   return answer;
 }
 
 std::string repeatability_text(const RepeatabilityAnswer& a) {
-  std::string out = fmt::format("{:<26}{:<12}{:>4}{:>9}{:>9}{:>9}{:>14}{:>8}\n", "case", "error", "n", "mean", "s", "largest",
-                                "plan's limit", "%GRR");
+  std::string out = fmt::format("{:<26}{:<12}{:>4}{:>9}{:>9}{:>9}{:>14}{:>8}\n", "case", "error", "n", "mean",
+                                "s", "largest", "plan's limit", "%GRR");
   std::size_t refused = 0;
   for (const CheckRepeatability& r : a.rows) {
     refused += !r.resolved;
-    out += fmt::format("{:<26}{:<12}{:>4}{:>9.3f}{:>9.3f}{:>9.3f}{:>14}{:>8.1f}  {}\n", r.case_name, r.check_id, r.n, r.mean, r.s,
-                       r.largest, std::isfinite(r.plan_limit) ? fmt::format("{:.3g}", r.plan_limit) : "derived", r.gauge_pct,
-                       r.resolved ? "" : "REFUSED: this rig cannot resolve that limit");
+    out += fmt::format("{:<26}{:<12}{:>4}{:>9.3f}{:>9.3f}{:>9.3f}{:>14}{:>8.1f}  {}\n", r.case_name,
+                       r.check_id, r.n, r.mean, r.s, r.largest,
+                       std::isfinite(r.plan_limit) ? fmt::format("{:.3g}", r.plan_limit) : "derived",
+                       r.gauge_pct, r.resolved ? "" : "REFUSED: this rig cannot resolve that limit");
   }
-  out += fmt::format("%GRR = 100 x 3 s / limit; above {:.0f} the limit is refused. {} of {} limits resolved, rig {}\n",
-                     kGaugeRefused_pct, a.rows.size() - refused, a.rows.size(), a.limits.rig);
+  out += fmt::format(
+      "%GRR = 100 x 3 s / limit; above {:.0f} the limit is refused. {} of {} limits resolved, rig {}\n",
+      kGaugeRefused_pct, a.rows.size() - refused, a.rows.size(), a.limits.rig);
   return out;
 }
 
 std::string repeatability_json(const RepeatabilityAnswer& a) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const CheckRepeatability& r : a.rows) {
-    nlohmann::ordered_json one{{"case", r.case_name}, {"check", r.check_id}, {"unit", r.unit}, {"n", r.n}, {"mean", r.mean},
-                               {"s", r.s}, {"largest", r.largest}, {"grr_pct", r.gauge_pct}, {"resolved", r.resolved}};
+    nlohmann::ordered_json one{{"case", r.case_name},   {"check", r.check_id},
+                               {"unit", r.unit},        {"n", r.n},
+                               {"mean", r.mean},        {"s", r.s},
+                               {"largest", r.largest},  {"grr_pct", r.gauge_pct},
+                               {"resolved", r.resolved}};
     if (std::isfinite(r.plan_limit)) one["plan_limit"] = r.plan_limit;
     rows.push_back(std::move(one));
   }
-  return nlohmann::ordered_json{{"format", 1}, {"rig", a.limits.rig}, {"date", a.limits.date}, {"rows", rows}}.dump(
-      2, ' ', false, nlohmann::json::error_handler_t::replace);
+  return nlohmann::ordered_json{{"format", 1}, {"rig", a.limits.rig}, {"date", a.limits.date}, {"rows", rows}}
+      .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace forcegate

@@ -13,9 +13,9 @@ struct SelfcheckRequest {
 };
 
 struct SelfcheckAnswer {
-  RunResult result;                 ///< the known-good build on the known profile
-  std::vector<ControlChart> charts; ///< with a history
-  std::size_t visits = 0;           ///< of this rig, with this one
+  RunResult result;                  ///< the known-good build on the known profile
+  std::vector<ControlChart> charts;  ///< with a history
+  std::size_t visits = 0;            ///< of this rig, with this one
   bool fit = false;
   std::vector<std::string> reasons;  ///< why not
 };
@@ -28,9 +28,9 @@ std::string selfcheck_text(const SelfcheckAnswer& answer);
 std::string selfcheck_json(const SelfcheckAnswer& answer);
 
 struct RepeatabilityRequest {
-  GateRequest gate;        ///< known-good firmware, plan, rig
-  std::size_t n = 20;      ///< runs, each with the next seed; on a real rig simply again
-  std::string date;        ///< for the limits file
+  GateRequest gate;    ///< known-good firmware, plan, rig
+  std::size_t n = 20;  ///< runs, each with the next seed; on a real rig simply again
+  std::string date;    ///< for the limits file
 };
 
 /// How one judged error of one case varies when nothing is changed.
@@ -48,7 +48,8 @@ struct RepeatabilityAnswer {
   DerivedLimits limits;  ///< only of what the rig resolves; n, date, rig id
 };
 
-Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, const GateProgress& progress = {},
+Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request,
+                                          const GateProgress& progress = {},
                                           const std::atomic<bool>* cancelled = nullptr);
 std::string repeatability_text(const RepeatabilityAnswer& answer);
 std::string repeatability_json(const RepeatabilityAnswer& answer);

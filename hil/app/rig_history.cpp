@@ -49,9 +49,11 @@ Result<std::vector<RigVisit>> read_history(const std::filesystem::path& path) {
     if (line.empty()) continue;
     const auto j = nlohmann::json::parse(line, nullptr, false);
     if (!j.is_object() || j.value("format", 0) != 1 || !j.contains("values") || !j["values"].is_object())
-      return fail(ErrorCode::parse, "this is no line of a rig's history", fmt::format("{}:{}", path.string(), line_number),
+      return fail(ErrorCode::parse, "this is no line of a rig's history",
+                  fmt::format("{}:{}", path.string(), line_number),
                   "give the file that forcegate bench selfcheck --history wrote");
-    RigVisit v{j.value("date", ""), j.value("rig", ""), j.value("firmware_sha256", ""), j.value("decision", ""), {}};
+    RigVisit v{
+        j.value("date", ""), j.value("rig", ""), j.value("firmware_sha256", ""), j.value("decision", ""), {}};
     for (const auto& [name, value] : j["values"].items())
       if (value.is_number()) v.values[name] = value.get<double>();
     visits.push_back(std::move(v));
@@ -95,12 +97,14 @@ ControlChart control_chart(const std::string& quantity, const std::vector<double
   for (std::size_t i = 0; i < x.size(); ++i) chart.ewma.push_back(z = kLambda * x[i] + (1.0 - kLambda) * z);
   if (!chart.enough) return chart;
   const double k = 2.0 * static_cast<double>(x.size());
-  const double width = kWidth * chart.s * std::sqrt(kLambda / (2.0 - kLambda) * (1.0 - std::pow(1.0 - kLambda, k)));
+  const double width =
+      kWidth * chart.s * std::sqrt(kLambda / (2.0 - kLambda) * (1.0 - std::pow(1.0 - kLambda, k)));
   if (std::fabs(x.back() - chart.centre) > kWidth * chart.s)
     chart.text = fmt::format("{:.4g} is {:.1f} standard deviations from {:.4g}", x.back(),
                              std::fabs(x.back() - chart.centre) / chart.s, chart.centre);
   else if (std::fabs(z - chart.centre) > width)
-    chart.text = fmt::format("has drifted: its moving mean is {:.4g}, {:.4g} +- {:.2g} at the beginning", z, chart.centre, width);
+    chart.text = fmt::format("has drifted: its moving mean is {:.4g}, {:.4g} +- {:.2g} at the beginning", z,
+                             chart.centre, width);
   chart.in_control = chart.text.empty();
   return chart;
 }

@@ -13,10 +13,10 @@ namespace forcegate {
 
 /// One self-check. The history is a text file, one JSON object a line, only ever appended to.
 struct RigVisit {
-  std::string date;      ///< ISO 8601
-  std::string rig;       ///< "emulated/1 emulated-flexiforce": name, version, id
+  std::string date;  ///< ISO 8601
+  std::string rig;   ///< "emulated/1 emulated-flexiforce": name, version, id
   std::string firmware_sha256;
-  std::string decision;  ///< "ACCEPT" ...
+  std::string decision;                  ///< "ACCEPT" ...
   std::map<std::string, double> values;  ///< "rig_reference_zero" -> 0.004
 };
 
@@ -37,9 +37,9 @@ struct ControlChart {
   std::string quantity;
   std::vector<double> x, ewma;
   double centre = 0.0, s = 0.0;
-  bool enough = false;         ///< at least kNeeded visits before the last
-  bool in_control = true;      ///< of the last visit
-  std::string text;            ///< why not
+  bool enough = false;     ///< at least kNeeded visits before the last
+  bool in_control = true;  ///< of the last visit
+  std::string text;        ///< why not
 };
 ControlChart control_chart(const std::string& quantity, const std::vector<double>& x, double resolution);
 

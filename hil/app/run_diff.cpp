@@ -33,9 +33,11 @@ void compare_conditions(RunDiff& d) {
   const auto note = [&](const char* what, const std::string& a, const std::string& b) {
     if (a != b) d.differences.push_back(fmt::format("{}: {} and {}", what, a, b));
   };
-  note("plan", d.a.plan_name + " " + d.a.plan_sha256.substr(0, 12), d.b.plan_name + " " + d.b.plan_sha256.substr(0, 12));
+  note("plan", d.a.plan_name + " " + d.a.plan_sha256.substr(0, 12),
+       d.b.plan_name + " " + d.b.plan_sha256.substr(0, 12));
   note("seed", std::to_string(d.a.seed), std::to_string(d.b.seed));
-  note("rig", d.a.rig.name + "/" + d.a.rig.version + " " + d.a.rig.id, d.b.rig.name + "/" + d.b.rig.version + " " + d.b.rig.id);
+  note("rig", d.a.rig.name + "/" + d.a.rig.version + " " + d.a.rig.id,
+       d.b.rig.name + "/" + d.b.rig.version + " " + d.b.rig.id);
   note("version", d.a.tool_version, d.b.tool_version);
   d.same_conditions = d.differences.empty();
 }
@@ -61,9 +63,9 @@ CheckSummary summarise(const std::string& id, const std::string& unit, const std
     s.high = m.mean + U;
   }
   s.in_words = m.mean == 0.0 && (deltas.size() < 2 || s.u == 0.0) ? "the same"
-               : s.high < 0.0                                      ? "better"
-               : s.low > 0.0                                       ? "worse"
-                                                                   : "no difference shown";
+               : s.high < 0.0                                     ? "better"
+               : s.low > 0.0                                      ? "worse"
+                                                                  : "no difference shown";
   return s;
 }
 
@@ -87,42 +89,57 @@ Result<RunDiff> diff_runs(const std::filesystem::path& a, const std::filesystem:
       const auto at = partner->second.find(id);
       if (at == partner->second.end()) continue;
       const Check& second = *at->second;
-      CheckDelta one{case_id, id, first->unit, first->value, second.value, second.value - first->value,
-                     std::hypot(first->u, second.u), first->verdict, second.verdict};
+      CheckDelta one{case_id,
+                     id,
+                     first->unit,
+                     first->value,
+                     second.value,
+                     second.value - first->value,
+                     std::hypot(first->u, second.u),
+                     first->verdict,
+                     second.verdict};
       if (is_error(id) && !case_id.empty() && std::isfinite(one.delta)) {
         deltas[id].first = first->unit;
         deltas[id].second.push_back(one.delta);
       }
       if (one.delta != 0.0 || one.verdict_a != one.verdict_b)
         if (std::isfinite(one.delta) || one.verdict_a != one.verdict_b)
-          ranked.emplace_back((one.verdict_a != one.verdict_b ? 1e6 : 0.0) + share_of_limit(one, *first), std::move(one));
+          ranked.emplace_back((one.verdict_a != one.verdict_b ? 1e6 : 0.0) + share_of_limit(one, *first),
+                              std::move(one));
     }
   }
   for (const auto& [case_id, checks] : of_b)
     if (!of_a.contains(case_id)) d.only_in_b.push_back(case_id);
-  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& x, const auto& y) { return x.first > y.first; });
   for (auto& [rank, one] : ranked) d.checks.push_back(std::move(one));
   for (const auto& [id, list] : deltas) d.summary.push_back(summarise(id, list.first, list.second));
   return d;
 }
 
 std::string diff_text(const RunDiff& d) {
-  std::string out = fmt::format("A {} {}: {}\nB {} {}: {}\n", d.a.firmware_path, to_string(d.a.decision.kind),
-                                d.a.decision.reason, d.b.firmware_path, to_string(d.b.decision.kind), d.b.decision.reason);
+  std::string out =
+      fmt::format("A {} {}: {}\nB {} {}: {}\n", d.a.firmware_path, to_string(d.a.decision.kind),
+                  d.a.decision.reason, d.b.firmware_path, to_string(d.b.decision.kind), d.b.decision.reason);
   if (!d.same_conditions)
-    out += "NOT the same conditions, differences are not of the builds alone: " + join(d.differences, "; ") + "\n";
+    out += "NOT the same conditions, differences are not of the builds alone: " + join(d.differences, "; ") +
+           "\n";
   if (d.a.firmware_sha256 == d.b.firmware_sha256) out += "the same image on both sides\n";
-  out += fmt::format("\n{:<22}{:>5}{:>12}{:>12}   {:<24}{}\n", "B - A, over cases", "n", "mean", "u", "95 % interval", "B is");
+  out += fmt::format("\n{:<22}{:>5}{:>12}{:>12}   {:<24}{}\n", "B - A, over cases", "n", "mean", "u",
+                     "95 % interval", "B is");
   for (const CheckSummary& s : d.summary)
-    out += fmt::format("{:<22}{:>5}{:>12}{:>12}   {:<24}{}\n", s.check_id + " " + s.unit, s.n, fmt::format("{:+.4g}", s.mean_delta),
-                       std::isfinite(s.u) ? fmt::format("{:.2g}", s.u) : "-",
-                       std::isfinite(s.low) ? fmt::format("{:+.3g} to {:+.3g}", s.low, s.high) : "one pair only", s.in_words);
-  out += fmt::format("\n{} checks differ{}\n", d.checks.size(), d.checks.size() > 20 ? ", the first 20:" : ":");
+    out += fmt::format(
+        "{:<22}{:>5}{:>12}{:>12}   {:<24}{}\n", s.check_id + " " + s.unit, s.n,
+        fmt::format("{:+.4g}", s.mean_delta), std::isfinite(s.u) ? fmt::format("{:.2g}", s.u) : "-",
+        std::isfinite(s.low) ? fmt::format("{:+.3g} to {:+.3g}", s.low, s.high) : "one pair only",
+        s.in_words);
+  out +=
+      fmt::format("\n{} checks differ{}\n", d.checks.size(), d.checks.size() > 20 ? ", the first 20:" : ":");
   for (std::size_t i = 0; i < std::min<std::size_t>(20, d.checks.size()); ++i) {
     const CheckDelta& c = d.checks[i];
-    out += fmt::format("  {:<32}{:<20}{:>11} -> {:<11} {} {} ({}){}\n", c.case_id.empty() ? "run" : c.case_id, c.check_id,
-                       fmt::format("{:.5g}", c.a), fmt::format("{:.5g}", c.b), with_uncertainty(c.delta, c.u), c.unit,
-                       to_string(c.verdict_b),
+    out += fmt::format("  {:<32}{:<20}{:>11} -> {:<11} {} {} ({}){}\n", c.case_id.empty() ? "run" : c.case_id,
+                       c.check_id, fmt::format("{:.5g}", c.a), fmt::format("{:.5g}", c.b),
+                       with_uncertainty(c.delta, c.u), c.unit, to_string(c.verdict_b),
                        c.verdict_a == c.verdict_b ? "" : fmt::format(", was {}", to_string(c.verdict_a)));
   }
   if (!d.only_in_a.empty()) out += "only in A: " + join(d.only_in_a, ", ") + "\n";
@@ -131,22 +148,44 @@ std::string diff_text(const RunDiff& d) {
 }
 
 std::string diff_json(const RunDiff& d) {
-  const auto number = [](double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(); };
+  const auto number = [](double v) {
+    return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json();
+  };
   nlohmann::ordered_json checks = nlohmann::ordered_json::array(), summary = nlohmann::ordered_json::array();
   for (const CheckDelta& c : d.checks)
-    checks.push_back({{"case", c.case_id}, {"check", c.check_id}, {"unit", c.unit}, {"a", number(c.a)}, {"b", number(c.b)},
-                      {"delta", number(c.delta)}, {"u", number(c.u)}, {"verdict_a", to_string(c.verdict_a)},
+    checks.push_back({{"case", c.case_id},
+                      {"check", c.check_id},
+                      {"unit", c.unit},
+                      {"a", number(c.a)},
+                      {"b", number(c.b)},
+                      {"delta", number(c.delta)},
+                      {"u", number(c.u)},
+                      {"verdict_a", to_string(c.verdict_a)},
                       {"verdict_b", to_string(c.verdict_b)}});
   for (const CheckSummary& s : d.summary)
-    summary.push_back({{"check", s.check_id}, {"unit", s.unit}, {"n", s.n}, {"mean_delta", number(s.mean_delta)},
-                       {"u", number(s.u)}, {"low", number(s.low)}, {"high", number(s.high)}, {"b_is", s.in_words}});
+    summary.push_back({{"check", s.check_id},
+                       {"unit", s.unit},
+                       {"n", s.n},
+                       {"mean_delta", number(s.mean_delta)},
+                       {"u", number(s.u)},
+                       {"low", number(s.low)},
+                       {"high", number(s.high)},
+                       {"b_is", s.in_words}});
   const auto side = [](const RunResult& r) {
-    return nlohmann::ordered_json{{"firmware", r.firmware_path}, {"sha256", r.firmware_sha256},
-                                  {"decision", to_string(r.decision.kind)}, {"reason", r.decision.reason}};
+    return nlohmann::ordered_json{{"firmware", r.firmware_path},
+                                  {"sha256", r.firmware_sha256},
+                                  {"decision", to_string(r.decision.kind)},
+                                  {"reason", r.decision.reason}};
   };
-  return nlohmann::ordered_json{{"format", 1}, {"a", side(d.a)}, {"b", side(d.b)}, {"same_conditions", d.same_conditions},
-                                {"condition_differences", d.differences}, {"summary", summary}, {"checks", checks},
-                                {"only_in_a", d.only_in_a}, {"only_in_b", d.only_in_b}}
+  return nlohmann::ordered_json{{"format", 1},
+                                {"a", side(d.a)},
+                                {"b", side(d.b)},
+                                {"same_conditions", d.same_conditions},
+                                {"condition_differences", d.differences},
+                                {"summary", summary},
+                                {"checks", checks},
+                                {"only_in_a", d.only_in_a},
+                                {"only_in_b", d.only_in_b}}
       .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

@@ -30,9 +30,10 @@ struct CheckSummary {
 
 struct RunDiff {
   RunResult a, b;
-  bool same_conditions = false;  ///< plan, seed and rig agree
+  bool same_conditions = false;          ///< plan, seed and rig agree
   std::vector<std::string> differences;  ///< of the conditions
-  std::vector<CheckDelta> checks;        ///< pairs whose values or verdicts differ, largest share of their limit first
+  std::vector<CheckDelta>
+      checks;  ///< pairs whose values or verdicts differ, largest share of their limit first
   std::vector<CheckSummary> summary;
   std::vector<std::string> only_in_a, only_in_b;  ///< cases without a partner
 };

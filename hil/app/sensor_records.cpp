@@ -14,7 +14,8 @@ using Json = nlohmann::ordered_json;
 
 Json numbers(const std::vector<double>& values) {
   Json out = Json::array();
-  for (const double v : values) out.push_back(std::isfinite(v) ? Json(v) : std::isnan(v) ? Json(nullptr) : Json(v > 0 ? "inf" : "-inf"));
+  for (const double v : values)
+    out.push_back(std::isfinite(v) ? Json(v) : std::isnan(v) ? Json(nullptr) : Json(v > 0 ? "inf" : "-inf"));
   return out;
 }
 
@@ -22,7 +23,10 @@ std::vector<double> numbers(const Json& list) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<double> out;
   for (const Json& v : list)
-    out.push_back(v.is_number() ? v.get<double>() : v == "inf" ? kInfinity : v == "-inf" ? -kInfinity : std::nan(""));
+    out.push_back(v.is_number() ? v.get<double>()
+                  : v == "inf"  ? kInfinity
+                  : v == "-inf" ? -kInfinity
+                                : std::nan(""));
   return out;
 }
 
@@ -46,7 +50,9 @@ SensorRecord record_of(const Json& j) {
 
 bool sound(const SensorRecord& r, const characterize::WeightGatePlan& plan) {
   const std::size_t n = r.frames.force_N.size();
-  if (n == 0 || r.frames.oracle_N.size() != n || r.frames.conductance_N.size() != n || r.frames.loading.size() != n) return false;
+  if (n == 0 || r.frames.oracle_N.size() != n || r.frames.conductance_N.size() != n ||
+      r.frames.loading.size() != n)
+    return false;
   for (const std::size_t l : r.frames.loading)
     if (l > plan.loadings) return false;
   return r.failure || (r.answers.force_N.size() == n && r.answers.flags.size() == n);
@@ -72,7 +78,9 @@ std::string to_text(const std::vector<SensorRecord>& records) {
   return out;
 }
 
-Result<std::vector<SensorRecord>> sensor_records_from(std::string_view text, const characterize::WeightGatePlan& plan, const std::string& name) {
+Result<std::vector<SensorRecord>> sensor_records_from(std::string_view text,
+                                                      const characterize::WeightGatePlan& plan,
+                                                      const std::string& name) {
   std::vector<SensorRecord> out;
   for (const std::string& line : split(text, '\n')) {
     if (line.empty()) continue;
@@ -81,7 +89,8 @@ Result<std::vector<SensorRecord>> sensor_records_from(std::string_view text, con
     } catch (const Json::exception&) {
       return fail(ErrorCode::parse, "a line is no record of a sensor", name);
     }
-    if (!sound(out.back(), plan)) return fail(ErrorCode::parse, "the lists of a record are not of one length", name);
+    if (!sound(out.back(), plan))
+      return fail(ErrorCode::parse, "the lists of a record are not of one length", name);
   }
   return out;
 }

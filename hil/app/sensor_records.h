@@ -13,6 +13,8 @@ namespace forcegate {
 std::string to_text(const std::vector<characterize::SensorRecord>& records);
 
 /// Inverse. Errors (parse): no JSON, lists of different lengths, a frame of no loading.
-Result<std::vector<characterize::SensorRecord>> sensor_records_from(std::string_view text, const characterize::WeightGatePlan& plan, const std::string& name);
+Result<std::vector<characterize::SensorRecord>> sensor_records_from(std::string_view text,
+                                                                    const characterize::WeightGatePlan& plan,
+                                                                    const std::string& name);
 
 }  // namespace forcegate

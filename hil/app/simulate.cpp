@@ -28,7 +28,8 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
     }
     const auto file = folder / (r.name + ".csv");
     FORCEGATE_CHECK_OK(write_file_atomically(file, text));
-    out.items.push_back({r.name, file, r.rows(), std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, r.rows())))});
+    out.items.push_back({r.name, file, r.rows(),
+                         std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, r.rows())))});
   }
   return out;
 }

@@ -22,8 +22,8 @@ bool parse_double(std::string_view text, double& value) {
 }
 
 Unexpected not_number(const std::string& word, std::string_view part) {
-  return fail(ErrorCode::usage, fmt::format("\"{}\" in \"{}\" is not a number", part, word), "forcegate stimulus",
-              "write decimals with a point, as in f_Hz=0.5");
+  return fail(ErrorCode::usage, fmt::format("\"{}\" in \"{}\" is not a number", part, word),
+              "forcegate stimulus", "write decimals with a point, as in f_Hz=0.5");
 }
 
 const StimulusParameter* find_parameter(const StimulusKind* kind, std::string_view name) {
@@ -130,8 +130,9 @@ Result<void> write_stimulus_svg(const SampledStimulus& sampled, const std::strin
     cycles.title = "Five cycles from the start of the excitation";
     cycles.line(part(t), part(sampled.force_N), {Role::setpoint});
   }
-  figure.summary = fmt::format("Force between {} N and {} N over {} s.", with_uncertainty(sampled.facts.minimum_N, 0.0),
-                               with_uncertainty(sampled.facts.maximum_N, 0.0), shortest(sampled.duration_s));
+  figure.summary =
+      fmt::format("Force between {} N and {} N over {} s.", with_uncertainty(sampled.facts.minimum_N, 0.0),
+                  with_uncertainty(sampled.facts.maximum_N, 0.0), shortest(sampled.duration_s));
   return write_file_atomically(path, figure.svg(Figure::Target::standalone));
 }
 

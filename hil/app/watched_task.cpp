@@ -48,7 +48,8 @@ constexpr char kText = 'T', kError = 'E';
 std::string answer_of(const Result<std::string>& made) {
   if (made) return kText + *made;
   const Error& e = made.error();
-  return kError + nlohmann::json{static_cast<int>(e.code), e.text, e.where, e.hint}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return kError + nlohmann::json{static_cast<int>(e.code), e.text, e.where, e.hint}.dump(
+                      -1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 [[noreturn]] void serve(const WatchedTask& task, WorkerPage* page, int out) {
@@ -209,7 +210,8 @@ class Pool {
     kill(w.pid, SIGKILL);
     int status = 0;
     waitpid(w.pid, &status, 0);
-    answers_[w.task] = gone(w.task, interrupted ? ErrorCode::cancelled : ErrorCode::firmware, std::move(text));
+    answers_[w.task] =
+        gone(w.task, interrupted ? ErrorCode::cancelled : ErrorCode::firmware, std::move(text));
     release(w);
   }
 
@@ -218,28 +220,33 @@ class Pool {
     w.in = -1;
     int status = 0;
     waitpid(w.pid, &status, 0);
-    answers_[w.task] = WIFEXITED(status) && WEXITSTATUS(status) == 0 && !w.answer.empty() ? answered(w) : ended(w, status);
+    answers_[w.task] =
+        WIFEXITED(status) && WEXITSTATUS(status) == 0 && !w.answer.empty() ? answered(w) : ended(w, status);
     release(w);
   }
 
   Result<std::string> answered(Worker& w) const {
     if (w.answer.front() == kText) return std::move(w.answer.erase(0, 1));
     const auto e = nlohmann::json::parse(w.answer.begin() + 1, w.answer.end(), nullptr, false);
-    if (w.answer.front() != kError || !e.is_array() || e.size() != 4) return gone(w.task, ErrorCode::internal, "a worker gave no answer");
+    if (w.answer.front() != kError || !e.is_array() || e.size() != 4)
+      return gone(w.task, ErrorCode::internal, "a worker gave no answer");
     return Unexpected(Error{static_cast<ErrorCode>(e[0].get<int>()), e[1], e[2], e[3]});
   }
 
   Result<std::string> ended(const Worker& w, int status) const {
     const std::string how =
         WIFSIGNALED(status)
-            ? fmt::format("signal {} ({})", sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
+            ? fmt::format("signal {} ({})",
+                          sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
                           strsignal(WTERMSIG(status)))
             : fmt::format("exit code {}", WEXITSTATUS(status));
     // The emergency stop of a bench ends whoever holds it; no firmware is judged by that.
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM)
       return gone(w.task, ErrorCode::cancelled, "stopped from outside: forcegate bench park, or a kill");
     if (w.page->guard.in_firmware.load() != 0)
-      return gone(w.task, ErrorCode::firmware, fmt::format("the firmware crashed with {} after sample {}", how, w.page->guard.sample_index.load()));
+      return gone(w.task, ErrorCode::firmware,
+                  fmt::format("the firmware crashed with {} after sample {}", how,
+                              w.page->guard.sample_index.load()));
     return gone(w.task, ErrorCode::internal, fmt::format("a worker ended with {} outside the firmware", how));
   }
 
@@ -260,7 +267,8 @@ class Pool {
 
 }  // namespace
 
-std::vector<Result<std::string>> run_watched(const std::vector<WatchedTask>& tasks, const WorkerOptions& options, const WorkerEvents& events) {
+std::vector<Result<std::string>> run_watched(const std::vector<WatchedTask>& tasks,
+                                             const WorkerOptions& options, const WorkerEvents& events) {
   return Pool(tasks, options, events).run();
 }
 

@@ -35,6 +35,7 @@ struct WatchedTask {
 /// it was. A child that dies or hangs gives ErrorCode::firmware when it was inside the image (FirmwareGuard), with signal
 /// and sample, else internal; one that is stopped from outside or interrupted gives cancelled. The calling process must
 /// have no other threads.
-std::vector<Result<std::string>> run_watched(const std::vector<WatchedTask>& tasks, const WorkerOptions& options, const WorkerEvents& events = {});
+std::vector<Result<std::string>> run_watched(const std::vector<WatchedTask>& tasks,
+                                             const WorkerOptions& options, const WorkerEvents& events = {});
 
 }  // namespace forcegate

@@ -20,9 +20,12 @@ using namespace characterize;
 
 constexpr const char* kBench = "dead_weight";
 
-std::string sensor_name(const WeightGatePlan& plan, std::size_t sensor) { return fmt::format("pack{}-sensor{}", plan.pack, sensor + 1); }
+std::string sensor_name(const WeightGatePlan& plan, std::size_t sensor) {
+  return fmt::format("pack{}-sensor{}", plan.pack, sensor + 1);
+}
 
-Result<PackFrames> frames_of(const WeightGatePlan& plan, const std::string& bench, const std::map<std::string, std::string>& options) {
+Result<PackFrames> frames_of(const WeightGatePlan& plan, const std::string& bench,
+                             const std::map<std::string, std::string>& options) {
   return play_pack(plan, [&](double rate_Hz) {
     auto own = options;
     if (rate_Hz > 0.0) own["rate_Hz"] = shortest(rate_Hz);
@@ -30,14 +33,16 @@ Result<PackFrames> frames_of(const WeightGatePlan& plan, const std::string& benc
   });
 }
 
-DutSession session_of(const WeightGatePlan& plan, const WeightBenchInfo& bench, std::size_t sensor, const std::filesystem::path& image, const std::string& image_sha256) {
+DutSession session_of(const WeightGatePlan& plan, const WeightBenchInfo& bench, std::size_t sensor,
+                      const std::filesystem::path& image, const std::string& image_sha256) {
   DutSession session;
   session.image = image;
   session.rate_Hz = bench.rate_Hz;
   session.calibration.v_range_V = 2.0 * bench.range_V;
   session.calibration.adc_bits = bench.adc_bits;
   session.calibration.id = fmt::format("{}/{}/{}", plan.study.seed, plan.pack, sensor + 1);
-  session.nonce = static_cast<std::uint32_t>(mix_seed(plan.study.seed, image_sha256 + sensor_name(plan, sensor)) & 0xFFFFFFFFu);
+  session.nonce = static_cast<std::uint32_t>(
+      mix_seed(plan.study.seed, image_sha256 + sensor_name(plan, sensor)) & 0xFFFFFFFFu);
   return session;
 }
 
@@ -64,7 +69,8 @@ constexpr std::string_view kOption = "option ";
 
 class WeightGateRun {
  public:
-  WeightGateRun(const GateRequest& request, WeightGatePlan plan, std::string lane, const std::atomic<bool>* cancelled)
+  WeightGateRun(const GateRequest& request, WeightGatePlan plan, std::string lane,
+                const std::atomic<bool>* cancelled)
       : request_(request), lane_(std::move(lane)), cancelled_(cancelled) {
     m_.plan = std::move(plan);
   }
@@ -78,7 +84,8 @@ class WeightGateRun {
       folder.emplace(std::move(opened));
     }
     if (progress) progress(0.0, "training and frames");
-    FORCEGATE_TRY(pack_, frames_of(m_.plan, request_.rig == "emulated" ? kBench : request_.rig, request_.rig_options));
+    FORCEGATE_TRY(
+        pack_, frames_of(m_.plan, request_.rig == "emulated" ? kBench : request_.rig, request_.rig_options));
     head(sha256);
     FORCEGATE_CHECK_OK(choose_sensors());
     if (!request_.accepted.empty()) FORCEGATE_CHECK_OK(open_the_accepted());
@@ -87,7 +94,8 @@ class WeightGateRun {
     std::vector<GoldenMargins> margins;
     RunResult result = judged_run(m_, evidence_, m_.head.notes, &margins);
     if (folder && result.decision.exit_code != kInterrupted)
-      FORCEGATE_CHECK_OK(publish_run(*folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_}, m_, margins, result));
+      FORCEGATE_CHECK_OK(publish_run(
+          *folder, {m_.plan.path, request_.firmware, {}, request_.waivers, evidence_}, m_, margins, result));
     return result;
   }
 
@@ -103,8 +111,9 @@ class WeightGateRun {
     h.seed = m_.plan.study.seed;
     h.rig = rig_of(pack_.bench, request_.rig_options);
     h.decision_rule = m_.plan.rule.to_text();
-    h.notes.push_back(fmt::format("eq. (11) compares with the conductance model of the same {} training loadings; the networks belong to pack {} of seed {}",
-                                  m_.plan.study.training, m_.plan.pack, m_.plan.study.seed));
+    h.notes.push_back(fmt::format(
+        "eq. (11) compares with the conductance model of the same {} training loadings; the networks belong to pack {} of seed {}",
+        m_.plan.study.training, m_.plan.pack, m_.plan.study.seed));
   }
 
   Result<void> choose_sensors() {
@@ -112,7 +121,8 @@ class WeightGateRun {
     for (std::size_t s = 0; s < m_.sensors; ++s) names.push_back(sensor_name(m_.plan, s));
     FORCEGATE_CHECK_OK(known_cases(request_.only_cases, names, m_.plan.path.string()));
     for (std::size_t s = 0; s < m_.sensors; ++s)
-      if (request_.only_cases.empty() || std::find(request_.only_cases.begin(), request_.only_cases.end(), names[s]) != request_.only_cases.end()) {
+      if (request_.only_cases.empty() || std::find(request_.only_cases.begin(), request_.only_cases.end(),
+                                                   names[s]) != request_.only_cases.end()) {
         SensorRecord& record = m_.records.emplace_back();
         record.sensor = s;
         record.frames = pack_.sensors[s];
@@ -120,7 +130,9 @@ class WeightGateRun {
         m_.head.cases.push_back(case_of(s));
       }
     if (m_.records.size() < m_.sensors)
-      m_.head.notes.push_back(fmt::format("{} of {} sensors were played: what is asked of the whole pack was not judged", m_.records.size(), m_.sensors));
+      m_.head.notes.push_back(
+          fmt::format("{} of {} sensors were played: what is asked of the whole pack was not judged",
+                      m_.records.size(), m_.sensors));
     return {};
   }
 
@@ -128,10 +140,12 @@ class WeightGateRun {
     const WeightPlan& study = m_.plan.study;
     CaseResult out;
     out.id = sensor_name(m_.plan, s);
-    out.title = fmt::format("Sensor {} of pack {}, {} loadings of 0 to {:.0f} N and a saturated amplifier", s + 1, m_.plan.pack, m_.plan.loadings, study.force_max_N);
+    out.title = fmt::format("Sensor {} of pack {}, {} loadings of 0 to {:.0f} N and a saturated amplifier",
+                            s + 1, m_.plan.pack, m_.plan.loadings, study.force_max_N);
     out.lane = lane_;
     out.loop = "open";
-    out.stimulus = fmt::format("weights step_N={} force_max_N={}", shortest(study.step_N), shortest(study.force_max_N));
+    out.stimulus =
+        fmt::format("weights step_N={} force_max_N={}", shortest(study.step_N), shortest(study.force_max_N));
     out.facts.minimum_N = study.step_N;
     out.facts.maximum_N = study.force_max_N;
     out.facts.mean_N = 0.5 * study.force_max_N;
@@ -153,10 +167,13 @@ class WeightGateRun {
     const std::filesystem::path path = accepted_->path;
     auto bundle = read_bundle(path.parent_path());
     if (!bundle)
-      return fail(ErrorCode::usage, "the stored run of the accepted build cannot be compared frame by frame: " + bundle.error().text, bundle.error().where,
-                  "give the folder of its run as forcegate gate -o wrote it, or its image");
+      return fail(
+          ErrorCode::usage,
+          "the stored run of the accepted build cannot be compared frame by frame: " + bundle.error().text,
+          bundle.error().where, "give the folder of its run as forcegate gate -o wrote it, or its image");
     const auto* theirs = std::get_if<WeightMaterial>(&bundle->material);
-    if (theirs == nullptr) return fail(ErrorCode::usage, "the stored run is of another kind of gate", accepted_->path);
+    if (theirs == nullptr)
+      return fail(ErrorCode::usage, "the stored run is of another kind of gate", accepted_->path);
     for (SensorRecord& own : m_.records)
       for (const SensorRecord& one : theirs->records)
         if (one.sensor == own.sensor) own.accepted_N = one.answers.force_N;
@@ -168,8 +185,10 @@ class WeightGateRun {
     std::vector<WeightSession> sessions;
     const bool both = accepted_ && !accepted_->stored;
     for (const SensorRecord& record : m_.records) {
-      const auto add = [&](const std::filesystem::path& image, const std::string& sha256, const std::string& lane) {
-        sessions.push_back({sensor_name(m_.plan, record.sensor), lane, request_.lane_options, session_of(m_.plan, pack_.bench, record.sensor, image, sha256),
+      const auto add = [&](const std::filesystem::path& image, const std::string& sha256,
+                           const std::string& lane) {
+        sessions.push_back({sensor_name(m_.plan, record.sensor), lane, request_.lane_options,
+                            session_of(m_.plan, pack_.bench, record.sensor, image, sha256),
                             &pack_.sensors[record.sensor], m_.plan.frame_samples()});
       };
       add(request_.firmware, m_.head.firmware_sha256, lane_);
@@ -182,12 +201,14 @@ class WeightGateRun {
     double done = 0.0;
     const WorkerEvents events{{}, [&](std::size_t k) {
                                 done += 1.0;
-                                if (progress) progress(done / static_cast<double>(sessions.size()), sessions[k].id);
+                                if (progress)
+                                  progress(done / static_cast<double>(sessions.size()), sessions[k].id);
                               }};
     auto answers = run_weight_sessions(sessions, options, events);
     for (std::size_t i = 0; i < m_.records.size(); ++i) {
       FORCEGATE_CHECK_OK(take(i, std::move(answers[both ? 2 * i : i])));
-      if (both && answers[2 * i + 1]) m_.records[i].accepted_N = std::move(answers[2 * i + 1]->answers.force_N);
+      if (both && answers[2 * i + 1])
+        m_.records[i].accepted_N = std::move(answers[2 * i + 1]->answers.force_N);
     }
     return {};
   }
@@ -203,10 +224,12 @@ class WeightGateRun {
       return {};
     }
     const ErrorCode code = answer.error().code;
-    if (code == ErrorCode::usage || code == ErrorCode::config || code == ErrorCode::io) return Unexpected(answer.error());
+    if (code == ErrorCode::usage || code == ErrorCode::config || code == ErrorCode::io)
+      return Unexpected(answer.error());
     record.failure = answer.error();
     const std::string note = "no session: " + answer.error().text;
-    if (std::find(m_.head.notes.begin(), m_.head.notes.end(), note) == m_.head.notes.end()) m_.head.notes.push_back(note);
+    if (std::find(m_.head.notes.begin(), m_.head.notes.end(), note) == m_.head.notes.end())
+      m_.head.notes.push_back(note);
     return {};
   }
 
@@ -221,17 +244,28 @@ class WeightGateRun {
 
 // Options of the other kind of gate, and why they mean nothing here.
 Result<void> refuse_what_means_nothing(const GateRequest& request, const WeightGatePlan& plan) {
-  const auto refuse = [&](bool given, const char* option, const char* why, const char* help = "leave it out") -> Result<void> {
+  const auto refuse = [&](bool given, const char* option, const char* why,
+                          const char* help = "leave it out") -> Result<void> {
     if (given) return fail(ErrorCode::usage, std::string(why), option, help);
     return {};
   };
-  FORCEGATE_CHECK_OK(refuse(!request.faults.empty(), "--fault", "the faults are those of the test bench with wheel and ATI; weights have none of them"));
-  FORCEGATE_CHECK_OK(refuse(!request.panel.empty(), "--specimen", "the specimens of this plan are the sensors of its pack", "--case pack0-sensor1 takes one of them"));
-  FORCEGATE_CHECK_OK(refuse(!request.calibration_file.empty() || request.level, "--cal, --calibration", "the networks are compiled into the image, CAL only names the sensor"));
-  FORCEGATE_CHECK_OK(refuse(!request.limits_file.empty(), "--limits", "a gate of conductance and capacitance has no derived limits", "its limits stand in its plan"));
-  FORCEGATE_CHECK_OK(refuse(request.rig_options.contains("record"), "--record", "a recording has one channel; this plan needs the codes of both sources"));
-  FORCEGATE_CHECK_OK(refuse(request.keep, "--keep", "codes are not kept: the emulated bench gives them again", "forcegate check RUN --replay plays them and compares the digests"));
-  return refuse(request.seed && *request.seed != plan.study.seed, "--seed", "another seed is another pack, for which the image has no networks");
+  FORCEGATE_CHECK_OK(
+      refuse(!request.faults.empty(), "--fault",
+             "the faults are those of the test bench with wheel and ATI; weights have none of them"));
+  FORCEGATE_CHECK_OK(refuse(!request.panel.empty(), "--specimen",
+                            "the specimens of this plan are the sensors of its pack",
+                            "--case pack0-sensor1 takes one of them"));
+  FORCEGATE_CHECK_OK(refuse(!request.calibration_file.empty() || request.level, "--cal, --calibration",
+                            "the networks are compiled into the image, CAL only names the sensor"));
+  FORCEGATE_CHECK_OK(refuse(!request.limits_file.empty(), "--limits",
+                            "a gate of conductance and capacitance has no derived limits",
+                            "its limits stand in its plan"));
+  FORCEGATE_CHECK_OK(refuse(request.rig_options.contains("record"), "--record",
+                            "a recording has one channel; this plan needs the codes of both sources"));
+  FORCEGATE_CHECK_OK(refuse(request.keep, "--keep", "codes are not kept: the emulated bench gives them again",
+                            "forcegate check RUN --replay plays them and compares the digests"));
+  return refuse(request.seed && *request.seed != plan.study.seed, "--seed",
+                "another seed is another pack, for which the image has no networks");
 }
 
 }  // namespace
@@ -242,20 +276,25 @@ Result<bool> is_weight_plan(const std::string& plan) {
   return kind && *kind == kWeightGateKind;
 }
 
-Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& progress, const std::atomic<bool>* cancelled) {
+Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& progress,
+                              const std::atomic<bool>* cancelled) {
   FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
   FORCEGATE_TRY(WeightGatePlan plan, read_weight_gate_plan(path));
   FORCEGATE_CHECK_OK(refuse_what_means_nothing(request, plan));
-  if (!request.goldens.empty()) plan.goldens = std::filesystem::absolute(request.goldens).lexically_normal().string();
+  if (!request.goldens.empty())
+    plan.goldens = std::filesystem::absolute(request.goldens).lexically_normal().string();
   FORCEGATE_CHECK_OK(image_sha256(request.firmware));
   FORCEGATE_TRY(const std::string lane, choose_lane(request));
   return WeightGateRun(request, std::move(plan), lane, cancelled).run(progress);
 }
 
-Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored, const std::filesystem::path& image, unsigned threads, const GateProgress& progress,
+Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored,
+                                                    const std::filesystem::path& image, unsigned threads,
+                                                    const GateProgress& progress,
                                                     const std::atomic<bool>* cancelled) {
   if (!stored.head.rig.emulated)
-    return fail(ErrorCode::usage, "only records of an emulated bench can be played again", image.string(), "leave --replay out: what was measured is judged in any case");
+    return fail(ErrorCode::usage, "only records of an emulated bench can be played again", image.string(),
+                "leave --replay out: what was measured is judged in any case");
   std::map<std::string, std::string> options;
   for (const auto& [name, value] : stored.head.rig.details)
     if (name.starts_with(kOption)) options[name.substr(kOption.size())] = value;
@@ -264,8 +303,15 @@ Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored
   std::vector<std::string> digests(stored.records.size());
   for (std::size_t i = 0; i < stored.records.size(); ++i) {
     const std::size_t s = stored.records[i].sensor;
-    if (s >= pack.sensors.size()) return fail(ErrorCode::parse, "the stored run has a sensor that the bench has not", stored.head.cases[i].id);
-    sessions.push_back({stored.head.cases[i].id, stored.head.cases[i].lane, {}, session_of(stored.plan, pack.bench, s, image, stored.head.firmware_sha256), &pack.sensors[s], stored.plan.frame_samples()});
+    if (s >= pack.sensors.size())
+      return fail(ErrorCode::parse, "the stored run has a sensor that the bench has not",
+                  stored.head.cases[i].id);
+    sessions.push_back({stored.head.cases[i].id,
+                        stored.head.cases[i].lane,
+                        {},
+                        session_of(stored.plan, pack.bench, s, image, stored.head.firmware_sha256),
+                        &pack.sensors[s],
+                        stored.plan.frame_samples()});
   }
   WorkerOptions worker;
   worker.workers = threads;
@@ -273,12 +319,15 @@ Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored
   double done = 0.0;
   const WorkerEvents events{{}, [&](std::size_t k) {
                               done += 1.0;
-                              if (progress) progress(done / static_cast<double>(sessions.size()), sessions[k].id);
+                              if (progress)
+                                progress(done / static_cast<double>(sessions.size()), sessions[k].id);
                             }};
   auto answers = run_weight_sessions(sessions, worker, events);
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    if (answers[i]) digests[i] = std::move(answers[i]->digest);
-    else if (answers[i].error().code == ErrorCode::cancelled) return Unexpected(answers[i].error());
+    if (answers[i])
+      digests[i] = std::move(answers[i]->digest);
+    else if (answers[i].error().code == ErrorCode::cancelled)
+      return Unexpected(answers[i].error());
   }
   return digests;
 }

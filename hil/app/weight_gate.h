@@ -16,11 +16,14 @@ Result<bool> is_weight_plan(const std::string& plan);
 /// the request. One session of the image for each sensor, in a process of its own; folder, result and reports are those of
 /// gate(). Errors: of the request and the bench, usage for options that mean nothing here; what the image does wrong is in
 /// the decision.
-Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& progress = {}, const std::atomic<bool>* cancelled = nullptr);
+Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& progress = {},
+                              const std::atomic<bool>* cancelled = nullptr);
 
 /// Plays the sessions of a stored run again, by its own recipe. Returns the digest of every record; "" where the image did
 /// not answer. Errors: of the bench.
-Result<std::vector<std::string>> play_weights_again(const characterize::WeightMaterial& stored, const std::filesystem::path& image, unsigned threads,
-                                                    const GateProgress& progress = {}, const std::atomic<bool>* cancelled = nullptr);
+Result<std::vector<std::string>> play_weights_again(const characterize::WeightMaterial& stored,
+                                                    const std::filesystem::path& image, unsigned threads,
+                                                    const GateProgress& progress = {},
+                                                    const std::atomic<bool>* cancelled = nullptr);
 
 }  // namespace forcegate

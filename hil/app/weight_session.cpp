@@ -24,7 +24,9 @@ Result<std::string> play(const WeightSession& s) {
   SampleDigest digest;
   for (std::size_t at = 0; at < codes.size(); at += kBlock) {
     const std::size_t many = std::min(kBlock, codes.size() - at);
-    FORCEGATE_CHECK_OK(dut->process(static_cast<std::uint32_t>(at), std::span(codes).subspan(at, many), std::span(force_N).subspan(at, many), std::span(flags).subspan(at, many)));
+    FORCEGATE_CHECK_OK(dut->process(static_cast<std::uint32_t>(at), std::span(codes).subspan(at, many),
+                                    std::span(force_N).subspan(at, many),
+                                    std::span(flags).subspan(at, many)));
     digest.update(&codes[at], many * sizeof(std::uint16_t));
     digest.update(&force_N[at], many * sizeof(float));
     digest.update(&flags[at], many);
@@ -44,17 +46,21 @@ WeightSessionAnswer answer_of(const std::string& text, const DutSession& asked) 
   const auto in = json::parse(text);
   WeightSessionAnswer out;
   const auto &info = in["info"], &link = in["link"];
-  out.firmware = {info[3], info[4], info[0], info[1], info[2], asked.nonce, asked.calibration.adc_bits, asked.rate_Hz};
+  out.firmware = {info[3],      info[4], info[0], info[1], info[2], asked.nonce, asked.calibration.adc_bits,
+                  asked.rate_Hz};
   out.link = {link[0], link[1], link[2], link[3], link[4], link[5]};
   out.digest = in["digest"];
-  for (const auto& v : in["force"]) out.answers.force_N.push_back(v.is_null() ? std::nan("") : v.get<double>());
+  for (const auto& v : in["force"])
+    out.answers.force_N.push_back(v.is_null() ? std::nan("") : v.get<double>());
   for (const auto& v : in["flags"]) out.answers.flags.push_back(v.get<std::uint8_t>());
   return out;
 }
 
 }  // namespace
 
-std::vector<Result<WeightSessionAnswer>> run_weight_sessions(const std::vector<WeightSession>& sessions, const WorkerOptions& options, const WorkerEvents& events) {
+std::vector<Result<WeightSessionAnswer>> run_weight_sessions(const std::vector<WeightSession>& sessions,
+                                                             const WorkerOptions& options,
+                                                             const WorkerEvents& events) {
   std::vector<WatchedTask> tasks;
   for (const WeightSession& s : sessions) tasks.push_back({s.id, [&s](const auto&) { return play(s); }});
   const auto texts = run_watched(tasks, options, events);

@@ -29,6 +29,8 @@ struct WeightSessionAnswer {
 };
 
 /// In the order of the sessions. Errors: of lane and image (firmware, with signal and sample), cancelled.
-std::vector<Result<WeightSessionAnswer>> run_weight_sessions(const std::vector<WeightSession>& sessions, const WorkerOptions& options, const WorkerEvents& events = {});
+std::vector<Result<WeightSessionAnswer>> run_weight_sessions(const std::vector<WeightSession>& sessions,
+                                                             const WorkerOptions& options,
+                                                             const WorkerEvents& events = {});
 
 }  // namespace forcegate

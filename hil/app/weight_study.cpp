@@ -16,9 +16,13 @@ Result<bool> is_weight_study(const CharacterizeRequest& request) {
   return kind == "capacitance";
 }
 
-Result<MadeWeightStudy> weight_study_request(const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress, const std::atomic<bool>* cancelled) {
+Result<MadeWeightStudy> weight_study_request(const CharacterizeRequest& request,
+                                             const std::function<void(double, std::string_view)>& progress,
+                                             const std::atomic<bool>* cancelled) {
   if (!request.specimens.empty() || request.sessions || !request.golden.empty())
-    return fail(ErrorCode::usage, "a plan of conductance and capacitance knows no specimens, sessions or golden traces", {}, "leave --specimen, --sessions and --golden out");
+    return fail(ErrorCode::usage,
+                "a plan of conductance and capacitance knows no specimens, sessions or golden traces", {},
+                "leave --specimen, --sessions and --golden out");
   FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
   characterize::WeightStudyRequest study;
   FORCEGATE_TRY(study.plan, characterize::read_weight_plan(path));
@@ -40,12 +44,16 @@ Result<MadeWeightStudy> weight_study_request(const CharacterizeRequest& request,
   if (!request.output.empty()) {
     FORCEGATE_CHECK_OK(write(request.output / "capacitance.json", weight_json(made.study, made.summary)));
     FORCEGATE_CHECK_OK(write(request.output / "networks.h", network_header(made.study)));
-    FORCEGATE_CHECK_OK(write(request.output / "sheet-capacitance.html", weight_sheet_html(made.study, made.summary, pictures, request.command_line)));
+    FORCEGATE_CHECK_OK(write(request.output / "sheet-capacitance.html",
+                             weight_sheet_html(made.study, made.summary, pictures, request.command_line)));
   }
   if (!request.paper.empty()) {
     for (const PaperPicture& p : pictures)
-      FORCEGATE_CHECK_OK(write(request.paper / "pictures" / "paper-capacitance" / p.file, p.figure.svg(figures::Figure::Target::standalone)));
-    FORCEGATE_CHECK_OK(write(request.paper / "paper-capacitance.md", weight_markdown(made.study, made.summary, pictures, request.command_line, "pictures/paper-capacitance")));
+      FORCEGATE_CHECK_OK(write(request.paper / "pictures" / "paper-capacitance" / p.file,
+                               p.figure.svg(figures::Figure::Target::standalone)));
+    FORCEGATE_CHECK_OK(write(request.paper / "paper-capacitance.md",
+                             weight_markdown(made.study, made.summary, pictures, request.command_line,
+                                             "pictures/paper-capacitance")));
   }
   return made;
 }

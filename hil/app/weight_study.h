@@ -24,6 +24,8 @@ Result<bool> is_weight_study(const CharacterizeRequest& request);
 
 /// Takes plan, seed, output, paper, threads and rig options of the request; "emulated" means the emulated bench of weights.
 /// Errors: usage (options that belong to the other study), config, of the bench, io, cancelled.
-Result<MadeWeightStudy> weight_study_request(const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress = {}, const std::atomic<bool>* cancelled = nullptr);
+Result<MadeWeightStudy> weight_study_request(
+    const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress = {},
+    const std::atomic<bool>* cancelled = nullptr);
 
 }  // namespace forcegate

@@ -87,7 +87,9 @@ std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const W
                                        const WorkerEvents& events) {
   std::vector<WatchedTask> tasks;
   for (const CaseJob& job : jobs)
-    tasks.push_back({job.id, [&job](const std::function<void(double)>& progress) -> Result<std::string> { return to_json(execute_job(job, progress)); }});
+    tasks.push_back({job.id, [&job](const std::function<void(double)>& progress) -> Result<std::string> {
+                       return to_json(execute_job(job, progress));
+                     }});
   const auto answers = run_watched(tasks, options, events);
   std::vector<CaseRecord> records;
   for (std::size_t i = 0; i < jobs.size(); ++i) {

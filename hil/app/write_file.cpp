@@ -21,7 +21,8 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::strin
   std::error_code ignored;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
   // /dev/stdout, a pipe or a terminal cannot be renamed onto.
-  const bool special = std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
+  const bool special =
+      std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
   const std::string target = special ? path.string() : path.string() + ".part" + std::to_string(::getpid());
   const int file = ::open(target.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (special ? 0 : O_TRUNC), 0666);
   if (file < 0) return refused("cannot write file", path);

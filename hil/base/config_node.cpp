@@ -105,7 +105,8 @@ bool ConfigReader::integer(std::string_view name, std::int64_t& out, std::int64_
   return true;
 }
 
-bool ConfigReader::count(std::string_view name, std::size_t& out, std::int64_t minimum, std::int64_t maximum, Need need) {
+bool ConfigReader::count(std::string_view name, std::size_t& out, std::int64_t minimum, std::int64_t maximum,
+                         Need need) {
   std::int64_t value = 0;
   if (!integer(name, value, minimum, maximum, need)) return false;
   out = static_cast<std::size_t>(value);

@@ -42,7 +42,8 @@ class ConfigReader {
   bool integer(std::string_view name, std::int64_t& out, std::int64_t minimum, std::int64_t maximum,
                Need need = optional);
   /// A whole number of things, not below `minimum` >= 0.
-  bool count(std::string_view name, std::size_t& out, std::int64_t minimum, std::int64_t maximum, Need need = optional);
+  bool count(std::string_view name, std::size_t& out, std::int64_t minimum, std::int64_t maximum,
+             Need need = optional);
   bool boolean(std::string_view name, bool& out);
   bool texts(std::string_view name, std::vector<std::string>& out, Need need = optional);
   bool choice(std::string_view name, std::string& out, const std::vector<std::string>& choices,

@@ -17,7 +17,8 @@ struct ClockFit {
   double offset_s = 0.0;    ///< bench - device at the newest exchange
   double skew_ppm = 0.0;    ///< positive: the device's clock is slow
   double residual_s = 0.0;  ///< weighted root mean square of the m_i about the line
-  double u_s = std::numeric_limits<double>::infinity();  ///< standard uncertainty of the offset: narrowest h / sqrt(3)
+  double u_s =
+      std::numeric_limits<double>::infinity();  ///< standard uncertainty of the offset: narrowest h / sqrt(3)
 };
 
 class DeviceClock {
@@ -25,7 +26,8 @@ class DeviceClock {
   void clear() { seen_.clear(), stale_ = true, total_ = 0; }
 
   void add(double sent_s, double device_s, double received_s) {
-    seen_.push_back({device_s, 0.5 * (sent_s + received_s) - device_s, std::fmax(0.0, 0.5 * (received_s - sent_s))});
+    seen_.push_back(
+        {device_s, 0.5 * (sent_s + received_s) - device_s, std::fmax(0.0, 0.5 * (received_s - sent_s))});
     if (seen_.size() > kKept) seen_.pop_front();
     ++total_;
     stale_ = true;
@@ -80,7 +82,9 @@ class DeviceClock {
     }
     fit_.residual_s = std::sqrt(square / w);
   }
-  static double weight_of(const Exchange& e) { return 1.0 / ((e.half_width_s + 1e-6) * (e.half_width_s + 1e-6)); }
+  static double weight_of(const Exchange& e) {
+    return 1.0 / ((e.half_width_s + 1e-6) * (e.half_width_s + 1e-6));
+  }
 
   std::deque<Exchange> seen_;
   std::size_t total_ = 0;

@@ -33,9 +33,7 @@ Sha256::~Sha256() = default;
 Sha256::Sha256(Sha256&&) noexcept = default;
 Sha256& Sha256::operator=(Sha256&&) noexcept = default;
 
-void Sha256::update(const void* data, std::size_t size) {
-  EVP_DigestUpdate(impl_->context, data, size);
-}
+void Sha256::update(const void* data, std::size_t size) { EVP_DigestUpdate(impl_->context, data, size); }
 
 std::string Sha256::hex() {
   std::array<unsigned char, 32> bytes{};
@@ -55,7 +53,9 @@ SampleDigest::~SampleDigest() = default;
 SampleDigest::SampleDigest(SampleDigest&&) noexcept = default;
 SampleDigest& SampleDigest::operator=(SampleDigest&&) noexcept = default;
 
-void SampleDigest::update(const void* data, std::size_t size) { XXH3_128bits_update(impl_->state, data, size); }
+void SampleDigest::update(const void* data, std::size_t size) {
+  XXH3_128bits_update(impl_->state, data, size);
+}
 
 std::string SampleDigest::hex() {
   XXH128_canonical_t bytes;
@@ -72,7 +72,8 @@ std::string sha256_hex(std::string_view bytes) {
 
 Result<std::string> sha256_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(ErrorCode::io, "cannot open file", path.string(), "check the path and its permissions");
+  if (!in)
+    return fail(ErrorCode::io, "cannot open file", path.string(), "check the path and its permissions");
   Sha256 h;
   std::array<char, 65536> buffer;
   while (in.read(buffer.data(), buffer.size()) || in.gcount() > 0)

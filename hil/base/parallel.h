@@ -11,8 +11,7 @@
 namespace forcegate {
 
 /// Calls body(i) once for each i in [0, n). threads = 0: one per processor.
-inline void parallel_for(std::size_t n, unsigned threads,
-                         const std::function<void(std::size_t)>& body) {
+inline void parallel_for(std::size_t n, unsigned threads, const std::function<void(std::size_t)>& body) {
   if (threads == 0) threads = std::thread::hardware_concurrency();
   if (threads <= 1 || n <= 1) {
     for (std::size_t i = 0; i < n; ++i) body(i);

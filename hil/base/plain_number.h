@@ -14,6 +14,8 @@ inline std::string plain_number(double value) {
 }
 
 /// "12.3", "over 1000": a simulation promises more than a bench keeps, and beyond a thousand to one nothing more is learnt.
-inline std::string odds_text(double odds) { return odds > 1000.0 ? "over 1000" : fmt::format("{:.3g}", odds); }
+inline std::string odds_text(double odds) {
+  return odds > 1000.0 ? "over 1000" : fmt::format("{:.3g}", odds);
+}
 
 }  // namespace forcegate

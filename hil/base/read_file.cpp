@@ -7,7 +7,8 @@ namespace forcegate {
 
 Result<std::string> read_file(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) return fail(ErrorCode::io, "there is no such file", path.string());
+  if (!std::filesystem::exists(path, error))
+    return fail(ErrorCode::io, "there is no such file", path.string());
   if (std::filesystem::is_directory(path, error))
     return fail(ErrorCode::io, "this is a folder, not a file", path.string(), "name the file itself");
   std::ifstream in(path, std::ios::binary);

@@ -22,9 +22,8 @@ class Registry {
 
   void add(Entry entry) {
     assert(find(entry.name) == nullptr && "two plug-ins of one name");
-    const auto at = std::lower_bound(
-        entries_.begin(), entries_.end(), entry,
-        [](const Entry& a, const Entry& b) { return a.name < b.name; });
+    const auto at = std::lower_bound(entries_.begin(), entries_.end(), entry,
+                                     [](const Entry& a, const Entry& b) { return a.name < b.name; });
     entries_.insert(at, std::move(entry));
   }
 

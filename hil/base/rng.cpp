@@ -16,8 +16,8 @@ std::uint64_t splitmix(std::uint64_t& state) {
 }
 
 constexpr int kLayers = 256;
-constexpr double kTail = 3.6541528853610088;      // start of the tail for 256 layers
-constexpr double kArea = 0.00492867323399;        // area of each layer
+constexpr double kTail = 3.6541528853610088;  // start of the tail for 256 layers
+constexpr double kArea = 0.00492867323399;    // area of each layer
 
 struct Ziggurat {
   std::array<double, kLayers + 1> x;
@@ -27,8 +27,8 @@ struct Ziggurat {
     x[0] = kArea / density(kTail);
     x[1] = kTail;
     for (int i = 2; i < kLayers; ++i)
-      x[static_cast<std::size_t>(i)] = sqrt_of_minus_two_log(
-          kArea / x[static_cast<std::size_t>(i - 1)] + density(x[static_cast<std::size_t>(i - 1)]));
+      x[static_cast<std::size_t>(i)] = sqrt_of_minus_two_log(kArea / x[static_cast<std::size_t>(i - 1)] +
+                                                             density(x[static_cast<std::size_t>(i - 1)]));
     x[kLayers] = 0.0;
     for (int i = 0; i <= kLayers; ++i)
       y[static_cast<std::size_t>(i)] = density(x[static_cast<std::size_t>(i)]);

@@ -67,7 +67,8 @@ Result<PlayedRecord> Bench::play(const Stimulus& stimulus, const BlockSink& sink
     const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), total - done));
     const double first_s = static_cast<double>(done) / rate_Hz;
     stimulus.fill(first_s, 1.0 / rate_Hz, wanted, setpoint_N.data());
-    setpoint_N[wanted] = stimulus.force_N(std::min(static_cast<double>(done + wanted) / rate_Hz, request.duration_s));
+    setpoint_N[wanted] =
+        stimulus.force_N(std::min(static_cast<double>(done + wanted) / rate_Hz, request.duration_s));
     std::size_t rows = 0;
     while (rows < wanted) {
       ControllerInput in;
@@ -101,12 +102,19 @@ Result<PlayedRecord> Bench::play(const Stimulus& stimulus, const BlockSink& sink
   samples_ += done;
   out.safety = gate.report();
   if (estimator) return out;
-  const std::string where = fmt::format("{}, session {}, record {}", request.specimen, request.session, request.record);
+  const std::string where =
+      fmt::format("{}, session {}, record {}", request.specimen, request.session, request.record);
   const auto checks = self_check(out.rig, witness.finish());
-  if (const Check* bad = first_unsound(checks)) return fail(ErrorCode::device, bad->title + ": " + bad->evidence, where);
+  if (const Check* bad = first_unsound(checks))
+    return fail(ErrorCode::device, bad->title + ": " + bad->evidence, where);
   if (out.safety.stopped())
-    return fail(ErrorCode::safety, fmt::format("the record was stopped at {:.1f} s: {}", out.safety.t_s, to_string(out.safety.reason)), where);
-  if (done < total) return fail(ErrorCode::timeout, fmt::format("the record is truncated: {} of {} samples", done, total), where);
+    return fail(
+        ErrorCode::safety,
+        fmt::format("the record was stopped at {:.1f} s: {}", out.safety.t_s, to_string(out.safety.reason)),
+        where);
+  if (done < total)
+    return fail(ErrorCode::timeout, fmt::format("the record is truncated: {} of {} samples", done, total),
+                where);
   return out;
 }
 
@@ -119,7 +127,11 @@ StimulusSpec rest(double level_N, double duration_s) {
 }
 
 StimulusSpec sum_of_sines(std::vector<double> f_Hz, std::vector<double> A_N, double m_N, double duration_s) {
-  return {"multisine", {{"m_N", m_N}, {"duration_s", duration_s}}, {{"f_Hz", std::move(f_Hz)}, {"A_N", std::move(A_N)}}, {}, 1};
+  return {"multisine",
+          {{"m_N", m_N}, {"duration_s", duration_s}},
+          {{"f_Hz", std::move(f_Hz)}, {"A_N", std::move(A_N)}},
+          {},
+          1};
 }
 
 }  // namespace forcegate::characterize

@@ -20,7 +20,8 @@ namespace forcegate::characterize {
 using Estimator = std::function<double(std::uint16_t code)>;
 
 /// rows [0, n) of the block; estimate_N is empty in open loop.
-using BlockSink = std::function<void(const RigBlock& block, std::size_t n, std::span<const float> estimate_N)>;
+using BlockSink =
+    std::function<void(const RigBlock& block, std::size_t n, std::span<const float> estimate_N)>;
 
 /// What several sessions on several threads report to.
 struct BenchProgress {
@@ -50,7 +51,8 @@ class Bench {
     double rest_s = 7200.0;  ///< of the specimen before each record
     SafetyLimits safety{.force_max_N = 5.4};
   };
-  Bench(Rig& rig, Setup setup, BenchProgress& progress) : rig_(rig), setup_(std::move(setup)), progress_(progress) {}
+  Bench(Rig& rig, Setup setup, BenchProgress& progress)
+      : rig_(rig), setup_(std::move(setup)), progress_(progress) {}
 
   /// Without an estimator in open loop, with one in force control (10 ms period). Errors: those of the
   /// rig; a rig that fails its self-check (open loop only: a closed loop may drive the wheel to its stop); a

@@ -79,10 +79,13 @@ Result<Laws> fit_laws(std::span<const DecayRecord> records, std::span<const std:
       if (other != name) others.insert(others.end(), items.begin(), items.end());
     Laws without;
     if (!solve(others, without)) return laws;
-    const double v[5] = {without.a2_V_per_N2, without.a1_V_per_N, without.b1_s_per_s, without.b0_per_s, without.k_per_N2};
+    const double v[5] = {without.a2_V_per_N2, without.a1_V_per_N, without.b1_s_per_s, without.b0_per_s,
+                         without.k_per_N2};
     for (int k = 0; k < 5; ++k) sums[k] += v[k], squares[k] += v[k] * v[k];
   }
-  const auto se = [&](int k) { return std::sqrt(std::max(0.0, (g - 1.0) * (squares[k] / g - sums[k] * sums[k] / (g * g)))); };
+  const auto se = [&](int k) {
+    return std::sqrt(std::max(0.0, (g - 1.0) * (squares[k] / g - sums[k] * sums[k] / (g * g))));
+  };
   laws.se_a2 = se(0), laws.se_a1 = se(1), laws.se_b1 = se(2), laws.se_b0 = se(3), laws.se_k = se(4);
   return laws;
 }
@@ -144,8 +147,11 @@ LawStudy study_laws(std::span<const SessionSheet> sheets, const std::vector<std:
       for (const auto& [name, errors] : by_specimen) {
         LawErrors mean;
         const double n = static_cast<double>(errors.size());
-        for (const LawErrors& e : errors) mean.a_pct += e.a_pct / n, mean.b_pct += e.b_pct / n, mean.c_pct += e.c_pct / n, mean.mre_pct += e.mre_pct / n;
-        a.push_back(mean.a_pct), b.push_back(mean.b_pct), c.push_back(mean.c_pct), mre.push_back(mean.mre_pct);
+        for (const LawErrors& e : errors)
+          mean.a_pct += e.a_pct / n, mean.b_pct += e.b_pct / n, mean.c_pct += e.c_pct / n,
+              mean.mre_pct += e.mre_pct / n;
+        a.push_back(mean.a_pct), b.push_back(mean.b_pct), c.push_back(mean.c_pct),
+            mre.push_back(mean.mre_pct);
       }
       if (a.empty()) continue;
       score.specimens = a.size();

@@ -15,7 +15,7 @@
 namespace forcegate::characterize {
 
 struct Laws {
-  double a2_V_per_N2 = 0.884, a1_V_per_N = 0.865;          ///< the values are those that the paper prints
+  double a2_V_per_N2 = 0.884, a1_V_per_N = 0.865;  ///< the values are those that the paper prints
   double b1_s_per_s = 0.0019, b0_per_s = 0.0056;
   double k_per_N2 = 1.377;
   /// Standard errors: jackknife over specimens (records of one specimen are not independent). 0: not estimated.

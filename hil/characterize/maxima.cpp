@@ -107,11 +107,11 @@ Result<DecayRecord> measure_decay(Bench& bench, std::string set, const StimulusS
   FORCEGATE_TRY(const auto stimulus, make_stimulus(spec));
   const StimulusFacts facts = stimulus->facts();
   ExtremaSink sink(std::max(0.05, prominence * facts.amplitude_N), bench.volts_per_code());
-  FORCEGATE_TRY(const PlayedRecord played,
-                bench.play(*stimulus, [&](const RigBlock& b, std::size_t n, std::span<const float> estimate_N) {
-                  sink(b, n, estimate_N);
-                  if (also) also(b, n, estimate_N);
-                }));
+  FORCEGATE_TRY(const PlayedRecord played, bench.play(*stimulus, [&](const RigBlock& b, std::size_t n,
+                                                                     std::span<const float> estimate_N) {
+    sink(b, n, estimate_N);
+    if (also) also(b, n, estimate_N);
+  }));
   (void)played;
   Extrema extrema = sink.finish();
   DecayRecord d = describe_decay(extrema);

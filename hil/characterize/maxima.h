@@ -46,22 +46,23 @@ class ExtremaSink {
 
 /// Decay of the maxima of one dynamic record and what the profile was.
 struct DecayRecord {
-  std::string set;  ///< "identification series", "validation", "sweep up", "two sines" ...
+  std::string set;                 ///< "identification series", "validation", "sweep up", "two sines" ...
   double f_Hz = 0.0, f2_Hz = 0.0;  ///< lowest frequency at the start; second one of a sum
   double A_N = 0.0, m_N = 0.0;     ///< measured amplitude of the settled force, set-point's mean
   double duration_s = 0.0;
   bool fitted = false;
-  DecayParameters fit;             ///< eq. (3) by least squares
-  double u_min_V = 0.0;            ///< mean of the minima
-  double loss = 0.0;               ///< share of the swing lost from the first to the last maximum
-  double minima_drift_pct = 0.0;   ///< last tenth of the minima against the first tenth, % of the first swing
-  double wander_pct = 0.0;         ///< sd of a maximum about the mean of neighbours 30 s away, % of the first swing
+  DecayParameters fit;            ///< eq. (3) by least squares
+  double u_min_V = 0.0;           ///< mean of the minima
+  double loss = 0.0;              ///< share of the swing lost from the first to the last maximum
+  double minima_drift_pct = 0.0;  ///< last tenth of the minima against the first tenth, % of the first swing
+  double wander_pct = 0.0;  ///< sd of a maximum about the mean of neighbours 30 s away, % of the first swing
 };
 
 /// Plays an open-loop record and fits eq. (3) to its maxima. A decay that cannot be fitted (FSR) is no error:
 /// fitted = false. `prominence`: share of the amplitude A that a turning point must have.
-Result<DecayRecord> measure_decay(Bench& bench, std::string set, const StimulusSpec& spec, double prominence = 0.5,
-                                  const BlockSink& also = {}, Extrema* keep = nullptr);
+Result<DecayRecord> measure_decay(Bench& bench, std::string set, const StimulusSpec& spec,
+                                  double prominence = 0.5, const BlockSink& also = {},
+                                  Extrema* keep = nullptr);
 
 /// "minimum, first, last": relative wandering and drift for DecayRecord, from collected extrema.
 DecayRecord describe_decay(const Extrema& extrema);

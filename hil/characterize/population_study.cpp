@@ -89,13 +89,15 @@ std::vector<LimitResult> check_limits(const std::vector<SensorStudy>& studies, c
         const double v = sheet.failure ? std::nan("") : sheet.value(limit.key);
         ++r.sessions;
         if (!(v >= limit.minimum && v <= limit.maximum)) ++r.outside;
-        const double room = std::isnan(v) ? -std::numeric_limits<double>::infinity() : std::min(v - limit.minimum, limit.maximum - v);
+        const double room = std::isnan(v) ? -std::numeric_limits<double>::infinity()
+                                          : std::min(v - limit.minimum, limit.maximum - v);
         if (r.sessions == 1 || room < least_room) least_room = room, r.worst = v, r.specimen = sheet.specimen;
       }
       r.kept = r.sessions > 0 && r.outside == 0;
       out.push_back(std::move(r));
     }
-    if (!measured) out.push_back({limit, "-", limit.key + ": not measured", "", std::nan(""), "-", 0, 0, false});
+    if (!measured)
+      out.push_back({limit, "-", limit.key + ": not measured", "", std::nan(""), "-", 0, 0, false});
   }
   return out;
 }
@@ -106,7 +108,8 @@ const Spread* SensorStudy::find(std::string_view key) const {
   return nullptr;
 }
 
-SensorStudy::Share SensorStudy::share_where(std::string_view key, const std::function<bool(double)>& test) const {
+SensorStudy::Share SensorStudy::share_where(std::string_view key,
+                                            const std::function<bool(double)>& test) const {
   Share out;
   std::size_t hits = 0;
   for (const SessionSheet& sheet : sheets) {

@@ -55,10 +55,10 @@ Result<std::vector<SensorStudy>> run_study(const StudyRequest& request, BenchPro
 struct LimitResult {
   StudyLimit limit;
   std::string sensor, title, unit;
-  double worst = 0.0;          ///< farthest towards the bound, or beyond it
-  std::string specimen;        ///< whose it was
+  double worst = 0.0;    ///< farthest towards the bound, or beyond it
+  std::string specimen;  ///< whose it was
   std::size_t sessions = 0, outside = 0;
-  bool kept = false;           ///< every session measured it and kept it; nothing measured is not kept
+  bool kept = false;  ///< every session measured it and kept it; nothing measured is not kept
 };
 
 /// Limits whose key the sensor's procedures measure; a key that no sensor measures is not kept. A session that failed

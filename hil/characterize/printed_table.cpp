@@ -13,11 +13,11 @@ namespace forcegate::characterize {
 namespace {
 
 constexpr std::array<PrintedRow, 20> kTableII{{
-    {0.05, 1.5, 2.7, 2.16, 4.32e-3, 0.83, 0.072}, {0.15, 1.5, 2.7, 3.24, 7.46e-3, 0.67, 0.102},
-    {0.25, 1.5, 2.7, 3.37, 5.57e-3, 0.69, 0.056}, {0.50, 1.5, 2.7, 3.48, 7.01e-3, 0.89, 0.064},
-    {1.00, 1.5, 2.7, 3.60, 7.07e-3, 0.82, 0.083}, {1.50, 1.5, 2.7, 2.87, 8.10e-3, 0.63, 0.061},
-    {2.00, 1.5, 2.7, 2.00, 5.57e-3, 0.82, 0.079}, {2.50, 1.5, 2.7, 3.13, 12.2e-3, 0.53, 0.039},
-    {3.00, 1.5, 2.7, 4.06, 18.9e-3, 0.45, 0.091}, {4.00, 1.5, 2.7, 2.38, 8.57e-3, 0.59, 0.062},
+    {0.05, 1.5, 2.7, 2.16, 4.32e-3, 0.83, 0.072},  {0.15, 1.5, 2.7, 3.24, 7.46e-3, 0.67, 0.102},
+    {0.25, 1.5, 2.7, 3.37, 5.57e-3, 0.69, 0.056},  {0.50, 1.5, 2.7, 3.48, 7.01e-3, 0.89, 0.064},
+    {1.00, 1.5, 2.7, 3.60, 7.07e-3, 0.82, 0.083},  {1.50, 1.5, 2.7, 2.87, 8.10e-3, 0.63, 0.061},
+    {2.00, 1.5, 2.7, 2.00, 5.57e-3, 0.82, 0.079},  {2.50, 1.5, 2.7, 3.13, 12.2e-3, 0.53, 0.039},
+    {3.00, 1.5, 2.7, 4.06, 18.9e-3, 0.45, 0.091},  {4.00, 1.5, 2.7, 2.38, 8.57e-3, 0.59, 0.062},
     {0.50, 0.44, 2.4, 0.44, 9.04e-3, 0.29, 0.006}, {0.50, 0.98, 2.4, 1.98, 8.47e-3, 0.67, 0.043},
     {0.50, 1.23, 2.4, 2.19, 7.56e-3, 0.73, 0.053}, {0.50, 1.47, 2.4, 3.39, 5.13e-3, 0.48, 0.076},
     {0.50, 1.76, 2.4, 4.19, 4.85e-3, 0.47, 0.053}, {0.50, 0.8, 1.77, 1.86, 6.76e-3, 0.56, 0.063},
@@ -70,8 +70,8 @@ struct NamedTerm {
 };
 struct Law {
   std::string parameter;
-  std::vector<Term> terms;            ///< of eq. (5), linear in its coefficients
-  Term offset;                        ///< fixed part
+  std::vector<Term> terms;  ///< of eq. (5), linear in its coefficients
+  Term offset;              ///< fixed part
   Term value;
   std::vector<NamedTerm> candidates;  ///< multiplied by the value's scale to be relative
 };
@@ -97,21 +97,37 @@ PrintedErrors errors_on_printed_table() {
 }
 
 std::vector<LeftOut> search_printed_table() {
-  const Term f = [](const PrintedRow& r) { return r.f_Hz; }, A = [](const PrintedRow& r) { return r.A_N; },
-             m = [](const PrintedRow& r) { return r.m_N; }, A2 = [](const PrintedRow& r) { return r.A_N * r.A_N; },
+  const Term f = [](const PrintedRow&r) { return r.f_Hz; }, A = [](const PrintedRow&r) { return r.A_N; },
+             m = [](const PrintedRow&r) { return r.m_N; },
+             A2 = [](const PrintedRow&r) { return r.A_N * r.A_N; },
              one = [](const PrintedRow&) { return 1.0; }, none = [](const PrintedRow&) { return 0.0; },
-             ln_f = [](const PrintedRow& r) { return std::log(r.f_Hz); },
-             f2 = [](const PrintedRow& r) { return r.f_Hz * r.f_Hz; },
-             low = [](const PrintedRow& r) { return r.m_N - r.A_N; };
+             ln_f = [](const PrintedRow&r) { return std::log(r.f_Hz); },
+             f2 = [](const PrintedRow&r) { return r.f_Hz * r.f_Hz; },
+             low = [](const PrintedRow&r) { return r.m_N - r.A_N; };
   // a is of the order of A and (a/c - 1) of A^2: their candidates are multiplied by these.
-  const auto times = [](const Term& x, const Term& y) { return [x, y](const PrintedRow& r) { return x(r) * y(r); }; };
+  const auto times = [](const Term& x, const Term& y) {
+    return [x, y](const PrintedRow& r) { return x(r) * y(r); };
+  };
   const std::vector<Law> laws{
-      {"a", {A2, A}, none, [](const PrintedRow& r) { return r.a_V; },
+      {"a",
+       {A2, A},
+       none,
+       [](const PrintedRow& r) { return r.a_V; },
        {{"m", times(m, A)}, {"f", times(f, A)}, {"ln f", times(ln_f, A)}, {"m - A", times(low, A)}}},
-      {"b", {f, one}, none, [](const PrintedRow& r) { return 1e3 * r.b_per_s; },
+      {"b",
+       {f, one},
+       none,
+       [](const PrintedRow& r) { return 1e3 * r.b_per_s; },
        {{"A", A}, {"m", m}, {"ln f", ln_f}, {"f^2", f2}, {"m - A", low}}},
-      {"c/a", {A2}, one, [](const PrintedRow& r) { return r.a_V / r.c_V; },
-       {{"A", A}, {"m", times(m, A2)}, {"f", times(f, A2)}, {"ln f", times(ln_f, A2)}, {"m - A", times(low, A2)}}}};
+      {"c/a",
+       {A2},
+       one,
+       [](const PrintedRow& r) { return r.a_V / r.c_V; },
+       {{"A", A},
+        {"m", times(m, A2)},
+        {"f", times(f, A2)},
+        {"ln f", times(ln_f, A2)},
+        {"m - A", times(low, A2)}}}};
   std::vector<LeftOut> out;
   const auto n = static_cast<Eigen::Index>(kTableII.size());
   for (const Law& law : laws) {
@@ -121,20 +137,24 @@ std::vector<LeftOut> search_printed_table() {
       const PrintedRow& row = kTableII[static_cast<std::size_t>(i)];
       whole[i] = law.value(row);
       y[i] = whole[i] - law.offset(row);
-      for (std::size_t k = 0; k < law.terms.size(); ++k) base(i, static_cast<Eigen::Index>(k)) = law.terms[k](row);
+      for (std::size_t k = 0; k < law.terms.size(); ++k)
+        base(i, static_cast<Eigen::Index>(k)) = law.terms[k](row);
     }
     const LeastSquares before = relative_fit(base, y);
     for (const NamedTerm& candidate : law.candidates) {
       Eigen::MatrixXd X(n, base.cols() + 1);
       X.leftCols(base.cols()) = base;
-      for (Eigen::Index i = 0; i < n; ++i) X(i, base.cols()) = candidate.value(kTableII[static_cast<std::size_t>(i)]);
+      for (Eigen::Index i = 0; i < n; ++i)
+        X(i, base.cols()) = candidate.value(kTableII[static_cast<std::size_t>(i)]);
       const LeastSquares after = relative_fit(X, y);
       LeftOut item;
       item.parameter = law.parameter;
       item.term = candidate.name;
       item.coefficient = after.beta[base.cols()];
-      item.se = std::sqrt(after.sum_of_squares / static_cast<double>(after.dof) * after.inverse(base.cols(), base.cols()));
-      item.p = 2.0 * (1.0 - student_cdf(std::abs(item.coefficient / item.se), static_cast<double>(after.dof)));
+      item.se = std::sqrt(after.sum_of_squares / static_cast<double>(after.dof) *
+                          after.inverse(base.cols(), base.cols()));
+      item.p =
+          2.0 * (1.0 - student_cdf(std::abs(item.coefficient / item.se), static_cast<double>(after.dof)));
       item.loo_before_pct = before.loo_pct;
       item.loo_after_pct = after.loo_pct;
       out.push_back(std::move(item));

@@ -30,11 +30,11 @@ PrintedErrors errors_on_printed_table();
 
 /// One term added to one law: relative least squares on the 20 rows with and without it.
 struct LeftOut {
-  std::string parameter;           ///< "a", "b", "c/a"
-  std::string term;                ///< "m", "f", "A", "ln f", "A/m" ...
-  double coefficient = 0, se = 0;  ///< relative change per unit of the term
-  double p = 1;                    ///< two-sided, Student
-  bool significant = false;        ///< Holm at 5 % over all terms tried
+  std::string parameter;                         ///< "a", "b", "c/a"
+  std::string term;                              ///< "m", "f", "A", "ln f", "A/m" ...
+  double coefficient = 0, se = 0;                ///< relative change per unit of the term
+  double p = 1;                                  ///< two-sided, Student
+  bool significant = false;                      ///< Holm at 5 % over all terms tried
   double loo_before_pct = 0, loo_after_pct = 0;  ///< mean relative leave-one-out error
 };
 

@@ -69,14 +69,16 @@ void describe_cycles(SessionSheet& sheet, const Extrema& extrema, double duratio
   add(sheet, "recording.amplitude", "Amplitude A of the force", "N", d.A_N);
   add(sheet, "recording.mean", "Mean m of the force", "N", d.m_N);
   add(sheet, "recording.loss", "Loss of the maxima", "%", 100.0 * d.loss);
-  add(sheet, "recording.minima_drift", "Drift of the minima, share of the first swing", "%", d.minima_drift_pct);
+  add(sheet, "recording.minima_drift", "Drift of the minima, share of the first swing", "%",
+      d.minima_drift_pct);
   add(sheet, "recording.wander", "Wandering of single maxima, share of the swing", "%", d.wander_pct);
   if (d.fitted) {
     add(sheet, "recording.a", "a of eq. (3)", "V", d.fit.a_V);
     add(sheet, "recording.b", "b of eq. (3)", "1/s", d.fit.b_per_s);
     add(sheet, "recording.c", "c of eq. (3)", "V", d.fit.c_V);
     add(sheet, "recording.rmse", "RMSE of the maxima, eq. (8)", "V", d.fit.rmse_V);
-    const double b_scale = d.fit.b_per_s / (kLaw_b1 * d.f_Hz + kLaw_b0), q_scale = d.fit.c_V / d.fit.a_V * (1.0 + kLaw_k * d.A_N * d.A_N);
+    const double b_scale = d.fit.b_per_s / (kLaw_b1 * d.f_Hz + kLaw_b0),
+                 q_scale = d.fit.c_V / d.fit.a_V * (1.0 + kLaw_k * d.A_N * d.A_N);
     if (b_scale > 0.0 && q_scale > 0.0) {
       add(sheet, "identified.b", "Decay rate against eq. (5)", "1", sheet.calibration.b_scale = b_scale);
       add(sheet, "identified.q", "Ratio c/a against eq. (5)", "1", sheet.calibration.q_scale = q_scale);
@@ -89,7 +91,9 @@ Result<void> describe_static(SessionSheet& sheet, const Columns& c, const std::s
   StaticLine line;
   for (std::size_t i = 0; i < c.t_s.size(); ++i)
     line.push(static_cast<double>(c.sensor_V[i]), static_cast<double>(c.force_N[i]));
-  if (!line.answers(1e-6)) return fail(ErrorCode::device, "the sensor did not answer the force", name, "is it the sensor's channel?");
+  if (!line.answers(1e-6))
+    return fail(ErrorCode::device, "the sensor did not answer the force", name,
+                "is it the sensor's channel?");
   Calibration& k = sheet.calibration;
   k.gain_N_per_V = line.gain_N_per_V();
   k.offset_N = line.offset_N();
@@ -98,7 +102,8 @@ Result<void> describe_static(SessionSheet& sheet, const Columns& c, const std::s
   add(sheet, "static.gain", "Gain G, eq. (1)", "N/V", k.gain_N_per_V);
   add(sheet, "static.offset", "Offset F0, eq. (1)", "N", k.offset_N);
   add(sheet, "static.residual", "Residual of the line", "N", sheet.calibration_rmse_N);
-  add(sheet, "static.residual_share", "Residual of the line, share of the full scale of 5 N", "% FS", 100.0 * sheet.calibration_rmse_N / kFullScale_N);
+  add(sheet, "static.residual_share", "Residual of the line, share of the full scale of 5 N", "% FS",
+      100.0 * sheet.calibration_rmse_N / kFullScale_N);
   return {};
 }
 
@@ -107,11 +112,13 @@ Result<void> describe_static(SessionSheet& sheet, const Columns& c, const std::s
 Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, BenchProgress& progress) {
   FORCEGATE_TRY(const Columns columns, read_all(rig, progress));
   if (columns.t_s.size() < 100)
-    return fail(ErrorCode::parse, "the recording holds fewer than 100 valid samples", name, "record some seconds at least");
+    return fail(ErrorCode::parse, "the recording holds fewer than 100 valid samples", name,
+                "record some seconds at least");
   const auto [low, high] = std::minmax_element(columns.force_N.begin(), columns.force_N.end());
   const double range_N = static_cast<double>(*high - *low);
   if (range_N < kRangeNeeded_N)
-    return fail(ErrorCode::device, "the force hardly moves: nothing can be learnt from this recording", name, "load the sensor through its range, or cyclically");
+    return fail(ErrorCode::device, "the force hardly moves: nothing can be learnt from this recording", name,
+                "load the sensor through its range, or cyclically");
   SessionSheet sheet;
   sheet.specimen = name;
   sheet.samples = columns.t_s.size();

@@ -38,8 +38,8 @@ SessionSheet run_session(Session& session, const std::vector<std::string>& proce
     Result<void> ran = kind == nullptr
                            ? Result<void>(fail(ErrorCode::config, "there is no procedure '" + name + "'"))
                        : kind->needs_calibration && !session.calibrated
-                           ? Result<void>(fail(ErrorCode::config, "procedure '" + name + "' needs G and F0", {},
-                                               "list static_calibration before it"))
+                           ? Result<void>(fail(ErrorCode::config, "procedure '" + name + "' needs G and F0",
+                                               {}, "list static_calibration before it"))
                            : kind->run(session);
     if (!ran) {
       Error error = ran.error();
@@ -62,8 +62,13 @@ struct CurveSink::Impl {
 
 CurveSink::CurveSink(std::string name, double first_s, double last_s, double volts_per_code, bool closed_loop,
                      std::size_t columns)
-    : impl_(new Impl{std::move(name), closed_loop, volts_per_code, first_s, last_s,
-                     M4Accumulator(columns, first_s, last_s, closed_loop ? 4 : 3, {1, 2}), {}}) {}
+    : impl_(new Impl{std::move(name),
+                     closed_loop,
+                     volts_per_code,
+                     first_s,
+                     last_s,
+                     M4Accumulator(columns, first_s, last_s, closed_loop ? 4 : 3, {1, 2}),
+                     {}}) {}
 CurveSink::~CurveSink() = default;
 
 void CurveSink::operator()(const RigBlock& block, std::size_t n, std::span<const float> estimate_N) {
@@ -72,9 +77,11 @@ void CurveSink::operator()(const RigBlock& block, std::size_t n, std::span<const
   while (to > from && block.t_s[to - 1] > impl_->last_s) --to;
   if (from == to) return;
   impl_->volts.resize(std::max(impl_->volts.size(), n));
-  for (std::size_t i = from; i < to; ++i) impl_->volts[i] = static_cast<float>(impl_->volts_per_code * block.adc[i]);
+  for (std::size_t i = from; i < to; ++i)
+    impl_->volts[i] = static_cast<float>(impl_->volts_per_code * block.adc[i]);
   const float* channels[4] = {block.setpoint_N.data() + from, block.force_ref_N.data() + from,
-                              impl_->volts.data() + from, estimate_N.empty() ? nullptr : estimate_N.data() + from};
+                              impl_->volts.data() + from,
+                              estimate_N.empty() ? nullptr : estimate_N.data() + from};
   impl_->m4.push({block.t_s.data() + from, to - from}, {channels, impl_->closed_loop ? 4u : 3u});
 }
 
@@ -89,8 +96,8 @@ Curve CurveSink::finish() {
   return c;
 }
 
-Result<DecayRecord> play_decay(Session& session, const std::string& set, const StimulusSpec& spec, double prominence,
-                               const BlockSink& also, Extrema* keep) {
+Result<DecayRecord> play_decay(Session& session, const std::string& set, const StimulusSpec& spec,
+                               double prominence, const BlockSink& also, Extrema* keep) {
   Extrema extrema;
   FORCEGATE_TRY(DecayRecord d, measure_decay(session.bench, set, spec, prominence, also, &extrema));
   if (session.curves) {

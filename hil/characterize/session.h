@@ -37,8 +37,8 @@ struct SessionSheet {
   std::optional<Error> failure;  ///< of the rig; the values up to then stand
   std::vector<Measurement> values;
   std::vector<DecayRecord> decays;
-  std::vector<Curve> curves;   ///< only where wanted
-  Calibration calibration;     ///< G and F0; b_scale and q_scale where identified
+  std::vector<Curve> curves;  ///< only where wanted
+  Calibration calibration;    ///< G and F0; b_scale and q_scale where identified
   double calibration_rmse_N = 0.0;
   std::uint64_t samples = 0;
 
@@ -56,7 +56,8 @@ using CompensationMaker = std::function<Compensation(const Calibration&)>;
 
 class Session {
  public:
-  Session(Bench& on_bench, const StudyPlan& of_plan, std::string of_sensor, const CompensationMaker& by, bool with_curves)
+  Session(Bench& on_bench, const StudyPlan& of_plan, std::string of_sensor, const CompensationMaker& by,
+          bool with_curves)
       : bench(on_bench), plan(of_plan), sensor(std::move(of_sensor)), compensation(by), curves(with_curves) {}
 
   void add(std::string key, std::string title, std::string unit, double value) {
@@ -79,8 +80,8 @@ class Session {
 
 /// A procedure of the paper: one file each in procedures/.
 struct ProcedureKind {
-  std::string name;    ///< as the plan lists it
-  std::string doc;     ///< what it plays and measures, and where the paper says so
+  std::string name;  ///< as the plan lists it
+  std::string doc;   ///< what it plays and measures, and where the paper says so
   bool needs_calibration = true;
   std::function<Result<void>(Session&)> run;
 };
@@ -108,7 +109,7 @@ class CurveSink {
 Curve extrema_curve(std::string name, const Extrema& extrema);
 
 /// measure_decay on the session's bench; the exemplar keeps the extrema as curve "extrema/SET_NN".
-Result<DecayRecord> play_decay(Session& session, const std::string& set, const StimulusSpec& spec, double prominence = 0.5,
-                               const BlockSink& also = {}, Extrema* keep = nullptr);
+Result<DecayRecord> play_decay(Session& session, const std::string& set, const StimulusSpec& spec,
+                               double prominence = 0.5, const BlockSink& also = {}, Extrema* keep = nullptr);
 
 }  // namespace forcegate::characterize

@@ -24,13 +24,15 @@ void read_numbers(ConfigReader& r, std::string_view name, std::vector<double>& o
   for (const ConfigNode& item : node->items) {
     const bool number = item.kind == ConfigNode::Kind::number || item.kind == ConfigNode::Kind::integer;
     if (!number || !(item.number >= low && item.number <= high))
-      return r.complain(item, fmt::format("'{}' must hold numbers from {} to {}", name, shortest(low), shortest(high)));
+      return r.complain(
+          item, fmt::format("'{}' must hold numbers from {} to {}", name, shortest(low), shortest(high)));
     out.push_back(item.number);
   }
 }
 
 // f_Hz, A_N and m_N of one length each.
-void read_sines(const ConfigNode* table, const std::string& what, std::vector<SineSpec>& out, Result<void>& state) {
+void read_sines(const ConfigNode* table, const std::string& what, std::vector<SineSpec>& out,
+                Result<void>& state) {
   if (table == nullptr || !state) return;
   ConfigReader r(*table, what);
   std::vector<double> f, A, m;
@@ -41,7 +43,8 @@ void read_sines(const ConfigNode* table, const std::string& what, std::vector<Si
     r.complain(*table, what + " needs f_Hz, A_N and m_N, lists of one length");
   for (std::size_t i = 0; r.good() && i < f.size(); ++i) {
     if (m[i] < A[i] || m[i] + A[i] > 5.25)
-      r.complain(*table, fmt::format("{}: sine {} leaves the contact or the range (m >= A, m + A <= 5.25 N)", what, i + 1));
+      r.complain(*table, fmt::format("{}: sine {} leaves the contact or the range (m >= A, m + A <= 5.25 N)",
+                                     what, i + 1));
     out.push_back({f[i], A[i], m[i]});
   }
   state = r.finish();
@@ -82,11 +85,13 @@ Result<void> read_procedures(ConfigReader& r, const ConfigNode& node, std::strin
 }
 
 Result<void> read_limit(const ConfigNode& node, StudyPlan& plan) {
-  if (node.kind != ConfigNode::Kind::table) return fail(ErrorCode::config, "a limit must be a table", node.where, "write [[limit]]");
+  if (node.kind != ConfigNode::Kind::table)
+    return fail(ErrorCode::config, "a limit must be a table", node.where, "write [[limit]]");
   StudyLimit limit;
   ConfigReader r(node, "a limit");
   r.text("key", limit.key, ConfigReader::required);
-  const bool low = r.number("minimum", limit.minimum, -1e9, 1e9), high = r.number("maximum", limit.maximum, -1e9, 1e9);
+  const bool low = r.number("minimum", limit.minimum, -1e9, 1e9),
+             high = r.number("maximum", limit.maximum, -1e9, 1e9);
   r.text("source", limit.source, ConfigReader::required);
   if (r.good() && !low && !high) r.complain(node, "a limit needs minimum or maximum");
   FORCEGATE_CHECK_OK(r.finish());
@@ -120,7 +125,8 @@ Result<void> read_profiles(const ConfigNode& node, StudyPlan& p) {
   r.number("control_A_N", p.control_A_N, 0.05, 2.0);
   r.number("control_m_N", p.control_m_N, 0.05, 4.0);
   r.number("learning_s", p.learning_s, 0.0, 600.0);
-  if (r.good() && !(p.sweep_high_N > p.sweep_low_N + 0.5)) r.complain(node, "the calibration sweep must span more than 0.5 N");
+  if (r.good() && !(p.sweep_high_N > p.sweep_low_N + 0.5))
+    r.complain(node, "the calibration sweep must span more than 0.5 N");
   if (r.good() && p.two_sines_f1_Hz.size() != p.two_sines_f2_Hz.size())
     r.complain(node, "two_sines_f1_Hz and two_sines_f2_Hz must be of one length");
   return r.finish();
@@ -138,7 +144,8 @@ Result<StudyPlan> parse_study_plan(std::string_view text, const std::string& nam
   r.integer("format", format, 1, kFormat, ConfigReader::required);
   r.text("kind", kind, ConfigReader::required);
   if (r.good() && kind != "characterize")
-    r.complain(*root.find("kind"), "this plan is not one of a characterisation", "write kind = \"characterize\"");
+    r.complain(*root.find("kind"), "this plan is not one of a characterisation",
+               "write kind = \"characterize\"");
   r.text("name", plan.name, ConfigReader::required);
   r.text("doc", plan.doc);
   r.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());

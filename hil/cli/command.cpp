@@ -116,7 +116,8 @@ Result<std::uint64_t> Invocation::seed(std::string_view name) const {
   const bool hexadecimal = written.starts_with("0x") || written.starts_with("0X");
   std::uint64_t value = 0;
   if (!parse_whole(std::string_view(written).substr(hexadecimal ? 2 : 0), value, hexadecimal ? 16 : 10))
-    return not_a_number(*command_, name, written, "a seed", "a whole number from 0 to 2^64 - 1, decimal or 0x...");
+    return not_a_number(*command_, name, written, "a seed",
+                        "a whole number from 0 to 2^64 - 1, decimal or 0x...");
   return value;
 }
 

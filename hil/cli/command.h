@@ -46,11 +46,11 @@ int exit_code_of(ErrorCode code);
 using Choices = std::function<std::vector<std::string>()>;
 
 struct Option {
-  std::string name;        ///< "record" for --record
-  std::string value_name;  ///< "FILE", "N", "SECONDS"; empty: a flag without value
-  std::string doc;         ///< one sentence
-  std::string fallback{};  ///< value when not given; empty: none
-  Choices choices{};       ///< values to offer; empty function: free text (completed as file names)
+  std::string name;          ///< "record" for --record
+  std::string value_name;    ///< "FILE", "N", "SECONDS"; empty: a flag without value
+  std::string doc;           ///< one sentence
+  std::string fallback{};    ///< value when not given; empty: none
+  Choices choices{};         ///< values to offer; empty function: free text (completed as file names)
   bool only_choices = true;  ///< false: choices are offered, others are allowed too ("--rig NAME|FILE")
   bool required = false;
   bool repeatable = false;  ///< Invocation::texts gives all of them
@@ -84,9 +84,10 @@ struct Command {
   std::vector<Positional> positionals{};
   std::vector<Option> options{};  ///< besides --json, --color, --quiet and --help, which every verb has
   std::vector<Example> examples{};
-  std::function<std::string()> details{};  ///< text of --help that is only known at run time (lists of plug-ins)
+  std::function<std::string()>
+      details{};  ///< text of --help that is only known at run time (lists of plug-ins)
   std::vector<int> exit_codes = {kExitSuccess, kExitUsage};  ///< those it can give, for --help
-  bool hidden = false;  ///< not in overview and completion ("worker")
+  bool hidden = false;                                       ///< not in overview and completion ("worker")
   /// Exit code, or an Error that is printed (text or JSON) and mapped by exit_code_of.
   std::function<Result<int>(const Invocation&)> run{};
 };

@@ -43,7 +43,8 @@ _forcegate() {
 compdef _forcegate forcegate
 )sh";
 
-constexpr const char* kFish = R"sh(# forcegate completion for fish: save as ~/.config/fish/completions/forcegate.fish
+constexpr const char* kFish =
+    R"sh(# forcegate completion for fish: save as ~/.config/fish/completions/forcegate.fish
 function __forcegate_words
   set -l typed (commandline -opc) (commandline -ct)
   $typed[1] completion --words -- $typed[2..-1] 2>/dev/null
@@ -56,7 +57,8 @@ complete -c forcegate -a '(__forcegate_words)'
 namespace {
 
 // words.front() is the whole name of the verb.
-std::vector<std::string> completions_of(std::span<const std::string> words, const std::vector<Command>& table) {
+std::vector<std::string> completions_of(std::span<const std::string> words,
+                                        const std::vector<Command>& table) {
   const std::string current = words.back();
   const Command* command = nullptr;
   for (const Command& c : table)
@@ -77,7 +79,8 @@ std::vector<std::string> completions_of(std::span<const std::string> words, cons
              !command->positionals[positional].repeatable)
       ++positional;
   }
-  if (pending != nullptr) return pending->choices ? starting_with(pending->choices(), current) : std::vector<std::string>{};
+  if (pending != nullptr)
+    return pending->choices ? starting_with(pending->choices(), current) : std::vector<std::string>{};
   if (current.starts_with("-")) {
     std::vector<std::string> names;
     for (const auto* list : {&command->options, &global_options()})
@@ -103,13 +106,15 @@ std::vector<std::string> completions(std::span<const std::string> words, const s
   }
   std::vector<std::string> second;
   for (const Command& c : table)
-    if (!c.hidden && in_family(c.name, words.front())) second.push_back(c.name.substr(words.front().size() + 1));
+    if (!c.hidden && in_family(c.name, words.front()))
+      second.push_back(c.name.substr(words.front().size() + 1));
   if (!second.empty()) {
     if (words.size() == 2) {
       for (std::string& word : completions_of(words, table)) second.push_back(std::move(word));
       return starting_with(second, current);
     }
-    if (std::find(second.begin(), second.end(), words[1]) == second.end()) return completions_of(words, table);
+    if (std::find(second.begin(), second.end(), words[1]) == second.end())
+      return completions_of(words, table);
     std::vector<std::string> joined(words.begin() + 1, words.end());
     joined.front() = words.front() + " " + joined.front();
     return completions_of(joined, table);

@@ -27,7 +27,8 @@ bool environment_set(const char* name) {
 bool wants_color(ConsoleOptions::Color color, std::FILE* out) {
   if (color != ConsoleOptions::Color::automatic) return color == ConsoleOptions::Color::always;
   if (environment_set("NO_COLOR")) return false;
-  if (environment_set("CLICOLOR_FORCE") && std::string_view(std::getenv("CLICOLOR_FORCE")) != "0") return true;
+  if (environment_set("CLICOLOR_FORCE") && std::string_view(std::getenv("CLICOLOR_FORCE")) != "0")
+    return true;
   const char* terminal = std::getenv("TERM");
   return ::isatty(::fileno(out)) != 0 && (terminal == nullptr || std::string_view(terminal) != "dumb");
 }
@@ -68,7 +69,11 @@ struct Console::Bar {
 };
 
 Console::Console(ConsoleOptions options, std::FILE* out, std::FILE* err)
-    : options_(options), out_(out), err_(err), color_(wants_color(options.color, out)), bar_(std::make_unique<Bar>()) {
+    : options_(options),
+      out_(out),
+      err_(err),
+      color_(wants_color(options.color, out)),
+      bar_(std::make_unique<Bar>()) {
   bar_->terminal = ::isatty(::fileno(err)) != 0;
 }
 
@@ -169,7 +174,8 @@ void Console::progress(double fraction, std::string_view now) {
     line += "  " + printable_utf8(now);
     std::replace(line.begin(), line.end(), '\n', ' ');
     g_bar_on_terminal = true;
-    std::fputs(("\r" + cut(line, static_cast<std::size_t>(std::max(20, terminal_width(err_) - 1))) + "\033[K").c_str(),
+    std::fputs(("\r" + cut(line, static_cast<std::size_t>(std::max(20, terminal_width(err_) - 1))) + "\033[K")
+                   .c_str(),
                err_);
   } else {
     if (percent / 10 == bar.last_percent / 10 && since_last_s < 10.0) return;

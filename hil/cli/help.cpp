@@ -83,7 +83,7 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t wid
 }
 
 const std::vector<int>& exit_codes() {
-  static const std::vector<int> kCodes = {kExitSuccess, kExitReject,     kExitUsage,    kExitNoDecision,
+  static const std::vector<int> kCodes = {kExitSuccess,  kExitReject,     kExitUsage,    kExitNoDecision,
                                           kExitRigFault, kExitSafetyStop, kExitInternal, kExitInterrupted};
   return kCodes;
 }
@@ -92,10 +92,13 @@ std::string exit_code_text(int code) {
   switch (code) {
     case kExitSuccess: return "ACCEPT, or the verb did what it was asked.";
     case kExitReject: return "REJECT: the firmware failed a required check on a sound rig, crashed or hung.";
-    case kExitUsage: return "The command line, a plan, a bench file or a data file is wrong; the message says how to mend it.";
-    case kExitNoDecision: return "NO-DECISION: something required could not be judged; the reason names who must act.";
+    case kExitUsage:
+      return "The command line, a plan, a bench file or a data file is wrong; the message says how to mend it.";
+    case kExitNoDecision:
+      return "NO-DECISION: something required could not be judged; the reason names who must act.";
     case kExitRigFault: return "The rig misbehaved. The only code after which a retry makes sense.";
-    case kExitSafetyStop: return "A safety limit parked the rig and the cause is undecided: a person must look.";
+    case kExitSafetyStop:
+      return "A safety limit parked the rig and the cause is undecided: a person must look.";
     case kExitInternal: return "A defect of Forcegate itself.";
     case kExitInterrupted: return "Interrupted by Ctrl-C or SIGTERM.";
     default: return "";
@@ -124,7 +127,8 @@ std::string overview_text(const std::vector<Command>& table, const Console& cons
       if (c.group == group && !c.hidden) rows += row(c.name, c.summary, 24);
     if (!rows.empty()) out += "\n" + console.paint(Paint::strong, group + ":") + "\n" + rows;
   }
-  out += "\n" + console.paint(Paint::strong, "Options of every verb:") + "\n" + options_block(global_options());
+  out +=
+      "\n" + console.paint(Paint::strong, "Options of every verb:") + "\n" + options_block(global_options());
   out += "\n" + console.paint(Paint::strong, "Exit codes:") + "\n" + exit_code_block(exit_codes());
   out += "\n\"forcegate VERB --help\" teaches one verb; \"forcegate doctor\" says what this machine lacks.\n";
   return out;
@@ -142,7 +146,8 @@ std::string command_text(const Command& command, const Console& console) {
   }
   if (!command.options.empty())
     out += "\n" + console.paint(Paint::strong, "Options:") + "\n" + options_block(command.options);
-  out += "\n" + console.paint(Paint::strong, "Options of every verb:") + "\n" + options_block(global_options());
+  out +=
+      "\n" + console.paint(Paint::strong, "Options of every verb:") + "\n" + options_block(global_options());
   if (!command.examples.empty()) {
     out += "\n" + console.paint(Paint::strong, "Examples:") + "\n";
     for (const Example& e : command.examples) out += wrapped(e.doc, 2) + "    " + e.command + "\n";

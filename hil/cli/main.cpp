@@ -55,7 +55,8 @@ int main(int argc, char** argv) {
   try {
     code = run(line, console, table);
   } catch (const std::bad_alloc&) {
-    console.error({ErrorCode::internal, "out of memory", "forcegate", "free memory or judge fewer cases at once"});
+    console.error(
+        {ErrorCode::internal, "out of memory", "forcegate", "free memory or judge fewer cases at once"});
   } catch (const std::exception& e) {
     console.error({ErrorCode::internal, std::string("unexpected exception: ") + e.what(), "forcegate",
                    "please report it with the command line"});

@@ -56,7 +56,8 @@ std::string man_page(const std::vector<Command>& table, const std::string& versi
     out += ".SS " + roff(usage_line(c)) + "\n" + paragraphs(c.description);
     for (const Positional& p : c.positionals) out += tagged(p.name, p.doc);
     for (const Option& o : c.options) out += option_entry(o);
-    for (const Example& e : c.examples) out += ".PP\n" + roff(e.doc) + "\n.RS\n.nf\n" + roff(e.command) + "\n.fi\n.RE\n";
+    for (const Example& e : c.examples)
+      out += ".PP\n" + roff(e.doc) + "\n.RS\n.nf\n" + roff(e.command) + "\n.fi\n.RE\n";
   }
   out += ".SH OPTIONS OF EVERY VERB\n";
   for (const Option& o : global_options()) out += option_entry(o);

@@ -101,10 +101,10 @@ class Reader {
     if (line_.family.empty() && begins_family)
       line_.family = word;
     else
-      line_.error = usage_error(
-          fmt::format("there is no verb \"{}\"", name), "forcegate",
-          suggestion(name, names, "forcegate ",
-                     line_.family.empty() ? "\"forcegate --help\" lists the verbs" : "choose: " + join(names, ", ")));
+      line_.error = usage_error(fmt::format("there is no verb \"{}\"", name), "forcegate",
+                                suggestion(name, names, "forcegate ",
+                                           line_.family.empty() ? "\"forcegate --help\" lists the verbs"
+                                                                : "choose: " + join(names, ", ")));
   }
 
   // "forcegate bench" alone.
@@ -153,11 +153,10 @@ class Reader {
     if (!own) option = find_option(global_options(), name);
     if (option == nullptr || (is_long && name.size() == 1 && option->name != name)) {
       const std::string written = (is_long ? "--" : "-") + name;
-      line_.error = usage_error(
-          fmt::format("{} has no option \"{}\"", where(), written), where(),
-          line_.command == nullptr
-              ? "the verb comes first: \"forcegate --help\" lists them"
-              : suggestion(name, option_names(*line_.command), "--", see_help()));
+      line_.error = usage_error(fmt::format("{} has no option \"{}\"", where(), written), where(),
+                                line_.command == nullptr
+                                    ? "the verb comes first: \"forcegate --help\" lists them"
+                                    : suggestion(name, option_names(*line_.command), "--", see_help()));
       return;
     }
     std::string value;
@@ -169,8 +168,8 @@ class Reader {
     } else if (i + 1 < arguments_.size()) {
       value = arguments_[++i];
     } else {
-      line_.error = usage_error(fmt::format("--{} wants a value {}", option->name, option->value_name), where(),
-                                option->doc);
+      line_.error = usage_error(fmt::format("--{} wants a value {}", option->name, option->value_name),
+                                where(), option->doc);
     }
     if (line_.error) return;
     if (!option->value_name.empty())
@@ -192,7 +191,8 @@ class Reader {
 
   void check_required() {
     const auto given = [&](const std::string& name) {
-      return std::any_of(line_.values.begin(), line_.values.end(), [&](const auto& v) { return v.first == name; });
+      return std::any_of(line_.values.begin(), line_.values.end(),
+                         [&](const auto& v) { return v.first == name; });
     };
     for (const Positional& p : line_.command->positionals)
       if (p.required && !given(p.name)) {
@@ -217,12 +217,17 @@ class Reader {
 
 const std::vector<Option>& global_options() {
   static const std::vector<Option> kOptions = {
-      {.name = "json", .value_name = "", .doc = "Print one JSON document on stdout instead of text; errors too."},
+      {.name = "json",
+       .value_name = "",
+       .doc = "Print one JSON document on stdout instead of text; errors too."},
       {.name = "color",
        .value_name = "WHEN",
        .doc = "Colour of the text. auto obeys NO_COLOR, CLICOLOR_FORCE and the terminal.",
        .fallback = "auto",
-       .choices = [] { return std::vector<std::string>{"auto", "always", "never"}; }},
+       .choices =
+           [] {
+             return std::vector<std::string>{"auto", "always", "never"};
+           }},
       {.name = "quiet", .value_name = "", .doc = "No progress, no notes, no \"next:\" line.", .letter = 'q'},
       {.name = "help", .value_name = "", .doc = "Print this text.", .letter = 'h'},
       {.name = "version", .value_name = "", .doc = "Print the version."},

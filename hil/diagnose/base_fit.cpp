@@ -58,7 +58,8 @@ void set_noise(Workspace& w) {
     const double step_F = h != nullptr ? h->lsb_F_N : 0.0, step_U = h != nullptr ? h->lsb_U_V : 0.0;
     const double quantised = std::hypot(w.gain_V_per_N * decay * step_F, step_U) / std::sqrt(12.0);
     // steps are only averaged away when noise dithers them
-    const double dithered = h != nullptr && step_F > 0.0 ? std::clamp(1.2 - 2.0 * h->noise_F_N / step_F, 0.3, 1.0) : 1.0;
+    const double dithered =
+        h != nullptr && step_F > 0.0 ? std::clamp(1.2 - 2.0 * h->noise_F_N / step_F, 0.3, 1.0) : 1.0;
     w.white_V[k] = white + 1e-4 * w.input.U_range_V;
     w.noise_V[k] = std::hypot(white, dithered * quantised) + 1e-4 * w.input.U_range_V;
   }
@@ -75,7 +76,8 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
   const double stride = static_cast<double>(good.size()) / static_cast<double>(limit);
   for (std::size_t j = 0; j < limit; ++j) {
     const double u = static_cast<double>(mixed(j) >> 11) * 0x1.0p-53;
-    out.push_back(good[std::min(good.size() - 1, static_cast<std::size_t>((static_cast<double>(j) + u) * stride))]);
+    out.push_back(
+        good[std::min(good.size() - 1, static_cast<std::size_t>((static_cast<double>(j) + u) * stride))]);
   }
   return out;
 }
@@ -85,9 +87,10 @@ void set_repeatability(MixedProblem& problem, bool one_recording) {
   // F_min, swing and shape of the decay too: a decay in volts, another lowest force than the one that was found, a stretched
   // exponential are the same in all records, and no spread between them
   problem.n_fixed = kFirstShape + kShapes;
-  problem.components = {{"gain", 0.02, 0.002, 0.5},   {"offset", 0.01, 0.001, 0.5}, {"log_b", 0.25, 0.05, 0.5},
-                        {"log_q", 0.14, 0.03, 0.5},   {"F_min", 0.01, 0.001, 0.5},  {"swing", 0.03, 0.003, 0.5},
-                        {"shape", 0.02, 0.003, 0.5},  {"wander", 0.002, 3e-4, 0.5}};
+  problem.components = {{"gain", 0.02, 0.002, 0.5},  {"offset", 0.01, 0.001, 0.5},
+                        {"log_b", 0.25, 0.05, 0.5},  {"log_q", 0.14, 0.03, 0.5},
+                        {"F_min", 0.01, 0.001, 0.5}, {"swing", 0.03, 0.003, 0.5},
+                        {"shape", 0.02, 0.003, 0.5}, {"wander", 0.002, 3e-4, 0.5}};
   // blocks of one recording are the same machine, not touched in between: what changes there is the residual's business
   if (one_recording)
     for (const int k : {0, 1, 7}) {
@@ -102,7 +105,8 @@ void set_repeatability(MixedProblem& problem, bool one_recording) {
   problem.fixed_prior_sd.head(6) << 10.0, 10.0, 1.0, 1.0, 0.005, 0.3;
 }
 
-Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, const std::vector<std::size_t>& rows) {
+Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
+                                      const std::vector<std::size_t>& rows) {
   const RecordInput& r = w.input.records[index];
   Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), kColumns);
   const double g = w.gain_V_per_N / w.input.U_range_V;
@@ -128,7 +132,8 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index, con
       for (int k = 0; k < kShapes; ++k) Z(row, kFirstShape + k) = g * swing * hat(since, k);
     }
     for (int k = 0; k < kWaves; ++k)
-      if (length > 60.0 * (k + 1)) Z(row, kFirstWave + k) = std::cos(3.14159265358979 * (k + 1) * r.t_s[i] / length);
+      if (length > 60.0 * (k + 1))
+        Z(row, kFirstWave + k) = std::cos(3.14159265358979 * (k + 1) * r.t_s[i] / length);
   }
   return Z;
 }
@@ -148,7 +153,8 @@ OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
   best.mean_square = 1e300;
   const double longest = std::max(1.0, r.duration_s - r.onset_s);
   for (int step = 0; step < kRates; ++step) {
-    const double rate = std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
+    const double rate =
+        std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
     Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
     for (const std::size_t i : rows) {
       const double since = std::max(0.0, r.t_s[i] - r.onset_s);
@@ -196,8 +202,10 @@ void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>
       w.shifts[k] = start_of(w, r, own);
     } else if (r.dynamic_assumed) {
       // a change of frequency is looked for where nothing decays too: D stays at 1
-      if (r.frequency_jumps_s.empty()) set_static(r);
-      else w.shifts[k].log_q = 8.0;
+      if (r.frequency_jumps_s.empty())
+        set_static(r);
+      else
+        w.shifts[k].log_q = 8.0;
     }
   }
 }
@@ -208,12 +216,15 @@ void start_blocks(Workspace& w, const std::vector<std::vector<std::size_t>>& row
   if (!whole.dynamic) return;
   std::vector<std::size_t> all;
   for (const auto& block : rows) all.insert(all.end(), block.begin(), block.end());
-  if (const OwnDecay own = own_decay(whole, all); is_decay(own)) w.shifts.assign(w.shifts.size(), start_of(w, whole, own));
+  if (const OwnDecay own = own_decay(whole, all); is_decay(own))
+    w.shifts.assign(w.shifts.size(), start_of(w, whole, own));
 }
 
 }  // namespace
 
-bool decays_by_itself(const RecordInput& record) { return is_decay(own_decay(record, choose_rows(record, 4000))); }
+bool decays_by_itself(const RecordInput& record) {
+  return is_decay(own_decay(record, choose_rows(record, 4000)));
+}
 
 void fit_base(Workspace& w) {
   const std::size_t n = w.input.records.size();
@@ -221,8 +232,10 @@ void fit_base(Workspace& w) {
   w.gain_V_per_N = w.scales.gain_V_per_N;
   std::vector<std::vector<std::size_t>> rows;
   for (const RecordInput& r : w.input.records) rows.push_back(choose_rows(r, 800));
-  if (w.law.decays && w.input.single) start_blocks(w, rows);
-  else if (w.law.decays) choose_excitation(w, rows);
+  if (w.law.decays && w.input.single)
+    start_blocks(w, rows);
+  else if (w.law.decays)
+    choose_excitation(w, rows);
   // start: slope of static records alone, since the decay flattens the dynamic ones
   double FF = 0.0, FU = 0.0;
   for (const RecordInput& r : w.input.records) {
@@ -303,7 +316,8 @@ void fit_base(Workspace& w) {
   } else {
     run(2);
   }
-  for (std::size_t k = 0; k < n; ++k) set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
+  for (std::size_t k = 0; k < n; ++k)
+    set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
   set_noise(w);
 }
 

@@ -51,11 +51,13 @@ std::vector<double> departure_N(const std::vector<Row>& rows, std::size_t blocks
   for (Eigen::Index i = 0; i < X.rows(); ++i) {
     const Row& r = rows[static_cast<std::size_t>(i)];
     const double per_N = (a[1] + 2.0 * a[2] * r.F_N / scale_N) / scale_N;
-    if (!(std::abs(per_N) > 0.1 * std::abs(a[1]) / scale_N)) continue;  // where it does not answer to the force
+    if (!(std::abs(per_N) > 0.1 * std::abs(a[1]) / scale_N))
+      continue;  // where it does not answer to the force
     sum[r.block] += (y[i] - X.row(i).dot(a)) / per_N;
     n[r.block] += 1.0;
   }
-  for (std::size_t b = 0; b < blocks; ++b) sum[b] = n[b] >= static_cast<double>(kFewestRows) ? sum[b] / n[b] : std::nan("");
+  for (std::size_t b = 0; b < blocks; ++b)
+    sum[b] = n[b] >= static_cast<double>(kFewestRows) ? sum[b] / n[b] : std::nan("");
   return sum;
 }
 
@@ -95,10 +97,12 @@ void decide_by_capacitance(const CampaignInput& input, Finding& finding) {
   const std::string share = with_uncertainty(heard.share, heard.u_share);
   if (heard.side == CapacitanceWitness::Side::reference) {
     finding.side = "reference";
-    finding.evidence += "; the capacitance departs from F_ref in the same way (share " + share + "): it is the reference";
+    finding.evidence +=
+        "; the capacitance departs from F_ref in the same way (share " + share + "): it is the reference";
   } else if (heard.side == CapacitanceWitness::Side::sensor) {
     finding.side = "sensor";
-    finding.evidence += "; the capacitance stays with F_ref (share " + share + "): it is the zero of the sensor's output, not the reference";
+    finding.evidence += "; the capacitance stays with F_ref (share " + share +
+                        "): it is the zero of the sensor's output, not the reference";
   } else {
     finding.evidence += "; without a third channel the side cannot be told: the sensor's own zero may drift";
   }

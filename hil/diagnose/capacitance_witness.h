@@ -13,8 +13,8 @@ struct CapacitanceWitness {
   /// Part of the output's slow departure from F_ref, as a force, that the capacitance shows too: 1 = the reference moves,
   /// 0 = the output moves.
   double share = 0.0, u_share = 0.0;
-  double moved_N = 0.0;   ///< RMS of the output's slow departure
-  std::size_t blocks = 0; ///< behind it
+  double moved_N = 0.0;    ///< RMS of the output's slow departure
+  std::size_t blocks = 0;  ///< behind it
 };
 
 /// Static records only (the decay of cyclic ones is the output's alone). Both channels are set against F_ref by a parabola of

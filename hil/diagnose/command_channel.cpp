@@ -13,7 +13,9 @@ namespace {
 constexpr double kPoles_s[] = {0.03, 0.1};
 constexpr double kFollows = 0.8;  // least squared correlation of force and command
 
-const std::vector<double>& reached_N(const RecordInput& r) { return r.cos_theta.empty() || r.rig_force_N.empty() ? r.F_N : r.rig_force_N; }
+const std::vector<double>& reached_N(const RecordInput& r) {
+  return r.cos_theta.empty() || r.rig_force_N.empty() ? r.F_N : r.rig_force_N;
+}
 
 bool follows_command(const RecordInput& r, double range_N) {
   if (r.F_cmd_N.empty()) return false;
@@ -51,27 +53,36 @@ void build_command_channel(Workspace& w, unsigned threads) {
   p.nz = 8;
   p.n_fixed = 3;
   // a drive follows late, differently in every manner of moving, and the angle's zero is known to a degree or two: no findings
-  p.components = {{"drive_gain", 0.02, 0.002, 0.5}, {"drive_offset", 0.02, 0.001, 0.5}, {"angle_zero", 0.01, 0.002, 0.5},
-                  {"drive_lag", 1.0, 1.0, 1.0}, {"drive_wander", 0.002, 3e-4, 0.5}};
+  p.components = {{"drive_gain", 0.02, 0.002, 0.5},
+                  {"drive_offset", 0.02, 0.001, 0.5},
+                  {"angle_zero", 0.01, 0.002, 0.5},
+                  {"drive_lag", 1.0, 1.0, 1.0},
+                  {"drive_wander", 0.002, 3e-4, 0.5}};
   p.component_of_z = {0, 1, 2, 3, 3, 4, 4, 4};
   p.fixed_prior_sd = Eigen::Vector3d(10.0, 10.0, 0.03);
   const std::vector<std::string> only = {"motor"};
   list_candidates(w, EffectChannel::rig, false, channel, &only);
-  fill_channel(w, channel, threads, [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z, std::vector<double>& y) {
-    const std::vector<double>& reached = reached_N(r);
-    std::vector<double> late[2];
-    for (int q = 0; q < 2; ++q) late[q] = low_pass_channel(r, r.F_cmd_N, kPoles_s[q], r.F_cmd_N[0]);
-    for (std::size_t j = 0; j < rows.size(); ++j) {
-      const auto row = static_cast<Eigen::Index>(j);
-      Z(row, 0) = r.F_cmd_N[rows[j]] / channel.scale;
-      Z(row, 1) = 1.0;
-      if (!r.sin_theta.empty()) Z(row, 2) = w.rig_slope_N[r.index] * r.sin_theta[rows[j]] / channel.scale;
-      for (int q = 0; q < 2; ++q) Z(row, 3 + q) = (late[q][rows[j]] - r.F_cmd_N[rows[j]]) / channel.scale;
-      for (int q = 0; q < 3; ++q)
-        if (r.duration_s > 60.0 * (q + 1)) Z(row, 5 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
-      y.push_back(reached[rows[j]] / channel.scale);
-    }
-  });
+  fill_channel(w, channel, threads,
+               [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z,
+                   std::vector<double>& y) {
+                 const std::vector<double>& reached = reached_N(r);
+                 std::vector<double> late[2];
+                 for (int q = 0; q < 2; ++q)
+                   late[q] = low_pass_channel(r, r.F_cmd_N, kPoles_s[q], r.F_cmd_N[0]);
+                 for (std::size_t j = 0; j < rows.size(); ++j) {
+                   const auto row = static_cast<Eigen::Index>(j);
+                   Z(row, 0) = r.F_cmd_N[rows[j]] / channel.scale;
+                   Z(row, 1) = 1.0;
+                   if (!r.sin_theta.empty())
+                     Z(row, 2) = w.rig_slope_N[r.index] * r.sin_theta[rows[j]] / channel.scale;
+                   for (int q = 0; q < 2; ++q)
+                     Z(row, 3 + q) = (late[q][rows[j]] - r.F_cmd_N[rows[j]]) / channel.scale;
+                   for (int q = 0; q < 3; ++q)
+                     if (r.duration_s > 60.0 * (q + 1))
+                       Z(row, 5 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
+                   y.push_back(reached[rows[j]] / channel.scale);
+                 }
+               });
 }
 
 }  // namespace forcegate::diagnose

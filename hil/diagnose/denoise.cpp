@@ -15,7 +15,8 @@ constexpr double kAgree = 1.7;
 // Weight of a sample k away from the centre of a parabola over 2m+1 samples.
 double weight(std::size_t m_size, std::size_t k_size) {
   const double m = static_cast<double>(m_size), k = static_cast<double>(k_size);
-  return 3.0 * (3.0 * m * m + 3.0 * m - 1.0 - 5.0 * k * k) / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
+  return 3.0 * (3.0 * m * m + 3.0 * m - 1.0 - 5.0 * k * k) /
+         ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ std::string to_string(DiagnosisVerdict verdict);
 struct FoundParameter {
   std::string name;
   double value = 0.0;
-  double u = 0.0;      ///< standard uncertainty, k = 1
+  double u = 0.0;  ///< standard uncertainty, k = 1
   std::string unit;
 };
 
@@ -32,38 +32,40 @@ struct LookAlike {
 /// x-y data of one evidence picture; `before` and `after` are residuals of the model without and with the effect.
 struct EvidenceSeries {
   std::string record;
-  std::string title;          ///< "residual against force, coloured by direction"
-  std::string x_name, x_unit; ///< "force", "N"
-  std::string y_unit;         ///< "V"
+  std::string title;                             ///< "residual against force, coloured by direction"
+  std::string x_name, x_unit;                    ///< "force", "N"
+  std::string y_unit;                            ///< "V"
   std::vector<double> x, before, after, colour;  ///< colour: sign of dF/dt, or empty
 };
 
 struct Finding {
   std::string effect;
-  std::string side;           ///< sensor, rig, reference, instrument
-  double probability = 0.0;   ///< >= 0.5 is a claim
+  std::string side;          ///< sensor, rig, reference, instrument
+  double probability = 0.0;  ///< >= 0.5 is a claim
   std::vector<FoundParameter> parameters;
   double error_before = 0.0, error_after = 0.0;  ///< held-out, adapted, in `unit`
   std::string unit = "V";
   std::vector<LookAlike> confounded_with;
-  std::string evidence;       ///< one sentence a person understands
-  std::string form;           ///< which form of the effect was fitted
-  double effect_rms = 0.0;    ///< RMS of what the effect adds, same unit
+  std::string evidence;     ///< one sentence a person understands
+  std::string form;         ///< which form of the effect was fitted
+  double effect_rms = 0.0;  ///< RMS of what the effect adds, same unit
   int records_improved = 0, records_excited = 0;
   std::vector<EvidenceSeries> series;
-  bool side_witnessed = true; ///< false: no third channel could tell sensor from reference; said in `evidence`
+  bool side_witnessed =
+      true;  ///< false: no third channel could tell sensor from reference; said in `evidence`
 };
 
 /// One row of the ranking: every effect of the library that the data can excite.
 struct RankedEffect {
   std::string effect, side, form;
-  double score = 0.0;         ///< log evidence over the base model, natural units, on effective samples
-  double alone = 0.0;         ///< share of the explainable residual energy it takes away alone
-  double unique = 0.0;        ///< share that only it takes away, given the other findings
+  double score = 0.0;   ///< log evidence over the base model, natural units, on effective samples
+  double alone = 0.0;   ///< share of the explainable residual energy it takes away alone
+  double unique = 0.0;  ///< share that only it takes away, given the other findings
   double probability = 0.0;
-  double null_score = 0.0;    ///< largest score expected from this family on sign-flipped blocks (95 %)
-  double visible_from = 0.0;  ///< share of the span (RMS) from which these records would show it; 0: not estimated
-  std::string note;           ///< "not excited", "wrong sign", "needs temperature" ...
+  double null_score = 0.0;  ///< largest score expected from this family on sign-flipped blocks (95 %)
+  double visible_from =
+      0.0;           ///< share of the span (RMS) from which these records would show it; 0: not estimated
+  std::string note;  ///< "not excited", "wrong sign", "needs temperature" ...
 };
 
 struct ErrorPair {
@@ -74,37 +76,37 @@ struct ErrorPair {
 struct RecordError {
   std::string record, kind;
   bool heldout = false;
-  double before = 0.0, after = 0.0;              ///< adapted
+  double before = 0.0, after = 0.0;  ///< adapted
   double plain_before = 0.0, plain_after = 0.0;
-  double floor = 0.0;                            ///< noise of this record's residual
-  double explainable = 0.0;                      ///< share of the squared residual above the floor
+  double floor = 0.0;        ///< noise of this record's residual
+  double explainable = 0.0;  ///< share of the squared residual above the floor
 };
 
 /// Residual against one coordinate: cell means with block standard errors; empty cells have n = 0.
 struct MapCell {
   double x = 0.0, mean = 0.0, standard_error = 0.0;
-  int n = 0;                  ///< rows
+  int n = 0;  ///< rows
   int blocks = 0;
 };
 struct ResidualMap {
-  std::string coordinate;     ///< "force", "rate", "force while unloading", "time since change" ...
-  std::string group;          ///< time, force, rate, frequency, history, temperature, angle
+  std::string coordinate;  ///< "force", "rate", "force while unloading", "time since change" ...
+  std::string group;       ///< time, force, rate, frequency, history, temperature, angle
   std::string unit;
-  double share = 0.0;         ///< cross-fitted share of residual variance, may be < 0
+  double share = 0.0;  ///< cross-fitted share of residual variance, may be < 0
   std::vector<MapCell> cells;
-  std::string sentence;       ///< "+12 mV while unloading above 3 N"
+  std::string sentence;  ///< "+12 mV while unloading above 3 N"
 };
 
 struct ExperimentSegment {
-  std::string name;           ///< "triangle at three rates"
-  std::string stimulus;       ///< name in stimuli/
+  std::string name;      ///< "triangle at three rates"
+  std::string stimulus;  ///< name in stimuli/
   std::map<std::string, double> numbers;
   double minutes = 0.0;
-  std::string separates;      ///< "hysteresis / lag"
+  std::string separates;  ///< "hysteresis / lag"
   double cosine_before = 0.0, cosine_after = 0.0;
-  double odds_before = 1.0, odds_after = 1.0;    ///< expected odds of the better rival
-  std::vector<double> t_s, force_N;              ///< the force that was simulated: what a rig has to play
-  bool heats = false;                            ///< the temperature must rise meanwhile
+  double odds_before = 1.0, odds_after = 1.0;  ///< expected odds of the better rival
+  std::vector<double> t_s, force_N;            ///< the force that was simulated: what a rig has to play
+  bool heats = false;                          ///< the temperature must rise meanwhile
 };
 struct NextExperiment {
   std::vector<ExperimentSegment> segments;
@@ -112,7 +114,7 @@ struct NextExperiment {
   std::string sentence;
 };
 
-struct Repeatability {        ///< spread between records, estimated from the campaign
+struct Repeatability {  ///< spread between records, estimated from the campaign
   double gain = 0.0, offset_V = 0.0, log_b = 0.0, log_q = 0.0;
 };
 
@@ -121,20 +123,21 @@ struct Diagnosis {
   std::string model;
   DiagnosisVerdict verdict = DiagnosisVerdict::none;
   bool residual_unknown = false;
-  std::vector<Finding> findings;          ///< claims first, then weaker ones
-  std::vector<std::string> depends_on;    ///< at most three groups
+  std::vector<Finding> findings;                              ///< claims first, then weaker ones
+  std::vector<std::string> depends_on;                        ///< at most three groups
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< adapted, V
   double plain_before = 0.0, plain_after = 0.0;
   std::string unit = "V";
   std::map<std::string, ErrorPair> errors;  ///< "F" when the rig side is at fault, "U_plain" always
   std::vector<RecordError> records;
-  std::vector<ResidualMap> maps;          ///< residual of the base model, largest share first
+  std::vector<ResidualMap> maps;  ///< residual of the base model, largest share first
   std::vector<ResidualMap> maps_after;
   std::vector<RankedEffect> ranking;
-  std::vector<EvidenceSeries> overlays;   ///< measured and modelled U of every record, thinned
+  std::vector<EvidenceSeries> overlays;  ///< measured and modelled U of every record, thinned
   Repeatability repeatability;
-  std::vector<std::vector<std::string>> not_separable;  ///< effects that explain the same residual of these records
-  double expected_false = 0.0;            ///< expected number of false effects at the threshold used, from sign flips
+  std::vector<std::vector<std::string>>
+      not_separable;            ///< effects that explain the same residual of these records
+  double expected_false = 0.0;  ///< expected number of false effects at the threshold used, from sign flips
   NextExperiment next_experiment;
   std::vector<std::string> notes;
   double force_range_N = 0.0, voltage_range_V = 0.0;

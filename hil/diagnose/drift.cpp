@@ -88,8 +88,11 @@ DriftFit best_fit(const Blocks& b, const std::vector<char>& kept, const std::str
       const double e = shape_error(onset_s, low * std::pow(high / low, k / static_cast<double>(kGrid)), fit);
       if (e < least) least = e, at = k;
     }
-    double left = std::max(0, at - 1) / static_cast<double>(kGrid), right = std::min(kGrid, at + 1) / static_cast<double>(kGrid);
-    const auto value = [&](double u, DriftFit& fit) { return shape_error(onset_s, low * std::pow(high / low, u), fit); };
+    double left = std::max(0, at - 1) / static_cast<double>(kGrid),
+           right = std::min(kGrid, at + 1) / static_cast<double>(kGrid);
+    const auto value = [&](double u, DriftFit& fit) {
+      return shape_error(onset_s, low * std::pow(high / low, u), fit);
+    };
     for (int step = 0; step < 14; ++step) {
       const double a = left + 0.382 * (right - left), c = left + 0.618 * (right - left);
       DriftFit fa, fc;
@@ -162,7 +165,8 @@ void tell_unused(const Record& record, const Channel& output, Diagnosis& out) {
       if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     if (&c == &output || c.name == "temp" || !(high > low)) continue;
     const std::string name = header_of(c.name, c.unit);
-    out.notes.push_back("column \"" + name + "\" is not used; if it is the input, add --map " + name + "=F_ref_N");
+    out.notes.push_back("column \"" + name + "\" is not used; if it is the input, add --map " + name +
+                        "=F_ref_N");
   }
 }
 
@@ -170,23 +174,27 @@ std::string sentence_of(const DriftFit& f, const std::string& unit, double ratio
   char text[300], from[40] = "";
   if (f.onset_s > 0.0) std::snprintf(from, sizeof from, " from %.3g s on", f.onset_s);
   if (f.form == "exponential")
-    std::snprintf(text, sizeof text, "the output moves exponentially%s towards %.4g %s with one time constant of %.3g s", from,
+    std::snprintf(text, sizeof text,
+                  "the output moves exponentially%s towards %.4g %s with one time constant of %.3g s", from,
                   f.constant, unit.c_str(), f.shape);
   else if (f.form == "logarithm")
-    std::snprintf(text, sizeof text, "the output creeps with the logarithm of time%s, %.3g %s a decade", from, f.size, unit.c_str());
+    std::snprintf(text, sizeof text, "the output creeps with the logarithm of time%s, %.3g %s a decade", from,
+                  f.size, unit.c_str());
   else if (f.form == "power")
     std::snprintf(text, sizeof text, "the output creeps as a power of time%s, exponent %.2g", from, f.shape);
   else
     std::snprintf(text, sizeof text, "the output moves steadily%s by %.3g %s/s", from, f.size, unit.c_str());
   char tail[160];
-  std::snprintf(tail, sizeof tail, "; parts of the record that were left out are predicted %.2g times better than by the %s law", ratio,
-                second.c_str());
+  std::snprintf(tail, sizeof tail,
+                "; parts of the record that were left out are predicted %.2g times better than by the %s law",
+                ratio, second.c_str());
   return std::string(text) + tail;
 }
 
 }  // namespace
 
-Result<RecordDrift> fit_drift(const std::string& record, const std::vector<double>& t_s, const std::vector<double>& y) {
+Result<RecordDrift> fit_drift(const std::string& record, const std::vector<double>& t_s,
+                              const std::vector<double>& y) {
   const Blocks b = block_means(t_s, y);
   if (b.y.size() < 40)
     return fail(ErrorCode::parse, "the record has only " + std::to_string(b.y.size()) + " samples", record,
@@ -202,7 +210,8 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
     double sum = 0.0;
     for (std::size_t part = 0; part < kParts; ++part) {
       std::vector<char> kept(b.y.size(), 1), left(b.y.size(), 0);
-      for (std::size_t i = part * b.y.size() / kParts; i < (part + 1) * b.y.size() / kParts; ++i) kept[i] = 0, left[i] = 1;
+      for (std::size_t i = part * b.y.size() / kParts; i < (part + 1) * b.y.size() / kParts; ++i)
+        kept[i] = 0, left[i] = 1;
       const double rms = rms_over(b, best_fit(b, kept, form), left);
       sum += rms * rms;
     }
@@ -242,7 +251,8 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
                   "name it, for instance --map NAME=U_V; an input, where there is one: --map NAME=F_ref_N");
     out.unit = U->unit;
     if (&record == &campaign.records.front()) tell_unused(record, *U, out);
-    FORCEGATE_TRY(RecordDrift drift, fit_drift(record.name, record.trace.time_bases[U->time_base].t_s, U->value));
+    FORCEGATE_TRY(RecordDrift drift,
+                  fit_drift(record.name, record.trace.time_bases[U->time_base].t_s, U->value));
     moves |= drift.span > 6.0 * drift.noise;
     wavers |= drift.fits.front().left_out_rms > 5.0 * noise_of(U->value);
     for (const DriftFit& f : drift.fits) {
@@ -259,7 +269,8 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   // the simplest law that predicts as well as the best one
   const double enough = 1.1 * ranked.front().first;
   for (const char* simple : {"constant", "line"}) {
-    const auto at = std::find_if(ranked.begin(), ranked.end(), [&](const auto& r) { return r.second == simple && r.first <= enough; });
+    const auto at = std::find_if(ranked.begin(), ranked.end(),
+                                 [&](const auto& r) { return r.second == simple && r.first <= enough; });
     if (at == ranked.end()) continue;
     std::rotate(ranked.begin(), at, at + 1);
     break;
@@ -271,7 +282,8 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   out.plain_after = out.error_after;
   for (const auto& [error, form] : ranked) {
     char text[120];
-    std::snprintf(text, sizeof text, "%s: %.4g %s on parts that were left out", form.c_str(), error, out.unit.c_str());
+    std::snprintf(text, sizeof text, "%s: %.4g %s on parts that were left out", form.c_str(), error,
+                  out.unit.c_str());
     out.notes.push_back(text);
   }
   if (!moves || ranked.front().second == "constant") {
@@ -279,19 +291,22 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
     if (wavers) {
       out.verdict = DiagnosisVerdict::unknown;
       out.depends_on = {"time"};
-      out.notes.push_back("the output moves far more than its noise and follows no law of time: its input was not recorded");
+      out.notes.push_back(
+          "the output moves far more than its noise and follows no law of time: its input was not recorded");
     }
     return out;
   }
   const std::string& form = ranked.front().second;
   // a line is a limit of every curved law: it must beat the constant only
-  const auto rival = form == "line" ? std::find_if(ranked.begin(), ranked.end(), [](const auto& r) { return r.second == "constant"; })
+  const auto rival = form == "line" ? std::find_if(ranked.begin(), ranked.end(),
+                                                   [](const auto& r) { return r.second == "constant"; })
                                     : ranked.begin() + 1;
   const double ratio = rival->first / std::max(ranked.front().first, 1e-300);
   if (ratio < 1.15) {
     out.verdict = DiagnosisVerdict::unknown;
     out.depends_on = {"time"};
-    out.notes.push_back("the " + form + " and the " + rival->second + " law predict equally well: record longer");
+    out.notes.push_back("the " + form + " and the " + rival->second +
+                        " law predict equally well: record longer");
     return out;
   }
   out.verdict = DiagnosisVerdict::known;
@@ -314,7 +329,8 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   if (form == "logarithm") f.parameters.push_back({"t1_s", first.shape, 0.0, "s"});
   if (form == "power") f.parameters.push_back({"exponent", first.shape, 0.0, "1"});
   if (first.onset_s > 0.0) f.parameters.push_back({"onset_s", first.onset_s, 0.0, "s"});
-  f.effect_rms = std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
+  f.effect_rms =
+      std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
   out.findings.push_back(std::move(f));
   return out;
 }

@@ -22,18 +22,19 @@ struct DriftFit {
   double onset_s = 0.0;
   double constant = 0.0, size = 0.0, shape = 0.0;  ///< c; k or a; tau, t1 or p
   double rms = 0.0;                                ///< of the residual of the block means
-  double left_out_rms = 0.0;  ///< of tenths of the record predicted from the other nine
+  double left_out_rms = 0.0;                       ///< of tenths of the record predicted from the other nine
 };
 
 struct RecordDrift {
   std::string record;
-  double span = 0.0;             ///< 0.1 to 99.9 % of the block means, in the channel's unit
-  double noise = 0.0;            ///< of a block mean
-  std::vector<DriftFit> fits;    ///< smallest left_out_rms first
+  double span = 0.0;           ///< 0.1 to 99.9 % of the block means, in the channel's unit
+  double noise = 0.0;          ///< of a block mean
+  std::vector<DriftFit> fits;  ///< smallest left_out_rms first
 };
 
 /// t_s ascending, y the same length. Errors: fewer than 40 finite samples.
-Result<RecordDrift> fit_drift(const std::string& record, const std::vector<double>& t_s, const std::vector<double>& y);
+Result<RecordDrift> fit_drift(const std::string& record, const std::vector<double>& t_s,
+                              const std::vector<double>& y);
 
 /// True when no record has a force that moves: the campaign can only tell about drift.
 bool is_drift_only(const Campaign& campaign);

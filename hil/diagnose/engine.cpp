@@ -55,7 +55,8 @@ void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final
 
 // Structure counts when it is visible beside the noise, large enough to matter, and not one record's whim.
 bool is_structure(const Structure& s, double noise_rms) {
-  return s.rms > 0.0015 && s.rms > 0.7 * noise_rms && s.share > 0.35 && s.records * 3 >= s.of_records && s.records >= 2;
+  return s.rms > 0.0015 && s.rms > 0.7 * noise_rms && s.share > 0.35 && s.records * 3 >= s.of_records &&
+         s.records >= 2;
 }
 
 // Records that the model leaves far more of than their instruments may. A change of frequency is not counted: how the decay goes on
@@ -94,7 +95,8 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
   Selection nothing;
-  nothing.base = nothing.final = fit_mixed(w.output.problem, model_columns(w.output, options.in_model), nullptr, 20);
+  nothing.base = nothing.final =
+      fit_mixed(w.output.problem, model_columns(w.output, options.in_model), nullptr, 20);
   if (!nothing.base.valid) return out;
   const auto residual = residual_rows(w.output, nothing.base);
   out.maps = residual_maps(w, w.output, residual);
@@ -133,16 +135,19 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   SelectionRules drive_rules = rig_rules;
   drive_rules.first_gain = 200.0;
   drive_rules.first_fall = 0.2;
-  if (w.has_command) drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
+  if (w.has_command)
+    drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
   if (w.has_rig) {
-    rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules, options.threads);
+    rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules,
+                         options.threads);
     for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
   }
   std::vector<std::string> skip = options.in_model;
   std::vector<int> always = model_columns(w.output, options.in_model);
   if (w.has_rig && w.rig_sees_zero) skip.push_back("reference_drift");
   if (reference_moves)
-    for (int j : bank_columns(w.output, *EffectRegistry::instance().find("reference_drift"))) always.push_back(j);
+    for (int j : bank_columns(w.output, *EffectRegistry::instance().find("reference_drift")))
+      always.push_back(j);
   if (raw_says("clipping")) skip.push_back("clipping");
   const Selection selection = select_effects(w.input, w.output, always, skip, rules, options.threads);
   if (!selection.base.valid) {
@@ -175,8 +180,10 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     add_findings(w, w.rig, rig, std::max(rig_explained, 0.51), out);
     if (!rig.chosen.empty()) {
       const double scale = w.rig.scale;
-      out.errors["F"] = {scale * std::sqrt(judged(w.rig, judge(w.rig, rig.base, rig.base, w.all_fit).adapted, w.all_fit)),
-                         scale * std::sqrt(judged(w.rig, judge(w.rig, rig.final, rig.base, w.all_fit).adapted, w.all_fit)), "N"};
+      out.errors["F"] = {
+          scale * std::sqrt(judged(w.rig, judge(w.rig, rig.base, rig.base, w.all_fit).adapted, w.all_fit)),
+          scale * std::sqrt(judged(w.rig, judge(w.rig, rig.final, rig.base, w.all_fit).adapted, w.all_fit)),
+          "N"};
     }
   }
 
@@ -192,17 +199,24 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   std::map<std::string, double> most;
   for (const Finding& f : out.findings) most[f.unit] = std::max(most[f.unit], f.error_before);
   const auto rank = [&](const Finding& f) {
-    const double of = most[f.unit], fall = of > 0.0 ? (f.error_before * f.error_before - f.error_after * f.error_after) / (of * of) : 0.0;
-    const double sure = f.probability >= 0.8 ? 1.0 : f.probability >= 0.5 ? std::floor(10.0 * f.probability) / 10.0 : f.probability;
+    const double of = most[f.unit],
+                 fall = of > 0.0
+                            ? (f.error_before * f.error_before - f.error_after * f.error_after) / (of * of)
+                            : 0.0;
+    const double sure = f.probability >= 0.8   ? 1.0
+                        : f.probability >= 0.5 ? std::floor(10.0 * f.probability) / 10.0
+                                               : f.probability;
     return std::pair{sure, f.form == "raw" ? 0.0 : fall};
   };
-  std::stable_sort(out.findings.begin(), out.findings.end(), [&](const Finding& a, const Finding& b) { return rank(a) > rank(b); });
+  std::stable_sort(out.findings.begin(), out.findings.end(),
+                   [&](const Finding& a, const Finding& b) { return rank(a) > rank(b); });
   std::vector<Finding> unique;
   for (Finding& f : out.findings)
     if (std::none_of(unique.begin(), unique.end(), [&](const Finding& u) { return u.effect == f.effect; }))
       unique.push_back(std::move(f));
   out.findings = std::move(unique);
-  const bool claims = std::any_of(out.findings.begin(), out.findings.end(), [](const Finding& f) { return f.probability >= 0.5; });
+  const bool claims = std::any_of(out.findings.begin(), out.findings.end(),
+                                  [](const Finding& f) { return f.probability >= 0.5; });
   tell_not_separable(selection, out);
   if (w.has_rig && rig.base.valid) tell_not_separable(rig, out);
   // rivals that hold half of the probability together are no "none": there is something, and its name is open
@@ -212,13 +226,15 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       if (std::find(set.begin(), set.end(), f.effect) != set.end()) together += f.probability;
   const bool open = structured || together >= 0.8 || far_above_noise(w.output, w, selection.final) >= 2;
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
-  out.residual_unknown = claims && ((structured && explained < 0.8) || far_above_noise(w.output, w, selection.claimed) > 0);
+  out.residual_unknown =
+      claims && ((structured && explained < 0.8) || far_above_noise(w.output, w, selection.claimed) > 0);
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual);
   const auto residual_after = residual_rows(w.output, selection.final);
   out.maps_after = residual_maps(w, w.output, residual_after);
-  if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown) out.depends_on = depends_on(out.maps_after);
+  if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
+    out.depends_on = depends_on(out.maps_after);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection.base, selection.claimed, out);
   for (Finding& f : out.findings)
@@ -228,8 +244,9 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     }
   add_ranking(w.output, selection, rules, out);
   constexpr int kFlips = 6;
-  const NullCalibration null = calibrate_null(w.output, selection.final, skip,
-                                              [&](const std::string& name) { return threshold_of(name, rules); }, kFlips, options.threads);
+  const NullCalibration null = calibrate_null(
+      w.output, selection.final, skip, [&](const std::string& name) { return threshold_of(name, rules); },
+      kFlips, options.threads);
   out.expected_false = null.expected_false;
   for (RankedEffect& r : out.ranking)
     if (const auto found = null.score.find(r.effect); found != null.score.end()) r.null_score = found->second;
@@ -240,7 +257,8 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   // a family may come up, and be turned down, once for every model that it is tried beside
   const auto note_once = [&](std::string note) {
-    if (std::find(out.notes.begin(), out.notes.end(), note) == out.notes.end()) out.notes.push_back(std::move(note));
+    if (std::find(out.notes.begin(), out.notes.end(), note) == out.notes.end())
+      out.notes.push_back(std::move(note));
   };
   for (const std::string& what : selection.nuisance) note_once(what);
   for (const Selection* tried : std::initializer_list<const Selection*>{&selection, &rig, &drive})

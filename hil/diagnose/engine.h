@@ -15,13 +15,15 @@
 namespace forcegate::diagnose {
 
 struct EngineOptions {
-  BaseLaw law;                     ///< starting model
+  BaseLaw law;  ///< starting model
   std::string model_name = "flexiforce";
-  std::vector<UserEffect> user_effects;  ///< equations of the model file; those that were fitted are named in in_model
-  std::vector<std::string> in_model;  ///< effects that the model has already: they are in the base, not candidates
+  std::vector<UserEffect>
+      user_effects;  ///< equations of the model file; those that were fitted are named in in_model
+  std::vector<std::string>
+      in_model;  ///< effects that the model has already: they are in the base, not candidates
   unsigned threads = 2;
-  bool pictures = true;            ///< overlays and evidence series too
-  bool search = true;              ///< false: only what compare_workspace needs, no candidates and no rig channel
+  bool pictures = true;  ///< overlays and evidence series too
+  bool search = true;    ///< false: only what compare_workspace needs, no candidates and no rig channel
 };
 
 /// S0 to S3; the campaign's samples are freed record by record.

@@ -25,22 +25,28 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
         if (chosen.fit.columns[b] == column) {
           const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
           const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-          out.push_back({spec.name, chosen.fit.coefficient[at], std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
+          out.push_back({spec.name, chosen.fit.coefficient[at],
+                         std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
         }
   }
   return out;
 }
 
-std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, double before, double after) {
+std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, double before,
+                     double after) {
   char text[480];
   const double milli = 1000.0;
-  std::snprintf(text, sizeof text, "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s",
-                chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(),
-                100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str());
+  std::snprintf(
+      text, sizeof text,
+      "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s",
+      chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(),
+      100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str());
   std::string out = text;
   if (chosen.left_out.excited > 0) {
-    std::snprintf(text, sizeof text, "; %d of %d %s that it touches improve, its strength differs by %.0f %% between records", chosen.left_out.improved,
-                  chosen.left_out.excited, chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter);
+    std::snprintf(text, sizeof text,
+                  "; %d of %d %s that it touches improve, its strength differs by %.0f %% between records",
+                  chosen.left_out.improved, chosen.left_out.excited,
+                  chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter);
     out += text;
   }
   return out;
@@ -64,8 +70,8 @@ Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit
   return {std::move(out.adapted), std::move(out.plain)};
 }
 
-void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection, double explained,
-                  Diagnosis& out) {
+void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
+                  double explained, Diagnosis& out) {
   MixedFit before = selection.base;
   for (const ChosenEffect& chosen : selection.chosen) {
     Finding f;
@@ -76,14 +82,19 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     // the evidence counts rows that hang together and is only a scale
     constexpr double kPriorOdds = 1.0 / 20.0;
     const double odds = kPriorOdds * std::exp(std::min(50.0, chosen.gain));
-    const double real = chosen.between ? std::min(0.98, odds / (1.0 + odds)) : chosen.gain > 40.0 ? 0.98 : 0.90;
+    const double real = chosen.between       ? std::min(0.98, odds / (1.0 + odds))
+                        : chosen.gain > 40.0 ? 0.98
+                                             : 0.90;
     const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
     const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
     f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
     f.parameters = parameters_of(channel, chosen);
-    const Judged was = judge(channel, before, selection.base, w.all_fit), is = judge(channel, chosen.fit, selection.base, w.all_fit);
-    const auto error = [&](const Judged& j) { return channel.scale * std::sqrt(judged(channel, chosen.between ? j.plain : j.adapted, w.all_fit)); };
+    const Judged was = judge(channel, before, selection.base, w.all_fit),
+                 is = judge(channel, chosen.fit, selection.base, w.all_fit);
+    const auto error = [&](const Judged& j) {
+      return channel.scale * std::sqrt(judged(channel, chosen.between ? j.plain : j.adapted, w.all_fit));
+    };
     f.error_before = error(was);
     f.error_after = error(is);
     f.effect_rms = chosen.effect_rms * channel.scale;
@@ -91,7 +102,8 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.records_excited = chosen.left_out.excited;
     f.evidence = sentence(chosen, channel, f.error_before, f.error_after);
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
-    constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
+    constexpr double kLeast =
+        0.88;  // an effect of half the spread of the records leaves this share of their error
     const double allowed = chosen.between ? kLeast : 1.02;
     if (f.error_after > allowed * f.error_before) {
       f.probability = std::min(f.probability, kNoClaim);
@@ -99,9 +111,11 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     }
     for (const FamilyScore& rival : selection.first.families) {
       if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
-      const double cosine = signature_cosine(channel, selection.base, chosen.fit, chosen.columns, rival.best.fit,
-                                             channel.variants[static_cast<std::size_t>(rival.best.variant)].columns);
-      if (std::abs(cosine) > 0.9) f.confounded_with.push_back({rival.kind->name, cosine, chosen.kind->separates});
+      const double cosine =
+          signature_cosine(channel, selection.base, chosen.fit, chosen.columns, rival.best.fit,
+                           channel.variants[static_cast<std::size_t>(rival.best.variant)].columns);
+      if (std::abs(cosine) > 0.9)
+        f.confounded_with.push_back({rival.kind->name, cosine, chosen.kind->separates});
     }
     for (const auto& [name, share] : chosen.rivals)
       if (share > 0.2 && std::none_of(f.confounded_with.begin(), f.confounded_with.end(),
@@ -131,7 +145,8 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
   for (const ChosenEffect& c : selection.chosen)
     if (is_timing(c.kind->name)) timing.push_back(&c);
   if (timing.size() < 2) return;
-  std::stable_sort(timing.begin(), timing.end(), [](const ChosenEffect* a, const ChosenEffect* b) { return a->unique > b->unique; });
+  std::stable_sort(timing.begin(), timing.end(),
+                   [](const ChosenEffect* a, const ChosenEffect* b) { return a->unique > b->unique; });
   double left = 1.0;
   for (const ChosenEffect* c : timing)
     for (Finding& f : findings)

@@ -23,8 +23,8 @@ Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit
 double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit);
 
 /// Adds what was chosen in one channel, and its rivals. `explained`: share of what the noise does not explain.
-void add_findings(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection, double explained,
-                  Diagnosis& out);
+void add_findings(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection,
+                  double explained, Diagnosis& out);
 
 /// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings);

@@ -5,7 +5,8 @@
 
 namespace forcegate::diagnose {
 
-std::vector<int> further_forms(const ResidualChannel& channel, const EffectKind& kind, std::vector<int>& present, MixedFit& fit) {
+std::vector<int> further_forms(const ResidualChannel& channel, const EffectKind& kind,
+                               std::vector<int>& present, MixedFit& fit) {
   constexpr int kMost = 2;
   constexpr double kWorth = 10.0;  // nats
   std::vector<int> out;

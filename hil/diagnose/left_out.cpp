@@ -17,7 +17,9 @@ struct Parts {
   int n_excited = 0;
 };
 
-bool moves(double before, double after, double floor) { return std::abs(before - after) > 0.1 * floor + 0.02 * before; }
+bool moves(double before, double after, double floor) {
+  return std::abs(before - after) > 0.1 * floor + 0.02 * before;
+}
 
 Parts compare(const MixedProblem& problem, const MixedFit& before, const MixedFit& after) {
   Parts out;
@@ -37,7 +39,8 @@ struct Blocks {
   MixedFit before, after;
 };
 
-MixedFit on_blocks(const MixedFit& fit, const std::vector<int>& columns, const std::vector<std::size_t>& record_of) {
+MixedFit on_blocks(const MixedFit& fit, const std::vector<int>& columns,
+                   const std::vector<std::size_t>& record_of) {
   MixedFit out = fit;
   out.columns.clear();
   for (int j : fit.columns)
@@ -62,7 +65,8 @@ Blocks cut(const ResidualChannel& channel, const MixedFit& before, const MixedFi
   out.problem.components = p.components;
   out.problem.fixed_prior_sd = p.fixed_prior_sd;
   out.problem.column_prior_sd.resize(out.problem.ns);
-  for (std::size_t a = 0; a < columns.size(); ++a) out.problem.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
+  for (std::size_t a = 0; a < columns.size(); ++a)
+    out.problem.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
   std::vector<std::size_t> record_of;
   for (std::size_t k = 0; k < p.records.size(); ++k) {
     const Eigen::MatrixXd& A = channel.rows[k].matrix;
@@ -98,7 +102,8 @@ double spread_fall(const MixedFit& before, const MixedFit& after) {
 }
 
 LeftOutGain left_out_gain(const MixedProblem& problem, const MixedFit& before, const MixedFit& after) {
-  const std::vector<double> a = leave_one_out(problem, after).log_density, b = leave_one_out(problem, before).log_density;
+  const std::vector<double> a = leave_one_out(problem, after).log_density,
+                            b = leave_one_out(problem, before).log_density;
   LeftOutGain out;
   double best = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -109,7 +114,8 @@ LeftOutGain left_out_gain(const MixedProblem& problem, const MixedFit& before, c
   }
   const double n = static_cast<double>(a.size());
   out.without_best = out.total - best;
-  if (n > 1.0) out.standard_error = std::sqrt(std::max(0.0, squares - out.total * out.total / n) * n / (n - 1.0));
+  if (n > 1.0)
+    out.standard_error = std::sqrt(std::max(0.0, squares - out.total * out.total / n) * n / (n - 1.0));
   return out;
 }
 
@@ -134,7 +140,8 @@ CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const
     out.after += parts.after[i] / n;
     squares += d * d;
     if (parts.excited[i] == 0) continue;
-    const double ratio = std::log((parts.before[i] + 0.1 * parts.floor[i]) / (parts.after[i] + 0.1 * parts.floor[i]));
+    const double ratio =
+        std::log((parts.before[i] + 0.1 * parts.floor[i]) / (parts.after[i] + 0.1 * parts.floor[i]));
     out.improved += d > 0.0 ? 1 : 0;
     logs += ratio;
     log_squares += ratio * ratio;
@@ -146,7 +153,9 @@ CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const
   if (out.excited > 0) {
     const double m = out.excited;
     out.log_ratio = logs / m;
-    out.log_ratio_error = m > 1.0 ? std::sqrt(std::max(0.0, log_squares / m - out.log_ratio * out.log_ratio) / (m - 1.0)) : std::abs(out.log_ratio);
+    out.log_ratio_error =
+        m > 1.0 ? std::sqrt(std::max(0.0, log_squares / m - out.log_ratio * out.log_ratio) / (m - 1.0))
+                : std::abs(out.log_ratio);
     out.share = explainable > 0.0 ? removed / explainable : 0.0;
   }
   return out;

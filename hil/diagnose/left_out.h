@@ -14,9 +14,9 @@ double spread_fall(const MixedFit& before, const MixedFit& after);
 /// Gain of the records' log predictive density, each with strengths and law from the others alone, at the variances of
 /// the fit (Vehtari, Gelman and Gabry 2017): what an effect between records is judged by.
 struct LeftOutGain {
-  double total = 0.0;          ///< nats, summed over records
-  double without_best = 0.0;   ///< the same without the record that gains most: not one record's whim
-  double standard_error = 0.0; ///< of the total, from the scatter over records
+  double total = 0.0;           ///< nats, summed over records
+  double without_best = 0.0;    ///< the same without the record that gains most: not one record's whim
+  double standard_error = 0.0;  ///< of the total, from the scatter over records
 };
 LeftOutGain left_out_gain(const MixedProblem& problem, const MixedFit& before, const MixedFit& after);
 
@@ -26,14 +26,18 @@ LeftOutGain left_out_gain(const MixedProblem& problem, const MixedFit& before, c
 struct CrossFit {
   int parts = 0, excited = 0, improved = 0;  ///< excited: the effect moves its residual
   bool blocks = false;
-  double before = 0.0, after = 0.0;          ///< mean squares over all parts
-  double fall = 0.0, standard_error = 0.0;   ///< before - after, and its uncertainty from the scatter over parts
-  double log_ratio = 0.0;                    ///< mean of ln(before/after) over excited parts
-  double log_ratio_error = 0.0;              ///< standard error of that mean
-  double share = 0.0;                        ///< of what the noise does not explain in excited parts
+  double before = 0.0, after = 0.0;  ///< mean squares over all parts
+  double fall = 0.0,
+         standard_error = 0.0;   ///< before - after, and its uncertainty from the scatter over parts
+  double log_ratio = 0.0;        ///< mean of ln(before/after) over excited parts
+  double log_ratio_error = 0.0;  ///< standard error of that mean
+  double share = 0.0;            ///< of what the noise does not explain in excited parts
 
   /// Blocks of one or two records do not repeat a rare event in the same size: their error must fall, no more.
-  bool helps() const { return blocks ? fall > 0.0 && improved > 0 : fall > standard_error && improved * 2 > excited && log_ratio > 0.0; }
+  bool helps() const {
+    return blocks ? fall > 0.0 && improved > 0
+                  : fall > standard_error && improved * 2 > excited && log_ratio > 0.0;
+  }
 };
 CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);
 

@@ -38,8 +38,8 @@ double alias(double frequency_Hz, double rate_Hz) {
 
 }  // namespace
 
-MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double>& F, const std::vector<double>& U,
-                          double gain) {
+MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double>& F,
+                          const std::vector<double>& U, double gain) {
   MainsLine best;
   const std::size_t n = t.size();
   if (n < 512 || !(t[n - 1] > t[0])) return best;

@@ -10,7 +10,7 @@ struct MainsLine {
   double ratio = 0.0;  ///< median over segments of the line's power over the larger of neighbours and force
 };
 
-MainsLine find_mains_line(const std::vector<double>& t_s, const std::vector<double>& F_N, const std::vector<double>& U_V,
-                          double gain_V_per_N);
+MainsLine find_mains_line(const std::vector<double>& t_s, const std::vector<double>& F_N,
+                          const std::vector<double>& U_V, double gain_V_per_N);
 
 }  // namespace forcegate::diagnose

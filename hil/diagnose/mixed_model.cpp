@@ -44,7 +44,8 @@ VectorXd expand_variance(const MixedProblem& problem, const VectorXd& variance) 
 
 VectorXd prior_precision(const MixedProblem& problem, const std::vector<int>& columns) {
   VectorXd out(problem.n_fixed + static_cast<Index>(columns.size()));
-  for (int j = 0; j < problem.n_fixed; ++j) out[j] = 1.0 / (problem.fixed_prior_sd[j] * problem.fixed_prior_sd[j]);
+  for (int j = 0; j < problem.n_fixed; ++j)
+    out[j] = 1.0 / (problem.fixed_prior_sd[j] * problem.fixed_prior_sd[j]);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const double sd = problem.column_prior_sd[columns[k]];
     out[problem.n_fixed + static_cast<Index>(k)] = 1.0 / (sd * sd);
@@ -66,7 +67,8 @@ Conditional condition(const Part& part, const VectorXd& v, const VectorXd& sigma
   const VectorXd ze = part.zc * v;
   Conditional out;
   out.zeta = llt.solve(weight * ze);
-  out.mean_square = std::max(0.0, v.dot(part.cc * v) - 2.0 * out.zeta.dot(ze) + out.zeta.dot(part.zz * out.zeta));
+  out.mean_square =
+      std::max(0.0, v.dot(part.cc * v) - 2.0 * out.zeta.dot(ze) + out.zeta.dot(part.zz * out.zeta));
   out.penalty = out.zeta.cwiseAbs2().cwiseQuotient(sigma2).sum();
   const MatrixXd inverse = llt.solve(MatrixXd::Identity(A.rows(), A.cols()));
   out.zeta_variance = inverse.diagonal();
@@ -94,8 +96,8 @@ VectorXd with_minus(const VectorXd& coefficient) {
 
 }  // namespace
 
-MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm, int iterations,
-                   RecordUse use) {
+MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm,
+                   int iterations, RecordUse use) {
   const std::size_t n_records = problem.records.size();
   const Index d = problem.n_fixed + static_cast<Index>(columns.size());
   MixedFit fit;
@@ -122,7 +124,8 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
     const VectorXd sigma2 = expand_variance(problem, fit.variance);
     MatrixXd M = MatrixXd::Zero(d + 1, d + 1);
     for (std::size_t i = 0; i < n_records; ++i)
-      if (fit.counts(problem.records[i])) M += marginal(parts[i], sigma2, problem.records[i].n_eff / fit.s2[i]);
+      if (fit.counts(problem.records[i]))
+        M += marginal(parts[i], sigma2, problem.records[i].n_eff / fit.s2[i]);
     MatrixXd P = M.topLeftCorner(d, d);
     P.diagonal() += prior;
     const Eigen::LLT<MatrixXd> llt(P);
@@ -150,8 +153,8 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
     }
     double half = 0.0;
     for (Index j = 0; j < d; ++j) half += std::log(llt.matrixL()(j, j));
-    log_evidence += -half + 0.5 * prior.array().log().sum() -
-                    0.5 * fit.coefficient.cwiseAbs2().cwiseProduct(prior).sum();
+    log_evidence +=
+        -half + 0.5 * prior.array().log().sum() - 0.5 * fit.coefficient.cwiseAbs2().cwiseProduct(prior).sum();
     for (Index k = 0; k < n_components; ++k) {
       const VarianceComponent& c = problem.components[k];
       const double prior2 = c.prior_sd * c.prior_sd;
@@ -164,7 +167,8 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
       fit.variance[k] = (c.prior_weight * c.prior_sd * c.prior_sd + sum[k]) / (c.prior_weight + count[k]);
     }
     for (std::size_t i = 0; i < n_records; ++i)
-      fit.s2[i] = std::max(conditional[i].mean_square + conditional[i].trace, problem.records[i].noise_variance);
+      fit.s2[i] =
+          std::max(conditional[i].mean_square + conditional[i].trace, problem.records[i].noise_variance);
   }
 
   const VectorXd v = with_minus(fit.coefficient);
@@ -225,11 +229,14 @@ double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const 
   return information > 0.0 ? std::sqrt(std::max(0.0, scatter - n) / information) : 0.0;
 }
 
-std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit, const MixedFit& freedom) {
+std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit,
+                                   const MixedFit& freedom) {
   const VectorXd sigma2 = expand_variance(problem, freedom.variance);
   std::vector<double> out;
   for (std::size_t i = 0; i < problem.records.size(); ++i)
-    out.push_back(condition(take(problem, i, fit.columns), with_minus(fit.coefficient), sigma2, problem.records[i].n_eff / freedom.s2[i]).mean_square);
+    out.push_back(condition(take(problem, i, fit.columns), with_minus(fit.coefficient), sigma2,
+                            problem.records[i].n_eff / freedom.s2[i])
+                      .mean_square);
   return out;
 }
 
@@ -265,10 +272,12 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     const VectorXd v = with_minus(coefficient);
     const double n_eff = problem.records[i].n_eff;
     const Conditional c = condition(parts[i], v, sigma2, n_eff / fit.s2[i]);
-    out.adapted[i] = freedom == nullptr
-                         ? c.mean_square
-                         : condition(parts[i], v, expand_variance(problem, freedom->variance), n_eff / freedom->s2[i]).mean_square;
-    out.log_density[i] = evidence(M + single[i]) - evidence(M) - 0.5 * (n_eff * std::log(fit.s2[i]) + single[i](d, d) + c.log_det);
+    out.adapted[i] = freedom == nullptr ? c.mean_square
+                                        : condition(parts[i], v, expand_variance(problem, freedom->variance),
+                                                    n_eff / freedom->s2[i])
+                                              .mean_square;
+    out.log_density[i] = evidence(M + single[i]) - evidence(M) -
+                         0.5 * (n_eff * std::log(fit.s2[i]) + single[i](d, d) + c.log_det);
     out.plain[i] = std::max(0.0, v.dot(parts[i].cc * v));
   }
   return out;

@@ -16,9 +16,11 @@ namespace forcegate::diagnose {
 
 struct VarianceComponent {
   std::string name;
-  double start_sd = 0.1;       ///< where EM begins: generous, it shrinks fast and grows slowly
-  double prior_sd = 0.01;      ///< weak prior: as if `prior_weight` records had shown this spread. Small on purpose:
-  double prior_weight = 0.5;   ///< the records can raise it by any factor, but cannot talk down a prior that is wide
+  double start_sd = 0.1;  ///< where EM begins: generous, it shrinks fast and grows slowly
+  double prior_sd =
+      0.01;  ///< weak prior: as if `prior_weight` records had shown this spread. Small on purpose:
+  double prior_weight =
+      0.5;  ///< the records can raise it by any factor, but cannot talk down a prior that is wide
 };
 
 /// Which records enter the sums of a fit. Effects are chosen on all of them: by the chain rule that is the evidence of
@@ -28,10 +30,11 @@ enum class RecordUse { fit_records, all_records };
 
 struct RecordGram {
   std::string name;
-  Eigen::MatrixXd gram;        ///< (nz + ns + 1)^2, means over rows; the last column is y
+  Eigen::MatrixXd gram;  ///< (nz + ns + 1)^2, means over rows; the last column is y
   double n_eff = 1.0;
-  double noise_variance = 0.0; ///< white noise: s_i^2 is not estimated below this
-  double allowed_variance = 0.0; ///< what the declared instruments may leave, steps of the reference included
+  double noise_variance = 0.0;  ///< white noise: s_i^2 is not estimated below this
+  double allowed_variance =
+      0.0;  ///< what the declared instruments may leave, steps of the reference included
   bool heldout = false;
 };
 
@@ -39,22 +42,24 @@ struct MixedProblem {
   int nz = 0, n_fixed = 0, ns = 0;
   std::vector<int> component_of_z;
   std::vector<VarianceComponent> components;
-  Eigen::VectorXd fixed_prior_sd;    ///< n_fixed
-  Eigen::VectorXd column_prior_sd;   ///< ns
+  Eigen::VectorXd fixed_prior_sd;   ///< n_fixed
+  Eigen::VectorXd column_prior_sd;  ///< ns
   std::vector<RecordGram> records;
-  std::vector<Eigen::VectorXd> other_y;  ///< per record: replaces the last column of its Gram matrix (sign flips)
+  std::vector<Eigen::VectorXd>
+      other_y;  ///< per record: replaces the last column of its Gram matrix (sign flips)
 
   int y_index() const { return nz + ns; }
 };
 
 struct MixedFit {
-  std::vector<int> columns;          ///< which of S
+  std::vector<int> columns;  ///< which of S
   double log_evidence = -1e300;
-  Eigen::VectorXd coefficient;       ///< beta, then c
+  Eigen::VectorXd coefficient;  ///< beta, then c
   Eigen::MatrixXd covariance;
-  Eigen::VectorXd variance;          ///< of each component
+  Eigen::VectorXd variance;  ///< of each component
   // per record, held-out ones too (predicted: their rows never enter the sums)
-  std::vector<double> s2, adapted, plain;  ///< residual variance; mean square residual with and without zeta_i
+  std::vector<double> s2, adapted,
+      plain;  ///< residual variance; mean square residual with and without zeta_i
   std::vector<Eigen::VectorXd> zeta;
   RecordUse use = RecordUse::fit_records;
   bool valid = false;
@@ -63,8 +68,9 @@ struct MixedFit {
 };
 
 /// Fits the columns. `warm` gives the variances to start from; `iterations` of EM.
-MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm = nullptr,
-                   int iterations = 12, RecordUse use = RecordUse::fit_records);
+MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
+                   const MixedFit* warm = nullptr, int iterations = 12,
+                   RecordUse use = RecordUse::fit_records);
 
 /// The problem with the residual of `fit` turned over in some records: y* = X beta + sign (y - X beta). What an effect
 /// still gains there is chance (Freedman and Lane 1983). Gram matrices are not copied back.

@@ -39,8 +39,10 @@ std::vector<int> draw_signs(Rng& rng, std::size_t n) {
 
 }  // namespace
 
-NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& final, const std::vector<std::string>& skip,
-                               const std::function<double(const std::string&)>& threshold, int flips, unsigned threads) {
+NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& final,
+                               const std::vector<std::string>& skip,
+                               const std::function<double(const std::string&)>& threshold, int flips,
+                               unsigned threads) {
   NullCalibration out;
   if (!final.valid || channel.problem.records.size() < 3) return out;
   ResidualChannel turned = gram_only(channel);
@@ -59,10 +61,12 @@ NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& f
   return out;
 }
 
-double chance_of(const ResidualChannel& channel, const MixedFit& present, const EffectKind& kind, double gain, int flips,
-                 unsigned threads) {
+double chance_of(const ResidualChannel& channel, const MixedFit& present, const EffectKind& kind, double gain,
+                 int flips, unsigned threads) {
   ResidualChannel turned = gram_only(channel);
-  std::erase_if(turned.variants, [&](const Variant& v) { return turned.candidates[static_cast<std::size_t>(v.candidate)].kind != &kind; });
+  std::erase_if(turned.variants, [&](const Variant& v) {
+    return turned.candidates[static_cast<std::size_t>(v.candidate)].kind != &kind;
+  });
   Rng rng(2, "sign flips of " + kind.name);
   int hits = 0;
   for (int flip = 0; flip < flips; ++flip) {

@@ -12,17 +12,20 @@
 namespace forcegate::diagnose {
 
 struct NullCalibration {
-  std::map<std::string, double> score;  ///< family: largest score on the flipped records (the 95 % point of few flips)
-  double expected_false = 0.0;          ///< mean number of families per flip whose score reaches its threshold
+  std::map<std::string, double>
+      score;  ///< family: largest score on the flipped records (the 95 % point of few flips)
+  double expected_false = 0.0;  ///< mean number of families per flip whose score reaches its threshold
   int flips = 0;
 };
 
 /// threshold(family) is the score from which the family would have been considered.
-NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& final, const std::vector<std::string>& skip,
-                               const std::function<double(const std::string&)>& threshold, int flips, unsigned threads);
+NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& final,
+                               const std::vector<std::string>& skip,
+                               const std::function<double(const std::string&)>& threshold, int flips,
+                               unsigned threads);
 
 /// Share of sign patterns for which the family reaches `gain` by chance; (1 + hits) / (1 + flips).
-double chance_of(const ResidualChannel& channel, const MixedFit& present, const EffectKind& kind, double gain, int flips,
-                 unsigned threads);
+double chance_of(const ResidualChannel& channel, const MixedFit& present, const EffectKind& kind, double gain,
+                 int flips, unsigned threads);
 
 }  // namespace forcegate::diagnose

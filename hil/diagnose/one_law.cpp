@@ -14,9 +14,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kRounds = 6, kFirstRounds = 1;
-constexpr double kStep = 0.02;       // of log b and log q, for differences
+constexpr double kStep = 0.02;  // of log b and log q, for differences
 constexpr double kRidge = 1e-9;
-constexpr double kWorth = 0.97;      // an effect must lower the error of left-out records to this
+constexpr double kWorth = 0.97;  // an effect must lower the error of left-out records to this
 
 struct Chosen {
   const EffectKind* kind = nullptr;
@@ -138,8 +138,11 @@ class Fitter {
       H(1, 1) = (q1 - 2.0 * here + q0) / (kStep * kStep);
       H(0, 1) = H(1, 0) = (both - b1 - q1 + here) / (kStep * kStep);
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(H);
-      const Eigen::Vector2d d = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-3 * eigen.eigenvalues().cwiseAbs().maxCoeff() + 1e-15);
-      Eigen::Vector2d step = -(eigen.eigenvectors() * d.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose()) * Eigen::Vector2d(gb, gq);
+      const Eigen::Vector2d d =
+          eigen.eigenvalues().cwiseAbs().cwiseMax(1e-3 * eigen.eigenvalues().cwiseAbs().maxCoeff() + 1e-15);
+      Eigen::Vector2d step =
+          -(eigen.eigenvectors() * d.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose()) *
+          Eigen::Vector2d(gb, gq);
       const double longest = step.cwiseAbs().maxCoeff();
       if (longest > 0.3) step *= 0.3 / longest;
       bool better = false;
@@ -184,7 +187,8 @@ ModelEffect effect_from(const Chosen& c, const VectorXd& beta, const VectorXd& s
 Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
   FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
   if (input.records.size() < 3)
-    return fail(ErrorCode::config, "one law for all records needs at least three of them", campaign.name, "forcegate record makes a campaign");
+    return fail(ErrorCode::config, "one law for all records needs at least three of them", campaign.name,
+                "forcegate record makes a campaign");
   Fitter fitter(std::move(input), start);
   OneLawFit out;
   out.model = start;
@@ -199,7 +203,8 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
     const EffectKind* kind = EffectRegistry::instance().find(wanted.effect);
     if (kind == nullptr || kind->channel != EffectChannel::output) continue;
     if (!is_available(*kind, fitter.input()))
-      return fail(ErrorCode::config, "the campaign lacks a channel that " + wanted.effect + " needs", campaign.name);
+      return fail(ErrorCode::config, "the campaign lacks a channel that " + wanted.effect + " needs",
+                  campaign.name);
     double best = 1e300;
     std::vector<Chosen> best_effects;
     BaseLaw best_law = law;
@@ -220,7 +225,9 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
   }
   out.left_out_V = now;
   if (!effects.empty() && now > kWorth * out.law_left_out_V)
-    return fail(ErrorCode::config, "with one law for all records the effects do not lower the error of records left out", campaign.name,
+    return fail(ErrorCode::config,
+                "with one law for all records the effects do not lower the error of records left out",
+                campaign.name,
                 "they may differ from record to record: forcegate compare shows where the error sits");
 
   const VectorXd all = Fitter::solve(grams, grams.size());
@@ -247,7 +254,8 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
     at += static_cast<Index>(c.form->strength.size());
   }
   for (std::size_t k = 0; k < grams.size(); ++k)
-    out.records.push_back({fitter.input().records[k].name, std::sqrt(Fitter::square_error(bare[k], bare_beta)),
+    out.records.push_back({fitter.input().records[k].name,
+                           std::sqrt(Fitter::square_error(bare[k], bare_beta)),
                            std::sqrt(Fitter::square_error(grams[k], all))});
   HistoryStep step;
   step.campaign = campaign.name;

@@ -20,11 +20,12 @@ struct OneLawFit {
   Model model;
   struct Item {
     std::string record;
-    double law_V = 0.0;      ///< RMS, law without effects, refitted too
+    double law_V = 0.0;  ///< RMS, law without effects, refitted too
     double model_V = 0.0;
   };
   std::vector<Item> records;
-  double law_left_out_V = 0.0, left_out_V = 0.0;  ///< RMS over records that were left out of the linear fit in turn
+  double law_left_out_V = 0.0,
+         left_out_V = 0.0;  ///< RMS over records that were left out of the linear fit in turn
 };
 
 /// Uncertainties in the model are those of the jackknife over records. The user's own equations stay as they are.

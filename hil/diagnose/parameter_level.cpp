@@ -18,9 +18,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kFewest = 6;
-constexpr Index kSpare = 3;         // degrees of freedom that a law must leave
-constexpr double kSame = 0.95;      // |cos| of two signatures that a table cannot tell apart
-constexpr double kCollinear = 1e-6; // share of a candidate that the law does not hold already
+constexpr Index kSpare = 3;          // degrees of freedom that a law must leave
+constexpr double kSame = 0.95;       // |cos| of two signatures that a table cannot tell apart
+constexpr double kCollinear = 1e-6;  // share of a candidate that the law does not hold already
 
 const Covariate* find(const std::vector<Covariate>& all, const std::string& name) {
   const auto at = std::find_if(all.begin(), all.end(), [&](const Covariate& c) { return c.name == name; });
@@ -55,7 +55,8 @@ VectorXd column_of(const LawTerm& term, const std::vector<Covariate>& covariates
 std::vector<LawTerm> all_terms(const std::vector<Covariate>& covariates) {
   std::vector<LawTerm> out;
   for (const Covariate& c : covariates)
-    for (const TermForm form : {TermForm::linear, TermForm::logarithm, TermForm::reciprocal, TermForm::square})
+    for (const TermForm form :
+         {TermForm::linear, TermForm::logarithm, TermForm::reciprocal, TermForm::square})
       out.push_back({form, c.name, {}});
   for (std::size_t a = 0; a < covariates.size(); ++a)
     for (std::size_t b = a + 1; b < covariates.size(); ++b)
@@ -69,8 +70,8 @@ bool same(const LawTerm& a, const LawTerm& b) {
 
 // Whitened least squares: rows multiplied by sqrt(weight).
 struct Fit {
-  MatrixXd Q;          // orthonormal columns of the law
-  VectorXd residual;   // whitened
+  MatrixXd Q;         // orthonormal columns of the law
+  VectorXd residual;  // whitened
   VectorXd beta, u;
   double rss = 0.0, loo = 0.0;
 };
@@ -148,7 +149,8 @@ struct Step {
   double critical_share = 1.0;
 };
 
-Step search(const ParameterQuestion& q, const Candidates& c, const Fit& fit, Index law_size, std::uint64_t stream) {
+Step search(const ParameterQuestion& q, const Candidates& c, const Fit& fit, Index law_size,
+            std::uint64_t stream) {
   Step out;
   const Index n = fit.residual.size(), m = c.Z.cols(), dof = n - law_size - 1;
   if (m == 0 || dof < kSpare) return out;
@@ -185,7 +187,8 @@ Step search(const ParameterQuestion& q, const Candidates& c, const Fit& fit, Ind
     out.ranking.push_back(r);
   }
   std::sort(largest.begin(), largest.end());
-  out.critical_share = largest[static_cast<std::size_t>((1.0 - q.alpha) * static_cast<double>(largest.size() - 1))];
+  out.critical_share =
+      largest[static_cast<std::size_t>((1.0 - q.alpha) * static_cast<double>(largest.size() - 1))];
   return out;
 }
 
@@ -195,10 +198,14 @@ Result<VectorXd> response(const ParameterQuestion& q, std::vector<double>& u) {
     const auto k = static_cast<std::size_t>(i);
     const double v = q.value[k];
     if (q.scale != ResponseScale::linear && !(v > 0.0))
-      return fail(ErrorCode::usage, fmt::format("{} is {:g} in record {}: this scale needs values above 0", q.name, v, k + 1), q.name,
-                  "use the linear scale");
+      return fail(ErrorCode::usage,
+                  fmt::format("{} is {:g} in record {}: this scale needs values above 0", q.name, v, k + 1),
+                  q.name, "use the linear scale");
     y[i] = q.scale == ResponseScale::linear ? v : q.scale == ResponseScale::logarithm ? std::log(v) : 1.0 / v;
-    if (!u.empty()) u[k] *= q.scale == ResponseScale::linear ? 1.0 : q.scale == ResponseScale::logarithm ? 1.0 / v : 1.0 / (v * v);
+    if (!u.empty())
+      u[k] *= q.scale == ResponseScale::linear      ? 1.0
+              : q.scale == ResponseScale::logarithm ? 1.0 / v
+                                                    : 1.0 / (v * v);
   }
   return y;
 }
@@ -208,11 +215,16 @@ Result<void> check(const ParameterQuestion& q) {
   if (n < kFewest)
     return fail(ErrorCode::usage, fmt::format("{} records cannot show what {} depends on", n, q.name), q.name,
                 fmt::format("at least {} are needed", kFewest));
-  if (!q.u.empty() && q.u.size() != n) return fail(ErrorCode::usage, "not every record has an uncertainty", q.name);
+  if (!q.u.empty() && q.u.size() != n)
+    return fail(ErrorCode::usage, "not every record has an uncertainty", q.name);
   for (const Covariate& c : q.covariates) {
-    if (c.value.size() != n) return fail(ErrorCode::usage, fmt::format("{} has {} values for {} records", c.name, c.value.size(), n), c.name);
+    if (c.value.size() != n)
+      return fail(ErrorCode::usage, fmt::format("{} has {} values for {} records", c.name, c.value.size(), n),
+                  c.name);
     for (double v : c.value)
-      if (!std::isfinite(v)) return fail(ErrorCode::usage, "a covariate has a missing value", c.name, "leave the record or the covariate out");
+      if (!std::isfinite(v))
+        return fail(ErrorCode::usage, "a covariate has a missing value", c.name,
+                    "leave the record or the covariate out");
   }
   for (double v : q.value)
     if (!std::isfinite(v)) return fail(ErrorCode::usage, "the parameter has a missing value", q.name);
@@ -220,17 +232,22 @@ Result<void> check(const ParameterQuestion& q) {
 }
 
 std::string sentence_of(const ParameterAnswer& a) {
-  if (a.candidates == 0) return fmt::format("{} records leave no room to look for another term in the law of {}", a.n, a.name);
+  if (a.candidates == 0)
+    return fmt::format("{} records leave no room to look for another term in the law of {}", a.n, a.name);
   if (a.added.empty())
-    return fmt::format("no further dependence of {} is significant with {} records: one that takes less than {:.0f} % of the scatter away would not be seen",
-                       a.name, a.n, 100.0 * a.smallest_share);
+    return fmt::format(
+        "no further dependence of {} is significant with {} records: one that takes less than {:.0f} % of the scatter away would not be seen",
+        a.name, a.n, 100.0 * a.smallest_share);
   std::string text = fmt::format("the law of {} lacks ", a.name);
   for (std::size_t k = 0; k < a.added.size(); ++k) {
     const FoundTerm& f = a.added[k];
-    text += fmt::format("{}{} (p {:.2g} over {} candidates)", k == 0 ? "" : ", then ", to_string(f.found.term), f.found.p, a.candidates);
-    if (!f.fits_as_well.empty()) text += fmt::format(", or {} of the same size here", to_string(f.fits_as_well.front()));
+    text += fmt::format("{}{} (p {:.2g} over {} candidates)", k == 0 ? "" : ", then ",
+                        to_string(f.found.term), f.found.p, a.candidates);
+    if (!f.fits_as_well.empty())
+      text += fmt::format(", or {} of the same size here", to_string(f.fits_as_well.front()));
   }
-  return text + fmt::format("; leave-one-out error {:.3g} -> {:.3g}{}", a.loo_before, a.loo_after, a.unit.empty() ? "" : " " + a.unit);
+  return text + fmt::format("; leave-one-out error {:.3g} -> {:.3g}{}", a.loo_before, a.loo_after,
+                            a.unit.empty() ? "" : " " + a.unit);
 }
 
 }  // namespace
@@ -262,9 +279,12 @@ Result<LawTerm> parse_term(std::string_view text) {
   } else {
     out = {TermForm::linear, std::string(t), {}};
   }
-  const auto plain = [](const std::string& name) { return !name.empty() && name.find_first_of("*/^ ") == std::string::npos; };
+  const auto plain = [](const std::string& name) {
+    return !name.empty() && name.find_first_of("*/^ ") == std::string::npos;
+  };
   if (!plain(out.covariate) || (out.form == TermForm::product && !plain(out.other)))
-    return fail(ErrorCode::usage, "\"" + printable_utf8(text) + "\" is no term of a law", {}, "write f, \"ln f\", 1/f, f^2 or f*m");
+    return fail(ErrorCode::usage, "\"" + printable_utf8(text) + "\" is no term of a law", {},
+                "write f, \"ln f\", 1/f, f^2 or f*m");
   return out;
 }
 
@@ -287,13 +307,15 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
     append(column);
   }
   if (n - X.cols() < kSpare)
-    return fail(ErrorCode::usage, fmt::format("{} records do not determine a law of {} coefficients", n, X.cols()), q.name);
+    return fail(ErrorCode::usage,
+                fmt::format("{} records do not determine a law of {} coefficients", n, X.cols()), q.name);
 
   VectorXd root_w = VectorXd::Ones(n);
   const auto weigh = [&] {
     if (u.empty()) return 0.0;
     const double s2 = scatter_between(X, y, u);
-    for (Index i = 0; i < n; ++i) root_w[i] = 1.0 / std::sqrt(std::max(1e-300, std::pow(u[static_cast<std::size_t>(i)], 2) + s2));
+    for (Index i = 0; i < n; ++i)
+      root_w[i] = 1.0 / std::sqrt(std::max(1e-300, std::pow(u[static_cast<std::size_t>(i)], 2) + s2));
     return std::sqrt(s2);
   };
   ParameterAnswer out;
@@ -325,7 +347,9 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
     if (best.p > q.alpha || best.loo_after >= fit.loo) break;
     FoundTerm added{best, fit.loo, {}};
     for (std::size_t k = 1; k < found.order.size(); ++k)
-      if (std::fabs(c.Z.col(static_cast<Index>(found.order[0])).dot(c.Z.col(static_cast<Index>(found.order[k])))) > kSame)
+      if (std::fabs(
+              c.Z.col(static_cast<Index>(found.order[0])).dot(c.Z.col(static_cast<Index>(found.order[k])))) >
+          kSame)
         added.fits_as_well.push_back(found.ranking[k].term);
     out.added.push_back(std::move(added));
     law.push_back(best.term);
@@ -336,7 +360,8 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
   out.scatter = u.empty() ? std::sqrt(fit.rss / static_cast<double>(n - X.cols())) : weigh();
   out.loo_after = fit.loo;
   for (Index k = 0; k < X.cols(); ++k)
-    out.law.push_back({k == 0 ? "1" : to_string(law[static_cast<std::size_t>(k - 1)]), fit.beta[k], fit.u[k]});
+    out.law.push_back(
+        {k == 0 ? "1" : to_string(law[static_cast<std::size_t>(k - 1)]), fit.beta[k], fit.u[k]});
   out.sentence = sentence_of(out);
   return out;
 }

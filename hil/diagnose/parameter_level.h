@@ -41,11 +41,11 @@ enum class ResponseScale { linear, logarithm, reciprocal };
 struct ParameterQuestion {
   std::string name, unit;
   std::vector<double> value;
-  std::vector<double> u;            ///< standard uncertainties; empty: unknown and equal
+  std::vector<double> u;  ///< standard uncertainties; empty: unknown and equal
   std::vector<Covariate> covariates;
-  std::vector<LawTerm> law;         ///< what the law has already; the constant always
+  std::vector<LawTerm> law;  ///< what the law has already; the constant always
   ResponseScale scale = ResponseScale::linear;
-  double alpha = 0.05;              ///< of a false dependence in this question (all candidates together)
+  double alpha = 0.05;  ///< of a false dependence in this question (all candidates together)
   int permutations = 1999;
   std::uint64_t seed = 1;
 };
@@ -54,14 +54,14 @@ struct ParameterQuestion {
 struct RankedTerm {
   LawTerm term;
   double F = 0.0;
-  double p_alone = 1.0;             ///< permutation, this candidate only
-  double p = 1.0;                   ///< permutation, maximum over all candidates
-  double loo_after = 0.0;           ///< leave-one-out RMS with it
-  double r2 = 0.0;                  ///< share of the law's residual that it takes away
+  double p_alone = 1.0;    ///< permutation, this candidate only
+  double p = 1.0;          ///< permutation, maximum over all candidates
+  double loo_after = 0.0;  ///< leave-one-out RMS with it
+  double r2 = 0.0;         ///< share of the law's residual that it takes away
 };
 
 struct LawCoefficient {
-  std::string term;                 ///< "1" for the constant
+  std::string term;  ///< "1" for the constant
   double value = 0.0, u = 0.0;
 };
 
@@ -75,11 +75,11 @@ struct ParameterAnswer {
   std::string name, unit;
   std::size_t n = 0, candidates = 0;
   std::vector<FoundTerm> added;
-  std::vector<RankedTerm> ranking;        ///< candidates beside the given law, best first
-  std::vector<LawCoefficient> law;        ///< final law
+  std::vector<RankedTerm> ranking;  ///< candidates beside the given law, best first
+  std::vector<LawCoefficient> law;  ///< final law
   double loo_constant = 0.0, loo_before = 0.0, loo_after = 0.0;  ///< leave-one-out RMS in the units of g(y)
-  double scatter = 0.0;                   ///< s: what is left between records, same units
-  double smallest_share = 0.0;            ///< a dependence must take this share of the residual to be seen with these n
+  double scatter = 0.0;         ///< s: what is left between records, same units
+  double smallest_share = 0.0;  ///< a dependence must take this share of the residual to be seen with these n
   std::string sentence;
 };
 

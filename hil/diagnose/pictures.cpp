@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t kPoints = 700;
 
-EvidenceSeries series(const Workspace& w, std::size_t k, const std::string& x_name, const std::vector<std::vector<double>>& before,
+EvidenceSeries series(const Workspace& w, std::size_t k, const std::string& x_name,
+                      const std::vector<std::vector<double>>& before,
                       const std::vector<std::vector<double>>& after) {
   const RecordInput& r = w.input.records[w.output.record_of[k]];
   const auto& rows = w.output.rows[k].row;
@@ -32,7 +33,8 @@ EvidenceSeries series(const Workspace& w, std::size_t k, const std::string& x_na
 
 }  // namespace
 
-void add_pictures(const Workspace& w, const Selection& selection, const std::vector<std::vector<double>>& before,
+void add_pictures(const Workspace& w, const Selection& selection,
+                  const std::vector<std::vector<double>>& before,
                   const std::vector<std::vector<double>>& after, Diagnosis& out) {
   for (std::size_t k = 0; k < w.output.rows.size(); ++k) {
     const RecordInput& r = w.input.records[w.output.record_of[k]];
@@ -69,7 +71,8 @@ void add_pictures(const Workspace& w, const Selection& selection, const std::vec
   for (Finding& f : out.findings) {
     if (f.effect != selection.chosen.front().kind->name) continue;
     for (const char* x : {"force", "time", "rate"}) f.series.push_back(series(w, best, x, before, after));
-    if (gain_heldout > 0.0 && best_heldout != best) f.series.push_back(series(w, best_heldout, "force", before, after));
+    if (gain_heldout > 0.0 && best_heldout != best)
+      f.series.push_back(series(w, best_heldout, "force", before, after));
   }
 }
 

@@ -27,20 +27,24 @@ void cut_into_blocks(Workspace& w) {
     RecordInput block = whole;
     block.name = whole.name + "/" + std::to_string(b + 1);
     block.index = b;
-    const std::size_t begin = settled + b * length + (b > 0 ? gap / 2 : 0), end = b + 1 < kBlocks ? settled + (b + 1) * length - gap / 2 : n;
+    const std::size_t begin = settled + b * length + (b > 0 ? gap / 2 : 0),
+                      end = b + 1 < kBlocks ? settled + (b + 1) * length - gap / 2 : n;
     for (std::size_t i = 0; i < n; ++i)
       if (i < begin || i >= end) block.ok[i] = 0;
     w.input.records.push_back(std::move(block));
     w.health.push_back(health);
   }
-  w.input.notes.push_back(std::string("one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn") +
-                          (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
+  w.input.notes.push_back(
+      std::string(
+          "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn") +
+      (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
 }
 
 }  // namespace
 
 Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options) {
-  if (campaign.records.empty()) return fail(ErrorCode::parse, "the campaign has no records", campaign.folder.string(), "");
+  if (campaign.records.empty())
+    return fail(ErrorCode::parse, "the campaign has no records", campaign.folder.string(), "");
   auto w = std::make_unique<Workspace>();
   w->law = options.law;
   w->input.name = campaign.name;
@@ -75,7 +79,8 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
       // a short recording of something fast keeps its samples
       constexpr double kRows = 5000.0;
       const Channel* force = record.trace.find("F_ref");
-      const std::vector<double>* t = force != nullptr ? &record.trace.time_bases[force->time_base].t_s : nullptr;
+      const std::vector<double>* t =
+          force != nullptr ? &record.trace.time_bases[force->time_base].t_s : nullptr;
       if (t != nullptr && t->size() > 1) row_step_s = std::min(row_step_s, (t->back() - t->front()) / kRows);
     }
     prepared[k].input = make_record_input(record, prepared[k].health.bad, row_step_s);

@@ -15,16 +15,20 @@ double visible_from(const ResidualChannel& channel, const FamilyScore& family, d
   if (variant.columns.size() != 1 || !family.best.fit.valid) return 0.0;
   const int column = variant.columns.front();
   const auto at = family.best.fit.coefficient.size() - 1;
-  const double u = std::sqrt(std::max(0.0, family.best.fit.covariance(at, at))), prior = channel.problem.column_prior_sd[column];
+  const double u = std::sqrt(std::max(0.0, family.best.fit.covariance(at, at))),
+               prior = channel.problem.column_prior_sd[column];
   double mean_square = 0.0;
-  for (const RecordGram& g : channel.problem.records) mean_square += g.gram(channel.problem.nz + column, channel.problem.nz + column);
-  const double rms = std::sqrt(mean_square / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
+  for (const RecordGram& g : channel.problem.records)
+    mean_square += g.gram(channel.problem.nz + column, channel.problem.nz + column);
+  const double rms =
+      std::sqrt(mean_square / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
   return u > 0.0 ? u * rms * std::sqrt(2.0 * (threshold + std::log(std::max(1.0, prior / u)))) : 0.0;
 }
 
 }  // namespace
 
-void add_ranking(const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules, Diagnosis& out) {
+void add_ranking(const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules,
+                 Diagnosis& out) {
   for (const FamilyScore& family : selection.first.families) {
     RankedEffect r;
     r.effect = family.kind->name;
@@ -67,15 +71,19 @@ void add_ranking(const ResidualChannel& channel, const Selection& selection, con
 void tell_visible_from(Diagnosis& out) {
   std::string text;
   for (const RankedEffect& r : out.ranking) {
-    const bool found = std::any_of(out.findings.begin(), out.findings.end(), [&](const Finding& f) { return f.effect == r.effect && f.probability >= 0.5; });
+    const bool found = std::any_of(out.findings.begin(), out.findings.end(), [&](const Finding& f) {
+      return f.effect == r.effect && f.probability >= 0.5;
+    });
     if (!is_between_records(r.effect) || !(r.visible_from > 0.0) || found) continue;
     char part[80];
-    std::snprintf(part, sizeof part, "%s%s %.2g %%", text.empty() ? "" : ", ", r.effect.c_str(), 100.0 * r.visible_from);
+    std::snprintf(part, sizeof part, "%s%s %.2g %%", text.empty() ? "" : ", ", r.effect.c_str(),
+                  100.0 * r.visible_from);
     text += part;
   }
   if (!text.empty())
-    out.notes.push_back("beside the scatter of these records an effect between them would show from about (RMS, of the span): " + text +
-                        "; for less, repeat one slow ramp before and after, several times each");
+    out.notes.push_back(
+        "beside the scatter of these records an effect between them would show from about (RMS, of the span): " +
+        text + "; for less, repeat one slow ramp before and after, several times each");
 }
 
 }  // namespace forcegate::diagnose

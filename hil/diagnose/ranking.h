@@ -7,7 +7,8 @@
 
 namespace forcegate::diagnose {
 
-void add_ranking(const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules, Diagnosis& out);
+void add_ranking(const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules,
+                 Diagnosis& out);
 
 /// What acts from record to record hides in the records' own scatter: a note says how much of it there may be.
 void tell_visible_from(Diagnosis& out);

@@ -54,7 +54,8 @@ double value_step(const std::vector<double>& x) {
 }
 
 double middle_of_four(double a, double b, double c, double d) {
-  const double low = std::min(std::min(a, b), std::min(c, d)), high = std::max(std::max(a, b), std::max(c, d));
+  const double low = std::min(std::min(a, b), std::min(c, d)),
+               high = std::max(std::max(a, b), std::max(c, d));
   return 0.5 * (a + b + c + d - low - high);
 }
 
@@ -67,7 +68,8 @@ bool sit_at_fixed_levels(const std::vector<double>& U, const std::vector<double>
   if (!(high > low)) return false;
   std::vector<double> all(kBins, 0.0), jumps(kBins, 0.0);
   const auto bin = [&](double u) {
-    return static_cast<std::size_t>(std::clamp((u - low) / (high - low), 0.0, 0.9999) * static_cast<double>(kBins));
+    return static_cast<std::size_t>(std::clamp((u - low) / (high - low), 0.0, 0.9999) *
+                                    static_cast<double>(kBins));
   };
   double n_all = 0.0;
   for (double u : U)
@@ -110,7 +112,8 @@ struct RangeEnds {
   bool holds(double U_V) const { return U_V <= low_V || U_V >= high_V; }
 };
 
-RangeEnds ends_of_range(const std::vector<double>& U, double low_V, double high_V, double lsb_V, double noise_V) {
+RangeEnds ends_of_range(const std::vector<double>& U, double low_V, double high_V, double lsb_V,
+                        double noise_V) {
   constexpr int kEnough = 4;
   const double margin = std::max(1.5 * lsb_V, 3.0 * noise_V);
   int at_low = 0, at_high = 0, beyond_low = 0, beyond_high = 0;
@@ -134,7 +137,8 @@ HealthScales health_scales(const Campaign& campaign) {
     const Channel* f = record.trace.find("F_ref");
     const Channel* u = record.trace.find("U");
     if (f == nullptr || u == nullptr) continue;
-    const std::size_t n = std::min(f->value.size(), u->value.size()), stride = std::max<std::size_t>(1, n / 3000);
+    const std::size_t n = std::min(f->value.size(), u->value.size()),
+                      stride = std::max<std::size_t>(1, n / 3000);
     for (std::size_t i = 0; i < n; i += stride)
       if (std::isfinite(f->value[i]) && std::isfinite(u->value[i])) {
         F.push_back(f->value[i]);
@@ -196,7 +200,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   std::vector<std::size_t> spike;
   std::vector<double> spike_level;
   // a spike comes back; what stays is an edge, or held samples that were let go
-  const auto comes_back = [&](std::size_t i, double jump) { return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump; };
+  const auto comes_back = [&](std::size_t i, double jump) {
+    return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump;
+  };
   // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
   for (std::size_t i = 2; i + 2 < n; ++i) {
     if (!std::isfinite(U[i])) {
@@ -331,30 +337,42 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const std::size_t n = health.size();
   const bool many_records = n >= 3;
   if (bit_errors / samples > 1.5e-4 && with_bit_errors >= 2)
-    out.push_back({"adc_codes", 0.95, percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
-                   "bit_V", "V", quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
+    out.push_back(
+        {"adc_codes", 0.95,
+         percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
+         "bit_V", "V", quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
   if (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records))
-    out.push_back({"outliers", 0.95, percent(outliers / samples) + " of the samples stand far off their neighbours while the force is smooth",
+    out.push_back({"outliers", 0.95,
+                   percent(outliers / samples) +
+                       " of the samples stand far off their neighbours while the force is smooth",
                    "share", "1", outliers / samples, std::sqrt(outliers) / samples});
   if ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records))
-    out.push_back({"dropouts", 0.95, percent((held + zeros) / samples) + " of the samples are held or zero while the force moves",
-                   "share", "1", (held + zeros) / samples, std::sqrt(held + zeros) / samples});
+    out.push_back(
+        {"dropouts", 0.95,
+         percent((held + zeros) / samples) + " of the samples are held or zero while the force moves",
+         "share", "1", (held + zeros) / samples, std::sqrt(held + zeros) / samples});
   if (rail / samples > 1e-3)
-    out.push_back({"clipping", 0.95, "the output stays at exactly one value at its top while the force moves on",
-                   "rail_V", "V", rail_V, scales.U_range_V * 1e-4});
+    out.push_back({"clipping", 0.95,
+                   "the output stays at exactly one value at its top while the force moves on", "rail_V", "V",
+                   rail_V, scales.U_range_V * 1e-4});
   if (with_hum >= 2 && with_hum * 2 >= n)
-    out.push_back({"hum", 0.95, "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
-                   "amplitude_V", "V", quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
+    out.push_back(
+        {"hum", 0.95,
+         "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
+         "amplitude_V", "V", quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
   // declared noise, or else the declared resolution taken as one standard deviation, or what a ladder of values explains
-  const double resolution = std::isfinite(bench.reference_resolution_N) ? bench.reference_resolution_N : lsb_F;
+  const double resolution =
+      std::isfinite(bench.reference_resolution_N) ? bench.reference_resolution_N : lsb_F;
   const double allowed = std::isfinite(bench.reference_noise_N) && bench.reference_noise_N > 0.0
                              ? std::hypot(bench.reference_noise_N, resolution / std::sqrt(12.0))
                              : resolution;
   const double found = quantile(noise_F, 0.5);
   const bool declared = std::isfinite(bench.reference_noise_N) || std::isfinite(bench.reference_resolution_N);
-  if (declared && allowed > 0.0 && found > (std::isfinite(bench.reference_noise_N) ? 2.0 : 1.3) * allowed && found > 0.0025 * scales.range_N)
-    out.push_back({"reference_noise", 0.93, "the reference scatters by " + std::to_string(found).substr(0, 6) +
-                                                " N where " + std::to_string(allowed).substr(0, 6) + " N are allowed",
+  if (declared && allowed > 0.0 && found > (std::isfinite(bench.reference_noise_N) ? 2.0 : 1.3) * allowed &&
+      found > 0.0025 * scales.range_N)
+    out.push_back({"reference_noise", 0.93,
+                   "the reference scatters by " + std::to_string(found).substr(0, 6) + " N where " +
+                       std::to_string(allowed).substr(0, 6) + " N are allowed",
                    "noise_N", "N", found, 0.05 * found});
   (void)missing;
   return out;

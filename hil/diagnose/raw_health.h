@@ -12,17 +12,19 @@ namespace forcegate::diagnose {
 
 struct RecordHealth {
   std::string record;
-  std::vector<std::uint8_t> bad;      ///< samples that no fit may use
+  std::vector<std::uint8_t> bad;  ///< samples that no fit may use
   std::size_t samples = 0, missing = 0, outliers = 0, held = 0, zeros = 0, at_rail = 0, gaps = 0;
-  std::size_t lone_zeros = 0;               ///< single samples at the low end: a lost sample, or a spike that was cut off there
+  std::size_t lone_zeros =
+      0;  ///< single samples at the low end: a lost sample, or a spike that was cut off there
   std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
   double bit_V = 0.0;                       ///< that size
   double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample, from fourth differences
   double scatter_F_N = 0.0;                 ///< of the reference on quiet stretches, coloured noise included
   double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
   double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some
-  double hum_V = 0.0, hum_Hz = 0.0, hum_ratio = 0.0;  ///< strongest mains line and its power over its neighbours
-  double bad_mean_square_V2 = 0.0;          ///< what the bad samples add to the mean squared error
+  double hum_V = 0.0, hum_Hz = 0.0,
+         hum_ratio = 0.0;           ///< strongest mains line and its power over its neighbours
+  double bad_mean_square_V2 = 0.0;  ///< what the bad samples add to the mean squared error
 };
 
 struct HealthScales {

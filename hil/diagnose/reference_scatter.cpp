@@ -7,13 +7,15 @@
 
 namespace forcegate::diagnose {
 
-double reference_scatter_N(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V) {
+double reference_scatter_N(std::span<const double> t_s, std::span<const double> F_N,
+                           std::span<const double> U_V) {
   constexpr double kWindow_s = 0.25;
   constexpr std::size_t kFewestSamples = 24, kMostWindows = 400, kFewestWindows = 8;
   const std::size_t n = std::min({t_s.size(), F_N.size(), U_V.size()});
   if (n < kFewestSamples * kFewestWindows) return 0.0;
   const double step = (t_s[n - 1] - t_s[0]) / static_cast<double>(n - 1);
-  const std::size_t length = std::max(kFewestSamples, static_cast<std::size_t>(std::max(0.0, kWindow_s / std::max(step, 1e-9))));
+  const std::size_t length =
+      std::max(kFewestSamples, static_cast<std::size_t>(std::max(0.0, kWindow_s / std::max(step, 1e-9))));
   const std::size_t windows = n / length, stride = std::max<std::size_t>(1, windows / kMostWindows);
   std::vector<double> scatter;
   for (std::size_t w = 0; w < windows; w += stride) {
@@ -31,7 +33,8 @@ double reference_scatter_N(std::span<const double> t_s, std::span<const double> 
     // U may stand still to the last code: its share is then nothing
     M(3, 3) += 1e-12 * (1.0 + M(3, 3));
     const Eigen::Vector4d c = M.topLeftCorner<4, 4>().ldlt().solve(M.topRightCorner<4, 1>());
-    scatter.push_back(std::sqrt(std::max(0.0, M(4, 4) - c.dot(M.topRightCorner<4, 1>())) / static_cast<double>(length - 4)));
+    scatter.push_back(std::sqrt(std::max(0.0, M(4, 4) - c.dot(M.topRightCorner<4, 1>())) /
+                                static_cast<double>(length - 4)));
   }
   if (scatter.size() < kFewestWindows) return 0.0;
   const auto quarter = scatter.begin() + static_cast<std::ptrdiff_t>(scatter.size() / 4);

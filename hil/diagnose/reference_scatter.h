@@ -7,6 +7,7 @@ namespace forcegate::diagnose {
 
 /// Lower quartile over windows of 0.25 s of the standard deviation of F about a parabola, less what U shows too (a force
 /// that really moves moves the output). Newtons; 0 when there are fewer than eight windows.
-double reference_scatter_N(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V);
+double reference_scatter_N(std::span<const double> t_s, std::span<const double> F_N,
+                           std::span<const double> U_V);
 
 }  // namespace forcegate::diagnose

@@ -21,8 +21,8 @@ double vertex(double low, double middle, double high) {
 
 }  // namespace
 
-bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base,
-                   FamilyScore& family, unsigned threads) {
+bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
+                   const MixedFit& base, FamilyScore& family, unsigned threads) {
   const Variant old = channel.variants[static_cast<std::size_t>(family.best.variant)];
   const Candidate from = channel.candidates[static_cast<std::size_t>(old.candidate)];
   if (from.shape.empty() || !from.form->refine) return false;
@@ -75,8 +75,8 @@ bool refine_family(const CampaignInput& input, ResidualChannel& channel, const s
   return true;
 }
 
-void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result,
-                    unsigned threads) {
+void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
+                    ScreenResult& result, unsigned threads) {
   if (result.families.empty()) return;
   const double reach = std::max(6.0, 0.4 * result.families.front().gain);
   int refined = 0;
@@ -90,7 +90,8 @@ void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const 
     const std::size_t candidates = channel.candidates.size(), variants = channel.variants.size();
     const double before = family.gain;
     const FamilyScore coarse = family;
-    if (refine_family(input, channel, present, result.base, family, threads) && family.gain - before > kWorthMoving) {
+    if (refine_family(input, channel, present, result.base, family, threads) &&
+        family.gain - before > kWorthMoving) {
       ++refined;
       continue;
     }

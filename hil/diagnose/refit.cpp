@@ -14,7 +14,9 @@ namespace forcegate::diagnose {
 namespace {
 
 double held_out_rms(const Workspace& w, const MixedFit& fit, bool plain) {
-  const std::vector<double> square = plain ? fit.plain : w.all_fit ? leave_one_out(w.output.problem, fit).adapted : fit.adapted;
+  const std::vector<double> square = plain       ? fit.plain
+                                     : w.all_fit ? leave_one_out(w.output.problem, fit).adapted
+                                                 : fit.adapted;
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < square.size(); ++i)
     if (w.all_fit || w.output.problem.records[i].heldout) {
@@ -25,15 +27,16 @@ double held_out_rms(const Workspace& w, const MixedFit& fit, bool plain) {
 }
 
 // Best variant of one family beside the columns that are in, its shape refined; fit records only.
-Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::vector<int>& present, const MixedFit* warm,
-                             unsigned threads) {
+Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::vector<int>& present,
+                             const MixedFit* warm, unsigned threads) {
   std::vector<std::string> others;
   for (const EffectKind* kind : kinds_of(w.output))
     if (kind->name != name) others.push_back(kind->name);
   ScreenResult result = screen(w.output, present, others, warm, threads, 9, RecordUse::fit_records);
   if (result.families.empty())
-    return fail(ErrorCode::config, "the campaign cannot show " + name, w.input.name,
-                "it needs a channel that these records do not have, or acts on the rig and not on the output");
+    return fail(
+        ErrorCode::config, "the campaign cannot show " + name, w.input.name,
+        "it needs a channel that these records do not have, or acts on the rig and not on the output");
   refine_family(w.input, w.output, present, result.base, result.families.front(), threads);
   return std::move(result.families.front().best);
 }
@@ -46,18 +49,22 @@ ModelEffect effect_of(const Workspace& w, const Variant& variant, const MixedFit
       if (fit.columns[b] == c.first + j) {
         const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
         // the strengths were fitted beside the working gain; the law carries its own
-        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / fit.coefficient[0], std::sqrt(std::max(0.0, fit.covariance(at, at)))};
+        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / fit.coefficient[0],
+                                                 std::sqrt(std::max(0.0, fit.covariance(at, at)))};
       }
   return model_effect(*c.kind, *c.form, c.shape, strength);
 }
 
-Waterfall waterfall_of(const Workspace& w, const std::vector<std::pair<std::string, std::vector<int>>>& effects, const MixedFit& base) {
+Waterfall waterfall_of(const Workspace& w,
+                       const std::vector<std::pair<std::string, std::vector<int>>>& effects,
+                       const MixedFit& base) {
   Waterfall out;
   const std::size_t n = effects.size();
   const auto error_of = [&](unsigned mask) {
     std::vector<int> columns;
     for (std::size_t k = 0; k < n; ++k)
-      if ((mask >> k & 1u) != 0) columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
+      if ((mask >> k & 1u) != 0)
+        columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
     const MixedFit fit = fit_mixed(w.output.problem, columns, &base, 10);
     return fit.valid ? held_out_rms(w, fit, false) : 0.0;
   };
@@ -86,7 +93,8 @@ Waterfall waterfall_of(const Workspace& w, const std::vector<std::pair<std::stri
         int size = 0;
         for (unsigned b = s; b != 0; b >>= 1) size += static_cast<int>(b & 1u);
         double weight = 1.0 / static_cast<double>(n);
-        for (int q = 0; q < size; ++q) weight *= static_cast<double>(q + 1) / static_cast<double>(static_cast<int>(n) - 1 - q);
+        for (int q = 0; q < size; ++q)
+          weight *= static_cast<double>(q + 1) / static_cast<double>(static_cast<int>(n) - 1 - q);
         bar.average += weight * fall;
         bar.low = std::min(bar.low, fall);
         bar.high = std::max(bar.high, fall);
@@ -112,17 +120,23 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
       if (own->name == add) kind = own.get();
     if (kind == nullptr) {
       const std::string near = nearest_name(add, EffectRegistry::instance().names());
-      return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add", near.empty() ? "" : "did you mean \"" + near + "\"?");
+      return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add",
+                  near.empty() ? "" : "did you mean \"" + near + "\"?");
     }
     if (kind->channel != EffectChannel::output)
-      return fail(ErrorCode::config, add + " is not an effect of the sensor: it is mended at the " + kind->side + ", not in the model",
-                  "forcegate add", kind->separates);
+      return fail(
+          ErrorCode::config,
+          add + " is not an effect of the sensor: it is mended at the " + kind->side + ", not in the model",
+          "forcegate add", kind->separates);
     if (std::find(names.begin(), names.end(), add) != names.end())
-      return fail(ErrorCode::config, "the model has " + add + " already", start.name, "forcegate fit refits it");
+      return fail(ErrorCode::config, "the model has " + add + " already", start.name,
+                  "forcegate fit refits it");
     names.push_back(add);
   }
   const MixedFit base = fit_mixed(w.output.problem, {}, nullptr, 20);
-  if (!base.valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name, "more records, or records with more force");
+  if (!base.valid)
+    return fail(ErrorCode::config, "the records do not determine the model", w.input.name,
+                "more records, or records with more force");
   std::vector<int> present;
   std::vector<std::pair<std::string, std::vector<int>>> effects;
   std::vector<int> variants;
@@ -138,7 +152,8 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     const std::size_t first = present.size() - variant.columns.size();
     if (!is_between_records(name))
       for (const int v : further_forms(w.output, kind, present, now)) variants.push_back(v);
-    effects.emplace_back(name, std::vector<int>(present.begin() + static_cast<std::ptrdiff_t>(first), present.end()));
+    effects.emplace_back(
+        name, std::vector<int>(present.begin() + static_cast<std::ptrdiff_t>(first), present.end()));
   }
   if (add.empty()) before = base;
 
@@ -157,7 +172,9 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   m.se_offset = se(1) * w.output.scale / std::abs(g);
   m.se_b_scale = m.law.b_scale * se(2);
   m.se_q_scale = m.law.q_scale * se(3);
-  const auto move = [&](const char* name, const char* unit, double a, double b, double u) { out.moves.push_back({name, unit, a, b, u}); };
+  const auto move = [&](const char* name, const char* unit, double a, double b, double u) {
+    out.moves.push_back({name, unit, a, b, u});
+  };
   move("gain_N_per_V", "N/V", start.law.gain_N_per_V, m.law.gain_N_per_V, m.se_gain);
   move("offset_N", "N", start.law.offset_N, m.law.offset_N, m.se_offset);
   if (m.law.decays) {
@@ -166,14 +183,18 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   }
   m.effects.clear();
   for (int v : variants) {
-    const Candidate& c = w.output.candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)];
-    const auto own = std::find_if(m.user_effects.begin(), m.user_effects.end(), [&](const UserEffect& e) { return e.name == c.kind->name; });
+    const Candidate& c =
+        w.output
+            .candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)];
+    const auto own = std::find_if(m.user_effects.begin(), m.user_effects.end(),
+                                  [&](const UserEffect& e) { return e.name == c.kind->name; });
     if (own != m.user_effects.end()) {
       for (std::size_t b = 0; b < now.columns.size(); ++b)
         if (now.columns[b] == c.first) {
           const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
           const UserEffect before_fit = *own;
-          *own = with_parameters(before_fit, c.shape, now.coefficient[at] / now.coefficient[0], std::sqrt(std::max(0.0, now.covariance(at, at))));
+          *own = with_parameters(before_fit, c.shape, now.coefficient[at] / now.coefficient[0],
+                                 std::sqrt(std::max(0.0, now.covariance(at, at))));
           for (const ModelParameter& p : own->parameters) {
             double old = p.value;
             for (const ModelParameter& q : before_fit.parameters) old = q.name == p.name ? q.value : old;
@@ -188,7 +209,8 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
       if (e.effect == m.effects.back().effect && e.form == m.effects.back().form) old = &e;
     for (std::size_t j = 0; j < m.effects.back().strength.size(); ++j) {
       const ModelParameter& p = m.effects.back().strength[j];
-      out.moves.push_back({m.effects.back().effect + "." + p.name, p.unit, old != nullptr ? old->strength[j].value : p.neutral, p.value, p.se});
+      out.moves.push_back({m.effects.back().effect + "." + p.name, p.unit,
+                           old != nullptr ? old->strength[j].value : p.neutral, p.value, p.se});
     }
   }
   out.error_before = held_out_rms(w, before, false);

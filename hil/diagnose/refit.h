@@ -16,9 +16,10 @@ struct ParameterMove {
 struct Waterfall {
   struct Bar {
     std::string effect;
-    double as_added = 0.0;                 ///< fall of the held-out error in the order given
-    double average = 0.0, low = 0.0, high = 0.0;  ///< over all orders (at most 4 effects: all; more: as added only)
-    bool hollow = false;                   ///< the range holds 0
+    double as_added = 0.0;  ///< fall of the held-out error in the order given
+    double average = 0.0, low = 0.0,
+           high = 0.0;    ///< over all orders (at most 4 effects: all; more: as added only)
+    bool hollow = false;  ///< the range holds 0
   };
   double start = 0.0, end = 0.0, floor = 0.0;
   std::vector<Bar> bars;
@@ -27,7 +28,7 @@ struct Waterfall {
 struct Refit {
   Model model;
   std::vector<ParameterMove> moves;
-  double error_before = 0.0, error_after = 0.0, floor = 0.0;   ///< held-out, adapted, V
+  double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< held-out, adapted, V
   double plain_before = 0.0, plain_after = 0.0;
   Waterfall waterfall;
 };

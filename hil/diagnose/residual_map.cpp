@@ -81,21 +81,36 @@ std::vector<Coordinate> coordinates(const Workspace& w, const ResidualChannel& c
       for (std::size_t i : channel.rows[k].row) {
         const double rate = r.rate_N_per_s[i];
         double x = kMissing;
-        if (name == "force") x = r.F_N[i];
-        else if (name == "force while loading") x = rate > 0.0 ? r.F_N[i] : kMissing;
-        else if (name == "force while unloading") x = rate < 0.0 ? r.F_N[i] : kMissing;
-        else if (name == "rate") x = rate;
-        else if (name == "size of the rate") x = std::abs(rate);
-        else if (name == "last turning point") x = last[i];
-        else if (name == "time since the last turn") x = since[i];
-        else if (name == "time in the record") x = r.t_s[i];
-        else if (name == "campaign time") x = r.start_s + r.t_s[i];
-        else if (name == "load done") x = r.travel_before_N + r.travel_N[i];
-        else if (name == "output") x = r.U_V[i];
-        else if (name == "cycle frequency") x = r.dynamic ? r.f_Hz : kMissing;
-        else if (name == "temperature") x = r.temp_C.empty() ? kMissing : r.temp_C[i];
-        else if (name == "angle") x = r.theta_rad.empty() ? kMissing : std::remainder(r.theta_rad[i], 6.283185307179586);
-        else if (name == "drive") x = r.drive_mean_V;
+        if (name == "force")
+          x = r.F_N[i];
+        else if (name == "force while loading")
+          x = rate > 0.0 ? r.F_N[i] : kMissing;
+        else if (name == "force while unloading")
+          x = rate < 0.0 ? r.F_N[i] : kMissing;
+        else if (name == "rate")
+          x = rate;
+        else if (name == "size of the rate")
+          x = std::abs(rate);
+        else if (name == "last turning point")
+          x = last[i];
+        else if (name == "time since the last turn")
+          x = since[i];
+        else if (name == "time in the record")
+          x = r.t_s[i];
+        else if (name == "campaign time")
+          x = r.start_s + r.t_s[i];
+        else if (name == "load done")
+          x = r.travel_before_N + r.travel_N[i];
+        else if (name == "output")
+          x = r.U_V[i];
+        else if (name == "cycle frequency")
+          x = r.dynamic ? r.f_Hz : kMissing;
+        else if (name == "temperature")
+          x = r.temp_C.empty() ? kMissing : r.temp_C[i];
+        else if (name == "angle")
+          x = r.theta_rad.empty() ? kMissing : std::remainder(r.theta_rad[i], 6.283185307179586);
+        else if (name == "drive")
+          x = r.drive_mean_V;
         v.push_back(x);
       }
       c.value.push_back(std::move(v));
@@ -107,7 +122,8 @@ std::vector<Coordinate> coordinates(const Workspace& w, const ResidualChannel& c
 constexpr int kCells = 16;
 constexpr std::size_t kBlocks = 12;
 
-ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& residual, const std::string& unit) {
+ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& residual,
+                   const std::string& unit) {
   ResidualMap map;
   map.coordinate = c.name;
   map.group = c.group;
@@ -133,7 +149,8 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
     double n = 0.0, e = 0.0, x = 0.0;
   };
   const std::size_t n_records = residual.size();
-  std::vector<std::vector<std::vector<Sum>>> sum(n_records, std::vector<std::vector<Sum>>(kBlocks, std::vector<Sum>(n_cells)));
+  std::vector<std::vector<std::vector<Sum>>> sum(
+      n_records, std::vector<std::vector<Sum>>(kBlocks, std::vector<Sum>(n_cells)));
   std::vector<Sum> total(n_cells);
   double square = 0.0;
   for (std::size_t k = 0; k < n_records; ++k)
@@ -187,11 +204,12 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
       out.standard_error = std::sqrt(spread) / total[cell].n;
     }
     map.cells.push_back(out);
-    if (out.blocks >= 3 && std::abs(out.mean) > std::abs(largest) && std::abs(out.mean) > 2.0 * out.standard_error) {
+    if (out.blocks >= 3 && std::abs(out.mean) > std::abs(largest) &&
+        std::abs(out.mean) > 2.0 * out.standard_error) {
       largest = out.mean;
       char text[160];
-      std::snprintf(text, sizeof text, "%+.3g %s where %s is about %.3g %s", out.mean * 1000.0, unit == "V" ? "mV" : "mN",
-                    c.name, out.x, c.unit);
+      std::snprintf(text, sizeof text, "%+.3g %s where %s is about %.3g %s", out.mean * 1000.0,
+                    unit == "V" ? "mV" : "mN", c.name, out.x, c.unit);
       map.sentence = text;
     }
   }
@@ -206,7 +224,8 @@ std::vector<std::vector<double>> residual_rows(const ResidualChannel& channel, c
   const MixedProblem& p = channel.problem;
   for (std::size_t k = 0; k < channel.rows.size(); ++k) {
     const auto& A = channel.rows[k].matrix;
-    Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.nz) * fit.zeta[k] - A.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
+    Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.nz) * fit.zeta[k] -
+                        A.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
     for (std::size_t b = 0; b < fit.columns.size(); ++b)
       e -= A.col(p.nz + fit.columns[b]) * fit.coefficient[p.n_fixed + static_cast<Eigen::Index>(b)];
     e *= channel.scale;
@@ -222,7 +241,8 @@ std::vector<ResidualMap> residual_maps(const Workspace& w, const ResidualChannel
     ResidualMap map = map_of(c, residual, channel.unit);
     if (!map.cells.empty()) out.push_back(std::move(map));
   }
-  std::stable_sort(out.begin(), out.end(), [](const ResidualMap& a, const ResidualMap& b) { return a.share > b.share; });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const ResidualMap& a, const ResidualMap& b) { return a.share > b.share; });
   return out;
 }
 

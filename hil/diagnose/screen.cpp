@@ -10,12 +10,14 @@ namespace forcegate::diagnose {
 namespace {
 
 // Coefficients of the given columns within a fit, 0 where it does not have them.
-Eigen::VectorXd coefficients_of(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+Eigen::VectorXd coefficients_of(const ResidualChannel& channel, const MixedFit& fit,
+                                const std::vector<int>& columns) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
   for (std::size_t a = 0; a < columns.size(); ++a)
     for (std::size_t b = 0; b < fit.columns.size(); ++b)
       if (fit.columns[b] == columns[a])
-        out[static_cast<Eigen::Index>(a)] = fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+        out[static_cast<Eigen::Index>(a)] =
+            fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
   return out;
 }
 
@@ -26,8 +28,10 @@ bool is_beyond_bounds(const ResidualChannel& channel, const MixedFit& fit, const
   const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
   const auto at = fit.coefficient.size() - 1;
   // a share of the gain that is fitted beside it, not of the one that the search began with
-  const double fitted = fit.coefficient[0] * channel.gain_of_unit, gain = std::abs(fitted) > 0.05 ? fitted : 1.0;
-  const double value = fit.coefficient[at] / gain, slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance(at, at))) / std::abs(gain);
+  const double fitted = fit.coefficient[0] * channel.gain_of_unit,
+               gain = std::abs(fitted) > 0.05 ? fitted : 1.0;
+  const double value = fit.coefficient[at] / gain,
+               slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance(at, at))) / std::abs(gain);
   return value > c.form->most + slack || value < c.form->least - slack;
 }
 
@@ -39,7 +43,8 @@ bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, c
   const double cancels = c.kind->name == "creep" ? 0.9 : 1.0;
   double up = 0.0, down = 0.0;
   for (std::size_t j = 0; j < variant.columns.size(); ++j) {
-    const double size = coefficient[static_cast<Eigen::Index>(j)] / channel.problem.column_prior_sd[variant.columns[j]];
+    const double size =
+        coefficient[static_cast<Eigen::Index>(j)] / channel.problem.column_prior_sd[variant.columns[j]];
     (size > 0.0 ? up : down) += std::abs(size);
   }
   return c.form->sign == StrengthSign::positive ? down > cancels * up : up > cancels * down;
@@ -50,7 +55,8 @@ bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, c
 namespace {
 
 // A base that still climbs would lend its climb to every candidate.
-MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit* warm, int iterations, RecordUse use) {
+MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit* warm,
+                        int iterations, RecordUse use) {
   constexpr int kRounds = 12;
   constexpr double kStill = 0.02;  // nats
   MixedFit fit = fit_mixed(channel.problem, present, warm, iterations, use);
@@ -107,8 +113,8 @@ double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std
   return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
-VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, int index,
-                           const MixedFit* warm, int iterations) {
+VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present,
+                           const MixedFit& base, int index, const MixedFit* warm, int iterations) {
   const Variant& variant = channel.variants[static_cast<std::size_t>(index)];
   VariantScore score;
   score.variant = index;
@@ -124,14 +130,16 @@ VariantScore score_variant(const ResidualChannel& channel, const std::vector<int
   score.effect_rms = effect_rms(channel, score.fit, variant.columns);
   score.wrong_sign = has_wrong_sign(channel, score, variant);
   if (score.wrong_sign) score.gain *= score.gain > 0.0 ? 0.3 : 1.0;
-  const double base_excess = excess_mean_square(channel, base), excess = excess_mean_square(channel, score.fit);
+  const double base_excess = excess_mean_square(channel, base),
+               excess = excess_mean_square(channel, score.fit);
   score.fall = base_excess > 0.0 ? 1.0 - excess / base_excess : 0.0;
   score.total_fall = total_fall(channel, base, score.fit);
   return score;
 }
 
-ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& skip,
-                    const MixedFit* warm, unsigned threads, int iterations, RecordUse use) {
+ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present,
+                    const std::vector<std::string>& skip, const MixedFit* warm, unsigned threads,
+                    int iterations, RecordUse use) {
   ScreenResult out;
   out.base = fit_to_the_end(channel, present, warm, 2 * iterations, use);
   if (!out.base.valid) return out;
@@ -139,7 +147,8 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   std::vector<char> used(channel.variants.size(), 0);
   const auto score_all = [&] {
     parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
-      const EffectKind& kind = *channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind;
+      const EffectKind& kind =
+          *channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind;
       if (std::find(skip.begin(), skip.end(), kind.name) != skip.end()) return;
       scores[v] = score_variant(channel, present, out.base, static_cast<int>(v), nullptr, iterations);
       used[v] = scores[v].gain > -1e299 ? 1 : 0;
@@ -167,7 +176,8 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     double best = -1e300, sum = 0.0, n = 0.0;
     int at = -1;
     for (std::size_t v = 0; v < scores.size(); ++v)
-      if (used[v] != 0 && channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind) {
+      if (used[v] != 0 &&
+          channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind) {
         n += 1.0;
         if (scores[v].gain > best) {
           best = scores[v].gain;
@@ -176,7 +186,8 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
       }
     if (at < 0) continue;
     for (std::size_t v = 0; v < scores.size(); ++v)
-      if (used[v] != 0 && channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind)
+      if (used[v] != 0 &&
+          channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind)
         sum += std::exp(std::max(-700.0, scores[v].gain - best));
     family.gain = best + std::log(sum / n);
     family.best = std::move(scores[static_cast<std::size_t>(at)]);

@@ -11,35 +11,36 @@ namespace forcegate::diagnose {
 
 struct VariantScore {
   int variant = 0;
-  double gain = 0.0;            ///< log evidence over the present model
-  double effect_rms = 0.0;      ///< of what the columns add, share of the span, mean over records
-  double fall = 0.0;            ///< share of the excess mean square (above noise) that goes away
-  double total_fall = 0.0;      ///< share of the whole adapted mean square that goes away
+  double gain = 0.0;        ///< log evidence over the present model
+  double effect_rms = 0.0;  ///< of what the columns add, share of the span, mean over records
+  double fall = 0.0;        ///< share of the excess mean square (above noise) that goes away
+  double total_fall = 0.0;  ///< share of the whole adapted mean square that goes away
   bool wrong_sign = false;
   MixedFit fit;
 };
 
 struct FamilyScore {
   const EffectKind* kind = nullptr;
-  double gain = -1e300;         ///< best variant less what the number of variants costs
+  double gain = -1e300;  ///< best variant less what the number of variants costs
   VariantScore best;
 };
 
 struct ScreenResult {
-  MixedFit base;                ///< fit with the columns that are already in
+  MixedFit base;                      ///< fit with the columns that are already in
   std::vector<FamilyScore> families;  ///< best first
 };
 
 /// Columns already in the model stay. A variant whose family is in `skip` is left out.
-ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& skip,
-                    const MixedFit* warm, unsigned threads, int iterations = 9, RecordUse use = RecordUse::all_records);
+ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present,
+                    const std::vector<std::string>& skip, const MixedFit* warm, unsigned threads,
+                    int iterations = 9, RecordUse use = RecordUse::all_records);
 
 /// The families that have candidates in a channel, in the order of the registry, the user's own last.
 std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel);
 
 /// One variant beside the present columns, on the records that the base was fitted to; gain -1e300 when it cannot be fitted or its strength is out of bounds.
-VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, int variant,
-                           const MixedFit* warm, int iterations = 9);
+VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present,
+                           const MixedFit& base, int variant, const MixedFit* warm, int iterations = 9);
 
 /// Mean over the records of the fit of the adapted mean square above the noise, never below 0.
 double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit);

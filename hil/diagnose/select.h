@@ -12,45 +12,50 @@ namespace forcegate::diagnose {
 struct ChosenEffect {
   const EffectKind* kind = nullptr;
   int variant = 0;
-  std::vector<int> columns;      ///< the variant's own
-  std::vector<int> further;      ///< variants of the same family that stand beside it in the model
-  double gain = 0.0;             ///< log evidence when it entered
-  double fall = 0.0;             ///< share of the excess mean square that it removed when it entered
-  double effect_rms = 0.0;       ///< share of the span
-  double unique = 0.0;           ///< log evidence that the final model loses without it
-  double share_of_family = 0.0;  ///< softmax over the families that competed, at the working temperature
-  double strength_scatter = 0.0; ///< between records, relative to the strength
-  bool between = false;          ///< it acts from record to record
-  CrossFit left_out;             ///< against the model before it entered
+  std::vector<int> columns;       ///< the variant's own
+  std::vector<int> further;       ///< variants of the same family that stand beside it in the model
+  double gain = 0.0;              ///< log evidence when it entered
+  double fall = 0.0;              ///< share of the excess mean square that it removed when it entered
+  double effect_rms = 0.0;        ///< share of the span
+  double unique = 0.0;            ///< log evidence that the final model loses without it
+  double share_of_family = 0.0;   ///< softmax over the families that competed, at the working temperature
+  double strength_scatter = 0.0;  ///< between records, relative to the strength
+  bool between = false;           ///< it acts from record to record
+  CrossFit left_out;              ///< against the model before it entered
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share
-  MixedFit fit;                  ///< of the model with everything up to this effect
+  MixedFit fit;                                        ///< of the model with everything up to this effect
 };
 
 struct Selection {
-  ScreenResult first;            ///< screen over the base model alone
+  ScreenResult first;  ///< screen over the base model alone
   std::vector<ChosenEffect> chosen;
-  MixedFit base, final;          ///< final: the chosen effects with all forms of their families, to judge what is left
-  MixedFit claimed;              ///< the chosen variants alone: what a model gains that takes them in
+  MixedFit base,
+      final;         ///< final: the chosen effects with all forms of their families, to judge what is left
+  MixedFit claimed;  ///< the chosen variants alone: what a model gains that takes them in
   double excess_before = 0.0, excess_after = 0.0;  ///< mean squares above the noise
-  std::vector<std::string> nuisance;  ///< what was carried along without being a finding
-  std::vector<std::string> rejected;  ///< why the next one was not taken
+  std::vector<std::string> nuisance;               ///< what was carried along without being a finding
+  std::vector<std::string> rejected;               ///< why the next one was not taken
 };
 
 struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
-  double between_gain = 5.0;     ///< nats. One in twenty campaigns has a given effect of this kind: odds of 7 : 1 are left
-  double between_left_out = 3.0; ///< nats by which records that were left out must be predicted better
-  double between_fall = 0.5;     ///< share of the spread between records (a variance) that it must explain
-  double between_chance = 0.10;  ///< largest share of sign-flipped records that may do as well
+  double between_gain =
+      5.0;  ///< nats. One in twenty campaigns has a given effect of this kind: odds of 7 : 1 are left
+  double between_left_out = 3.0;  ///< nats by which records that were left out must be predicted better
+  double between_fall = 0.5;      ///< share of the spread between records (a variance) that it must explain
+  double between_chance = 0.10;   ///< largest share of sign-flipped records that may do as well
 
   double first_fall = 0.10, later_fall = 0.50;
-  double first_total_fall = 0.06, later_total_fall = 0.35;  ///< where the declared noise allows the whole residual
-  double form_error = 0.25;      ///< of the RMS that the largest effect removed: a second one must remove more
-  bool forms_are_rough = false;  ///< the recording is of another machine: forms within form_error of each other are one
-  double sure_gain = 40.0, sure_total_fall = 0.02;  ///< a small share is enough where the evidence is overwhelming
-  double smallest_rms = 2.5e-4;  ///< of the span: less is below what the declared instruments can tell
+  double first_total_fall = 0.06,
+         later_total_fall = 0.35;  ///< where the declared noise allows the whole residual
+  double form_error = 0.25;  ///< of the RMS that the largest effect removed: a second one must remove more
+  bool forms_are_rough =
+      false;  ///< the recording is of another machine: forms within form_error of each other are one
+  double sure_gain = 40.0,
+         sure_total_fall = 0.02;      ///< a small share is enough where the evidence is overwhelming
+  double smallest_rms = 2.5e-4;       ///< of the span: less is below what the declared instruments can tell
   std::vector<std::string> nuisance;  ///< families that compete, and are carried without being claimed
-  bool clock_slack = true;       ///< a few milliseconds between two instruments are nobody's fault
+  bool clock_slack = true;            ///< a few milliseconds between two instruments are nobody's fault
   int most = 3;
 };
 
@@ -71,7 +76,8 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
 
 /// |cos| between what two sets of columns add, after the base law and the repeatability are projected off.
 double signature_cosine(const ResidualChannel& channel, const MixedFit& base, const MixedFit& a,
-                        const std::vector<int>& columns_a, const MixedFit& b, const std::vector<int>& columns_b);
+                        const std::vector<int>& columns_a, const MixedFit& b,
+                        const std::vector<int>& columns_b);
 
 /// All columns of the screening grid of a family: what a form that is not quite right leaves behind must not be named.
 std::vector<int> family_columns(const ResidualChannel& channel, const EffectKind& kind);

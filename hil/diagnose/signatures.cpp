@@ -15,16 +15,19 @@ constexpr double kPriorShare = 0.03;  // an effect of 3 % of the span is nothing
 constexpr int kSpareColumns = 24;
 
 // The candidate's columns on the chosen rows of record k and of all other blocks of the same recording.
-void write_columns(const CampaignInput& input, ResidualChannel& channel, std::size_t k, const Candidate& c, Eigen::MatrixXd& full) {
+void write_columns(const CampaignInput& input, ResidualChannel& channel, std::size_t k, const Candidate& c,
+                   Eigen::MatrixXd& full) {
   const RecordInput& r = input.records[channel.record_of[k]];
   full.setZero(static_cast<Eigen::Index>(r.rows()), c.count);
   c.form->columns(input, r, c.shape, full);
-  for (std::size_t b = k; b < channel.rows.size() && input.records[channel.record_of[b]].recording == r.recording; ++b) {
+  for (std::size_t b = k;
+       b < channel.rows.size() && input.records[channel.record_of[b]].recording == r.recording; ++b) {
     RecordRows& rows = channel.rows[b];
     for (int j = 0; j < c.count; ++j)
       for (std::size_t i = 0; i < rows.row.size(); ++i) {
         const double v = full(static_cast<Eigen::Index>(rows.row[i]), j);
-        rows.matrix(static_cast<Eigen::Index>(i), channel.problem.nz + c.first + j) = std::isfinite(v) ? v * channel.column_factor : 0.0;
+        rows.matrix(static_cast<Eigen::Index>(i), channel.problem.nz + c.first + j) =
+            std::isfinite(v) ? v * channel.column_factor : 0.0;
       }
   }
 }
@@ -33,7 +36,9 @@ void write_columns(const CampaignInput& input, ResidualChannel& channel, std::si
 std::vector<std::size_t> recordings(const CampaignInput& input, const ResidualChannel& channel) {
   std::vector<std::size_t> out;
   for (std::size_t k = 0; k < channel.rows.size(); ++k)
-    if (k == 0 || input.records[channel.record_of[k]].recording != input.records[channel.record_of[k - 1]].recording) out.push_back(k);
+    if (k == 0 ||
+        input.records[channel.record_of[k]].recording != input.records[channel.record_of[k - 1]].recording)
+      out.push_back(k);
   return out;
 }
 
@@ -59,7 +64,8 @@ double column_prior(const MixedProblem& p, int column) {
 }
 
 // Rows of one record but for the candidates' columns.
-void start_record(ResidualChannel& channel, std::size_t k, const Eigen::MatrixXd& Z, const std::vector<double>& y) {
+void start_record(ResidualChannel& channel, std::size_t k, const Eigen::MatrixXd& Z,
+                  const std::vector<double>& y) {
   RecordRows& rows = channel.rows[k];
   const auto n = static_cast<Eigen::Index>(rows.row.size());
   const int nz = channel.problem.nz, ns = channel.problem.ns;
@@ -72,7 +78,8 @@ void finish_record(ResidualChannel& channel, std::size_t k) {
   const Eigen::MatrixXd& A = channel.rows[k].matrix;
   Eigen::MatrixXd& G = channel.problem.records[k].gram;
   G = Eigen::MatrixXd::Zero(A.cols(), A.cols());
-  G.selfadjointView<Eigen::Lower>().rankUpdate(A.transpose(), 1.0 / std::max<double>(1.0, static_cast<double>(A.rows())));
+  G.selfadjointView<Eigen::Lower>().rankUpdate(A.transpose(),
+                                               1.0 / std::max<double>(1.0, static_cast<double>(A.rows())));
   G.triangularView<Eigen::StrictlyUpper>() = G.transpose();
 }
 
@@ -93,12 +100,14 @@ void set_column_priors(ResidualChannel& channel) {
 }
 
 bool needs_records(const std::string& name) {
-  return name == "wear" || name == "bias" || name == "mounting" || name == "slow_recovery" || name == "reference_drift";
+  return name == "wear" || name == "bias" || name == "mounting" || name == "slow_recovery" ||
+         name == "reference_drift";
 }
 
 }  // namespace
 
-void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& c, unsigned threads) {
+void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& c,
+                    unsigned threads) {
   const int nz = channel.problem.nz;
   const std::vector<std::size_t> first = recordings(input, channel);
   parallel_for(first.size(), threads, [&](std::size_t p) {
@@ -108,11 +117,13 @@ void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const 
   parallel_for(channel.rows.size(), threads, [&](std::size_t k) {
     const Eigen::MatrixXd& A = channel.rows[k].matrix;
     Eigen::MatrixXd& G = channel.problem.records[k].gram;
-    const Eigen::MatrixXd cross = A.transpose() * A.middleCols(nz + c.first, c.count) / std::max<double>(1.0, static_cast<double>(A.rows()));
+    const Eigen::MatrixXd cross = A.transpose() * A.middleCols(nz + c.first, c.count) /
+                                  std::max<double>(1.0, static_cast<double>(A.rows()));
     G.middleCols(nz + c.first, c.count) = cross;
     G.middleRows(nz + c.first, c.count) = cross.transpose();
   });
-  for (int j = 0; j < c.count; ++j) channel.problem.column_prior_sd[c.first + j] = column_prior(channel.problem, c.first + j);
+  for (int j = 0; j < c.count; ++j)
+    channel.problem.column_prior_sd[c.first + j] = column_prior(channel.problem, c.first + j);
 }
 
 int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads) {
@@ -165,7 +176,9 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<std:
   channel.signs_known = !w.input.generic;
   // where the output hardly follows the input, its slope is no measure of an effect
   const double whole = w.input.U_range_V / w.input.range_N;
-  const double gain = w.input.generic && std::abs(w.gain_V_per_N) < 0.2 * whole ? std::copysign(0.2 * whole, w.gain_V_per_N) : w.gain_V_per_N;
+  const double gain = w.input.generic && std::abs(w.gain_V_per_N) < 0.2 * whole
+                          ? std::copysign(0.2 * whole, w.gain_V_per_N)
+                          : w.gain_V_per_N;
   channel.column_factor = gain / channel.scale;
   channel.gain_of_unit = gain != 0.0 ? w.gain_V_per_N / gain : 1.0;
   const std::size_t n = w.input.records.size();
@@ -209,33 +222,38 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   p.n_fixed = 4;
   // a command reaches the force through a motor, a reference reads the force a few milliseconds late, and the angle's zero is
   // known to a degree or two: no findings. Both are the same in all records: what differs from record to record is a play
-  p.components = {{"rig_gain", 0.02, 0.002, 0.5}, {"rig_offset", 0.02, 0.001, 0.5}, {"reference_lag", 0.01, 0.01, 50.0}, {"angle_zero", 5e-4, 5e-4, 50.0},
-                  {"rig_wander", 0.002, 3e-4, 0.5}, {"motor_lag", 1.0, 1.0, 1.0}};
+  p.components = {{"rig_gain", 0.02, 0.002, 0.5},      {"rig_offset", 0.02, 0.001, 0.5},
+                  {"reference_lag", 0.01, 0.01, 50.0}, {"angle_zero", 5e-4, 5e-4, 50.0},
+                  {"rig_wander", 0.002, 3e-4, 0.5},    {"motor_lag", 1.0, 1.0, 1.0}};
   p.component_of_z = {0, 1, 2, 3, 4, 4, 4, 5, 5};
   p.fixed_prior_sd = Eigen::Vector4d(10.0, 10.0, 2.0, 0.03);
   list_candidates(w, EffectChannel::rig, false, channel);
-  fill_channel(w, channel, threads, [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z, std::vector<double>& y) {
-    const double slope = w.rig_slope_N[r.index] / channel.scale;
-    for (std::size_t j = 0; j < rows.size(); ++j) {
-      const auto row = static_cast<Eigen::Index>(j);
-      Z(row, 0) = r.rig_force_N[rows[j]] / channel.scale;
-      Z(row, 1) = 1.0;
-      if (slope != 0.0) {
-        Z(row, 2) = slope * (r.cos_theta[rows[j]] - r.late_cos_theta[rows[j]]);
-        Z(row, 3) = slope * r.sin_theta[rows[j]];
-      }
-      for (int q = 0; q < 3; ++q)
-        if (r.duration_s > 60.0 * (q + 1))
-          Z(row, 4 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
-      y.push_back(r.F_N[rows[j]] / channel.scale);
-    }
-    if (r.theta_rad.empty())
-      for (int q = 0; q < 2; ++q) {
-        const auto late = low_pass_channel(r, r.rig_force_N, q == 0 ? 0.03 : 0.1, r.rig_force_N[0]);
-        for (std::size_t j = 0; j < rows.size(); ++j)
-          Z(static_cast<Eigen::Index>(j), 7 + q) = (late[rows[j]] - r.rig_force_N[rows[j]]) / channel.scale;
-      }
-  });
+  fill_channel(w, channel, threads,
+               [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z,
+                   std::vector<double>& y) {
+                 const double slope = w.rig_slope_N[r.index] / channel.scale;
+                 for (std::size_t j = 0; j < rows.size(); ++j) {
+                   const auto row = static_cast<Eigen::Index>(j);
+                   Z(row, 0) = r.rig_force_N[rows[j]] / channel.scale;
+                   Z(row, 1) = 1.0;
+                   if (slope != 0.0) {
+                     Z(row, 2) = slope * (r.cos_theta[rows[j]] - r.late_cos_theta[rows[j]]);
+                     Z(row, 3) = slope * r.sin_theta[rows[j]];
+                   }
+                   for (int q = 0; q < 3; ++q)
+                     if (r.duration_s > 60.0 * (q + 1))
+                       Z(row, 4 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
+                   y.push_back(r.F_N[rows[j]] / channel.scale);
+                 }
+                 if (r.theta_rad.empty())
+                   for (int q = 0; q < 2; ++q) {
+                     const auto late =
+                         low_pass_channel(r, r.rig_force_N, q == 0 ? 0.03 : 0.1, r.rig_force_N[0]);
+                     for (std::size_t j = 0; j < rows.size(); ++j)
+                       Z(static_cast<Eigen::Index>(j), 7 + q) =
+                           (late[rows[j]] - r.rig_force_N[rows[j]]) / channel.scale;
+                   }
+               });
 }
 
 void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill) {
@@ -255,10 +273,12 @@ void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads
     RecordGram& gram = p.records[k];
     gram.name = r.name;
     gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
-    const RecordHealth* h = channel.record_of[k] < w.health.size() ? &w.health[channel.record_of[k]] : nullptr;
+    const RecordHealth* h =
+        channel.record_of[k] < w.health.size() ? &w.health[channel.record_of[k]] : nullptr;
     const double step = h != nullptr ? h->lsb_F_N : 0.0, white = h != nullptr ? h->noise_F_N : 0.0;
     const double per_row = std::max<double>(1.0, r.row_begin[1] - r.row_begin[0]);
-    gram.allowed_variance = (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
+    gram.allowed_variance =
+        (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
     gram.noise_variance = 0.25 * gram.allowed_variance;
     gram.heldout = r.heldout && !w.all_fit;
     start_record(channel, k, Z, y);

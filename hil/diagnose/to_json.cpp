@@ -28,7 +28,8 @@ Json finding_json(const Finding& f) {
   out["form"] = f.form;
   Json parameters = Json::array();
   for (const FoundParameter& p : f.parameters)
-    parameters.push_back({{"name", p.name}, {"value", number(p.value)}, {"u", number(p.u)}, {"unit", p.unit}});
+    parameters.push_back(
+        {{"name", p.name}, {"value", number(p.value)}, {"u", number(p.u)}, {"unit", p.unit}});
   out["parameters"] = parameters;
   out["error_before"] = number(f.error_before);
   out["error_after"] = number(f.error_after);
@@ -48,9 +49,10 @@ Json finding_json(const Finding& f) {
 Json map_json(const ResidualMap& m) {
   Json cells = Json::array();
   for (const MapCell& c : m.cells)
-    cells.push_back({{"x", number(c.x)}, {"mean", number(c.mean)}, {"u", number(c.standard_error)}, {"n", c.n}});
-  return {{"coordinate", m.coordinate}, {"group", m.group}, {"unit", m.unit}, {"share", number(m.share)},
-          {"sentence", m.sentence}, {"cells", cells}};
+    cells.push_back(
+        {{"x", number(c.x)}, {"mean", number(c.mean)}, {"u", number(c.standard_error)}, {"n", c.n}});
+  return {{"coordinate", m.coordinate}, {"group", m.group},       {"unit", m.unit},
+          {"share", number(m.share)},   {"sentence", m.sentence}, {"cells", cells}};
 }
 
 }  // namespace
@@ -76,32 +78,51 @@ std::string to_json(const Diagnosis& d) {
   out["plain"] = {{"before", number(d.plain_before)}, {"after", number(d.plain_after)}};
   out["records"] = Json::array();
   for (const RecordError& r : d.records)
-    out["records"].push_back({{"record", r.record}, {"kind", r.kind}, {"heldout", r.heldout}, {"before", number(r.before)},
-                              {"after", number(r.after)}, {"plain_before", number(r.plain_before)},
-                              {"plain_after", number(r.plain_after)}, {"floor", number(r.floor)},
+    out["records"].push_back({{"record", r.record},
+                              {"kind", r.kind},
+                              {"heldout", r.heldout},
+                              {"before", number(r.before)},
+                              {"after", number(r.after)},
+                              {"plain_before", number(r.plain_before)},
+                              {"plain_after", number(r.plain_after)},
+                              {"floor", number(r.floor)},
                               {"explainable", number(r.explainable)}});
   out["ranking"] = Json::array();
   for (const RankedEffect& r : d.ranking)
-    out["ranking"].push_back({{"effect", r.effect}, {"side", r.side}, {"form", r.form}, {"score", number(r.score)},
-                              {"alone", number(r.alone)}, {"unique", number(r.unique)},
-                              {"probability", number(r.probability)}, {"null_score", number(r.null_score)},
-                              {"visible_from", number(r.visible_from)}, {"note", r.note}});
+    out["ranking"].push_back({{"effect", r.effect},
+                              {"side", r.side},
+                              {"form", r.form},
+                              {"score", number(r.score)},
+                              {"alone", number(r.alone)},
+                              {"unique", number(r.unique)},
+                              {"probability", number(r.probability)},
+                              {"null_score", number(r.null_score)},
+                              {"visible_from", number(r.visible_from)},
+                              {"note", r.note}});
   out["maps"] = Json::array();
   for (const ResidualMap& m : d.maps) out["maps"].push_back(map_json(m));
-  out["repeatability"] = {{"gain", number(d.repeatability.gain)}, {"offset_V", number(d.repeatability.offset_V)},
-                          {"log_b", number(d.repeatability.log_b)}, {"log_q", number(d.repeatability.log_q)}};
+  out["repeatability"] = {{"gain", number(d.repeatability.gain)},
+                          {"offset_V", number(d.repeatability.offset_V)},
+                          {"log_b", number(d.repeatability.log_b)},
+                          {"log_q", number(d.repeatability.log_q)}};
   out["not_separable"] = d.not_separable;
   out["expected_false"] = number(d.expected_false);
   Json segments = Json::array();
   for (const ExperimentSegment& s : d.next_experiment.segments) {
     Json numbers = Json::object();
     for (const auto& [name, value] : s.numbers) numbers[name] = number(value);
-    segments.push_back({{"name", s.name}, {"stimulus", s.stimulus}, {"numbers", numbers}, {"minutes", number(s.minutes)},
-                        {"separates", s.separates}, {"cos_before", number(s.cosine_before)},
-                        {"cos_after", number(s.cosine_after)}, {"odds_before", number(s.odds_before)},
+    segments.push_back({{"name", s.name},
+                        {"stimulus", s.stimulus},
+                        {"numbers", numbers},
+                        {"minutes", number(s.minutes)},
+                        {"separates", s.separates},
+                        {"cos_before", number(s.cosine_before)},
+                        {"cos_after", number(s.cosine_after)},
+                        {"odds_before", number(s.odds_before)},
                         {"odds_after", number(s.odds_after)}});
   }
-  out["next_experiment"] = {{"segments", segments}, {"minutes", number(d.next_experiment.minutes)},
+  out["next_experiment"] = {{"segments", segments},
+                            {"minutes", number(d.next_experiment.minutes)},
                             {"sentence", d.next_experiment.sentence}};
   out["notes"] = d.notes;
   return out.dump(2) + "\n";

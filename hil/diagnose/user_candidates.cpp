@@ -12,7 +12,8 @@ constexpr const char* kShare = "share";
 ParameterSpec spec_of(const ModelParameter& p) {
   ParameterSpec out{p.name, p.unit, p.minimum, p.maximum, p.value, ""};
   // without bounds, two decades around the value that the user wrote; a search never changes the sign
-  const double low = p.value > 0.0 ? 0.01 * p.value : 100.0 * p.value, high = p.value > 0.0 ? 100.0 * p.value : 0.01 * p.value;
+  const double low = p.value > 0.0 ? 0.01 * p.value : 100.0 * p.value,
+               high = p.value > 0.0 ? 100.0 * p.value : 0.01 * p.value;
   if (p.value != 0.0) {
     out.minimum = std::max(out.minimum, low);
     out.maximum = std::min(out.maximum, high);
@@ -39,10 +40,12 @@ std::vector<std::vector<double>> grid_of(const UserEffect& effect) {
 }  // namespace
 
 bool is_fitted(const UserEffect& effect) {
-  return std::any_of(effect.parameters.begin(), effect.parameters.end(), [](const ModelParameter& p) { return p.se > 0.0; });
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [](const ModelParameter& p) { return p.se > 0.0; });
 }
 
-Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vector<UserEffect>& effects, const CampaignInput& input) {
+Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vector<UserEffect>& effects,
+                                                                 const CampaignInput& input) {
   std::vector<std::unique_ptr<EffectKind>> out;
   for (const UserEffect& effect : effects) {
     if (!input.records.empty()) FORCEGATE_CHECK_OK(user_effect_N(effect, input.records.front()));
@@ -58,9 +61,11 @@ Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vect
     for (const ModelParameter& p : effect.parameters) form.shape.push_back(spec_of(p));
     form.strength.push_back({kShare, "1", -1e3, 1e3, 0.0, "factor on the whole output of the equation"});
     form.grid = [grid = grid_of(effect)](const CampaignInput&) { return grid; };
-    form.columns = [effect](const CampaignInput&, const RecordInput& record, std::span<const double> shape, ColumnsRef columns) {
+    form.columns = [effect](const CampaignInput&, const RecordInput& record, std::span<const double> shape,
+                            ColumnsRef columns) {
       columns.setZero();
-      const auto added = user_effect_N(with_parameters(effect, {shape.begin(), shape.end()}, 1.0, 0.0), record);
+      const auto added =
+          user_effect_N(with_parameters(effect, {shape.begin(), shape.end()}, 1.0, 0.0), record);
       if (!added) return;  // a shape at which the equation has no value is no candidate
       for (std::size_t i = 0; i < added->size(); ++i) columns(static_cast<Eigen::Index>(i), 0) = (*added)[i];
     };
@@ -70,7 +75,8 @@ Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vect
   return out;
 }
 
-UserEffect with_parameters(const UserEffect& effect, const std::vector<double>& shape, double share, double share_se) {
+UserEffect with_parameters(const UserEffect& effect, const std::vector<double>& shape, double share,
+                           double share_se) {
   UserEffect out = effect;
   ModelParameter* factor = nullptr;
   for (std::size_t k = 0; k < out.parameters.size(); ++k) {

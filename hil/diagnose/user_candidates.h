@@ -15,9 +15,11 @@ namespace forcegate::diagnose {
 bool is_fitted(const UserEffect& effect);
 
 /// Makes a kind of each effect. Error (config) when an equation cannot be read or gives no finite value on the first record.
-Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vector<UserEffect>& effects, const CampaignInput& input);
+Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vector<UserEffect>& effects,
+                                                                 const CampaignInput& input);
 
 /// The effect with the candidate's shape and the fitted strength (a parameter named "share"); u of each parameter.
-UserEffect with_parameters(const UserEffect& effect, const std::vector<double>& shape, double share, double share_se);
+UserEffect with_parameters(const UserEffect& effect, const std::vector<double>& shape, double share,
+                           double share_se);
 
 }  // namespace forcegate::diagnose

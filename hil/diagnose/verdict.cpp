@@ -15,7 +15,8 @@ Structure structure_of(const ResidualChannel& channel, const MixedFit& fit) {
     double square = 0.0;
     for (double e : residual[k]) square += e * e;
     square /= static_cast<double>(residual[k].size());
-    const double scale2 = channel.scale * channel.scale, noise2 = channel.problem.records[k].allowed_variance * scale2;
+    const double scale2 = channel.scale * channel.scale,
+                 noise2 = channel.problem.records[k].allowed_variance * scale2;
     // neighbours in time that agree, or more than the noise can make
     const double smooth = std::max(0.0, autocorrelated_share({residual[k]}, 5)) * square;
     const double excess = std::max(0.0, square - 1.3 * noise2);

@@ -7,9 +7,9 @@
 namespace forcegate::diagnose {
 
 struct Structure {
-  double rms = 0.0;            ///< RMS of what is smoother than noise, share of the span
-  double share = 0.0;          ///< of the residual's mean square
-  std::size_t records = 0;     ///< records that show it
+  double rms = 0.0;         ///< RMS of what is smoother than noise, share of the span
+  double share = 0.0;       ///< of the residual's mean square
+  std::size_t records = 0;  ///< records that show it
   std::size_t of_records = 0;
 };
 

@@ -21,7 +21,7 @@ struct Candidate {
   const EffectKind* kind = nullptr;
   const EffectForm* form = nullptr;
   std::vector<double> shape;
-  int first = 0, count = 0;     ///< columns of S
+  int first = 0, count = 0;  ///< columns of S
 };
 
 /// A choice that competes: a candidate's columns, or one of them alone.
@@ -33,7 +33,7 @@ struct Variant {
 /// Chosen rows of one record, as the Gram matrix saw them.
 struct RecordRows {
   std::vector<std::size_t> row;
-  Eigen::MatrixXd matrix;       ///< rows x (nz + ns + 1)
+  Eigen::MatrixXd matrix;  ///< rows x (nz + ns + 1)
 };
 
 struct RecordShift {
@@ -46,11 +46,12 @@ struct ResidualChannel {
   std::vector<std::size_t> record_of;  ///< index into CampaignInput::records
   std::vector<Candidate> candidates;
   std::vector<Variant> variants;
-  bool signs_known = true;             ///< false: not a sensor of the library's kind, strengths may have either sign
-  double gain_of_unit = 1.0;           ///< entry of the gain's column at a unit of newtons over that of a candidate's column
-  double column_factor = 1.0;          ///< newtons of a column to its entry in the matrix
-  int first_spare = 0;                 ///< columns of S from here on are free for refined shapes
-  double scale = 1.0;                  ///< y and columns are divided by this (V or N)
+  bool signs_known = true;  ///< false: not a sensor of the library's kind, strengths may have either sign
+  double gain_of_unit =
+      1.0;  ///< entry of the gain's column at a unit of newtons over that of a candidate's column
+  double column_factor = 1.0;  ///< newtons of a column to its entry in the matrix
+  int first_spare = 0;         ///< columns of S from here on are free for refined shapes
+  double scale = 1.0;          ///< y and columns are divided by this (V or N)
   std::string unit = "V";
 };
 
@@ -60,16 +61,17 @@ struct Workspace {
   HealthScales scales;
   std::vector<std::unique_ptr<EffectKind>> user_kinds;  ///< effects of the user's own, beside the registry
   BaseLaw law;
-  double gain_V_per_N = 2.0;           ///< slope of the static law at the current fit
-  std::vector<RecordShift> shifts;     ///< per record
-  std::vector<double> noise_V;         ///< row noise of U at given F_ref, errors in variables included
-  std::vector<double> white_V;         ///< its white part alone
+  double gain_V_per_N = 2.0;        ///< slope of the static law at the current fit
+  std::vector<RecordShift> shifts;  ///< per record
+  std::vector<double> noise_V;      ///< row noise of U at given F_ref, errors in variables included
+  std::vector<double> white_V;      ///< its white part alone
   ResidualChannel output, rig, command;
   bool has_command = false;
   bool has_rig = false;
-  std::vector<double> rig_slope_N;     ///< per record: newtons a unit of 1 - cos th; 0 without an angle
-  bool rig_sees_zero = false;          ///< the rig's own law has one zero for all records: a drift of the reference shows beside it
-  bool all_fit = false;                ///< no record is marked held out: records are left out in turn
+  std::vector<double> rig_slope_N;  ///< per record: newtons a unit of 1 - cos th; 0 without an angle
+  bool rig_sees_zero =
+      false;  ///< the rig's own law has one zero for all records: a drift of the reference shows beside it
+  bool all_fit = false;  ///< no record is marked held out: records are left out in turn
 };
 
 /// Rows of a record that a fit uses: at most `limit`, spread evenly with a fixed jitter.
@@ -81,7 +83,8 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
 void fit_base(Workspace& workspace);
 
 /// Columns of Z for the chosen rows, each divided by the voltage span.
-Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record, const std::vector<std::size_t>& rows);
+Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record,
+                                      const std::vector<std::size_t>& rows);
 /// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
 bool decays_by_itself(const RecordInput& record);
 /// Sets nz, components and priors of the output channel.
@@ -90,7 +93,8 @@ void set_repeatability(MixedProblem& problem, bool one_recording);
 // S3 ------------------------------------------------------------------------------------------------------------
 /// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.
 /// `only`: no others than these families.
-void build_output_channel(Workspace& workspace, unsigned threads, const std::vector<std::string>* only = nullptr);
+void build_output_channel(Workspace& workspace, unsigned threads,
+                          const std::vector<std::string>* only = nullptr);
 /// The same for F_ref against angle or command; sets has_rig.
 void build_rig_channel(Workspace& workspace, unsigned threads);
 
@@ -99,21 +103,24 @@ void build_command_channel(Workspace& workspace, unsigned threads);
 
 /// Rows of a channel of forces: `fill` writes Z and appends y for the chosen rows of one record; then the candidates' columns, Gram
 /// matrices and priors. nz, n_fixed, components and candidates of the channel are set before.
-using FillRows = std::function<void(const RecordInput&, const std::vector<std::size_t>&, Eigen::MatrixXd&, std::vector<double>&)>;
-void fill_channel(const Workspace& workspace, ResidualChannel& channel, unsigned threads, const FillRows& fill);
+using FillRows = std::function<void(const RecordInput&, const std::vector<std::size_t>&, Eigen::MatrixXd&,
+                                    std::vector<double>&)>;
+void fill_channel(const Workspace& workspace, ResidualChannel& channel, unsigned threads,
+                  const FillRows& fill);
 
 /// Fills rig_force_N of the records with a witness and lists them: by the declared geometry and one stiffness for all
 /// where it is known (then the zero of the reference shows), else by each record's own line.
 void find_rig_law(Workspace& workspace, std::vector<std::size_t>& records);
 
 /// Writes a candidate's columns at its present shape into the rows and Gram matrices of every record.
-void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& candidate, unsigned threads);
+void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& candidate,
+                    unsigned threads);
 
 /// A copy of the candidate in spare columns, to be moved to other shapes; -1 when there is no room.
 int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads);
 
 /// Lists candidates and variants of one channel.
-void list_candidates(const Workspace& workspace, EffectChannel channel, bool drift_in_output, ResidualChannel& out,
-                     const std::vector<std::string>* only = nullptr);
+void list_candidates(const Workspace& workspace, EffectChannel channel, bool drift_in_output,
+                     ResidualChannel& out, const std::vector<std::string>* only = nullptr);
 
 }  // namespace forcegate::diagnose

@@ -30,16 +30,16 @@ class FaultyBoard final : public Dut {
     return inner_->open(session);
   }
 
-  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
-                       std::span<std::uint8_t> flags) override {
+  Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc,
+                       std::span<float> force_N, std::span<std::uint8_t> flags) override {
     const double end_s = (static_cast<double>(first_index) + static_cast<double>(adc.size())) / rate_Hz_;
     if (const double at_s = magnitude("board_dead", kNever); end_s > at_s)
       return fail(ErrorCode::timeout, "the board gives no answer since " + shortest(at_s) + " s", "board",
                   "look at power, cable and connector");
     if (const double at_s = magnitude("board_reset", kNever); end_s > at_s)
       return fail(ErrorCode::device,
-                  "the board restarted at " + shortest(at_s) + " s: it greets again, cause of reset: supply", "board",
-                  "look at its supply");
+                  "the board restarted at " + shortest(at_s) + " s: it greets again, cause of reset: supply",
+                  "board", "look at its supply");
     FORCEGATE_CHECK_OK(inner_->process(first_index, adc, force_N, flags));
     for (std::size_t at = 0; at < adc.size(); at += kFrame) {
       const std::size_t n = std::min(kFrame, adc.size() - at);
@@ -122,15 +122,17 @@ Result<void> check_board_faults(const std::map<std::string, double>& faults) {
   for (const auto& [name, magnitude] : faults) {
     const BoardFaultKind* kind = find(name);
     if (kind != nullptr && !(magnitude >= kind->minimum && magnitude <= kind->maximum))
-      return fail(ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " is out of range", {},
-                  "it is the " + kind->doc + ", from " + shortest(kind->minimum) + " to " + shortest(kind->maximum));
+      return fail(
+          ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " is out of range", {},
+          "it is the " + kind->doc + ", from " + shortest(kind->minimum) + " to " + shortest(kind->maximum));
   }
   return {};
 }
 
 std::unique_ptr<Dut> with_board_faults(std::unique_ptr<Dut> dut, const std::map<std::string, double>& faults,
                                        std::uint64_t seed) {
-  const bool any = std::any_of(faults.begin(), faults.end(), [](const auto& f) { return find(f.first) != nullptr; });
+  const bool any =
+      std::any_of(faults.begin(), faults.end(), [](const auto& f) { return find(f.first) != nullptr; });
   if (!any) return dut;
   return std::make_unique<FaultyBoard>(std::move(dut), faults, seed);
 }

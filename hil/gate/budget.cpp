@@ -75,7 +75,8 @@ Budget mae_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
   for (BudgetLine& line : b.lines) {
     line.u /= 100.0;
     if (line.systematic) line.u *= typical_N;
-    if (line.name == "drift") line.u = drift_rel(record, typical_N) * typical_N;  // a zero error does not grow with the force
+    if (line.name == "drift")
+      line.u = drift_rel(record, typical_N) * typical_N;  // a zero error does not grow with the force
   }
   return b;
 }

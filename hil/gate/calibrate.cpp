@@ -191,9 +191,9 @@ class CalibrationRun {
     c.level = CalibrationLevel::identified;
     c.id = job_.specimen.substr(0, 14) + "/i";
     out_.decay = to_decay_fit(*fit, u_min_V, t_s.back());
-    out_.calibration_text +=
-        fmt::format("; b {} 1/s = {:.3f} x eq. (5), c/a = {:.3f} x eq. (5), {:.1f} % of the swing lost",
-                    with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.b_scale, c.q_scale, out_.decay.loss_pct);
+    out_.calibration_text += fmt::format(
+        "; b {} 1/s = {:.3f} x eq. (5), c/a = {:.3f} x eq. (5), {:.1f} % of the swing lost",
+        with_uncertainty(fit->b_per_s, fit->u_b_per_s), c.b_scale, c.q_scale, out_.decay.loss_pct);
     return true;
   }
 

@@ -69,7 +69,8 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseJob> 
   f("kind", v.kind), f("id", v.id), f("index", v.index), f("rig", v.rig), f("rig_options", v.rig_options);
   f("lane", v.lane), f("lane_options", v.lane_options), f("image", v.image), f("nonce", v.nonce);
   f("planned", v.planned), f("specimen", v.specimen), f("seed", v.seed), f("session", v.session);
-  f("record", v.record), f("attempt", v.attempt), f("calibration", v.calibration), f("calibrate", v.calibrate), f("safety", v.safety);
+  f("record", v.record), f("attempt", v.attempt), f("calibration", v.calibration),
+      f("calibrate", v.calibrate), f("safety", v.safety);
   f("faults", v.faults), f("keep", v.keep_path), f("curves", v.curves);
 }
 template <class F, class P>
@@ -176,8 +177,8 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecor
   f("conf_known", v.conformance_known), f("conf", v.conformance);
   f("conf_limit", v.conformance_limit), f("conf_unit", v.conformance_unit),
       f("conf_source", v.conformance_source);
-  f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n), f("waveform", v.waveform), f("overview", v.overview),
-      f("window", v.window);
+  f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n), f("waveform", v.waveform),
+      f("overview", v.overview), f("window", v.window);
   f("window_reason", v.window_reason), f("decay", v.decay), f("digest", v.digest), f("trace", v.trace_file);
   f("calibration", v.calibration), f("u_gain", v.u_gain_rel), f("u_offset", v.u_offset_N);
   f("cal_rmse", v.calibration_rmse_N), f("cal_text", v.calibration_text);
@@ -189,9 +190,11 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DecisionR
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanLimits> {
-  f("derived", v.derived), f("goldens", v.goldens), f("learning_s", v.learning_s), f("lag_s", v.lag_s), f("output_max_N", v.output_max_N);
+  f("derived", v.derived), f("goldens", v.goldens), f("learning_s", v.learning_s), f("lag_s", v.lag_s),
+      f("output_max_N", v.output_max_N);
   f("hold_pct", v.hold_pct), f("minima_floor_N", v.minima_floor_N), f("increase_pct", v.increase_pct);
-  f("instructions", v.instructions), f("stack", v.stack_bytes), f("ram", v.ram_bytes), f("flash", v.flash_bytes);
+  f("instructions", v.instructions), f("stack", v.stack_bytes), f("ram", v.ram_bytes),
+      f("flash", v.flash_bytes);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanUncertainty> {
@@ -203,7 +206,8 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SelfCheck
   f("zero_N", v.zero_N), f("spring_bias_N", v.spring_bias_N), f("spring_slope", v.spring_slope);
   f("spring_scatter_N", v.spring_scatter_N), f("following_rad", v.following_rad);
   f("reference_lag_s", v.reference_lag_s), f("noise_factor", v.noise_factor);
-  f("reference_bad_share", v.reference_bad_share), f("lost_share", v.lost_share), f("stale_share", v.stale_share);
+  f("reference_bad_share", v.reference_bad_share), f("lost_share", v.lost_share),
+      f("stale_share", v.stale_share);
   f("frozen_s", v.frozen_s), f("wheel_still_s", v.wheel_still_s), f("sensor_dead_s", v.sensor_dead_s);
   f("sensor_odd_share", v.sensor_odd_share), f("gap_s", v.gap_s), f("clock_rel", v.clock_rel);
   f("jump_share", v.jump_share);
@@ -211,7 +215,8 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SelfCheck
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Plan> {
   f("name", v.name), f("doc", v.doc), f("sha256", v.sha256), f("seed", v.seed), f("rule", v.rule);
-  f("attempts", v.retry.attempts), f("panel", v.panel), f("calibration", v.calibration), f("safety", v.safety), f("limits", v.limits);
+  f("attempts", v.retry.attempts), f("panel", v.panel), f("calibration", v.calibration),
+      f("safety", v.safety), f("limits", v.limits);
   f("uncertainty", v.uncertainty), f("self_check", v.self_check), f("cases", v.cases);
 }
 
@@ -320,9 +325,7 @@ Result<T> parse(std::string_view text, const char* what, const char* needed) {
 std::string to_json(const CaseJob& job) { return put(job).dump(); }
 Result<CaseJob> job_from_json(std::string_view text) { return parse<CaseJob>(text, "job", "id"); }
 std::string to_json(const CaseRecord& record) { return put(record).dump(); }
-Result<CaseRecord> record_from_json(std::string_view text) {
-  return parse<CaseRecord>(text, "record", "id");
-}
+Result<CaseRecord> record_from_json(std::string_view text) { return parse<CaseRecord>(text, "record", "id"); }
 std::string to_json(const Plan& plan) { return put(plan).dump(); }
 Result<Plan> plan_from_json(std::string_view text) { return parse<Plan>(text, "plan", "cases"); }
 

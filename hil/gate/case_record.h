@@ -104,8 +104,9 @@ struct CaseRecord {
   std::vector<CasePair> pairs;
   double lag_s = 0.0, u_lag_s = 0.0;  ///< firmware behind ATI; NaN when the record does not determine it
   double raw_lag_s = 0.0;             ///< raw sensor force behind ATI; NaN when not determined
-  double early_raw_N = 0.0, early_ati_N = 0.0;  ///< means over the first 3 s off the converter's rails; NaN without any
-  bool conformance_known = false;     ///< an oracle for the declared algorithm exists
+  double early_raw_N = 0.0,
+         early_ati_N = 0.0;        ///< means over the first 3 s off the converter's rails; NaN without any
+  bool conformance_known = false;  ///< an oracle for the declared algorithm exists
   double conformance = 0.0, conformance_limit = 0.0;
   std::string conformance_unit, conformance_source, conformance_evidence;
   std::uint64_t conformance_n = 0;

@@ -55,7 +55,8 @@ double guarded_rejection_limit(double limit, double u_rel, double risk) {
   return limit / (1.0 + normal_quantile(risk) * u_rel);
 }
 
-GlobalRisks global_risks(double mean, double sd, double u, const ToleranceInterval& t, const ToleranceInterval& a) {
+GlobalRisks global_risks(double mean, double sd, double u, const ToleranceInterval& t,
+                         const ToleranceInterval& a) {
   const auto density = [&](double x) {
     const double z = (x - mean) / sd;
     return std::exp(-0.5 * z * z) / (sd * std::sqrt(2.0 * kPi));

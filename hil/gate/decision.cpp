@@ -175,8 +175,9 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
   d.exit_code = 0;
   const auto waived = static_cast<std::size_t>(std::count_if(
       required.begin(), required.end(), [](const Check* c) { return c->verdict == Verdict::waived; }));
-  d.reason = waived == 0 ? fmt::format("all {} required checks passed", required.size())
-                         : fmt::format("{} required checks passed, {} waived", required.size() - waived, waived);
+  d.reason = waived == 0
+                 ? fmt::format("all {} required checks passed", required.size())
+                 : fmt::format("{} required checks passed, {} waived", required.size() - waived, waived);
   return d;
 }
 

@@ -31,8 +31,8 @@ Check to_check(std::string id, std::string title, double value, std::string unit
 
 std::optional<Check> sensor_sync(const Plan& plan, const CaseRecord& record) {
   if (!std::isfinite(record.raw_lag_s) || !record.facts.dynamic) return std::nullopt;
-  return to_check("rig_sensor_sync", "Lag of the sensor's codes behind the ATI", std::fabs(record.raw_lag_s), "s",
-                  kInputLagShare * plan.limits.lag_s, Blame::link,
+  return to_check("rig_sensor_sync", "Lag of the sensor's codes behind the ATI", std::fabs(record.raw_lag_s),
+                  "s", kInputLagShare * plan.limits.lag_s, Blame::link,
                   fmt::format("the codes are {:+.1f} ms behind the ATI", 1000.0 * record.raw_lag_s));
 }
 
@@ -63,14 +63,15 @@ std::optional<Check> calibration_fits(const CaseRecord& record) {
   if (!record.rig.can_move || record.calibration.level == CalibrationLevel::nominal) return std::nullopt;
   if (!std::isfinite(record.early_raw_N)) return std::nullopt;
   double worst = departure(record.early_raw_N, record.early_ati_N);
-  std::string evidence = fmt::format("calibration '{}' makes {:.3f} N of {:.3f} N over the first 3 s", record.calibration.id,
-                                     record.early_raw_N, record.early_ati_N);
+  std::string evidence = fmt::format("calibration '{}' makes {:.3f} N of {:.3f} N over the first 3 s",
+                                     record.calibration.id, record.early_raw_N, record.early_ati_N);
   if (const auto swing = first_swing(record)) {
     worst = std::max(worst, departure(swing->first, swing->second));
     evidence += fmt::format(", {:.3f} N of the first swing of {:.3f} N", swing->first, swing->second);
   }
-  return to_check("rig_calibration_fits", "Calibration that was loaded against the ATI, departure over tolerance", worst, "1",
-                  1.0, Blame::calibration, std::move(evidence));
+  return to_check("rig_calibration_fits",
+                  "Calibration that was loaded against the ATI, departure over tolerance", worst, "1", 1.0,
+                  Blame::calibration, std::move(evidence));
 }
 
 }  // namespace

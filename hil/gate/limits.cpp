@@ -66,10 +66,16 @@ std::string write_limits(const DerivedLimits& limits) {
 std::string limits_json(const DerivedLimits& limits) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const auto& [key, limit] : limits.by_case_and_check)
-    rows.push_back({{"case", key.first}, {"check", key.second}, {"p99", limit.p99}, {"sd", limit.sd},
-                    {"value", limit.value}, {"unit", limit.unit}, {"n", limit.n}});
-  return nlohmann::ordered_json{{"format", 1}, {"plan", limits.plan}, {"firmware_sha256", limits.firmware_sha256},
-                                {"rig", limits.rig}, {"date", limits.date}, {"limits", rows}}
+    rows.push_back({{"case", key.first},
+                    {"check", key.second},
+                    {"p99", limit.p99},
+                    {"sd", limit.sd},
+                    {"value", limit.value},
+                    {"unit", limit.unit},
+                    {"n", limit.n}});
+  return nlohmann::ordered_json{
+      {"format", 1},       {"plan", limits.plan}, {"firmware_sha256", limits.firmware_sha256},
+      {"rig", limits.rig}, {"date", limits.date}, {"limits", rows}}
       .dump(2);
 }
 

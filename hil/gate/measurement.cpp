@@ -29,14 +29,19 @@ ExtremaPairer::Options pairer_options(const CaseJob& job, const CaseRecord& reco
 
 RecordMeasurement::RecordMeasurement(const CaseJob& job, CaseRecord& record, Comparator* comparator,
                                      std::size_t block_rows)
-    : job_(job), record_(record), comparator_(comparator), raw_(block_rows), pairer_(pairer_options(job, record)) {
+    : job_(job),
+      record_(record),
+      comparator_(comparator),
+      raw_(block_rows),
+      pairer_(pairer_options(job, record)) {
   const double rate_Hz = record.rig.rate_Hz, start_s = record.facts.excitation_start_s;
   prominence_N_ = prominence_of(job.planned, record.facts);
   witness_.begin(record.rig);
   output_.begin(rate_Hz, start_s);
   hold_.begin(rate_Hz, start_s);
   // One clock drives all of an emulated rig: nothing to compare.
-  lag_.begin(rate_Hz, start_s, record.rig.emulated ? std::numeric_limits<double>::infinity() : record.duration_s);
+  lag_.begin(rate_Hz, start_s,
+             record.rig.emulated ? std::numeric_limits<double>::infinity() : record.duration_s);
   waveform_.begin(record.facts, record.duration_s, rate_Hz);
   overview_.begin(record.expected_samples, kOverviewColumns);
   const double f_Hz = record.facts.lowest_frequency_Hz;
@@ -46,8 +51,9 @@ RecordMeasurement::RecordMeasurement(const CaseJob& job, CaseRecord& record, Com
                    (static_cast<double>((1u << record.rig.adc_bits) - 1u));
 }
 
-void RecordMeasurement::push(const RigBlock& block, std::span<const float> dut_N, std::span<const std::uint8_t> flags,
-                             const float* commanded_rad_per_s, std::size_t n) {
+void RecordMeasurement::push(const RigBlock& block, std::span<const float> dut_N,
+                             std::span<const std::uint8_t> flags, const float* commanded_rad_per_s,
+                             std::size_t n) {
   const double offset_N = job_.calibration.offset_N;
   for (std::size_t i = 0; i < n; ++i) raw_[i] = static_cast<float>(gain_per_code_ * block.adc[i] + offset_N);
   const RecordBlock b{&block, dut_N, flags, {raw_.data(), n}, n};
@@ -121,9 +127,9 @@ void RecordMeasurement::finish(const Stimulus& stimulus) {
   double unused = 0.0;
   lag_.finish_raw(record_.raw_lag_s, unused);
   if (const LagDrift d = lag_.drift(); std::isfinite(d.drift_ppm))
-    record_.rig.details["sensor behind reference"] =
-        fmt::format("{:.2f} ms in the first half of the record, {:.2f} ms in the second: {:+.1f} ppm, u = {:.1f} ppm",
-                    1e3 * d.first_lag_s, 1e3 * d.second_lag_s, d.drift_ppm, d.u_drift_ppm);
+    record_.rig.details["sensor behind reference"] = fmt::format(
+        "{:.2f} ms in the first half of the record, {:.2f} ms in the second: {:+.1f} ppm, u = {:.1f} ppm",
+        1e3 * d.first_lag_s, 1e3 * d.second_lag_s, d.drift_ppm, d.u_drift_ppm);
   if (job_.curves) {
     record_.overview = overview_.finish();
     if (!window_.has_snapshot()) record_.window_reason = "end of the record";

@@ -25,11 +25,10 @@ PanelTable table_of(bool maximum, const std::vector<SpecimenSessions>& specimens
     for (const JudgedCase* session : one.sessions) {
       const PanelValue& v = maximum ? session->maxima : session->minima;
       table.relative = table.relative && v.unit == "%";
-      table.rig_error = table.rig_error || std::any_of(session->checks.begin(), session->checks.end(),
-                                                       [](const JudgedCheck& j) {
-                                                         return j.check.required &&
-                                                                j.check.verdict == Verdict::rig_error;
-                                                       });
+      table.rig_error = table.rig_error ||
+                        std::any_of(session->checks.begin(), session->checks.end(), [](const JudgedCheck& j) {
+                          return j.check.required && j.check.verdict == Verdict::rig_error;
+                        });
       if (!v.usable || !std::isfinite(v.value)) continue;
       row.push_back(v.value);
       table.u_systematic = std::max(table.u_systematic, v.u_systematic);
@@ -83,8 +82,7 @@ JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
   c.u = std::hypot(repeat, table.u_systematic);
   j.u_systematic = table.u_systematic;
   j.repeatable = true;
-  const auto inside =
-      std::count_if(means.begin(), means.end(), [&](double v) { return v <= c.limit.value; });
+  const auto inside = std::count_if(means.begin(), means.end(), [&](double v) { return v <= c.limit.value; });
   const auto [low, high] = std::minmax_element(means.begin(), means.end());
   c.evidence = fmt::format(
       "specimens {:.2f} to {:.2f} %, standard deviation {:.2f}, {} of {} inside singly; u from repeatability "

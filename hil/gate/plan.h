@@ -82,8 +82,8 @@ struct PlanLimits {
 
 /// What the budget of uncertainty takes from elsewhere than the record.
 struct PlanUncertainty {
-  double reference_rel = 0.0;      ///< relative, k = 1; 0: what the rig declares
-  double alignment_rel = 0.002;    ///< sensor axis against ATI axis: 1 - cos 3.6 deg
+  double reference_rel = 0.0;    ///< relative, k = 1; 0: what the rig declares
+  double alignment_rel = 0.002;  ///< sensor axis against ATI axis: 1 - cos 3.6 deg
   /// Standard deviation of the MRE of one specimen from session to session, calibration and identification
   /// included. Emulated rig, level identified: 1.2 over 9 specimens x 15 sessions; 1.3 has a margin.
   double record_repeat_pct = 1.3;

@@ -261,8 +261,11 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
   plan.path = name;
   plan.sha256 = sha256_hex(text);
   if (const ConfigNode* kind = root.find("kind"))
-    return fail(ErrorCode::config, "this is a plan of kind '" + kind->text + "', not one of cases for a gate on the test bench", kind->where,
-                "forcegate gate, plan and check take kind capacitance-gate, forcegate characterize takes characterize and capacitance");
+    return fail(
+        ErrorCode::config,
+        "this is a plan of kind '" + kind->text + "', not one of cases for a gate on the test bench",
+        kind->where,
+        "forcegate gate, plan and check take kind capacitance-gate, forcegate characterize takes characterize and capacitance");
   ConfigReader r(root, "the plan");
   std::int64_t format = 0, seed = 1;
   r.integer("format", format, 1, kPlanFormat, ConfigReader::required);

@@ -12,9 +12,9 @@
 
 namespace forcegate {
 
-Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest request, const SafetyLimits& safety,
-                          const ProfileSink& sink, const std::atomic<bool>* cancelled, PlayedProfile& out,
-                          const ProfileSaver& saver) {
+Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest request,
+                          const SafetyLimits& safety, const ProfileSink& sink,
+                          const std::atomic<bool>* cancelled, PlayedProfile& out, const ProfileSaver& saver) {
   SafetyGate gate(rig, safety);
   const StimulusFacts facts = stimulus.facts();
   request.duration_s = stimulus.duration_s();
@@ -81,10 +81,11 @@ Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest r
   if (const Check* bad = first_unsound(checks))
     return fail(ErrorCode::device, bad->title + ": " + bad->evidence);
   if (out.safety.stopped())
-    return fail(ErrorCode::safety,
-                fmt::format("the record was stopped at {:.1f} s: {}", out.safety.t_s, to_string(out.safety.reason)));
+    return fail(ErrorCode::safety, fmt::format("the record was stopped at {:.1f} s: {}", out.safety.t_s,
+                                               to_string(out.safety.reason)));
   if (out.samples < total)
-    return fail(ErrorCode::timeout, fmt::format("the record is truncated: {} of {} samples", out.samples, total));
+    return fail(ErrorCode::timeout,
+                fmt::format("the record is truncated: {} of {} samples", out.samples, total));
   return {};
 }
 

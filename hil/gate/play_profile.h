@@ -29,8 +29,9 @@ using ProfileSaver = std::function<Result<void>(const RigBlock& block, std::size
 /// `request` says specimen, seed, session, record and rest; duration and force range are taken from the stimulus. `out` is
 /// filled as far as the record went, also when it failed. Errors: what the rig said (its own code); device when the
 /// self-check fails; safety after a stop; timeout when the record is truncated; cancelled; internal.
-Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest request, const SafetyLimits& safety,
-                          const ProfileSink& sink, const std::atomic<bool>* cancelled, PlayedProfile& out,
+Result<void> play_profile(Rig& rig, const Stimulus& stimulus, RigRecordRequest request,
+                          const SafetyLimits& safety, const ProfileSink& sink,
+                          const std::atomic<bool>* cancelled, PlayedProfile& out,
                           const ProfileSaver& saver = {});
 
 }  // namespace forcegate

@@ -42,10 +42,13 @@ Result<CaseRecord> measure_again(const CaseJob& job, const CaseRecord& stored, c
   record.window.clear();
   record.window_reason.clear();
   if (comparator != nullptr)
-    FORCEGATE_CHECK_OK(comparator->begin({stored.firmware.algorithm_id, job.calibration, stored.rig.rate_Hz}));
+    FORCEGATE_CHECK_OK(
+        comparator->begin({stored.firmware.algorithm_id, job.calibration, stored.rig.rate_Hz}));
   RecordMeasurement measurement(job, record, comparator, kBlock);
-  measurement.zero_before({stored.observed.zero_start_N, 0.0, std::isfinite(stored.observed.zero_start_N) ? 1u : 0u});
-  measurement.zero_after({stored.observed.zero_end_N, 0.0, std::isfinite(stored.observed.zero_end_N) ? 1u : 0u});
+  measurement.zero_before(
+      {stored.observed.zero_start_N, 0.0, std::isfinite(stored.observed.zero_start_N) ? 1u : 0u});
+  measurement.zero_after(
+      {stored.observed.zero_end_N, 0.0, std::isfinite(stored.observed.zero_end_N) ? 1u : 0u});
   RigBlock block;
   block.resize(kBlock);
   std::vector<float> dut_N(kBlock), told(kBlock);
@@ -61,7 +64,8 @@ Result<CaseRecord> measure_again(const CaseJob& job, const CaseRecord& stored, c
     copy_part(status->raw, at, n, block.status);
     copy_part(dut->value, at, n, dut_N);
     copy_part(flags->raw, at, n, flag);
-    if (commanded != nullptr && commanded->value.size() == trace.size()) copy_part(commanded->value, at, n, told);
+    if (commanded != nullptr && commanded->value.size() == trace.size())
+      copy_part(commanded->value, at, n, told);
     measurement.push(block, {dut_N.data(), n}, {flag.data(), n},
                      stored.rig.can_move && commanded != nullptr ? told.data() : nullptr, n);
   }

@@ -27,9 +27,10 @@ double inside_by(const Check& c) {
 
 std::string DecisionRule::to_text() const {
   const std::string more =
-      looks > 1 ? fmt::format(", after up to {} sessions of what is undecided, each look at {:.4g} % and {:.4g} %",
-                              looks, 100.0 * coverage_per_look(), 100.0 * alpha_per_look())
-                : "";
+      looks > 1
+          ? fmt::format(", after up to {} sessions of what is undecided, each look at {:.4g} % and {:.4g} %",
+                        looks, 100.0 * coverage_per_look(), 100.0 * alpha_per_look())
+          : "";
   return fmt::format(
       "{}: accept when value + U <= limit ({:.4g} % coverage){}; reject when value - U > limit and Holm at "
       "{:.4g} % over the required checks agrees; in between no decision{}",

@@ -113,7 +113,8 @@ class CaseRun {
     commanded_.resize(block_rows_);
     setpoint_.resize(block_rows_ + 1);
 
-    measurement_.emplace(job_, record_, record_.conformance_known ? devices_.comparator : nullptr, block_rows_);
+    measurement_.emplace(job_, record_, record_.conformance_known ? devices_.comparator : nullptr,
+                         block_rows_);
     measurement_->zero_before(devices_.rig->reference_zero());
     return true;
   }
@@ -172,7 +173,8 @@ class CaseRun {
   bool save(std::size_t end) {
     const std::size_t from = settled_.saved();
     if (devices_.writer == nullptr || end <= from) return true;
-    auto written = devices_.writer->push(block_, dut_, flags_, controller_ ? commanded_.data() : nullptr, from, end - from);
+    auto written = devices_.writer->push(block_, dut_, flags_, controller_ ? commanded_.data() : nullptr,
+                                         from, end - from);
     settled_.save_until(end);
     return written ? true : failed(Stage::harness, written.error());
   }
@@ -212,7 +214,8 @@ class CaseRun {
   }
 
   void consume(std::size_t n) {
-    measurement_->push(block_, {dut_.data(), n}, {flags_.data(), n}, controller_ ? commanded_.data() : nullptr, n);
+    measurement_->push(block_, {dut_.data(), n}, {flags_.data(), n},
+                       controller_ ? commanded_.data() : nullptr, n);
     save(n);
     settled_.next_block();
   }
@@ -231,7 +234,7 @@ class CaseRun {
   std::unique_ptr<Stimulus> stimulus_;
   std::unique_ptr<Controller> controller_;
   bool dut_open_ = false;
-  bool on_board_ = false;     ///< the firmware runs behind the rig's own wires
+  bool on_board_ = false;  ///< the firmware runs behind the rig's own wires
   SettledRows settled_;
   std::size_t period_samples_ = 10, block_rows_ = 4090;
   RigBlock block_;

@@ -9,12 +9,15 @@ namespace forcegate {
 class SettledRows {
  public:
   explicit SettledRows(double rate_Hz = 1000.0)
-      : unsettled_(static_cast<std::size_t>(kUnsettled_s * rate_Hz)), enough_(static_cast<std::size_t>(kSaved_s * rate_Hz)) {}
+      : unsettled_(static_cast<std::size_t>(kUnsettled_s * rate_Hz)),
+        enough_(static_cast<std::size_t>(kSaved_s * rate_Hz)) {}
 
   /// First row of the block that is not recorded yet.
   std::size_t saved() const { return saved_; }
   /// Row before which the rows are to be recorded now that `rows` of the block are there; saved() when it can wait.
-  std::size_t due(std::size_t rows) const { return rows < saved_ + enough_ + unsettled_ ? saved_ : rows - unsettled_; }
+  std::size_t due(std::size_t rows) const {
+    return rows < saved_ + enough_ + unsettled_ ? saved_ : rows - unsettled_;
+  }
   void save_until(std::size_t end) { saved_ = end; }
   void next_block() { saved_ = 0; }
 

@@ -26,7 +26,8 @@ bool may_be_waived(const Check& c) {
 }
 
 std::string in_words(const Waiver& w) {
-  return fmt::format("{}/{} {} (owner {}, until {}: {})", w.case_name, w.specimen, w.check, w.owner, w.expires, w.reason);
+  return fmt::format("{}/{} {} (owner {}, until {}: {})", w.case_name, w.specimen, w.check, w.owner,
+                     w.expires, w.reason);
 }
 
 }  // namespace
@@ -35,7 +36,8 @@ bool is_iso_date(const std::string& text) {
   if (text.size() != 10 || text[4] != '-' || text[7] != '-') return false;
   for (std::size_t i = 0; i < 10; ++i)
     if (i != 4 && i != 7 && (text[i] < '0' || text[i] > '9')) return false;
-  const int year = std::stoi(text.substr(0, 4)), month = std::stoi(text.substr(5, 2)), day = std::stoi(text.substr(8, 2));
+  const int year = std::stoi(text.substr(0, 4)), month = std::stoi(text.substr(5, 2)),
+            day = std::stoi(text.substr(8, 2));
   static constexpr int kDays[12] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
   if (month < 1 || month > 12) return false;
   const bool leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
@@ -66,21 +68,25 @@ Result<std::vector<Waiver>> read_waivers(const std::filesystem::path& path) {
     if (w.owner.empty() || w.reason.empty())
       return fail(ErrorCode::config, "a waiver needs an owner and a reason", w.where);
     if (!is_iso_date(w.expires))
-      return fail(ErrorCode::config, "'" + w.expires + "' is no date", w.where, "write expires = \"2026-12-31\"");
+      return fail(ErrorCode::config, "'" + w.expires + "' is no date", w.where,
+                  "write expires = \"2026-12-31\"");
     if (w.case_name == "*" && w.check == "*")
-      return fail(ErrorCode::config, "this waiver would waive everything", w.where, "name the case or the check");
+      return fail(ErrorCode::config, "this waiver would waive everything", w.where,
+                  "name the case or the check");
     waivers.push_back(std::move(w));
   }
   return waivers;
 }
 
-void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today, std::vector<JudgedCheck>& of_run,
-                   std::vector<PlayedRecord>& records, std::vector<std::string>& notes) {
+void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today,
+                   std::vector<JudgedCheck>& of_run, std::vector<PlayedRecord>& records,
+                   std::vector<std::string>& notes) {
   apply_waivers(waivers, today, of_run, all_checks(of_run, records), notes);
 }
 
-void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today, std::vector<JudgedCheck>& of_run,
-                   const std::vector<JudgedCheck*>& all, std::vector<std::string>& notes) {
+void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today,
+                   std::vector<JudgedCheck>& of_run, const std::vector<JudgedCheck*>& all,
+                   std::vector<std::string>& notes) {
   std::vector<JudgedCheck> expired;
   for (const Waiver& w : waivers) {
     if (w.expires < today) {
@@ -93,7 +99,8 @@ void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today,
       j.check.limit = {Limit::Kind::upper, 0.0, "ours: an expired waiver fails"};
       j.check.verdict = Verdict::fail;
       j.check.blame = Blame::user;
-      j.check.evidence = fmt::format("expired on {}, today is {}: {}; {}", w.expires, today, in_words(w), w.where);
+      j.check.evidence =
+          fmt::format("expired on {}, today is {}: {}; {}", w.expires, today, in_words(w), w.where);
       expired.push_back(std::move(j));
       continue;
     }
@@ -105,7 +112,8 @@ void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today,
         c.verdict = Verdict::waived;
         ++met;
       }
-    notes.push_back(met > 0 ? fmt::format("waiver for {}: {} checks waived; the day was taken as {}", in_words(w), met, today)
+    notes.push_back(met > 0 ? fmt::format("waiver for {}: {} checks waived; the day was taken as {}",
+                                          in_words(w), met, today)
                             : fmt::format("waiver for {} met nothing: remove it", in_words(w)));
   }
   for (JudgedCheck& j : expired) of_run.push_back(std::move(j));

@@ -35,10 +35,12 @@ Result<std::vector<Waiver>> read_waivers(const std::filesystem::path& path);
 /// calendar in a verdict; it is stated in the notes. An expired waiver waives nothing and adds a failed check of the run,
 /// blamed on the user. Waivers that met nothing are noted.
 /// `all` are the checks of run and records, see all_checks().
-void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today, std::vector<JudgedCheck>& of_run,
-                   const std::vector<JudgedCheck*>& all, std::vector<std::string>& notes);
-void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today, std::vector<JudgedCheck>& of_run,
-                   std::vector<PlayedRecord>& records, std::vector<std::string>& notes);
+void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today,
+                   std::vector<JudgedCheck>& of_run, const std::vector<JudgedCheck*>& all,
+                   std::vector<std::string>& notes);
+void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today,
+                   std::vector<JudgedCheck>& of_run, std::vector<PlayedRecord>& records,
+                   std::vector<std::string>& notes);
 
 /// "2026-02-30" is none.
 bool is_iso_date(const std::string& text);

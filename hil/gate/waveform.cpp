@@ -10,7 +10,8 @@ void WaveformKeeper::begin(const StimulusFacts& facts, double duration_s, double
   const double f_Hz = facts.lowest_frequency_Hz, third_s = duration_s / 3.0;
   const double wanted_s = std::clamp(f_Hz > 0.0 ? 2.0 / f_Hz : 10.0, 3.0, 40.0);
   const double length_s = std::min(wanted_s, third_s);
-  per_step_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(length_s * rate_Hz / static_cast<double>(kRows)));
+  per_step_ =
+      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(length_s * rate_Hz / static_cast<double>(kRows)));
   const std::uint64_t samples = static_cast<std::uint64_t>(duration_s * rate_Hz), length = per_step_ * kRows;
   if (samples < 3 * length) return;
   const auto start = static_cast<std::uint64_t>(std::max(0.0, facts.excitation_start_s) * rate_Hz);

@@ -11,7 +11,7 @@
 namespace forcegate {
 
 struct RecordWindow {
-  double t0_s = 0.0;    ///< middle of the first step
+  double t0_s = 0.0;  ///< middle of the first step
   double step_s = 0.0;
   std::vector<float> ati_N, dut_N;  ///< shorter when the record ended inside
 };

@@ -31,13 +31,14 @@ class BenchWorld {
   /// Path of a serial port for a library that opens it itself; ErrorCode::config when the bench has no such port.
   virtual Result<std::string> serial_path(const std::string& port) = 0;
   /// The line as a byte stream, exclusively ours.
-  virtual Result<std::unique_ptr<Transport>> open_line(const std::string& port, const LineSettings& settings) = 0;
+  virtual Result<std::unique_ptr<Transport>> open_line(const std::string& port,
+                                                       const LineSettings& settings) = 0;
   /// A HID device: each write and read is one 64-byte report.
   virtual Result<std::unique_ptr<Transport>> open_hid(unsigned short vendor, unsigned short product,
                                                       const std::string& serial) = 0;
   /// Datagrams to and from one UDP port; each write and read is one datagram. Port 0: that of the world.
-  virtual Result<std::unique_ptr<Transport>> open_datagrams(const std::string& device, const std::string& host,
-                                                            int port) = 0;
+  virtual Result<std::unique_ptr<Transport>> open_datagrams(const std::string& device,
+                                                            const std::string& host, int port) = 0;
   /// TCP port of a device that the bench file gives as 0 ("ask the world"); else the number itself.
   virtual Result<int> tcp_port(const std::string& device, int declared) = 0;
 

@@ -24,14 +24,14 @@ struct Limit {
 };
 
 struct Check {
-  std::string id;       ///< "mre_maxima", unique within its case
-  std::string case_id;  ///< "" for a check of the whole run
-  std::string title;    ///< "Mean relative error of the maxima, ATI against set-point"
-  double value = 0.0;   ///< NaN when it could not be measured
-  std::string unit;     ///< "%", "N", "LSB", "1"
-  double u = 0.0;       ///< standard uncertainty, k = 1; 0 = exact count
+  std::string id;           ///< "mre_maxima", unique within its case
+  std::string case_id;      ///< "" for a check of the whole run
+  std::string title;        ///< "Mean relative error of the maxima, ATI against set-point"
+  double value = 0.0;       ///< NaN when it could not be measured
+  std::string unit;         ///< "%", "N", "LSB", "1"
+  double u = 0.0;           ///< standard uncertainty, k = 1; 0 = exact count
   double expanded_u = 0.0;  ///< U = k u that the rule used; 0 = none was needed
-  std::uint64_t n = 0;  ///< independent items behind the value (cycles, specimens)
+  std::uint64_t n = 0;      ///< independent items behind the value (cycles, specimens)
   Limit limit;
   Verdict verdict = Verdict::not_run;
   Blame blame = Blame::none;

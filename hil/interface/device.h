@@ -58,8 +58,8 @@ class MotorDrive : public Device {
 };
 
 struct ReferenceReading {
-  double t_s = 0.0;       ///< bench time of the measurement as far as the link tells
-  float force_N = 0.0f;   ///< NaN when not valid
+  double t_s = 0.0;          ///< bench time of the measurement as far as the link tells
+  float force_N = 0.0f;      ///< NaN when not valid
   std::uint16_t status = 0;  ///< RigStatus bits
 };
 

@@ -67,8 +67,9 @@ Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
     for (const std::string& k : known)
       if (k == name) return {};
     const std::string near = nearest_name(name, known);
-    return fail(ErrorCode::usage, "stimulus '" + spec.name + "' has no parameter '" + printable_utf8(name) + "'",
-                {}, near.empty() ? "it has: " + join(known, ", ") : "did you mean '" + near + "'?");
+    return fail(ErrorCode::usage,
+                "stimulus '" + spec.name + "' has no parameter '" + printable_utf8(name) + "'", {},
+                near.empty() ? "it has: " + join(known, ", ") : "did you mean '" + near + "'?");
   };
   for (const auto& [name, value] : spec.numbers) FORCEGATE_CHECK_OK(refuse_unknown(name));
   for (const auto& [name, value] : spec.lists) FORCEGATE_CHECK_OK(refuse_unknown(name));
@@ -122,11 +123,13 @@ Result<std::unique_ptr<Rig>> make_rig(const std::string& name,
   return kind->make(options);
 }
 
-Result<std::unique_ptr<WeightBench>> make_weight_bench(const std::string& name, const std::map<std::string, std::string>& options) {
+Result<std::unique_ptr<WeightBench>> make_weight_bench(const std::string& name,
+                                                       const std::map<std::string, std::string>& options) {
   const WeightBenchKind* kind = Registry<WeightBenchKind>::instance().find(name);
   if (kind == nullptr) {
     const auto names = Registry<WeightBenchKind>::instance().names();
-    return fail(ErrorCode::usage, "there is no bench of weights named '" + printable_utf8(name) + "'", {}, "choose one of: " + join(names, ", "));
+    return fail(ErrorCode::usage, "there is no bench of weights named '" + printable_utf8(name) + "'", {},
+                "choose one of: " + join(names, ", "));
   }
   return kind->make(options);
 }

@@ -29,10 +29,10 @@ enum RigStatus : std::uint16_t {
 /// Columns of equal length, reused between calls. Time is that of the rig's common base.
 struct RigBlock {
   std::vector<double> t_s;
-  std::vector<float> setpoint_N;    ///< NaN where there is none (replay without F_cmd)
-  std::vector<float> force_ref_N;   ///< the ATI reference, NaN where it has no valid reading
-  std::vector<std::uint16_t> adc;   ///< raw code of the sensor channel
-  std::vector<float> theta_rad;     ///< wheel angle read back from the drive, NaN without a wheel
+  std::vector<float> setpoint_N;   ///< NaN where there is none (replay without F_cmd)
+  std::vector<float> force_ref_N;  ///< the ATI reference, NaN where it has no valid reading
+  std::vector<std::uint16_t> adc;  ///< raw code of the sensor channel
+  std::vector<float> theta_rad;    ///< wheel angle read back from the drive, NaN without a wheel
   std::vector<std::uint16_t> status;
 
   std::size_t size() const { return t_s.size(); }
@@ -57,19 +57,19 @@ struct RigGeometry {
 };
 
 struct RigInfo {
-  std::string name;      ///< "emulated", "replay", or the bench's name
-  std::string id;        ///< serial or hash that tells one rig from another
-  std::string version;   ///< of the physics or of the bench file
+  std::string name;     ///< "emulated", "replay", or the bench's name
+  std::string id;       ///< serial or hash that tells one rig from another
+  std::string version;  ///< of the physics or of the bench file
   double rate_Hz = 1000.0;
   int adc_bits = 16;
   double v_range_V = 10.0;
   double force_max_N = 5.5;
   double reference_resolution_N = 0.025;
-  double reference_noise_N = 0.0;      ///< standard deviation of one reading as declared
-  double reference_u_rel = 0.0;        ///< relative standard uncertainty of its calibration
+  double reference_noise_N = 0.0;  ///< standard deviation of one reading as declared
+  double reference_u_rel = 0.0;    ///< relative standard uncertainty of its calibration
   RigGeometry geometry;
-  double force_rate_max_N_per_s = 0.0; ///< fastest change of force that a command may cause; 0: none
-  bool can_move = false;               ///< false: replay, no closed loop, no calibration sweeps
+  double force_rate_max_N_per_s = 0.0;  ///< fastest change of force that a command may cause; 0: none
+  bool can_move = false;                ///< false: replay, no closed loop, no calibration sweeps
   bool emulated = false;
   /// Calibration ids, firmware of instruments ... "reference_calibration": what the reference says it runs with,
   /// "reference_calibration_expected": what the bench was set up with; they must agree.
@@ -84,7 +84,7 @@ struct RigRecordRequest {
   std::uint64_t record = 0;          ///< tells records of one session apart: each has its own noise
   double rest_before_s = 1e9;        ///< rest since the last cycling of the specimen
   double duration_s = 0.0;
-  double force_low_N = 0.0;          ///< range the profile needs: sets eccentricity and preload
+  double force_low_N = 0.0;  ///< range the profile needs: sets eccentricity and preload
   double force_high_N = 0.0;
   /// Faults to inject by name and magnitude: {"reference_saturated", 2.0}. Unknown names are an error.
   std::map<std::string, double> faults;

@@ -21,7 +21,7 @@ struct StimulusFacts {
   double excitation_start_s = 0.0;   ///< end of the ramp-in
   double minimum_N = 0.0;            ///< bounds of the whole profile, ramp-in included
   double maximum_N = 0.0;
-  bool dynamic = false;              ///< cyclic loading, to which eq. (3)-(7) apply
+  bool dynamic = false;  ///< cyclic loading, to which eq. (3)-(7) apply
 };
 
 class Stimulus {
@@ -36,8 +36,7 @@ class Stimulus {
   /// force_N(first_t_s + i * step_s) for i in [0, n); a profile may override it with something faster
   /// that differs by less than 1e-9 N and is itself pure.
   virtual void fill(double first_t_s, double step_s, std::size_t n, double* out_N) const {
-    for (std::size_t i = 0; i < n; ++i)
-      out_N[i] = force_N(first_t_s + static_cast<double>(i) * step_s);
+    for (std::size_t i = 0; i < n; ++i) out_N[i] = force_N(first_t_s + static_cast<double>(i) * step_s);
   }
 };
 
@@ -51,9 +50,9 @@ struct StimulusSpec {
 };
 
 struct StimulusParameter {
-  std::string name;     ///< with its unit suffix: "A_N", "f_Hz"
+  std::string name;  ///< with its unit suffix: "A_N", "f_Hz"
   std::string unit;
-  double fallback;      ///< NaN: must be given
+  double fallback;  ///< NaN: must be given
   double minimum, maximum;
   std::string doc;
   bool is_list = false;

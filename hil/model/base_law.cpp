@@ -13,7 +13,8 @@ void set_decay(RecordInput& record, const BaseLaw& law, double log_b_shift, doub
   if (!record.dynamic || !law.decays) return;
   const double b = law.decay_rate_per_s(record.f_Hz) * std::exp(log_b_shift);
   const double q = law.depth_ratio(record.A_N) * std::exp(log_q_shift);
-  for (std::size_t i = 0; i < record.rows(); ++i) record.decay[i] = decay_factor(record.t_s[i] - record.onset_s, b, q);
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    record.decay[i] = decay_factor(record.t_s[i] - record.onset_s, b, q);
 }
 
 std::vector<double> base_output_V(const RecordInput& record, const BaseLaw& law) {

@@ -12,12 +12,12 @@
 namespace forcegate {
 
 struct BaseLaw {
-  double gain_N_per_V = 0.5;   ///< G
-  double offset_N = 0.0;       ///< F0
+  double gain_N_per_V = 0.5;  ///< G
+  double offset_N = 0.0;      ///< F0
   double b_slope = 0.0019, b_intercept_per_s = 0.0056;
   double q_curvature = 1.377;  ///< 1/N^2
   double b_scale = 1.0, q_scale = 1.0;
-  bool decays = true;          ///< false: D = 1 everywhere (FSR and plain static sensors)
+  bool decays = true;  ///< false: D = 1 everywhere (FSR and plain static sensors)
 
   double decay_rate_per_s(double f_Hz) const { return b_scale * (b_slope * f_Hz + b_intercept_per_s); }
   double depth_ratio(double A_N) const { return q_scale / (1.0 + q_curvature * A_N * A_N); }

@@ -43,7 +43,8 @@ std::optional<CapacitanceCurve> capacitance_curve(const CampaignInput& campaign)
   const Eigen::Vector3d c = A.ldlt().solve(b) / kPico;
   const CapacitanceCurve curve{campaign.lowest_N, campaign.range_N, c[0], c[1], c[2]};
   const double highest_N = campaign.lowest_N + campaign.range_N;
-  const bool rises = curve.slope_F_per_N(campaign.lowest_N) > 0.0 && curve.slope_F_per_N(highest_N) > 0.0 && curve.at_F(campaign.lowest_N) > 0.0;
+  const bool rises = curve.slope_F_per_N(campaign.lowest_N) > 0.0 && curve.slope_F_per_N(highest_N) > 0.0 &&
+                     curve.at_F(campaign.lowest_N) > 0.0;
   return rises ? std::optional(curve) : std::nullopt;
 }
 

@@ -21,10 +21,10 @@
 namespace forcegate {
 
 struct ParameterSpec {
-  std::string name;       ///< with unit suffix where it has a unit
-  std::string unit;       ///< "1" for pure numbers
+  std::string name;  ///< with unit suffix where it has a unit
+  std::string unit;  ///< "1" for pure numbers
   double minimum = 0.0, maximum = 0.0;
-  double neutral = 0.0;   ///< strength: 0. Shape: a typical value.
+  double neutral = 0.0;  ///< strength: 0. Shape: a typical value.
   std::string doc;
 };
 
@@ -40,31 +40,33 @@ enum class StrengthSign { either, positive, negative };
 using ColumnsRef = Eigen::Ref<Eigen::MatrixXd>;
 
 struct EffectForm {
-  std::string name;                      ///< "play_bank", "bouc_wen"
+  std::string name;  ///< "play_bank", "bouc_wen"
   std::vector<ParameterSpec> shape;
-  std::vector<ParameterSpec> strength;   ///< one per column
+  std::vector<ParameterSpec> strength;  ///< one per column
   StrengthSign sign = StrengthSign::either;
   /// Shapes to screen, given the campaign's scales. One empty shape when the form has none.
   std::function<std::vector<std::vector<double>>(const CampaignInput&)> grid;
   /// Fills rows x strength.size() columns. Pure; rows that it cannot know are 0.
-  std::function<void(const CampaignInput&, const RecordInput&, std::span<const double> shape, ColumnsRef)> columns;
+  std::function<void(const CampaignInput&, const RecordInput&, std::span<const double> shape, ColumnsRef)>
+      columns;
   /// Strengths outside are another effect in disguise: a pole of twice the force with half the time constant is a delay.
   double least = -1e300, most = 1e300;
-  bool refine = true;                    ///< shapes are continuous: the screen may search between the points of the grid
-  bool singles = false;                  ///< screen each column alone too (banks)
-  bool bank = false;                     ///< the family's most flexible form, used to soak up a wrong form's remains
+  bool refine = true;    ///< shapes are continuous: the screen may search between the points of the grid
+  bool singles = false;  ///< screen each column alone too (banks)
+  bool bank = false;     ///< the family's most flexible form, used to soak up a wrong form's remains
 };
 
 struct EffectKind {
-  std::string name;                      ///< "hysteresis", as CAMPAIGN names it
-  std::string side;                      ///< sensor, rig, reference, instrument
+  std::string name;  ///< "hysteresis", as CAMPAIGN names it
+  std::string side;  ///< sensor, rig, reference, instrument
   EffectChannel channel = EffectChannel::output;
-  std::string summary;                   ///< one sentence a person understands
-  std::string equation;                  ///< plain text
+  std::string summary;   ///< one sentence a person understands
+  std::string equation;  ///< plain text
   std::string source;
   std::vector<std::string> look_alikes;
-  std::string separates;                 ///< stimulus that settles it
-  std::vector<std::string> needs;        ///< "theta", "temp", "drive", "humidity", "command", "range", "witness", "generic" (no force sensor's recording); empty: only F and U
+  std::string separates;  ///< stimulus that settles it
+  std::vector<std::string>
+      needs;  ///< "theta", "temp", "drive", "humidity", "command", "range", "witness", "generic" (no force sensor's recording); empty: only F and U
   std::vector<EffectForm> forms;
 };
 

@@ -4,12 +4,14 @@
 
 namespace forcegate {
 
-ModelEffect model_effect(const EffectKind& kind, const EffectForm& form, std::span<const double> shape, std::span<const Estimate> strength) {
+ModelEffect model_effect(const EffectKind& kind, const EffectForm& form, std::span<const double> shape,
+                         std::span<const Estimate> strength) {
   const auto parameter = [](const ParameterSpec& s, double value, double se) {
     return ModelParameter{s.name, s.unit, value, se, s.minimum, s.maximum, s.neutral};
   };
   ModelEffect out{kind.name, form.name, {}, {}};
-  for (std::size_t k = 0; k < form.shape.size(); ++k) out.shape.push_back(parameter(form.shape[k], shape[k], 0.0));
+  for (std::size_t k = 0; k < form.shape.size(); ++k)
+    out.shape.push_back(parameter(form.shape[k], shape[k], 0.0));
   for (std::size_t k = 0; k < form.strength.size(); ++k) {
     const ParameterSpec& s = form.strength[k];
     out.strength.push_back(parameter(s, std::clamp(strength[k].value, s.minimum, s.maximum), strength[k].se));
@@ -17,7 +19,8 @@ ModelEffect model_effect(const EffectKind& kind, const EffectForm& form, std::sp
   return out;
 }
 
-Result<std::vector<double>> model_output_V(const Model& model, const CampaignInput& campaign, const RecordInput& record) {
+Result<std::vector<double>> model_output_V(const Model& model, const CampaignInput& campaign,
+                                           const RecordInput& record) {
   std::vector<double> out = base_output_V(record, model.law);
   const double gain = 1.0 / model.law.gain_N_per_V;
   for (const ModelEffect& effect : model.effects) {
@@ -26,11 +29,13 @@ Result<std::vector<double>> model_output_V(const Model& model, const CampaignInp
     if (form == nullptr || kind->channel != EffectChannel::output) continue;
     std::vector<double> shape;
     for (const ModelParameter& p : effect.shape) shape.push_back(p.value);
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(record.rows()), static_cast<Eigen::Index>(effect.strength.size()));
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(record.rows()),
+                                                    static_cast<Eigen::Index>(effect.strength.size()));
     form->columns(campaign, record, shape, columns);
     for (std::size_t j = 0; j < effect.strength.size(); ++j)
       for (std::size_t i = 0; i < record.rows(); ++i)
-        out[i] += gain * effect.strength[j].value * columns(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+        out[i] += gain * effect.strength[j].value *
+                  columns(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
   }
   for (const UserEffect& effect : model.user_effects) {
     FORCEGATE_TRY(const std::vector<double> added, user_effect_N(effect, record));

@@ -27,8 +27,10 @@ double state_at_start(const CampaignInput& c, const RecordInput& record, AirChan
   double before = 0.0, at_s = 0.0;
   bool running = false;
   const auto to = [&](double x, double t_s) {
-    if (!running) film = LowPass(tau_s, x);
-    else if (t_s > at_s) film.step(before, x, t_s - at_s);
+    if (!running)
+      film = LowPass(tau_s, x);
+    else if (t_s > at_s)
+      film.step(before, x, t_s - at_s);
     running = true;
     before = x;
     at_s = std::max(at_s, t_s);
@@ -47,25 +49,31 @@ double state_at_start(const CampaignInput& c, const RecordInput& record, AirChan
 
 }  // namespace
 
-std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record, AirChannel channel, double tau_s) {
+std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record,
+                                   AirChannel channel, double tau_s) {
   const std::vector<double>& x = record.*channel;
   if (x.empty() || !(tau_s > 0.0)) return x;
   return low_pass_channel(record, x, tau_s, state_at_start(campaign, record, channel, tau_s));
 }
 
-EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix, const std::string& unit) {
+EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
+                       const std::string& unit) {
   return {.name = "lagged",
-          .shape = {{"tau_s", "s", 0.0, 1e5, 60.0, "time constant of the sensor behind the instrument in the air"}},
+          .shape = {{"tau_s", "s", 0.0, 1e5, 60.0,
+                     "time constant of the sensor behind the instrument in the air"}},
           .strength = {{"c_gain_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0, "relative change of gain"},
-                       {"c_offset_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0, "change of offset, shares of the span"}},
+                       {"c_offset_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0,
+                        "change of offset, shares of the span"}},
           .sign = StrengthSign::either,
           .grid =
               [recorded](const CampaignInput& c) {
-                return c.*recorded ? std::vector<std::vector<double>>{{0.0}, {60.0}, {240.0}, {800.0}, {2400.0}}
-                                   : std::vector<std::vector<double>>{};
+                return c.*recorded
+                           ? std::vector<std::vector<double>>{{0.0}, {60.0}, {240.0}, {800.0}, {2400.0}}
+                           : std::vector<std::vector<double>>{};
               },
           .columns =
-              [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+              [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
+                        ColumnsRef out) {
                 out.setZero();
                 if ((r.*channel).empty()) return;
                 const double reference = mean_of(c, channel);
@@ -87,17 +95,20 @@ EffectForm unrecorded_form(std::function<bool(const CampaignInput&)> possible) {
                        {"k3", "1", -1.0, 1.0, 0.0, "one and a half waves"},
                        {"k4", "1", -1.0, 1.0, 0.0, "two waves"}},
           .sign = StrengthSign::either,
-          .grid = [possible = std::move(possible)](const CampaignInput& c) {
-            return !c.single && possible(c) ? std::vector<std::vector<double>>{{}} : std::vector<std::vector<double>>{};
-          },
-          .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
-            double T = 1.0;
-            for (const RecordInput& other : c.records) T = std::max(T, other.start_s + other.duration_s);
-            for (std::size_t i = 0; i < r.rows(); ++i)
-              for (int k = 1; k <= 4; ++k)
-                out(static_cast<Eigen::Index>(i), k - 1) =
-                    r.base_force_N(i) * std::cos(k * std::numbers::pi * (r.start_s + r.t_s[i]) / T);
-          }};
+          .grid =
+              [possible = std::move(possible)](const CampaignInput& c) {
+                return !c.single && possible(c) ? std::vector<std::vector<double>>{{}}
+                                                : std::vector<std::vector<double>>{};
+              },
+          .columns =
+              [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                double T = 1.0;
+                for (const RecordInput& other : c.records) T = std::max(T, other.start_s + other.duration_s);
+                for (std::size_t i = 0; i < r.rows(); ++i)
+                  for (int k = 1; k <= 4; ++k)
+                    out(static_cast<Eigen::Index>(i), k - 1) =
+                        r.base_force_N(i) * std::cos(k * std::numbers::pi * (r.start_s + r.t_s[i]) / T);
+              }};
 }
 
 }  // namespace forcegate

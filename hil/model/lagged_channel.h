@@ -13,10 +13,12 @@ namespace forcegate {
 using AirChannel = std::vector<double> RecordInput::*;
 
 /// x_s at every row of the record; `tau_s` 0: x itself. In equilibrium at the start of the first record.
-std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record, AirChannel channel, double tau_s);
+std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record,
+                                   AirChannel channel, double tau_s);
 
 /// Form "lagged" with strengths c_gain_per_<unit>, c_offset_per_<unit>. `recorded`: whether a campaign has the channel.
-EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix, const std::string& unit);
+EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
+                       const std::string& unit);
 
 /// Nobody wrote the channel down: the gain moves smoothly over the campaign, whatever is done to the sensor; half waves of the
 /// campaign's time. `possible`: whether the campaign may be explained so.

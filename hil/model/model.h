@@ -31,7 +31,8 @@ struct Estimate {
 };
 
 /// One form of an effect of the library. `shape` and `strength` in the order of the form; strengths are kept within its bounds.
-ModelEffect model_effect(const EffectKind& kind, const EffectForm& form, std::span<const double> shape, std::span<const Estimate> strength);
+ModelEffect model_effect(const EffectKind& kind, const EffectForm& form, std::span<const double> shape,
+                         std::span<const Estimate> strength);
 
 /// An effect of the user's own: equations that muparser understands.
 ///   state.<name> = derivative, output = newtons of equivalent force added, in F, dF, t, T, th and the parameters.
@@ -44,12 +45,12 @@ struct UserEffect {
 
 /// One step of the model's growth, errors on held-out records.
 struct HistoryStep {
-  std::string effect;              ///< "" for a refit
+  std::string effect;  ///< "" for a refit
   std::string campaign;
   double error_before = 0.0, error_after = 0.0, floor = 0.0;
   double plain_before = 0.0, plain_after = 0.0;
   std::string unit = "V";
-  bool accepted = true;            ///< false: the held-out error did not fall
+  bool accepted = true;  ///< false: the held-out error did not fall
 };
 
 struct Model {
@@ -58,7 +59,7 @@ struct Model {
   std::string source;
   BaseLaw law;
   double se_gain = 0.0, se_offset = 0.0, se_b_scale = 0.0, se_q_scale = 0.0;
-  double span_N = 5.0;             ///< force span that the shares in the shapes refer to
+  double span_N = 5.0;  ///< force span that the shares in the shapes refer to
   std::vector<ModelEffect> effects;
   std::vector<UserEffect> user_effects;
   std::vector<HistoryStep> history;
@@ -77,7 +78,8 @@ std::vector<std::string> library_model_names();
 
 /// Output of every row of a record, volts: base law and all effects.
 /// The record's decay must be set (set_decay with model.law).
-Result<std::vector<double>> model_output_V(const Model& model, const CampaignInput& campaign, const RecordInput& record);
+Result<std::vector<double>> model_output_V(const Model& model, const CampaignInput& campaign,
+                                           const RecordInput& record);
 
 /// Rows x 1: what a user effect adds in newtons at the given parameter values (explicit midpoint rule on the rows).
 /// Error (config) with muparser's message and position when an equation cannot be read.

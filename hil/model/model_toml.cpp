@@ -15,7 +15,8 @@ std::string place(const std::string& where, const toml::node& node) {
   return fmt::format("{}:{}:{}", where, node.source().begin.line, node.source().begin.column);
 }
 
-Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name, const std::string& where) {
+Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name,
+                                      const std::string& where) {
   ModelParameter p;
   p.name = name;
   p.minimum = -1e300;
@@ -26,7 +27,8 @@ Result<ModelParameter> read_parameter(const toml::node& node, const std::string&
   }
   const toml::table* table = node.as_table();
   if (table == nullptr || !(*table)["value"].value<double>())
-    return fail(ErrorCode::config, "parameter " + name + " has no value", place(where, node), "write name = { value = 0.1, unit = \"N\" }");
+    return fail(ErrorCode::config, "parameter " + name + " has no value", place(where, node),
+                "write name = { value = 0.1, unit = \"N\" }");
   p.value = *(*table)["value"].value<double>();
   p.se = (*table)["se"].value_or(0.0);
   p.unit = (*table)["unit"].value_or(std::string());
@@ -34,17 +36,20 @@ Result<ModelParameter> read_parameter(const toml::node& node, const std::string&
   p.maximum = (*table)["max"].value_or(1e300);
   p.neutral = (*table)["neutral"].value_or(0.0);
   if (p.value < p.minimum || p.value > p.maximum)
-    return fail(ErrorCode::config, fmt::format("{} = {} lies outside [{}, {}]", name, p.value, p.minimum, p.maximum),
+    return fail(ErrorCode::config,
+                fmt::format("{} = {} lies outside [{}, {}]", name, p.value, p.minimum, p.maximum),
                 place(where, node), "change the value or its bounds");
   return p;
 }
 
-Result<UserEffect> read_user_effect(const toml::table& table, const std::string& name, const std::string& where) {
+Result<UserEffect> read_user_effect(const toml::table& table, const std::string& name,
+                                    const std::string& where) {
   UserEffect out;
   out.name = name;
   out.output = table["output"].value_or(std::string());
   if (const toml::table* states = table["state"].as_table())
-    for (const auto& [key, node] : *states) out.states.emplace_back(std::string(key.str()), node.value_or(std::string("0")));
+    for (const auto& [key, node] : *states)
+      out.states.emplace_back(std::string(key.str()), node.value_or(std::string("0")));
   if (const toml::table* parameters = table["parameter"].as_table())
     for (const auto& [key, node] : *parameters) {
       FORCEGATE_TRY(ModelParameter p, read_parameter(node, std::string(key.str()), where));
@@ -73,8 +78,10 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
         p.value = given.value;
         p.se = given.se;
         if (p.value < spec.minimum || p.value > spec.maximum)
-          return fail(ErrorCode::config, fmt::format("{} = {} lies outside [{}, {}]", spec.name, p.value, spec.minimum, spec.maximum),
-                      place(where, *node), spec.doc);
+          return fail(
+              ErrorCode::config,
+              fmt::format("{} = {} lies outside [{}, {}]", spec.name, p.value, spec.minimum, spec.maximum),
+              place(where, *node), spec.doc);
       }
       parameters.push_back(p);
     }
@@ -91,7 +98,8 @@ std::string number(double v) {
 }
 
 std::string parameter_text(const ModelParameter& p) {
-  std::string out = fmt::format("{{ value = {}, se = {}, unit = \"{}\"", number(p.value), number(p.se), p.unit);
+  std::string out =
+      fmt::format("{{ value = {}, se = {}, unit = \"{}\"", number(p.value), number(p.se), p.unit);
   if (p.minimum > -1e299) out += fmt::format(", min = {}", number(p.minimum));
   if (p.maximum < 1e299) out += fmt::format(", max = {}", number(p.maximum));
   return out + fmt::format(", neutral = {} }}", number(p.neutral));
@@ -116,12 +124,14 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   Model out;
   const auto format = root["format"].value_or<std::int64_t>(1);
   if (format != 1)
-    return fail(ErrorCode::config, fmt::format("format {} of the model file is not known", format), where, "this program reads format 1");
+    return fail(ErrorCode::config, fmt::format("format {} of the model file is not known", format), where,
+                "this program reads format 1");
   out.name = root["name"].value_or(std::string("model"));
   out.sensor = root["sensor"].value_or(std::string());
   out.source = root["source"].value_or(std::string());
   const toml::table* law = root["law"].as_table();
-  if (law == nullptr) return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
+  if (law == nullptr)
+    return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
   out.law.decays = (*law)["kind"].value_or(std::string("decaying")) != "static";
   out.span_N = (*law)["span_N"].value_or(5.0);
   const auto take = [&](const char* name, double& value, double* se) -> Result<bool> {
@@ -155,7 +165,8 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
       if (kind == nullptr || kind->forms.empty()) {
         const std::string near = nearest_name(name, EffectRegistry::instance().names());
         return fail(ErrorCode::config, "no effect \"" + name + "\"", place(where, node),
-                    near.empty() ? "give equations (output = ...) for an effect of your own" : "did you mean \"" + near + "\"?");
+                    near.empty() ? "give equations (output = ...) for an effect of your own"
+                                 : "did you mean \"" + near + "\"?");
       }
       FORCEGATE_TRY(ModelEffect effect, read_effect(*table, *kind, where));
       out.effects.push_back(std::move(effect));
@@ -181,7 +192,9 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
 
 Result<Model> read_model(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(ErrorCode::io, "cannot read the model", path.string(), "the models that come with the program are flexiforce and fsr");
+  if (!file)
+    return fail(ErrorCode::io, "cannot read the model", path.string(),
+                "the models that come with the program are flexiforce and fsr");
   std::stringstream text;
   text << file.rdbuf();
   return parse_model(text.str(), path.string());
@@ -189,35 +202,40 @@ Result<Model> read_model(const std::filesystem::path& path) {
 
 std::string write_model(const Model& m) {
   std::string out = "format = 1\n";
-  out += fmt::format("name = \"{}\"\nsensor = \"{}\"\nsource = \"{}\"\n\n[law]\n", m.name, m.sensor, m.source);
+  out +=
+      fmt::format("name = \"{}\"\nsensor = \"{}\"\nsource = \"{}\"\n\n[law]\n", m.name, m.sensor, m.source);
   out += fmt::format("kind = \"{}\"\nspan_N = {}\n", m.law.decays ? "decaying" : "static", number(m.span_N));
   const auto line = [&](const char* name, double value, double se, const char* unit) {
-    out += fmt::format("{} = {{ value = {}, se = {}, unit = \"{}\" }}\n", name, number(value), number(se), unit);
+    out +=
+        fmt::format("{} = {{ value = {}, se = {}, unit = \"{}\" }}\n", name, number(value), number(se), unit);
   };
   line("gain_N_per_V", m.law.gain_N_per_V, m.se_gain, "N/V");
   line("offset_N", m.law.offset_N, m.se_offset, "N");
   if (m.law.decays) {
     line("b_scale", m.law.b_scale, m.se_b_scale, "1");
     line("q_scale", m.law.q_scale, m.se_q_scale, "1");
-    out += fmt::format("b_slope_s_per_s = {}\nb_intercept_per_s = {}\nq_curvature_per_N2 = {}\n", number(m.law.b_slope),
-                       number(m.law.b_intercept_per_s), number(m.law.q_curvature));
+    out += fmt::format("b_slope_s_per_s = {}\nb_intercept_per_s = {}\nq_curvature_per_N2 = {}\n",
+                       number(m.law.b_slope), number(m.law.b_intercept_per_s), number(m.law.q_curvature));
   }
   for (const ModelEffect& e : m.effects) {
     out += fmt::format("\n[[effect]]\nname = \"{}\"\nform = \"{}\"\n", e.effect, e.form);
     for (const ModelParameter& p : e.shape) out += fmt::format("shape.{} = {}\n", p.name, parameter_text(p));
-    for (const ModelParameter& p : e.strength) out += fmt::format("strength.{} = {}\n", p.name, parameter_text(p));
+    for (const ModelParameter& p : e.strength)
+      out += fmt::format("strength.{} = {}\n", p.name, parameter_text(p));
   }
   for (const UserEffect& e : m.user_effects) {
     out += fmt::format("\n[[effect]]\nname = \"{}\"\noutput = \"{}\"\n", e.name, e.output);
-    for (const auto& [name, derivative] : e.states) out += fmt::format("state.{} = \"{}\"\n", name, derivative);
-    for (const ModelParameter& p : e.parameters) out += fmt::format("parameter.{} = {}\n", p.name, parameter_text(p));
+    for (const auto& [name, derivative] : e.states)
+      out += fmt::format("state.{} = \"{}\"\n", name, derivative);
+    for (const ModelParameter& p : e.parameters)
+      out += fmt::format("parameter.{} = {}\n", p.name, parameter_text(p));
   }
   for (const HistoryStep& s : m.history)
     out += fmt::format(
         "\n[[history]]\neffect = \"{}\"\ncampaign = \"{}\"\nerror_before = {}\nerror_after = {}\nplain_before = {}\n"
         "plain_after = {}\nfloor = {}\nunit = \"{}\"\naccepted = {}\n",
-        s.effect, s.campaign, number(s.error_before), number(s.error_after), number(s.plain_before), number(s.plain_after),
-        number(s.floor), s.unit, s.accepted);
+        s.effect, s.campaign, number(s.error_before), number(s.error_after), number(s.plain_before),
+        number(s.plain_after), number(s.floor), s.unit, s.accepted);
   return out;
 }
 

@@ -15,39 +15,39 @@ constexpr double kLateAngle_s = 0.005;
 struct RecordInput {
   std::string name, kind;
   bool heldout = false;
-  std::size_t index = 0;              ///< place in campaign time
-  std::size_t recording = 0;          ///< the same for all blocks of one recording: they share its history
+  std::size_t index = 0;      ///< place in campaign time
+  std::size_t recording = 0;  ///< the same for all blocks of one recording: they share its history
 
   // rows; a channel that the record does not have is empty
   double row_step_s = 0.02;
-  std::vector<double> t_s;            ///< from the start of the record
-  std::vector<double> F_N, U_V;       ///< reference force and sensor output
-  std::vector<double> rate_N_per_s;   ///< central difference of F_N
+  std::vector<double> t_s;           ///< from the start of the record
+  std::vector<double> F_N, U_V;      ///< reference force and sensor output
+  std::vector<double> rate_N_per_s;  ///< central difference of F_N
   std::vector<double> theta_rad, temp_C, humidity, C_F, F_cmd_N, drive_V;
   /// Means of sin th and cos th over each row, and of cos th behind a pole of kLateAngle_s: an angle turns within a row, and wraps
   std::vector<double> sin_theta, cos_theta, late_cos_theta;
-  std::vector<std::uint8_t> ok;       ///< 0: the row touches a gap, a missing or a masked sample
+  std::vector<std::uint8_t> ok;  ///< 0: the row touches a gap, a missing or a masked sample
 
   // full rate, for delay, lag, RC
   std::vector<double> fast_t_s, fast_F_N;
   std::vector<std::uint32_t> row_begin;  ///< first fast sample of each row, and the end
 
   // excitation
-  bool dynamic = false;               ///< cyclic loading, to which the decay applies
-  bool dynamic_assumed = false;       ///< nobody declared it: the base fit decides from the output
-  double onset_s = 0.0;               ///< start of the excitation
-  double f_Hz = 0.0, A_N = 0.0;       ///< lowest frequency at the start; half the peak-to-peak force
-  double F_min_N = 0.0;               ///< lowest settled force
+  bool dynamic = false;          ///< cyclic loading, to which the decay applies
+  bool dynamic_assumed = false;  ///< nobody declared it: the base fit decides from the output
+  double onset_s = 0.0;          ///< start of the excitation
+  double f_Hz = 0.0, A_N = 0.0;  ///< lowest frequency at the start; half the peak-to-peak force
+  double F_min_N = 0.0;          ///< lowest settled force
   std::vector<double> frequency_jumps_s, jump_log_ratio;  ///< where the cycle frequency changes, ln(f2/f1)
 
   // campaign
   double start_s = 0.0, duration_s = 0.0, rest_before_s = 0.0;
   double drive_mean_V = kMissing;
-  double travel_before_N = 0.0;       ///< sum |dF| of all earlier records
-  std::vector<double> travel_N;       ///< the same continued through this record, per row
+  double travel_before_N = 0.0;  ///< sum |dF| of all earlier records
+  std::vector<double> travel_N;  ///< the same continued through this record, per row
 
   // state of the base law at the current parameters (set by the base fit)
-  std::vector<double> decay;          ///< D(t), 1 in static records
+  std::vector<double> decay;  ///< D(t), 1 in static records
 
   // rig channel: force that the linear rig law predicts from angle or command; empty without a witness
   std::vector<double> rig_force_N;
@@ -61,15 +61,15 @@ struct RecordInput {
 struct CampaignInput {
   std::string name;
   BenchFacts bench;
-  std::vector<RecordInput> records;   ///< in campaign time
-  double range_N = 5.0;               ///< span of the force, 0.1 to 99.9 %
+  std::vector<RecordInput> records;  ///< in campaign time
+  double range_N = 5.0;              ///< span of the force, 0.1 to 99.9 %
   double lowest_N = 0.0;
-  double U_range_V = 10.0;            ///< span of the output, same quantiles
+  double U_range_V = 10.0;  ///< span of the output, same quantiles
   double travel_total_N = 1.0;
   bool has_theta = false, has_temp = false, has_humidity = false, has_drive = false, has_command = false,
        has_capacitance = false;
-  bool single = false;                ///< one recording, its records are blocks of it
-  bool generic = false;               ///< not a force sensor's campaign: plain input and output columns
+  bool single = false;   ///< one recording, its records are blocks of it
+  bool generic = false;  ///< not a force sensor's campaign: plain input and output columns
   std::vector<std::string> notes;
 };
 

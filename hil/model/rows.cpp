@@ -76,7 +76,8 @@ void set_angle(const Trace& trace, std::size_t clock, const RowMeans& mean, Reco
     cosine[i] = std::cos(angle[i]);
   }
   LowPass pole(kLateAngle_s, cosine[0]);
-  for (std::size_t i = 0; i < n; ++i) late[i] = i == 0 ? cosine[0] : pole.step(cosine[i - 1], cosine[i], out.fast_t_s[i] - out.fast_t_s[i - 1]);
+  for (std::size_t i = 0; i < n; ++i)
+    late[i] = i == 0 ? cosine[0] : pole.step(cosine[i - 1], cosine[i], out.fast_t_s[i] - out.fast_t_s[i - 1]);
   out.sin_theta = mean(sine);
   out.cos_theta = mean(cosine);
   out.late_cos_theta = mean(late);
@@ -92,13 +93,14 @@ double quantile(std::vector<double> values, double q) {
   return values[at];
 }
 
-Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad, double row_step_s) {
+Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad,
+                                      double row_step_s) {
   const Trace& trace = record.trace;
   const Channel* F = trace.find("F_ref");
   const Channel* U = trace.find("U");
   if (F == nullptr || U == nullptr)
-    return fail(ErrorCode::parse, std::string("the record has no channel ") + (F == nullptr ? "F_ref" : "U"), record.name,
-                "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
+    return fail(ErrorCode::parse, std::string("the record has no channel ") + (F == nullptr ? "F_ref" : "U"),
+                record.name, "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
   const std::size_t clock = F->time_base;
   const auto& t = trace.time_bases[clock].t_s;
   if (t.size() < 16)
@@ -135,7 +137,8 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
       sum_t += out.fast_t_s[k];
       sum_F += out.fast_F_N[k];
       sum_U += output[k];
-      if ((!bad.empty() && bad[k] != 0) || !std::isfinite(force[k]) || !std::isfinite(output[k])) out.ok[r] = 0;
+      if ((!bad.empty() && bad[k] != 0) || !std::isfinite(force[k]) || !std::isfinite(output[k]))
+        out.ok[r] = 0;
     }
     const double n = per_row;
     out.t_s[r] = sum_t / n;
@@ -191,13 +194,16 @@ void finish_campaign_input(CampaignInput& campaign) {
     bool rests_known = true;
     for (RecordInput& r : records) {
       rests_known &= std::isfinite(r.rest_before_s);
-      if (std::isfinite(r.start_s) && r.start_s >= clock_s) clock_s = r.start_s;
-      else clock_s += std::isfinite(r.rest_before_s) ? r.rest_before_s : (clock_s > 0.0 ? 600.0 : 0.0);
+      if (std::isfinite(r.start_s) && r.start_s >= clock_s)
+        clock_s = r.start_s;
+      else
+        clock_s += std::isfinite(r.rest_before_s) ? r.rest_before_s : (clock_s > 0.0 ? 600.0 : 0.0);
       r.start_s = clock_s;
       clock_s += r.duration_s;
     }
     if (!rests_known && records.size() > 1)
-      campaign.notes.push_back("start times are not declared: records are taken in order with 10 min of rest between");
+      campaign.notes.push_back(
+          "start times are not declared: records are taken in order with 10 min of rest between");
   }
 
   std::vector<double> F, U;
@@ -219,7 +225,8 @@ void finish_campaign_input(CampaignInput& campaign) {
   for (RecordInput& r : records) {
     const double span = quantile(r.F_N, 0.995) - quantile(r.F_N, 0.005);
     if (!(span < 0.02 * campaign.range_N)) continue;
-    const double middle = std::accumulate(r.F_N.begin(), r.F_N.end(), 0.0) / static_cast<double>(r.F_N.size());
+    const double middle =
+        std::accumulate(r.F_N.begin(), r.F_N.end(), 0.0) / static_cast<double>(r.F_N.size());
     std::fill(r.F_N.begin(), r.F_N.end(), middle);
     std::fill(r.fast_F_N.begin(), r.fast_F_N.end(), middle);
     std::fill(r.rate_N_per_s.begin(), r.rate_N_per_s.end(), 0.0);
@@ -227,11 +234,12 @@ void finish_campaign_input(CampaignInput& campaign) {
 
   double travel = 0.0;
   const auto every = [&](auto member) {
-    return !records.empty() &&
-           std::all_of(records.begin(), records.end(), [&](const RecordInput& r) { return !(r.*member).empty(); });
+    return !records.empty() && std::all_of(records.begin(), records.end(),
+                                           [&](const RecordInput& r) { return !(r.*member).empty(); });
   };
   const auto some = [&](auto member) {
-    return std::any_of(records.begin(), records.end(), [&](const RecordInput& r) { return !(r.*member).empty(); });
+    return std::any_of(records.begin(), records.end(),
+                       [&](const RecordInput& r) { return !(r.*member).empty(); });
   };
   campaign.has_theta = some(&RecordInput::theta_rad);
   campaign.has_temp = every(&RecordInput::temp_C);
@@ -247,7 +255,8 @@ void finish_campaign_input(CampaignInput& campaign) {
     drive_low = std::min(drive_low, r.drive_mean_V);
     drive_high = std::max(drive_high, r.drive_mean_V);
     if (!std::isfinite(r.rest_before_s))
-      r.rest_before_s = k == 0 ? 1e5 : std::max(0.0, r.start_s - records[k - 1].start_s - records[k - 1].duration_s);
+      r.rest_before_s =
+          k == 0 ? 1e5 : std::max(0.0, r.start_s - records[k - 1].start_s - records[k - 1].duration_s);
     r.travel_before_N = travel;
     r.travel_N.assign(r.rows(), 0.0);
     // travel of the force behind a play of 2 % of the span: noise does not wear anything

@@ -14,7 +14,8 @@ constexpr double kRowStep_s = 0.02;
 /// clock of F_ref. Missing forces are held for the state machines; their rows are not ok.
 /// Errors: no F_ref or no U channel, fewer than 16 samples.
 /// `row_step_s`: aimed at; never less than one sample.
-Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad = {}, double row_step_s = kRowStep_s);
+Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad = {},
+                                      double row_step_s = kRowStep_s);
 
 /// Sorts by campaign time and fills in what depends on all records: ranges, travel, start times, excitation
 /// (declared values first, estimates otherwise, each estimate told in `notes`).

@@ -23,7 +23,8 @@ Cycles find_cycles(const RecordInput& record, double prominence_N) {
 }
 
 bool is_static_kind(const std::string& kind) {
-  return kind == "ramp" || kind == "staircase" || kind == "hold" || kind == "rest" || kind == "steps" || kind == "step";
+  return kind == "ramp" || kind == "staircase" || kind == "hold" || kind == "rest" || kind == "steps" ||
+         kind == "step";
 }
 
 double share_moving(const RecordInput& record, double range_N) {
@@ -75,7 +76,8 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   if (declared != nullptr && declared->excitation_start_s.has_value())
     record.onset_s = *declared->excitation_start_s;
   else
-    record.onset_s = turns > 0 && record.dynamic ? std::max(0.0, cycles.turn_s.front() - typical_half_s) : 0.0;
+    record.onset_s =
+        turns > 0 && record.dynamic ? std::max(0.0, cycles.turn_s.front() - typical_half_s) : 0.0;
 
   std::vector<double> settled;
   const double from_s = std::min(record.onset_s + typical_half_s, 0.5 * record.duration_s);
@@ -86,12 +88,17 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   record.F_min_N = low;
   record.A_N = declared != nullptr && declared->A_N ? *declared->A_N : 0.5 * (high - low);
   if (!(record.A_N > 0.0)) record.A_N = 0.5 * (high - low);
-  record.f_Hz = declared != nullptr && declared->f_min_Hz ? *declared->f_min_Hz : 0.5 / std::max(typical_half_s, 1e-3);
-  if (!record.dynamic) set_static(record);
-  else find_jumps(record, cycles.turn_s);
+  record.f_Hz =
+      declared != nullptr && declared->f_min_Hz ? *declared->f_min_Hz : 0.5 / std::max(typical_half_s, 1e-3);
+  if (!record.dynamic)
+    set_static(record);
+  else
+    find_jumps(record, cycles.turn_s);
 }
 
-bool stands_mostly_still(const RecordInput& record, double range_N) { return share_moving(record, range_N) <= 0.4; }
+bool stands_mostly_still(const RecordInput& record, double range_N) {
+  return share_moving(record, range_N) <= 0.4;
+}
 
 void set_static(RecordInput& record) {
   record.dynamic = false;

@@ -41,7 +41,8 @@ class LowPass {
 
  private:
   struct Weights {
-    double dt_s = -1.0, keep = 0.0, to_old = 0.0, to_new = 1.0;  ///< to_old, to_new: the two ends of the linear piece
+    double dt_s = -1.0, keep = 0.0, to_old = 0.0,
+           to_new = 1.0;  ///< to_old, to_new: the two ends of the linear piece
   };
 
   /// A nominally uniform clock has a handful of steps that differ in their last bits: they are kept, not recomputed.

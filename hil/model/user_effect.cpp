@@ -16,7 +16,8 @@ Result<std::vector<double>> user_effect_N(const UserEffect& effect, const Record
     parser.DefineVar("T", &T);
     parser.DefineVar("th", &th);
     for (std::size_t k = 0; k < state.size(); ++k) parser.DefineVar(effect.states[k].first, &state[k]);
-    for (std::size_t k = 0; k < parameter.size(); ++k) parser.DefineVar(effect.parameters[k].name, &parameter[k]);
+    for (std::size_t k = 0; k < parameter.size(); ++k)
+      parser.DefineVar(effect.parameters[k].name, &parameter[k]);
     parser.SetExpr(expression);
     parser.Eval();
   };
@@ -27,7 +28,9 @@ Result<std::vector<double>> user_effect_N(const UserEffect& effect, const Record
     const auto set_input = [&](double row, double share) {
       const auto i = static_cast<std::size_t>(row);
       const std::size_t j = std::min(i + 1, record.rows() - 1);
-      const auto between = [&](const std::vector<double>& x) { return x.empty() ? 0.0 : x[i] + share * (x[j] - x[i]); };
+      const auto between = [&](const std::vector<double>& x) {
+        return x.empty() ? 0.0 : x[i] + share * (x[j] - x[i]);
+      };
       F = between(record.F_N);
       dF = between(record.rate_N_per_s);
       t = between(record.t_s);
@@ -45,8 +48,8 @@ Result<std::vector<double>> user_effect_N(const UserEffect& effect, const Record
       set_input(static_cast<double>(i), 0.0);
       out[i] = output.Eval();
       if (!std::isfinite(out[i]))
-        return fail(ErrorCode::config, "the effect \"" + effect.name + "\" gives a value that is not finite", record.name,
-                    "check divisions and bounds of its equations");
+        return fail(ErrorCode::config, "the effect \"" + effect.name + "\" gives a value that is not finite",
+                    record.name, "check divisions and bounds of its equations");
       if (i + 1 == record.rows()) break;
       const double dt = record.t_s[i + 1] - record.t_s[i];
       start = state;

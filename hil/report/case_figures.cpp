@@ -23,8 +23,8 @@ struct Signals {
 
 Signals signals_of(const std::vector<PlotTrace>& traces) {
   const PlotTrace* const weights = find_trace(traces, "weights");
-  return {find_trace(traces, "set-point"), weights != nullptr ? weights : find_trace(traces, "ATI"), find_trace(traces, "firmware"),
-          find_trace(traces, "raw"), weights != nullptr ? "weights" : "ATI"};
+  return {find_trace(traces, "set-point"), weights != nullptr ? weights : find_trace(traces, "ATI"),
+          find_trace(traces, "firmware"), find_trace(traces, "raw"), weights != nullptr ? "weights" : "ATI"};
 }
 
 struct ErrorTrace {
@@ -156,7 +156,8 @@ Figure overview_figure(const CaseResult& c) {
     if (s.raw)
       force.line(doubles(s.raw->t_s), doubles(s.raw->value), {Role::raw, Dash::solid, 1.0}, "raw sensor");
     if (s.ati)
-      force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference, Dash::solid, 1.2}, s.reference);
+      force.line(doubles(s.ati->t_s), doubles(s.ati->value), {Role::reference, Dash::solid, 1.2},
+                 s.reference);
     if (s.firmware)
       force.line(doubles(s.firmware->t_s), doubles(s.firmware->value), {Role::firmware, Dash::solid, 1.0},
                  "firmware");
@@ -179,7 +180,9 @@ Figure overview_figure(const CaseResult& c) {
 
 const ExtremaSeries* levels_of(const CaseResult& c) {
   for (const ExtremaSeries& e : c.extrema)
-    if (e.name == "levels" && e.raw_N.size() == e.expected_N.size() && e.actual_N.size() == e.expected_N.size()) return &e;
+    if (e.name == "levels" && e.raw_N.size() == e.expected_N.size() &&
+        e.actual_N.size() == e.expected_N.size())
+      return &e;
   return nullptr;
 }
 
@@ -200,7 +203,8 @@ Figure levels_figure(const CaseResult& c) {
   panel.hline(0.0);
   panel.points(force_N, model_N, {Role::raw, Dash::solid, 1.0, Marker::ring, 3.4}, "conductance model");
   panel.points(force_N, own_N, {Role::firmware, Dash::solid, 1.0, Marker::dot, 3.0}, "firmware");
-  figure.summary = "Largest: firmware " + display(own, 2) + " N, conductance model " + display(model, 2) + " N.";
+  figure.summary =
+      "Largest: firmware " + display(own, 2) + " N, conductance model " + display(model, 2) + " N.";
   return figure;
 }
 

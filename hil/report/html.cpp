@@ -70,9 +70,10 @@ std::string reproduce(const RunResult& r) {
                  figures::display(r.rig.v_range_V) + " V, up to " + figures::display(r.rig.force_max_N) +
                  " N");
   const auto reference = r.rig.details.find("reference");
-  row(reference == r.rig.details.end() ? "ATI reference" : "Uncertainty of the " + reference->second, "resolution " + figures::display(r.rig.reference_resolution_N) + " N, noise " +
-                           figures::display(r.rig.reference_noise_N) + " N, relative u " +
-                           figures::display(r.rig.reference_u_rel));
+  row(reference == r.rig.details.end() ? "ATI reference" : "Uncertainty of the " + reference->second,
+      "resolution " + figures::display(r.rig.reference_resolution_N) + " N, noise " +
+          figures::display(r.rig.reference_noise_N) + " N, relative u " +
+          figures::display(r.rig.reference_u_rel));
   out += table_of(r.rig.details) + table_of(r.environment);
   row("Forcegate", escape(r.tool_version) + ", result format " + std::to_string(r.format));
   row("Started", escape(r.started_at));
@@ -131,8 +132,8 @@ std::string cases(const RunResult& r) {
       "value(standard uncertainty in the last digits), k = 1; whiskers and U are k = 2. Error = later name "
       "minus "
       "earlier: firmware \u2212 " +
-      (reference == r.rig.details.end() ? std::string("ATI, ATI \u2212 set-point") : reference->second) + ".</p>\n" +
-      html_filter_row(verdicts);
+      (reference == r.rig.details.end() ? std::string("ATI, ATI \u2212 set-point") : reference->second) +
+      ".</p>\n" + html_filter_row(verdicts);
   std::size_t opened = 0;
   for (const std::size_t i : order) {
     const bool open = rank(i) < 4 && opened++ < kMostOpen;

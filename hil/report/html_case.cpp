@@ -31,9 +31,10 @@ std::string bullet_of(const Check& c, double width_px) {
   if (c.verdict == Verdict::pass && c.limit.kind == Limit::Kind::upper &&
       std::fabs(c.value) + 2.0 * c.u < 0.01 * std::fabs(c.limit.value))
     return {};
-  return figures::bullet_svg(
-      {c.value, c.expanded_u > 0.0 ? c.expanded_u : 2.0 * c.u, c.limit.value, c.limit.kind == Limit::Kind::lower, role_of(c.verdict),
-       value_text(c, Glyphs::unicode) + ", limit " + limit_text(c, Glyphs::unicode), width_px});
+  return figures::bullet_svg({c.value, c.expanded_u > 0.0 ? c.expanded_u : 2.0 * c.u, c.limit.value,
+                              c.limit.kind == Limit::Kind::lower, role_of(c.verdict),
+                              value_text(c, Glyphs::unicode) + ", limit " + limit_text(c, Glyphs::unicode),
+                              width_px});
 }
 
 std::string verdict_word(Verdict v) {
@@ -104,12 +105,13 @@ std::string extrema_table(const CaseResult& c) {
   const bool closed = c.loop == "closed", levels = levels_of(c) != nullptr;
   const std::string what = levels ? "levels" : "extrema";
   std::string out =
-      "<details><summary>Largest errors of " + what + "</summary><div class=\"scroll\" tabindex=\"0\" "
-      "role=\"group\" aria-label=\"Table of " + what + "\"><table><caption>" +
-      std::to_string(shown) + " of " + std::to_string(all) +
-      " " + what + ", largest error first; all are in result.json</caption><thead><tr>"
+      "<details><summary>Largest errors of " + what +
+      "</summary><div class=\"scroll\" tabindex=\"0\" "
+      "role=\"group\" aria-label=\"Table of " +
+      what + "\"><table><caption>" + std::to_string(shown) + " of " + std::to_string(all) + " " + what +
+      ", largest error first; all are in result.json</caption><thead><tr>"
       "<th scope=\"col\">Kind</th><th scope=\"col\" class=\"n\">Time / s</th><th scope=\"col\" class=\"n\">";
-  out += closed ? "Set-point / N</th><th scope=\"col\" class=\"n\">ATI / N"
+  out += closed   ? "Set-point / N</th><th scope=\"col\" class=\"n\">ATI / N"
          : levels ? "Weights / N</th><th scope=\"col\" class=\"n\">Firmware / N"
                   : "ATI / N</th><th scope=\"col\" class=\"n\">Firmware / N";
   out += "</th><th scope=\"col\" class=\"n\">";
@@ -125,8 +127,11 @@ std::string extrema_table(const CaseResult& c) {
              "</td>";
     };
     const double relative = std::abs(r.expected_N) >= 0.5 ? 100.0 * r.error_N / std::abs(r.expected_N) : NAN;
-    out += "<tr><td>" + std::string(levels ? "level" : *r.series == "minima" ? "minimum" : "maximum") + "</td>" +
-           cell(r.t_s, 3) + cell(r.expected_N, 3) + cell(r.actual_N, 3) + cell(r.raw_N, 3) +
+    out += "<tr><td>" +
+           std::string(levels                  ? "level"
+                       : *r.series == "minima" ? "minimum"
+                                               : "maximum") +
+           "</td>" + cell(r.t_s, 3) + cell(r.expected_N, 3) + cell(r.actual_N, 3) + cell(r.raw_N, 3) +
            cell(r.error_N, 3) + cell(relative, 1) + "</tr>\n";
   }
   return out + "</tbody></table></div></details>\n";
@@ -202,7 +207,9 @@ std::string sound_rig_row(const std::vector<const Check*>& checks) {
     list += (list.empty() ? "" : "; ") + escape(c->id) + " " + escape(value_text(*c, Glyphs::unicode)) + " " +
             escape(limit_text(*c, Glyphs::unicode));
   return "<tr><td>" + verdict_word(Verdict::pass) + "</td><td class=\"c\" colspan=\"4\">" +
-         std::to_string(checks.size()) + (checks.size() == 1 ? " check of the rig<small>" : " checks of the rig<small>") + list + "</small></td></tr>\n";
+         std::to_string(checks.size()) +
+         (checks.size() == 1 ? " check of the rig<small>" : " checks of the rig<small>") + list +
+         "</small></td></tr>\n";
 }
 
 }  // namespace

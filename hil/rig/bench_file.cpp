@@ -39,7 +39,8 @@ Result<void> read_geometry(const ConfigNode& table, RigGeometry& out) {
   in.number("preload_mm", out.preload_mm, 0, 1000);
   in.number("theta_min_rad", out.theta_min_rad, -6.3, 6.3);
   in.number("theta_max_rad", out.theta_max_rad, -6.3, 6.3);
-  if (!(out.theta_min_rad < out.theta_max_rad)) in.complain(table, "theta_min_rad must be below theta_max_rad");
+  if (!(out.theta_min_rad < out.theta_max_rad))
+    in.complain(table, "theta_min_rad must be below theta_max_rad");
   return in.finish();
 }
 
@@ -71,7 +72,8 @@ Result<void> read_specimens(const ConfigNode& table, BenchSpecimens& out) {
   in.choice("short_rest", short_rest, {"refuse", "widen"});
   const bool told = in.number("short_rest_u_rel", out.short_rest_u_rel, 1e-6, 1.0);
   if (short_rest == "widen" && !told)
-    in.complain(table, "short_rest = \"widen\" needs short_rest_u_rel", "how much do two records without a rest differ on this sensor?");
+    in.complain(table, "short_rest = \"widen\" needs short_rest_u_rel",
+                "how much do two records without a rest differ on this sensor?");
   out.log = std::filesystem::path(table.where.substr(0, table.where.find(':'))).parent_path() / log;
   out.rest_s = 3600.0 * rest_h;
   out.widen = short_rest == "widen";
@@ -83,7 +85,8 @@ Result<void> choose_adapter(const ConfigNode& table, const std::string& what, st
   const auto names = Registry<Kind>::instance().names();
   const ConfigNode* node = table.find("adapter");
   if (node == nullptr || node->kind != ConfigNode::Kind::text)
-    return fail(ErrorCode::config, "[" + what + "] needs the key 'adapter'", table.where, "choose one of: " + join(names, ", "));
+    return fail(ErrorCode::config, "[" + what + "] needs the key 'adapter'", table.where,
+                "choose one of: " + join(names, ", "));
   if (Registry<Kind>::instance().find(node->text) == nullptr) {
     const std::string near = nearest_name(node->text, names);
     return fail(ErrorCode::config, "there is no adapter '" + node->text + "' for [" + what + "]", node->where,
@@ -168,11 +171,19 @@ Result<BenchFile> read_bench_text(std::string_view text, const std::string& name
 Result<void> check_devices(const BenchFile& b) {
   // An adapter only reads its table here; the world is used when it is opened.
   struct Nowhere final : BenchWorld {
-    Unexpected no() const { return fail(ErrorCode::internal, "no instrument is opened while a bench file is checked"); }
+    Unexpected no() const {
+      return fail(ErrorCode::internal, "no instrument is opened while a bench file is checked");
+    }
     Result<std::string> serial_path(const std::string&) override { return no(); }
-    Result<std::unique_ptr<Transport>> open_line(const std::string&, const LineSettings&) override { return no(); }
-    Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override { return no(); }
-    Result<std::unique_ptr<Transport>> open_datagrams(const std::string&, const std::string&, int) override { return no(); }
+    Result<std::unique_ptr<Transport>> open_line(const std::string&, const LineSettings&) override {
+      return no();
+    }
+    Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override {
+      return no();
+    }
+    Result<std::unique_ptr<Transport>> open_datagrams(const std::string&, const std::string&, int) override {
+      return no();
+    }
     Result<int> tcp_port(const std::string&, int) override { return no(); }
     double now_s() const override { return 0.0; }
     Result<void> advance_to(double) override { return no(); }
@@ -183,7 +194,8 @@ Result<void> check_devices(const BenchFile& b) {
   } nowhere;
   const auto motor = Registry<MotorKind>::instance().find(b.motor_adapter)->make(b.table("motor"), nowhere);
   if (!motor) return Unexpected(motor.error());
-  const auto reference = Registry<ReferenceKind>::instance().find(b.reference_adapter)->make(b.table("reference"), nowhere);
+  const auto reference =
+      Registry<ReferenceKind>::instance().find(b.reference_adapter)->make(b.table("reference"), nowhere);
   if (!reference) return Unexpected(reference.error());
   const auto board = Registry<BoardKind>::instance().find(b.board_adapter)->make(b.table("board"), nowhere);
   if (!board) return Unexpected(board.error());
@@ -216,7 +228,8 @@ RigInfo rig_info(const BenchFile& b) {
   info.details["bench"] = b.name;
   info.details["nominal_gain_N_per_V"] = shortest(b.nominal_gain_N_per_V);
   info.details["nominal_offset_N"] = shortest(b.nominal_offset_N);
-  for (const BenchCalibration& c : b.calibrations) info.details["calibration " + c.what] = c.id + ", until " + c.expires;
+  for (const BenchCalibration& c : b.calibrations)
+    info.details["calibration " + c.what] = c.id + ", until " + c.expires;
   return info;
 }
 

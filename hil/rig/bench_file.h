@@ -24,8 +24,8 @@ struct BenchLimits {
   double force_max_N = 5.0;  ///< the weaker of sensor and reference
   double velocity_max_rad_per_s = 40.0;
   double force_rate_max_N_per_s = 100.0;
-  double reference_stale_s = 0.05;  ///< older readings do not count
-  double board_stale_s = 0.1;       ///< a board silent for longer ends the record
+  double reference_stale_s = 0.05;        ///< older readings do not count
+  double board_stale_s = 0.1;             ///< a board silent for longer ends the record
   double start_velocity_rad_per_s = 0.5;  ///< of the way to a record's first angle
 };
 

@@ -23,13 +23,17 @@ Result<std::unique_ptr<BenchSession>> BenchSession::make(BenchFile bench,
   FORCEGATE_CHECK_OK(check_devices(bench));
   std::unique_ptr<BenchSession> s(new BenchSession(std::move(bench), options));
   const BenchWorldKind* kind = world_kind(s->bench_);
-  if (kind == nullptr) return fail(ErrorCode::internal, "this build has no world for the bench", s->bench_.path.string());
+  if (kind == nullptr)
+    return fail(ErrorCode::internal, "this build has no world for the bench", s->bench_.path.string());
   FORCEGATE_TRY(s->world_, kind->make(s->bench_.root, options));
   const BenchFile& b = s->bench_;
-  FORCEGATE_TRY(s->motor_, Registry<MotorKind>::instance().find(b.motor_adapter)->make(b.table("motor"), *s->world_));
-  FORCEGATE_TRY(s->reference_,
-                Registry<ReferenceKind>::instance().find(b.reference_adapter)->make(b.table("reference"), *s->world_));
-  FORCEGATE_TRY(s->board_, Registry<BoardKind>::instance().find(b.board_adapter)->make(b.table("board"), *s->world_));
+  FORCEGATE_TRY(s->motor_,
+                Registry<MotorKind>::instance().find(b.motor_adapter)->make(b.table("motor"), *s->world_));
+  FORCEGATE_TRY(
+      s->reference_,
+      Registry<ReferenceKind>::instance().find(b.reference_adapter)->make(b.table("reference"), *s->world_));
+  FORCEGATE_TRY(s->board_,
+                Registry<BoardKind>::instance().find(b.board_adapter)->make(b.table("board"), *s->world_));
   return s;
 }
 
@@ -107,8 +111,9 @@ std::map<std::string, std::string> BenchSession::details() const {
   add("board", board_->counts());
   const auto tell_clock = [&](const std::string& device, const ClockFit& c) {
     if (c.exchanges > 0)
-      out[device + " clock"] = fmt::format("skew {:+.0f} ppm, residual {:.2f} ms, u {:.2f} ms, from {} exchanges", c.skew_ppm,
-                                           1e3 * c.residual_s, 1e3 * c.u_s, c.exchanges);
+      out[device + " clock"] =
+          fmt::format("skew {:+.0f} ppm, residual {:.2f} ms, u {:.2f} ms, from {} exchanges", c.skew_ppm,
+                      1e3 * c.residual_s, 1e3 * c.u_s, c.exchanges);
   };
   tell_clock("motor", motor_->clock());
   tell_clock("reference", reference_->clock());
@@ -122,7 +127,8 @@ Result<void> stop_motor_now(const BenchFile& bench, std::map<std::string, std::s
   options["clock"] = "paced";  // a hand that only stops must not take the twins' time over
   const BenchWorldKind* world = world_kind(bench);
   const MotorKind* kind = Registry<MotorKind>::instance().find(bench.motor_adapter);
-  if (world == nullptr || kind == nullptr) return fail(ErrorCode::internal, "this build cannot reach the drive");
+  if (world == nullptr || kind == nullptr)
+    return fail(ErrorCode::internal, "this build cannot reach the drive");
   if (bench.twins && !options.contains("attach"))
     return fail(ErrorCode::usage, "the twins of this bench live only inside a run", bench.path.string(),
                 "serve them first: forcegate bench serve " + bench.path.string());

@@ -17,7 +17,8 @@ class BenchSession {
  public:
   /// Options: "attach" = folder of twins that are being served, "clock" = virtual | paced, "arm" = yes (a real bench
   /// moves only then). Makes the world and the adapters; opens nothing.
-  static Result<std::unique_ptr<BenchSession>> make(BenchFile bench, const std::map<std::string, std::string>& options);
+  static Result<std::unique_ptr<BenchSession>> make(BenchFile bench,
+                                                    const std::map<std::string, std::string>& options);
   ~BenchSession();
 
   /// Takes the lease of the bench, then opens all three instruments, the motor last. Idempotent.

@@ -32,7 +32,9 @@ Result<int> open_lease(const std::string& bench_id, int flags) {
   const std::filesystem::path path = folder / ("bench-" + name + ".lease");
   const int fd = ::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (fd < 0 && errno != ENOENT)
-    return fail(ErrorCode::io, std::string("the lease of the bench cannot be opened: ") + std::strerror(errno), path.string());
+    return fail(ErrorCode::io,
+                std::string("the lease of the bench cannot be opened: ") + std::strerror(errno),
+                path.string());
   return fd;
 }
 
@@ -82,20 +84,21 @@ Result<Lease> Lease::take(const std::string& bench_id, const std::string& purpos
     const LeaseHolder h = read_holder(fd);
     lease.fd_ = -1;
     close(fd);
-    return fail(ErrorCode::device, fmt::format("the bench is held by process {} ({})", h.pid, h.purpose), "bench " + bench_id,
-                "wait for it, or see forcegate bench who");
+    return fail(ErrorCode::device, fmt::format("the bench is held by process {} ({})", h.pid, h.purpose),
+                "bench " + bench_id, "wait for it, or see forcegate bench who");
   }
   lease.holder_.pid = getpid();
   lease.holder_.purpose = purpose;
   lease.holder_.since_s = lease.holder_.heartbeat_s = wall_s();
-  lease.holder_.token = fmt::format("{:x}-{:x}", getpid(), static_cast<std::uint64_t>(lease.holder_.since_s * 1e6));
+  lease.holder_.token =
+      fmt::format("{:x}-{:x}", getpid(), static_cast<std::uint64_t>(lease.holder_.since_s * 1e6));
   lease.write_holder();
   return lease;
 }
 
 void Lease::write_holder() noexcept {
-  const std::string text = fmt::format("{} {} {:.3f} {:.3f} {}\n", holder_.pid, holder_.token, holder_.since_s,
-                                       holder_.heartbeat_s, holder_.purpose);
+  const std::string text = fmt::format("{} {} {:.3f} {:.3f} {}\n", holder_.pid, holder_.token,
+                                       holder_.since_s, holder_.heartbeat_s, holder_.purpose);
   (void)!ftruncate(fd_, 0);
   (void)!::pwrite(fd_, text.data(), text.size(), 0);
 }

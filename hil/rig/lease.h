@@ -12,9 +12,9 @@ namespace forcegate {
 
 struct LeaseHolder {
   int pid = 0;
-  std::string token;       ///< of this hold; another hold has another one
-  std::string purpose;     ///< "gate build/firmware/x.elf"
-  double since_s = 0.0;    ///< wall clock, s since 1970
+  std::string token;     ///< of this hold; another hold has another one
+  std::string purpose;   ///< "gate build/firmware/x.elf"
+  double since_s = 0.0;  ///< wall clock, s since 1970
   double heartbeat_s = 0.0;
 };
 

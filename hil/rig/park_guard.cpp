@@ -36,7 +36,8 @@ bool watch(int fd, double silence_s) {
 Result<void> ParkGuard::start(std::function<void()> stop_motor, double silence_s) {
   dismiss();
   int ends[2], ready[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::io, std::string("no pipe: ") + std::strerror(errno));
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    return fail(ErrorCode::io, std::string("no pipe: ") + std::strerror(errno));
   if (pipe2(ready, O_CLOEXEC) != 0) {
     close(ends[0]);
     close(ends[1]);
@@ -45,7 +46,8 @@ Result<void> ParkGuard::start(std::function<void()> stop_motor, double silence_s
   child_ = fork();
   if (child_ < 0) {
     for (const int fd : {ends[0], ends[1], ready[0], ready[1]}) close(fd);
-    return fail(ErrorCode::io, std::string("the process that parks the motor cannot be started: ") + std::strerror(errno));
+    return fail(ErrorCode::io,
+                std::string("the process that parks the motor cannot be started: ") + std::strerror(errno));
   }
   if (child_ == 0) {
     setsid();  // neither Ctrl-C nor the end of the terminal reaches it

@@ -11,7 +11,7 @@
 namespace forcegate {
 namespace {
 constexpr std::uint64_t kExamineEvery = 32;
-constexpr int kGroup = 10;            // cos() of one sample in ten: the witness is about levels, not edges
+constexpr int kGroup = 10;         // cos() of one sample in ten: the witness is about levels, not edges
 constexpr double kMoved_N = 0.1;   // four resolutions of the Nano17
 constexpr float kLoaded_N = 0.6f;  // above the offset F0 of any sensor of the kind
 constexpr float kCommandMoves_rad_per_s = 0.05f;
@@ -123,11 +123,13 @@ void RigWitness::push_time(const RigBlock& block, std::size_t n) {
     low_s[0] = std::min(low_s[0], step_s);
     high_s[0] = std::max(high_s[0], step_s);
   }
-  const double shortest_s = *std::min_element(low_s, low_s + kLanes), longest_s = *std::max_element(high_s, high_s + kLanes);
+  const double shortest_s = *std::min_element(low_s, low_s + kLanes),
+               longest_s = *std::max_element(high_s, high_s + kLanes);
   if (back != 0 || longest_s > 1.5 * period_s_) {
     count_strange_times(block, n);
   } else {
-    o_.worst_step_s = std::max({o_.worst_step_s, std::fabs(shortest_s - period_s_), std::fabs(longest_s - period_s_)});
+    o_.worst_step_s =
+        std::max({o_.worst_step_s, std::fabs(shortest_s - period_s_), std::fabs(longest_s - period_s_)});
     o_.worst_gap_s = std::max(o_.worst_gap_s, longest_s - period_s_);
   }
   o_.last_t_s = previous_t_s_ = t_s[n - 1];
@@ -325,7 +327,8 @@ void RigWitness::push_wheel(const RigBlock& block, std::size_t n, const float* c
   fn_ += count, fee_ += ee, fev_ += ev, fvv_ += vv;
   previous_theta_ = previous;
   theta_run_ = still;
-  o_.theta_still_while_commanded_s = std::max(o_.theta_still_while_commanded_s, static_cast<double>(longest) * period_s_);
+  o_.theta_still_while_commanded_s =
+      std::max(o_.theta_still_while_commanded_s, static_cast<double>(longest) * period_s_);
 }
 
 template <bool kSound>
@@ -349,8 +352,10 @@ void RigWitness::push(const RigBlock& block, std::size_t n, const float* command
 RigObservation RigWitness::finish() const {
   RigWitness end = *this;
   end.close_block();
-  if (end.reference_still_.moved) end.o_.reference_stale_s += static_cast<double>(end.reference_still_.run) * period_s_;
-  if (end.sensor_still_.moved) end.o_.sensor_stale_s += static_cast<double>(end.sensor_still_.run) * period_s_;
+  if (end.reference_still_.moved)
+    end.o_.reference_stale_s += static_cast<double>(end.reference_still_.run) * period_s_;
+  if (end.sensor_still_.moved)
+    end.o_.sensor_stale_s += static_cast<double>(end.sensor_still_.run) * period_s_;
   RigObservation o = end.o_;
   if (second_n_ > 0) o.reference_noise_N = std::sqrt(sum_second_ / (6.0 * static_cast<double>(second_n_)));
   if (force_n_ > 0) o.reference_mean_N = sum_force_ / static_cast<double>(force_n_);

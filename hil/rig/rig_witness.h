@@ -46,12 +46,15 @@ struct RigObservation {
   double reference_lag_s = std::numeric_limits<double>::quiet_NaN();  ///< ATI behind the spring force
   double sensor_lag_s = std::numeric_limits<double>::quiet_NaN();     ///< sensor's code behind the ATI
   double following_rad = std::numeric_limits<double>::quiet_NaN();    ///< rms of the following residual
-  double zero_start_N = std::numeric_limits<double>::quiet_NaN();  ///< unloaded ATI before the record; NaN: not taken
-  double zero_end_N = std::numeric_limits<double>::quiet_NaN();    ///< and after it
-  double reference_stale_s = 0.0;  ///< all times without a change of the reading while the spring moved by 0.1 N
-  double sensor_stale_s = 0.0;     ///< the same of the sensor's code
-  double worst_gap_s = 0.0;        ///< largest step of time beyond one period
-  std::uint64_t sensor_jumps = 0;       ///< steps of 2 % of the range from one code to the next while the ATI stood
+  double zero_start_N =
+      std::numeric_limits<double>::quiet_NaN();  ///< unloaded ATI before the record; NaN: not taken
+  double zero_end_N = std::numeric_limits<double>::quiet_NaN();  ///< and after it
+  double reference_stale_s =
+      0.0;                      ///< all times without a change of the reading while the spring moved by 0.1 N
+  double sensor_stale_s = 0.0;  ///< the same of the sensor's code
+  double worst_gap_s = 0.0;     ///< largest step of time beyond one period
+  std::uint64_t sensor_jumps =
+      0;  ///< steps of 2 % of the range from one code to the next while the ATI stood
   std::uint64_t sensor_blocks = 0;      ///< blocks of 10 s in which the ATI moved and the converter had room
   std::uint64_t sensor_blocks_odd = 0;  ///< of these, in which the code did not follow the ATI: r^2 < 0.3
 };
@@ -114,7 +117,8 @@ class RigWitness {
   LagFit reference_lag_, sensor_lag_;
   // Block of kBlockSeconds.
   struct Block {
-    double start_s = 0, n = 0, bias = 0, f = 0, c = 0, ff = 0, fc = 0, cc = 0, code_low = 1e9, code_high = -1e9;
+    double start_s = 0, n = 0, bias = 0, f = 0, c = 0, ff = 0, fc = 0, cc = 0, code_low = 1e9,
+           code_high = -1e9;
   };
   Block block_;
   // Following: e = integral of command - theta, v = theta', both through the same high pass.

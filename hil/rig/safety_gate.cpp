@@ -62,7 +62,8 @@ Result<double> SafetyGate::command(double velocity_rad_per_s) {
   if (rate_max_N_per_s_ > 0.0) {  // the force follows the angle by k e sin(theta)
     const double slope =
         std::fabs(geometry_.spring_N_per_mm * geometry_.eccentricity_mm * portable::sin(theta));
-    if (slope * std::fabs(velocity) > rate_max_N_per_s_) velocity = std::copysign(rate_max_N_per_s_ / slope, velocity);
+    if (slope * std::fabs(velocity) > rate_max_N_per_s_)
+      velocity = std::copysign(rate_max_N_per_s_ / slope, velocity);
   }
   if (velocity != velocity_rad_per_s) ++report_.clipped_commands;
   FORCEGATE_CHECK_OK(rig_.command_velocity(velocity));
@@ -75,7 +76,8 @@ bool SafetyGate::all_sound(const RigBlock& rows, std::size_t at, std::size_t n) 
   const float* const force_N = rows.force_ref_N.data() + at;
   const double force_max_N = std::min<double>(force_max_N_, std::numeric_limits<float>::max());
   unsigned strange = 0;
-  for (std::size_t i = 0; i < n; ++i) strange |= status[i] | static_cast<unsigned>(!(std::fabs(force_N[i]) <= force_max_N));
+  for (std::size_t i = 0; i < n; ++i)
+    strange |= status[i] | static_cast<unsigned>(!(std::fabs(force_N[i]) <= force_max_N));
   return strange == 0;
 }
 

@@ -62,15 +62,16 @@ class SelfCheck {
 
   void samples_and_clock() {
     add({"rig_samples", "Share of samples that never arrived",
-         o_.worst_gap_s > limits_.gap_s ? kInf : share(o_.lost + o_.time_gaps), "1", limits_.lost_share, Blame::link,
+         o_.worst_gap_s > limits_.gap_s ? kInf : share(o_.lost + o_.time_gaps), "1", limits_.lost_share,
+         Blame::link,
          fmt::format("{} samples lost, {} gaps in time, the longest {:.3f} s, of {}", o_.lost, o_.time_gaps,
                      std::max(0.0, o_.worst_gap_s), o_.samples)});
     if (o_.samples < 1000) return;
     const double stamped_s = o_.last_t_s - o_.first_t_s, counted_s = (n_ - 1.0) / info_.rate_Hz;
-    add({"rig_clock", "Time stamps against the number of samples, relative", std::fabs(stamped_s / counted_s - 1.0),
-         "1", limits_.clock_rel, Blame::link,
-         fmt::format("{:.3f} s by the time stamps, {:.3f} s by counting samples at {:g} Hz", stamped_s, counted_s,
-                     info_.rate_Hz)});
+    add({"rig_clock", "Time stamps against the number of samples, relative",
+         std::fabs(stamped_s / counted_s - 1.0), "1", limits_.clock_rel, Blame::link,
+         fmt::format("{:.3f} s by the time stamps, {:.3f} s by counting samples at {:g} Hz", stamped_s,
+                     counted_s, info_.rate_Hz)});
   }
 
   void identity() {
@@ -78,8 +79,8 @@ class SelfCheck {
     const auto expected = info_.details.find("reference_calibration_expected");
     if (read == info_.details.end() || expected == info_.details.end()) return;
     same_calibration_ = read->second == expected->second;
-    add({"rig_reference_identity", "The ATI runs with the calibration that the bench names", same_calibration_ ? 0.0 : 1.0,
-         "1", 0.0, Blame::reference,
+    add({"rig_reference_identity", "The ATI runs with the calibration that the bench names",
+         same_calibration_ ? 0.0 : 1.0, "1", 0.0, Blame::reference,
          fmt::format("calibration {} is loaded, the bench names {}", read->second, expected->second)});
   }
 
@@ -87,18 +88,20 @@ class SelfCheck {
     const double before = o_.zero_start_N, after = o_.zero_end_N;
     zero_known_ = std::isfinite(before);
     if (!zero_known_) return;
-    const double worst = std::isfinite(after) ? std::max(std::fabs(before), std::fabs(after)) : std::fabs(before);
+    const double worst =
+        std::isfinite(after) ? std::max(std::fabs(before), std::fabs(after)) : std::fabs(before);
     zero_sound_ = worst <= limits_.zero_N;
     add({"rig_reference_zero", "Unloaded ATI reading", worst, "N", limits_.zero_N, Blame::reference,
-         fmt::format("without load the ATI reads {:+.3f} N before the record, {:+.3f} N after it", before, after)});
+         fmt::format("without load the ATI reads {:+.3f} N before the record, {:+.3f} N after it", before,
+                     after)});
   }
 
   void reference() {
     const std::uint64_t bad = o_.reference_saturated + o_.reference_fault + o_.reference_not_finite;
     add({"rig_reference_valid", "Share of samples without a valid ATI reading", share(bad), "1",
          limits_.reference_bad_share, Blame::reference,
-         fmt::format("ATI: {} samples saturated, {} with an error, {} without a value, of {}", o_.reference_saturated,
-                     o_.reference_fault, o_.reference_not_finite, o_.samples)});
+         fmt::format("ATI: {} samples saturated, {} with an error, {} without a value, of {}",
+                     o_.reference_saturated, o_.reference_fault, o_.reference_not_finite, o_.samples)});
     const double quantisation_N = info_.reference_resolution_N / std::sqrt(12.0);
     const double declared_N = std::hypot(info_.reference_noise_N, quantisation_N);
     if (info_.reference_noise_N > 0.0)
@@ -108,10 +111,10 @@ class SelfCheck {
                        declared_N)});
     if (info_.geometry.eccentricity_mm > 0.0 && o_.spring_samples > 0)
       add({"rig_reference_alive", "Longest time the ATI reading stood still while the wheel moved",
-           o_.reference_stale_s > limits_.stale_share * n_ / info_.rate_Hz ? kInf : o_.reference_frozen_s, "s",
-           limits_.frozen_s, Blame::reference,
-           fmt::format("the ATI reading did not change for {:.2f} s of motion, {:.2f} s in all", o_.reference_frozen_s,
-                       o_.reference_stale_s)});
+           o_.reference_stale_s > limits_.stale_share * n_ / info_.rate_Hz ? kInf : o_.reference_frozen_s,
+           "s", limits_.frozen_s, Blame::reference,
+           fmt::format("the ATI reading did not change for {:.2f} s of motion, {:.2f} s in all",
+                       o_.reference_frozen_s, o_.reference_stale_s)});
   }
 
   void drive() {
@@ -122,8 +125,8 @@ class SelfCheck {
                             : fmt::format("the wheel stood still for {:.2f} s while it was told to move",
                                           o_.theta_still_while_commanded_s)});
     if (std::isfinite(o_.following_rad))
-      add({"rig_following", "Wheel angle beside the commanded one, beyond the drive's own lag, rms", o_.following_rad,
-           "rad", limits_.following_rad, Blame::rig,
+      add({"rig_following", "Wheel angle beside the commanded one, beyond the drive's own lag, rms",
+           o_.following_rad, "rad", limits_.following_rad, Blame::rig,
            fmt::format("the wheel leaves the commanded motion by {:.4f} rad rms", o_.following_rad)});
   }
 
@@ -140,42 +143,50 @@ class SelfCheck {
     const char* why = late                 ? ": its reading is late"
                       : absurd             ? ": no spring is like that"
                       : !same_calibration_ ? ": another calibration is loaded"
-                      : zero_known_ ? (zero_sound_ ? ": unloaded the ATI is sound, so spring or preload are not as set"
-                                                   : ": unloaded the ATI is off as well")
-                      : steady      ? ", the same from start to end: zero of the ATI (or a preload set wrongly)"
-                                    : "";
+                      : zero_known_
+                          ? (zero_sound_ ? ": unloaded the ATI is sound, so spring or preload are not as set"
+                                         : ": unloaded the ATI is off as well")
+                      : steady ? ", the same from start to end: zero of the ATI (or a preload set wrongly)"
+                               : "";
     if (std::isfinite(o_.reference_lag_s))
       add({"rig_reference_lag", "Lag of the ATI behind the spring force", std::fabs(o_.reference_lag_s), "s",
            limits_.reference_lag_s, late ? Blame::reference : Blame::rig,
            fmt::format("the ATI reading is {:+.1f} ms behind the wheel{}", 1000.0 * o_.reference_lag_s,
                        lags && !late ? ", and so is the sensor: play between shaft and wheel" : "")});
     add({"rig_spring_witness", "ATI against spring and wheel angle, worst mean over 10 s",
-         std::fabs(o_.spring_worst_bias_N), "N", limits_.spring_bias_N, reference ? Blame::reference : Blame::rig,
+         std::fabs(o_.spring_worst_bias_N), "N", limits_.spring_bias_N,
+         reference ? Blame::reference : Blame::rig,
          fmt::format("ATI minus k x(theta): {:+.3f} N in the worst 10 s, {:+.3f} N over the record{}",
                      o_.spring_worst_bias_N, o_.spring_bias_N, why)});
-    add({"rig_spring_slope", "Slope of ATI over spring force, distance from 1", std::fabs(o_.spring_slope - 1.0), "1",
-         limits_.spring_slope, late || absurd || !same_calibration_ ? Blame::reference : Blame::rig,
+    add({"rig_spring_slope", "Slope of ATI over spring force, distance from 1",
+         std::fabs(o_.spring_slope - 1.0), "1", limits_.spring_slope,
+         late || absurd || !same_calibration_ ? Blame::reference : Blame::rig,
          fmt::format("the ATI moves {:.3f} N for each newton of the spring{}", o_.spring_slope,
-                     absurd || !same_calibration_ ? "" : ": stiffness of the spring or gain of the ATI, a known mass tells")});
-    add({"rig_spring_scatter", "Scatter of ATI about the spring force", o_.spring_rms_N, "N", limits_.spring_scatter_N,
-         reference ? Blame::reference : Blame::rig,
-         fmt::format("ATI minus k x(theta) scatters by {:.3f} N: play between shaft and wheel, or a late reading",
-                     o_.spring_rms_N)});
+                     absurd || !same_calibration_
+                         ? ""
+                         : ": stiffness of the spring or gain of the ATI, a known mass tells")});
+    add({"rig_spring_scatter", "Scatter of ATI about the spring force", o_.spring_rms_N, "N",
+         limits_.spring_scatter_N, reference ? Blame::reference : Blame::rig,
+         fmt::format(
+             "ATI minus k x(theta) scatters by {:.3f} N: play between shaft and wheel, or a late reading",
+             o_.spring_rms_N)});
   }
 
   void sensor() {
-    add({"rig_adc", "Converter bits that never changed", static_cast<double>(std::popcount(o_.adc_bits_stuck)), "1",
-         0.0, Blame::rig,
+    add({"rig_adc", "Converter bits that never changed",
+         static_cast<double>(std::popcount(o_.adc_bits_stuck)), "1", 0.0, Blame::rig,
          fmt::format("codes {} to {}, stuck bits 0x{:04x}", o_.adc_min, o_.adc_max, o_.adc_bits_stuck)});
     const bool stale = o_.sensor_stale_s > limits_.stale_share * n_ / info_.rate_Hz;
-    const bool many = o_.sensor_stale_s > 3.0 * o_.sensor_dead_s;  // one stretch is the sensor's, many are the link's
+    const bool many =
+        o_.sensor_stale_s > 3.0 * o_.sensor_dead_s;  // one stretch is the sensor's, many are the link's
     add({"rig_sensor", "Longest time the sensor channel was dead", stale ? kInf : o_.sensor_dead_s, "s",
          limits_.sensor_dead_s, stale && many ? Blame::link : Blame::sensor,
          fmt::format("one code for {:.2f} s of motion, or code 0 under load; {:.2f} s of stale codes in all",
                      o_.sensor_dead_s, o_.sensor_stale_s)});
     add({"rig_sensor_jumps", "Share of samples at which the sensor's code jumps while the ATI stands",
          share(o_.sensor_jumps), "1", limits_.jump_share, Blame::sensor,
-         fmt::format("{} jumps of more than 2 % of the range: a bad contact or a converter bit", o_.sensor_jumps)});
+         fmt::format("{} jumps of more than 2 % of the range: a bad contact or a converter bit",
+                     o_.sensor_jumps)});
     if (o_.sensor_blocks > 0)
       add({"rig_sensor_follows", "Share of 10-s blocks in which the sensor's code does not follow the ATI",
            static_cast<double>(o_.sensor_blocks_odd) / static_cast<double>(o_.sensor_blocks), "1",
@@ -193,7 +204,8 @@ class SelfCheck {
 
 }  // namespace
 
-std::vector<Check> self_check(const RigInfo& info, const RigObservation& seen, const SelfCheckLimits& limits) {
+std::vector<Check> self_check(const RigInfo& info, const RigObservation& seen,
+                              const SelfCheckLimits& limits) {
   return SelfCheck(info, seen, limits).run();
 }
 

@@ -22,10 +22,10 @@ struct SelfCheckLimits {
   double noise_factor = 3.0;           ///< times the declared noise and quantisation
   double reference_bad_share = 0.001;  ///< of the samples saturated, faulty or not finite
   double lost_share = 0.001;
-  double stale_share = 0.001;  ///< of the time with an unchanged reading while the spring moves
-  double frozen_s = 0.5;       ///< ATI reading unchanged while the wheel moves
-  double wheel_still_s = 1.0;  ///< wheel unmoved while commanded
-  double sensor_dead_s = 0.5;  ///< one code while the wheel moves, or code 0 under load
+  double stale_share = 0.001;     ///< of the time with an unchanged reading while the spring moves
+  double frozen_s = 0.5;          ///< ATI reading unchanged while the wheel moves
+  double wheel_still_s = 1.0;     ///< wheel unmoved while commanded
+  double sensor_dead_s = 0.5;     ///< one code while the wheel moves, or code 0 under load
   double sensor_odd_share = 0.1;  ///< of the 10-s blocks in which the code does not follow the ATI
   double jump_share = 2e-5;       ///< of the samples at which the sensor's code jumps and the ATI does not
   double gap_s = 0.1;             ///< one step of time beyond the period

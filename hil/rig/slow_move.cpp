@@ -15,23 +15,30 @@ constexpr double kPeriod_s = 0.01, kSilence_s = 0.25;
 Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
   const RigGeometry& g = s.bench().geometry;
   if (m.angle_rad < g.theta_min_rad || m.angle_rad > g.theta_max_rad)
-    return fail(ErrorCode::usage, fmt::format("{:.3f} rad is outside the travel", m.angle_rad), s.bench().path.string(),
-                fmt::format("give an angle from {} to {} rad", shortest(g.theta_min_rad), shortest(g.theta_max_rad)));
+    return fail(
+        ErrorCode::usage, fmt::format("{:.3f} rad is outside the travel", m.angle_rad),
+        s.bench().path.string(),
+        fmt::format("give an angle from {} to {} rad", shortest(g.theta_min_rad), shortest(g.theta_max_rad)));
   FORCEGATE_CHECK_OK(s.arm());
   FORCEGATE_TRY(MotorState state, s.motor().read());
   SlowMoveEnd end{state.theta_rad, state.theta_rad, 0.0};
   FORCEGATE_CHECK_OK(s.reference().start());
   BenchWorld& world = s.world();
-  const double until_s = world.now_s() + 2.0 * std::fabs(m.angle_rad - state.theta_rad) / m.speed_rad_per_s + 2.0;
+  const double until_s =
+      world.now_s() + 2.0 * std::fabs(m.angle_rad - state.theta_rad) / m.speed_rad_per_s + 2.0;
   double seen_s = world.now_s();
   std::vector<ReferenceReading> seen;
   while (std::fabs(state.theta_rad - m.angle_rad) > m.tolerance_rad) {
-    if (m.stop != nullptr && m.stop->load()) return fail(ErrorCode::cancelled, "interrupted: the motor is stopped", s.bench().path.string());
+    if (m.stop != nullptr && m.stop->load())
+      return fail(ErrorCode::cancelled, "interrupted: the motor is stopped", s.bench().path.string());
     if (world.now_s() > until_s)
-      return fail(ErrorCode::device, fmt::format("the wheel does not reach {:.2f} rad: it stands at {:.2f} rad", m.angle_rad, state.theta_rad),
+      return fail(ErrorCode::device,
+                  fmt::format("the wheel does not reach {:.2f} rad: it stands at {:.2f} rad", m.angle_rad,
+                              state.theta_rad),
                   "motor", "check coupling, scale of 'position' and that the wheel is free");
     const double way = m.angle_rad - state.theta_rad;
-    FORCEGATE_CHECK_OK(s.motor().command_velocity(std::clamp(4.0 * way, -m.speed_rad_per_s, m.speed_rad_per_s)));
+    FORCEGATE_CHECK_OK(
+        s.motor().command_velocity(std::clamp(4.0 * way, -m.speed_rad_per_s, m.speed_rad_per_s)));
     FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + kPeriod_s));
     s.beat();
     FORCEGATE_TRY(state, s.motor().read());
@@ -43,12 +50,14 @@ Result<SlowMoveEnd> move(BenchSession& s, const SlowMove& m) {
     for (const ReferenceReading& r : seen) {
       end.force_N = static_cast<double>(r.force_N);
       if (r.status != 0 || !(end.force_N <= s.bench().limits.force_max_N))
-        return fail(ErrorCode::safety, fmt::format("the force is {:.2f} N: the motor is stopped", end.force_N), "reference",
+        return fail(ErrorCode::safety,
+                    fmt::format("the force is {:.2f} N: the motor is stopped", end.force_N), "reference",
                     "unload the sensor and look for what blocks the wheel");
       seen_s = world.now_s();
     }
     if (world.now_s() - seen_s > kSilence_s)
-      return fail(ErrorCode::safety, "the reference is silent: the motor is stopped", "reference", "check its cable");
+      return fail(ErrorCode::safety, "the reference is silent: the motor is stopped", "reference",
+                  "check its cable");
   }
   FORCEGATE_CHECK_OK(s.motor().stop());
   end.to_rad = state.theta_rad;

@@ -23,7 +23,8 @@ constexpr const char* kHeader = "# forcegate specimen log, format 1";
 std::optional<double> number_of(const std::string& text) {
   double v = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(v) || v < 0.0) return std::nullopt;
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(v) || v < 0.0)
+    return std::nullopt;
   return v;
 }
 
@@ -43,10 +44,12 @@ Result<std::map<std::string, SpecimenHistory>> SpecimenLog::read() const {
     if (line.empty() || (line.front() == '#' && line.starts_with(kHeader))) continue;
     const std::vector<std::string> words = split(line, '\t');
     const auto wrong = [&](const char* what) {
-      return fail(ErrorCode::parse, std::string("a line of the specimen log ") + what, fmt::format("{}:{}", file_.string(), number),
+      return fail(ErrorCode::parse, std::string("a line of the specimen log ") + what,
+                  fmt::format("{}:{}", file_.string(), number),
                   "mend the line by hand: when was the specimen used last?");
     };
-    if (words.size() != 4 || (words[1] != "begin" && words[1] != "end")) return wrong("is neither a begin nor an end");
+    if (words.size() != 4 || (words[1] != "begin" && words[1] != "end"))
+      return wrong("is neither a begin nor an end");
     const auto when_s = seconds_of_stamp(words[0]);
     const auto amount = number_of(words[3]);
     if (!when_s || !amount) return wrong("has no time or no number");
@@ -91,7 +94,8 @@ Result<void> SpecimenLog::append(const std::string& line) const {
   if (size > 0 && pread(fd, &last, 1, size - 1) != 1) return io("read");
   // A line that a crash has cut off keeps to itself.
   const std::string text = (size == 0 ? std::string(kHeader) + "\n" : last == '\n' ? "" : "\n") + line;
-  if (write(fd, text.data(), text.size()) != static_cast<ssize_t>(text.size()) || fdatasync(fd) != 0) return io("written");
+  if (write(fd, text.data(), text.size()) != static_cast<ssize_t>(text.size()) || fdatasync(fd) != 0)
+    return io("written");
   close(fd);
   return {};
 }

@@ -34,7 +34,8 @@ std::string TickHistogram::to_text() const {
   for (std::size_t i = 0; i < count_.size(); ++i) {
     if (count_[i] == 0) continue;
     const double share = 100.0 * static_cast<double>(count_[i]) / static_cast<double>(ticks_);
-    out += i < kEdge_ms.size() ? fmt::format(", {:.2f} % below {:g} ms", share, kEdge_ms[i]) : fmt::format(", {:.2f} % later", share);
+    out += i < kEdge_ms.size() ? fmt::format(", {:.2f} % below {:g} ms", share, kEdge_ms[i])
+                               : fmt::format(", {:.2f} % later", share);
   }
   return out + fmt::format("; latest {:.2f} ms", 1e3 * worst_s_);
 }
@@ -47,10 +48,13 @@ void RealTime::request() noexcept {
   wish.sched_priority = kPriority;
   granted_ = sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &wish) == 0;
   const int error = granted_ ? lock_error : errno;
-  text_ = granted_ && locked_ ? fmt::format("SCHED_FIFO {}, memory locked", kPriority)
-                              : fmt::format("warning: {}{}{} ({}); let the user have rtprio {} and memlock unlimited in /etc/security/limits.d",
-                                            granted_ ? "" : "no SCHED_FIFO", !granted_ && !locked_ ? ", " : "", locked_ ? "" : "memory not locked",
-                                            std::strerror(error), kPriority);
+  text_ =
+      granted_ && locked_
+          ? fmt::format("SCHED_FIFO {}, memory locked", kPriority)
+          : fmt::format(
+                "warning: {}{}{} ({}); let the user have rtprio {} and memlock unlimited in /etc/security/limits.d",
+                granted_ ? "" : "no SCHED_FIFO", !granted_ && !locked_ ? ", " : "",
+                locked_ ? "" : "memory not locked", std::strerror(error), kPriority);
 }
 
 void RealTime::release() noexcept {

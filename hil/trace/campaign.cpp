@@ -90,7 +90,8 @@ class Members {
     return {};
   }
   Unexpected wrong(const char* key, const std::string& what, std::string hint = {}) const {
-    return fail(ErrorCode::parse, "\"" + std::string(key) + "\" " + what, source_.find(anchor_, key), std::move(hint));
+    return fail(ErrorCode::parse, "\"" + std::string(key) + "\" " + what, source_.find(anchor_, key),
+                std::move(hint));
   }
 
  private:
@@ -138,7 +139,8 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   std::string role;
   FORCEGATE_CHECK_OK(m.text("role", role));
   if (!role.empty()) {
-    if (role != "fit" && role != "heldout") return m.wrong("role", "is \"" + role + "\"", "say \"fit\" or \"heldout\"");
+    if (role != "fit" && role != "heldout")
+      return m.wrong("role", "is \"" + role + "\"", "say \"fit\" or \"heldout\"");
     record.role = role == "heldout" ? RecordRole::heldout : RecordRole::fit;
     record.role_given = true;
   }
@@ -199,20 +201,28 @@ void add_notes(const std::vector<Reading>& readings, Campaign& campaign) {
     if (!note.same) note.names.erase(note.names.begin());
     const std::size_t more = note.names.size() > kMostNames ? note.names.size() - kMostNames : 0;
     if (more > 0) note.names.resize(kMostNames);
-    const std::string who = everyone ? (note.same ? "every record" : "every other record")
-                                     : join(note.names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
-    campaign.notes.push_back(note.same ? who + ": " + note.text : first + ": " + note.text + "; the like in " + who);
+    const std::string who =
+        everyone ? (note.same ? "every record" : "every other record")
+                 : join(note.names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
+    campaign.notes.push_back(note.same ? who + ": " + note.text
+                                       : first + ": " + note.text + "; the like in " + who);
   }
 }
 
 /// A mapped column that exists nowhere is a typing mistake, and what is then read is not what was meant.
-Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptions& options, const fs::path& where) {
+Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptions& options,
+                       const fs::path& where) {
   for (const auto& [from, to] : options.column_map) {
-    if (std::ranges::any_of(readings, [&, &name = from](const Reading& r) { return std::ranges::find(r.mapped, name) != r.mapped.end(); })) continue;
+    if (std::ranges::any_of(readings, [&, &name = from](const Reading& r) {
+          return std::ranges::find(r.mapped, name) != r.mapped.end();
+        }))
+      continue;
     std::vector<std::string> columns;
     for (const Reading& reading : readings)
       for (const Channel& c : reading.record->trace.channels)
-        if (const std::string name = header_of(c.name, c.unit); std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
+        if (const std::string name = header_of(c.name, c.unit);
+            std::ranges::find(columns, name) == columns.end())
+          columns.push_back(name);
     return fail(ErrorCode::usage, "no record has a column \"" + from + "\" to map to " + to, where.string(),
                 "there are " + join(columns, ", ") + "; only columns of CSV and MAT files can be mapped");
   }
@@ -221,7 +231,8 @@ Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptio
 
 Result<Campaign> read_described(const fs::path& file, const CampaignOptions& options) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) return fail(ErrorCode::io, "campaign.json cannot be opened", file.string(), "check its permissions");
+  if (!stream)
+    return fail(ErrorCode::io, "campaign.json cannot be opened", file.string(), "check its permissions");
   std::ostringstream buffer;
   buffer << stream.rdbuf();
   const Source source(file, std::move(buffer).str());
@@ -233,13 +244,15 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
     const std::string what = e.what();
     const std::size_t reason = what.find(": ", what.find("column"));
     return fail(ErrorCode::parse,
-                "campaign.json is not valid JSON: " + printable_utf8(reason == std::string::npos ? what : what.substr(reason + 2)),
+                "campaign.json is not valid JSON: " +
+                    printable_utf8(reason == std::string::npos ? what : what.substr(reason + 2)),
                 source.at(e.byte > 0 ? e.byte - 1 : 0), "mend the file at this place");
   } catch (const Json::exception& e) {
     return fail(ErrorCode::parse, "campaign.json cannot be read: " + printable_utf8(e.what()), file.string());
   }
   if (!json.is_object())
-    return fail(ErrorCode::parse, "campaign.json must be one object { ... }", source.at(0), "see docs/campaign.md");
+    return fail(ErrorCode::parse, "campaign.json must be one object { ... }", source.at(0),
+                "see docs/campaign.md");
 
   Campaign campaign;
   campaign.folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
@@ -253,7 +266,8 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
   }
   const auto records = json.find("records");
   if (records == json.end() || !records->is_array() || records->empty())
-    return m.wrong("records", "must be a list of at least one record", "{\"file\": \"run1.csv\"} is enough for one");
+    return m.wrong("records", "must be a list of at least one record",
+                   "{\"file\": \"run1.csv\"} is enough for one");
 
   std::vector<Reading> readings;
   for (std::size_t i = 0; i < records->size(); ++i) {
@@ -269,7 +283,8 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
     std::error_code ignored;
     if (!fs::exists(path, ignored))
       return fail(ErrorCode::io, "the file \"" + printable_utf8(name) + "\" of " + place + " does not exist",
-                  source.find(name, "file"), "put it into " + campaign.folder.string() + " or take the record out");
+                  source.find(name, "file"),
+                  "put it into " + campaign.folder.string() + " or take the record out");
     campaign.records.push_back(std::move(record));
     readings.push_back({nullptr, path, {}, {}});
   }
@@ -285,12 +300,13 @@ Result<Campaign> read_folder(const fs::path& folder, const CampaignOptions& opti
   std::vector<fs::path> files;
   std::error_code failed;
   for (const auto& entry : fs::directory_iterator(folder, failed))
-    if (is_record_file(entry.path()) && entry.path().filename().string().front() != '.') files.push_back(entry.path());
+    if (is_record_file(entry.path()) && entry.path().filename().string().front() != '.')
+      files.push_back(entry.path());
   if (failed) return fail(ErrorCode::io, "the folder cannot be listed: " + failed.message(), folder.string());
   std::sort(files.begin(), files.end());
   if (files.empty())
-    return fail(ErrorCode::io, "the folder holds neither campaign.json nor any .csv, .h5 or .mat file", folder.string(),
-                "name the folder of the recordings");
+    return fail(ErrorCode::io, "the folder holds neither campaign.json nor any .csv, .h5 or .mat file",
+                folder.string(), "name the folder of the recordings");
 
   Campaign campaign;
   campaign.folder = folder;
@@ -345,7 +361,8 @@ Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& opti
   if (!fs::exists(status))
     return fail(ErrorCode::io, "there is no such file or folder", path.string(), "check the name");
   if (fs::is_directory(status))
-    return fs::exists(path / kFileName, failed) ? read_described(path / kFileName, options) : read_folder(path, options);
+    return fs::exists(path / kFileName, failed) ? read_described(path / kFileName, options)
+                                                : read_folder(path, options);
   return path.extension() == ".json" ? read_described(path, options) : read_single(path, options);
 }
 

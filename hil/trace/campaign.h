@@ -28,12 +28,14 @@ enum class RecordRole { fit, heldout };
 /// One record. Every optional is empty when campaign.json does not say it; then the reader of the value estimates
 /// it from the samples and says so.
 struct Record {
-  std::string name;              ///< file stem
-  std::string kind;              ///< ramp, staircase, steps, hold, rest, sine, multisine, sweep, prbs, switch ...; "" unknown
+  std::string name;  ///< file stem
+  std::string
+      kind;  ///< ramp, staircase, steps, hold, rest, sine, multisine, sweep, prbs, switch ...; "" unknown
   RecordRole role = RecordRole::fit;
   bool role_given = false;
-  Trace trace;                   ///< channels named F_ref, U, theta, temp, C, F_cmd, F_dut, drive, ... (canonical units)
-  std::optional<double> rate_Hz, start_s, rest_before_s, excitation_start_s, f_min_Hz, A_N, m_N, drive_V, eccentricity_mm, preload_mm;
+  Trace trace;  ///< channels named F_ref, U, theta, temp, C, F_cmd, F_dut, drive, ... (canonical units)
+  std::optional<double> rate_Hz, start_s, rest_before_s, excitation_start_s, f_min_Hz, A_N, m_N, drive_V,
+      eccentricity_mm, preload_mm;
   std::optional<bool> dynamic;
 };
 

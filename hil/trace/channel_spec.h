@@ -13,14 +13,17 @@ namespace forcegate {
 enum class SampleType : std::uint8_t { f64 = 0, f32 = 1, i32 = 2, u16 = 3, u8 = 4 };
 
 constexpr std::size_t size_of(SampleType type) {
-  return type == SampleType::f64 ? 8 : type == SampleType::f32 || type == SampleType::i32 ? 4 : type == SampleType::u16 ? 2 : 1;
+  return type == SampleType::f64                              ? 8
+         : type == SampleType::f32 || type == SampleType::i32 ? 4
+         : type == SampleType::u16                            ? 2
+                                                              : 1;
 }
 constexpr bool is_counts(SampleType type) { return type != SampleType::f64 && type != SampleType::f32; }
 
 struct ChannelSpec {
-  std::string name;       ///< "F_ref"; a counts channel of the same name holds that channel's raw values
-  std::string unit;       ///< canonical, "N"; "counts" for device counts
-  std::string quantity;   ///< "force"
+  std::string name;      ///< "F_ref"; a counts channel of the same name holds that channel's raw values
+  std::string unit;      ///< canonical, "N"; "counts" for device counts
+  std::string quantity;  ///< "force"
   SampleType type = SampleType::f32;
   std::size_t time_base = 0;
 };

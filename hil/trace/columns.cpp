@@ -28,10 +28,20 @@ struct Synonyms {
 };
 
 constexpr std::array kSynonyms = {
-    Synonyms{"F_ref", "force", "N", {"f_ref", "fref", "f", "force", "ati", "f_ati", "force_ref", "reference", "load_cell", "fz", "kraft"}},
-    Synonyms{"F_cmd", "force", "N", {"f_cmd", "f_set", "setpoint", "set_point", "command", "target", "f_target", "f_sp"}},
+    Synonyms{"F_ref",
+             "force",
+             "N",
+             {"f_ref", "fref", "f", "force", "ati", "f_ati", "force_ref", "reference", "load_cell", "fz",
+              "kraft"}},
+    Synonyms{"F_cmd",
+             "force",
+             "N",
+             {"f_cmd", "f_set", "setpoint", "set_point", "command", "target", "f_target", "f_sp"}},
     Synonyms{"F_dut", "force", "N", {"f_dut", "dut", "f_est", "estimate", "firmware", "f_fw"}},
-    Synonyms{"U", "voltage", "V", {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal", "spannung"}},
+    Synonyms{"U",
+             "voltage",
+             "V",
+             {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal", "spannung"}},
     Synonyms{"drive", "voltage", "V", {"drive", "supply", "v_drive", "u_drive", "vcc", "v_supply"}},
     Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel"}},
     Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb"}},
@@ -56,7 +66,8 @@ std::string known_name(std::string_view name) {
 namespace {
 
 bool names_a_clock(std::string_view name) {
-  static constexpr std::array kClocks = {"t", "time", "timestamp", "time_stamp", "elapsed", "clock", "t_rel", "sec", "seconds", "zeit"};
+  static constexpr std::array kClocks = {"t",     "time",  "timestamp", "time_stamp", "elapsed",
+                                         "clock", "t_rel", "sec",       "seconds",    "zeit"};
   if (name == "T") return false;
   const std::string word = lower(name);
   return std::any_of(kClocks.begin(), kClocks.end(), [&](const char* c) { return word == c; });
@@ -70,7 +81,8 @@ std::optional<NamedColumn> split_bracket(std::string_view header) {
   if (!header.empty() && (header.back() == ')' || header.back() == ']')) {
     open = header.rfind(header.back() == ')' ? '(' : '[');
     if (open != std::string_view::npos) symbol = header.substr(open + 1, header.size() - open - 2);
-  } else if ((open = header.rfind('/')) != std::string_view::npos || (open = header.rfind(',')) != std::string_view::npos) {
+  } else if ((open = header.rfind('/')) != std::string_view::npos ||
+             (open = header.rfind(',')) != std::string_view::npos) {
     symbol = header.substr(open + 1);
   }
   if (open == std::string_view::npos || open == 0) return std::nullopt;
@@ -89,7 +101,8 @@ ColumnMeaning meaning_of(std::string_view header) {
     out.name = named->name;
     out.unit = named->unit;
     const std::size_t at = out.name.rfind('_');
-    const std::string_view before = at == std::string::npos || at == 0 ? std::string_view{} : std::string_view(out.name).substr(at + 1);
+    const std::string_view before =
+        at == std::string::npos || at == 0 ? std::string_view{} : std::string_view(out.name).substr(at + 1);
     if (out.unit.quantity == "time" && (before == "cm" || before == "dm" || find_unit(before))) {
       const std::string rate = std::string(before) + "/" + out.unit.symbol;
       out.unit = Unit{rate, rate, "rate", 1.0, 0.0};
@@ -103,7 +116,8 @@ ColumnMeaning meaning_of(std::string_view header) {
     return out;
   }
   out.name = identifier(header);
-  if (const std::string word = lower(out.name); word == "millis" || word == "micros") {  // as an Arduino prints them
+  if (const std::string word = lower(out.name);
+      word == "millis" || word == "micros") {  // as an Arduino prints them
     out.is_clock = true;
     out.unit = *find_unit(word == "millis" ? "ms" : "us");
     return out;
@@ -136,8 +150,10 @@ std::vector<std::string> use_canonical_names(Trace& trace) {
     const Synonyms* known = synonym(channel.name);
     if (!known || channel.quantity != known->quantity || channel.name == known->name) continue;
     if (trace.find(known->name)) continue;
-    if (channel.name.size() == 1) channel.name = known->name;  // "F", "U": nothing to tell
-    else rename(channel, known->name, "");
+    if (channel.name.size() == 1)
+      channel.name = known->name;  // "F", "U": nothing to tell
+    else
+      rename(channel, known->name, "");
   }
   for (const char* name : {"F_ref", "U", "theta", "temp", "C"}) {
     if (trace.find(name)) continue;
@@ -157,7 +173,8 @@ std::vector<std::string> use_canonical_names(Trace& trace) {
     for (const char* quantity : {"code", "conductance", "resistance", "current"}) {
       const auto is_output = [&](const Channel& channel) { return channel.quantity == quantity; };
       if (std::count_if(trace.channels.begin(), trace.channels.end(), is_output) != 1) continue;
-      rename(*std::find_if(trace.channels.begin(), trace.channels.end(), is_output), "U", "; read its unit wherever V is written");
+      rename(*std::find_if(trace.channels.begin(), trace.channels.end(), is_output), "U",
+             "; read its unit wherever V is written");
       break;
     }
   return notes;

@@ -13,10 +13,10 @@
 namespace forcegate {
 
 struct ColumnMeaning {
-  std::string name;    ///< "F_ref"
-  Unit unit;           ///< symbol "" when the header does not tell
+  std::string name;  ///< "F_ref"
+  Unit unit;         ///< symbol "" when the header does not tell
   bool is_clock = false;
-  std::string note;    ///< what was assumed; empty when the header said it all
+  std::string note;  ///< what was assumed; empty when the header said it all
 };
 
 /// "F_ref_mN", "Force (mN)", "Force [mN]", "Force / mN", "Force, mN", and a few bare names ("t", "F", "U", "theta", "temp"),

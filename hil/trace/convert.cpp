@@ -19,14 +19,16 @@ std::string ending_of(const std::filesystem::path& path) {
 }
 
 Unexpected unknown_ending(const std::filesystem::path& path, const char* what) {
-  return fail(ErrorCode::config, std::string(what) + " \"" + ending_of(path) + "\" files", path.string(), kKnown);
+  return fail(ErrorCode::config, std::string(what) + " \"" + ending_of(path) + "\" files", path.string(),
+              kKnown);
 }
 
 }  // namespace
 
 Result<TraceFile> read_trace(const std::filesystem::path& path, const CsvOptions& options) {
   const std::string ending = ending_of(path);
-  if (ending == ".csv" || ending == ".tsv" || ending == ".txt" || ending == ".dat") return read_csv(path, options);
+  if (ending == ".csv" || ending == ".tsv" || ending == ".txt" || ending == ".dat")
+    return read_csv(path, options);
   if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path);
   if (ending == ".mat") return read_mat(path, options);
   if (ending == ".fgj") return read_journal_trace(path);
@@ -41,8 +43,8 @@ Result<void> write_trace(const Trace& trace, const std::filesystem::path& path) 
   return unknown_ending(path, "Forcegate cannot write");
 }
 
-Result<std::vector<std::string>> convert_trace(const std::filesystem::path& from, const std::filesystem::path& to,
-                                               const CsvOptions& options) {
+Result<std::vector<std::string>> convert_trace(const std::filesystem::path& from,
+                                               const std::filesystem::path& to, const CsvOptions& options) {
   const std::string ending = ending_of(to);
   if (ending != ".csv" && ending != ".h5" && ending != ".hdf5" && ending != ".mat")
     return unknown_ending(to, "Forcegate cannot write");  // before minutes of reading

@@ -17,7 +17,8 @@ Result<TraceFile> read_trace(const std::filesystem::path& path, const CsvOptions
 Result<void> write_trace(const Trace& trace, const std::filesystem::path& path);
 
 /// Reads, writes, and returns the notes. A trace with several time bases cannot become a CSV.
-Result<std::vector<std::string>> convert_trace(const std::filesystem::path& from, const std::filesystem::path& to,
+Result<std::vector<std::string>> convert_trace(const std::filesystem::path& from,
+                                               const std::filesystem::path& to,
                                                const CsvOptions& options = {});
 
 }  // namespace forcegate

@@ -79,9 +79,11 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
     ColumnMeaning meaning = meaning_of(header);
     auto mapped = options.column_map.find(header);
     // as notes and errors write it, unless another column is really called so
-    for (const std::string& alias : {header_of(meaning.name, meaning.unit.symbol), header_of(meaning.name, meaning.unit.canonical),
-                                     header_of(known_name(meaning.name), meaning.unit.canonical)})
-      if (mapped == options.column_map.end() && std::ranges::find(table.columns, alias, &CsvColumn::header) == table.columns.end())
+    for (const std::string& alias :
+         {header_of(meaning.name, meaning.unit.symbol), header_of(meaning.name, meaning.unit.canonical),
+          header_of(known_name(meaning.name), meaning.unit.canonical)})
+      if (mapped == options.column_map.end() &&
+          std::ranges::find(table.columns, alias, &CsvColumn::header) == table.columns.end())
         mapped = options.column_map.find(alias);
     if (mapped != options.column_map.end()) {
       meaning = meaning_of(mapped->second);
@@ -93,13 +95,14 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
     meanings.push_back(std::move(meaning));
   }
   if (!assumed.empty())
-    out.notes.push_back("no unit is given: " + join(assumed, ", ") + (assumed.size() > 1 ? " were assumed" : " was assumed"));
+    out.notes.push_back("no unit is given: " + join(assumed, ", ") +
+                        (assumed.size() > 1 ? " were assumed" : " was assumed"));
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const Unit& unit = meanings[c].unit;
     if (unit.factor == 1.0 && unit.offset == 0.0) continue;
     if (unit.symbol != unit.canonical)
-      out.notes.push_back("column \"" + table.columns[c].header + "\" was converted from " + unit.symbol + " to " +
-                          unit.canonical);
+      out.notes.push_back("column \"" + table.columns[c].header + "\" was converted from " + unit.symbol +
+                          " to " + unit.canonical);
     for (double& v : table.columns[c].value) v = unit.factor * v + unit.offset;
   }
 
@@ -116,7 +119,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
       if (headers.size() > 8) headers.resize(8), headers.push_back("...");
       return fail(ErrorCode::parse, "there is no time column among: " + join(headers, ", "),
                   where + ":" + std::to_string(table.header_line),
-                  "say which is the clock, for instance --map " + (headers.empty() ? "NAME" : headers.front()) +
+                  "say which is the clock, for instance --map " +
+                      (headers.empty() ? "NAME" : headers.front()) +
                       "=t_s, or give --rate HZ for a file without one");
     }
     clock.base = invented_clock(table.rows(), options.assumed_rate_Hz);
@@ -156,9 +160,10 @@ Result<TraceFile> parse_csv(std::string_view bytes, std::string_view name, const
 
 Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
   if (trace.time_bases.size() != 1)
-    return fail(ErrorCode::config,
-                "the trace has " + std::to_string(trace.time_bases.size()) + " time bases, a CSV file holds one",
-                path.string(), "write it as .h5");
+    return fail(
+        ErrorCode::config,
+        "the trace has " + std::to_string(trace.time_bases.size()) + " time bases, a CSV file holds one",
+        path.string(), "write it as .h5");
   std::string header = "t_s";
   for (const Channel& c : trace.channels) {
     const std::string name = header_of(c.name, c.unit);
@@ -182,8 +187,8 @@ Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
   std::size_t used = 0;
   const auto put = [&](char c) { buffer[used++] = c; };
   const auto put_number = [&](auto value) {
-    used = static_cast<std::size_t>(std::to_chars(buffer.data() + used, buffer.data() + buffer.size(), value).ptr -
-                                    buffer.data());
+    used = static_cast<std::size_t>(
+        std::to_chars(buffer.data() + used, buffer.data() + buffer.size(), value).ptr - buffer.data());
   };
   const std::size_t row_bytes = 40 * (2 * trace.channels.size() + 1) + 2;
   if (buffer.size() < 2 * row_bytes) buffer.resize(2 * row_bytes);

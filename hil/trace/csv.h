@@ -20,7 +20,7 @@ struct CsvOptions {
 
 struct TraceFile {
   Trace trace;
-  std::vector<std::string> notes;  ///< what was assumed, converted, dropped; one sentence each
+  std::vector<std::string> notes;   ///< what was assumed, converted, dropped; one sentence each
   std::vector<std::string> mapped;  ///< entries of the column map that met a column
 };
 

@@ -12,7 +12,7 @@
 namespace forcegate {
 
 struct CsvColumn {
-  std::string header;         ///< as written, without quotes and outer blanks; a row of units is appended as "_mN"
+  std::string header;  ///< as written, without quotes and outer blanks; a row of units is appended as "_mN"
   std::vector<double> value;  ///< NaN = missing
   std::size_t missing = 0;    ///< empty cells, "nan", "NA", "null", infinities
 };

@@ -28,9 +28,11 @@ class Scanner {
   }
   /// ".123" or ",123"; 0 when there is none.
   double fraction() {
-    if (text_.size() < 2 || (text_[0] != '.' && text_[0] != ',') || text_[1] < '0' || text_[1] > '9') return 0.0;
+    if (text_.size() < 2 || (text_[0] != '.' && text_[0] != ',') || text_[1] < '0' || text_[1] > '9')
+      return 0.0;
     double value = 0.0, place = 0.1;
-    for (text_.remove_prefix(1); !text_.empty() && text_[0] >= '0' && text_[0] <= '9'; text_.remove_prefix(1), place *= 0.1)
+    for (text_.remove_prefix(1); !text_.empty() && text_[0] >= '0' && text_[0] <= '9';
+         text_.remove_prefix(1), place *= 0.1)
       value += place * (text_[0] - '0');
     return value;
   }
@@ -49,7 +51,8 @@ std::int64_t days_of(int year, int month, int day) {
 
 bool clock_time(Scanner& s, double& seconds) {
   int hour = 0, minute = 0, second = 0;
-  if (!s.number(2, hour) || !s.one_of(":") || !s.number(2, minute) || !s.one_of(":") || !s.number(2, second)) return false;
+  if (!s.number(2, hour) || !s.one_of(":") || !s.number(2, minute) || !s.one_of(":") || !s.number(2, second))
+    return false;
   if (hour > 23 || minute > 59 || second > 60) return false;
   seconds += 3600.0 * hour + 60.0 * minute + second + s.fraction();
   return true;
@@ -69,7 +72,9 @@ bool zone(Scanner& s, double& seconds) {
   return false;
 }
 
-bool is_date(int year, int month, int day) { return year >= 1970 && month >= 1 && month <= 12 && day >= 1 && day <= 31; }
+bool is_date(int year, int month, int day) {
+  return year >= 1970 && month >= 1 && month <= 12 && day >= 1 && day <= 31;
+}
 
 }  // namespace
 
@@ -79,11 +84,12 @@ std::optional<double> seconds_of_stamp(std::string_view text) {
   if (Scanner s(text); clock_time(s, seconds) && s.at_end()) return seconds;
   int year = 0, month = 0, day = 0;
   Scanner iso(text), dotted(text);
-  if (iso.number(4, year) && iso.one_of("-") && iso.number(2, month) && iso.one_of("-") && iso.number(2, day) && iso.one_of("T ")) {
+  if (iso.number(4, year) && iso.one_of("-") && iso.number(2, month) && iso.one_of("-") &&
+      iso.number(2, day) && iso.one_of("T ")) {
     seconds = 86400.0 * static_cast<double>(days_of(year, month, day));
     if (is_date(year, month, day) && clock_time(iso, seconds) && zone(iso, seconds)) return seconds;
-  } else if (dotted.number(2, day) && dotted.one_of(".") && dotted.number(2, month) && dotted.one_of(".") && dotted.number(4, year) &&
-             dotted.one_of("T ")) {
+  } else if (dotted.number(2, day) && dotted.one_of(".") && dotted.number(2, month) && dotted.one_of(".") &&
+             dotted.number(4, year) && dotted.one_of("T ")) {
     seconds = 86400.0 * static_cast<double>(days_of(year, month, day));
     if (is_date(year, month, day) && clock_time(dotted, seconds) && dotted.at_end()) return seconds;
   }

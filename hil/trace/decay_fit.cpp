@@ -193,7 +193,8 @@ Result<DecayParameters> fit_decay(std::span<const double> t_s, std::span<const d
 
   DecayParameters out;
   const double first_s = *std::min_element(t_s.begin(), t_s.end());
-  const double growth = portable::exp(std::min(700.0, b * first_s));  // a refers to t = 0, not to the first maximum
+  const double growth =
+      portable::exp(std::min(700.0, b * first_s));  // a refers to t = 0, not to the first maximum
   out.a_V = p[0] * growth;
   out.b_per_s = b;
   out.c_V = p[2] - u_min_V;

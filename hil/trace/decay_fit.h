@@ -22,6 +22,7 @@ struct DecayParameters {
 /// [1e-5, 1] 1/s on a logarithmic grid (variable projection: a and c are linear once b is given), then refined.
 /// a may be negative (maxima that rise). Error (parse) when the maxima do not determine a decay: fewer than 6, not
 /// finite, all equal, best b at an end of its range, or spanning less than 1/10 of the found 1/b.
-Result<DecayParameters> fit_decay(std::span<const double> t_s, std::span<const double> maxima_V, double u_min_V);
+Result<DecayParameters> fit_decay(std::span<const double> t_s, std::span<const double> maxima_V,
+                                  double u_min_V);
 
 }  // namespace forcegate

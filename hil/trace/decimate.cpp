@@ -8,9 +8,12 @@ namespace forcegate {
 
 M4Accumulator::M4Accumulator(std::size_t columns, double first_s, double last_s, std::size_t channels,
                              std::vector<std::size_t> watched)
-    : first_s_(first_s), last_s_(last_s),
+    : first_s_(first_s),
+      last_s_(last_s),
       per_second_(last_s > first_s ? static_cast<double>(columns) / (last_s - first_s) : 0.0),
-      columns_(std::max<std::size_t>(1, columns)), channels_(channels), watched_(std::move(watched)),
+      columns_(std::max<std::size_t>(1, columns)),
+      channels_(channels),
+      watched_(std::move(watched)),
       extremes_(watched_.size()) {
   for (Extremes& e : extremes_) e.low.value.resize(channels), e.high.value.resize(channels);
   first_.value.resize(channels);
@@ -45,8 +48,9 @@ void M4Accumulator::push(std::span<const double> t_s, std::span<const float* con
       e.any = true;
     }
     // the last row of the column is known only afterwards; a block's last row is stored at its end
-    const bool ends = i + 1 == t_s.size() ||
-                      static_cast<std::size_t>(std::clamp((t_s[i + 1] - first_s_) * per_second_, 0.0, last_column)) != column_;
+    const bool ends =
+        i + 1 == t_s.size() || static_cast<std::size_t>(std::clamp((t_s[i + 1] - first_s_) * per_second_, 0.0,
+                                                                   last_column)) != column_;
     if (ends) store(latest_, t_s[i], i, channel);
     ++count_;
   }
@@ -74,7 +78,8 @@ DecimatedRows M4Accumulator::rows() const {
   return out;
 }
 
-WindowKeeper::WindowKeeper(std::size_t channels, std::vector<Span> spans, std::size_t tail_rows, std::size_t most_rows)
+WindowKeeper::WindowKeeper(std::size_t channels, std::vector<Span> spans, std::size_t tail_rows,
+                           std::size_t most_rows)
     : spans_(std::move(spans)), kept_(spans_.size()), tail_rows_(tail_rows), most_rows_(most_rows) {
   for (DecimatedRows& rows : kept_) rows.value.resize(channels);
   ring_.value.resize(channels);

@@ -61,7 +61,8 @@ class WindowKeeper {
   };
   /// `tail_rows` last rows are kept in a ring; the spans must not overlap. At most `most_rows` rows are kept in all
   /// spans together; what exceeds them is left out and truncated() says so.
-  WindowKeeper(std::size_t channels, std::vector<Span> spans, std::size_t tail_rows, std::size_t most_rows = 200000);
+  WindowKeeper(std::size_t channels, std::vector<Span> spans, std::size_t tail_rows,
+               std::size_t most_rows = 200000);
 
   void push(std::span<const double> t_s, std::span<const float* const> channel);
   const DecimatedRows& span(std::size_t k) const { return kept_[k]; }

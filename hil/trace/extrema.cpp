@@ -14,7 +14,9 @@ RelativeError mean_relative_error(std::span<const double> actual, std::span<cons
   RelativeError out;
   double sum = 0.0, sum_absolute = 0.0;
   std::size_t finite = 0;
-  const auto relative = [&](std::size_t i) { return std::fabs(actual[i] - expected[i]) / std::fabs(expected[i]); };
+  const auto relative = [&](std::size_t i) {
+    return std::fabs(actual[i] - expected[i]) / std::fabs(expected[i]);
+  };
   const auto usable = [&](std::size_t i) {
     return std::isfinite(actual[i]) && std::isfinite(expected[i]) && std::fabs(expected[i]) >= floor &&
            expected[i] != 0.0;

@@ -84,10 +84,10 @@ inline bool TurningPoints::push(double t_s, double value) {
 /// (from the middle of the preceding half-cycle to the middle of the following one, shifted by `lag`).
 struct PairedExtremum {
   Turn turn = Turn::maximum;
-  double t_s = 0.0;               ///< instant of the guide's turning point
-  double guide = 0.0;             ///< its value
-  std::vector<double> value;      ///< one per follower: its extremum in the window, NaN if it has none
-  std::vector<double> at_s;       ///< when each follower had it
+  double t_s = 0.0;           ///< instant of the guide's turning point
+  double guide = 0.0;         ///< its value
+  std::vector<double> value;  ///< one per follower: its extremum in the window, NaN if it has none
+  std::vector<double> at_s;   ///< when each follower had it
 };
 
 /// Pairs followers' extrema with the guide's while the record streams past. The value of a follower is the
@@ -100,10 +100,10 @@ struct PairedExtremum {
 class ExtremaPairer {
  public:
   struct Options {
-    double prominence = 0.1;     ///< of the guide, its unit
+    double prominence = 0.1;  ///< of the guide, its unit
     std::size_t followers = 1;
-    int half_width = 0;          ///< averaging half width in samples
-    double lag_s = 0.0;          ///< followers' windows are shifted later by this
+    int half_width = 0;  ///< averaging half width in samples
+    double lag_s = 0.0;  ///< followers' windows are shifted later by this
   };
   explicit ExtremaPairer(const Options& options);
   ~ExtremaPairer();
@@ -131,7 +131,7 @@ class ExtremaPairer {
 /// item the means are NaN, never 0.
 struct RelativeError {
   double mean = 0.0, standard_error = 0.0, largest = 0.0;
-  double mean_absolute = 0.0;   ///< mean |actual - expected| over all finite items, the signal's unit
+  double mean_absolute = 0.0;  ///< mean |actual - expected| over all finite items, the signal's unit
   std::size_t n = 0, left_out = 0, not_finite = 0;
 };
 RelativeError mean_relative_error(std::span<const double> actual, std::span<const double> expected,

@@ -77,7 +77,9 @@ Extreme extreme(const double* x, const double* t_s, std::size_t n, double sign) 
 
 struct ExtremaPairer::Impl {
   explicit Impl(const Options& o)
-      : options(o), half_width(static_cast<std::size_t>(std::max(0, o.half_width))), turning(o.prominence),
+      : options(o),
+        half_width(static_cast<std::size_t>(std::max(0, o.half_width))),
+        turning(o.prominence),
         x(o.followers) {}
 
   void push(double t_s, double guide, const double* followers) {
@@ -87,10 +89,13 @@ struct ExtremaPairer::Impl {
     if ((base + t.size()) % kGroup == 0) look_after();
   }
 
-  void push(std::span<const double> t_s, std::span<const float> guide, std::span<const float* const> followers) {
+  void push(std::span<const double> t_s, std::span<const float> guide,
+            std::span<const float* const> followers) {
     for (std::size_t at = 0; at < t_s.size();) {
-      const std::size_t n = std::min(t_s.size() - at, kGroup - static_cast<std::size_t>((base + t.size()) % kGroup));
-      t.insert(t.end(), t_s.begin() + static_cast<std::ptrdiff_t>(at), t_s.begin() + static_cast<std::ptrdiff_t>(at + n));
+      const std::size_t n =
+          std::min(t_s.size() - at, kGroup - static_cast<std::size_t>((base + t.size()) % kGroup));
+      t.insert(t.end(), t_s.begin() + static_cast<std::ptrdiff_t>(at),
+               t_s.begin() + static_cast<std::ptrdiff_t>(at + n));
       for (std::size_t k = 0; k < x.size(); ++k) {
         const std::size_t old = x[k].size();
         x[k].resize(old + n);
@@ -137,7 +142,8 @@ struct ExtremaPairer::Impl {
   }
 
   void forget_before(double from_s) {
-    const auto old = std::find_if(spans.begin(), spans.end(), [&](const Span& s) { return s.last_s >= from_s; });
+    const auto old =
+        std::find_if(spans.begin(), spans.end(), [&](const Span& s) { return s.last_s >= from_s; });
     const auto n = old - spans.begin();
     spans.erase(spans.begin(), old);
     extremes.erase(extremes.begin(), extremes.begin() + n * static_cast<std::ptrdiff_t>(x.size()));
@@ -186,7 +192,8 @@ struct ExtremaPairer::Impl {
       const double* low = prefix.data() + (inner - std::min(inner, half_width) - first);
       const double* high = low + 2 * half_width + 1;
       const double scale = 1.0 / static_cast<double>(2 * half_width + 1);
-      for (std::size_t i = inner; i < inner_end; ++i) smoothed[i - from] = (high[i - inner] - low[i - inner]) * scale;
+      for (std::size_t i = inner; i < inner_end; ++i)
+        smoothed[i - from] = (high[i - inner] - low[i - inner]) * scale;
     } else {
       for (std::size_t i = inner; i < inner_end; ++i) smoothed[i - from] = mean_at(i);
     }
@@ -200,12 +207,14 @@ struct ExtremaPairer::Impl {
     if (half_width == 0 || to - from < 4 * kStretch)
       return extreme(smooth(k, from, to), t.data() + from, to - from, sign);
     double known = -kInfinity;
-    for (std::size_t i = from; i < to; i += kStretch / 2) known = std::max(known, largest(smooth(k, i, i + 1), 1, sign));
+    for (std::size_t i = from; i < to; i += kStretch / 2)
+      known = std::max(known, largest(smooth(k, i, i + 1), 1, sign));
     known -= 1e-9 * std::fabs(known);
     Extreme found;
     for (std::size_t a = from; a < to; a += kStretch) {
       const std::size_t b = std::min(to, a + kStretch);
-      const std::size_t first = a > half_width ? a - half_width : 0, last = std::min(t.size(), b + half_width);
+      const std::size_t first = a > half_width ? a - half_width : 0,
+                        last = std::min(t.size(), b + half_width);
       if (largest(x[k].data() + first, last - first, sign) < known) continue;
       found.add(extreme(smooth(k, a, b), t.data() + a, b - a, sign));
     }
@@ -243,7 +252,8 @@ struct ExtremaPairer::Impl {
         continue;
       }
       spans[to] = spans[from];
-      for (std::size_t k = 0; k < followers; ++k) extremes[to * followers + k] = extremes[from * followers + k];
+      for (std::size_t k = 0; k < followers; ++k)
+        extremes[to * followers + k] = extremes[from * followers + k];
       ++to;
     }
     spans.resize(to);
@@ -315,7 +325,9 @@ ExtremaPairer::~ExtremaPairer() = default;
 ExtremaPairer::ExtremaPairer(ExtremaPairer&&) noexcept = default;
 ExtremaPairer& ExtremaPairer::operator=(ExtremaPairer&&) noexcept = default;
 
-void ExtremaPairer::push(double t_s, double guide, const double* followers) { impl_->push(t_s, guide, followers); }
+void ExtremaPairer::push(double t_s, double guide, const double* followers) {
+  impl_->push(t_s, guide, followers);
+}
 
 void ExtremaPairer::push(std::span<const double> t_s, std::span<const float> guide,
                          std::span<const float* const> followers) {

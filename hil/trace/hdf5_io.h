@@ -21,7 +21,8 @@ inline constexpr int kTraceFormat = 1;
 /// Appends columns to a new file. Destroyed without close(), it removes the temporary file.
 class Hdf5Writer {
  public:
-  static Result<Hdf5Writer> create(const std::filesystem::path& path, const std::vector<TimeBaseSpec>& time_bases,
+  static Result<Hdf5Writer> create(const std::filesystem::path& path,
+                                   const std::vector<TimeBaseSpec>& time_bases,
                                    const std::vector<ChannelSpec>& channels);
   ~Hdf5Writer();
   Hdf5Writer(Hdf5Writer&&) noexcept;

@@ -87,14 +87,16 @@ class Reader {
     FORCEGATE_CHECK_OK(read_times());
     FORCEGATE_CHECK_OK(read_channels("channels", false));
     FORCEGATE_CHECK_OK(read_channels("raw", true));
-    std::stable_sort(found_.begin(), found_.end(), [](const Ordered& a, const Ordered& b) { return a.order < b.order; });
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const Ordered& a, const Ordered& b) { return a.order < b.order; });
     for (Ordered& o : found_) trace_.channels.push_back(std::move(o.channel));
     read_meta();
     return std::move(trace_);
   }
 
  private:
-  Unexpected error(std::string text, std::string hint = "the file is damaged or was written by another program") const {
+  Unexpected error(std::string text,
+                   std::string hint = "the file is damaged or was written by another program") const {
     return fail(ErrorCode::parse, std::move(text), path_, std::move(hint));
   }
 
@@ -110,7 +112,8 @@ class Reader {
       const std::string name = std::to_string(k);
       Hdf5Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
       TimeBase base;
-      if (!data.good() || !read_column(data, H5T_NATIVE_DOUBLE, base.t_s)) return error("/time/" + name + " cannot be read");
+      if (!data.good() || !read_column(data, H5T_NATIVE_DOUBLE, base.t_s))
+        return error("/time/" + name + " cannot be read");
       base.device = text_attribute(data, "device").value_or("");
       base.nominal_rate_Hz = number_attribute(data, "nominal_rate_Hz").value_or(0.0);
       base.invented = number_attribute(data, "invented").value_or(0.0) != 0.0;
@@ -121,7 +124,8 @@ class Reader {
       if (H5Lexists(group, gap_name.c_str(), H5P_DEFAULT) > 0) {
         Hdf5Handle table(H5Dopen2(group, gap_name.c_str(), H5P_DEFAULT), H5Dclose);
         std::vector<double> rows;
-        if (!table.good() || !read_column(table, H5T_NATIVE_DOUBLE, rows)) return error("/time/" + gap_name + " cannot be read");
+        if (!table.good() || !read_column(table, H5T_NATIVE_DOUBLE, rows))
+          return error("/time/" + gap_name + " cannot be read");
         for (std::size_t i = 0; i + 2 < rows.size(); i += 3)
           base.gaps.push_back({static_cast<std::size_t>(std::max(0.0, rows[i])), rows[i + 1], rows[i + 2]});
       }
@@ -155,7 +159,8 @@ class Reader {
                      std::to_string(trace_.time_bases[channel.time_base].t_s.size()));
       if (counts) {
         const auto physical = std::find_if(found_.begin(), found_.end(), [&](const Ordered& o) {
-          return o.channel.name == channel.name && o.channel.time_base == channel.time_base && o.channel.raw.empty();
+          return o.channel.name == channel.name && o.channel.time_base == channel.time_base &&
+                 o.channel.raw.empty();
         });
         if (physical != found_.end()) {
           physical->channel.raw = std::move(channel.raw);
@@ -179,7 +184,8 @@ class Reader {
       Hdf5Handle type(H5Dget_type(data), H5Tclose);
       if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) continue;
       std::string text(H5Tget_size(type), '\0');
-      if (H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0) trace_.provenance[link] = std::move(text);
+      if (H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0)
+        trace_.provenance[link] = std::move(text);
     }
   }
 
@@ -197,9 +203,12 @@ Result<TraceFile> read_hdf5(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, failed))
     return fail(ErrorCode::io, "there is no such file", path.string(), "check the name");
   if (H5Fis_hdf5(path.c_str()) <= 0)
-    return fail(ErrorCode::parse, "this is not an HDF5 file", path.string(), "was it cut short while being copied?");
+    return fail(ErrorCode::parse, "this is not an HDF5 file", path.string(),
+                "was it cut short while being copied?");
   Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!file.good()) return fail(ErrorCode::parse, "the HDF5 file cannot be opened", path.string(), "was it cut short while being copied?");
+  if (!file.good())
+    return fail(ErrorCode::parse, "the HDF5 file cannot be opened", path.string(),
+                "was it cut short while being copied?");
   Reader reader(file, path);
   FORCEGATE_TRY(Trace trace, reader.read());
   return TraceFile{std::move(trace), {}};

@@ -35,7 +35,8 @@ bool put_text(hid_t object, const std::string& name, const std::string& text) {
     Hdf5Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     return attribute.good() && H5Awrite(attribute, type, text.empty() ? "\0" : text.data()) >= 0;
   }
-  Hdf5Handle data(H5Dcreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  Hdf5Handle data(H5Dcreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                  H5Dclose);
   return data.good() && H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0;
 }
 
@@ -71,8 +72,8 @@ class ChunkPacker {
     for (std::size_t k = 0; k < bytes_of_value; ++k)
       for (std::size_t i = 0; i < n; ++i) shuffled_[k * n + i] = chunk[i * bytes_of_value + k];
     packed_.resize(libdeflate_zlib_compress_bound(deflate_, shuffled_.size()));
-    const std::size_t size =
-        libdeflate_zlib_compress(deflate_, shuffled_.data(), shuffled_.size(), packed_.data(), packed_.size());
+    const std::size_t size = libdeflate_zlib_compress(deflate_, shuffled_.data(), shuffled_.size(),
+                                                      packed_.data(), packed_.size());
     return {packed_.data(), size};
   }
 
@@ -97,7 +98,9 @@ struct Column {
     H5Pset_chunk(properties, 1, &chunk);
     H5Pset_shuffle(properties);
     H5Pset_deflate(properties, 1);
-    data = Hdf5Handle(H5Dcreate2(group, name.c_str(), file_type(type), space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
+    data = Hdf5Handle(
+        H5Dcreate2(group, name.c_str(), file_type(type), space, H5P_DEFAULT, properties, H5P_DEFAULT),
+        H5Dclose);
     return data.good();
   }
 
@@ -122,7 +125,8 @@ struct Column {
     if (H5Dset_extent(data, &total) < 0) return false;
     pending.resize(kChunkSamples * size_of(type));
     const std::span<const char> packed = packer->pack(pending, size_of(type));
-    if (packed.empty() || H5Dwrite_chunk(data, H5P_DEFAULT, 0, &written, packed.size(), packed.data()) < 0) return false;
+    if (packed.empty() || H5Dwrite_chunk(data, H5P_DEFAULT, 0, &written, packed.size(), packed.data()) < 0)
+      return false;
     written = total;
     pending.clear();
     return true;
@@ -175,13 +179,15 @@ struct Hdf5Writer::Impl {
     raw_group = group("raw");
     if (!time_group.good() || !channel_group.good() || !raw_group.good()) return false;
     for (std::size_t k = 0; k < bases.size(); ++k)
-      if (!times.emplace_back(Column{.packer = &packer}).create(time_group, std::to_string(k), SampleType::f64) ||
+      if (!times.emplace_back(Column{.packer = &packer})
+               .create(time_group, std::to_string(k), SampleType::f64) ||
           !put_text(times[k].data, "device", bases[k].device) || !put_text(times[k].data, "unit", "s"))
         return false;
     for (std::size_t c = 0; c < specs.size(); ++c) {
       const ChannelSpec& s = specs[c];
       Column& column = columns.emplace_back(Column{.packer = &packer});
-      if (!column.create(is_counts(s.type) ? raw_group : channel_group, link_name(s.name), s.type)) return false;
+      if (!column.create(is_counts(s.type) ? raw_group : channel_group, link_name(s.name), s.type))
+        return false;
       if (!put_text(column.data, "name", s.name) || !put_text(column.data, "unit", s.unit) ||
           !put_text(column.data, "quantity", s.quantity) ||
           !put_int(column.data, "time_base", static_cast<std::int32_t>(s.time_base)) ||
@@ -226,7 +232,8 @@ Hdf5Writer::~Hdf5Writer() = default;
 Hdf5Writer::Hdf5Writer(Hdf5Writer&&) noexcept = default;
 Hdf5Writer& Hdf5Writer::operator=(Hdf5Writer&&) noexcept = default;
 
-Result<Hdf5Writer> Hdf5Writer::create(const std::filesystem::path& path, const std::vector<TimeBaseSpec>& time_bases,
+Result<Hdf5Writer> Hdf5Writer::create(const std::filesystem::path& path,
+                                      const std::vector<TimeBaseSpec>& time_bases,
                                       const std::vector<ChannelSpec>& channels) {
   const Hdf5Lock lock;
   auto impl = std::make_unique<Impl>();
@@ -242,7 +249,8 @@ Result<Hdf5Writer> Hdf5Writer::create(const std::filesystem::path& path, const s
 
 Result<void> Hdf5Writer::append_time(std::size_t time_base, std::span<const double> t_s) {
   const Hdf5Lock lock;
-  if (!impl_->times.at(time_base).append(t_s.data(), t_s.size())) return impl_->error("the HDF5 file cannot be written");
+  if (!impl_->times.at(time_base).append(t_s.data(), t_s.size()))
+    return impl_->error("the HDF5 file cannot be written");
   return {};
 }
 
@@ -254,13 +262,15 @@ Result<void> Hdf5Writer::append(std::size_t channel, const ColumnView& values) {
   return {};
 }
 
-void Hdf5Writer::describe(std::size_t time_base, double nominal_rate_Hz, const std::vector<Gap>& gaps, bool invented) {
+void Hdf5Writer::describe(std::size_t time_base, double nominal_rate_Hz, const std::vector<Gap>& gaps,
+                          bool invented) {
   impl_->bases.at(time_base).nominal_rate_Hz = nominal_rate_Hz;
   impl_->gaps.at(time_base) = gaps;
   impl_->invented.at(time_base) = invented;
 }
 
-Result<void> Hdf5Writer::close(const std::string& name, const std::map<std::string, std::string>& provenance) {
+Result<void> Hdf5Writer::close(const std::string& name,
+                               const std::map<std::string, std::string>& provenance) {
   const Hdf5Lock lock;
   if (!impl_->finish(name, provenance)) return impl_->error("the HDF5 file cannot be completed");
   const int descriptor = ::open(impl_->temporary.c_str(), O_RDONLY | O_CLOEXEC);

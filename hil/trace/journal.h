@@ -28,9 +28,10 @@ struct JournalHeader {
 };
 
 enum class FrameKind : std::uint16_t {
-  samples = 0,  ///< u32 n, n instants f64, then n values of each channel of the time base `device`, in header order
-  raw = 1,      ///< bytes of a device as they came
-  end = 2,      ///< the recording was closed properly; no bytes
+  samples =
+      0,  ///< u32 n, n instants f64, then n values of each channel of the time base `device`, in header order
+  raw = 1,  ///< bytes of a device as they came
+  end = 2,  ///< the recording was closed properly; no bytes
 };
 
 struct JournalFrame {
@@ -67,7 +68,7 @@ class JournalWriter {
 /// What was found while reading a journal.
 struct JournalReport {
   std::uint64_t frames = 0;
-  std::uint64_t samples = 0;         ///< rows of all time bases
+  std::uint64_t samples = 0;  ///< rows of all time bases
   std::uint64_t raw_frames = 0;
   std::uint64_t bytes_skipped = 0;   ///< damaged or cut off
   std::uint64_t damaged_places = 0;  ///< stretches of skipped bytes
@@ -84,7 +85,8 @@ Result<JournalReport> read_journal(const std::filesystem::path& path,
 
 /// Makes the HDF5 file of a journal, whole or not, in bounded memory. The journal stays. Provenance gets "recovered"
 /// (a sentence) when the recording was not closed or has damage.
-Result<JournalReport> recover_journal(const std::filesystem::path& journal, const std::filesystem::path& hdf5);
+Result<JournalReport> recover_journal(const std::filesystem::path& journal,
+                                      const std::filesystem::path& hdf5);
 
 /// The same into memory.
 Result<TraceFile> read_journal_trace(const std::filesystem::path& journal);

@@ -10,7 +10,8 @@
 
 namespace forcegate::journal {
 
-static_assert(std::endian::native == std::endian::little, "the journal is written in the processor's byte order");
+static_assert(std::endian::native == std::endian::little,
+              "the journal is written in the processor's byte order");
 
 inline constexpr char kMagic[8] = {'F', 'G', 'J', 'O', 'U', 'R', 'N', '\n'};
 inline constexpr std::uint32_t kMarker = 0x454D5246;  // "FRME"

@@ -68,8 +68,9 @@ Result<JournalHeader> header_of(const std::string& text, const std::filesystem::
   try {
     const int format = json.at("format").get<int>();
     if (format > kJournalFormat)
-      return fail(ErrorCode::parse, "the journal has format " + std::to_string(format) + ", this program knows up to " +
-                                        std::to_string(kJournalFormat),
+      return fail(ErrorCode::parse,
+                  "the journal has format " + std::to_string(format) + ", this program knows up to " +
+                      std::to_string(kJournalFormat),
                   path.string(), "use a newer Forcegate");
     header.name = json.at("name").get<std::string>();
     header.provenance = json.at("provenance").get<std::map<std::string, std::string>>();
@@ -96,7 +97,8 @@ Result<JournalReport> read_journal(const std::filesystem::path& path,
                                    const std::function<Result<void>(const JournalFrame&)>& visit) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0)
-    return fail(ErrorCode::io, std::string("the journal cannot be opened: ") + std::strerror(errno), path.string());
+    return fail(ErrorCode::io, std::string("the journal cannot be opened: ") + std::strerror(errno),
+                path.string());
   Window window(descriptor);
 
   constexpr std::size_t kFixed = sizeof journal::kMagic + 8;
@@ -125,13 +127,19 @@ Result<JournalReport> read_journal(const std::filesystem::path& path,
     journal::FrameHead head;
     const bool whole_head = window.have(sizeof head + 4);
     if (whole_head) std::memcpy(&head, window.data(), sizeof head);
-    const bool plausible = whole_head && head.marker == journal::kMarker && head.length <= journal::kLargestFrame;
+    const bool plausible =
+        whole_head && head.marker == journal::kMarker && head.length <= journal::kLargestFrame;
     const std::size_t total = plausible ? sizeof head + head.length + 4 : 0;
     if (!plausible || !window.have(total)) {
       // look for the next marker among the bytes at hand
       const char* from = reinterpret_cast<const char*>(window.data());
-      const auto* next = window.size() > 1 ? static_cast<const char*>(::memmem(from + 1, window.size() - 1, &journal::kMarker, 4)) : nullptr;
-      skip_byte(next ? static_cast<std::size_t>(next - from) : window.size() > 3 ? window.size() - 3 : window.size());
+      const auto* next =
+          window.size() > 1
+              ? static_cast<const char*>(::memmem(from + 1, window.size() - 1, &journal::kMarker, 4))
+              : nullptr;
+      skip_byte(next                ? static_cast<std::size_t>(next - from)
+                : window.size() > 3 ? window.size() - 3
+                                    : window.size());
       continue;
     }
     std::uint32_t stored;
@@ -149,7 +157,8 @@ Result<JournalReport> read_journal(const std::filesystem::path& path,
     window.skip(total);
   }
   if (window.error() != 0)
-    return fail(ErrorCode::io, std::string("the journal cannot be read: ") + std::strerror(window.error()), path.string());
+    return fail(ErrorCode::io, std::string("the journal cannot be read: ") + std::strerror(window.error()),
+                path.string());
   return report;
 }
 

@@ -53,12 +53,14 @@ struct JournalWriter::Impl {
 
   void keep_syncing(const std::stop_token& stop) {
     std::unique_lock lock(mutex);
-    while (!wake.wait_for(lock, stop, std::chrono::seconds(1), [] { return false; }) && !stop.stop_requested())
+    while (!wake.wait_for(lock, stop, std::chrono::seconds(1), [] { return false; }) &&
+           !stop.stop_requested())
       if (unsynced.exchange(false) && ::fdatasync(descriptor) != 0) sync_errno = errno;
   }
 
   Unexpected error(int code) const {
-    return fail(ErrorCode::io, std::string("the journal cannot be written: ") + std::strerror(code), path.string(),
+    return fail(ErrorCode::io, std::string("the journal cannot be written: ") + std::strerror(code),
+                path.string(),
                 code == ENOSPC ? "free space on the disk; what is recorded so far can be recovered" : "");
   }
 
@@ -104,8 +106,8 @@ JournalWriter& JournalWriter::operator=(JournalWriter&&) noexcept = default;
 Result<JournalWriter> JournalWriter::create(const std::filesystem::path& path, const JournalHeader& header) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (descriptor < 0)
-    return fail(ErrorCode::io, std::string("the journal cannot be created: ") + std::strerror(errno), path.string(),
-                errno == ENOENT ? "create the folder first" : "");
+    return fail(ErrorCode::io, std::string("the journal cannot be created: ") + std::strerror(errno),
+                path.string(), errno == ENOENT ? "create the folder first" : "");
   auto impl = std::make_unique<Impl>(path, descriptor);
   const std::string text = header_text(header);
   const auto length = static_cast<std::uint32_t>(text.size());
@@ -122,8 +124,12 @@ Result<void> JournalWriter::append(const JournalFrame& frame) {
   assert(frame.bytes.size() <= journal::kLargestFrame);
   if (impl_->write_errno != 0) return impl_->error(impl_->write_errno);
   if (const int code = impl_->sync_errno; code != 0) return impl_->error(code);
-  const journal::FrameHead head{journal::kMarker, static_cast<std::uint32_t>(frame.bytes.size()), frame.device,
-                                static_cast<std::uint16_t>(frame.kind), 0, frame.time_ns};
+  const journal::FrameHead head{journal::kMarker,
+                                static_cast<std::uint32_t>(frame.bytes.size()),
+                                frame.device,
+                                static_cast<std::uint16_t>(frame.kind),
+                                0,
+                                frame.time_ns};
   const std::uint32_t check = journal::frame_crc(head, frame.bytes.data());
   impl_->put(&head, sizeof head);
   impl_->put(frame.bytes.data(), frame.bytes.size());

@@ -26,7 +26,8 @@ using VariablePointer = std::unique_ptr<matvar_t, FreeVariable>;
 std::string variable_name(std::string text) {
   for (char& c : text)
     if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_')) c = '_';
-  if (text.empty() || !((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'))) text = "x" + text;
+  if (text.empty() || !((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z')))
+    text = "x" + text;
   return text.substr(0, 63);
 }
 
@@ -68,12 +69,14 @@ bool column_of(const matvar_t& v, std::vector<double>& out) {
 
 Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
   const std::filesystem::path temporary = path.string() + ".part";
-  FilePointer file(Mat_CreateVer(temporary.c_str(), "MATLAB 5.0 MAT-file, written by Forcegate", MAT_FT_MAT5));
+  FilePointer file(
+      Mat_CreateVer(temporary.c_str(), "MATLAB 5.0 MAT-file, written by Forcegate", MAT_FT_MAT5));
   const auto failed = [&] {
     file.reset();
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
-    return fail(ErrorCode::io, "the MAT file cannot be written", path.string(), "is the disk full, and does the folder exist?");
+    return fail(ErrorCode::io, "the MAT file cannot be written", path.string(),
+                "is the disk full, and does the folder exist?");
   };
   if (!file) return failed();
   const auto vector = [&](const std::string& name, const std::vector<double>& v) {
@@ -86,10 +89,11 @@ Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
     const std::string suffix = c.time_base == 0 ? "" : "_at_" + std::to_string(c.time_base + 1);
     good = good && vector(header_of(c.name, c.unit) + suffix, c.value);
     if (!c.raw.empty() && c.quantity != "code")
-      good = good && put(file.get(), variable_name(c.name + "_counts" + suffix), MAT_C_INT32, MAT_T_INT32, c.raw.size(), 1,
-                         c.raw.data());
+      good = good && put(file.get(), variable_name(c.name + "_counts" + suffix), MAT_C_INT32, MAT_T_INT32,
+                         c.raw.size(), 1, c.raw.data());
   }
-  const std::string meta = nlohmann::json(trace.provenance).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  const std::string meta =
+      nlohmann::json(trace.provenance).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   good = good && put(file.get(), "provenance", MAT_C_CHAR, MAT_T_UINT8, 1, meta.size(), meta.data());
   if (!good || Mat_Close(file.release()) != 0) return failed();
   std::error_code code;
@@ -104,15 +108,19 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
     return fail(ErrorCode::io, "there is no such file", path.string(), "check the name");
   Mat_LogInitFunc("forcegate", [](int, char*) {});
   const FilePointer file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
-  if (!file) return fail(ErrorCode::parse, "this is not a MAT file of version 4, 5 or 7.3", path.string(), "save it with -v7");
+  if (!file)
+    return fail(ErrorCode::parse, "this is not a MAT file of version 4, 5 or 7.3", path.string(),
+                "save it with -v7");
 
   CsvTable table;
   std::map<std::string, std::string> provenance;
   std::vector<std::string> left_out;
   while (const VariablePointer variable{Mat_VarReadNext(file.get())}) {
     const std::string name = variable->name ? printable_utf8(variable->name) : "";
-    if (name == "provenance" && variable->class_type == MAT_C_CHAR && variable->data && variable->data_size == 1) {
-      const auto json = nlohmann::json::parse(std::string(static_cast<const char*>(variable->data), variable->nbytes), nullptr, false);
+    if (name == "provenance" && variable->class_type == MAT_C_CHAR && variable->data &&
+        variable->data_size == 1) {
+      const auto json = nlohmann::json::parse(
+          std::string(static_cast<const char*>(variable->data), variable->nbytes), nullptr, false);
       if (json.is_object())
         for (const auto& [key, value] : json.items())
           if (value.is_string()) provenance[key] = value.get<std::string>();
@@ -142,7 +150,8 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
     return fail(ErrorCode::parse, "the MAT file holds no real numeric vector", path.string(),
                 "store each signal as a vector variable, for instance t_s, F_ref_N, U_V");
   if (!left_out.empty()) table.notes.push_back("variables left out: " + join(left_out, ", "));
-  FORCEGATE_TRY(TraceFile out, trace_of_table(std::move(table), path.string(), path.stem().string(), options));
+  FORCEGATE_TRY(TraceFile out,
+                trace_of_table(std::move(table), path.string(), path.stem().string(), options));
   out.trace.provenance = std::move(provenance);
   return out;
 }

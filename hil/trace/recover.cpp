@@ -15,7 +15,8 @@ namespace {
 /// Rows of one sample frame, with those left out whose instant does not ascend.
 class FrameRows {
  public:
-  explicit FrameRows(const JournalHeader& header) : header_(header), last_s_(header.time_bases.size(), -HUGE_VAL) {}
+  explicit FrameRows(const JournalHeader& header)
+      : header_(header), last_s_(header.time_bases.size(), -HUGE_VAL) {}
 
   /// False when the frame does not fit the header. Afterwards `t` and `columns` (one for each channel of the base).
   bool read(const JournalFrame& frame) {
@@ -144,7 +145,8 @@ class Hdf5Sink : public Sink {
   Result<void> rows(std::size_t base, const FrameRows& r) override {
     FORCEGATE_CHECK_OK(writer->append_time(base, r.t));
     for (std::size_t k = 0; k < r.channels.size(); ++k)
-      FORCEGATE_CHECK_OK(writer->append(r.channels[k], {r.columns[k].data(), r.t.size(), channels_[r.channels[k]].type}));
+      FORCEGATE_CHECK_OK(
+          writer->append(r.channels[k], {r.columns[k].data(), r.t.size(), channels_[r.channels[k]].type}));
     return {};
   }
   std::optional<Hdf5Writer> writer;
@@ -173,7 +175,8 @@ class MemorySink : public Sink {
       base.nominal_rate_Hz = b.nominal_rate_Hz;
       trace.time_bases.push_back(std::move(base));
     }
-    for (const ChannelSpec& c : header.channels) trace.channels.push_back({c.name, c.unit, c.quantity, c.time_base, {}, {}});
+    for (const ChannelSpec& c : header.channels)
+      trace.channels.push_back({c.name, c.unit, c.quantity, c.time_base, {}, {}});
     specs_ = header.channels;
     return {};
   }
@@ -200,7 +203,8 @@ class MemorySink : public Sink {
 
 }  // namespace
 
-Result<JournalReport> recover_journal(const std::filesystem::path& journal, const std::filesystem::path& hdf5) {
+Result<JournalReport> recover_journal(const std::filesystem::path& journal,
+                                      const std::filesystem::path& hdf5) {
   Hdf5Sink sink(hdf5);
   FORCEGATE_TRY(Recovered found, pour(journal, sink));
   for (std::size_t k = 0; k < found.gaps.size(); ++k)
@@ -221,9 +225,11 @@ Result<TraceFile> read_journal_trace(const std::filesystem::path& journal) {
     out.notes.push_back(note->second);
   for (std::size_t i = 0; i < out.trace.channels.size(); ++i) {
     Channel& counts = out.trace.channels[i];
-    const auto physical = std::find_if(out.trace.channels.begin(), out.trace.channels.end(), [&](const Channel& c) {
-      return !counts.raw.empty() && &c != &counts && c.name == counts.name && c.raw.empty() && c.time_base == counts.time_base;
-    });
+    const auto physical =
+        std::find_if(out.trace.channels.begin(), out.trace.channels.end(), [&](const Channel& c) {
+          return !counts.raw.empty() && &c != &counts && c.name == counts.name && c.raw.empty() &&
+                 c.time_base == counts.time_base;
+        });
     if (physical == out.trace.channels.end()) continue;
     physical->raw = std::move(counts.raw);
     out.trace.channels.erase(out.trace.channels.begin() + static_cast<std::ptrdiff_t>(i--));

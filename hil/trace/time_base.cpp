@@ -90,8 +90,8 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
         ++backwards;
         if (latest - t[i] > 10.0 * step)
           return fail(ErrorCode::parse,
-                      "the clock jumps back from " + shortest(latest) + " s to " + shortest(t[i]) + " s at row " +
-                          std::to_string(rows[i] + 1),
+                      "the clock jumps back from " + shortest(latest) + " s to " + shortest(t[i]) +
+                          " s at row " + std::to_string(rows[i] + 1),
                       where, "split the file where a new recording begins");
       }
       latest = std::max(latest, t[i]);
@@ -107,10 +107,13 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
                rows.end());
     const std::size_t repeated = before - rows.size();
     if (repeated > 1 && repeated * 100 > before)
-      return fail(ErrorCode::parse,
-                  "the clock stands still in " + std::to_string(repeated) + " of " + std::to_string(before) + " rows",
-                  where, "its resolution is coarser than the sample rate; leave it out: --map CLOCK=unused --rate HZ");
-    if (repeated > 0) clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp; dropped");
+      return fail(
+          ErrorCode::parse,
+          "the clock stands still in " + std::to_string(repeated) + " of " + std::to_string(before) + " rows",
+          where,
+          "its resolution is coarser than the sample rate; leave it out: --map CLOCK=unused --rate HZ");
+    if (repeated > 0)
+      clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp; dropped");
     clock.base.t_s.reserve(rows.size());
     for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
   } else {
@@ -123,7 +126,8 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
     for (const Gap& g : clock.base.gaps) longest = std::max(longest, g.to_s - g.from_s);
     char shown[32];
     std::snprintf(shown, sizeof shown, "%.4g", longest);
-    clock.notes.push_back(times(clock.base.gaps.size(), "gap", "gaps") + " in the clock, the longest " + shown + " s");
+    clock.notes.push_back(times(clock.base.gaps.size(), "gap", "gaps") + " in the clock, the longest " +
+                          shown + " s");
   }
   if (clock.base.nominal_rate_Hz == 0.0 && clock.base.t_s.size() > 2)
     clock.notes.push_back("the clock is not uniform: there is no one sample rate");

@@ -19,10 +19,10 @@ struct Gap {
 /// Instants of one device's samples, s, in record time.
 struct TimeBase {
   std::string device = "rig";
-  std::vector<double> t_s;      ///< strictly increasing
-  double nominal_rate_Hz = 0.0; ///< 0 = unknown or non-uniform
-  std::vector<Gap> gaps;        ///< stored, never silently interpolated
-  bool invented = false;        ///< the file had no clock: t is row number over an assumed rate
+  std::vector<double> t_s;       ///< strictly increasing
+  double nominal_rate_Hz = 0.0;  ///< 0 = unknown or non-uniform
+  std::vector<Gap> gaps;         ///< stored, never silently interpolated
+  bool invented = false;         ///< the file had no clock: t is row number over an assumed rate
 };
 
 struct Channel {
@@ -30,7 +30,7 @@ struct Channel {
   std::string unit;      ///< canonical unit symbol: "N", "V", "rad"
   std::string quantity;  ///< "force"
   std::size_t time_base = 0;
-  std::vector<double> value;  ///< NaN = missing
+  std::vector<double> value;      ///< NaN = missing
   std::vector<std::int32_t> raw;  ///< device counts beside the physical values; may be empty
 };
 
@@ -38,7 +38,8 @@ struct Trace {
   std::string name;
   std::vector<TimeBase> time_bases;
   std::vector<Channel> channels;
-  std::map<std::string, std::string> provenance;  ///< rig, firmware hash, stimulus, seed, calibration, versions
+  std::map<std::string, std::string>
+      provenance;  ///< rig, firmware hash, stimulus, seed, calibration, versions
 
   const Channel* find(std::string_view channel_name) const;
   Channel* find(std::string_view channel_name);

@@ -10,18 +10,24 @@ namespace {
 
 constexpr std::size_t kRowsPerFrame = 4096;
 
-std::uint64_t nanoseconds(double t_s) { return t_s > 0.0 ? static_cast<std::uint64_t>(std::llround(t_s * 1e9)) : 0; }
+std::uint64_t nanoseconds(double t_s) {
+  return t_s > 0.0 ? static_cast<std::uint64_t>(std::llround(t_s * 1e9)) : 0;
+}
 
 }  // namespace
 
 TraceRecorder::TraceRecorder(std::filesystem::path hdf5, std::filesystem::path journal, JournalHeader header,
                              JournalWriter writer)
-    : hdf5_(std::move(hdf5)), journal_(std::move(journal)), header_(std::move(header)), writer_(std::move(writer)) {}
+    : hdf5_(std::move(hdf5)),
+      journal_(std::move(journal)),
+      header_(std::move(header)),
+      writer_(std::move(writer)) {}
 
 Result<TraceRecorder> TraceRecorder::create(const std::filesystem::path& hdf5, JournalHeader header) {
   for (const ChannelSpec& c : header.channels)
     if (c.time_base >= header.time_bases.size())
-      return fail(ErrorCode::config, "channel \"" + c.name + "\" names a time base that is not declared", hdf5.string());
+      return fail(ErrorCode::config, "channel \"" + c.name + "\" names a time base that is not declared",
+                  hdf5.string());
   std::filesystem::path journal = hdf5;
   journal.replace_extension(".fgj");
   FORCEGATE_TRY(JournalWriter writer, JournalWriter::create(journal, header));
@@ -49,8 +55,8 @@ Result<void> TraceRecorder::append(std::size_t time_base, std::span<const double
       ++k;
     }
     assert(k == columns.size());
-    FORCEGATE_CHECK_OK(writer_.append({static_cast<std::uint16_t>(time_base), FrameKind::samples,
-                                       nanoseconds(t_s[at + n - 1]), payload_}));
+    FORCEGATE_CHECK_OK(writer_.append(
+        {static_cast<std::uint16_t>(time_base), FrameKind::samples, nanoseconds(t_s[at + n - 1]), payload_}));
   }
   return {};
 }

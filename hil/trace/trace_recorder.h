@@ -16,7 +16,8 @@ class TraceRecorder {
 
   /// Rows of one time base: instants and one column for each of its channels, in header order and of the declared
   /// types. Columns of another length or type are programmer mistakes.
-  Result<void> append(std::size_t time_base, std::span<const double> t_s, std::span<const ColumnView> columns);
+  Result<void> append(std::size_t time_base, std::span<const double> t_s,
+                      std::span<const ColumnView> columns);
   /// The first time base.
   Result<void> append(std::span<const double> t_s, std::span<const ColumnView> columns) {
     return append(0, t_s, columns);
@@ -32,7 +33,8 @@ class TraceRecorder {
   const std::filesystem::path& journal_path() const { return journal_; }
 
  private:
-  TraceRecorder(std::filesystem::path hdf5, std::filesystem::path journal, JournalHeader header, JournalWriter writer);
+  TraceRecorder(std::filesystem::path hdf5, std::filesystem::path journal, JournalHeader header,
+                JournalWriter writer);
 
   std::filesystem::path hdf5_, journal_;
   JournalHeader header_;

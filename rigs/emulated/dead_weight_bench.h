@@ -27,7 +27,8 @@ class DeadWeightBench final : public WeightBench {
   WeightBenchInfo info() const override;
   Result<void> begin(const WeightBenchRequest& request) override;
   Result<void> load(double force_N, double hold_s) override;
-  Result<void> capture(std::size_t sensor, const WeightBenchSource& source, std::span<std::int16_t> codes) override;
+  Result<void> capture(std::size_t sensor, const WeightBenchSource& source,
+                       std::span<std::int16_t> codes) override;
   std::optional<std::complex<double>> true_admittance_S(std::size_t sensor, double f_Hz) const override;
 
   const RcSensor& sensor(std::size_t i) const { return sensors_[i]; }

@@ -15,7 +15,7 @@ constexpr double kForceMax_N = 5.5;
 constexpr double kUsualStop_N = 5.0;
 constexpr double kHeadroom_N = 0.25;
 constexpr double kTick_s = 0.01;
-constexpr double kUsualLoss = 0.7;  // share y that 20 min of cycling leave
+constexpr double kUsualLoss = 0.7;    // share y that 20 min of cycling leave
 constexpr double kOnset = 1.0 / 3.0;  // of the record, for faults in mid-run
 constexpr double kRippleTurns = 12.0;
 constexpr double kStaleStretch_s = 0.1;
@@ -50,7 +50,8 @@ RigInfo EmulatedRig::info() const {
   info.geometry = geometry_;
   info.can_move = true;
   info.emulated = true;
-  info.details["reference_calibration"] = faults_.reference_foreign_calibration ? "FT-EMULATED-2" : kAtiCalibration;
+  info.details["reference_calibration"] =
+      faults_.reference_foreign_calibration ? "FT-EMULATED-2" : kAtiCalibration;
   info.details["reference_calibration_expected"] = kAtiCalibration;
   info.details["sensor"] =
       options_.sensor == SensorType::fsr ? "Interlink FSR (emulated)" : "Tekscan FlexiForce A201 (emulated)";
@@ -95,9 +96,8 @@ Result<void> EmulatedRig::begin(const RigRecordRequest& request) {
   ati_.set_gain(faults_.reference_gain * faults_.reference_axis_share);
   converter_.begin(converter);
 
-  film_parameters_ =
-      draw_session(options_.sensor, specimen, request.seed, request.session, options_.session_spread,
-                   request.record);
+  film_parameters_ = draw_session(options_.sensor, specimen, request.seed, request.session,
+                                  options_.session_spread, request.record);
   const std::uint64_t record_seed =
       mix_seed(mix_seed(request.seed, "record/" + request.specimen),
                std::to_string(request.session) + "/" + std::to_string(request.record));
@@ -173,14 +173,17 @@ void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
   for (std::size_t i = 0; i < n; ++i) theta_rad[i] = static_cast<float>(force[i]);
   if (faults_.motor_backlash_rad > 0.0) {
     const double half = 0.5 * faults_.motor_backlash_rad;
-    for (std::size_t i = 0; i < n; ++i) force[i] = wheel_rad_ = std::clamp(wheel_rad_, force[i] - half, force[i] + half);
+    for (std::size_t i = 0; i < n; ++i)
+      force[i] = wheel_rad_ = std::clamp(wheel_rad_, force[i] - half, force[i] + half);
   }
   const double now_s = static_cast<double>(index_) * step_s_;
-  if (now_s >= onset_s_) mounted_.preload_mm = spring_.preload_mm + faults_.preload_wrong_mm - faults_.spring_slipped_mm;
+  if (now_s >= onset_s_)
+    mounted_.preload_mm = spring_.preload_mm + faults_.preload_wrong_mm - faults_.spring_slipped_mm;
   if (faults_.head_motion > 0.0)
     for (std::size_t i = 0; i < n; ++i)
-      force[i] = mounted_.force_N(wheel_.travel_mm(force[i]) +
-                                  head_.displacement_mm(static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s_));
+      force[i] = mounted_.force_N(
+          wheel_.travel_mm(force[i]) +
+          head_.displacement_mm(static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s_));
   else
     press(n, force);
   ati_.set_offset_N(faults_.reference_offset_N + faults_.reference_drift_N_per_min * now_s / 60.0);
@@ -206,7 +209,8 @@ void EmulatedRig::run_to_tick(std::size_t n, RigBlock& out, std::size_t at) {
   }
   adc_noise_ = adc_noise;
   const double step_s = step_s_;
-  for (std::size_t i = 0; i < n; ++i) t_s[i] = static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s;
+  for (std::size_t i = 0; i < n; ++i)
+    t_s[i] = static_cast<double>(index_ + static_cast<std::int64_t>(i)) * step_s;
   index_ += static_cast<std::int64_t>(n);
   reading_N_ = static_cast<double>(reading[n - 1]);
 }
@@ -265,7 +269,8 @@ void EmulatedRig::spoil_rows(std::size_t n, RigBlock& out, std::size_t at) {
     }
     if (!late_code_.empty()) {
       std::uint16_t& slot = late_code_[static_cast<std::size_t>(index) % late_code_.size()];
-      if (index < static_cast<std::int64_t>(late_code_.size())) slot = out.adc[i];  // nothing is under way yet
+      if (index < static_cast<std::int64_t>(late_code_.size()))
+        slot = out.adc[i];  // nothing is under way yet
       std::swap(slot, out.adc[i]);
     }
     if (faults_.sensor_stale > 0.0) {
@@ -280,7 +285,8 @@ void EmulatedRig::spoil_rows(std::size_t n, RigBlock& out, std::size_t at) {
       out.force_ref_N[i] = frozen_N_;
     }
     if (!late_reading_N_.empty())
-      std::swap(late_reading_N_[static_cast<std::size_t>(index) % late_reading_N_.size()], out.force_ref_N[i]);
+      std::swap(late_reading_N_[static_cast<std::size_t>(index) % late_reading_N_.size()],
+                out.force_ref_N[i]);
     if (faults_.reference_stale > 0.0) {
       if (is_stale(reference_stale_, faults_.reference_stale, index))
         out.force_ref_N[i] = stale_reading_N_;
@@ -324,7 +330,8 @@ Result<bool> switch_option(const std::string& name, const std::string& text) {
 }
 
 Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::string>& texts) {
-  static const std::vector<std::string> kKnown{"adc_bits", "hidden", "noise", "rate_Hz", "sensor", "session_spread"};
+  static const std::vector<std::string> kKnown{"adc_bits", "hidden", "noise",
+                                               "rate_Hz",  "sensor", "session_spread"};
   EmulatedOptions options;
   std::unique_ptr<SensorHook> hidden;
   for (const auto& [name, text] : texts) {

@@ -17,7 +17,8 @@ inline constexpr double kNever_s = std::numeric_limits<double>::infinity();
 /// Values that switch nothing on.
 struct Faults {
   // Reference
-  double reference_saturated_N = std::numeric_limits<double>::infinity();  ///< the cell overloads at this force
+  double reference_saturated_N =
+      std::numeric_limits<double>::infinity();  ///< the cell overloads at this force
   double reference_offset_N = 0.0;
   double reference_drift_N_per_min = 0.0;
   double reference_gain = 1.0;
@@ -28,12 +29,12 @@ struct Faults {
   double reference_stale = 0.0;  ///< share of the 100-ms stretches in which the reading repeats
   // Motor, wheel and spring
   double motor_stalled_s = kNever_s;
-  double motor_ripple_rad = 0.0;     ///< amplitude, twelve times a turn
-  double motor_backlash_rad = 0.0;   ///< play between shaft (read back) and wheel
-  double preload_wrong_mm = 0.0;     ///< from the start
-  double spring_slipped_mm = 0.0;    ///< lost in mid-run
-  double spring_stiffness = 1.0;     ///< factor on the spring's constant
-  double head_motion = 0.0;          ///< scale of a patient's motion (head.h)
+  double motor_ripple_rad = 0.0;    ///< amplitude, twelve times a turn
+  double motor_backlash_rad = 0.0;  ///< play between shaft (read back) and wheel
+  double preload_wrong_mm = 0.0;    ///< from the start
+  double spring_slipped_mm = 0.0;   ///< lost in mid-run
+  double spring_stiffness = 1.0;    ///< factor on the spring's constant
+  double head_motion = 0.0;         ///< scale of a patient's motion (head.h)
   // Sensor and converter
   double sensor_unplugged_s = kNever_s;  ///< input pulled to 0 V
   double sensor_gain = 1.0;              ///< another specimen than the calibrated one: factor on its signal
@@ -41,9 +42,9 @@ struct Faults {
   double sensor_stale = 0.0;  ///< share of the 100-ms stretches in which the code repeats
   int adc_stuck_bit = -1;     ///< this bit reads 1
   // Link and clock
-  double sample_loss = 0.0;  ///< share of samples that never arrive
-  double clock_skew = 0.0;   ///< relative error of the time stamps
-  double clock_jump_s = 0.0; ///< in mid-run
+  double sample_loss = 0.0;       ///< share of samples that never arrive
+  double clock_skew = 0.0;        ///< relative error of the time stamps
+  double clock_jump_s = 0.0;      ///< in mid-run
   double truncated_s = kNever_s;  ///< the record ends here
 
   /// Something has to be done to finished rows.

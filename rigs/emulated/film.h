@@ -52,7 +52,8 @@ class Film {
   /// Samples in order: volts before the converter's rails and noise. tick() is called between two runs.
   void run(std::size_t n, const double* force_N, double* voltage_V) {
     double film[kBatch], voltage = voltage_;
-    const double creep_N = creep_, wander = wander_, offset_N = p_.offset_N, per_gain = per_gain_, follow = follow_;
+    const double creep_N = creep_, wander = wander_, offset_N = p_.offset_N, per_gain = per_gain_,
+                 follow = follow_;
     for (std::size_t done = 0; done < n; done += kBatch) {
       const std::size_t m = n - done < kBatch ? n - done : kBatch;
       double* const out_V = voltage_V + done;

@@ -34,7 +34,8 @@ class HeadMotion {
         t += 30.0;
         continue;
       }
-      const double jump_mm = (rng.uniform() < 0.5 ? -1.0 : 1.0) * rng.uniform(1.5, 3.0), stay_s = rng.uniform(10.0, 30.0);
+      const double jump_mm = (rng.uniform() < 0.5 ? -1.0 : 1.0) * rng.uniform(1.5, 3.0),
+                   stay_s = rng.uniform(10.0, 30.0);
       moves_.push_back({t, 0.3, jump_mm});
       moves_.push_back({t + stay_s, 0.8, -jump_mm});
       t += stay_s + rng.uniform(20.0, 60.0);
@@ -44,11 +45,14 @@ class HeadMotion {
   /// Times in order.
   double displacement_mm(double t_s) {
     if (scale_ <= 0.0) return 0.0;
-    while (at_ < moves_.size() && t_s >= moves_[at_].at_s + moves_[at_].takes_s) settled_mm_ += moves_[at_++].by_mm;
+    while (at_ < moves_.size() && t_s >= moves_[at_].at_s + moves_[at_].takes_s)
+      settled_mm_ += moves_[at_++].by_mm;
     double mm = settled_mm_;
     if (at_ < moves_.size() && t_s > moves_[at_].at_s)
-      mm += moves_[at_].by_mm * (0.5 - 0.5 * portable::cos(0.5 * kTwoPi * (t_s - moves_[at_].at_s) / moves_[at_].takes_s));
-    mm += 1.0 * portable::sin(kTwoPi * 0.25 * t_s + breathing_phase_) + 1.0 * portable::sin(kTwoPi * t_s / 90.0);
+      mm += moves_[at_].by_mm *
+            (0.5 - 0.5 * portable::cos(0.5 * kTwoPi * (t_s - moves_[at_].at_s) / moves_[at_].takes_s));
+    mm += 1.0 * portable::sin(kTwoPi * 0.25 * t_s + breathing_phase_) +
+          1.0 * portable::sin(kTwoPi * t_s / 90.0);
     return scale_ * mm;
   }
 

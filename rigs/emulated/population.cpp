@@ -125,8 +125,10 @@ FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint
   film.offset_N = kNominalOffset_N * (1.0 + (fsr ? 0.45 : 0.22) * z());
   film.loading.b_scale = specimen.b_scale * (1.0 + kRepeatability * z());
   film.loading.q_scale = specimen.q_scale * (1.0 + kRepeatability * z());
-  if (record != 0 && spread) {  // what repeats to 4 % does so from record to record, not only between sessions
-    Rng again(mix_seed(seed, "record/" + specimen.name), std::to_string(session) + "/" + std::to_string(record));
+  if (record != 0 &&
+      spread) {  // what repeats to 4 % does so from record to record, not only between sessions
+    Rng again(mix_seed(seed, "record/" + specimen.name),
+              std::to_string(session) + "/" + std::to_string(record));
     film.loading.b_scale = specimen.b_scale * (1.0 + kRepeatability * cut_normal(again));
     film.loading.q_scale = specimen.q_scale * (1.0 + kRepeatability * cut_normal(again));
   }

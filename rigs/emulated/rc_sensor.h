@@ -26,14 +26,14 @@ namespace forcegate::emulated {
 
 /// What stays with a specimen.
 struct RcSpecimen {
-  double g_S_per_N = 26.7e-9;        ///< 1/R_s = 6.7 uS at 250 N
+  double g_S_per_N = 26.7e-9;  ///< 1/R_s = 6.7 uS at 250 N
   double c0_F = 200e-12;
-  double c_F_per_N = 1.8e-12;        ///< C_s = 650 pF at 250 N
-  double bend_g = 0.0, bend_c = 0.0; ///< largest departure from the line, share of 250 N
-  double divergence_Hz = 5750.0;     ///< where the phase lies about 3 degrees below that of R_s parallel C_s
-  double repeat_g_N = 0.635;         ///< conductance: rms over the range of what does not repeat, as a force
-  double repeat_c_N = 0.356;         ///< capacitance: the same
-  double creep_per_decade = 0.02;    ///< of the conductance
+  double c_F_per_N = 1.8e-12;         ///< C_s = 650 pF at 250 N
+  double bend_g = 0.0, bend_c = 0.0;  ///< largest departure from the line, share of 250 N
+  double divergence_Hz = 5750.0;      ///< where the phase lies about 3 degrees below that of R_s parallel C_s
+  double repeat_g_N = 0.635;          ///< conductance: rms over the range of what does not repeat, as a force
+  double repeat_c_N = 0.356;          ///< capacitance: the same
+  double creep_per_decade = 0.02;     ///< of the conductance
   double play_share = 0.03;
 };
 
@@ -80,8 +80,8 @@ class RcSensor {
   Rng rng_{0};
   double force_N_ = 0, play_N_ = 0, time_s_ = 0, residue_N_ = 0;
   std::vector<Increment> increments_;
-  double own_c_N_ = 0;                                     // rms of the capacitance's own part
-  double gain_common_ = 0, gain_g_ = 0, gain_c_ = 0;       // relative, in terms of force
+  double own_c_N_ = 0;                                // rms of the capacitance's own part
+  double gain_common_ = 0, gain_g_ = 0, gain_c_ = 0;  // relative, in terms of force
   double slip_common_N_ = 0, slip_g_N_ = 0, slip_c_N_ = 0;
 };
 

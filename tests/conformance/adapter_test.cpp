@@ -89,8 +89,8 @@ std::vector<BenchFile> benches() {
 }
 
 bool same(const ConfigNode& a, const ConfigNode& b) {
-  if (a.kind != b.kind || a.text != b.text || a.number != b.number || a.boolean != b.boolean || a.names != b.names ||
-      a.items.size() != b.items.size())
+  if (a.kind != b.kind || a.text != b.text || a.number != b.number || a.boolean != b.boolean ||
+      a.names != b.names || a.items.size() != b.items.size())
     return false;
   for (std::size_t i = 0; i < a.items.size(); ++i)
     if (!same(a.items[i], b.items[i])) return false;
@@ -101,13 +101,16 @@ bool same(const ConfigNode& a, const ConfigNode& b) {
 std::vector<ConfigNode> tables_of(const std::string& device, const std::string& adapter) {
   std::vector<ConfigNode> out;
   for (const BenchFile& b : benches()) {
-    const std::string& own = device == "motor" ? b.motor_adapter : device == "reference" ? b.reference_adapter : b.board_adapter;
+    const std::string& own = device == "motor"       ? b.motor_adapter
+                             : device == "reference" ? b.reference_adapter
+                                                     : b.board_adapter;
     if (own != adapter) continue;
     ConfigNode table = b.table(device.c_str());
     for (std::size_t i = 0; i < table.names.size(); ++i)
       if (table.names[i].ends_with("_timeout_ms") || table.names[i] == "worst_reply_ms")
         table.items[i].integer = 20, table.items[i].number = 20.0;
-    if (std::none_of(out.begin(), out.end(), [&](const ConfigNode& t) { return same(t, table); })) out.push_back(std::move(table));
+    if (std::none_of(out.begin(), out.end(), [&](const ConfigNode& t) { return same(t, table); }))
+      out.push_back(std::move(table));
   }
   return out;
 }

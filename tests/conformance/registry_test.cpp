@@ -17,7 +17,8 @@ namespace {
 // A source with a header beside it is a helper of the others, no entry of its own.
 std::set<std::string> stems(const std::string& folder) {
   std::set<std::string> out;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(FORCEGATE_SOURCE_DIR "/") + folder)) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(FORCEGATE_SOURCE_DIR "/") + folder)) {
     std::filesystem::path header = entry.path();
     if (header.extension() == ".cpp" && !std::filesystem::exists(header.replace_extension(".h")))
       out.insert(entry.path().stem().string());
@@ -46,17 +47,20 @@ TEST(Registries, VerbsAreTheFilesOfTheirFolder) {
 }
 
 TEST(Registries, LanesRigsAndControllersAreLinkedIn) {
-  for (const char* lane : {"native", "block", "uart"}) EXPECT_TRUE(registered<LaneKind>().contains(lane)) << lane;
+  for (const char* lane : {"native", "block", "uart"})
+    EXPECT_TRUE(registered<LaneKind>().contains(lane)) << lane;
   for (const char* rig : {"emulated", "replay"}) EXPECT_TRUE(registered<RigKind>().contains(rig)) << rig;
   for (const char* controller : {"open_loop", "force_integral"})
     EXPECT_TRUE(registered<ControllerKind>().contains(controller)) << controller;
 }
 
 TEST(Registries, EveryEntrySaysWhatItIs) {
-  for (const auto& kind : Registry<StimulusKind>::instance().all()) EXPECT_GT(kind.doc.size(), 10u) << kind.name;
+  for (const auto& kind : Registry<StimulusKind>::instance().all())
+    EXPECT_GT(kind.doc.size(), 10u) << kind.name;
   for (const auto& kind : Registry<LaneKind>::instance().all()) EXPECT_GT(kind.doc.size(), 10u) << kind.name;
   for (const auto& kind : Registry<RigKind>::instance().all()) EXPECT_GT(kind.doc.size(), 10u) << kind.name;
-  for (const auto& kind : Registry<ControllerKind>::instance().all()) EXPECT_GT(kind.doc.size(), 10u) << kind.name;
+  for (const auto& kind : Registry<ControllerKind>::instance().all())
+    EXPECT_GT(kind.doc.size(), 10u) << kind.name;
 }
 
 TEST(CommandTable, RowsAreCompleteAndTheirNamesUnique) {
@@ -70,7 +74,8 @@ TEST(CommandTable, RowsAreCompleteAndTheirNamesUnique) {
       EXPECT_GT(row.description.size(), 60u) << row.name << " must teach";
       EXPECT_FALSE(row.examples.empty()) << row.name;
     }
-    for (const Example& e : row.examples) EXPECT_NE(e.command.find("forcegate " + row.name), std::string::npos) << row.name;
+    for (const Example& e : row.examples)
+      EXPECT_NE(e.command.find("forcegate " + row.name), std::string::npos) << row.name;
     std::set<std::string> names = {"json", "color", "quiet", "help", "version"};
     std::set<char> letters = {'q', 'h'};
     for (const Option& o : row.options) {
@@ -79,11 +84,13 @@ TEST(CommandTable, RowsAreCompleteAndTheirNamesUnique) {
         EXPECT_TRUE(letters.insert(o.letter).second) << row.name << " -" << o.letter;
       }
       EXPECT_FALSE(o.doc.empty()) << row.name << " --" << o.name;
-      EXPECT_FALSE(o.value_name.empty() && (o.required || !o.fallback.empty())) << row.name << " --" << o.name;
+      EXPECT_FALSE(o.value_name.empty() && (o.required || !o.fallback.empty()))
+          << row.name << " --" << o.name;
     }
     for (std::size_t i = 0; i < row.positionals.size(); ++i) {
       EXPECT_TRUE(names.insert(row.positionals[i].name).second) << row.name;
-      EXPECT_FALSE(row.positionals[i].repeatable && i + 1 < row.positionals.size()) << row.name << ": only the last";
+      EXPECT_FALSE(row.positionals[i].repeatable && i + 1 < row.positionals.size())
+          << row.name << ": only the last";
     }
   }
 }

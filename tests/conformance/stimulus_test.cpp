@@ -15,7 +15,8 @@ namespace {
 
 // Values inside the declared ranges: often the default or an end, else anywhere between.
 double draw(Rng& rng, const StimulusParameter& p) {
-  const double low = std::isfinite(p.minimum) ? p.minimum : -1e6, high = std::isfinite(p.maximum) ? p.maximum : 1e6;
+  const double low = std::isfinite(p.minimum) ? p.minimum : -1e6,
+               high = std::isfinite(p.maximum) ? p.maximum : 1e6;
   switch (rng.below(5)) {
     case 0: return low;
     case 1: return high;
@@ -67,7 +68,8 @@ TEST_P(StimulusConformance, AnyParametersInRangeGiveABoundedProfileOrAnErrorWith
       ASSERT_TRUE(std::isfinite(force)) << t;
       ASSERT_GE(force, facts.minimum_N - 1e-9) << t;
       ASSERT_LE(force, facts.maximum_N + 1e-9) << t;
-      ASSERT_EQ(std::bit_cast<std::uint64_t>(stimulus.force_N(t)), std::bit_cast<std::uint64_t>(force)) << "not pure";
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(stimulus.force_N(t)), std::bit_cast<std::uint64_t>(force))
+          << "not pure";
     }
   }
 }
@@ -83,11 +85,14 @@ TEST_P(StimulusConformance, TheSameSpecIsTheSameProfile) {
     ++made_ones;
     for (int i = 0; i < 50; ++i) {
       const double t = (*first)->duration_s() * i / 50.0;
-      ASSERT_EQ(std::bit_cast<std::uint64_t>((*first)->force_N(t)), std::bit_cast<std::uint64_t>((*second)->force_N(t)));
+      ASSERT_EQ(std::bit_cast<std::uint64_t>((*first)->force_N(t)),
+                std::bit_cast<std::uint64_t>((*second)->force_N(t)));
     }
   }
-  const bool reads_a_file = std::any_of(kind().parameters.begin(), kind().parameters.end(), [](const auto& p) { return p.is_text; });
-  EXPECT_TRUE(made_ones > 0 || reads_a_file) << "no draw inside the declared ranges is accepted: the ranges are wrong";
+  const bool reads_a_file = std::any_of(kind().parameters.begin(), kind().parameters.end(),
+                                        [](const auto& p) { return p.is_text; });
+  EXPECT_TRUE(made_ones > 0 || reads_a_file)
+      << "no draw inside the declared ranges is accepted: the ranges are wrong";
 }
 
 TEST_P(StimulusConformance, UnknownParametersAndValuesOutOfRangeAreRefused) {
@@ -99,7 +104,8 @@ TEST_P(StimulusConformance, UnknownParametersAndValuesOutOfRangeAreRefused) {
   EXPECT_EQ(unknown.error().code, ErrorCode::usage);
   for (const StimulusParameter& p : kind().parameters) {
     if (p.is_text) continue;
-    for (const double wrong : {std::nan(""), p.maximum + std::abs(p.maximum) + 1.0, p.minimum - std::abs(p.minimum) - 1.0}) {
+    for (const double wrong :
+         {std::nan(""), p.maximum + std::abs(p.maximum) + 1.0, p.minimum - std::abs(p.minimum) - 1.0}) {
       if (std::isinf(wrong)) continue;
       Rng rng(3, p.name);
       StimulusSpec one = draw_spec(rng, kind());
@@ -114,7 +120,8 @@ TEST_P(StimulusConformance, UnknownParametersAndValuesOutOfRangeAreRefused) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, StimulusConformance, ::testing::ValuesIn(Registry<StimulusKind>::instance().names()),
+INSTANTIATE_TEST_SUITE_P(Registry, StimulusConformance,
+                         ::testing::ValuesIn(Registry<StimulusKind>::instance().names()),
                          [](const auto& kind) { return kind.param; });
 
 }  // namespace

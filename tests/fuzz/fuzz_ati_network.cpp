@@ -21,12 +21,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (records.size() * ati::kRdtRecordSize > size) std::abort();
   for (const ati::RdtRecord& r : records) (void)ati::rdt_health(r.status);
   if (const auto page = ati::parse_netft_page({reinterpret_cast<const char*>(data), size}))
-    if (!(page->counts_per_force > 0.0) || !std::isfinite(page->counts_per_force) || !(page->newtons_per_unit > 0.0)) std::abort();
+    if (!(page->counts_per_force > 0.0) || !std::isfinite(page->counts_per_force) ||
+        !(page->newtons_per_unit > 0.0))
+      std::abort();
   for (const std::uint8_t function : {3, 16, 0x46, 0x6A})
-    if (const auto reply = ati::decode_frame(bytes, 10, function); reply && reply->size() + 4 != size) std::abort();
+    if (const auto reply = ati::decode_frame(bytes, 10, function); reply && reply->size() + 4 != size)
+      std::abort();
   ati::GageRecord record;
   for (std::size_t at = 0; at < size; at += ati::kGageRecordSize)
-    if (ati::parse_gages(bytes.subspan(at), record) == ati::GageParse::need_more && size - at >= ati::kGageRecordSize) std::abort();
+    if (ati::parse_gages(bytes.subspan(at), record) == ati::GageParse::need_more &&
+        size - at >= ati::kGageRecordSize)
+      std::abort();
   std::vector<std::uint16_t> words(static_cast<std::size_t>(ati::kCalibrationWords));
   for (std::size_t i = 0; i + 1 < size && i / 2 < words.size(); i += 2)
     words[i / 2] = static_cast<std::uint16_t>(data[i] << 8 | data[i + 1]);

@@ -39,6 +39,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   frame.payload.assign(data, data + std::min<std::size_t>(size, link::kPayloadMax));
   const auto bytes = emulated::frame_bytes(frame);
   const auto read = link::parse(bytes);
-  if (read.kind != link::Parse::value || read.frame.payload != frame.payload || link::encode(read.frame) != bytes) std::abort();
+  if (read.kind != link::Parse::value || read.frame.payload != frame.payload ||
+      link::encode(read.frame) != bytes)
+    std::abort();
   return 0;
 }

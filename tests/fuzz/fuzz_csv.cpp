@@ -8,7 +8,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  const auto file = forcegate::parse_csv(bytes, "fuzz.csv", {.column_map = {}, .assumed_rate_Hz = size % 2 == 0 ? 100.0 : 0.0});
+  const auto file = forcegate::parse_csv(bytes, "fuzz.csv",
+                                         {.column_map = {}, .assumed_rate_Hz = size % 2 == 0 ? 100.0 : 0.0});
   if (!file) {
     if (file.error().text.empty()) std::abort();
     return 0;
@@ -17,6 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (std::size_t i = 1; i < t.size(); ++i)
     if (!(t[i] > t[i - 1])) std::abort();
   for (const auto& channel : file->trace.channels)
-    if (channel.value.size() != t.size() || (!channel.raw.empty() && channel.raw.size() != t.size())) std::abort();
+    if (channel.value.size() != t.size() || (!channel.raw.empty() && channel.raw.size() != t.size()))
+      std::abort();
   return 0;
 }

@@ -18,7 +18,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool with_header = data[0] % 2 == 0;
   std::filesystem::remove(path);
   if (with_header) {
-    const forcegate::JournalHeader header{"fuzz", {{"rig", 1000.0}}, {{"U", "V", "voltage", forcegate::SampleType::f32, 0}}, {}};
+    const forcegate::JournalHeader header{
+        "fuzz", {{"rig", 1000.0}}, {{"U", "V", "voltage", forcegate::SampleType::f32, 0}}, {}};
     if (!forcegate::JournalWriter::create(path, header)) std::abort();
   }
   std::ofstream(path, std::ios::binary | std::ios::app)

@@ -22,7 +22,9 @@ class Bench {
   void calibrates_to_level(const std::string& level) {
     arguments_.insert(arguments_.end(), {"--calibration", level});
   }
-  void plays_only(const std::string& case_name) { arguments_.insert(arguments_.end(), {"--case", case_name}); }
+  void plays_only(const std::string& case_name) {
+    arguments_.insert(arguments_.end(), {"--case", case_name});
+  }
 
   /// `build`: name below build/firmware, or a path.
   Outcome gates(const std::string& build) const {

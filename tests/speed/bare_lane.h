@@ -54,7 +54,8 @@ inline double bare_lane(std::uint64_t samples, const Calibration& calibration, F
   std::vector<std::uint16_t> adc(kBlock), status(kBlock);
   std::vector<std::uint8_t> flags(kBlock);
   SampleDigest digest;
-  double estimate = force_N, worst = 0.0, sum_spring = 0.0, sum_square = 0.0, sum_second = 0.0, sum_error = 0.0;
+  double estimate = force_N, worst = 0.0, sum_spring = 0.0, sum_square = 0.0, sum_second = 0.0,
+         sum_error = 0.0;
   std::array<std::array<double, kMean>, 3> ring{};
   std::array<double, 3> mean{}, high{-1e9, -1e9, -1e9}, low{1e9, 1e9, 1e9};
   double x1 = 0.0, x2 = 0.0, total = 0.0;
@@ -78,7 +79,8 @@ inline double bare_lane(std::uint64_t samples, const Calibration& calibration, F
       adc[at + k] = converter.convert(volts[k], adc_noise.next());
     }
     film.tick(0.01);
-    if (step(static_cast<std::uint32_t>(i), kPeriod, adc.data() + at, output.data() + at, flags.data() + at) != 0)
+    if (step(static_cast<std::uint32_t>(i), kPeriod, adc.data() + at, output.data() + at,
+             flags.data() + at) != 0)
       return 0.0;
     estimate = output[at + kPeriod - 1];
     for (std::size_t k = at; k < at + kPeriod; ++k) {
@@ -119,7 +121,8 @@ inline double bare_lane(std::uint64_t samples, const Calibration& calibration, F
       at = 0;
     }
   }
-  return worst + sum_spring + sum_square + sum_second + sum_error + total + static_cast<double>(digest.hex()[0]);
+  return worst + sum_spring + sum_square + sum_second + sum_error + total +
+         static_cast<double>(digest.hex()[0]);
 }
 
 }  // namespace forcegate::speed

@@ -51,7 +51,8 @@ Bench bench() {
 }
 
 void row(const char* what, double bare_s, double ours_s, const char* note) {
-  std::printf("%-34s bare %9.2f ms   ours %9.2f ms   ratio %6.2f   %s\n", what, 1e3 * bare_s, 1e3 * ours_s, ours_s / bare_s, note);
+  std::printf("%-34s bare %9.2f ms   ours %9.2f ms   ratio %6.2f   %s\n", what, 1e3 * bare_s, 1e3 * ours_s,
+              ours_s / bare_s, note);
 }
 
 /// Streamed normal equations of 43 terms: powers and products of four signals, plays of ten radii, lags of three.
@@ -67,7 +68,8 @@ double bare_screening(const Bench& b) {
       const auto r = static_cast<Eigen::Index>(k);
       int c = 0;
       double power = 1.0;
-      for (int p = 0; p < 8; ++p, power *= F) rows(r, c++) = power, rows(r, c++) = power * lag, rows(r, c++) = power * t;
+      for (int p = 0; p < 8; ++p, power *= F)
+        rows(r, c++) = power, rows(r, c++) = power * lag, rows(r, c++) = power * t;
       for (std::size_t j = 0; j < play.size(); ++j) {
         const double radius = 0.05 * static_cast<double>(j + 1);
         play[j] = std::min(std::max(play[j], F - radius), F + radius);
@@ -115,7 +117,8 @@ double bare_waveform(const Bench& b) {
     const double rate = std::exp(p[2]), q = std::exp(p[3]), per = 1.0 / (1.0 + q);
     for (std::size_t i = 0; i < kRows; ++i) {
       const double t = b.t_s[i], e = std::exp(-rate * t), D = (e + q) * per, swing = b.F_N[i] - 0.6;
-      const Eigen::Vector4d j(0.6 + D * swing, 1.0, -p[0] * swing * rate * t * e * per, p[0] * swing * q * (1.0 - e) * per * per);
+      const Eigen::Vector4d j(0.6 + D * swing, 1.0, -p[0] * swing * rate * t * e * per,
+                              p[0] * swing * q * (1.0 - e) * per * per);
       const double residual = b.U_V[i] - p[0] * j[0] - p[1];
       A.noalias() += j * j.transpose();
       g.noalias() += residual * j;
@@ -163,7 +166,8 @@ double bare_residual_tests(const Bench& b) {
     if (lag == before) continue;
     before = lag;
     double own = 0.0, cross = 0.0;
-    for (std::size_t i = lag; i < kRows; ++i) own += b.U_V[i] * b.U_V[i - lag], cross += b.U_V[i] * b.F_N[i - lag];
+    for (std::size_t i = lag; i < kRows; ++i)
+      own += b.U_V[i] * b.U_V[i - lag], cross += b.U_V[i] * b.F_N[i - lag];
     sum += own + cross;
   }
   return sum;
@@ -202,18 +206,21 @@ void parts() {
   if (!workspace) std::exit(1);
   diagnose::Workspace& w = **workspace;
   const auto& channel = w.output;
-  std::printf("parts on 1.2 M rows (one thread); ours works on %d candidate columns in %zu variants\n", channel.problem.ns, channel.variants.size());
+  std::printf("parts on 1.2 M rows (one thread); ours works on %d candidate columns in %zu variants\n",
+              channel.problem.ns, channel.variants.size());
 
   const double gram = best_cpu_s(3, [&] { sink = bare_screening(b); });
   const double build = best_cpu_s(3, [&] { diagnose::build_output_channel(w, 1); });
-  const double screening = best_cpu_s(3, [&] { sink = diagnose::screen(channel, {}, {}, nullptr, 1).base.log_evidence; });
+  const double screening =
+      best_cpu_s(3, [&] { sink = diagnose::screen(channel, {}, {}, nullptr, 1).base.log_evidence; });
   row("Gram of 43 terms / our signatures", gram, build, "signatures and Gram matrices of all effects");
   row("  and the screening on them", gram, screening, "every variant fitted with its own variances");
 
   const diagnose::MixedFit base = diagnose::fit_mixed(channel.problem, {}, nullptr, 20);
   const double bags = bare_bags();
   const double refits = best_cpu_s(1, [&] {
-    for (int k = 0; k < 1000; ++k) sink = diagnose::fit_mixed(channel.problem, {0, 1, 2, 3}, &base, 9).log_evidence;
+    for (int k = 0; k < 1000; ++k)
+      sink = diagnose::fit_mixed(channel.problem, {0, 1, 2, 3}, &base, 9).log_evidence;
   });
   row("1000 bags / 1000 refits", bags, refits, "mixed model with four columns, nine rounds of EM");
 
@@ -229,13 +236,16 @@ void parts() {
     sink = fresh.gain_V_per_N;
   });
   row("waveform fit, 13 passes", waveform, base_fit, "rows and base law with its repeatability");
-  row("lag and 10 plays, 1.2 M steps", best_cpu_s(5, [&] { sink = bare_states(b); }), best_cpu_s(5, [&] { sink = our_states(b); }), "");
+  row("lag and 10 plays, 1.2 M steps", best_cpu_s(5, [&] { sink = bare_states(b); }),
+      best_cpu_s(5, [&] { sink = our_states(b); }), "");
 
   const auto residual = diagnose::residual_rows(channel, base);
   row("residual tests, 200 lags", best_cpu_s(1, [&] { sink = bare_residual_tests(b); }),
-      best_cpu_s(3, [&] { sink = diagnose::structure_of(channel, base).rms; }), "structure against noise, on rows");
+      best_cpu_s(3, [&] { sink = diagnose::structure_of(channel, base).rms; }),
+      "structure against noise, on rows");
   row("a map of 40 x 40", best_cpu_s(5, [&] { sink = bare_map(b); }),
-      best_cpu_s(3, [&] { sink = diagnose::residual_maps(w, channel, residual).front().share; }) , "all coordinates, on rows");
+      best_cpu_s(3, [&] { sink = diagnose::residual_maps(w, channel, residual).front().share; }),
+      "all coordinates, on rows");
 }
 
 double peak_MB() {
@@ -271,7 +281,8 @@ int one(const std::string& verb, const std::string& folder) {
     }
     cpu = std::min(cpu, cpu_s() - start);
   });
-  std::printf("%-10s 10 records, 2.5 M rows, 2 threads: %6.2f s on the wall, %6.2f s of CPU, peak %4.0f MB\n", verb.c_str(), wall, cpu, peak_MB());
+  std::printf("%-10s 10 records, 2.5 M rows, 2 threads: %6.2f s on the wall, %6.2f s of CPU, peak %4.0f MB\n",
+              verb.c_str(), wall, cpu, peak_MB());
   return 0;
 }
 
@@ -296,7 +307,8 @@ bool write_large(const std::filesystem::path& folder) {
 
 int main(int argc, char** argv) {
   if (argc == 3) return one(argv[1], argv[2]);
-  const auto folder = std::filesystem::temp_directory_path() / ("forcegate_speed_" + std::to_string(::getpid()));
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("forcegate_speed_" + std::to_string(::getpid()));
   if (!write_large(folder)) return 1;
   for (const char* verb : {"read", "compare", "diagnose"}) whole(argv[0], verb, folder);
   std::filesystem::remove_all(folder);

@@ -29,7 +29,9 @@ namespace {
 using namespace forcegate;
 namespace fs = std::filesystem;
 
-double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
+double seconds(const timeval& t) {
+  return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+}
 
 double cpu_s() {
   double sum = 0.0;
@@ -90,8 +92,8 @@ void whole(const CaseJob& j) {
 }
 
 void print(const char* what, double cpu, double samples, const std::string& rest) {
-  std::printf("%-44s %8.1f ns a sample %10.0f x real time%s\n", what, 1e9 * cpu / samples, samples / cpu / 1e3,
-              rest.c_str());
+  std::printf("%-44s %8.1f ns a sample %10.0f x real time%s\n", what, 1e9 * cpu / samples,
+              samples / cpu / 1e3, rest.c_str());
   std::fflush(stdout);
 }
 
@@ -123,8 +125,12 @@ struct Firmware {
       float gain_N_per_V, offset_N, v_range_V, b_scale, q_scale;
       std::uint32_t adc_bits;
       char id[16];
-    } told{static_cast<float>(c.gain_N_per_V), static_cast<float>(c.offset_N), static_cast<float>(c.v_range_V),
-           static_cast<float>(c.b_scale),      static_cast<float>(c.q_scale),  static_cast<std::uint32_t>(c.adc_bits),
+    } told{static_cast<float>(c.gain_N_per_V),
+           static_cast<float>(c.offset_N),
+           static_cast<float>(c.v_range_V),
+           static_cast<float>(c.b_scale),
+           static_cast<float>(c.q_scale),
+           static_cast<std::uint32_t>(c.adc_bits),
            "speed"};
     char info[512];
     if (start(7, &told, info) != 0) std::exit(1);
@@ -142,7 +148,8 @@ int main(int argc, char** argv) {
   const double samples = 60000.0 * minutes;
   const fs::path native = images / "reference.native.so";
   if (!fs::exists(native)) {
-    std::fprintf(stderr, "error: there is no %s\nhelp: build first (./ci/build), or name the folder of the images\n",
+    std::fprintf(stderr,
+                 "error: there is no %s\nhelp: build first (./ci/build), or name the folder of the images\n",
                  native.c_str());
     return 2;
   }
@@ -194,10 +201,11 @@ int main(int argc, char** argv) {
     // The cost on the target comes from the lane that counts instructions; two minutes hold start window and steady state.
     const auto counted = execute_job(job("tick", image, false, 2.0));
     if (!counted.failure)
-      std::snprintf(text, sizeof text, "   %.0f instructions a sample, worst %.0f", counted.resources.instructions_mean,
-                    counted.resources.instructions_worst);
+      std::snprintf(text, sizeof text, "   %.0f instructions a sample, worst %.0f",
+                    counted.resources.instructions_mean, counted.resources.instructions_worst);
     print(name.c_str(), best_of(2, [&] { whole(block); }), samples, counted.failure ? "" : text);
   }
-  std::printf("peak memory: %.0f MB for %g min, %.0f MB for %g min\n", short_MB, minutes, long_MB, 10.0 * minutes);
+  std::printf("peak memory: %.0f MB for %g min, %.0f MB for %g min\n", short_MB, minutes, long_MB,
+              10.0 * minutes);
   return sink == 0.0 ? 1 : 0;
 }

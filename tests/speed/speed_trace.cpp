@@ -53,15 +53,16 @@ void bare_csv(const char* path) {
 }
 
 void csv() {
-  const auto path = std::filesystem::temp_directory_path() / ("forcegate_speed_" + std::to_string(::getpid()) + ".csv");
+  const auto path =
+      std::filesystem::temp_directory_path() / ("forcegate_speed_" + std::to_string(::getpid()) + ".csv");
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (!file) return;
   Rng rng(1, "csv");
   std::fputs("t,F,U,T,theta\n", file);
   for (int i = 0; i < 1200000; ++i) {
     const double force = 5 - 5 * std::cos(i * 1.5707963e-3);
-    std::fprintf(file, "%.6f,%.6f,%.6f,%.6f,%.6f\n", i * 1e-3, force, 0.35 + 0.22 * force + rng.normal(0, 2e-3),
-                 23 + 1e-6 * i, 9 * force + rng.normal(0, 0.05));
+    std::fprintf(file, "%.6f,%.6f,%.6f,%.6f,%.6f\n", i * 1e-3, force,
+                 0.35 + 0.22 * force + rng.normal(0, 2e-3), 23 + 1e-6 * i, 9 * force + rng.normal(0, 0.05));
   }
   std::fclose(file);
   const double bare = best_of_five([&] { bare_csv(path.c_str()); });
@@ -70,7 +71,8 @@ void csv() {
     sink = read ? read->trace.channels[3].value.back() : 0.0;
   });
   std::filesystem::remove(path);
-  std::printf("csv      1.2 M rows x 5        bare from_chars %7.1f ms   ours %7.1f ms   ratio %.2f\n", bare * 1e3, ours * 1e3, ours / bare);
+  std::printf("csv      1.2 M rows x 5        bare from_chars %7.1f ms   ours %7.1f ms   ratio %.2f\n",
+              bare * 1e3, ours * 1e3, ours / bare);
 }
 
 void extrema() {
@@ -99,13 +101,15 @@ void extrema() {
       forcegate::ExtremaPairer pairer({.prominence = 0.2, .followers = 3, .half_width = half_width});
       for (std::size_t at = 0; at < n; at += block) {
         const float* columns[] = {&follower[0][at], &follower[1][at], &follower[2][at]};
-        pairer.push(std::span(t).subspan(at, block), std::span<const float>(guide).subspan(at, block), columns);
+        pairer.push(std::span(t).subspan(at, block), std::span<const float>(guide).subspan(at, block),
+                    columns);
       }
       pairer.finish();
       sink = pairer.pairs().back().value[0];
     });
-    std::printf("extrema  3 followers, mean %2d   bare min/max    %7.2f ns   ours %7.2f ns a sample   ratio %.2f\n", 2 * half_width + 1,
-                bare / n * 1e9, ours / n * 1e9, ours / bare);
+    std::printf(
+        "extrema  3 followers, mean %2d   bare min/max    %7.2f ns   ours %7.2f ns a sample   ratio %.2f\n",
+        2 * half_width + 1, bare / n * 1e9, ours / n * 1e9, ours / bare);
   }
 }
 
@@ -129,7 +133,8 @@ void decay() {
     const auto fit = forcegate::fit_decay(t, u, 0.4);
     sink = fit ? fit->b_per_s : 0.0;
   });
-  std::printf("decay    600 maxima             100 passes      %7.1f us   ours %7.1f us   ratio %.2f\n", bare * 1e6, ours * 1e6, ours / bare);
+  std::printf("decay    600 maxima             100 passes      %7.1f us   ours %7.1f us   ratio %.2f\n",
+              bare * 1e6, ours * 1e6, ours / bare);
 }
 
 }  // namespace

@@ -27,9 +27,11 @@ std::size_t bare_tube(const std::vector<double>& r, const std::vector<double>& u
   for (std::size_t b = 0; b < n; b += w) {
     const std::size_t e = std::min(n, b + w);
     pm[b] = pl[b] = r[b];
-    for (std::size_t i = b + 1; i < e; ++i) pm[i] = std::max(pm[i - 1], r[i]), pl[i] = std::min(pl[i - 1], r[i]);
+    for (std::size_t i = b + 1; i < e; ++i)
+      pm[i] = std::max(pm[i - 1], r[i]), pl[i] = std::min(pl[i - 1], r[i]);
     sm[e - 1] = sl[e - 1] = r[e - 1];
-    for (std::size_t i = e - 1; i-- > b;) sm[i] = std::max(sm[i + 1], r[i]), sl[i] = std::min(sl[i + 1], r[i]);
+    for (std::size_t i = e - 1; i-- > b;)
+      sm[i] = std::max(sm[i + 1], r[i]), sl[i] = std::min(sl[i + 1], r[i]);
   }
   std::size_t outside = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -68,7 +70,8 @@ int main(int argc, char** argv) {
     if (!r) return 1;
     outside_ours = r->n_outside;
   }
-  std::printf("tube of 1.2 M samples: %.1f ms (coverage, lag, margins, spans), bare loop %.1f ms, ratio %.2f; outside %zu / %zu\n",
-              1e3 * ours, 1e3 * bare, ours / bare, outside_ours, outside_bare);
+  std::printf(
+      "tube of 1.2 M samples: %.1f ms (coverage, lag, margins, spans), bare loop %.1f ms, ratio %.2f; outside %zu / %zu\n",
+      1e3 * ours, 1e3 * bare, ours / bare, outside_ours, outside_bare);
   return outside_ours == outside_bare ? 0 : 1;
 }

@@ -30,21 +30,25 @@ struct MockHid::Testbed {
   ~Testbed() { g_clear_object(&bed); }
 };
 
-Result<std::unique_ptr<MockHid>> MockHid::plug_in(unsigned short vendor, unsigned short product, const std::string& serial,
-                                                  const std::string& folder) {
+Result<std::unique_ptr<MockHid>> MockHid::plug_in(unsigned short vendor, unsigned short product,
+                                                  const std::string& serial, const std::string& folder) {
   const char* preloaded = getenv("LD_PRELOAD");
   if (preloaded == nullptr || std::string(preloaded).find("umockdev") == std::string::npos)
     return fail(ErrorCode::usage, "not inside umockdev-wrapper");
   const std::string usb = "/devices/pci0000:00/usb1/1-1", interface = usb + "/1-1:1.0";
   const std::string hid = interface + text("/0003:%04X:%04X.0001", vendor, product);
   const std::string device =
-      "P: " + hid + "/hidraw/hidraw0\nN: hidraw0\nE: DEVNAME=/dev/hidraw0\nE: SUBSYSTEM=hidraw\nE: MAJOR=240\nE: MINOR=0\nL: device=../../../" +
-      hid.substr(hid.rfind('/') + 1) + "\n\nP: " + hid + "\nE: SUBSYSTEM=hid\nE: DRIVER=hid-generic\nE: HID_ID=" +
-      text("0003:%08X:%08X", vendor, product) + "\nE: HID_NAME=Forcegate sensor board\nE: HID_PHYS=usb-1/input0\nE: HID_UNIQ=" + serial +
+      "P: " + hid +
+      "/hidraw/hidraw0\nN: hidraw0\nE: DEVNAME=/dev/hidraw0\nE: SUBSYSTEM=hidraw\nE: MAJOR=240\nE: MINOR=0\nL: device=../../../" +
+      hid.substr(hid.rfind('/') + 1) + "\n\nP: " + hid +
+      "\nE: SUBSYSTEM=hid\nE: DRIVER=hid-generic\nE: HID_ID=" + text("0003:%08X:%08X", vendor, product) +
+      "\nE: HID_NAME=Forcegate sensor board\nE: HID_PHYS=usb-1/input0\nE: HID_UNIQ=" + serial +
       "\nH: report_descriptor=" + kDescriptor + "\n\nP: " + interface +
-      "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nE: DRIVER=usbhid\nA: bInterfaceNumber=00\\n\n\nP: " + usb +
-      "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DRIVER=usb\nA: idVendor=" + text("%04x\\n\nA: idProduct=%04x\\n\n", vendor, product) +
-      "A: manufacturer=Forcegate\\n\nA: product=sensor board\\n\nA: serial=" + serial + "\\n\nA: bcdDevice=0100\\n\n\n";
+      "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nE: DRIVER=usbhid\nA: bInterfaceNumber=00\\n\n\nP: " +
+      usb + "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DRIVER=usb\nA: idVendor=" +
+      text("%04x\\n\nA: idProduct=%04x\\n\n", vendor, product) +
+      "A: manufacturer=Forcegate\\n\nA: product=sensor board\\n\nA: serial=" + serial +
+      "\\n\nA: bcdDevice=0100\\n\n\n";
   std::unique_ptr<MockHid> mock(new MockHid());
   mock->testbed_ = std::make_unique<Testbed>();
   mock->testbed_->bed = umockdev_testbed_new();
@@ -54,13 +58,16 @@ Result<std::unique_ptr<MockHid>> MockHid::plug_in(unsigned short vendor, unsigne
     g_clear_error(&error);
     return fail(ErrorCode::internal, std::string(what) + ": " + why);
   };
-  if (!umockdev_testbed_add_from_string(mock->testbed_->bed, device.c_str(), &error)) return refused("no device");
+  if (!umockdev_testbed_add_from_string(mock->testbed_->bed, device.c_str(), &error))
+    return refused("no device");
   const std::string size = text("%02X000000", static_cast<unsigned>(kDescriptor.size() / 2), 0);
   std::string field = size + kDescriptor;
   field.resize(2 * (4 + kDescriptorField), '0');
   const std::string script = folder + "/hidraw.ioctl";
-  std::ofstream(script) << "@DEV /dev/hidraw0\nHIDIOCGRDESCSIZE 0 " << size << "\nHIDIOCGRDESC 0 " << field << "\n";
-  if (!umockdev_testbed_load_ioctl(mock->testbed_->bed, "/dev/hidraw0", script.c_str(), &error)) return refused("no ioctls");
+  std::ofstream(script) << "@DEV /dev/hidraw0\nHIDIOCGRDESCSIZE 0 " << size << "\nHIDIOCGRDESC 0 " << field
+                        << "\n";
+  if (!umockdev_testbed_load_ioctl(mock->testbed_->bed, "/dev/hidraw0", script.c_str(), &error))
+    return refused("no ioctls");
   mock->master_ = umockdev_testbed_get_dev_fd(mock->testbed_->bed, "/dev/hidraw0");
   if (mock->master_ < 0) return refused("no end to play the device with");
   fcntl(mock->master_, F_SETFL, O_NONBLOCK);
@@ -74,7 +81,8 @@ MockHid::~MockHid() {
 
 std::vector<std::vector<std::uint8_t>> MockHid::written() {
   std::uint8_t bytes[4096];
-  for (ssize_t n; (n = ::read(master_, bytes, sizeof bytes)) > 0;) pending_.insert(pending_.end(), bytes, bytes + n);
+  for (ssize_t n; (n = ::read(master_, bytes, sizeof bytes)) > 0;)
+    pending_.insert(pending_.end(), bytes, bytes + n);
   std::vector<std::vector<std::uint8_t>> reports;
   while (pending_.size() >= 65) {  // the kernel would take the report number off
     reports.emplace_back(pending_.begin() + 1, pending_.begin() + 65);
@@ -85,7 +93,9 @@ std::vector<std::vector<std::uint8_t>> MockHid::written() {
 
 bool MockHid::send(const std::vector<std::uint8_t>& report) {
   int queued = 0;  // past umockdev, which takes every ioctl for one of the device
-  if (syscall(SYS_ioctl, keeper_, FIONREAD, &queued) != 0 || static_cast<std::size_t>(queued) + report.size() > kQueueMax) return false;
+  if (syscall(SYS_ioctl, keeper_, FIONREAD, &queued) != 0 ||
+      static_cast<std::size_t>(queued) + report.size() > kQueueMax)
+    return false;
   return ::write(master_, report.data(), report.size()) == static_cast<ssize_t>(report.size());
 }
 

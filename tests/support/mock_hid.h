@@ -13,8 +13,8 @@ namespace forcegate::test {
 class MockHid {
  public:
   /// /dev/hidraw0 with these numbers. `folder` takes the script of its ioctls.
-  static Result<std::unique_ptr<MockHid>> plug_in(unsigned short vendor, unsigned short product, const std::string& serial,
-                                                  const std::string& folder);
+  static Result<std::unique_ptr<MockHid>> plug_in(unsigned short vendor, unsigned short product,
+                                                  const std::string& serial, const std::string& folder);
   ~MockHid();
   /// Whole reports that the host has written since the last call, without their report number.
   std::vector<std::vector<std::uint8_t>> written();

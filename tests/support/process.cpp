@@ -16,7 +16,8 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-[[noreturn]] void run_child(const std::vector<std::string>& argv, const ProcessOptions& options, int out, int err) {
+[[noreturn]] void run_child(const std::vector<std::string>& argv, const ProcessOptions& options, int out,
+                            int err) {
   ::setpgid(0, 0);
   ::signal(SIGPIPE, SIG_DFL);
   if (!options.folder.empty() && ::chdir(options.folder.c_str()) != 0) ::_exit(126);

@@ -17,12 +17,12 @@ struct ProcessResult {
 };
 
 struct ProcessOptions {
-  std::filesystem::path folder{};                  ///< to run in; empty: here
+  std::filesystem::path folder{};                    ///< to run in; empty: here
   std::map<std::string, std::string> environment{};  ///< added to ours; "" removes the variable
   std::chrono::milliseconds timeout{300000};
-  std::chrono::milliseconds signal_after{0};       ///< > 0: send `signal` to the process group then
+  std::chrono::milliseconds signal_after{0};  ///< > 0: send `signal` to the process group then
   int signal = 9;
-  std::string out_file{};                          ///< instead of a pipe, for example /dev/full
+  std::string out_file{};  ///< instead of a pipe, for example /dev/full
 };
 
 /// argv[0] is looked for in PATH. stdin is /dev/null.

@@ -50,7 +50,9 @@ struct TwinBench {
     EXPECT_TRUE(r) << r.error().to_text();
   }
   void say(const std::string& line) { ok(hand->say(line)); }
-  void mount(const std::string& rest = "low_N=0.5 high_N=4") { say("mount specimen=q50 seed=1 session=0 record=1 rest_s=7200 " + rest); }
+  void mount(const std::string& rest = "low_N=0.5 high_N=4") {
+    say("mount specimen=q50 seed=1 session=0 record=1 rest_s=7200 " + rest);
+  }
   /// A specimen on the bench, everything connected, drive armed, reference and board streaming.
   void run_up(const std::string& rest = "low_N=0.5 high_N=4") {
     mount(rest);

@@ -61,7 +61,8 @@ TEST_F(Bench, EveryReferenceDecidesLikeTheRigInTheProcess) {
   for (const char* file : {"rigs/twin_netft.toml", "rigs/twin_digital.toml"}) {
     const Json twins = gate(kNative, file);
     EXPECT_EQ(twins["decision"]["kind"], inside["decision"]["kind"]) << file;
-    for (const std::size_t series : {0U, 1U}) EXPECT_NEAR(mean_of(twins, series), mean_of(inside, series), 0.01) << file;
+    for (const std::size_t series : {0U, 1U})
+      EXPECT_NEAR(mean_of(twins, series), mean_of(inside, series), 0.01) << file;
   }
 }
 
@@ -69,7 +70,8 @@ TEST_F(Bench, AFaultOnAWireIsNeverChargedToTheFirmware) {
   const std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
   const auto with = [&](const std::string& device, const std::string& kind) {
     const std::string file = folder / (device + ".toml");
-    write_text(file, text + "\n[[twins.fault]]\ndevice = \"" + device + "\"\nkind = \"" + kind + "\"\nat_s = 40\n");
+    write_text(file,
+               text + "\n[[twins.fault]]\ndevice = \"" + device + "\"\nkind = \"" + kind + "\"\nat_s = 40\n");
     return file;
   };
   const std::vector<std::string> quick{"--calibration", "nominal"};
@@ -85,12 +87,12 @@ TEST_F(Bench, AFaultOnAWireIsNeverChargedToTheFirmware) {
 
 TEST_F(Bench, EveryVerbThatTakesARigTakesABenchFile) {
   const std::string made = folder / "campaign";
-  const ProcessResult recorded = forcegate(
-      {"record", "--rig", "rigs/twin.toml", "--plan", "selfcheck", "-o", made}, kHere);
+  const ProcessResult recorded =
+      forcegate({"record", "--rig", "rigs/twin.toml", "--plan", "selfcheck", "-o", made}, kHere);
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   EXPECT_THAT(read_text(made + "/campaign.json"), HasSubstr("known_profile"));
-  const ProcessResult checked = forcegate(
-      {"bench", "selfcheck", kNative, "--rig", "rigs/twin.toml", "--seed", "3"}, kHere);
+  const ProcessResult checked =
+      forcegate({"bench", "selfcheck", kNative, "--rig", "rigs/twin.toml", "--seed", "3"}, kHere);
   EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;
   EXPECT_THAT(checked.out, HasSubstr("rig bench/"));
 }
@@ -125,7 +127,9 @@ TEST_F(Bench, KnownMassesFindAReferenceWhoseScaleIsWrong) {
   std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
   text.replace(text.find("counts_per_force = 1000\n"), 24, "counts_per_force = 1050\n");  // the twin has 1000
   write_text(folder / "b.toml", text);
-  const ProcessResult r = forcegate({"bench", "calibrate", folder / "b.toml", "reference", "--masses", "0,100,200,400", "--yes", "--json"}, kHere);
+  const ProcessResult r = forcegate(
+      {"bench", "calibrate", folder / "b.toml", "reference", "--masses", "0,100,200,400", "--yes", "--json"},
+      kHere);
   ASSERT_EQ(r.exit_code, 0) << r.out << r.err;
   const Json document = Json::parse(r.out, nullptr, false);
   EXPECT_NEAR(document["line"]["slope"].get<double>(), 1000.0 / 1050.0, 0.001);
@@ -137,10 +141,12 @@ TEST_F(Bench, TheSpringIsFoundAgainstTheReferenceAndTheSensorBySweeps) {
   std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
   text.replace(text.find("spring_N_per_mm = 0.25"), 22, "spring_N_per_mm = 0.23");  // the plant has 0.25
   write_text(folder / "b.toml", text);
-  const ProcessResult spring = forcegate({"bench", "calibrate", folder / "b.toml", "spring", "--seconds", "0.5", "--json"}, kHere);
+  const ProcessResult spring =
+      forcegate({"bench", "calibrate", folder / "b.toml", "spring", "--seconds", "0.5", "--json"}, kHere);
   ASSERT_EQ(spring.exit_code, 0) << spring.out << spring.err;
   EXPECT_NEAR(Json::parse(spring.out, nullptr, false)["line"]["slope"].get<double>(), 0.25, 0.002);
-  const ProcessResult sensor = forcegate({"bench", "calibrate", "rigs/twin.toml", "sensor", "-o", folder / "q50.toml"}, kHere);
+  const ProcessResult sensor =
+      forcegate({"bench", "calibrate", "rigs/twin.toml", "sensor", "-o", folder / "q50.toml"}, kHere);
   ASSERT_EQ(sensor.exit_code, 0) << sensor.out << sensor.err;
   // The gate takes what was written: the plan's own sweeps are not made.
   const Json result = gate(kNative, "rigs/twin.toml", 0, {"--cal", folder / "q50.toml"});
@@ -148,12 +154,13 @@ TEST_F(Bench, TheSpringIsFoundAgainstTheReferenceAndTheSensorBySweeps) {
 }
 
 TEST_F(Bench, HoweverARunIsEndedItsMotorIsStoppedAndAKilledOneLosesNoMoreThanASecond) {
-  const ProcessResult r = run_process({"/usr/bin/python3", FORCEGATE_SOURCE_DIR "/ci/lib/kill_bench.py", FORCEGATE_BINARY_DIR "/forcegate",
-                                       kNative, "rigs/twin.toml", "6"},
+  const ProcessResult r = run_process({"/usr/bin/python3", FORCEGATE_SOURCE_DIR "/ci/lib/kill_bench.py",
+                                       FORCEGATE_BINARY_DIR "/forcegate", kNative, "rigs/twin.toml", "6"},
                                       kHere);
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   EXPECT_THAT(r.out, HasSubstr("6 kills: 6 journals readable and motors parked"));
-  for (const char* end : {"SIGINT", "SIGTERM", "bench park"}) EXPECT_THAT(r.out, HasSubstr(std::string(end) + ": motor stopped"));
+  for (const char* end : {"SIGINT", "SIGTERM", "bench park"})
+    EXPECT_THAT(r.out, HasSubstr(std::string(end) + ": motor stopped"));
 }
 
 TEST_F(Bench, AKilledRecordingIsRecoveredFromItsJournal) {

@@ -28,10 +28,13 @@ TEST(Characterize, WritesSheetModelAndCalibrationAndKeepsALimit) {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();
   write_text(folder / "plan.toml", plan_with("250.0"));
-  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o", (folder / "out").string(), "--paper", folder.string()});
+  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o",
+                                     (folder / "out").string(), "--paper", folder.string()});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_THAT(r.out, HasSubstr("samples a second"));
-  for (const char* file : {"sheet-fsr.html", "sheet-fsr.json", "study.json", "fsr.toml", "calibration-fsr-q25-s1.toml"}) EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
+  for (const char* file :
+       {"sheet-fsr.html", "sheet-fsr.json", "study.json", "fsr.toml", "calibration-fsr-q25-s1.toml"})
+    EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
   EXPECT_TRUE(fs::exists(folder / "paper.md"));
   EXPECT_TRUE(fs::exists(folder / "pictures/paper/fig05.svg"));
   const auto study = nlohmann::json::parse(read_text(folder / "out/study.json"));
@@ -43,7 +46,8 @@ TEST(Characterize, RejectsWhenALimitIsBrokenAndNamesTheWorstSpecimen) {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();
   write_text(folder / "plan.toml", plan_with("100.0"));
-  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o", (folder / "out").string()});
+  const ProcessResult r =
+      forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o", (folder / "out").string()});
   EXPECT_EQ(r.exit_code, 1);
   EXPECT_THAT(r.out, HasSubstr("BROKEN"));
   EXPECT_THAT(r.out, HasSubstr("4 of 4 sessions outside"));
@@ -55,10 +59,12 @@ TEST(Characterize, ReadsTheDecayOutOfARecording) {
   std::string csv = "t_s,U_V,F_ref_N\n";
   for (int i = 0; i < 40000; ++i) {
     const double t = 0.02 * i, s = 0.5 - 0.5 * std::cos(3.14159265358979 * t);
-    csv += std::to_string(t) + "," + std::to_string(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)) + "," + std::to_string(1.0 + 3.0 * s) + "\n";
+    csv += std::to_string(t) + "," + std::to_string(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)) + "," +
+           std::to_string(1.0 + 3.0 * s) + "\n";
   }
   write_text(folder / "sine.csv", csv);
-  const ProcessResult r = forcegate({"characterize", "--record", (folder / "sine.csv").string(), "-o", (folder / "out").string(), "--json"});
+  const ProcessResult r = forcegate({"characterize", "--record", (folder / "sine.csv").string(), "-o",
+                                     (folder / "out").string(), "--json"});
   ASSERT_EQ(r.exit_code, 0) << r.err << r.out;
   const auto study = nlohmann::json::parse(r.out);
   double b = 0.0;
@@ -70,25 +76,31 @@ TEST(Characterize, ReadsTheDecayOutOfARecording) {
 TEST(Characterize, PlaysConductanceAndCapacitanceOnTheBenchOfWeights) {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();
-  write_text(folder / "plan.toml",
-             "format = 1\nkind = \"capacitance\"\nname = \"short\"\nseed = 3\n[population]\nsets = 1\n[loading]\nstep_N = 10.0\nmost_training = 3\ntesting = 2\n"
-             "[source]\ndc_samples = 800\nsine_samples = 800\n[sweep]\npoints = 40\nsamples = 3200\n");
-  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o", (folder / "out").string(), "--paper", folder.string()});
+  write_text(
+      folder / "plan.toml",
+      "format = 1\nkind = \"capacitance\"\nname = \"short\"\nseed = 3\n[population]\nsets = 1\n[loading]\nstep_N = 10.0\nmost_training = 3\ntesting = 2\n"
+      "[source]\ndc_samples = 800\nsine_samples = 800\n[sweep]\npoints = 40\nsamples = 3200\n");
+  const ProcessResult r = forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "-o",
+                                     (folder / "out").string(), "--paper", folder.string()});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   EXPECT_THAT(r.out, HasSubstr("network 2-2-1"));
   const auto study = nlohmann::json::parse(read_text(folder / "out/capacitance.json"));
   EXPECT_EQ(study["packs"][0]["sensors"].size(), 8u);
   EXPECT_GT(study["mse_N2"]["mean"][0], study["mse_N2"]["mean"][1]);
   EXPECT_TRUE(fs::exists(folder / "out/sheet-capacitance.html"));
-  for (const char* figure : {"fig04.svg", "fig06.svg", "fig07.svg", "fig08.svg", "fig09.svg", "fig10.svg", "fig11.svg"})
+  for (const char* figure :
+       {"fig04.svg", "fig06.svg", "fig07.svg", "fig08.svg", "fig09.svg", "fig10.svg", "fig11.svg"})
     EXPECT_TRUE(fs::exists(folder / "pictures/paper-capacitance" / figure)) << figure;
   EXPECT_THAT(read_text(folder / "paper-capacitance.md"), HasSubstr("## Table I"));
-  EXPECT_EQ(forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "--specimen", "q50"}).exit_code, 2);
+  EXPECT_EQ(
+      forcegate({"characterize", "--plan", (folder / "plan.toml").string(), "--specimen", "q50"}).exit_code,
+      2);
 }
 
 TEST(Characterize, SaysWhatIsWrongWithARequest) {
   EXPECT_EQ(forcegate({"characterize", "--plan", "no-such-plan"}).exit_code, 2);
-  const ProcessResult gate_plan = forcegate({"characterize", "--plan", FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml"});
+  const ProcessResult gate_plan =
+      forcegate({"characterize", "--plan", FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml"});
   EXPECT_EQ(gate_plan.exit_code, 2);
   EXPECT_THAT(gate_plan.err, HasSubstr("kind"));
   const ProcessResult nothing = forcegate({"characterize", "--rig", "replay"});

@@ -34,7 +34,8 @@ TEST(CommandLine, HelpNamesEveryVerbAndEveryExitCode) {
   const auto verbs = visible_verbs();
   ASSERT_GE(verbs.size(), 8u);
   for (const std::string& verb : verbs) EXPECT_THAT(r.out, HasSubstr("\n  " + verb + " ")) << verb;
-  for (const char* code : {"  0 ", "  1 ", "  2 ", "  3 ", "  4 ", "  5 ", "  6 ", "130 "}) EXPECT_THAT(r.out, HasSubstr(code));
+  for (const char* code : {"  0 ", "  1 ", "  2 ", "  3 ", "  4 ", "  5 ", "  6 ", "130 "})
+    EXPECT_THAT(r.out, HasSubstr(code));
 }
 
 TEST(CommandLine, HelpOfEveryVerbTeachesByDescriptionExampleAndExitCodes) {
@@ -42,7 +43,8 @@ TEST(CommandLine, HelpOfEveryVerbTeachesByDescriptionExampleAndExitCodes) {
     const ProcessResult r = forcegate({verb, "--help"});
     EXPECT_EQ(r.exit_code, 0) << verb;
     EXPECT_EQ(r.err, "") << verb;
-    for (const char* part : {"Usage:", "Examples:", "Exit codes:", "--json"}) EXPECT_THAT(r.out, HasSubstr(part)) << verb;
+    for (const char* part : {"Usage:", "Examples:", "Exit codes:", "--json"})
+      EXPECT_THAT(r.out, HasSubstr(part)) << verb;
     EXPECT_EQ(forcegate({"help", verb}).out, r.out) << verb;
   }
 }
@@ -88,15 +90,20 @@ TEST(CommandLine, MissingAndSuperfluousArgumentsAreNamed) {
   EXPECT_THAT(forcegate({"version", "now"}).err, HasSubstr("unexpected argument \"now\""));
   EXPECT_THAT(forcegate({"stimulus", "sine", "--csv"}).err, HasSubstr("--csv wants a value FILE"));
   EXPECT_THAT(forcegate({"version", "--json=1"}).err, HasSubstr("--json takes no value"));
-  EXPECT_THAT(forcegate({"stimulus", "sine", "--rate", "1k"}).err, HasSubstr("--rate wants a number, not \"1k\""));
-  for (const auto& arguments : std::vector<std::vector<std::string>>{
-           {"convert", "a.csv"}, {"version", "now"}, {"stimulus", "sine", "--csv"}, {"stimulus", "sine", "--rate", "nan"}})
+  EXPECT_THAT(forcegate({"stimulus", "sine", "--rate", "1k"}).err,
+              HasSubstr("--rate wants a number, not \"1k\""));
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"convert", "a.csv"},
+                                                                     {"version", "now"},
+                                                                     {"stimulus", "sine", "--csv"},
+                                                                     {"stimulus", "sine", "--rate", "nan"}})
     EXPECT_EQ(forcegate(arguments).exit_code, 2);
 }
 
 TEST(CommandLine, ErrorsAreJsonWhenAsked) {
-  for (const auto& arguments : std::vector<std::vector<std::string>>{
-           {"stimulus", "sin", "--json"}, {"nonsense", "--json"}, {"convert", "/gone.csv", "x.h5", "--json"}}) {
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"stimulus", "sin", "--json"},
+                                             {"nonsense", "--json"},
+                                             {"convert", "/gone.csv", "x.h5", "--json"}}) {
     const ProcessResult r = forcegate(arguments);
     EXPECT_EQ(r.exit_code, 2);
     const Json document = Json::parse(r.out, nullptr, false);
@@ -109,9 +116,13 @@ TEST(CommandLine, ErrorsAreJsonWhenAsked) {
 }
 
 TEST(CommandLine, JsonIsOneDocumentWithAFormatNumber) {
-  for (const auto& arguments : std::vector<std::vector<std::string>>{{"version"}, {"explain"}, {"explain", "4"},
-                                                                     {"stimulus", "--list"}, {"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2"},
-                                                                     {"doctor"}}) {
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"version"},
+                                             {"explain"},
+                                             {"explain", "4"},
+                                             {"stimulus", "--list"},
+                                             {"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2"},
+                                             {"doctor"}}) {
     auto with_json = arguments;
     with_json.push_back("--json");
     const ProcessResult r = forcegate(with_json);
@@ -129,7 +140,8 @@ TEST(CommandLine, ColourObeysOptionThenEnvironmentThenTerminal) {
   EXPECT_THAT(forcegate({"--help"}, {.environment = {{"CLICOLOR_FORCE", "0"}}}).out, Not(HasSubstr(escape)));
   EXPECT_THAT(forcegate({"--help"}, {.environment = {{"CLICOLOR_FORCE", "1"}, {"NO_COLOR", "1"}}}).out,
               Not(HasSubstr(escape)));
-  EXPECT_THAT(forcegate({"--help", "--color=always"}, {.environment = {{"NO_COLOR", "1"}}}).out, HasSubstr(escape));
+  EXPECT_THAT(forcegate({"--help", "--color=always"}, {.environment = {{"NO_COLOR", "1"}}}).out,
+              HasSubstr(escape));
   EXPECT_THAT(forcegate({"--help", "--color=never"}, {.environment = {{"CLICOLOR_FORCE", "1"}}}).out,
               Not(HasSubstr(escape)));
 }
@@ -157,8 +169,10 @@ TEST(CommandLine, TheManualPageIsReadByMan) {
   const ProcessResult page = forcegate({"man"});
   ASSERT_EQ(page.exit_code, 0);
   EXPECT_THAT(page.out, HasSubstr(".SH EXIT STATUS"));
-  for (const std::string& verb : visible_verbs()) EXPECT_THAT(page.out, HasSubstr(".SS forcegate " + verb)) << verb;
-  for (const char* line : {"\n ", "\n'"}) EXPECT_THAT(page.out, Not(HasSubstr(line))) << "roff would read it as its own";
+  for (const std::string& verb : visible_verbs())
+    EXPECT_THAT(page.out, HasSubstr(".SS forcegate " + verb)) << verb;
+  for (const char* line : {"\n ", "\n'"})
+    EXPECT_THAT(page.out, Not(HasSubstr(line))) << "roff would read it as its own";
 }
 
 TEST(Completion, OffersVerbsOptionsChoicesAndStimuli) {
@@ -175,9 +189,10 @@ TEST(Completion, OffersVerbsOptionsChoicesAndStimuli) {
 }
 
 TEST(Completion, TheBashScriptCompletesInBash) {
-  const std::string script =
-      "eval \"$(" FORCEGATE_BINARY_DIR "/forcegate completion bash)\"\n"
-      "COMP_WORDS=(" FORCEGATE_BINARY_DIR "/forcegate stimulus chi); COMP_CWORD=2; _forcegate; echo \"${COMPREPLY[*]}\"\n";
+  const std::string script = "eval \"$(" FORCEGATE_BINARY_DIR
+                             "/forcegate completion bash)\"\n"
+                             "COMP_WORDS=(" FORCEGATE_BINARY_DIR
+                             "/forcegate stimulus chi); COMP_CWORD=2; _forcegate; echo \"${COMPREPLY[*]}\"\n";
   const ProcessResult r = run_process({"bash", "--norc", "-c", script});
   EXPECT_EQ(r.out, "chirp\n") << r.err;
 }
@@ -208,8 +223,8 @@ TEST(Doctor, SaysForEachMissingThingHowToGetIt) {
 }
 
 TEST(Explain, KnowsEveryVerdictDecisionAndExitCode) {
-  for (const char* term : {"ACCEPT", "reject", "No-Decision", "pass", "marginal", "fail", "inconclusive", "rig_error", "not_run",
-                           "waived", "0", "1", "2", "3", "4", "5", "6", "130"}) {
+  for (const char* term : {"ACCEPT", "reject", "No-Decision", "pass", "marginal", "fail", "inconclusive",
+                           "rig_error", "not_run", "waived", "0", "1", "2", "3", "4", "5", "6", "130"}) {
     const ProcessResult r = forcegate({"explain", term});
     EXPECT_EQ(r.exit_code, 0) << term;
     EXPECT_THAT(r.out, HasSubstr("What to do:")) << term;

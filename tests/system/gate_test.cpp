@@ -59,8 +59,8 @@ TEST_F(Gate, RejectsTheSameImageWithoutCompensationAndNamesTheMaxima) {
 }
 
 TEST_F(Gate, RejectsTheGoodImageAtLevelNominalAndSaysThatTheCalibrationIsTheCause) {
-  const ProcessResult r = gate({kNative, "--plan", "nightly", "--case", "force_control_sine", "--calibration", "nominal",
-                                "-o", folder / "run"});
+  const ProcessResult r = gate({kNative, "--plan", "nightly", "--case", "force_control_sine", "--calibration",
+                                "nominal", "-o", folder / "run"});
   EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
   EXPECT_THAT(result_in(folder / "run")["decision"]["reason"].get<std::string>(), HasSubstr("calibration"));
 }
@@ -74,8 +74,8 @@ TEST_F(Gate, ASaturatedReferenceIsARigFaultAndNeverBlamesTheBuild) {
 }
 
 TEST_F(Gate, ARigErrorIsPlayedAgainAndBothAttemptsAreShown) {
-  const ProcessResult r =
-      gate({kNative, "--case", "four_sines", "--fault", "reference_saturated=2.0", "--fault", "transient=1", "-o", folder / "run"});
+  const ProcessResult r = gate({kNative, "--case", "four_sines", "--fault", "reference_saturated=2.0",
+                                "--fault", "transient=1", "-o", folder / "run"});
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   const Json cases = result_in(folder / "run")["cases"];
   ASSERT_EQ(cases.size(), 2u);
@@ -88,13 +88,16 @@ TEST_F(Gate, ARigErrorIsPlayedAgainAndBothAttemptsAreShown) {
 
 TEST_F(Gate, LimitsOfABenchsOwnRecordingsJudgeItsNextRecording) {
   const std::string cal = folder / "cal.toml", limits = folder / "bench.toml";
-  write_text(cal, "format = 1\ngain_N_per_V = 0.5245\noffset_N = 0.1798\nb_scale = 1.008\nq_scale = 1.030\nadc_bits = 16\n"
-                  "v_range_V = 10\nlevel = \"identified\"\n");
+  write_text(
+      cal,
+      "format = 1\ngain_N_per_V = 0.5245\noffset_N = 0.1798\nb_scale = 1.008\nq_scale = 1.030\nadc_bits = 16\n"
+      "v_range_V = 10\nlevel = \"identified\"\n");
   std::vector<std::string> files;
   for (int seed = 1; seed <= 6; ++seed) {
     const std::string made = folder / ("s" + std::to_string(seed));
-    const ProcessResult r = forcegate({"record", "--plan", "selfcheck", "--rig-option", "session_spread=off", "--rate", "1000",
-                                       "--seed", std::to_string(seed), "-o", made}, kHere);
+    const ProcessResult r = forcegate({"record", "--plan", "selfcheck", "--rig-option", "session_spread=off",
+                                       "--rate", "1000", "--seed", std::to_string(seed), "-o", made},
+                                      kHere);
     ASSERT_EQ(r.exit_code, 0) << r.err;
     files.push_back(made + "/r01_known_profile.csv");
   }
@@ -116,7 +119,8 @@ TEST_F(Gate, LimitsOfABenchsOwnRecordingsJudgeItsNextRecording) {
     if (check["id"] == "mre_maxima") {
       EXPECT_NEAR(check["limit"]["value"].get<double>(), rows["limits"][0]["value"].get<double>(), 1e-3);
     }
-  EXPECT_EQ(forcegate({"check", folder / "run"}, kHere).exit_code, 0) << "the bundle carries the limits that judged";
+  EXPECT_EQ(forcegate({"check", folder / "run"}, kHere).exit_code, 0)
+      << "the bundle carries the limits that judged";
 
   const ProcessResult few = forcegate({"limits", kNative, "--cal", cal, "--record", files[0]}, kHere);
   EXPECT_EQ(few.exit_code, 2);
@@ -133,7 +137,8 @@ TEST_F(Gate, ATruncatedRecordIsNoDecision) {
   std::string text = "t_s,F_ref_N,U_V\n";
   for (int i = 0; i < 3; ++i) text += "0.00" + std::to_string(i) + ",1.0,2.0\n";
   write_text(folder / "short.csv", text);
-  const ProcessResult r = gate({kNative, "--rig", "replay", "--record", folder / "short.csv", "-o", folder / "run"});
+  const ProcessResult r =
+      gate({kNative, "--rig", "replay", "--record", folder / "short.csv", "-o", folder / "run"});
   EXPECT_EQ(r.exit_code, 3) << r.out << r.err;
 }
 
@@ -268,7 +273,8 @@ TEST_F(Gate, KilledAtAnyMomentLeavesAWholeResultOrNoneAndTheNextRunSucceeds) {
   const ProcessResult r = gate({kNative, "-o", out});
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   EXPECT_EQ(result_in(out)["decision"]["kind"], "ACCEPT");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "leftovers of killed runs are gone";
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1)
+      << "leftovers of killed runs are gone";
 }
 
 TEST_F(Gate, AnOldResultIsNeverTakenForThatOfAKilledRun) {
@@ -297,12 +303,14 @@ TEST_F(Gate, AFolderWithForeignFilesIsNotTouched) {
   EXPECT_EQ(read_text(folder / "precious/thesis.txt"), "ten years");
 }
 
-class HostileFirmware : public Gate, public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
+class HostileFirmware : public Gate,
+                        public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
 
 // A firmware may do whatever C can do. It is rejected; the harness stays alive and says what happened.
 TEST_P(HostileFirmware, IsRejectedAndNeverEndsTheRun) {
   const auto [name, body] = GetParam();
-  const std::string source = folder / (std::string(name) + ".c"), image = folder / (std::string(name) + ".so");
+  const std::string source = folder / (std::string(name) + ".c"),
+                    image = folder / (std::string(name) + ".so");
   write_text(source, body);
   const ProcessResult made = run_process({"cc", "-shared", "-fPIC", "-O1", "-o", image, source});
   ASSERT_EQ(made.exit_code, 0) << made.err;
@@ -314,10 +322,14 @@ TEST_P(HostileFirmware, IsRejectedAndNeverEndsTheRun) {
 
 INSTANTIATE_TEST_SUITE_P(
     Images, HostileFirmware,
-    ::testing::Values(std::pair{"no_symbols", "int unrelated(void) { return 1; }\n"},
-                      std::pair{"abort_on_load", "#include <stdlib.h>\n__attribute__((constructor)) static void f(void) { abort(); }\n"},
-                      std::pair{"exit_on_load", "#include <stdlib.h>\n__attribute__((constructor)) static void f(void) { exit(0); }\n"},
-                      std::pair{"crash_on_load", "__attribute__((constructor)) static void f(void) { *(volatile int*)0 = 1; }\n"}),
+    ::testing::Values(
+        std::pair{"no_symbols", "int unrelated(void) { return 1; }\n"},
+        std::pair{"abort_on_load",
+                  "#include <stdlib.h>\n__attribute__((constructor)) static void f(void) { abort(); }\n"},
+        std::pair{"exit_on_load",
+                  "#include <stdlib.h>\n__attribute__((constructor)) static void f(void) { exit(0); }\n"},
+        std::pair{"crash_on_load",
+                  "__attribute__((constructor)) static void f(void) { *(volatile int*)0 = 1; }\n"}),
     [](const auto& image) { return std::string(image.param.first); });
 
 }  // namespace

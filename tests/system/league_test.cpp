@@ -19,8 +19,9 @@ TEST(LeagueVerb, LeavesCleanCampaignsAloneAndNamesStrongEffects) {
   EXPECT_LE(controls["false_claims_on_controls"]["k"], 1) << controls["matches"].dump(1).substr(0, 3000);
   EXPECT_EQ(controls["no_answer"]["k"], 0);
 
-  const ProcessResult played = forcegate(
-      {"league", "--seed", "4711", "--only", "hysteresis,clipping,hum,contact_loss", "--each", "1", "--json", "--quiet"});
+  const ProcessResult played =
+      forcegate({"league", "--seed", "4711", "--only", "hysteresis,clipping,hum,contact_loss", "--each", "1",
+                 "--json", "--quiet"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
   const auto table = nlohmann::json::parse(played.out);
   EXPECT_EQ(table["strong"]["top1"]["n"], 4);

@@ -69,11 +69,12 @@ TEST_F(RealData, TheLeaksAreExponentialAndNoLogarithmicCreep) {
 }
 
 TEST_F(RealData, TheMagnetoRheologicalDamperHasSomethingMissingAndTheFirstSuspectIsAMemory) {
-  const Json answer =
-      diagnose("mit-repo/mr_damper.csv", {"--map", "velocity_cm_s=F_ref_N", "--map", "force_N=U_V", "--rate", "200"});
+  const Json answer = diagnose("mit-repo/mr_damper.csv",
+                               {"--map", "velocity_cm_s=F_ref_N", "--map", "force_N=U_V", "--rate", "200"});
   EXPECT_NE(answer["verdict"], "none");
   ASSERT_FALSE(answer["findings"].empty()) << answer.dump(1);
-  EXPECT_THAT(answer["findings"][0]["effect"].get<std::string>(), ::testing::AnyOf("lag", "hysteresis", "creep", "delay"));
+  EXPECT_THAT(answer["findings"][0]["effect"].get<std::string>(),
+              ::testing::AnyOf("lag", "hysteresis", "creep", "delay"));
 }
 
 TEST_F(RealData, TheLevelOfTheCascadedTanksLagsBehindThePumpAndThenOverflows) {
@@ -81,11 +82,13 @@ TEST_F(RealData, TheLevelOfTheCascadedTanksLagsBehindThePumpAndThenOverflows) {
   const Json estimation = diagnose("mit-repo/cascaded_tanks_estimation.csv", columns);
   EXPECT_EQ(claims(estimation), (std::vector<std::string>{"lag", "clipping"}));
   EXPECT_LT(estimation["error_after"], 0.4 * estimation["error_before"].get<double>());
-  EXPECT_THAT(claims(diagnose("mit-repo/cascaded_tanks_validation.csv", columns)), ::testing::Contains("clipping"));
+  EXPECT_THAT(claims(diagnose("mit-repo/cascaded_tanks_validation.csv", columns)),
+              ::testing::Contains("clipping"));
 }
 
 TEST_F(RealData, AColumnThatIsMissingIsNamedWithTheWayToMapIt) {
-  const ProcessResult r = forcegate({"diagnose", (folder_ / "mit-repo/cascaded_tanks_estimation.csv").string()});
+  const ProcessResult r =
+      forcegate({"diagnose", (folder_ / "mit-repo/cascaded_tanks_estimation.csv").string()});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_THAT(r.err, ::testing::HasSubstr("--map "));
   EXPECT_THAT(r.err, ::testing::HasSubstr("pump"));

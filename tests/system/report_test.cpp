@@ -25,7 +25,9 @@ TEST(ReportVerb, ShowsTheStoredDecisionFirstAndStillSucceeds) {
 TEST(ReportVerb, WritesOnePageFromAFileOrFromTheFolderOfARun) {
   TemporaryFolder folder;
   write_text(folder / "result.json", read_text(kStored));
-  ASSERT_EQ(forcegate({"report", folder.path().string(), "--format", "html", "-o", folder / "a.html"}).exit_code, 0);
+  ASSERT_EQ(
+      forcegate({"report", folder.path().string(), "--format", "html", "-o", folder / "a.html"}).exit_code,
+      0);
   ASSERT_EQ(forcegate({"report", kStored, "--format", "html", "-o", folder / "b.html"}).exit_code, 0);
   const std::string page = read_text(folder / "a.html");
   EXPECT_THAT(page, StartsWith("<!DOCTYPE html>"));

@@ -24,11 +24,12 @@ class Story : public ::testing::Test {
 TEST_F(Story, TheGateRejectsTheOldBuildOnACreepingSensorAndAcceptsTheOneThatKnowsTheCreep) {
   const std::string out = folder / "story";
   const ProcessResult r = run_process({"/usr/bin/env", "FORCEGATE=" FORCEGATE_BINARY_DIR "/forcegate",
-                                       "FIRMWARE=" FORCEGATE_BINARY_DIR "/firmware/reference.native.so", "FORCEGATE_STORY_FOLDER=" + out,
-                                       "ci/story", "--short"},
+                                       "FIRMWARE=" FORCEGATE_BINARY_DIR "/firmware/reference.native.so",
+                                       "FORCEGATE_STORY_FOLDER=" + out, "ci/story", "--short"},
                                       kHere);
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
-  const Json old_build = Json::parse(read_text(out + "/gate-old/result.json")), new_build = Json::parse(read_text(out + "/gate-new/result.json"));
+  const Json old_build = Json::parse(read_text(out + "/gate-old/result.json")),
+             new_build = Json::parse(read_text(out + "/gate-new/result.json"));
   EXPECT_EQ(old_build["decision"]["kind"], "REJECT");
   EXPECT_THAT(old_build["decision"]["reason"].get<std::string>(), HasSubstr("minima"));
   EXPECT_EQ(new_build["decision"]["kind"], "ACCEPT");
@@ -50,7 +51,9 @@ TEST_F(Story, ACampaignIsRecordedOnceAndNeverOverwritten) {
 
 TEST_F(Story, AnEffectThatNoFirmwareCanUndoIsRefusedWithItsReason) {
   const std::string model = folder / "m.toml";
-  write_text(model, "format = 1\n[law]\nkind = \"decaying\"\n[[effect]]\nname = \"delay\"\nstrength.c = { value = 1.0 }\n");
+  write_text(
+      model,
+      "format = 1\n[law]\nkind = \"decaying\"\n[[effect]]\nname = \"delay\"\nstrength.c = { value = 1.0 }\n");
   const ProcessResult r = forcegate({"export", model, "--c", folder / "comp.h"}, kHere);
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_THAT(r.err, HasSubstr("needs the future"));
@@ -62,7 +65,8 @@ TEST_F(Story, LawsNamesTheMissingDependence) {
   std::string text = "f_Hz,A_N,b\n";
   for (int i = 0; i < 16; ++i) {
     const double f = 0.1 + 0.25 * i, A = 0.5 + 0.3 * ((i * 7) % 5), noise = 0.0001 * ((i * 5) % 7 - 3);
-    text += std::to_string(f) + "," + std::to_string(A) + "," + std::to_string(0.0056 + 0.0019 * f + noise) + "\n";
+    text += std::to_string(f) + "," + std::to_string(A) + "," + std::to_string(0.0056 + 0.0019 * f + noise) +
+            "\n";
   }
   write_text(table, text);
   const ProcessResult r = forcegate({"laws", table, "--of", "b"}, kHere);

@@ -16,8 +16,8 @@ using Json = nlohmann::json;
 
 TEST(StimulusVerb, WritesThePaperSineAsCsvAndSvg) {
   TemporaryFolder folder;
-  const ProcessResult r = forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=1.05", "m_N=2.15", "--csv", folder / "s.csv",
-                                     "--plot", folder / "s.svg", "--json"});
+  const ProcessResult r = forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=1.05", "m_N=2.15", "--csv",
+                                     folder / "s.csv", "--plot", folder / "s.svg", "--json"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   const Json facts = Json::parse(r.out);
   EXPECT_DOUBLE_EQ(facts["mean_N"], 2.15);
@@ -34,7 +34,8 @@ TEST(StimulusVerb, WritesThePaperSineAsCsvAndSvg) {
     const double t = std::stod(line), force = std::stod(line.substr(line.find(',') + 1));
     ASSERT_GT(t, last_t);
     last_t = t;
-    if (t > facts["excitation_start_s"].get<double>() + 2.0) high = std::max(high, force), low = std::min(low, force);
+    if (t > facts["excitation_start_s"].get<double>() + 2.0)
+      high = std::max(high, force), low = std::min(low, force);
     ++rows;
   }
   EXPECT_EQ(rows, facts["samples"].get<std::size_t>());
@@ -49,7 +50,8 @@ TEST(StimulusVerb, WritesThePaperSineAsCsvAndSvg) {
 TEST(StimulusVerb, SameSeedSameBytesOtherSeedOtherBytes) {
   TemporaryFolder folder;
   const auto make = [&](const char* name, const char* seed) {
-    const ProcessResult r = forcegate({"stimulus", "prbs", "A_N=1.6", "m_N=2.6", "duration_s=30", "--seed", seed, "--csv", folder / name});
+    const ProcessResult r = forcegate(
+        {"stimulus", "prbs", "A_N=1.6", "m_N=2.6", "duration_s=30", "--seed", seed, "--csv", folder / name});
     EXPECT_EQ(r.exit_code, 0) << r.err;
     return read_text(folder / name);
   };
@@ -73,7 +75,8 @@ TEST(StimulusVerb, RefusesValuesOutOfRangeAndSaysTheRange) {
 TEST(StimulusVerb, AnUnwritableFileIsAnErrorAndLeavesNothingBehind) {
   TemporaryFolder folder;
   write_text(folder / "file", "x");
-  const ProcessResult r = forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2", "--csv", folder / "file/s.csv"});
+  const ProcessResult r =
+      forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2", "--csv", folder / "file/s.csv"});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
@@ -114,7 +117,9 @@ TEST_F(Convert, NeverOverwritesUnasked) {
 TEST_F(Convert, SaysWhatIsWrongWithHostileFiles) {
   const std::map<std::string, std::string> files = {{"empty.csv", ""},
                                                     {"header_only.csv", "t_s,F_ref_N\n"},
-                                                    {"binary.csv", std::string("\x7f" "ELF\0\0\1\2", 8)},
+                                                    {"binary.csv", std::string("\x7f"
+                                                                               "ELF\0\0\1\2",
+                                                                               8)},
                                                     {"words.csv", "t_s,F_ref_N\nhello,world\n"},
                                                     {"fake.h5", "not an HDF5 file"},
                                                     {"fake.mat", "not a MAT file"},
@@ -133,10 +138,13 @@ TEST_F(Convert, SaysWhatIsWrongWithHostileFiles) {
 TEST_F(Convert, MapsForeignColumnsAndSuppliesAClock) {
   write_text(folder / "foreign.csv", "Load cell,Volt\n1.0,2.0\n1.1,2.1\n1.2,2.2\n");
   const std::string out = folder / "out.csv";
-  EXPECT_EQ(forcegate({"convert", folder / "foreign.csv", out, "--map", "Load cell=F_ref_N", "--map", "Volt=U_V"}).exit_code, 2)
+  EXPECT_EQ(
+      forcegate({"convert", folder / "foreign.csv", out, "--map", "Load cell=F_ref_N", "--map", "Volt=U_V"})
+          .exit_code,
+      2)
       << "no clock and no rate";
-  const ProcessResult r = forcegate(
-      {"convert", folder / "foreign.csv", out, "--map", "Load cell=F_ref_N", "--map", "Volt=U_V", "--rate", "100"});
+  const ProcessResult r = forcegate({"convert", folder / "foreign.csv", out, "--map", "Load cell=F_ref_N",
+                                     "--map", "Volt=U_V", "--rate", "100"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
   EXPECT_THAT(read_text(out), HasSubstr("0.01,1.1,2.1"));
 }

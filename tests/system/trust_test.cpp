@@ -75,7 +75,8 @@ TEST_F(Trust, a_changed_file_of_a_bundle_is_named) {
 TEST_F(Trust, the_same_records_are_rejected_under_a_tighter_plan) {
   const std::string stored = gated(kGood, "run");
   std::string plan = read_text(fs::path(FORCEGATE_SOURCE_DIR) / "ci/plans/faults.toml");
-  for (std::size_t at; (at = plan.find("maxima_pct = 8")) != std::string::npos;) plan.replace(at, 14, "maxima_pct = 0.1");
+  for (std::size_t at; (at = plan.find("maxima_pct = 8")) != std::string::npos;)
+    plan.replace(at, 14, "maxima_pct = 0.1");
   const std::string tight = folder / "tight.toml";
   std::ofstream(tight) << plan;
   const ProcessResult r = run({"check", stored, "--plan", tight});
@@ -106,7 +107,8 @@ TEST_F(Trust, no_fault_of_the_rig_accepts_or_rejects_a_build) {
   ASSERT_FALSE(matrix.is_discarded()) << r.out << r.err;
   EXPECT_EQ(matrix["wrong"].get<int>(), 0);
   for (const Json& row : matrix["faults"])
-    EXPECT_EQ(row["wrong"].get<std::string>(), "") << row["fault"] << " " << row["magnitude"] << ": " << row["good"]["reason"];
+    EXPECT_EQ(row["wrong"].get<std::string>(), "")
+        << row["fault"] << " " << row["magnitude"] << ": " << row["good"]["reason"];
   EXPECT_GE(matrix["faults"].size(), 45u);
   EXPECT_EQ(r.exit_code, 0);
 }
@@ -125,7 +127,9 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
   EXPECT_THAT(missing.out, HasSubstr("no golden"));
 
   const std::string goldens = folder / "goldens/faults";
-  EXPECT_EQ(run({"bless", folder / "first", "--who", "A. Smith", "--reason", " ", "--goldens", goldens}).exit_code, 2);
+  EXPECT_EQ(
+      run({"bless", folder / "first", "--who", "A. Smith", "--reason", " ", "--goldens", goldens}).exit_code,
+      2);
   const ProcessResult blessed =
       run({"bless", folder / "first", "--who", "A. Smith", "--reason", "first golden", "--goldens", goldens});
   EXPECT_EQ(blessed.exit_code, 0) << blessed.out << blessed.err;
@@ -135,16 +139,19 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
   EXPECT_EQ(held.exit_code, 0) << held.out;
   const ProcessResult changed = gate(kGain, "third");
   EXPECT_EQ(changed.exit_code, 1) << changed.out;
-  const ProcessResult again = run({"bless", folder / "second", "--who", "B", "--reason", "nothing new", "--goldens", goldens});
+  const ProcessResult again =
+      run({"bless", folder / "second", "--who", "B", "--reason", "nothing new", "--goldens", goldens});
   EXPECT_THAT(again.out, HasSubstr("unchanged"));
-  EXPECT_EQ(run({"bless", folder / "third", "--who", "B", "--reason", "x", "--goldens", goldens}).exit_code, 2)
+  EXPECT_EQ(run({"bless", folder / "third", "--who", "B", "--reason", "x", "--goldens", goldens}).exit_code,
+            2)
       << "a rejected run is never golden";
 }
 
 TEST_F(Trust, the_committed_goldens_of_the_smoke_plan_hold_and_every_margin_is_kept) {
   const ProcessResult r = run({"gate", kGood, "--golden", "golden/traces/smoke", "-o", folder / "run"});
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
-  for (const char* name : {"sine_f0.50_A1.50_m2.70@q50", "four_sines@q50", "hold_after_cycling@q50", "force_control_sine@q50"}) {
+  for (const char* name :
+       {"sine_f0.50_A1.50_m2.70@q50", "four_sines@q50", "hold_after_cycling@q50", "force_control_sine@q50"}) {
     std::ifstream margins(fs::path(folder / "run") / "golden" / (std::string(name) + ".csv"));
     std::string line;
     ASSERT_TRUE(std::getline(margins, line)) << name;
@@ -155,21 +162,25 @@ TEST_F(Trust, the_committed_goldens_of_the_smoke_plan_hold_and_every_margin_is_k
     EXPECT_GT(samples, 200u) << name;
   }
   // Under another seed the rig's truth is still held, the firmware's curve is not comparable.
-  const ProcessResult other =
-      run({"gate", kGood, "--golden", "golden/traces/smoke", "--seed", "8", "--case", "sine_f0.50_A1.50_m2.70", "-o", folder / "run"});
+  const ProcessResult other = run({"gate", kGood, "--golden", "golden/traces/smoke", "--seed", "8", "--case",
+                                   "sine_f0.50_A1.50_m2.70", "-o", folder / "run"});
   EXPECT_EQ(other.exit_code, 0) << other.out << other.err;
-  EXPECT_EQ(run({"gate", kGood, "--golden", folder / "nowhere", "--case", "four_sines", "-o", folder / "run"}).exit_code, 3);
+  EXPECT_EQ(run({"gate", kGood, "--golden", folder / "nowhere", "--case", "four_sines", "-o", folder / "run"})
+                .exit_code,
+            3);
 }
 
 TEST_F(Trust, a_waiver_holds_until_its_day) {
   const std::string waivers = folder / "waivers.toml";
   std::ofstream(waivers) << "format = 1\n";
-  for (const char* check : {"mre_maxima", "mre_minima", "promise_maxima", "promise_minima", "conformance", "prelude_conformance",
-                            "hold_amplification"})
-    std::ofstream(waivers, std::ios::app) << "[[waiver]]\ncase = \"*\"\ncheck = \"" << check
-                                          << "\"\nowner = \"A. Smith\"\nreason = \"known\"\nexpires = \"2026-12-31\"\n";
+  for (const char* check : {"mre_maxima", "mre_minima", "promise_maxima", "promise_minima", "conformance",
+                            "prelude_conformance", "hold_amplification"})
+    std::ofstream(waivers, std::ios::app)
+        << "[[waiver]]\ncase = \"*\"\ncheck = \"" << check
+        << "\"\nowner = \"A. Smith\"\nreason = \"known\"\nexpires = \"2026-12-31\"\n";
   const auto on = [&](const std::string& day) {
-    return run({"gate", kOff, "--plan", "faults", "--waivers", waivers, "--today", day, "-o", folder / "run"});
+    return run(
+        {"gate", kOff, "--plan", "faults", "--waivers", waivers, "--today", day, "-o", folder / "run"});
   };
   const ProcessResult before = on("2026-12-31"), after = on("2027-01-01");
   EXPECT_EQ(before.exit_code, 0) << before.out;
@@ -181,8 +192,8 @@ TEST_F(Trust, a_waiver_holds_until_its_day) {
 TEST_F(Trust, a_rig_is_found_fit_and_its_visits_are_charted) {
   const std::string history = folder / "bench.jsonl";
   for (int i = 0; i < 9; ++i) {
-    const ProcessResult r =
-        run({"bench", "selfcheck", kGood, "--seed", std::to_string(i + 1), "--history", history, "-o", folder / "s"});
+    const ProcessResult r = run({"bench", "selfcheck", kGood, "--seed", std::to_string(i + 1), "--history",
+                                 history, "-o", folder / "s"});
     EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   }
   const ProcessResult other =

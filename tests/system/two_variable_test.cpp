@@ -32,8 +32,10 @@ TEST(TwoVariableFirmware, AStoredRunIsJudgedAgainByteForByteAndUnderOtherLimits)
   std::string plan = read_text(FORCEGATE_SOURCE_DIR "/ci/plans/capacitance-gate.toml");
   plan.replace(plan.find("pack_mse_N2 = 0.515"), 19, "pack_mse_N2 = 0.010");
   write_text(folder.path() / "strict.toml", plan);
-  write_text(folder.path() / "capacitance.toml", read_text(FORCEGATE_SOURCE_DIR "/ci/plans/capacitance.toml"));
-  const ProcessResult strict = forcegate({"check", run, "--plan", (folder.path() / "strict.toml").string()}, kHere);
+  write_text(folder.path() / "capacitance.toml",
+             read_text(FORCEGATE_SOURCE_DIR "/ci/plans/capacitance.toml"));
+  const ProcessResult strict =
+      forcegate({"check", run, "--plan", (folder.path() / "strict.toml").string()}, kHere);
   EXPECT_EQ(strict.exit_code, 4) << "the network itself is beyond this limit: nobody's build\n" << strict.out;
   write_text(folder.path() / "run/bundle/records.jsonl", "");
   EXPECT_EQ(forcegate({"check", run}, kHere).exit_code, 2);
@@ -41,20 +43,23 @@ TEST(TwoVariableFirmware, AStoredRunIsJudgedAgainByteForByteAndUnderOtherLimits)
 
 TEST(TwoVariableFirmware, IsHeldAgainstGoldensAndAnAcceptedBuild) {
   const TemporaryFolder folder;
-  const std::string image = (kFirmware / "two-variable.native.so").string(), run = (folder.path() / "run").string();
+  const std::string image = (kFirmware / "two-variable.native.so").string(),
+                    run = (folder.path() / "run").string();
   const auto gated = [&](std::vector<std::string> more) {
     std::vector<std::string> words{"gate", image, "--plan", "capacitance-gate", "-o", run};
     words.insert(words.end(), more.begin(), more.end());
     return forcegate(words, kHere);
   };
-  const ProcessResult committed = gated({"--golden", FORCEGATE_SOURCE_DIR "/golden/traces/capacitance-gate", "--accepted", image});
+  const ProcessResult committed =
+      gated({"--golden", FORCEGATE_SOURCE_DIR "/golden/traces/capacitance-gate", "--accepted", image});
   EXPECT_EQ(committed.exit_code, 0) << committed.out << committed.err;
   EXPECT_TRUE(fs::exists(fs::path(run) / "golden/pack0-sensor1@2010-0-1.csv"));
   EXPECT_EQ(forcegate({"check", run}, kHere).exit_code, 0);
   const std::string goldens = (folder.path() / "traces/own").string();
   const ProcessResult none = gated({"--golden", goldens});
   EXPECT_EQ(none.exit_code, 3) << none.out;
-  const ProcessResult blessed = forcegate({"bless", run, "--who", "A. Smith", "--reason", "first", "--goldens", goldens}, kHere);
+  const ProcessResult blessed =
+      forcegate({"bless", run, "--who", "A. Smith", "--reason", "first", "--goldens", goldens}, kHere);
   EXPECT_EQ(blessed.exit_code, 0) << blessed.out << blessed.err;
   EXPECT_EQ(gated({"--golden", goldens}).exit_code, 0);
   // A golden whose firmware was elsewhere by 0.1 N.
@@ -71,10 +76,18 @@ TEST(TwoVariableFirmware, IsHeldAgainstGoldensAndAnAcceptedBuild) {
 
 TEST(TwoVariableFirmware, OptionsThatMeanNothingForItAreRefusedWithTheReason) {
   const TemporaryFolder folder;
-  const std::string image = (kFirmware / "two-variable.native.so").string(), run = (folder.path() / "run").string();
-  for (const std::vector<std::string>& option : std::vector<std::vector<std::string>>{
-           {"--limits", "x.toml"}, {"--keep"}, {"--fault", "reference_noise=1"}, {"--specimen", "q50"}, {"--seed", "5"}, {"--record", "x.csv"},
-           {"--calibration", "static"}, {"--case", "pack0-sensor9"}, {"--waivers", "none.toml"}}) {
+  const std::string image = (kFirmware / "two-variable.native.so").string(),
+                    run = (folder.path() / "run").string();
+  for (const std::vector<std::string>& option :
+       std::vector<std::vector<std::string>>{{"--limits", "x.toml"},
+                                             {"--keep"},
+                                             {"--fault", "reference_noise=1"},
+                                             {"--specimen", "q50"},
+                                             {"--seed", "5"},
+                                             {"--record", "x.csv"},
+                                             {"--calibration", "static"},
+                                             {"--case", "pack0-sensor9"},
+                                             {"--waivers", "none.toml"}}) {
     std::vector<std::string> words{"gate", image, "--plan", "capacitance-gate", "-o", run};
     words.insert(words.end(), option.begin(), option.end());
     const ProcessResult r = forcegate(words, kHere);
@@ -101,7 +114,8 @@ TEST(TwoVariableFirmware, IsAcceptedNativelyAndOnACortexM) {
 TEST(TwoVariableFirmware, IsRejectedWithEachOfItsDefects) {
   const TemporaryFolder folder;
   int mutants = 0;
-  for (const auto& entry : fs::directory_iterator(FORCEGATE_SOURCE_DIR "/rigs/firmware/two_variable/mutants")) {
+  for (const auto& entry :
+       fs::directory_iterator(FORCEGATE_SOURCE_DIR "/rigs/firmware/two_variable/mutants")) {
     const fs::path image = kFirmware / "two-variable-mutants" / (entry.path().stem().string() + ".native.so");
     const ProcessResult r = gate(image, folder.path() / "run");
     EXPECT_EQ(r.exit_code, 1) << image << r.out << r.err;

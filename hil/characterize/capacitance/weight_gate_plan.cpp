@@ -9,7 +9,8 @@ namespace {
 constexpr const char* kGuide = "docs/two-variable.md";
 
 }  // namespace
-Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path, const std::filesystem::path& study_path) {
+Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path,
+                                             const std::filesystem::path& study_path) {
   FORCEGATE_TRY(const std::string text, read_file(path));
   FORCEGATE_TRY(const ConfigNode root, parse_config(text, path.string()));
   WeightGatePlan plan;
@@ -20,7 +21,9 @@ Result<WeightGatePlan> read_weight_gate_plan(const std::filesystem::path& path, 
   std::string kind, study;
   r.integer("format", format, 1, 1, ConfigReader::required);
   r.text("kind", kind, ConfigReader::required);
-  if (r.good() && kind != "capacitance-gate") r.complain(*root.find("kind"), "this plan is not one that gates conductance and capacitance", "write kind = \"capacitance-gate\"");
+  if (r.good() && kind != "capacitance-gate")
+    r.complain(*root.find("kind"), "this plan is not one that gates conductance and capacitance",
+               "write kind = \"capacitance-gate\"");
   r.text("name", plan.name, ConfigReader::required);
   r.text("doc", plan.doc);
   r.text("study", study, ConfigReader::required);

@@ -14,9 +14,14 @@ namespace {
 // The image did not answer to the end: nothing else is known of it.
 JudgedCheck no_session(const Error& error, const std::string& case_id) {
   JudgedCheck j;
-  j.check = {.id = "session", .case_id = case_id, .title = "The image answers to the end of its session", .value = 0.0, .unit = "1",
+  j.check = {.id = "session",
+             .case_id = case_id,
+             .title = "The image answers to the end of its session",
+             .value = 0.0,
+             .unit = "1",
              .limit = {Limit::Kind::lower, 1.0, "docs/protocol.md"},
-             .blame = error.code == ErrorCode::firmware ? Blame::firmware : Blame::harness, .evidence = error.text};
+             .blame = error.code == ErrorCode::firmware ? Blame::firmware : Blame::harness,
+             .evidence = error.text};
   return j;
 }
 
@@ -68,7 +73,8 @@ std::vector<JudgedCheck> judge_material(WeightMaterial& m, const ChecksByRecord&
       continue;
     }
     one.checks = judge_sensor(m.plan, one.frames, one.answers, id);
-    if (const auto at = others.find(i); at != others.end()) one.checks.insert(one.checks.end(), at->second.begin(), at->second.end());
+    if (const auto at = others.find(i); at != others.end())
+      one.checks.insert(one.checks.end(), at->second.begin(), at->second.end());
     if (const Check* found = charge_rig(one.checks)) spoiled = found;
     frames.push_back(&one.frames);
     answers.push_back(&one.answers);
@@ -76,7 +82,8 @@ std::vector<JudgedCheck> judge_material(WeightMaterial& m, const ChecksByRecord&
   std::vector<JudgedCheck> of_run;
   if (complete) of_run = judge_pack(m.plan, frames, answers);
   if (spoiled != nullptr)
-    for (JudgedCheck& j : of_run) j.judgeable = false, j.check.verdict = Verdict::rig_error, j.check.blame = spoiled->blame;
+    for (JudgedCheck& j : of_run)
+      j.judgeable = false, j.check.verdict = Verdict::rig_error, j.check.blame = spoiled->blame;
   if (m.with_accepted) of_run.push_back(compare_with_accepted(m));
   std::vector<JudgedCheck*> all = all_checks(of_run, m.records);
   apply_rule(m.plan.rule, all);
@@ -101,11 +108,13 @@ RunResult to_run_result(const WeightMaterial& m, const std::vector<JudgedCheck>&
     }
     if (one.failure) {
       c.note = one.failure->to_text();
-      if (one.failure->code == ErrorCode::internal && !events.harness_error) events.harness_error = true, events.harness_text = one.failure->text;
+      if (one.failure->code == ErrorCode::internal && !events.harness_error)
+        events.harness_error = true, events.harness_text = one.failure->text;
       events.cancelled = events.cancelled || one.failure->code == ErrorCode::cancelled;
       continue;
     }
-    c.overview = {curve("weights", m.plan, one.frames.force_N), curve("firmware", m.plan, one.answers.force_N)};
+    c.overview = {curve("weights", m.plan, one.frames.force_N),
+                  curve("firmware", m.plan, one.answers.force_N)};
     c.extrema = {levels_of(m.plan, one)};
   }
   result.decision = decide(all, m.plan.rule, events);
@@ -129,8 +138,10 @@ JudgedCheck compare_with_accepted(const WeightMaterial& m) {
       c.evidence = "not every sensor of the two builds has its partner: " + m.head.cases[i].id;
       return j;
     }
-    const auto own = squared_error_by_loading_N2(m.plan, one.frames, one.answers.force_N), theirs = squared_error_by_loading_N2(m.plan, one.frames, one.accepted_N);
-    const double line_N2 = moments(squared_error_by_loading_N2(m.plan, one.frames, one.frames.conductance_N)).mean;
+    const auto own = squared_error_by_loading_N2(m.plan, one.frames, one.answers.force_N),
+               theirs = squared_error_by_loading_N2(m.plan, one.frames, one.accepted_N);
+    const double line_N2 =
+        moments(squared_error_by_loading_N2(m.plan, one.frames, one.frames.conductance_N)).mean;
     std::vector<double> loss;
     for (std::size_t l = 0; l < own.size(); ++l) loss.push_back(100.0 * (own[l] - theirs[l]) / line_N2);
     const Moments of_sensor = moments(loss);

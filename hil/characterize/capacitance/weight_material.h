@@ -16,7 +16,7 @@ struct SensorRecord {
   SensorFrames frames;     ///< without the codes
   FrameAnswers answers;    ///< none after a failure
   std::optional<Error> failure;
-  std::vector<double> accepted_N;  ///< of the accepted build on the same frames; empty: it has no answer
+  std::vector<double> accepted_N;   ///< of the accepted build on the same frames; empty: it has no answer
   std::vector<JudgedCheck> checks;  ///< judged
 };
 
@@ -26,8 +26,8 @@ struct WeightMaterial {
   std::size_t sensors = 0;  ///< of the pack; the checks of the pack need a record of each
   bool cancelled = false;
   std::vector<SensorRecord> records;
-  bool with_accepted = false;         ///< there is an accepted build to compare with
-  RunResult head;                     ///< what is not judged: names, hashes, notes; cases without checks and curves
+  bool with_accepted = false;  ///< there is an accepted build to compare with
+  RunResult head;              ///< what is not judged: names, hashes, notes; cases without checks and curves
 };
 
 /// Judges every record anew (SensorRecord::checks) and returns the checks of the whole run; the decision rule has run over

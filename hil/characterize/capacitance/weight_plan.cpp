@@ -57,7 +57,8 @@ Result<void> read_sweep(const ConfigNode& node, WeightPlan& p) {
     }
     if (r.good() && p.sweep_forces_N.empty()) r.complain(*forces, "forces_N is empty");
   }
-  if (r.good() && !(p.sweep_high_Hz > 10.0 * p.sweep_low_Hz)) r.complain(node, "the sweep must span more than a decade");
+  if (r.good() && !(p.sweep_high_Hz > 10.0 * p.sweep_low_Hz))
+    r.complain(node, "the sweep must span more than a decade");
   return r.finish();
 }
 
@@ -66,7 +67,9 @@ Result<void> read_sweep(const ConfigNode& node, WeightPlan& p) {
 Result<std::string> plan_kind(const std::filesystem::path& path) {
   FORCEGATE_TRY(const ConfigNode root, read_config(path));
   const ConfigNode* kind = root.find("kind");
-  if (kind == nullptr || kind->kind != ConfigNode::Kind::text) return fail(ErrorCode::config, "the plan says no kind", path.string(), "write kind = \"characterize\" or \"capacitance\"");
+  if (kind == nullptr || kind->kind != ConfigNode::Kind::text)
+    return fail(ErrorCode::config, "the plan says no kind", path.string(),
+                "write kind = \"characterize\" or \"capacitance\"");
   return kind->text;
 }
 
@@ -79,12 +82,15 @@ Result<WeightPlan> parse_weight_plan(std::string_view text, const std::string& n
   std::string kind;
   r.integer("format", format, 1, 1, ConfigReader::required);
   r.text("kind", kind, ConfigReader::required);
-  if (r.good() && kind != "capacitance") r.complain(*root.find("kind"), "this plan is not one of conductance and capacitance", "write kind = \"capacitance\"");
+  if (r.good() && kind != "capacitance")
+    r.complain(*root.find("kind"), "this plan is not one of conductance and capacitance",
+               "write kind = \"capacitance\"");
   r.text("name", plan.name, ConfigReader::required);
   r.text("doc", plan.doc);
   r.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
   plan.seed = static_cast<std::uint64_t>(seed);
-  const ConfigNode *population = r.table("population"), *loading = r.table("loading"), *source = r.table("source"), *sweep = r.table("sweep");
+  const ConfigNode *population = r.table("population"), *loading = r.table("loading"),
+                   *source = r.table("source"), *sweep = r.table("sweep");
   FORCEGATE_CHECK_OK(r.finish());
   if (population != nullptr) {
     ConfigReader p(*population, "[population]", kGuide);

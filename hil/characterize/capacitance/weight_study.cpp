@@ -24,7 +24,8 @@ constexpr std::uint64_t kSweepLoading = 0, kFirstLoading = 1;
 
 std::vector<ForceReading> joined(const std::vector<Loading>& loadings, std::size_t first, std::size_t n) {
   std::vector<ForceReading> out;
-  for (std::size_t i = first; i < first + n; ++i) out.insert(out.end(), loadings[i].begin(), loadings[i].end());
+  for (std::size_t i = first; i < first + n; ++i)
+    out.insert(out.end(), loadings[i].begin(), loadings[i].end());
   return out;
 }
 
@@ -39,18 +40,24 @@ Result<Models> learn(const std::vector<ForceReading>& training, std::uint64_t se
   return m;
 }
 
-std::array<double, kForceModels> errors_of(const Models& m, const impedance::TwoVariableModel& ours, const std::vector<ForceReading>& test) {
+std::array<double, kForceModels> errors_of(const Models& m, const impedance::TwoVariableModel& ours,
+                                           const std::vector<ForceReading>& test) {
   const auto by_g = [&](const ForceReading& r) { return m.by_g.force_N(r.output_V); };
   const auto by_c = [&](const ForceReading& r) { return m.by_c.force_N(r.capacitance_F); };
   return {impedance::mean_squared_error_N2(test, by_g), impedance::mean_squared_error_N2(test, by_c),
-          impedance::mean_squared_error_N2(test, [&](const ForceReading& r) { return 0.5 * (by_g(r) + by_c(r)); }),
-          impedance::mean_squared_error_N2(test, [&](const ForceReading& r) { return m.network.force_N(r.output_V, r.capacitance_F); }),
-          impedance::mean_squared_error_N2(test, [&](const ForceReading& r) { return ours.estimate(r.output_V, r.capacitance_F).force_N; })};
+          impedance::mean_squared_error_N2(test,
+                                           [&](const ForceReading& r) { return 0.5 * (by_g(r) + by_c(r)); }),
+          impedance::mean_squared_error_N2(
+              test, [&](const ForceReading& r) { return m.network.force_N(r.output_V, r.capacitance_F); }),
+          impedance::mean_squared_error_N2(test, [&](const ForceReading& r) {
+            return ours.estimate(r.output_V, r.capacitance_F).force_N;
+          })};
 }
 
 class SetRun {
  public:
-  SetRun(const WeightStudyRequest& request, std::size_t set) : request_(request), plan_(request.plan), set_(set) {}
+  SetRun(const WeightStudyRequest& request, std::size_t set)
+      : request_(request), plan_(request.plan), set_(set) {}
 
   Result<void> run() {
     FORCEGATE_TRY(bench_, request_.make_bench());
@@ -68,7 +75,8 @@ class SetRun {
 
  private:
   Result<void> begin(std::uint64_t loading) {
-    if (request_.cancelled != nullptr && request_.cancelled->load(std::memory_order_relaxed)) return fail(ErrorCode::cancelled, "interrupted");
+    if (request_.cancelled != nullptr && request_.cancelled->load(std::memory_order_relaxed))
+      return fail(ErrorCode::cancelled, "interrupted");
     time_s += plan_.rest_s;
     return bench_->begin({plan_.seed, set_, loading, plan_.rest_s});
   }
@@ -100,7 +108,9 @@ class SetRun {
       FORCEGATE_TRY(auto made, play_loading(*bench_, plan_, down));
       for (std::size_t s = 0; s < made.size(); ++s) {
         samples += made[s].size() * (plan_.dc_samples + plan_.sine_samples);
-        readings_[s].push_back(down ? Loading(made[s].begin() + static_cast<std::ptrdiff_t>(made[s].size() / 2), made[s].end()) : std::move(made[s]));
+        readings_[s].push_back(
+            down ? Loading(made[s].begin() + static_cast<std::ptrdiff_t>(made[s].size() / 2), made[s].end())
+                 : std::move(made[s]));
       }
       time_s += plan_.hold_s * std::floor(plan_.force_max_N / plan_.step_N) * (down ? 2.0 : 1.0);
     }
@@ -109,7 +119,8 @@ class SetRun {
 
   Result<std::vector<impedance::TwoVariableModel>> ours_of(std::size_t n) const {
     SensorLoadings training;
-    for (const auto& own : readings_) training.emplace_back(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(n));
+    for (const auto& own : readings_)
+      training.emplace_back(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(n));
     return impedance::fit_two_variable(training);
   }
 
@@ -119,14 +130,16 @@ class SetRun {
       if (n >= 2) {
         FORCEGATE_TRY(ours, ours_of(n));
       }
-      for (std::size_t s = 0; s < readings_.size(); ++s) FORCEGATE_CHECK_OK(judge(s, n, ours.empty() ? nullptr : &ours[s]));
+      for (std::size_t s = 0; s < readings_.size(); ++s)
+        FORCEGATE_CHECK_OK(judge(s, n, ours.empty() ? nullptr : &ours[s]));
     }
     return {};
   }
 
   Result<void> judge(std::size_t s, std::size_t n, const impedance::TwoVariableModel* ours) {
     SensorResult& out = result.sensors[s];
-    const auto training = joined(readings_[s], 0, n), test = joined(readings_[s], plan_.most_training, plan_.testing);
+    const auto training = joined(readings_[s], 0, n),
+               test = joined(readings_[s], plan_.most_training, plan_.testing);
     FORCEGATE_TRY(const Models m, learn(training, network_seed(plan_, set_, s, n)));
     const auto errors = errors_of(m, ours != nullptr ? *ours : impedance::TwoVariableModel{}, test);
     out.conductance_mse_N2.push_back(errors[0]);
@@ -162,9 +175,11 @@ double SetResult::per_mean_pct() const {
   return sum / static_cast<double>(sensors.size());
 }
 
-Result<std::vector<std::vector<ForceReading>>> play_loading(WeightBench& bench, const WeightPlan& plan, bool down) {
+Result<std::vector<std::vector<ForceReading>>> play_loading(WeightBench& bench, const WeightPlan& plan,
+                                                            bool down) {
   const WeightBenchInfo info = bench.info();
-  const impedance::Circuit circuit{info.feedback_ohm, info.feedback_u_rel, info.gain_bandwidth_Hz, info.gain_bandwidth_u_rel};
+  const impedance::Circuit circuit{info.feedback_ohm, info.feedback_u_rel, info.gain_bandwidth_Hz,
+                                   info.gain_bandwidth_u_rel};
   const double rail_V = std::min(info.rail_V, info.range_V) - info.volts_per_code();
   std::vector<double> levels_N;
   const auto steps = static_cast<int>(std::floor(plan.force_max_N / plan.step_N + 1e-9));
@@ -182,14 +197,16 @@ Result<std::vector<std::vector<ForceReading>>> play_loading(WeightBench& bench, 
       const auto phasor = impedance::lock_in(sine, plan.sine_Hz, info.rate_Hz, info.volts_per_code(), rail_V);
       const auto reading = impedance::rc_reading(phasor, plan.sine_V, plan.sine_Hz, circuit);
       if (level.clipped > 0 || reading.saturated)
-        return fail(ErrorCode::device, "the amplifier saturates", fmt::format("sensor {}, {} N", s + 1, force_N), "lower dc_V or sine_V, or R_g");
+        return fail(ErrorCode::device, "the amplifier saturates",
+                    fmt::format("sensor {}, {} N", s + 1, force_N), "lower dc_V or sine_V, or R_g");
       out[s].push_back({force_N, level.mean_V, reading.capacitance_F});
     }
   }
   return out;
 }
 
-std::uint64_t network_seed(const WeightPlan& plan, std::size_t set, std::size_t sensor, std::size_t loadings) {
+std::uint64_t network_seed(const WeightPlan& plan, std::size_t set, std::size_t sensor,
+                           std::size_t loadings) {
   return mix_seed(plan.seed, fmt::format("network/{}/{}/{}", set, sensor, loadings));
 }
 
@@ -199,7 +216,10 @@ Result<WeightStudy> run_weight_study(const WeightStudyRequest& request) {
   FORCEGATE_TRY(const auto probe, request.make_bench());
   study.bench = probe->info();
   if (request.plan.force_max_N > study.bench.force_max_N)
-    return fail(ErrorCode::config, fmt::format("the plan asks for {} N, the bench holds {} N", request.plan.force_max_N, study.bench.force_max_N), request.plan.path.string());
+    return fail(ErrorCode::config,
+                fmt::format("the plan asks for {} N, the bench holds {} N", request.plan.force_max_N,
+                            study.bench.force_max_N),
+                request.plan.path.string());
   const std::size_t n = request.plan.sets + 1;
   std::vector<std::unique_ptr<SetRun>> runs(n);
   std::vector<Result<void>> states(n);
@@ -210,7 +230,9 @@ Result<WeightStudy> run_weight_study(const WeightStudyRequest& request) {
     states[i] = runs[i]->run();
     const std::lock_guard lock(mutex);
     ++done;
-    if (request.progress) request.progress(static_cast<double>(done) / static_cast<double>(n), fmt::format("pack {} of {}", done, n));
+    if (request.progress)
+      request.progress(static_cast<double>(done) / static_cast<double>(n),
+                       fmt::format("pack {} of {}", done, n));
   });
   for (std::size_t i = 0; i < n; ++i) {
     FORCEGATE_CHECK_OK(states[i]);

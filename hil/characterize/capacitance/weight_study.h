@@ -19,7 +19,8 @@ namespace forcegate::characterize {
 
 /// Conductance; capacitance; their mean; network; and ours.
 inline constexpr std::size_t kForceModels = 5;
-inline constexpr std::array<std::string_view, kForceModels> kForceModelNames{"conductance", "capacitance", "mean of both", "network 2-2-1", "two variables (ours)"};
+inline constexpr std::array<std::string_view, kForceModels> kForceModelNames{
+    "conductance", "capacitance", "mean of both", "network 2-2-1", "two variables (ours)"};
 
 /// A sweep at one force, with what the bench knows if it is an emulated one (NaN on others).
 struct SweepResult {
@@ -28,17 +29,18 @@ struct SweepResult {
   bool fitted = false;
   impedance::BodeFit fit;
   double true_conductance_S = 0, true_capacitance_F = 0, true_divergence_Hz = 0;
-  std::size_t flagged_inside = 0, inside = 0;    ///< readings 1 kHz ... 0.4 divergence that were said to depart
+  std::size_t flagged_inside = 0, inside = 0;  ///< readings 1 kHz ... 0.4 divergence that were said to depart
   std::size_t flagged_outside = 0, outside = 0;  ///< readings above 1.5 divergence
 };
 
 struct SensorResult {
-  std::array<double, kForceModels> mse_N2{};            ///< on the test loadings, models of plan.training loadings
+  std::array<double, kForceModels> mse_N2{};  ///< on the test loadings, models of plan.training loadings
   std::array<double, kForceModels> unloading_mse_N2{};  ///< on the way down of one more test loading
-  std::vector<double> network_mse_N2, ours_mse_N2, conductance_mse_N2;  ///< for 1, 2 ... most_training loadings; NaN where not possible
-  double per_pct = 0;                                   ///< eq. (11)
-  std::size_t covered = 0, tested = 0;                  ///< test readings within the 95 % interval of ours
-  double u_mean_N = 0;                                  ///< mean standard uncertainty stated by ours
+  std::vector<double> network_mse_N2, ours_mse_N2,
+      conductance_mse_N2;               ///< for 1, 2 ... most_training loadings; NaN where not possible
+  double per_pct = 0;                   ///< eq. (11)
+  std::size_t covered = 0, tested = 0;  ///< test readings within the 95 % interval of ours
+  double u_mean_N = 0;                  ///< mean standard uncertainty stated by ours
   std::vector<SweepResult> sweeps;
 };
 
@@ -81,6 +83,8 @@ Result<WeightStudy> run_weight_study(const WeightStudyRequest& request);
 
 /// Readings of every sensor on a staircase of one loading: [sensor][level]. The bench must stand at 0 N after begin().
 /// `down`: also on the way back, appended. Errors: of the bench; a saturated reading (device).
-Result<std::vector<std::vector<impedance::ForceReading>>> play_loading(WeightBench& bench, const WeightPlan& plan, bool down = false);
+Result<std::vector<std::vector<impedance::ForceReading>>> play_loading(WeightBench& bench,
+                                                                       const WeightPlan& plan,
+                                                                       bool down = false);
 
 }  // namespace forcegate::characterize

@@ -16,7 +16,8 @@ struct ShareOf {
 };
 
 struct WeightSummary {
-  double per_mean_pct = 0, per_sd_sets_pct = 0, per_se_pct = 0, per_low_pct = 0, per_high_pct = 0;  ///< of set means
+  double per_mean_pct = 0, per_sd_sets_pct = 0, per_se_pct = 0, per_low_pct = 0,
+         per_high_pct = 0;  ///< of set means
   double per_sensor_q05 = 0, per_sensor_median = 0, per_sensor_q95 = 0;
   std::array<double, kForceModels> mse_mean{}, mse_q05{}, mse_median{}, mse_q95{}, unloading_mean{};
   // per sensor
@@ -27,10 +28,13 @@ struct WeightSummary {
   std::vector<double> per_network_pct, per_ours_pct;
   ShareOf covered, resistance_covered, capacitance_covered, divergence_covered;  ///< at 95 %
   ShareOf flagged_inside, flagged_outside;
-  double divergence_low_Hz = 0, divergence_high_Hz = 0, divergence_force_pct = 0;  ///< of specimens (mean of forces); mean range over the forces
-  double scatter_low_pct = 0, scatter_high_pct = 0;  ///< rms of C_s about the fit below 1 kHz and from 1 to 4 kHz
+  double divergence_low_Hz = 0, divergence_high_Hz = 0,
+         divergence_force_pct = 0;  ///< of specimens (mean of forces); mean range over the forces
+  double scatter_low_pct = 0,
+         scatter_high_pct = 0;  ///< rms of C_s about the fit below 1 kHz and from 1 to 4 kHz
   double operating_median_Hz = 0;
-  double u_resistance_pct = 0, u_capacitance_pct = 0, u_divergence_pct = 0, u_force_N = 0;  ///< mean stated uncertainty
+  double u_resistance_pct = 0, u_capacitance_pct = 0, u_divergence_pct = 0,
+         u_force_N = 0;  ///< mean stated uncertainty
 };
 
 WeightSummary summarise(const WeightStudy& study);

@@ -32,21 +32,27 @@ std::vector<double> sweep_frequencies_Hz(const WeightPlan& plan, double rate_Hz)
   std::vector<double> out;
   for (std::size_t i = 0; i < plan.sweep_points; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(plan.sweep_points - 1);
-    const double f_Hz = std::max(1.0, std::round(plan.sweep_low_Hz * std::pow(plan.sweep_high_Hz / plan.sweep_low_Hz, share) / bin_Hz)) * bin_Hz;
+    const double f_Hz =
+        std::max(1.0, std::round(plan.sweep_low_Hz * std::pow(plan.sweep_high_Hz / plan.sweep_low_Hz, share) /
+                                 bin_Hz)) *
+        bin_Hz;
     if (out.empty() || f_Hz > out.back()) out.push_back(f_Hz);
   }
   return out;
 }
 
-Result<SweepResult> play_sweep(WeightBench& bench, std::size_t sensor, double force_N, const WeightPlan& plan) {
+Result<SweepResult> play_sweep(WeightBench& bench, std::size_t sensor, double force_N,
+                               const WeightPlan& plan) {
   const WeightBenchInfo info = bench.info();
-  const impedance::Circuit circuit{info.feedback_ohm, info.feedback_u_rel, info.gain_bandwidth_Hz, info.gain_bandwidth_u_rel};
+  const impedance::Circuit circuit{info.feedback_ohm, info.feedback_u_rel, info.gain_bandwidth_Hz,
+                                   info.gain_bandwidth_u_rel};
   SweepResult out;
   out.force_N = force_N;
   std::vector<std::int16_t> codes(plan.sweep_samples);
   for (const double f_Hz : sweep_frequencies_Hz(plan, info.rate_Hz)) {
     FORCEGATE_CHECK_OK(bench.capture(sensor, {WeightBenchSource::Kind::sine, plan.sweep_V, f_Hz}, codes));
-    const auto phasor = impedance::lock_in(codes, f_Hz, info.rate_Hz, info.volts_per_code(), std::min(info.rail_V, info.range_V) - info.volts_per_code());
+    const auto phasor = impedance::lock_in(codes, f_Hz, info.rate_Hz, info.volts_per_code(),
+                                           std::min(info.rail_V, info.range_V) - info.volts_per_code());
     out.readings.push_back(impedance::rc_reading(phasor, plan.sweep_V, f_Hz, circuit));
   }
   const auto fit = impedance::fit_bode(out.readings, info.feedback_u_rel);
@@ -61,7 +67,8 @@ Result<SweepResult> play_sweep(WeightBench& bench, std::size_t sensor, double fo
   if (!out.fitted || std::isnan(out.fit.divergence_Hz)) return out;
   for (const auto& r : out.readings) {
     const bool flagged = out.fit.departs(r);
-    if (r.f_Hz >= 1000.0 && r.f_Hz <= 0.4 * out.fit.divergence_Hz) ++out.inside, out.flagged_inside += flagged ? 1 : 0;
+    if (r.f_Hz >= 1000.0 && r.f_Hz <= 0.4 * out.fit.divergence_Hz)
+      ++out.inside, out.flagged_inside += flagged ? 1 : 0;
     if (r.f_Hz >= 1.5 * out.fit.divergence_Hz) ++out.outside, out.flagged_outside += flagged ? 1 : 0;
   }
   return out;

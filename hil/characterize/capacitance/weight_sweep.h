@@ -9,6 +9,7 @@ namespace forcegate::characterize {
 std::vector<double> sweep_frequencies_Hz(const WeightPlan& plan, double rate_Hz);
 
 /// Errors: of the bench. A sweep that cannot be fitted has fitted = false.
-Result<SweepResult> play_sweep(WeightBench& bench, std::size_t sensor, double force_N, const WeightPlan& plan);
+Result<SweepResult> play_sweep(WeightBench& bench, std::size_t sensor, double force_N,
+                               const WeightPlan& plan);
 
 }  // namespace forcegate::characterize

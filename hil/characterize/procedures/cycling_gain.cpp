@@ -17,7 +17,8 @@ Result<double> gain_after(Session& s, double cycling_s, double rest_s) {
   }
   FORCEGATE_TRY(auto pause, make_stimulus(rest(kRest_N, rest_s)));
   load.add(std::move(pause), rest_s);
-  FORCEGATE_TRY(auto ramp, make_stimulus({"ramp", {{"low_N", kRest_N}, {"high_N", s.plan.sweep_high_N}}, {}, {}, 1}));
+  FORCEGATE_TRY(auto ramp,
+                make_stimulus({"ramp", {{"low_N", kRest_N}, {"high_N", s.plan.sweep_high_N}}, {}, {}, 1}));
   const double ramp_s = ramp->duration_s(), from_s = cycling_s + rest_s;
   load.add(std::move(ramp), ramp_s);
   const double per_code = s.bench.volts_per_code();
@@ -44,12 +45,15 @@ Result<void> run(Session& s) {
 Result<void> run_rested(Session& s) {
   FORCEGATE_TRY(const double fresh, gain_after(s, 0.0, kShort_s));
   FORCEGATE_TRY(const double rested, gain_after(s, s.plan.record_s, kLong_s));
-  s.add("cycling.gain_rested", "Change of the static gain 2 h after the cycling", "%", 100.0 * (rested / fresh - 1.0));
+  s.add("cycling.gain_rested", "Change of the static gain 2 h after the cycling", "%",
+        100.0 * (rested / fresh - 1.0));
   return {};
 }
 
-const Registration<ProcedureKind> kAfter{{"cycling_gain", "Static gain after 20 min of cycling (III-D)", true, run}};
-const Registration<ProcedureKind> kRested{{"gain_recovery", "Static gain after 20 min of cycling and 2 h of rest (IV-A3)", true, run_rested}};
+const Registration<ProcedureKind> kAfter{
+    {"cycling_gain", "Static gain after 20 min of cycling (III-D)", true, run}};
+const Registration<ProcedureKind> kRested{
+    {"gain_recovery", "Static gain after 20 min of cycling and 2 h of rest (IV-A3)", true, run_rested}};
 
 }  // namespace
 }  // namespace forcegate::characterize

@@ -14,7 +14,9 @@ Result<void> run(Session& s) {
                               {"A_N", p.sweep_A_N},
                               {"m_N", p.sweep_m_N},
                               {"duration_s", p.record_s}},
-                             {}, {}, 1};
+                             {},
+                             {},
+                             1};
     FORCEGATE_TRY(DecayRecord d, play_decay(s, up ? "sweep up" : "sweep down", chirp, 0.8));
     d.f_Hz = up ? 0.0 : p.sweep_up_Hz;
     s.sheet.decays.push_back(std::move(d));
@@ -22,7 +24,8 @@ Result<void> run(Session& s) {
   return {};
 }
 
-const Registration<ProcedureKind> kRow{{"frequency_sweep", "Sweeps 0 to 3 Hz, up and down (IV-A2a)", true, run}};
+const Registration<ProcedureKind> kRow{
+    {"frequency_sweep", "Sweeps 0 to 3 Hz, up and down (IV-A2a)", true, run}};
 
 }  // namespace
 }  // namespace forcegate::characterize

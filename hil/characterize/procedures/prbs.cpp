@@ -9,9 +9,12 @@ namespace {
 
 Result<void> run(Session& s) {
   const StudyPlan& p = s.plan;
-  const StimulusSpec spec{"prbs",
-                          {{"f_max_Hz", p.prbs_Hz}, {"A_N", p.prbs_A_N}, {"m_N", p.prbs_m_N}, {"duration_s", p.record_s}},
-                          {}, {}, mix_seed(p.seed, "prbs")};
+  const StimulusSpec spec{
+      "prbs",
+      {{"f_max_Hz", p.prbs_Hz}, {"A_N", p.prbs_A_N}, {"m_N", p.prbs_m_N}, {"duration_s", p.record_s}},
+      {},
+      {},
+      mix_seed(p.seed, "prbs")};
   FORCEGATE_TRY(DecayRecord d, play_decay(s, "prbs", spec, 1.0));
   s.sheet.decays.push_back(std::move(d));
   return {};

@@ -21,18 +21,24 @@ Result<void> run(Session& s) {
     load.add(std::move(pause), pause_s);
     load.add(std::move(second), kAgain_s);
     ExtremaSink sink(0.5 * kA_N, s.bench.volts_per_code());
-    FORCEGATE_TRY(const PlayedRecord played, s.bench.play(load, [&](const RigBlock& b, std::size_t n, std::span<const float> e) { sink(b, n, e); }));
+    FORCEGATE_TRY(const PlayedRecord played,
+                  s.bench.play(load, [&](const RigBlock& b, std::size_t n, std::span<const float> e) {
+                    sink(b, n, e);
+                  }));
     (void)played;
     const Extrema e = sink.finish();
     const double low_V = e.mean_minimum_V(), again_s = load.start_s(2);
-    const double share = e.swing_V(low_V, again_s + kFrom_s, again_s + kTo_s) / e.swing_V(low_V, kFrom_s, kTo_s);
-    s.add(fmt::format("recovery.{:.0f}", pause_s), fmt::format("Swing of a fresh film that is back after {:.0f} min of rest", pause_s / 60.0),
-          "%", 100.0 * share);
+    const double share =
+        e.swing_V(low_V, again_s + kFrom_s, again_s + kTo_s) / e.swing_V(low_V, kFrom_s, kTo_s);
+    s.add(fmt::format("recovery.{:.0f}", pause_s),
+          fmt::format("Swing of a fresh film that is back after {:.0f} min of rest", pause_s / 60.0), "%",
+          100.0 * share);
   }
   return {};
 }
 
-const Registration<ProcedureKind> kRow{{"recovery", "Cycling, a rest of 5 min to 2 h, cycling again: what has come back (IV-A3)", true, run}};
+const Registration<ProcedureKind> kRow{
+    {"recovery", "Cycling, a rest of 5 min to 2 h, cycling again: what has come back (IV-A3)", true, run}};
 
 }  // namespace
 }  // namespace forcegate::characterize

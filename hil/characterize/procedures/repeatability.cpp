@@ -15,9 +15,8 @@ constexpr int kLoads = 10, kRounds = 5;
 constexpr double kDwell_s = 6.0, kTransition_s = 1.5, kMeanOver_s = 2.0, kFullScale_N = 5.0;
 
 Result<void> run(Session& s) {
-  StimulusSpec stairs{"staircase",
-                      {{"dwell_s", kDwell_s}, {"transition_s", kTransition_s}, {"up_down", 0.0}},
-                      {}, {}, 1};
+  StimulusSpec stairs{
+      "staircase", {{"dwell_s", kDwell_s}, {"transition_s", kTransition_s}, {"up_down", 0.0}}, {}, {}, 1};
   std::vector<int> load;  // of each dwell
   const double step_N = (s.plan.sweep_high_N - s.plan.sweep_low_N) / (kLoads - 1);
   for (int round = 0; round < kRounds; ++round)
@@ -52,7 +51,8 @@ Result<void> run(Session& s) {
 }
 
 const Registration<ProcedureKind> kRow{
-    {"repeatability", "Ten loads, each ten times: mean distance from the mean of the load (III-A, Table I)", true, run}};
+    {"repeatability", "Ten loads, each ten times: mean distance from the mean of the load (III-A, Table I)",
+     true, run}};
 
 }  // namespace
 }  // namespace forcegate::characterize

@@ -28,7 +28,9 @@ Result<void> run(Session& s) {
                            {"high_N", plan.sweep_high_N},
                            {"sweep_s", 0.5 * plan.sweep_s},
                            {"cycles", static_cast<double>(plan.sweeps)}},
-                          {}, {}, 1};
+                          {},
+                          {},
+                          1};
   std::array<std::array<Bin, kBins>, 2> bins{};
   StaticLine line;
   PairMeans means(std::max<std::size_t>(1, static_cast<std::size_t>(kMeanOver_s * info.rate_Hz)));
@@ -51,7 +53,8 @@ Result<void> run(Session& s) {
                 }));
   (void)played;
   if (!(line.n() > 20.0) || !line.answers(1e-4))
-    return fail(ErrorCode::device, "the sensor did not answer the calibration sweep", {}, "is the sensor mounted and plugged in?");
+    return fail(ErrorCode::device, "the sensor did not answer the calibration sweep", {},
+                "is the sensor mounted and plugged in?");
   Calibration& c = s.sheet.calibration;
   c.adc_bits = info.adc_bits;
   c.v_range_V = info.v_range_V;
@@ -82,7 +85,8 @@ Result<void> run(Session& s) {
 }
 
 const Registration<ProcedureKind> kRow{
-    {"static_calibration", "Two continuous sweeps, eq. (1), linearity and hysteresis (III-A, Table I, Fig. 4)", false, run}};
+    {"static_calibration",
+     "Two continuous sweeps, eq. (1), linearity and hysteresis (III-A, Table I, Fig. 4)", false, run}};
 
 }  // namespace
 }  // namespace forcegate::characterize

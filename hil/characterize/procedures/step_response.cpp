@@ -21,7 +21,8 @@ double mean(const std::vector<float>& v, std::size_t from, std::size_t to) {
 double settling_s(const std::vector<float>& v, double rate_Hz) {
   const auto at = [&](double t_s) { return static_cast<std::size_t>(t_s * rate_Hz + 0.5); };
   const auto width = std::max<std::size_t>(1, at(0.005));
-  const double start = mean(v, at(kAt_s - 0.5), at(kAt_s)), end = mean(v, at(kAt_s + kSearch_s), at(kAt_s + 1.4));
+  const double start = mean(v, at(kAt_s - 0.5), at(kAt_s)),
+               end = mean(v, at(kAt_s + kSearch_s), at(kAt_s + 1.4));
   std::size_t last = at(kAt_s);
   for (std::size_t i = last; i < at(kAt_s + kSearch_s); ++i)
     if (std::abs(mean(v, i, i + width) - end) > kInside * std::abs(end - start)) last = i;
@@ -31,7 +32,8 @@ double settling_s(const std::vector<float>& v, double rate_Hz) {
 double lag_s(const std::vector<float>& ati, const std::vector<float>& sensor, double rate_Hz) {
   const auto at = [&](double t_s) { return static_cast<std::size_t>(t_s * rate_Hz + 0.5); };
   const auto part = [&](const std::vector<float>& v, std::size_t i) {
-    const double start = mean(v, at(kAt_s - 0.5), at(kAt_s)), end = mean(v, at(kAt_s + kSearch_s), at(kAt_s + 1.4));
+    const double start = mean(v, at(kAt_s - 0.5), at(kAt_s)),
+                 end = mean(v, at(kAt_s + kSearch_s), at(kAt_s + 1.4));
     return (mean(v, at(kAt_s), i) - start) / (end - start);
   };
   const std::size_t to = at(kAt_s + kSearch_s);
@@ -40,7 +42,11 @@ double lag_s(const std::vector<float>& ati, const std::vector<float>& sensor, do
 
 Result<void> run(Session& s) {
   const StimulusSpec step{
-      "step", {{"low_N", kLow_N}, {"high_N", kHigh_N}, {"at_s", kAt_s}, {"duration_s", kDuration_s}}, {}, {}, 1};
+      "step",
+      {{"low_N", kLow_N}, {"high_N", kHigh_N}, {"at_s", kAt_s}, {"duration_s", kDuration_s}},
+      {},
+      {},
+      1};
   std::vector<float> ati, sensor;
   CurveSink curve("fig5", kAt_s - 0.1, kAt_s + 0.4, s.bench.volts_per_code(), false, 500);
   const double per_code = s.bench.volts_per_code();
@@ -54,13 +60,15 @@ Result<void> run(Session& s) {
                 }));
   s.add("step.ati", "Step response of the Nano17", "ms", 1e3 * settling_s(ati, played.rig.rate_Hz));
   s.add("step.sensor", "Step response of the sensor", "ms", 1e3 * settling_s(sensor, played.rig.rate_Hz));
-  s.add("step.lag", "Lag of the sensor behind the Nano17", "ms", 1e3 * lag_s(ati, sensor, played.rig.rate_Hz));
+  s.add("step.lag", "Lag of the sensor behind the Nano17", "ms",
+        1e3 * lag_s(ati, sensor, played.rig.rate_Hz));
   if (s.curves) s.sheet.curves.push_back(curve.finish());
   return {};
 }
 
 const Registration<ProcedureKind> kRow{
-    {"step_response", "A step from 1 to 4 N: time to the final value of ATI and sensor (III-B, Fig. 5)", true, run}};
+    {"step_response", "A step from 1 to 4 N: time to the final value of ATI and sensor (III-B, Fig. 5)", true,
+     run}};
 
 }  // namespace
 }  // namespace forcegate::characterize

@@ -15,7 +15,8 @@
 namespace forcegate::characterize {
 namespace {
 
-constexpr double kSetpoint_N = 1.5, kSpan_s = 5.0, kBefore_s = 2.0, kSpeedOver_s = 0.1, kBarely_mm_per_s = 3.0;
+constexpr double kSetpoint_N = 1.5, kSpan_s = 5.0, kBefore_s = 2.0, kSpeedOver_s = 0.1,
+                 kBarely_mm_per_s = 3.0;
 constexpr double kNoContact_N = 0.05, kCurveStep_s = 0.1;
 
 double detrended_peak_to_peak_N(const std::vector<float>& force_N, std::size_t from, std::size_t n) {
@@ -41,29 +42,34 @@ Result<void> run(Session& s) {
   std::vector<float> force_N, position_mm;
   Curve curve{"fig12", {"t_s", "ati_N", "position_mm"}, std::vector<std::vector<float>>(3)};
   double next_s = 0.0;
-  FORCEGATE_TRY(const PlayedRecord played,
-                s.bench.play(rest(kSetpoint_N, s.plan.record_s),
-                             [&](const RigBlock& b, std::size_t n, std::span<const float>) {
-                               force_N.insert(force_N.end(), b.force_ref_N.begin(), b.force_ref_N.begin() + static_cast<std::ptrdiff_t>(n));
-                               const RigGeometry g = s.bench.info().geometry;
-                               for (std::size_t i = 0; i < n; ++i) {
-                                 position_mm.push_back(static_cast<float>(g.eccentricity_mm * (1.0 - std::cos(static_cast<double>(b.theta_rad[i])))));
-                                 if (!s.curves || b.t_s[i] < next_s) continue;
-                                 next_s += kCurveStep_s;
-                                 curve.data[0].push_back(static_cast<float>(b.t_s[i]));
-                                 curve.data[1].push_back(b.force_ref_N[i]);
-                                 curve.data[2].push_back(position_mm.back());
-                               }
-                             },
-                             {.estimator = [=](std::uint16_t code) { return gain * code + offset; },
-                              .controller = "contact_force",
-                              .faults = {{"head_motion", 1.0}}}));
+  FORCEGATE_TRY(
+      const PlayedRecord played,
+      s.bench.play(rest(kSetpoint_N, s.plan.record_s),
+                   [&](const RigBlock& b, std::size_t n, std::span<const float>) {
+                     force_N.insert(force_N.end(), b.force_ref_N.begin(),
+                                    b.force_ref_N.begin() + static_cast<std::ptrdiff_t>(n));
+                     const RigGeometry g = s.bench.info().geometry;
+                     for (std::size_t i = 0; i < n; ++i) {
+                       position_mm.push_back(static_cast<float>(
+                           g.eccentricity_mm * (1.0 - std::cos(static_cast<double>(b.theta_rad[i])))));
+                       if (!s.curves || b.t_s[i] < next_s) continue;
+                       next_s += kCurveStep_s;
+                       curve.data[0].push_back(static_cast<float>(b.t_s[i]));
+                       curve.data[1].push_back(b.force_ref_N[i]);
+                       curve.data[2].push_back(position_mm.back());
+                     }
+                   },
+                   {.estimator = [=](std::uint16_t code) { return gain * code + offset; },
+                    .controller = "contact_force",
+                    .faults = {{"head_motion", 1.0}}}));
   const double rate_Hz = played.rig.rate_Hz;
   const auto rows = [&](double t_s) { return static_cast<std::size_t>(t_s * rate_Hz + 0.5); };
   const std::size_t span = rows(kSpan_s), before = rows(kBefore_s), stride = rows(kSpeedOver_s);
   const auto still = [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i + stride <= to; i += stride)
-      if (std::abs(static_cast<double>(position_mm[i + stride - 1] - position_mm[i])) > kBarely_mm_per_s * kSpeedOver_s) return false;
+      if (std::abs(static_cast<double>(position_mm[i + stride - 1] - position_mm[i])) >
+          kBarely_mm_per_s * kSpeedOver_s)
+        return false;
     return true;
   };
   double noise_N = 0.0, steady = 0.0, spans = 0.0;
@@ -80,7 +86,8 @@ Result<void> run(Session& s) {
   }
   const double n = static_cast<double>(force_N.size());
   s.add("tms.contact", "TMS: largest contact force", "N", largest_N);
-  s.add("tms.noise", "TMS: force noise in steady spans, peak to peak", "N", steady > 0.0 ? noise_N : std::nan(""));
+  s.add("tms.noise", "TMS: force noise in steady spans, peak to peak", "N",
+        steady > 0.0 ? noise_N : std::nan(""));
   s.add("tms.steady", "TMS: share of the time that is steady", "%", 100.0 * steady / spans);
   s.add("tms.lost", "TMS: share of the time without contact", "%", 100.0 * lost / n);
   s.add("tms.duration", "TMS: length of the record", "s", n / rate_Hz);
@@ -88,7 +95,8 @@ Result<void> run(Session& s) {
   return {};
 }
 
-const Registration<ProcedureKind> kRow{{"tms", "Robotised TMS: 1.5 N on a moving head for 20 min (V-B, Fig. 12)", true, run}};
+const Registration<ProcedureKind> kRow{
+    {"tms", "Robotised TMS: 1.5 N on a moving head for 20 min (V-B, Fig. 12)", true, run}};
 
 }  // namespace
 }  // namespace forcegate::characterize

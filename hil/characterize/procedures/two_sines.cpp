@@ -11,10 +11,11 @@ constexpr double kWholeSwing = 1.5;
 Result<void> run(Session& s) {
   const StudyPlan& p = s.plan;
   for (std::size_t i = 0; i < p.two_sines_f1_Hz.size(); ++i) {
-    FORCEGATE_TRY(DecayRecord d, play_decay(s, "two sines",
-                                               sum_of_sines({p.two_sines_f1_Hz[i], p.two_sines_f2_Hz[i]},
-                                                            {p.two_sines_A_N, p.two_sines_A_N}, p.two_sines_m_N, p.record_s),
-                                               kWholeSwing));
+    FORCEGATE_TRY(DecayRecord d,
+                  play_decay(s, "two sines",
+                             sum_of_sines({p.two_sines_f1_Hz[i], p.two_sines_f2_Hz[i]},
+                                          {p.two_sines_A_N, p.two_sines_A_N}, p.two_sines_m_N, p.record_s),
+                             kWholeSwing));
     d.f_Hz = p.two_sines_f1_Hz[i];
     d.f2_Hz = p.two_sines_f2_Hz[i];
     s.sheet.decays.push_back(std::move(d));

@@ -20,7 +20,8 @@ std::map<std::string, std::string> options_of(const Invocation& in) {
 
 Result<std::string> file_of(const Invocation& in) {
   if (const auto files = in.texts("FILE"); !files.empty()) return files.front();
-  return fail(ErrorCode::usage, "bench " + in.text("ACTION") + " needs a bench file", {}, "for example rigs/twin.toml");
+  return fail(ErrorCode::usage, "bench " + in.text("ACTION") + " needs a bench file", {},
+              "for example rigs/twin.toml");
 }
 
 Result<int> list(const Invocation& in) {
@@ -30,12 +31,20 @@ Result<int> list(const Invocation& in) {
   bool good = true;
   for (const BenchRow& row : list_benches(files)) {
     good = good && row.mistake.empty();
-    in.console().print(row.mistake.empty()
-                           ? fmt::format("{:<24} {}  {}\n{:24} {} + {} + {}", row.file, row.twins ? "twins" : "real ", row.doc, "",
-                                         row.motor, row.reference, row.board)
-                           : fmt::format("{:<24} {}", row.file, in.console().paint(Paint::fail, row.mistake)));
-    document.push_back({{"file", row.file}, {"name", row.name}, {"id", row.id}, {"doc", row.doc}, {"twins", row.twins},
-                        {"motor", row.motor}, {"reference", row.reference}, {"board", row.board}, {"mistake", row.mistake}});
+    in.console().print(
+        row.mistake.empty()
+            ? fmt::format("{:<24} {}  {}\n{:24} {} + {} + {}", row.file, row.twins ? "twins" : "real ",
+                          row.doc, "", row.motor, row.reference, row.board)
+            : fmt::format("{:<24} {}", row.file, in.console().paint(Paint::fail, row.mistake)));
+    document.push_back({{"file", row.file},
+                        {"name", row.name},
+                        {"id", row.id},
+                        {"doc", row.doc},
+                        {"twins", row.twins},
+                        {"motor", row.motor},
+                        {"reference", row.reference},
+                        {"board", row.board},
+                        {"mistake", row.mistake}});
   }
   in.console().print_json(Json({{"format", 1}, {"benches", document}}).dump(2));
   in.console().next("forcegate bench doctor rigs/twin.toml");
@@ -49,10 +58,13 @@ Result<int> doctor(const Invocation& in) {
   bool good = true;
   for (const BenchItem& item : items) {
     good = good && item.good;
-    in.console().print(fmt::format("{}  {:<24} {}", item.good ? in.console().paint(Paint::pass, "ok  ") : in.console().paint(Paint::fail, "BAD "),
-                                   item.name, item.found));
+    in.console().print(fmt::format(
+        "{}  {:<24} {}",
+        item.good ? in.console().paint(Paint::pass, "ok  ") : in.console().paint(Paint::fail, "BAD "),
+        item.name, item.found));
     if (!item.remedy.empty()) in.console().print(fmt::format("{:30} help: {}", "", item.remedy));
-    document.push_back({{"name", item.name}, {"good", item.good}, {"found", item.found}, {"remedy", item.remedy}});
+    document.push_back(
+        {{"name", item.name}, {"good", item.good}, {"found", item.found}, {"remedy", item.remedy}});
   }
   in.console().print_json(Json({{"format", 1}, {"ready", good}, {"items", document}}).dump(2));
   in.console().next(good ? "forcegate gate build/firmware/reference.uart.elf --rig " + file + " --plan twin"
@@ -89,7 +101,8 @@ Result<int> serve(const Invocation& in) {
 Result<int> park(const Invocation& in) {
   FORCEGATE_TRY(const std::string file, file_of(in));
   FORCEGATE_TRY(const int holder, park_bench(file, options_of(in)));
-  in.console().print(holder > 0 ? fmt::format("the motor is stopped; process {} was told to end", holder) : "the motor is stopped");
+  in.console().print(holder > 0 ? fmt::format("the motor is stopped; process {} was told to end", holder)
+                                : "the motor is stopped");
   in.console().print_json(Json({{"format", 1}, {"stopped", true}, {"holder", holder}}).dump(2));
   in.console().next("forcegate bench doctor " + file);
   return kExitSuccess;
@@ -100,8 +113,10 @@ Result<int> jog(const Invocation& in) {
   FORCEGATE_TRY(const double angle, in.number("angle", -6.3, 6.3));
   FORCEGATE_TRY(const double speed, in.number("speed", 0.01, 5.0));
   FORCEGATE_TRY(const JogResult r, jog_bench(file, options_of(in), angle, speed, in.interrupt_flag()));
-  in.console().print(fmt::format("from {:.3f} to {:.3f} rad; the reference reads {:.3f} N", r.from_rad, r.to_rad, r.force_N));
-  in.console().print_json(Json({{"format", 1}, {"from_rad", r.from_rad}, {"to_rad", r.to_rad}, {"force_N", r.force_N}}).dump(2));
+  in.console().print(fmt::format("from {:.3f} to {:.3f} rad; the reference reads {:.3f} N", r.from_rad,
+                                 r.to_rad, r.force_N));
+  in.console().print_json(
+      Json({{"format", 1}, {"from_rad", r.from_rad}, {"to_rad", r.to_rad}, {"force_N", r.force_N}}).dump(2));
   in.console().next("forcegate bench park " + file);
   return kExitSuccess;
 }
@@ -115,10 +130,15 @@ Result<int> who(const Invocation& in) {
     in.console().next("forcegate bench doctor " + file);
     return kExitSuccess;
   }
-  in.console().print(fmt::format("process {} since {:.0f} s, last sign of life {:.0f} s ago\n{}", holder->pid, holder->held_s,
-                                 holder->silent_s, holder->purpose));
-  in.console().print_json(Json({{"format", 1}, {"held", true}, {"pid", holder->pid}, {"token", holder->token},
-                                {"held_s", holder->held_s}, {"silent_s", holder->silent_s}, {"purpose", holder->purpose}})
+  in.console().print(fmt::format("process {} since {:.0f} s, last sign of life {:.0f} s ago\n{}", holder->pid,
+                                 holder->held_s, holder->silent_s, holder->purpose));
+  in.console().print_json(Json({{"format", 1},
+                                {"held", true},
+                                {"pid", holder->pid},
+                                {"token", holder->token},
+                                {"held_s", holder->held_s},
+                                {"silent_s", holder->silent_s},
+                                {"purpose", holder->purpose}})
                               .dump(2));
   in.console().next("forcegate bench park " + file + " stops the motor and the holder");
   return kExitSuccess;
@@ -129,9 +149,14 @@ Result<int> specimens(const Invocation& in) {
   FORCEGATE_TRY(const auto rows, list_specimens(file));
   Json document = Json::array();
   for (const SpecimenRow& r : rows) {
-    in.console().print(fmt::format("{:<12} rest {:8.2f} h {:<10} {:4} records {:8} cycles, last {}", r.id, r.rest_h,
-                                   r.rested ? "" : "(too short)", r.records, r.cycles, r.last_use));
-    document.push_back({{"id", r.id}, {"rest_h", r.rest_h}, {"rested", r.rested}, {"records", r.records}, {"cycles", r.cycles}, {"last_use", r.last_use}});
+    in.console().print(fmt::format("{:<12} rest {:8.2f} h {:<10} {:4} records {:8} cycles, last {}", r.id,
+                                   r.rest_h, r.rested ? "" : "(too short)", r.records, r.cycles, r.last_use));
+    document.push_back({{"id", r.id},
+                        {"rest_h", r.rest_h},
+                        {"rested", r.rested},
+                        {"records", r.records},
+                        {"cycles", r.cycles},
+                        {"last_use", r.last_use}});
   }
   if (rows.empty()) in.console().print("no specimen has been used on this bench");
   in.console().print_json(Json({{"format", 1}, {"specimens", document}}).dump(2));
@@ -170,11 +195,20 @@ const Registration<Command> kRow{Command{
         "the motor, and the drive's own timeout stands behind it.",
     .positionals = {{.name = "ACTION",
                      .doc = "What to do.",
-                     .choices = [] { return std::vector<std::string>{"list", "doctor", "scan", "serve", "park", "jog", "who", "specimens"}; }},
+                     .choices =
+                         [] {
+                           return std::vector<std::string>{"list", "doctor", "scan", "serve",
+                                                           "park", "jog",    "who",  "specimens"};
+                         }},
                     {.name = "FILE", .doc = "Bench file.", .required = false, .repeatable = true}},
-    .options = {{.name = "attach", .value_name = "FOLDER", .doc = "Twins that `bench serve` runs in that folder."},
+    .options = {{.name = "attach",
+                 .value_name = "FOLDER",
+                 .doc = "Twins that `bench serve` runs in that folder."},
                 {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."},
-                {.name = "folder", .value_name = "FOLDER", .doc = "serve: where the ports appear.", .fallback = "/tmp/forcegate-twins"},
+                {.name = "folder",
+                 .value_name = "FOLDER",
+                 .doc = "serve: where the ports appear.",
+                 .fallback = "/tmp/forcegate-twins"},
                 {.name = "angle", .value_name = "RAD", .doc = "jog: where to.", .fallback = "0"},
                 {.name = "speed", .value_name = "RAD_PER_S", .doc = "jog: how fast.", .fallback = "0.5"}},
     .examples = {{"forcegate bench list", "Which benches are there?"},

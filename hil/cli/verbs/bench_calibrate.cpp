@@ -22,7 +22,8 @@ Result<std::vector<double>> masses_of(const std::string& text) {
     double v = 0.0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v);
     if (error != std::errc{} || end != word.data() + word.size() || !(v >= 0.0 && v <= 1e6))
-      return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is no mass in grams", "--masses", "for example --masses 0,50,100,200,400");
+      return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is no mass in grams", "--masses",
+                  "for example --masses 0,50,100,200,400");
     out.push_back(v);
   }
   return out;
@@ -45,7 +46,8 @@ Result<Calibrated> calibrate(const Invocation& in) {
   if (what == "sensor") return calibrate_sensor(q);
   if (in.flag("yes")) return calibrate_reference(q, {});
   if (isatty(STDIN_FILENO) == 0)
-    return fail(ErrorCode::usage, "nobody is there to lay the masses on", {}, "run it in a terminal; with twins, give --yes");
+    return fail(ErrorCode::usage, "nobody is there to lay the masses on", {},
+                "run it in a terminal; with twins, give --yes");
   return calibrate_reference(q, [&](const std::string& instruction) -> Result<void> {
     in.console().print(instruction + ", then press Enter");
     std::fflush(stdout);
@@ -59,7 +61,8 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const Calibrated c, calibrate(in));
   if (c.line)
     for (const CalibrationPoint& p : c.line->points)
-      in.console().print(fmt::format("{:>9.4f} {}  {:>9.4f} N  s {:.4f} N  {} readings", p.x, c.what == "spring" ? "mm" : "N ", p.y, p.s, p.n));
+      in.console().print(fmt::format("{:>9.4f} {}  {:>9.4f} N  s {:.4f} N  {} readings", p.x,
+                                     c.what == "spring" ? "mm" : "N ", p.y, p.s, p.n));
   for (const std::string& finding : c.findings) in.console().print(finding);
   std::string lines;
   for (const std::string& line : c.bench_lines) lines += line + "\n";
@@ -67,16 +70,24 @@ Result<int> run(const Invocation& in) {
   if (c.what == "sensor" && !out.empty()) {
     FORCEGATE_CHECK_OK(write_file_atomically(out, lines));
   } else {
-    in.console().print((c.what == "sensor" ? "\ncalibration file:\n" : "\nto enter into " + file + ":\n") + lines);
+    in.console().print((c.what == "sensor" ? "\ncalibration file:\n" : "\nto enter into " + file + ":\n") +
+                       lines);
   }
   Json points = Json::array();
   if (c.line)
-    for (const CalibrationPoint& p : c.line->points) points.push_back({{"x", p.x}, {"reading_N", p.y}, {"s_N", p.s}, {"n", p.n}});
-  Json document{{"format", 1}, {"what", c.what}, {"u_rel", c.u_rel}, {"points", points}, {"findings", c.findings}, {"lines", c.bench_lines}};
+    for (const CalibrationPoint& p : c.line->points)
+      points.push_back({{"x", p.x}, {"reading_N", p.y}, {"s_N", p.s}, {"n", p.n}});
+  Json document{{"format", 1},      {"what", c.what},         {"u_rel", c.u_rel},
+                {"points", points}, {"findings", c.findings}, {"lines", c.bench_lines}};
   if (c.line)
-    document["line"] = {{"slope", c.line->slope}, {"u_slope", c.line->u_slope}, {"intercept", c.line->intercept}, {"residual", c.line->residual}, {"worst", c.line->worst}};
+    document["line"] = {{"slope", c.line->slope},
+                        {"u_slope", c.line->u_slope},
+                        {"intercept", c.line->intercept},
+                        {"residual", c.line->residual},
+                        {"worst", c.line->worst}};
   in.console().print_json(document.dump(2));
-  in.console().next(c.what == "sensor" ? "forcegate gate FIRMWARE --rig " + file + " --cal " + (out.empty() ? "FILE" : out)
+  in.console().next(c.what == "sensor"
+                        ? "forcegate gate FIRMWARE --rig " + file + " --cal " + (out.empty() ? "FILE" : out)
                     : c.what == "spring" ? "forcegate bench calibrate " + file + " sensor"
                                          : "forcegate bench calibrate " + file + " spring");
   return kExitSuccess;
@@ -94,19 +105,36 @@ const Registration<Command> kRow{Command{
         "Nothing is changed: what follows is printed as lines for the bench file, and the sensor's calibration can be written with -o "
         "for `gate --cal`. A bench of twins lays the masses on by itself with --yes.",
     .positionals = {{.name = "FILE", .doc = "Bench file."},
-                    {.name = "WHAT", .doc = "What to calibrate.", .choices = [] { return std::vector<std::string>{"reference", "spring", "sensor"}; }}},
-    .options = {{.name = "masses", .value_name = "G,G,...", .doc = "Known masses in grams, in this order.", .fallback = "0,50,100,200,300,400"},
-                {.name = "mass-u-rel", .value_name = "U", .doc = "Relative standard uncertainty of the masses.", .fallback = "0.0001"},
-                {.name = "gravity", .value_name = "M_PER_S2", .doc = "Of the place.", .fallback = "9.80665"},
-                {.name = "seconds", .value_name = "S", .doc = "Averaged at each point.", .fallback = "2"},
-                {.name = "specimen", .value_name = "ID", .doc = "Sensor that lies in the bench.", .fallback = "q50"},
-                {.name = "yes", .value_name = "", .doc = "Ask nothing: twins lay the masses on themselves."},
-                {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."},
-                {.name = "attach", .value_name = "FOLDER", .doc = "Twins that `bench serve` runs in that folder."},
-                {.name = "output", .value_name = "FILE", .doc = "sensor: write the calibration there.", .letter = 'o'}},
-    .examples = {{"forcegate bench calibrate rigs/twin.toml reference --masses 0,100,200,400 --yes", "The reference of the twins:"},
+                    {.name = "WHAT",
+                     .doc = "What to calibrate.",
+                     .choices =
+                         [] {
+                           return std::vector<std::string>{"reference", "spring", "sensor"};
+                         }}},
+    .options =
+        {{.name = "masses",
+          .value_name = "G,G,...",
+          .doc = "Known masses in grams, in this order.",
+          .fallback = "0,50,100,200,300,400"},
+         {.name = "mass-u-rel",
+          .value_name = "U",
+          .doc = "Relative standard uncertainty of the masses.",
+          .fallback = "0.0001"},
+         {.name = "gravity", .value_name = "M_PER_S2", .doc = "Of the place.", .fallback = "9.80665"},
+         {.name = "seconds", .value_name = "S", .doc = "Averaged at each point.", .fallback = "2"},
+         {.name = "specimen", .value_name = "ID", .doc = "Sensor that lies in the bench.", .fallback = "q50"},
+         {.name = "yes", .value_name = "", .doc = "Ask nothing: twins lay the masses on themselves."},
+         {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."},
+         {.name = "attach", .value_name = "FOLDER", .doc = "Twins that `bench serve` runs in that folder."},
+         {.name = "output",
+          .value_name = "FILE",
+          .doc = "sensor: write the calibration there.",
+          .letter = 'o'}},
+    .examples = {{"forcegate bench calibrate rigs/twin.toml reference --masses 0,100,200,400 --yes",
+                  "The reference of the twins:"},
                  {"forcegate bench calibrate rigs/twin.toml spring", "The spring against the reference:"},
-                 {"forcegate bench calibrate rigs/twin.toml sensor -o q50.toml", "The sensor that lies in the bench:"}},
+                 {"forcegate bench calibrate rigs/twin.toml sensor -o q50.toml",
+                  "The sensor that lies in the bench:"}},
     .exit_codes = {kExitSuccess, kExitUsage, kExitRigFault, kExitSafetyStop, kExitInternal, kExitInterrupted},
     .run = run,
 }};

@@ -25,7 +25,8 @@ Result<int> run(const Invocation& in) {
   if (!matrix) return Unexpected(matrix.error());
   in.console().print(fault_matrix_text(*matrix));
   in.console().print_json(fault_matrix_json(*matrix));
-  in.console().next("forcegate gate " + request.good.string() + " --fault NAME=VALUE -o faulty, then look at faulty/report.html");
+  in.console().next("forcegate gate " + request.good.string() +
+                    " --fault NAME=VALUE -o faulty, then look at faulty/report.html");
   return matrix->wrong() == 0 ? kExitSuccess : kExitInternal;
 }
 
@@ -44,7 +45,11 @@ const Registration<Command> kRow{Command{
                  .value_name = "FILE",
                  .doc = "Image that drives the closed loop to a limit: must be rejected on the sound rig.",
                  .repeatable = true},
-                {.name = "fault", .value_name = "NAME", .doc = "Only this fault.", .choices = names, .repeatable = true},
+                {.name = "fault",
+                 .value_name = "NAME",
+                 .doc = "Only this fault.",
+                 .choices = names,
+                 .repeatable = true},
                 {.name = "plan",
                  .value_name = "PLAN",
                  .doc = "Plan file, or the name of one in ci/plans.",
@@ -53,10 +58,11 @@ const Registration<Command> kRow{Command{
                  .value_name = "N",
                  .doc = "Worker processes at a time; 0: one per processor.",
                  .fallback = "0"}},
-    .examples = {{"forcegate bench faults build/firmware/reference.native.so --bad build/firmware/mutants/compensation_off.native.so",
-                  "The whole matrix:"},
-                 {"forcegate bench faults build/firmware/reference.native.so --fault spring_slipped --json",
-                  "One fault, for a program:"}},
+    .examples =
+        {{"forcegate bench faults build/firmware/reference.native.so --bad build/firmware/mutants/compensation_off.native.so",
+          "The whole matrix:"},
+         {"forcegate bench faults build/firmware/reference.native.so --fault spring_slipped --json",
+          "One fault, for a program:"}},
     .exit_codes = {kExitSuccess, kExitUsage, kExitInternal, kExitInterrupted},
     .run = run,
 }};

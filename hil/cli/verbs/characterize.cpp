@@ -56,16 +56,22 @@ Result<int> run_weights(const Invocation& in, const CharacterizeRequest& request
   console.end_progress();
   if (!made) return Unexpected(made.error());
   const characterize::WeightSummary& s = made->summary;
-  std::string text = fmt::format("{} packs of eight sensors: the network of conductance and capacitance reduces the error by {:.1f} % +- {:.1f} (paper: 64 %)\n", made->study.sets.size(), s.per_mean_pct, s.per_sd_sets_pct);
+  std::string text = fmt::format(
+      "{} packs of eight sensors: the network of conductance and capacitance reduces the error by {:.1f} % +- {:.1f} (paper: 64 %)\n",
+      made->study.sets.size(), s.per_mean_pct, s.per_sd_sets_pct);
   for (std::size_t m = 0; m < characterize::kForceModels; ++m)
-    text += fmt::format("  {:<24} MSE {:.3f} N^2, 5 to 95 % {:.3f} to {:.3f}\n", characterize::kForceModelNames[m], s.mse_mean[m], s.mse_q05[m], s.mse_q95[m]);
+    text += fmt::format("  {:<24} MSE {:.3f} N^2, 5 to 95 % {:.3f} to {:.3f}\n",
+                        characterize::kForceModelNames[m], s.mse_mean[m], s.mse_q05[m], s.mse_q95[m]);
   bool inside = true;
   for (const characterize::WeightClaim& c : claims_of(made->study, s)) {
     if (!c.has_window || c.inside) continue;
     inside = false;
-    text += console.paint(Paint::warn, fmt::format("  outside its window: {}: {} ({})", c.subject, c.ours, c.window)) + "\n";
+    text += console.paint(Paint::warn,
+                          fmt::format("  outside its window: {}: {} ({})", c.subject, c.ours, c.window)) +
+            "\n";
   }
-  text += fmt::format("{:.0f} h of bench time, {:.0f} million samples", made->study.bench_time_s / 3600.0, 1e-6 * static_cast<double>(made->study.samples));
+  text += fmt::format("{:.0f} h of bench time, {:.0f} million samples", made->study.bench_time_s / 3600.0,
+                      1e-6 * static_cast<double>(made->study.samples));
   if (inside) text += "; every figure that has a window lies in it";
   console.print(text);
   console.print_json(weight_json(made->study, s, false));

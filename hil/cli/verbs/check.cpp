@@ -20,7 +20,8 @@ Result<int> run(const Invocation& in) {
   const auto answer = check_run(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!answer) return Unexpected(answer.error());
-  if (in.given("output")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), to_json(answer->result)));
+  if (in.given("output"))
+    FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), to_json(answer->result)));
   in.console().print(check_text(*answer));
   in.console().print_json(check_json(*answer));
   in.console().next("forcegate diff " + shell_quoted(in.text("RUN")) + " OTHER_RUN");
@@ -40,13 +41,20 @@ const Registration<Command> kRow{Command{
     .positionals = {{.name = "RUN", .doc = "Folder that forcegate gate -o wrote."}},
     .options = {{.name = "limits", .value_name = "FILE", .doc = "Judge under these derived limits."},
                 {.name = "plan", .value_name = "PLAN", .doc = "Judge under rule and limits of this plan."},
-                {.name = "today", .value_name = "DATE", .doc = "Day against which the run's waivers expire; default: that of the run."},
-                {.name = "replay", .value_name = "", .doc = "Play emulated records again and compare the digests."},
+                {.name = "today",
+                 .value_name = "DATE",
+                 .doc = "Day against which the run's waivers expire; default: that of the run."},
+                {.name = "replay",
+                 .value_name = "",
+                 .doc = "Play emulated records again and compare the digests."},
                 {.name = "threads",
                  .value_name = "N",
                  .doc = "Worker processes at a time; 0: one per processor.",
                  .fallback = "0"},
-                {.name = "output", .value_name = "FILE", .doc = "Write the result as result.json there.", .letter = 'o'}},
+                {.name = "output",
+                 .value_name = "FILE",
+                 .doc = "Write the result as result.json there.",
+                 .letter = 'o'}},
     .examples = {{"forcegate check build/nightly", "Does the stored decision hold?"},
                  {"forcegate check run --limits golden/limits/smoke.toml", "And under other limits?"},
                  {"forcegate check run --replay", "Does this machine make the same samples?"}},

@@ -23,11 +23,15 @@ Result<int> run(const Invocation& in) {
   Console& console = in.console();
   nlohmann::ordered_json channels = nlohmann::ordered_json::array();
   for (const ConvertedChannel& c : report.channels) {
-    console.print(fmt::format("  {:<10} {:<6} {:>10} samples {:>6} missing {:>4} gaps  ({})", printable_utf8(c.name),
-                              printable_utf8(c.unit), c.samples, c.missing, c.gaps, printable_utf8(c.device)));
-    channels.push_back({{"name", printable_utf8(c.name)}, {"unit", printable_utf8(c.unit)},
-                        {"time_base", printable_utf8(c.device)}, {"samples", c.samples},
-                        {"missing", c.missing}, {"gaps", c.gaps}});
+    console.print(fmt::format("  {:<10} {:<6} {:>10} samples {:>6} missing {:>4} gaps  ({})",
+                              printable_utf8(c.name), printable_utf8(c.unit), c.samples, c.missing, c.gaps,
+                              printable_utf8(c.device)));
+    channels.push_back({{"name", printable_utf8(c.name)},
+                        {"unit", printable_utf8(c.unit)},
+                        {"time_base", printable_utf8(c.device)},
+                        {"samples", c.samples},
+                        {"missing", c.missing},
+                        {"gaps", c.gaps}});
   }
   std::vector<std::string> notes;
   for (const std::string& note : report.notes) {
@@ -35,13 +39,13 @@ Result<int> run(const Invocation& in) {
     console.print("  note: " + notes.back());
   }
   console.print(fmt::format("{} s written to {}", with_uncertainty(report.duration_s, 0.0), in.text("TO")));
-  console.print_json(nlohmann::ordered_json{{"format", 1},
-                                            {"from", printable_utf8(in.text("FROM"))},
-                                            {"to", printable_utf8(in.text("TO"))},
-                                            {"duration_s", report.duration_s},
-                                            {"channels", channels},
-                                            {"notes", notes}}
-                         .dump(2));
+  console.print_json(nlohmann::ordered_json{
+      {"format", 1},
+      {"from", printable_utf8(in.text("FROM"))},
+      {"to", printable_utf8(in.text("TO"))},
+      {"duration_s", report.duration_s},
+      {"channels", channels},
+      {"notes", notes}}.dump(2));
   console.next("forcegate gate FIRMWARE --rig replay --record " + shell_quoted(in.text("TO")));
   return kExitSuccess;
 }
@@ -56,12 +60,13 @@ const Registration<Command> kRow{Command{
         "and missing samples stay what they are; nothing is interpolated. What had to be assumed is said.\n\n"
         "A CSV has one clock: a trace whose devices have clocks of their own needs HDF5 or MAT.",
     .positionals = {{.name = "FROM", .doc = "File to read."}, {.name = "TO", .doc = "File to write."}},
-    .options = {{.name = "map",
-                 .value_name = "COLUMN=NAME",
-                 .doc = "Take a foreign column as one of ours.",
-                 .repeatable = true},
-                {.name = "rate", .value_name = "HZ", .doc = "Rate of a file that has no clock."},
-                {.name = "force", .value_name = "", .doc = "Replace the output if it exists.", .letter = 'f'}},
+    .options =
+        {{.name = "map",
+          .value_name = "COLUMN=NAME",
+          .doc = "Take a foreign column as one of ours.",
+          .repeatable = true},
+         {.name = "rate", .value_name = "HZ", .doc = "Rate of a file that has no clock."},
+         {.name = "force", .value_name = "", .doc = "Replace the output if it exists.", .letter = 'f'}},
     .examples = {{"forcegate convert run.h5 run.csv", "For a spreadsheet:"},
                  {"forcegate convert labview.txt run.h5 --map \"Load cell (N)=F_ref_N\" --rate 1000",
                   "A file of another program without a clock:"}},

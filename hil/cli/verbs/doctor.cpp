@@ -28,7 +28,8 @@ std::string state_name(State state) {
 
 Result<int> run(const Invocation& in) {
   Console& console = in.console();
-  nlohmann::ordered_json document = {{"format", 1}, {"ready", true}, {"items", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json document = {
+      {"format", 1}, {"ready", true}, {"items", nlohmann::ordered_json::array()}};
   bool ready = true;
   for (const DoctorItem& item : examine_machine("/proc/self/exe")) {
     if (item.required && item.state != State::ok) ready = false;
@@ -43,8 +44,9 @@ Result<int> run(const Invocation& in) {
                                  {"remedy", item.remedy}});
   }
   document["ready"] = ready;
-  console.print(ready ? console.paint(Paint::pass, "ready") + ": the gate on the emulated rig has all it needs"
-                      : console.paint(Paint::fail, "not ready") + ": get what is MISSING above");
+  console.print(ready
+                    ? console.paint(Paint::pass, "ready") + ": the gate on the emulated rig has all it needs"
+                    : console.paint(Paint::fail, "not ready") + ": get what is MISSING above");
   console.print_json(document.dump(2));
   console.next(ready ? "forcegate gate build/firmware/reference-m4f.block.elf --plan ci/plans/smoke.toml"
                      : "./ci/build installs what is missing and builds the images");

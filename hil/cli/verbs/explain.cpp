@@ -41,8 +41,9 @@ Result<int> run(const Invocation& in) {
   if (found.empty()) {
     const std::vector<std::string> known = terms();
     const std::string near = nearest_name(term, known);
-    return fail(ErrorCode::usage, fmt::format("no report uses the word \"{}\"", term), "forcegate explain",
-                near.empty() ? "\"forcegate explain\" lists all of them" : fmt::format("did you mean \"{}\"?", near));
+    return fail(
+        ErrorCode::usage, fmt::format("no report uses the word \"{}\"", term), "forcegate explain",
+        near.empty() ? "\"forcegate explain\" lists all of them" : fmt::format("did you mean \"{}\"?", near));
   }
   for (const Explanation& e : found) {
     console.print(fmt::format("{} ({})\n{}\nWhat to do: {}", console.paint(Paint::strong, e.term), e.kind,
@@ -58,8 +59,9 @@ const Registration<Command> kRow{Command{
     .name = "explain",
     .group = "House",
     .summary = "what a verdict, a decision or an exit code means and what to do about it",
-    .description = "Every word that a report uses for a verdict, a decision or the one who must act, and every exit "
-                   "code, in one sentence, with what to do next. Without TERM: all of them.",
+    .description =
+        "Every word that a report uses for a verdict, a decision or the one who must act, and every exit "
+        "code, in one sentence, with what to do next. Without TERM: all of them.",
     .positionals = {{.name = "TERM",
                      .doc = "Word of a report or exit code, in any case.",
                      .required = false,

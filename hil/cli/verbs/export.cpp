@@ -33,7 +33,8 @@ Result<int> run(const Invocation& in) {
   in.console().print(export_text(answer));
   in.console().print_json(export_json(answer));
   if (!answer.header.empty())
-    in.console().next("ci/firmware " + shell_quoted(answer.header.string()) + " mine, then: forcegate gate build/firmware-mine/mine.native.so");
+    in.console().next("ci/firmware " + shell_quoted(answer.header.string()) +
+                      " mine, then: forcegate gate build/firmware-mine/mine.native.so");
   return kExitSuccess;
 }
 
@@ -53,16 +54,29 @@ const Registration<Command> kRow{Command{
         "--check builds the header with the host's compiler and replays a campaign: how far it is from the model's own inverse, "
         "in newtons and in LSB, and what it does to the recorded voltages.",
     .positionals = {{.name = "MODEL", .doc = "Model file, or flexiforce, fsr."}},
-    .options = {{.name = "c", .value_name = "FILE", .doc = "Header to write."},
-                {.name = "fit", .value_name = "CAMPAIGN", .doc = "Refit one law for all records of this campaign first, as a firmware has it."},
-                {.name = "output", .value_name = "FILE", .doc = "Model file to write after --fit.", .letter = 'o'},
-                {.name = "check", .value_name = "CAMPAIGN", .doc = "Build the header and replay this campaign through it."},
-                {.name = "rate", .value_name = "HZ", .doc = "Samples a second in the firmware.", .fallback = "1000"},
-                {.name = "plan", .value_name = "PLAN", .doc = "Whose calibration is taken back; none: the firmware calibrates by the model.",
-                 .fallback = "smoke"},
-                {.name = "reference-temperature", .value_name = "DEGC", .doc = "Where a thermal effect is zero; default: mean of --check."},
-                {.name = "map", .value_name = "COLUMN=NAME", .doc = "Foreign column of the campaign.", .repeatable = true}},
-    .examples = {{"forcegate export better.toml --fit m7 --c comp.h --check m7", "Refit it, write it, build it, replay the campaign:"},
+    .options =
+        {{.name = "c", .value_name = "FILE", .doc = "Header to write."},
+         {.name = "fit",
+          .value_name = "CAMPAIGN",
+          .doc = "Refit one law for all records of this campaign first, as a firmware has it."},
+         {.name = "output", .value_name = "FILE", .doc = "Model file to write after --fit.", .letter = 'o'},
+         {.name = "check",
+          .value_name = "CAMPAIGN",
+          .doc = "Build the header and replay this campaign through it."},
+         {.name = "rate", .value_name = "HZ", .doc = "Samples a second in the firmware.", .fallback = "1000"},
+         {.name = "plan",
+          .value_name = "PLAN",
+          .doc = "Whose calibration is taken back; none: the firmware calibrates by the model.",
+          .fallback = "smoke"},
+         {.name = "reference-temperature",
+          .value_name = "DEGC",
+          .doc = "Where a thermal effect is zero; default: mean of --check."},
+         {.name = "map",
+          .value_name = "COLUMN=NAME",
+          .doc = "Foreign column of the campaign.",
+          .repeatable = true}},
+    .examples = {{"forcegate export better.toml --fit m7 --c comp.h --check m7",
+                  "Refit it, write it, build it, replay the campaign:"},
                  {"forcegate export flexiforce --c comp.h",
                   "The header of a model as it is; ci/firmware comp.h NAME builds the firmware around it:"}},
     .run = run,

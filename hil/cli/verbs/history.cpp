@@ -21,7 +21,8 @@ Result<int> run(const Invocation& in) {
   const std::filesystem::path on = in.text("on");
   const bool several = std::filesystem::is_directory(on) || on.extension() == ".json";
   if (in.given("on"))
-    in.console().next("forcegate export " + model + (several ? " --fit " + campaign_words(in, on.string()) : "") +
+    in.console().next("forcegate export " + model +
+                      (several ? " --fit " + campaign_words(in, on.string()) : "") +
                       " --c comp.h puts it into firmware");
   else
     in.console().next("forcegate history " + model + " --on CAMPAIGN");

@@ -22,7 +22,8 @@ Result<int> run(const Invocation& in) {
       in.console().next("record more, further apart in what you suspect, and ask again");
       return kExitSuccess;
     }
-  in.console().next("give the term to the law with --law and ask again, or record where the candidates differ");
+  in.console().next(
+      "give the term to the law with --law and ask again, or record where the candidates differ");
   return kExitSuccess;
 }
 
@@ -38,15 +39,35 @@ const Registration<Command> kRow{Command{
         "With few records the honest answer is often that no dependence is significant; it says how large one would have "
         "had to be.",
     .positionals = {{.name = "TABLE", .doc = "CSV with a header line and one row for each record."}},
-    .options = {{.name = "of", .value_name = "NAME", .doc = "Parameter to explain.", .required = true, .repeatable = true},
-                {.name = "over", .value_name = "NAME", .doc = "Covariate; default: every other column.", .repeatable = true},
-                {.name = "law", .value_name = "TERM", .doc = "What the law has already: f, \"ln f\", 1/f, f^2, f*m.", .repeatable = true},
-                {.name = "scale", .value_name = "SCALE", .doc = "The law is for y, ln y or 1/y.", .fallback = "linear",
-                 .choices = [] { return std::vector<std::string>{"linear", "log", "reciprocal"}; }},
-                {.name = "alpha", .value_name = "P", .doc = "Probability of a false dependence, all parameters together.", .fallback = "0.05"},
+    .options = {{.name = "of",
+                 .value_name = "NAME",
+                 .doc = "Parameter to explain.",
+                 .required = true,
+                 .repeatable = true},
+                {.name = "over",
+                 .value_name = "NAME",
+                 .doc = "Covariate; default: every other column.",
+                 .repeatable = true},
+                {.name = "law",
+                 .value_name = "TERM",
+                 .doc = "What the law has already: f, \"ln f\", 1/f, f^2, f*m.",
+                 .repeatable = true},
+                {.name = "scale",
+                 .value_name = "SCALE",
+                 .doc = "The law is for y, ln y or 1/y.",
+                 .fallback = "linear",
+                 .choices =
+                     [] {
+                       return std::vector<std::string>{"linear", "log", "reciprocal"};
+                     }},
+                {.name = "alpha",
+                 .value_name = "P",
+                 .doc = "Probability of a false dependence, all parameters together.",
+                 .fallback = "0.05"},
                 {.name = "seed", .value_name = "N", .doc = "Seed of the permutations.", .fallback = "1"}},
     .examples = {{"forcegate laws table.csv --of b", "What does the decay rate depend on?"},
-                 {"forcegate laws table.csv --of b --law f --over A --over m", "Beside its law b = k f + b0, is A or m missing?"}},
+                 {"forcegate laws table.csv --of b --law f --over A --over m",
+                  "Beside its law b = k f + b0, is A or m missing?"}},
     .run = run,
 }};
 

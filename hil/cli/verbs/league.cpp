@@ -31,7 +31,8 @@ Result<int> run(const Invocation& in) {
   if (in.given("out")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("out"), json + "\n"));
   console.print(league_text(result));
   console.print_json(json);
-  console.next("forcegate mystery --seed SEED --effect NAME --strength TIER DIR makes a campaign of the list again");
+  console.next(
+      "forcegate mystery --seed SEED --effect NAME --strength TIER DIR makes a campaign of the list again");
   return kExitSuccess;
 }
 
@@ -39,14 +40,15 @@ const Registration<Command> kRow{Command{
     .name = "league",
     .group = "Diagnosis",
     .summary = "score the diagnosis on many campaigns with hidden effects",
-    .description = "Makes clean campaigns, campaigns with each effect of the catalogue at three strengths, "
-                   "with pairs and with foreign "
-                   "effects, lets the engine answer each without knowing, and prints how often it was right: "
-                   "intervals are Wilson's, 95 % (on clean campaigns the exact ones of Clopper and Pearson). Beside it stand two "
-                   "rules that need no engine: always \"none\", and the largest residual correlation. Every miss is listed with the "
-                   "step at which it was lost and the seed that makes the same campaign with `forcegate "
-                   "mystery`.\n\nThe table does "
-                   "not depend on the number of threads. Use a seed that nobody has tuned on.",
+    .description =
+        "Makes clean campaigns, campaigns with each effect of the catalogue at three strengths, "
+        "with pairs and with foreign "
+        "effects, lets the engine answer each without knowing, and prints how often it was right: "
+        "intervals are Wilson's, 95 % (on clean campaigns the exact ones of Clopper and Pearson). Beside it stand two "
+        "rules that need no engine: always \"none\", and the largest residual correlation. Every miss is listed with the "
+        "step at which it was lost and the seed that makes the same campaign with `forcegate "
+        "mystery`.\n\nThe table does "
+        "not depend on the number of threads. Use a seed that nobody has tuned on.",
     .options = {{.name = "seed", .value_name = "N", .doc = "Seed of the corpus.", .fallback = "1"},
                 {.name = "size",
                  .value_name = "SIZE",
@@ -61,7 +63,10 @@ const Registration<Command> kRow{Command{
                  .value_name = "N",
                  .doc = "Campaigns per effect and strength; 0: 1 small, 5 full.",
                  .fallback = "0"},
-                {.name = "controls", .value_name = "N", .doc = "Clean campaigns; 0: 16 small, 100 full.", .fallback = "0"},
+                {.name = "controls",
+                 .value_name = "N",
+                 .doc = "Clean campaigns; 0: 16 small, 100 full.",
+                 .fallback = "0"},
                 {.name = "others",
                  .value_name = "N",
                  .doc = "Pairs, and as many foreign ones; 0: 8 small, 40 full.",

@@ -30,7 +30,8 @@ Result<int> run(const Invocation& in) {
   const std::string file = shell_quoted(in.text("output"));
   in.console().next(!in.given("output") ? "add -o limits.toml to keep them"
                     : request.records.empty()
-                        ? "write derived = " + file + " under [limits] of the plan; forcegate bless " + file + " puts it in force"
+                        ? "write derived = " + file + " under [limits] of the plan; forcegate bless " + file +
+                              " puts it in force"
                         : "forcegate gate NEW_BUILD --record NEW.csv --limits " + file);
   return kExitSuccess;
 }

@@ -46,7 +46,8 @@ Result<int> run(const Invocation& in) {
     in.console().next("forcegate next " + campaign_words(in, in.text("CAMPAIGN")) +
                       " --run on your rig, or record it yourself and add --record FILE");
   else
-    in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) + " --html diagnosis.html");
+    in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) +
+                      " --html diagnosis.html");
   return kExitSuccess;
 }
 

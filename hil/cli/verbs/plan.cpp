@@ -35,7 +35,9 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const PlanEstimate estimate, estimate_named_plan(in.text("PLAN")));
   in.console().print(plan_in_words(estimate, in.flag("estimate")));
   in.console().print_json(to_json(estimate).dump(2));
-  in.console().next(std::string("forcegate gate build/firmware/") + (estimate.weights ? "two-variable" : "reference") + ".native.so --plan " + in.text("PLAN"));
+  in.console().next(std::string("forcegate gate build/firmware/") +
+                    (estimate.weights ? "two-variable" : "reference") + ".native.so --plan " +
+                    in.text("PLAN"));
   return kExitSuccess;
 }
 

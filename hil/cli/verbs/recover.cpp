@@ -18,23 +18,27 @@ Result<int> run(const Invocation& in) {
   Console& console = in.console();
   console.print(fmt::format("{} frames, {} samples up to {} s{}", r.frames, r.samples, shortest(r.last_s),
                             r.raw_frames > 0 ? fmt::format(", {} raw frames", r.raw_frames) : ""));
-  console.print(r.closed ? "the recording had ended properly" : "the recording was cut off; all whole frames are saved");
+  console.print(r.closed ? "the recording had ended properly"
+                         : "the recording was cut off; all whole frames are saved");
   if (r.bytes_skipped > 0)
-    console.print(fmt::format("{} bytes in {} damaged places were left out", r.bytes_skipped, r.damaged_places));
-  if (r.rows_dropped > 0) console.print(fmt::format("{} samples whose time ran backwards were left out", r.rows_dropped));
+    console.print(
+        fmt::format("{} bytes in {} damaged places were left out", r.bytes_skipped, r.damaged_places));
+  if (r.rows_dropped > 0)
+    console.print(fmt::format("{} samples whose time ran backwards were left out", r.rows_dropped));
   console.print("written to " + done.output.string());
-  console.print_json(nlohmann::ordered_json{{"format", 1},
-                                            {"journal", printable_utf8(in.text("JOURNAL"))},
-                                            {"output", printable_utf8(done.output.string())},
-                                            {"frames", r.frames},
-                                            {"samples", r.samples},
-                                            {"raw_frames", r.raw_frames},
-                                            {"bytes_skipped", r.bytes_skipped},
-                                            {"damaged_places", r.damaged_places},
-                                            {"rows_dropped", r.rows_dropped},
-                                            {"last_s", r.last_s},
-                                            {"closed", r.closed}}
-                         .dump(2));
+  console.print_json(nlohmann::ordered_json{
+      {"format", 1},
+      {"journal", printable_utf8(in.text("JOURNAL"))},
+      {"output", printable_utf8(done.output.string())},
+      {"frames", r.frames},
+      {"samples", r.samples},
+      {"raw_frames", r.raw_frames},
+      {"bytes_skipped", r.bytes_skipped},
+      {"damaged_places", r.damaged_places},
+      {"rows_dropped", r.rows_dropped},
+      {"last_s", r.last_s},
+      {"closed",
+       r.closed}}.dump(2));
   console.next("forcegate convert " + shell_quoted(done.output.string()) + " out.csv");
   return kExitSuccess;
 }
@@ -48,8 +52,12 @@ const Registration<Command> kRow{Command{
         "crash, a power cut or a full disk this verb makes it from the journal: every frame whose checksum is right is "
         "saved, damaged stretches are skipped and counted. The journal stays as it is.",
     .positionals = {{.name = "JOURNAL", .doc = "Journal of the recording (.fgj)."}},
-    .options = {{.name = "out", .value_name = "FILE", .doc = "HDF5 file to write; else the journal's name with .h5.", .letter = 'o'},
-                {.name = "force", .value_name = "", .doc = "Replace the output if it exists.", .letter = 'f'}},
+    .options =
+        {{.name = "out",
+          .value_name = "FILE",
+          .doc = "HDF5 file to write; else the journal's name with .h5.",
+          .letter = 'o'},
+         {.name = "force", .value_name = "", .doc = "Replace the output if it exists.", .letter = 'f'}},
     .examples = {{"forcegate recover case_03.fgj", "After the machine lost power during case_03:"}},
     .run = run,
 }};

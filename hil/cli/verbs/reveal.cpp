@@ -39,7 +39,8 @@ Result<int> run(const Invocation& in) {
                           {"score", score_json(result)}}
                          .dump(2));
   if (!result.score)
-    console.next("forcegate diagnose " + shell_quoted(in.text("DIR")) + " --json > answer.json, then reveal with --answer");
+    console.next("forcegate diagnose " + shell_quoted(in.text("DIR")) +
+                 " --json > answer.json, then reveal with --answer");
   else
     console.next("forcegate mystery seals another one");
   return kExitSuccess;

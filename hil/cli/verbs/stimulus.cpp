@@ -25,7 +25,9 @@ Json table_json() {
     for (const StimulusParameter& p : kind.parameters)
       parameters.push_back({{"name", p.name},
                             {"unit", p.unit},
-                            {"kind", p.is_text ? "text" : p.is_list ? "list" : "number"},
+                            {"kind", p.is_text   ? "text"
+                                     : p.is_list ? "list"
+                                                 : "number"},
                             {"default", number_or_null(p.fallback)},
                             {"minimum", number_or_null(p.minimum)},
                             {"maximum", number_or_null(p.maximum)},
@@ -74,22 +76,23 @@ Result<int> run(const Invocation& in) {
   console.print(fmt::format("  {:<22}{}", "cyclic loading", f.dynamic ? "yes" : "no"));
   if (in.given("csv")) console.print("  written               " + in.text("csv"));
   if (in.given("plot")) console.print("  drawn                 " + in.text("plot"));
-  console.print_json(Json{{"format", 1},
-                          {"stimulus", spec.name},
-                          {"seed", seed},
-                          {"rate_Hz", rate_Hz},
-                          {"samples", sampled.force_N.size()},
-                          {"duration_s", sampled.duration_s},
-                          {"mean_N", number_or_null(f.mean_N)},
-                          {"amplitude_N", number_or_null(f.amplitude_N)},
-                          {"lowest_frequency_Hz", number_or_null(f.lowest_frequency_Hz)},
-                          {"excitation_start_s", number_or_null(f.excitation_start_s)},
-                          {"minimum_N", number_or_null(f.minimum_N)},
-                          {"maximum_N", number_or_null(f.maximum_N)},
-                          {"dynamic", f.dynamic},
-                          {"csv", in.text("csv")},
-                          {"plot", in.text("plot")}}
-                         .dump(2));
+  console.print_json(Json{
+      {"format", 1},
+      {"stimulus", spec.name},
+      {"seed", seed},
+      {"rate_Hz", rate_Hz},
+      {"samples", sampled.force_N.size()},
+      {"duration_s", sampled.duration_s},
+      {"mean_N", number_or_null(f.mean_N)},
+      {"amplitude_N", number_or_null(f.amplitude_N)},
+      {"lowest_frequency_Hz", number_or_null(f.lowest_frequency_Hz)},
+      {"excitation_start_s", number_or_null(f.excitation_start_s)},
+      {"minimum_N", number_or_null(f.minimum_N)},
+      {"maximum_N", number_or_null(f.maximum_N)},
+      {"dynamic", f.dynamic},
+      {"csv", in.text("csv")},
+      {"plot",
+       in.text("plot")}}.dump(2));
   if (in.given("plot"))
     console.next("open " + shell_quoted(in.text("plot")) + " in a browser");
   else
@@ -110,11 +113,12 @@ const Registration<Command> kRow{Command{
                      .doc = "Parameters, unit in the name: f_Hz=0.5 A_N=1.05. Lists with commas.",
                      .required = false,
                      .repeatable = true}},
-    .options = {{.name = "plot", .value_name = "FILE", .doc = "Draw the profile as SVG."},
-                {.name = "csv", .value_name = "FILE", .doc = "Write columns t_s, F_cmd_N."},
-                {.name = "rate", .value_name = "HZ", .doc = "Samples a second of plot and CSV.", .fallback = "1000"},
-                {.name = "seed", .value_name = "N", .doc = "Seed of profiles with chance in them.", .fallback = "1"},
-                {.name = "list", .value_name = "", .doc = "All profiles with their parameters, units and ranges."}},
+    .options =
+        {{.name = "plot", .value_name = "FILE", .doc = "Draw the profile as SVG."},
+         {.name = "csv", .value_name = "FILE", .doc = "Write columns t_s, F_cmd_N."},
+         {.name = "rate", .value_name = "HZ", .doc = "Samples a second of plot and CSV.", .fallback = "1000"},
+         {.name = "seed", .value_name = "N", .doc = "Seed of profiles with chance in them.", .fallback = "1"},
+         {.name = "list", .value_name = "", .doc = "All profiles with their parameters, units and ranges."}},
     .examples = {{"forcegate stimulus sine f_Hz=0.5 A_N=1.05 m_N=2.15 --plot sine.svg",
                   "The force control of Lebosse et al. 2011, IV-B2 (1.1 to 3.2 N at 0.5 Hz):"},
                  {"forcegate stimulus --list", "All profiles and their parameters:"}},

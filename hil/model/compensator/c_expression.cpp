@@ -27,8 +27,12 @@ class Reader {
   }
 
  private:
-  void complain(std::string text, std::string hint = "known: + - * / ^ ( ) comparisons && || ?: exp ln sqrt abs min max sign tanh") {
-    if (!error_) error_ = Error{ErrorCode::config, std::move(text), fmt::format("{}: \"{}\" at {}", where_, text_, at_ + 1), std::move(hint)};
+  void complain(
+      std::string text,
+      std::string hint = "known: + - * / ^ ( ) comparisons && || ?: exp ln sqrt abs min max sign tanh") {
+    if (!error_)
+      error_ = Error{ErrorCode::config, std::move(text),
+                     fmt::format("{}: \"{}\" at {}", where_, text_, at_ + 1), std::move(hint)};
     at_ = text_.size();
   }
   void skip() {
@@ -55,12 +59,14 @@ class Reader {
   }
   std::string disjunction() {
     std::string out = conjunction();
-    while (take("||")) out = count(fmt::format("(({} != 0.0f || {} != 0.0f) ? 1.0f : 0.0f)", out, conjunction()));
+    while (take("||"))
+      out = count(fmt::format("(({} != 0.0f || {} != 0.0f) ? 1.0f : 0.0f)", out, conjunction()));
     return out;
   }
   std::string conjunction() {
     std::string out = comparison();
-    while (take("&&")) out = count(fmt::format("(({} != 0.0f && {} != 0.0f) ? 1.0f : 0.0f)", out, comparison()));
+    while (take("&&"))
+      out = count(fmt::format("(({} != 0.0f && {} != 0.0f) ? 1.0f : 0.0f)", out, comparison()));
     return out;
   }
   std::string comparison() {
@@ -106,8 +112,10 @@ class Reader {
     double value = 0.0;
     const std::string_view written = text_.substr(from, at_ - from);
     const std::size_t begin = written.find_first_not_of(" (");
-    const auto [end, bad] = std::from_chars(written.data() + (begin == std::string_view::npos ? 0 : begin), written.data() + written.size(), value);
-    if (bad == std::errc{} && end <= written.data() + written.size() && value == std::floor(value) && value >= 1.0 && value <= 6.0 &&
+    const auto [end, bad] = std::from_chars(written.data() + (begin == std::string_view::npos ? 0 : begin),
+                                            written.data() + written.size(), value);
+    if (bad == std::errc{} && end <= written.data() + written.size() && value == std::floor(value) &&
+        value >= 1.0 && value <= 6.0 &&
         written.find_first_not_of("0123456789. ()") == std::string_view::npos) {
       std::string out = base;
       for (int k = 1; k < static_cast<int>(value); ++k) out = count(fmt::format("({} * {})", out, base));
@@ -134,7 +142,8 @@ class Reader {
       return c_float(value);
     }
     std::size_t end = at_;
-    while (end < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[end])) || text_[end] == '_')) ++end;
+    while (end < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[end])) || text_[end] == '_'))
+      ++end;
     if (end == at_) return complain(fmt::format("'{}' is not expected here", c)), "";
     const std::string name(text_.substr(at_, end - at_));
     const std::size_t begin = at_;
@@ -145,7 +154,8 @@ class Reader {
     const auto known = names_.find(name);
     if (known == names_.end()) {
       at_ = begin;
-      complain("'" + name + "' is not known to the firmware", "known names: F, dF, t, T, the states and the parameters");
+      complain("'" + name + "' is not known to the firmware",
+               "known names: F, dF, t, T, the states and the parameters");
       return "";
     }
     return known->second;
@@ -162,10 +172,12 @@ class Reader {
     if (name == "min" || name == "max") {
       if (arguments.empty()) return "";
       std::string out = arguments[0];
-      for (std::size_t k = 1; k < arguments.size(); ++k) out = count(fmt::format("fg_{}({}, {})", name, out, arguments[k]));
+      for (std::size_t k = 1; k < arguments.size(); ++k)
+        out = count(fmt::format("fg_{}({}, {})", name, out, arguments[k]));
       return out;
     }
-    if (name == "abs" || name == "sign") return needs(1) ? count(fmt::format("fg_{}({})", name, arguments[0])) : "";
+    if (name == "abs" || name == "sign")
+      return needs(1) ? count(fmt::format("fg_{}({})", name, arguments[0])) : "";
     if (name == "exp" || name == "ln" || name == "sqrt" || name == "tanh") {
       result_.functions.insert("fg_" + name);
       if (name == "tanh") result_.functions.insert("fg_exp");

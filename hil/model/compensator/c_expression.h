@@ -11,9 +11,10 @@
 namespace forcegate {
 
 struct CExpression {
-  std::string text;                 ///< C11, single precision
-  std::set<std::string> functions;  ///< of fg_exp, fg_ln, fg_sqrt, fg_tanh: what the text calls besides fg_min, fg_max
-  int operations = 0;               ///< floating-point operations of one evaluation, an upper bound
+  std::string text;  ///< C11, single precision
+  std::set<std::string>
+      functions;       ///< of fg_exp, fg_ln, fg_sqrt, fg_tanh: what the text calls besides fg_min, fg_max
+  int operations = 0;  ///< floating-point operations of one evaluation, an upper bound
 };
 
 /// `names`: identifiers allowed, each with what stands for it in C ("tau" -> "kUser0_tau"). Known: + - * / ^ with

@@ -18,10 +18,13 @@ std::string array(const std::string& name, const std::vector<double>& values) {
   return out + "};\n";
 }
 
-std::string constant(const std::string& name, double value) { return fmt::format("static const float {} = {};\n", name, c_float(value)); }
+std::string constant(const std::string& name, double value) {
+  return fmt::format("static const float {} = {};\n", name, c_float(value));
+}
 
 tl::unexpected<Error> refuse(const std::string& effect, const std::string& why, const std::string& hint) {
-  return fail(ErrorCode::config, effect + " cannot be compensated on a microcontroller: " + why, effect, hint);
+  return fail(ErrorCode::config, effect + " cannot be compensated on a microcontroller: " + why, effect,
+              hint);
 }
 
 }  // namespace c_terms
@@ -30,19 +33,33 @@ namespace {
 
 const std::map<std::string, std::pair<const char*, const char*>>& refusals() {
   static const std::map<std::string, std::pair<const char*, const char*>> kReasons = {
-      {"delay", {"what a delay took away has not arrived yet: its inverse needs the future", "align the channels when recording"}},
+      {"delay",
+       {"what a delay took away has not arrived yet: its inverse needs the future",
+        "align the channels when recording"}},
       {"clock_skew", {"it is in the recorder's clock, not in the sensor", "mend the recorder"}},
-      {"wear", {"it needs the loading done over the sensor's life, which a reset forgets", "calibrate each session"}},
-      {"slow_recovery", {"it needs the hours of rest before a reset, which the firmware does not see", "calibrate after the rest that you will use"}},
+      {"wear",
+       {"it needs the loading done over the sensor's life, which a reset forgets", "calibrate each session"}},
+      {"slow_recovery",
+       {"it needs the hours of rest before a reset, which the firmware does not see",
+        "calibrate after the rest that you will use"}},
       {"mounting", {"it changes with every mounting", "calibrate after mounting"}},
-      {"bias", {"the firmware does not measure the drive voltage", "regulate the drive, or calibrate at the drive that you will use"}},
+      {"bias",
+       {"the firmware does not measure the drive voltage",
+        "regulate the drive, or calibrate at the drive that you will use"}},
       {"humidity", {"the firmware has no hygrometer", "add one and give the effect your own equation"}},
-      {"frequency_bump", {"its strength depends on jumps that are known only afterwards", "wait until the bump has faded"}},
-      {"rc", {"undoing a pole that moves with the load amplifies noise without a bound at low load", "raise the bandwidth of the circuit"}},
-      {"piezocapacitance", {"it is a lead: undoing it needs the derivative of the force to come", "filter both channels alike"}},
-      {"self_heating", {"its power follows the drive voltage, which the firmware does not measure", "regulate the drive"}},
+      {"frequency_bump",
+       {"its strength depends on jumps that are known only afterwards", "wait until the bump has faded"}},
+      {"rc",
+       {"undoing a pole that moves with the load amplifies noise without a bound at low load",
+        "raise the bandwidth of the circuit"}},
+      {"piezocapacitance",
+       {"it is a lead: undoing it needs the derivative of the force to come", "filter both channels alike"}},
+      {"self_heating",
+       {"its power follows the drive voltage, which the firmware does not measure", "regulate the drive"}},
       {"clipping", {"a value at the rail says nothing about the force beyond it", "use a smaller gain"}},
-      {"hum", {"the phase of the mains is not known to the firmware", "shield the cable, or sample over whole periods of the mains"}},
+      {"hum",
+       {"the phase of the mains is not known to the firmware",
+        "shield the cable, or sample over whole periods of the mains"}},
       {"outliers", {"they are chance", "reject them before the conversion"}},
       {"dropouts", {"they are chance", "mend the link"}},
       {"adc_codes", {"a missing code is missing information", "change the converter"}},
@@ -62,10 +79,12 @@ Result<CTerm> c_term(const ModelEffect& e, const CTermContext& x) {
   if (e.effect == "dead_zone") return dead_zone(e, x);
   const EffectKind* kind = EffectRegistry::instance().find(e.effect);
   if (kind != nullptr && (kind->side == "rig" || kind->side == "reference"))
-    return refuse(e.effect, "it is a fault of the " + kind->side + ", and a firmware must not copy it", "mend the " + kind->side);
+    return refuse(e.effect, "it is a fault of the " + kind->side + ", and a firmware must not copy it",
+                  "mend the " + kind->side);
   const auto known = refusals().find(e.effect);
   if (known != refusals().end()) return refuse(e.effect, known->second.first, known->second.second);
-  return refuse(e.effect, "no inverse of it is written", "give it as an equation of your own in the model file");
+  return refuse(e.effect, "no inverse of it is written",
+                "give it as an equation of your own in the model file");
 }
 
 Result<CTerm> c_term(const UserEffect& e, const CTermContext& x) {
@@ -96,7 +115,8 @@ Result<CTerm> c_term(const UserEffect& e, const CTermContext& x) {
     FORCEGATE_TRY(const CExpression k1, c_expression(derivative, where, first));
     FORCEGATE_TRY(const CExpression k2, c_expression(derivative, where, second));
     members += fmt::format(", {0}_s_{1}, {0}_l_{1}", id, name);
-    half += fmt::format("    const float h_{1} = c->{0}_s_{1} + {2} * ({3});\n", id, name, c_float(0.5 / x.rate_Hz), k1.text);
+    half += fmt::format("    const float h_{1} = c->{0}_s_{1} + {2} * ({3});\n", id, name,
+                        c_float(0.5 / x.rate_Hz), k1.text);
     full += fmt::format(
         "    const float d_{1} = {2} * ({3}) + c->{0}_l_{1};\n"
         "    const float n_{1} = c->{0}_s_{1} + d_{1};\n"
@@ -116,7 +136,8 @@ Result<CTerm> c_term(const UserEffect& e, const CTermContext& x) {
   t.needs_ln = used.count("fg_ln") > 0;
   t.needs_sqrt = used.count("fg_sqrt") > 0;
   t.needs_tanh = used.count("fg_tanh") > 0;
-  t.needs_temperature = t.value.find("temperature_C") != std::string::npos || t.commit.find("temperature_C") != std::string::npos;
+  t.needs_temperature = t.value.find("temperature_C") != std::string::npos ||
+                        t.commit.find("temperature_C") != std::string::npos;
   t.slope_min = -0.5;  // not known from the text; the replay of --check shows whether it holds
   return t;
 }

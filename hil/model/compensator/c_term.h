@@ -12,24 +12,24 @@
 namespace forcegate {
 
 struct CTerm {
-  std::string title;      ///< for the header comment
-  std::string constants;  ///< definitions, file scope
-  std::string state;      ///< members of the struct; zero after a reset
-  std::string prepare;    ///< statements; may write to the state's scratch members
-  std::string value;      ///< expression in F (candidate), W (decayed), c->shrink: newtons
-  std::string commit;     ///< statements in F, W
-  double slope_min = 0.0; ///< lower bound of d value / dF without decay
-  int once = 0;           ///< floating-point operations of prepare and commit
-  int each = 0;           ///< of value
-  std::size_t bytes = 0;  ///< of state
+  std::string title;       ///< for the header comment
+  std::string constants;   ///< definitions, file scope
+  std::string state;       ///< members of the struct; zero after a reset
+  std::string prepare;     ///< statements; may write to the state's scratch members
+  std::string value;       ///< expression in F (candidate), W (decayed), c->shrink: newtons
+  std::string commit;      ///< statements in F, W
+  double slope_min = 0.0;  ///< lower bound of d value / dF without decay
+  int once = 0;            ///< floating-point operations of prepare and commit
+  int each = 0;            ///< of value
+  std::size_t bytes = 0;   ///< of state
   bool needs_temperature = false;
   bool needs_exp = false, needs_ln = false, needs_sqrt = false, needs_tanh = false;
 };
 
 struct CTermContext {
-  std::string id;                          ///< "e0": prefix of members and constants
+  std::string id;  ///< "e0": prefix of members and constants
   double rate_Hz = 1000.0;
-  double span_N = 5.0;                     ///< what the shares in the shapes refer to
+  double span_N = 5.0;  ///< what the shares in the shapes refer to
   double lowest_N = 0.0;
   double reference_temperature_C = kMissing;  ///< temperature at which a thermal effect is zero
 };

@@ -17,12 +17,13 @@ LowPassWeights low_pass_weights(double tau_s, double rate_Hz) {
 namespace c_terms {
 namespace {
 
-constexpr double kRadii[] = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.35};  // of the span, as the library's play banks
+constexpr double kRadii[] = {0.0125, 0.025, 0.05,
+                             0.1,    0.2,   0.35};  // of the span, as the library's play banks
 
 // Relaxations in parallel: sum_k c_k L_k[drive]. The states are sums of two floats: a time constant of 1000 s moves them by
 // less than the last bit of one.
-CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const std::vector<double>& weight, bool decayed, bool settled,
-                  double rate_Hz) {
+CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const std::vector<double>& weight,
+                  bool decayed, bool settled, double rate_Hz) {
   CTerm t;
   std::vector<double> c, keep_old, keep_new;
   double first = 0.0, direct = 0.0;
@@ -37,8 +38,9 @@ CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const
   }
   const std::size_t n = c.size();
   if (n == 0) return t;
-  t.constants = array("k_" + id + "_c", c) + array("k_" + id + "_old", keep_old) + array("k_" + id + "_new", keep_new) +
-                constant("k_" + id + "_first", first) + constant("k_" + id + "_direct", direct);
+  t.constants = array("k_" + id + "_c", c) + array("k_" + id + "_old", keep_old) +
+                array("k_" + id + "_new", keep_new) + constant("k_" + id + "_first", first) +
+                constant("k_" + id + "_direct", direct);
   t.state = fmt::format("  float {0}_hi[{1}], {0}_lo[{1}], {0}_x, {0}_a, {0}_b;\n", id, n);
   t.prepare = fmt::format(
       "  if (c->running) {{\n"
@@ -92,7 +94,8 @@ Result<CTerm> creep(const ModelEffect& e, const CTermContext& x) {
     }
   }
   CTerm t = relaxations(x.id, tau, weight, decayed, settled, x.rate_Hz);
-  t.title = fmt::format("creep: dU = g sum c_k L_k[{}], {} relaxations", decayed ? "W" : "F", t.bytes > 12 ? (t.bytes - 12) / 8 : 0);
+  t.title = fmt::format("creep: dU = g sum c_k L_k[{}], {} relaxations", decayed ? "W" : "F",
+                        t.bytes > 12 ? (t.bytes - 12) / 8 : 0);
   return t;
 }
 
@@ -102,7 +105,8 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
   if (e.form == "bouc_wen") {
     const double z0 = shape_of(e, 0), c = strength_of(e, 0);
     t.title = "hysteresis: Bouc-Wen loop, dU = -g D c z";
-    t.constants = constant("k_" + id + "_z0", z0) + constant("k_" + id + "_rate", 1.0 / z0) + constant("k_" + id + "_c", c);
+    t.constants = constant("k_" + id + "_z0", z0) + constant("k_" + id + "_rate", 1.0 / z0) +
+                  constant("k_" + id + "_c", c);
     t.state = fmt::format("  float {0}_z, {0}_x;\n", id);
     t.constants += fmt::format(
         "static inline float {0}_next(float z, float from, float F, int running) {{\n"
@@ -114,7 +118,8 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
         "}}\n",
         id);
     t.value = fmt::format("-(c->shrink * k_{0}_c * {0}_next(c->{0}_z, c->{0}_x, F, c->running))", id);
-    t.commit = fmt::format("  c->{0}_z = {0}_next(c->{0}_z, c->{0}_x, F, c->running);\n  c->{0}_x = F;\n", id);
+    t.commit =
+        fmt::format("  c->{0}_z = {0}_next(c->{0}_z, c->{0}_x, F, c->running);\n  c->{0}_x = F;\n", id);
     t.slope_min = std::min(0.0, -2.0 * c);
     t.once = t.each = 32;
     t.bytes = 8;
@@ -132,8 +137,10 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
   }
   const std::size_t n = radius.size();
   if (n == 0) return t;
-  t.title = fmt::format("hysteresis: {} play operators{}, dU = g {}sum w_k (P_k[F] - F)", n, curved ? " with curved parts" : "", decayed ? "D " : "");
-  t.constants = array("k_" + id + "_r", radius) + array("k_" + id + "_w", w) + (curved ? array("k_" + id + "_v", v) : "");
+  t.title = fmt::format("hysteresis: {} play operators{}, dU = g {}sum w_k (P_k[F] - F)", n,
+                        curved ? " with curved parts" : "", decayed ? "D " : "");
+  t.constants = array("k_" + id + "_r", radius) + array("k_" + id + "_w", w) +
+                (curved ? array("k_" + id + "_v", v) : "");
   t.state = fmt::format("  float {}_p[{}];\n", id, n);
   t.constants += fmt::format(
       "static inline float {0}_sum(const float* p, float F) {{\n"
@@ -144,11 +151,16 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
       "  }}\n"
       "  return sum;\n"
       "}}\n",
-      id, n, curved ? fmt::format("(k_{0}_w[k] + k_{0}_v[k] * (q + F)) * (q - F)", id) : fmt::format("k_{0}_w[k] * (q - F)", id));
+      id, n,
+      curved ? fmt::format("(k_{0}_w[k] + k_{0}_v[k] * (q + F)) * (q - F)", id)
+             : fmt::format("k_{0}_w[k] * (q - F)", id));
   t.value = fmt::format("{}{}_sum(c->{}_p, F)", decayed ? "c->shrink * " : "", id, id);
-  t.commit = fmt::format("  for (int k = 0; k < {1}; ++k) c->{0}_p[k] = fg_clamp(c->{0}_p[k], F - k_{0}_r[k], F + k_{0}_r[k]);\n", id, n);
+  t.commit = fmt::format(
+      "  for (int k = 0; k < {1}; ++k) c->{0}_p[k] = fg_clamp(c->{0}_p[k], F - k_{0}_r[k], F + k_{0}_r[k]);\n",
+      id, n);
   double stuck = 0.0;
-  for (std::size_t k = 0; k < n; ++k) stuck -= std::max(0.0, w[k]) + std::max(0.0, 2.0 * v[k] * (x.lowest_N + x.span_N));
+  for (std::size_t k = 0; k < n; ++k)
+    stuck -= std::max(0.0, w[k]) + std::max(0.0, 2.0 * v[k] * (x.lowest_N + x.span_N));
   t.slope_min = stuck;
   t.each = static_cast<int>(n) * (curved ? 9 : 7);
   t.once = static_cast<int>(n) * 4;
@@ -163,7 +175,8 @@ Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
     const LowPassWeights w = low_pass_weights(0.5 * tau, x.rate_Hz);
     CTerm t;
     t.title = fmt::format("lag: two poles of {:g} s, share {:g}", 0.5 * tau, c);
-    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_old", w.to_old) + constant("k_" + id + "_new", w.to_new);
+    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_old", w.to_old) +
+                  constant("k_" + id + "_new", w.to_new);
     t.state = fmt::format("  float {0}_y, {0}_z, {0}_x, {0}_a, {0}_b;\n", id);
     t.prepare = fmt::format(
         "  if (c->running) {{\n"
@@ -211,7 +224,8 @@ Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
   t.constants += constant("k_" + id + "_share", c * through);
   t.value = fmt::format("c->shrink * ({} - k_{}_share * F)", t.value, id);
   double direct = 0.0;
-  for (std::size_t k = 0; k < taus.size(); ++k) direct += weights[k] * low_pass_weights(taus[k], x.rate_Hz).to_new;
+  for (std::size_t k = 0; k < taus.size(); ++k)
+    direct += weights[k] * low_pass_weights(taus[k], x.rate_Hz).to_new;
   t.slope_min = direct - c * through;
   t.each += 3;
   t.title = fmt::format("lag: {}, tau {:g} s, share {:g}", e.form, tau, c);

@@ -16,8 +16,10 @@ Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
   const std::string& id = x.id;
   const double tau = shape_of(e, 0), gain = strength_of(e, 0), offset = strength_of(e, 1) * x.span_N;
   const LowPassWeights w = tau > 0.0 ? low_pass_weights(tau, x.rate_Hz) : LowPassWeights{0.0, 1.0};
-  t.title = fmt::format("thermal: gain {:g} 1/degC, offset {:g} N/degC from {:g} degC behind {:g} s", gain, offset, x.reference_temperature_C, tau);
-  t.constants = constant("k_" + id + "_gain", gain) + constant("k_" + id + "_offset", offset) + constant("k_" + id + "_T0", x.reference_temperature_C) +
+  t.title = fmt::format("thermal: gain {:g} 1/degC, offset {:g} N/degC from {:g} degC behind {:g} s", gain,
+                        offset, x.reference_temperature_C, tau);
+  t.constants = constant("k_" + id + "_gain", gain) + constant("k_" + id + "_offset", offset) +
+                constant("k_" + id + "_T0", x.reference_temperature_C) +
                 constant("k_" + id + "_old", w.to_old) + constant("k_" + id + "_new", w.to_new);
   t.state = fmt::format("  float {0}_hi, {0}_lo, {0}_x;\n", id);
   t.prepare = fmt::format(
@@ -57,14 +59,16 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
     t.each = 4;
   } else if (e.form.starts_with("power_law")) {
     const double c = strength_of(e, 0);
-    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_low", 1e-3 * R) + constant("k_" + id + "_R", R);
+    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_low", 1e-3 * R) +
+                  constant("k_" + id + "_R", R);
     body = fmt::format("return k_{0}_c * F * (F > k_{0}_low ? fg_ln(F / k_{0}_R) : -6.9077554f);", id);
     h = [=](double F) { return c * F * (F > 1e-3 * R ? std::log(F / R) : std::log(1e-3)); };
     t.each = 28;
     t.needs_ln = true;
   } else if (e.form.starts_with("saturation")) {
     const double c = strength_of(e, 0), F1 = shape_of(e, 0), width = shape_of(e, 1);
-    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F1", F1) + constant("k_" + id + "_width", width);
+    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F1", F1) +
+                  constant("k_" + id + "_width", width);
     body = fmt::format(
         "const float z = (F - k_{0}_F1) / k_{0}_width;\n"
         "  if (z > 16.0f) return -(k_{0}_c * (F - k_{0}_F1));\n"
@@ -79,7 +83,8 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
     t.needs_ln = t.needs_exp = true;
   } else {
     return refuse(e.effect, "the form " + e.form + " is a bank for the diagnosis, not a law",
-                  "add " + e.effect + " in one of its plain forms (set form = \"polynomial\" and refit with forcegate fit)");
+                  "add " + e.effect +
+                      " in one of its plain forms (set form = \"polynomial\" and refit with forcegate fit)");
   }
   t.title = fmt::format("{}: {}", e.effect, e.form);
   t.constants += fmt::format("static inline float {}_h(float F) {{\n  {}\n}}\n", id, body);
@@ -95,7 +100,8 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
 
 Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
   if (e.form == "hard" && strength_of(e, 0) > 0.9)
-    return refuse("dead_zone", "below the turn-on force the output does not change, so nothing can be inverted there",
+    return refuse("dead_zone",
+                  "below the turn-on force the output does not change, so nothing can be inverted there",
                   "use the form distributed, or keep the force above the turn-on");
   CTerm t;
   const std::string& id = x.id;
@@ -103,9 +109,10 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
   const bool after = e.form.ends_with("_after_decay"), hard = e.form == "hard";
   t.title = fmt::format("dead_zone: {}, F0 {:g} N", e.form, F0);
   t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F0", F0);
-  t.constants += fmt::format("static inline float {0}_h(float F) {{\n  if (F <= 0.0f) return 0.0f;\n  return {1};\n}}\n", id,
-                             hard ? fmt::format("-(k_{0}_c * (F < k_{0}_F0 ? F : k_{0}_F0))", id)
-                                  : fmt::format("k_{0}_c * k_{0}_F0 * (fg_exp(-(F / k_{0}_F0)) - 1.0f)", id));
+  t.constants += fmt::format(
+      "static inline float {0}_h(float F) {{\n  if (F <= 0.0f) return 0.0f;\n  return {1};\n}}\n", id,
+      hard ? fmt::format("-(k_{0}_c * (F < k_{0}_F0 ? F : k_{0}_F0))", id)
+           : fmt::format("k_{0}_c * k_{0}_F0 * (fg_exp(-(F / k_{0}_F0)) - 1.0f)", id));
   t.value = after ? fmt::format("{}_h(W)", id)
                   : fmt::format("{0}_h(c->low_N) + c->shrink * ({0}_h(F) - {0}_h(c->low_N))", id);
   t.slope_min = std::min(0.0, -c);

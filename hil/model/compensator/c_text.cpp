@@ -13,7 +13,8 @@ static inline float fg_clamp(float x, float low, float high) { return x < low ? 
 static inline float fg_abs(float x) { return x < 0.0f ? -x : x; }
 static inline float fg_sign(float x) { return x > 0.0f ? 1.0f : (x < 0.0f ? -1.0f : 0.0f); }
 )";
-  if (exponential || tangent) out += R"(
+  if (exponential || tangent)
+    out += R"(
 /* e^x for x in [-80, 80], clamped outside. */
 static inline float fg_exp(float x) {
   x = fg_clamp(x, -80.0f, 80.0f);
@@ -33,7 +34,8 @@ static inline float fg_exp(float x) {
   return mantissa * scale;
 }
 )";
-  if (logarithm) out += R"(
+  if (logarithm)
+    out += R"(
 /* ln x for x > 0, the logarithm of the least normal number below. */
 static inline float fg_ln(float x) {
   if (!(x > 1.17549435e-38f)) return -87.3365448f;
@@ -56,7 +58,8 @@ static inline float fg_ln(float x) {
   return (float)k * 0.693359375f + (s * (2.0f + s2 * p) - (float)k * 2.12194440e-4f);
 }
 )";
-  if (root) out += R"(
+  if (root)
+    out += R"(
 /* Square root, 0 for x <= 0. */
 static inline float fg_sqrt(float x) {
   if (!(x > 1.17549435e-38f)) return 0.0f;
@@ -69,7 +72,8 @@ static inline float fg_sqrt(float x) {
   return y;
 }
 )";
-  if (tangent) out += R"(
+  if (tangent)
+    out += R"(
 static inline float fg_tanh(float x) {
   const float a = fg_abs(x);
   if (a < 0.03f) return x * (1.0f - a * a * (1.0f / 3.0f));
@@ -88,7 +92,8 @@ std::string residual() {
 )";
 }
 
-std::string step(const std::string& prepare, const std::string& commit, double reach, double step_s, int iterations) {
+std::string step(const std::string& prepare, const std::string& commit, double reach, double step_s,
+                 int iterations) {
   return fmt::format(
       R"(/* One sample -> force in newtons. u_N = G U + F0. shrink: D, 1 without cyclic loading. floor_N: lowest settled u_N of the
    cycling, any value while D is 1. temperature_C: read only where FG_COMP_NEEDS_TEMPERATURE is 1. */

@@ -12,6 +12,7 @@ std::string elementary(bool exponential, bool logarithm, bool root, bool tangent
 std::string residual();
 
 /// fg_comp_step. `reach`: reciprocal of the least slope of the right side at rest.
-std::string step(const std::string& prepare, const std::string& commit, double reach, double step_s, int iterations);
+std::string step(const std::string& prepare, const std::string& commit, double reach, double step_s,
+                 int iterations);
 
 }  // namespace forcegate::c_text

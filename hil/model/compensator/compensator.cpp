@@ -20,28 +20,38 @@ std::string comment(const std::string& text) {
   return safe;
 }
 
-std::string define(const char* name, double value) { return fmt::format("#define {} {}\n", name, c_float(value)); }
+std::string define(const char* name, double value) {
+  return fmt::format("#define {} {}\n", name, c_float(value));
+}
 
 std::string short_id(const Model& model) {
   std::string id;
   for (const std::string& name : model.effect_names()) id += (id.empty() ? "" : "+") + name;
   for (const UserEffect& e : model.user_effects) id += (id.empty() ? "" : "+") + e.name;
   if (id.empty()) id = "law";
-  std::erase_if(id, [](char c) { return !(std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '_'); });
+  std::erase_if(
+      id, [](char c) { return !(std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '_'); });
   return id.substr(0, 17);
 }
 
 std::string calibration_text(const CalibrationMap& m) {
   std::string out =
       "/* From calibration values that a protocol without these effects measured to those of the model's law";
-  out += m.known ? ":\n   " + comment(m.protocol) + fmt::format(".\n   Affine in b and c/a, within {:.2g} % of the simulated protocol. */\n", m.residual_pct)
-                 : ": not made, they are\n   taken as they come. */\n";
-  out += "static inline void fg_comp_calibrate(float* gain_N_per_V, float* offset_N, float* b_scale, float* q_scale) {\n";
+  out += m.known
+             ? ":\n   " + comment(m.protocol) +
+                   fmt::format(".\n   Affine in b and c/a, within {:.2g} % of the simulated protocol. */\n",
+                               m.residual_pct)
+             : ": not made, they are\n   taken as they come. */\n";
+  out +=
+      "static inline void fg_comp_calibrate(float* gain_N_per_V, float* offset_N, float* b_scale, float* q_scale) {\n";
   if (m.known) {
-    out += fmt::format("  *gain_N_per_V = *gain_N_per_V / {0};\n  *offset_N = (*offset_N - {1}) / {0};\n", c_float(m.alpha), c_float(m.beta_N));
+    out += fmt::format("  *gain_N_per_V = *gain_N_per_V / {0};\n  *offset_N = (*offset_N - {1}) / {0};\n",
+                       c_float(m.alpha), c_float(m.beta_N));
     out += fmt::format("  const float b = *b_scale, q = *q_scale;\n");
-    out += fmt::format("  *b_scale = {} + ({} * b + {} * q);\n", c_float(m.b[0]), c_float(m.b[1]), c_float(m.b[2]));
-    out += fmt::format("  *q_scale = {} + ({} * b + {} * q);\n", c_float(m.q[0]), c_float(m.q[1]), c_float(m.q[2]));
+    out += fmt::format("  *b_scale = {} + ({} * b + {} * q);\n", c_float(m.b[0]), c_float(m.b[1]),
+                       c_float(m.b[2]));
+    out += fmt::format("  *q_scale = {} + ({} * b + {} * q);\n", c_float(m.q[0]), c_float(m.q[1]),
+                       c_float(m.q[2]));
     out += "  if (!(*b_scale > 0.05f)) *b_scale = 0.05f;\n  if (!(*q_scale > 0.05f)) *q_scale = 0.05f;\n";
   } else {
     out += "  (void)gain_N_per_V, (void)offset_N, (void)b_scale, (void)q_scale;\n";
@@ -91,11 +101,13 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
     double least = 0.0;
     for (const CTerm& t : terms)
       if (t.slope_min < least) least = t.slope_min, steepest = t.title.substr(0, t.title.find(':'));
-    return fail(ErrorCode::config,
-                fmt::format("{} cannot be compensated on a microcontroller: it leaves {:.2g} of a sudden change of force in the output, and its "
-                            "inverse would amplify noise by more than {:.0f}",
-                            steepest, std::max(0.0, slope), 1.0 / kLeastSlope),
-                steepest, "filter the reference alike, or accept the lag");
+    return fail(
+        ErrorCode::config,
+        fmt::format(
+            "{} cannot be compensated on a microcontroller: it leaves {:.2g} of a sudden change of force in the output, and its "
+            "inverse would amplify noise by more than {:.0f}",
+            steepest, std::max(0.0, slope), 1.0 / kLeastSlope),
+        steepest, "filter the reference alike, or accept the lag");
   }
   out.noise_gain = 1.0 / slope;
   out.operations = once + kEvaluations * (each + 7);
@@ -114,16 +126,20 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
       "   The bits are the same on every processor with IEEE 754 single precision, without contraction into fused operations\n"
       "   (-ffp-contract=off) and without -ffast-math. */\n",
       options.rate_Hz, out.operations, kEvaluations, out.state_bytes, out.noise_gain);
-  h += "#ifndef FORCEGATE_COMPENSATION_H\n#define FORCEGATE_COMPENSATION_H\n\n#include <stdint.h>\n#include <string.h>\n\n"
-       "#ifdef __FAST_MATH__\n#error \"the compensator needs IEEE 754 arithmetic: build without -ffast-math\"\n#endif\n\n";
-  h += fmt::format("#define FG_COMP_ID \"{}\"\n#define FG_COMP_RATE_HZ {:.0f}\n#define FG_COMP_NEEDS_TEMPERATURE {}\n\n", out.id, options.rate_Hz,
-                   out.needs_temperature ? 1 : 0);
-  h += "/* The fitted law, for those who calibrate by the model itself: F = G U + F0; b = b_scale (slope f + constant), f in Hz;\n"
-       "   q = q_scale / (1 + curvature A^2), A in N; D = (exp(-b t) + q)/(1 + q). */\n";
-  h += define("FG_COMP_GAIN_N_PER_V", model.law.gain_N_per_V) + define("FG_COMP_OFFSET_N", model.law.offset_N) +
-       define("FG_COMP_B_SLOPE", model.law.b_slope) + define("FG_COMP_B_CONSTANT_PER_S", model.law.b_intercept_per_s) +
-       define("FG_COMP_Q_CURVATURE_PER_N2", model.law.q_curvature) + define("FG_COMP_B_SCALE", model.law.b_scale) +
-       define("FG_COMP_Q_SCALE", model.law.q_scale) + "\n";
+  h +=
+      "#ifndef FORCEGATE_COMPENSATION_H\n#define FORCEGATE_COMPENSATION_H\n\n#include <stdint.h>\n#include <string.h>\n\n"
+      "#ifdef __FAST_MATH__\n#error \"the compensator needs IEEE 754 arithmetic: build without -ffast-math\"\n#endif\n\n";
+  h += fmt::format(
+      "#define FG_COMP_ID \"{}\"\n#define FG_COMP_RATE_HZ {:.0f}\n#define FG_COMP_NEEDS_TEMPERATURE {}\n\n",
+      out.id, options.rate_Hz, out.needs_temperature ? 1 : 0);
+  h +=
+      "/* The fitted law, for those who calibrate by the model itself: F = G U + F0; b = b_scale (slope f + constant), f in Hz;\n"
+      "   q = q_scale / (1 + curvature A^2), A in N; D = (exp(-b t) + q)/(1 + q). */\n";
+  h += define("FG_COMP_GAIN_N_PER_V", model.law.gain_N_per_V) +
+       define("FG_COMP_OFFSET_N", model.law.offset_N) + define("FG_COMP_B_SLOPE", model.law.b_slope) +
+       define("FG_COMP_B_CONSTANT_PER_S", model.law.b_intercept_per_s) +
+       define("FG_COMP_Q_CURVATURE_PER_N2", model.law.q_curvature) +
+       define("FG_COMP_B_SCALE", model.law.b_scale) + define("FG_COMP_Q_SCALE", model.law.q_scale) + "\n";
   h += c_text::elementary(needs_exp, needs_ln, needs_sqrt, needs_tanh);
   h += "typedef struct {\n"
        "  float u_N, shrink, low_N, temperature_C, t_s; /* of this sample */\n"
@@ -134,7 +150,8 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
   for (const CTerm& t : terms) h += t.state;
   h += "} FgComp;\n\n";
   for (std::size_t k = 0; k < terms.size(); ++k)
-    if (!terms[k].constants.empty()) h += fmt::format("/* e{} {} */\n", k, comment(terms[k].title)) + terms[k].constants + "\n";
+    if (!terms[k].constants.empty())
+      h += fmt::format("/* e{} {} */\n", k, comment(terms[k].title)) + terms[k].constants + "\n";
   h += "static inline void fg_comp_reset(FgComp* c) { memset(c, 0, sizeof *c); }\n\n";
   h += calibration_text(options.calibration);
   h += "static inline float fg_comp_added(const FgComp* c, float F) {\n"

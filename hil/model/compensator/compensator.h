@@ -32,7 +32,7 @@ struct CompensatorOptions {
   double lowest_N = 0.0;                      ///< least force that occurs
   double reference_temperature_C = kMissing;  ///< where a thermal effect is zero
   CalibrationMap calibration;
-  std::vector<std::string> provenance;        ///< lines for the header comment
+  std::vector<std::string> provenance;  ///< lines for the header comment
 };
 
 struct Compensator {
@@ -41,7 +41,7 @@ struct Compensator {
   std::vector<std::string> effects;  ///< titles
   int operations = 0;                ///< floating-point operations of one sample, at most
   std::size_t state_bytes = 0;
-  double noise_gain = 1.0;           ///< how much one sample's noise is amplified at rest, at most
+  double noise_gain = 1.0;  ///< how much one sample's noise is amplified at rest, at most
   bool needs_temperature = false;
 };
 

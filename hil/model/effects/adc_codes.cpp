@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kUsualRanges_V[] = {1.0, 1.024, 1.25, 2.0, 2.048, 2.5, 3.0, 3.3, 4.096, 5.0, 10.0, 20.0};
 
-double lowest_V(const CampaignInput& c) { return std::isfinite(c.bench.voltage_min_V) ? c.bench.voltage_min_V : 0.0; }
+double lowest_V(const CampaignInput& c) {
+  return std::isfinite(c.bench.voltage_min_V) ? c.bench.voltage_min_V : 0.0;
+}
 
 // Declared, or the two usual ones that come next above all readings.
 std::vector<std::vector<double>> ranges_V(const CampaignInput& c) {
@@ -38,29 +40,31 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"static_nonlinearity"},
     .separates = "a slow ramp: histogram of codes has gaps or piles at binary fractions",
     .needs = {},
-    .forms = {{.name = "bit_weights",
-               .shape = {{"range_V", "V", 1e-3, 1e4, 10.0, "span of the converter from its lowest code to its highest"}},
-               .strength = {{"bit1_N", "N", -10.0, 10.0, 0.0, "error of the highest bit"},
-                            {"bit2_N", "N", -10.0, 10.0, 0.0, "second bit"},
-                            {"bit3_N", "N", -10.0, 10.0, 0.0, "third bit"},
-                            {"bit4_N", "N", -10.0, 10.0, 0.0, "fourth bit"}},
-               .sign = StrengthSign::either,
-               .grid = ranges_V,
-               .columns =
-                   [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                     const double low = lowest_V(c);
-                     for (std::size_t i = 0; i < r.rows(); ++i) {
-                       double rest = std::clamp((r.U_V[i] - low) / shape[0], 0.0, 0.999999);
-                       for (int b = 0; b < 4; ++b) {
-                         rest *= 2.0;
-                         const double bit = rest >= 1.0 ? 1.0 : 0.0;
-                         rest -= bit;
-                         out(static_cast<Eigen::Index>(i), b) = std::isfinite(rest) ? bit - 0.5 : 0.0;
-                       }
-                     }
-                   },
-               .refine = false,
-               .singles = true}}}};
+    .forms = {
+        {.name = "bit_weights",
+         .shape = {{"range_V", "V", 1e-3, 1e4, 10.0,
+                    "span of the converter from its lowest code to its highest"}},
+         .strength = {{"bit1_N", "N", -10.0, 10.0, 0.0, "error of the highest bit"},
+                      {"bit2_N", "N", -10.0, 10.0, 0.0, "second bit"},
+                      {"bit3_N", "N", -10.0, 10.0, 0.0, "third bit"},
+                      {"bit4_N", "N", -10.0, 10.0, 0.0, "fourth bit"}},
+         .sign = StrengthSign::either,
+         .grid = ranges_V,
+         .columns =
+             [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+               const double low = lowest_V(c);
+               for (std::size_t i = 0; i < r.rows(); ++i) {
+                 double rest = std::clamp((r.U_V[i] - low) / shape[0], 0.0, 0.999999);
+                 for (int b = 0; b < 4; ++b) {
+                   rest *= 2.0;
+                   const double bit = rest >= 1.0 ? 1.0 : 0.0;
+                   rest -= bit;
+                   out(static_cast<Eigen::Index>(i), b) = std::isfinite(rest) ? bit - 0.5 : 0.0;
+                 }
+               }
+             },
+         .refine = false,
+         .singles = true}}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -13,7 +13,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .name = "backlash",
     .side = "rig",
     .channel = EffectChannel::rig,
-    .summary = "the force comes late after each reversal of the wheel by a fixed distance; the sensor is innocent",
+    .summary =
+        "the force comes late after each reversal of the wheel by a fixed distance; the sensor is innocent",
     .equation = "F = L + sum_r c_r (P_r[L] - L)",
     .source = "play operator; linear guide with friction",
     .look_alikes = {"hysteresis", "motor"},
@@ -36,7 +37,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
                        const double radius = kRadii[k] * c.range_N;
                        Play play(radius, r.rig_force_N[0] - radius);
                        for (std::size_t i = 0; i < r.rows(); ++i)
-                         out(static_cast<Eigen::Index>(i), k) = play.step(r.rig_force_N[i]) - r.rig_force_N[i];
+                         out(static_cast<Eigen::Index>(i), k) =
+                             play.step(r.rig_force_N[i]) - r.rig_force_N[i];
                      }
                    },
                .singles = true,

@@ -30,59 +30,63 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"wear", "thermal", "mounting"},
     .separates = "one ramp at several drive voltages in random order",
     .needs = {"drive"},
-    .forms = {{.name = "relative",
-               .shape = {},
-               .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "relative gain per relative drive"},
-                            {"c_decay", "1", -3.0, 3.0, 0.0, "relative decay per relative drive"}},
-               .sign = StrengthSign::either,
-               .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
-               .columns =
-                   [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
-                     out.setZero();
-                     if (!(r.drive_mean_V == r.drive_mean_V)) return;
-                     const double mean = reference_drive(c);
-                     for (std::size_t i = 0; i < r.rows(); ++i) {
-                       const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
-                       const double v = (V - mean) / mean;
-                       const auto row = static_cast<Eigen::Index>(i);
-                       out(row, 0) = v * r.base_force_N(i);
-                       out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
-                     }
-                   },
-               .singles = true},
-              {.name = "saturating",
-               .shape = {{"V0_V", "V", 0.05, 100.0, 1.5, "drive at which the output levels off"}},
-               .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "share of the output that follows tanh(V/V0)"},
-                            {"c_decay", "1", -3.0, 3.0, 0.0, "share of the loss of the swing that follows it"}},
-               .sign = StrengthSign::either,
-               .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.7}, {1.4}, {2.8}, {5.6}}; },
-               .columns =
-                   [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                     out.setZero();
-                     if (!(r.drive_mean_V == r.drive_mean_V)) return;
-                     const double reference = std::tanh(reference_drive(c) / shape[0]);
-                     for (std::size_t i = 0; i < r.rows(); ++i) {
-                       const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
-                       const double v = std::tanh(V / shape[0]) / reference - 1.0;
-                       const auto row = static_cast<Eigen::Index>(i);
-                       out(row, 0) = v * r.base_force_N(i);
-                       out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
-                     }
-                   },
-               .singles = true},
-              {.name = "inverse",
-               .shape = {},
-               .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "relative gain lost per Vref/V"}},
-               .sign = StrengthSign::either,
-               .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
-               .columns =
-                   [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
-                     out.setZero();
-                     if (!(r.drive_mean_V > 0.0)) return;
-                     const double v = 1.0 - reference_drive(c) / r.drive_mean_V;
-                     for (std::size_t i = 0; i < r.rows(); ++i)
-                       out(static_cast<Eigen::Index>(i), 0) = v * r.base_force_N(i);
-                   }}}}};
+    .forms = {
+        {.name = "relative",
+         .shape = {},
+         .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "relative gain per relative drive"},
+                      {"c_decay", "1", -3.0, 3.0, 0.0, "relative decay per relative drive"}},
+         .sign = StrengthSign::either,
+         .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+         .columns =
+             [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+               out.setZero();
+               if (!(r.drive_mean_V == r.drive_mean_V)) return;
+               const double mean = reference_drive(c);
+               for (std::size_t i = 0; i < r.rows(); ++i) {
+                 const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
+                 const double v = (V - mean) / mean;
+                 const auto row = static_cast<Eigen::Index>(i);
+                 out(row, 0) = v * r.base_force_N(i);
+                 out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
+               }
+             },
+         .singles = true},
+        {.name = "saturating",
+         .shape = {{"V0_V", "V", 0.05, 100.0, 1.5, "drive at which the output levels off"}},
+         .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "share of the output that follows tanh(V/V0)"},
+                      {"c_decay", "1", -3.0, 3.0, 0.0, "share of the loss of the swing that follows it"}},
+         .sign = StrengthSign::either,
+         .grid =
+             [](const CampaignInput&) {
+               return std::vector<std::vector<double>>{{0.7}, {1.4}, {2.8}, {5.6}};
+             },
+         .columns =
+             [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+               out.setZero();
+               if (!(r.drive_mean_V == r.drive_mean_V)) return;
+               const double reference = std::tanh(reference_drive(c) / shape[0]);
+               for (std::size_t i = 0; i < r.rows(); ++i) {
+                 const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
+                 const double v = std::tanh(V / shape[0]) / reference - 1.0;
+                 const auto row = static_cast<Eigen::Index>(i);
+                 out(row, 0) = v * r.base_force_N(i);
+                 out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
+               }
+             },
+         .singles = true},
+        {.name = "inverse",
+         .shape = {},
+         .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "relative gain lost per Vref/V"}},
+         .sign = StrengthSign::either,
+         .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+         .columns =
+             [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+               out.setZero();
+               if (!(r.drive_mean_V > 0.0)) return;
+               const double v = 1.0 - reference_drive(c) / r.drive_mean_V;
+               for (std::size_t i = 0; i < r.rows(); ++i)
+                 out(static_cast<Eigen::Index>(i), 0) = v * r.base_force_N(i);
+             }}}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -16,27 +16,28 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"delay", "lag"},
     .separates = "the same fast edge at the start and at the end of a long record",
     .needs = {},
-    .forms = {{.name = "linear",
-               .shape = {{"skew", "1", -0.05, 0.05, 1e-4, "relative rate difference"}},
-               .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal on the other clock"}},
-               .sign = StrengthSign::positive,
-               .grid =
-                   [](const CampaignInput&) {
-                     std::vector<std::vector<double>> out;
-                     for (double e : {1e-5, 2e-5, 4e-5, 8e-5, 1.4e-4, 2.4e-4, 4e-4, 7e-4, 1.2e-3, 2e-3}) {
-                       out.push_back({e});
-                       out.push_back({-e});
-                     }
-                     return out;
-                   },
-               .columns =
-                   [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                     const auto y = delayed_rows(r, 0.0, shape[0]);
-                     for (std::size_t i = 0; i < y.size(); ++i)
-                       out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
-                   },
-               .least = 0.6,
-               .most = 1.6}}}};
+    .forms = {
+        {.name = "linear",
+         .shape = {{"skew", "1", -0.05, 0.05, 1e-4, "relative rate difference"}},
+         .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal on the other clock"}},
+         .sign = StrengthSign::positive,
+         .grid =
+             [](const CampaignInput&) {
+               std::vector<std::vector<double>> out;
+               for (double e : {1e-5, 2e-5, 4e-5, 8e-5, 1.4e-4, 2.4e-4, 4e-4, 7e-4, 1.2e-3, 2e-3}) {
+                 out.push_back({e});
+                 out.push_back({-e});
+               }
+               return out;
+             },
+         .columns =
+             [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+               const auto y = delayed_rows(r, 0.0, shape[0]);
+               for (std::size_t i = 0; i < y.size(); ++i)
+                 out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
+             },
+         .least = 0.6,
+         .most = 1.6}}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -19,27 +19,29 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"dead_zone", "spring_nonlinearity"},
     .separates = "the same cycle with a higher mean force",
     .needs = {"witness"},
-    .forms = {{.name = "hinge",
-               .shape = {{"F1_N", "N", -100.0, 100.0, 0.0, "force of the linear law at which the contact opens"}},
-               .strength = {{"c", "1", -2.0, 2.0, 0.0, "1: the force stays where it was"}},
-               .sign = StrengthSign::positive,
-               .grid =
-                   [](const CampaignInput& c) {
-                     // far above zero too: the preload that was declared may be that of before the wheel was moved away
-                     std::vector<std::vector<double>> out;
-                     for (const double share : {-0.05, 0.0, 0.03, 0.08, 0.16, 0.28}) out.push_back({share * c.range_N});
-                     return out;
-                   },
-               .columns =
-                   [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                     out.setZero();
-                     if (r.rig_force_N.empty()) return;
-                     for (std::size_t i = 0; i < r.rows(); ++i)
-                       out(static_cast<Eigen::Index>(i), 0) = std::max(0.0, shape[0] - r.rig_force_N[i]);
-                   },
-               // an open contact carries nothing: a slope that is a little less at the bottom is another thing
-               .least = 0.35,
-               .most = 2.0}}}};
+    .forms = {
+        {.name = "hinge",
+         .shape = {{"F1_N", "N", -100.0, 100.0, 0.0, "force of the linear law at which the contact opens"}},
+         .strength = {{"c", "1", -2.0, 2.0, 0.0, "1: the force stays where it was"}},
+         .sign = StrengthSign::positive,
+         .grid =
+             [](const CampaignInput& c) {
+               // far above zero too: the preload that was declared may be that of before the wheel was moved away
+               std::vector<std::vector<double>> out;
+               for (const double share : {-0.05, 0.0, 0.03, 0.08, 0.16, 0.28})
+                 out.push_back({share * c.range_N});
+               return out;
+             },
+         .columns =
+             [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+               out.setZero();
+               if (r.rig_force_N.empty()) return;
+               for (std::size_t i = 0; i < r.rows(); ++i)
+                 out(static_cast<Eigen::Index>(i), 0) = std::max(0.0, shape[0] - r.rig_force_N[i]);
+             },
+         // an open contact carries nothing: a slope that is a little less at the bottom is another thing
+         .least = 0.35,
+         .most = 2.0}}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -66,7 +66,10 @@ EffectForm spectrum_form(const char* name, bool decayed, bool settled) {
           .shape = {{"p", "1", 0.0, 0.3, 0.0, "exponent of the growth; 0 is logarithmic"}},
           .strength = {{"k_per_decade", "1", -1.0, 1.0, 0.0, "relative growth per decade of time"}},
           .sign = StrengthSign::positive,
-          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.0}, {0.15}}; },
+          .grid =
+              [](const CampaignInput&) {
+                return std::vector<std::vector<double>>{{0.0}, {0.15}};
+              },
           .columns = [=](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
                          ColumnsRef out) { spectrum(r, shape[0], decayed, settled, out); }};
 }
@@ -78,11 +81,13 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .equation = "dU = g sum_k c_k L_k[F], tau_k L_k' + L_k = F",
     .source = "Paredes-Madrid et al., Materials 10 (2017) 1334; Interlink FSR 400 data sheet",
     .look_alikes = {"thermal", "self_heating", "hysteresis", "reference_drift", "lag"},
-    .separates = "long holds at two levels, a step up, then down: creep restarts at each step and mirrors itself",
+    .separates =
+        "long holds at two levels, a step up, then down: creep restarts at each step and mirrors itself",
     .needs = {},
     .forms = {prony_form("prony", false, false, true), prony_form("prony_settled", false, true, false),
               prony_form("prony_decayed", true, false, false), spectrum_form("power_law", false, false),
-              spectrum_form("power_law_settled", false, true), spectrum_form("power_law_decayed", true, false)}}};
+              spectrum_form("power_law_settled", false, true),
+              spectrum_form("power_law_decayed", true, false)}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -25,7 +25,8 @@ EffectForm form(const char* name, Gap gap, bool after, std::vector<double> share
                 return out;
               },
           .columns =
-              [gap, after](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+              [gap, after](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
+                           ColumnsRef out) {
                 const double F0 = shape[0];
                 const auto h = [gap, F0](double F) {
                   if (F <= 0.0) return 0.0;
@@ -36,19 +37,19 @@ EffectForm form(const char* name, Gap gap, bool after, std::vector<double> share
               }};
 }
 
-const Registration<EffectKind> kRegistered{EffectKind{
-    .name = "dead_zone",
-    .side = "sensor",
-    .summary = "the output starts only above a small force; straight above it",
-    .equation = "dU = -g c F0 (1 - exp(-F/F0))",
-    .source = "Interlink FSR integration guide; FSR 400 series data sheet",
-    .look_alikes = {"static_nonlinearity", "contact_loss"},
-    .separates = "a slow ramp from true zero; small sines around the turn-on force",
-    .needs = {},
-    .forms = {form("distributed", Gap::distributed, false, {0.01, 0.02, 0.04, 0.08}),
-              form("distributed_after_decay", Gap::distributed, true, {0.02, 0.05}),
-              form("hard", Gap::hard, false, {0.01, 0.02, 0.04, 0.08, 0.15}),
-              form("closing", Gap::closing, false, {0.005, 0.015, 0.04, 0.1})}}};
+const Registration<EffectKind> kRegistered{
+    EffectKind{.name = "dead_zone",
+               .side = "sensor",
+               .summary = "the output starts only above a small force; straight above it",
+               .equation = "dU = -g c F0 (1 - exp(-F/F0))",
+               .source = "Interlink FSR integration guide; FSR 400 series data sheet",
+               .look_alikes = {"static_nonlinearity", "contact_loss"},
+               .separates = "a slow ramp from true zero; small sines around the turn-on force",
+               .needs = {},
+               .forms = {form("distributed", Gap::distributed, false, {0.01, 0.02, 0.04, 0.08}),
+                         form("distributed_after_decay", Gap::distributed, true, {0.02, 0.05}),
+                         form("hard", Gap::hard, false, {0.01, 0.02, 0.04, 0.08, 0.15}),
+                         form("closing", Gap::closing, false, {0.005, 0.015, 0.04, 0.1})}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -13,26 +13,28 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .equation = "dU = g D c (F(t - d) - F(t))",
     .source = "data acquisition: two devices, one start",
     .look_alikes = {"lag", "clock_skew", "rc", "piezocapacitance"},
-    .separates = "fast edges sampled at 1 kHz: onset time against slope; phase linear in frequency, no attenuation",
+    .separates =
+        "fast edges sampled at 1 kHz: onset time against slope; phase linear in frequency, no attenuation",
     .needs = {},
-    .forms = {{.name = "shift",
-               .shape = {{"delay_s", "s", -1.0, 1.0, 0.01, "positive: the sensor's channel is late"}},
-               .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal that is delayed"}},
-               .sign = StrengthSign::positive,
-               .grid =
-                   [](const CampaignInput&) {
-                     return std::vector<std::vector<double>>{{0.001},  {0.002},  {0.004},  {0.007},  {0.012}, {0.02},
-                                                             {0.035},  {0.06},   {0.1},    {-0.001}, {-0.002}, {-0.004},
-                                                             {-0.008}, {-0.016}, {-0.032}};
-                   },
-               .columns =
-                   [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                     const auto y = delayed_rows(r, shape[0]);
-                     for (std::size_t i = 0; i < y.size(); ++i)
-                       out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
-                   },
-               .least = 0.65,
-               .most = 1.5}}}};
+    .forms = {
+        {.name = "shift",
+         .shape = {{"delay_s", "s", -1.0, 1.0, 0.01, "positive: the sensor's channel is late"}},
+         .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal that is delayed"}},
+         .sign = StrengthSign::positive,
+         .grid =
+             [](const CampaignInput&) {
+               return std::vector<std::vector<double>>{{0.001},  {0.002},  {0.004},  {0.007},  {0.012},
+                                                       {0.02},   {0.035},  {0.06},   {0.1},    {-0.001},
+                                                       {-0.002}, {-0.004}, {-0.008}, {-0.016}, {-0.032}};
+             },
+         .columns =
+             [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+               const auto y = delayed_rows(r, shape[0]);
+               for (std::size_t i = 0; i < y.size(); ++i)
+                 out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
+             },
+         .least = 0.65,
+         .most = 1.5}}}};
 
 }  // namespace
 }  // namespace forcegate

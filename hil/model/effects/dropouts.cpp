@@ -6,16 +6,17 @@
 namespace forcegate {
 namespace {
 
-const Registration<EffectKind> kRegistered{EffectKind{.name = "dropouts",
-                                                      .side = "instrument",
-                                                      .channel = EffectChannel::raw,
-                                                      .summary = "runs of samples repeat the last value or fall to zero",
-                                                      .equation = "U held or zero",
-                                                      .source = "lost frames of a serial link",
-                                                      .look_alikes = {"outliers"},
-                                                      .separates = "a frame counter beside the samples",
-                                                      .needs = {},
-                                                      .forms = {}}};
+const Registration<EffectKind> kRegistered{
+    EffectKind{.name = "dropouts",
+               .side = "instrument",
+               .channel = EffectChannel::raw,
+               .summary = "runs of samples repeat the last value or fall to zero",
+               .equation = "U held or zero",
+               .source = "lost frames of a serial link",
+               .look_alikes = {"outliers"},
+               .separates = "a frame counter beside the samples",
+               .needs = {},
+               .forms = {}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -13,7 +13,10 @@ EffectForm form(const char* name, bool lost_swing, bool signed_jump) {
           .shape = {{"tau_s", "s", 0.5, 1000.0, 20.0, "time in which the bump fades"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "height, per unit of ln(f2/f1)"}},
           .sign = StrengthSign::either,
-          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{4.0}, {12.0}, {36.0}, {100.0}}; },
+          .grid =
+              [](const CampaignInput&) {
+                return std::vector<std::vector<double>>{{4.0}, {12.0}, {36.0}, {100.0}};
+              },
           .columns =
               [=](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 for (std::size_t i = 0; i < r.rows(); ++i) {
@@ -29,17 +32,17 @@ EffectForm form(const char* name, bool lost_swing, bool signed_jump) {
               }};
 }
 
-const Registration<EffectKind> kRegistered{EffectKind{
-    .name = "frequency_bump",
-    .side = "sensor",
-    .summary = "after a change of frequency the maxima jump and fade back within a minute",
-    .equation = "dU = g c (1 - D)(F - Fmin) |ln(f2/f1)| exp(-(t - tj)/tau)",
-    .source = "Lebosse et al. 2011, fig. 8",
-    .look_alikes = {"slow_recovery", "contact_loss"},
-    .separates = "a switch up, a switch down, and a pause between equal frequencies as control",
-    .needs = {},
-    .forms = {form("lost_swing", true, false), form("whole_swing", false, false),
-              form("whole_swing_signed", false, true), form("lost_swing_signed", true, true)}}};
+const Registration<EffectKind> kRegistered{
+    EffectKind{.name = "frequency_bump",
+               .side = "sensor",
+               .summary = "after a change of frequency the maxima jump and fade back within a minute",
+               .equation = "dU = g c (1 - D)(F - Fmin) |ln(f2/f1)| exp(-(t - tj)/tau)",
+               .source = "Lebosse et al. 2011, fig. 8",
+               .look_alikes = {"slow_recovery", "contact_loss"},
+               .separates = "a switch up, a switch down, and a pause between equal frequencies as control",
+               .needs = {},
+               .forms = {form("lost_swing", true, false), form("whole_swing", false, false),
+                         form("whole_swing_signed", false, true), form("lost_swing_signed", true, true)}}};
 
 }  // namespace
 }  // namespace forcegate

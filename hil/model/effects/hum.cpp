@@ -6,16 +6,17 @@
 namespace forcegate {
 namespace {
 
-const Registration<EffectKind> kRegistered{EffectKind{.name = "hum",
-                                                      .side = "instrument",
-                                                      .channel = EffectChannel::raw,
-                                                      .summary = "a line at mains frequency or its alias stands in the output and not in the force",
-                                                      .equation = "dU = a sin(2 pi 50 t + phase)",
-                                                      .source = "mains coupling into a high-impedance node",
-                                                      .look_alikes = {"outliers"},
-                                                      .separates = "the same rest record with the drive off; another sampling rate moves the alias",
-                                                      .needs = {},
-                                                      .forms = {}}};
+const Registration<EffectKind> kRegistered{
+    EffectKind{.name = "hum",
+               .side = "instrument",
+               .channel = EffectChannel::raw,
+               .summary = "a line at mains frequency or its alias stands in the output and not in the force",
+               .equation = "dU = a sin(2 pi 50 t + phase)",
+               .source = "mains coupling into a high-impedance node",
+               .look_alikes = {"outliers"},
+               .separates = "the same rest record with the drive off; another sampling rate moves the alias",
+               .needs = {},
+               .forms = {}}};
 
 }  // namespace
 }  // namespace forcegate

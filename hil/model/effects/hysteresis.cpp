@@ -12,10 +12,12 @@ namespace {
 constexpr double kRadii[] = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.35};  // of the force span
 
 ParameterSpec weight(const std::string& name, double radius) {
-  return {name, "1", -2.0, 2.0, 0.0, "weight of the play of radius " + std::to_string(radius) + " of the force span"};
+  return {name, "1", -2.0,
+          2.0,  0.0, "weight of the play of radius " + std::to_string(radius) + " of the force span"};
 }
 
-void play_bank(const CampaignInput& campaign, const RecordInput& record, ColumnsRef out, bool decayed, bool curved) {
+void play_bank(const CampaignInput& campaign, const RecordInput& record, ColumnsRef out, bool decayed,
+               bool curved) {
   const auto n = record.rows();
   for (int k = 0; k < 6; ++k) {
     const double radius = kRadii[k] * campaign.range_N;
@@ -80,7 +82,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .sign = StrengthSign::positive,
          .grid =
              [](const CampaignInput& c) {
-               return std::vector<std::vector<double>>{{0.02 * c.range_N}, {0.06 * c.range_N}, {0.2 * c.range_N}};
+               return std::vector<std::vector<double>>{
+                   {0.02 * c.range_N}, {0.06 * c.range_N}, {0.2 * c.range_N}};
              },
          .columns =
              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {

@@ -60,7 +60,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .equation = "tau y' + y = F, dU = g D c (y - F)",
     .source = "Lebosse et al. 2011, fig. 5",
     .look_alikes = {"delay", "rc", "hysteresis", "clock_skew"},
-    .separates = "fast edges at 1 kHz and sines at two frequencies a decade apart: a lag attenuates, a delay does not",
+    .separates =
+        "fast edges at 1 kHz and sines at two frequencies a decade apart: a lag attenuates, a delay does not",
     .needs = {},
     .forms = {form("one_pole", Kind::one_pole, {0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
               form("two_poles", Kind::two_poles, {0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),

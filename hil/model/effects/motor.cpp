@@ -15,13 +15,18 @@ EffectForm one_pole() {
           .shape = {{"tau_s", "s", 1e-3, 10.0, 0.3, "time constant; the ordinary lag of a drive is shorter"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the command behind the pole"}},
           .sign = StrengthSign::positive,
-          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.3}, {0.8}}; },
-          .columns = [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-            out.setZero();
-            if (r.F_cmd_N.empty()) return;
-            const auto y = low_pass_channel(r, r.F_cmd_N, shape[0], r.F_cmd_N[0]);
-            for (std::size_t i = 0; i < r.rows(); ++i) out(static_cast<Eigen::Index>(i), 0) = y[i] - r.F_cmd_N[i];
-          }};
+          .grid =
+              [](const CampaignInput&) {
+                return std::vector<std::vector<double>>{{0.3}, {0.8}};
+              },
+          .columns =
+              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                out.setZero();
+                if (r.F_cmd_N.empty()) return;
+                const auto y = low_pass_channel(r, r.F_cmd_N, shape[0], r.F_cmd_N[0]);
+                for (std::size_t i = 0; i < r.rows(); ++i)
+                  out(static_cast<Eigen::Index>(i), 0) = y[i] - r.F_cmd_N[i];
+              }};
 }
 
 EffectForm ripple() {
@@ -53,7 +58,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .name = "motor",
     .side = "rig",
     .channel = EffectChannel::rig,
-    .summary = "the wheel does not follow its command: the drive is slow or turns unevenly; the sensor is innocent",
+    .summary =
+        "the wheel does not follow its command: the drive is slow or turns unevenly; the sensor is innocent",
     .equation = "F = C + c (L_tau[C] - C) + A sin th (a sin n th + b cos n th)",
     .source = "Lebosse et al. 2011, fig. 5: final force reached in 70 ms",
     .look_alikes = {"backlash", "lag"},

@@ -6,16 +6,17 @@
 namespace forcegate {
 namespace {
 
-const Registration<EffectKind> kRegistered{EffectKind{.name = "outliers",
-                                                      .side = "instrument",
-                                                      .channel = EffectChannel::raw,
-                                                      .summary = "single samples stand far off their neighbours",
-                                                      .equation = "U + spikes",
-                                                      .source = "electrostatic discharge, loose contacts",
-                                                      .look_alikes = {"dropouts"},
-                                                      .separates = "a longer record; spikes come at random, dropouts in runs",
-                                                      .needs = {},
-                                                      .forms = {}}};
+const Registration<EffectKind> kRegistered{
+    EffectKind{.name = "outliers",
+               .side = "instrument",
+               .channel = EffectChannel::raw,
+               .summary = "single samples stand far off their neighbours",
+               .equation = "U + spikes",
+               .source = "electrostatic discharge, loose contacts",
+               .look_alikes = {"dropouts"},
+               .separates = "a longer record; spikes come at random, dropouts in runs",
+               .needs = {},
+               .forms = {}}};
 
 }  // namespace
 }  // namespace forcegate

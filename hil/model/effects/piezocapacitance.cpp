@@ -18,11 +18,13 @@ void assumed_columns(const CampaignInput& c, const RecordInput& r, ColumnsRef ou
   const double middle = c.lowest_N + 0.5 * c.range_N;
   const auto y = low_pass_rows(r, kFollow_s);
   for (std::size_t i = 0; i < r.rows(); ++i)
-    out(static_cast<Eigen::Index>(i), 0) = 2.0 * (r.F_N[i] - y[i]) * (2.0 / (1.0 + std::max(r.F_N[i], 0.0) / middle));
+    out(static_cast<Eigen::Index>(i), 0) =
+        2.0 * (r.F_N[i] - y[i]) * (2.0 / (1.0 + std::max(r.F_N[i], 0.0) / middle));
 }
 
 // The charge moved by a step is C(after) - C(before), up and down alike: the derivative is that of C(F) at full rate.
-void measured_columns(const CampaignInput& c, const RecordInput& r, const CapacitanceCurve& curve, ColumnsRef out) {
+void measured_columns(const CampaignInput& c, const RecordInput& r, const CapacitanceCurve& curve,
+                      ColumnsRef out) {
   if (r.fast_F_N.empty()) return;
   const double slope = curve.slope_F_per_N(c.lowest_N + 0.5 * c.range_N);
   double q = curve.at_F(r.fast_F_N[0]) / slope, y = q;
@@ -43,15 +45,17 @@ void measured_columns(const CampaignInput& c, const RecordInput& r, const Capaci
 }
 
 EffectForm form(const char* name, bool measured) {
-  return {.name = name,
-          .shape = {},
-          .strength = {{"c", "1", -50.0, 50.0, 0.0, "lead in units of 10 ms"}},
-          .sign = StrengthSign::positive,
-          .grid = [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
-            if (measured && !capacitance_curve(c)) return {};
-            return {{}};
-          },
-          .columns = [measured](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+  return {
+      .name = name,
+      .shape = {},
+      .strength = {{"c", "1", -50.0, 50.0, 0.0, "lead in units of 10 ms"}},
+      .sign = StrengthSign::positive,
+      .grid = [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
+        if (measured && !capacitance_curve(c)) return {};
+        return {{}};
+      },
+      .columns =
+          [measured](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
             if (!measured) return assumed_columns(c, r, out);
             out.setZero();
             if (const auto curve = capacitance_curve(c)) measured_columns(c, r, *curve, out);

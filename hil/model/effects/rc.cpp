@@ -15,7 +15,8 @@ namespace {
 
 // `factor(F)`: C(F) / C(Fm).
 template <class Factor>
-void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, ColumnsRef out, const Factor& factor) {
+void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, ColumnsRef out,
+                  const Factor& factor) {
   const double middle = c.lowest_N + 0.5 * c.range_N, floor = 0.02 * c.range_N;
   double y = r.fast_F_N[0];
   for (std::size_t i = 0; i < r.rows(); ++i) {
@@ -39,20 +40,21 @@ EffectForm form(const char* name, bool measured) {
           .shape = {{"tau_s", "s", 1e-4, 10.0, 0.02, "time constant at mid force"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal behind the pole"}},
           .sign = StrengthSign::positive,
-          .grid =
-              [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
-                if (measured && !capacitance_curve(c)) return {};
-                return {{0.003}, {0.008}, {0.02}, {0.05}, {0.12}};
-              },
+          .grid = [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
+            if (measured && !capacitance_curve(c)) return {};
+            return {{0.003}, {0.008}, {0.02}, {0.05}, {0.12}};
+          },
           .columns =
-              [measured](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+              [measured](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
+                         ColumnsRef out) {
                 out.setZero();
                 if (r.fast_F_N.empty()) return;
                 if (!measured) return pole_columns(c, r, shape[0], out, [](double) { return 1.0; });
                 const auto curve = capacitance_curve(c);
                 if (!curve) return;
                 const double middle_F = curve->at_F(c.lowest_N + 0.5 * c.range_N), least = 0.1;
-                pole_columns(c, r, shape[0], out, [&](double F) { return std::max(least, curve->at_F(F) / middle_F); });
+                pole_columns(c, r, shape[0], out,
+                             [&](double F) { return std::max(least, curve->at_F(F) / middle_F); });
               },
           .least = 0.0,
           .most = 1.2};

@@ -39,7 +39,10 @@ EffectForm warm_up() {
           .shape = {{"tau_s", "s", 1.0, 1e5, 600.0, "warm-up time"}},
           .strength = {{"c_N", "N", -100.0, 100.0, 0.0, "drift per unit of ln(1 + t/tau)"}},
           .sign = StrengthSign::either,
-          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{60.0}, {600.0}, {3000.0}}; },
+          .grid =
+              [](const CampaignInput&) {
+                return std::vector<std::vector<double>>{{60.0}, {600.0}, {3000.0}};
+              },
           .columns =
               [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 for (std::size_t i = 0; i < r.rows(); ++i)
@@ -63,7 +66,8 @@ EffectForm wander() {
                 const double T = campaign_length_s(c);
                 for (std::size_t i = 0; i < r.rows(); ++i)
                   for (int k = 1; k <= 6; ++k)
-                    out(static_cast<Eigen::Index>(i), k - 1) = std::cos(k * 3.14159265358979 * (r.start_s + r.t_s[i]) / T);
+                    out(static_cast<Eigen::Index>(i), k - 1) =
+                        std::cos(k * 3.14159265358979 * (r.start_s + r.t_s[i]) / T);
               },
           .bank = true};
 }
@@ -76,7 +80,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .equation = "F_ref = F + c d(t)",
     .source = "warm-up of strain gauge cells; own estimate of size",
     .look_alikes = {"thermal", "creep"},
-    .separates = "an unloaded zero before and after every record; a third witness: the rig's own law, or the capacitance C_F",
+    .separates =
+        "an unloaded zero before and after every record; a third witness: the rig's own law, or the capacitance C_F",
     .needs = {"witness"},
     .forms = {polynomial(), warm_up(), wander()}}};
 

@@ -28,29 +28,31 @@ double state_at_start(const CampaignInput& c, const RecordInput& record, double 
 }
 
 EffectForm form(const char* name, bool swing_only, bool carried_only) {
-  return {.name = name,
-          .shape = {{"tau_up_s", "s", 1.0, 1e5, 300.0, "time constant while cycling"},
-                    {"tau_rest_s", "s", 1.0, 1e6, 3600.0, "time constant at rest"}},
-          .strength = {{"c", "1", -2.0, 2.0, 0.0, "relative change of the output at full charge"}},
-          .sign = StrengthSign::either,
-          .grid =
-              [](const CampaignInput&) {
-                return std::vector<std::vector<double>>{{150.0, 900.0},  {150.0, 2700.0}, {150.0, 7200.0},
-                                                        {600.0, 1500.0}, {600.0, 4500.0}};
-              },
-          .columns =
-              [=](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                const double up = shape[0], rest = shape[1], start = state_at_start(c, r, up, rest);
-                for (std::size_t i = 0; i < r.rows(); ++i) {
-                  const double t = r.t_s[i];
-                  double x = relax(start, false, r.dynamic ? std::min(t, r.onset_s) : t, up, rest);
-                  if (r.dynamic && t > r.onset_s && !carried_only) x = relax(x, true, t - r.onset_s, up, rest);
-                  // what an earlier record left behind wears off while the new decay takes over
-                  if (r.dynamic && t > r.onset_s && carried_only) x *= r.decay[i];
-                  const double force = swing_only ? (r.dynamic ? r.F_N[i] - r.F_min_N : r.F_N[i]) : r.base_force_N(i);
-                  out(static_cast<Eigen::Index>(i), 0) = x * force;
-                }
-              }};
+  return {
+      .name = name,
+      .shape = {{"tau_up_s", "s", 1.0, 1e5, 300.0, "time constant while cycling"},
+                {"tau_rest_s", "s", 1.0, 1e6, 3600.0, "time constant at rest"}},
+      .strength = {{"c", "1", -2.0, 2.0, 0.0, "relative change of the output at full charge"}},
+      .sign = StrengthSign::either,
+      .grid =
+          [](const CampaignInput&) {
+            return std::vector<std::vector<double>>{
+                {150.0, 900.0}, {150.0, 2700.0}, {150.0, 7200.0}, {600.0, 1500.0}, {600.0, 4500.0}};
+          },
+      .columns =
+          [=](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+            const double up = shape[0], rest = shape[1], start = state_at_start(c, r, up, rest);
+            for (std::size_t i = 0; i < r.rows(); ++i) {
+              const double t = r.t_s[i];
+              double x = relax(start, false, r.dynamic ? std::min(t, r.onset_s) : t, up, rest);
+              if (r.dynamic && t > r.onset_s && !carried_only) x = relax(x, true, t - r.onset_s, up, rest);
+              // what an earlier record left behind wears off while the new decay takes over
+              if (r.dynamic && t > r.onset_s && carried_only) x *= r.decay[i];
+              const double force =
+                  swing_only ? (r.dynamic ? r.F_N[i] - r.F_min_N : r.F_N[i]) : r.base_force_N(i);
+              out(static_cast<Eigen::Index>(i), 0) = x * force;
+            }
+          }};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{

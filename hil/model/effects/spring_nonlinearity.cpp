@@ -18,7 +18,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .needs = {"witness"},
     .forms = {{.name = "cubic",
                .shape = {},
-               .strength = {{"c2", "1", -2.0, 2.0, 0.0, "quadratic part"}, {"c3", "1", -2.0, 2.0, 0.0, "cubic part"}},
+               .strength = {{"c2", "1", -2.0, 2.0, 0.0, "quadratic part"},
+                            {"c3", "1", -2.0, 2.0, 0.0, "cubic part"}},
                .sign = StrengthSign::either,
                .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
                .columns =

@@ -24,12 +24,14 @@ std::vector<double> smooth_rate(const RecordInput& r) {
 }
 
 EffectForm form(const char* name, double exponent) {
-  return {.name = name,
-          .shape = {},
-          .strength = {{"c", "1", -100.0, 100.0, 0.0, "output at the RMS rate, shares of the input's span"}},
-          .sign = StrengthSign::either,
-          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
-          .columns = [exponent](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+  return {
+      .name = name,
+      .shape = {},
+      .strength = {{"c", "1", -100.0, 100.0, 0.0, "output at the RMS rate, shares of the input's span"}},
+      .sign = StrengthSign::either,
+      .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+      .columns =
+          [exponent](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
             const std::vector<double> v = smooth_rate(r);
             double square = 0.0;
             for (double x : v) square += x * x;
@@ -47,7 +49,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .equation = "dU = g c |dF/dt|^n sgn(dF/dt)",
     .source = "viscous friction; shear-thinning grease",
     .look_alikes = {"hysteresis", "lag", "piezocapacitance"},
-    .separates = "the same stroke at speeds a decade apart: a viscous loop grows with the speed, hysteresis keeps its width",
+    .separates =
+        "the same stroke at speeds a decade apart: a viscous loop grows with the speed, hysteresis keeps its width",
     .needs = {"generic"},
     .forms = {form("linear", 1.0), form("thinning", 0.5)}}};
 

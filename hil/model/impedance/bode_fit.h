@@ -32,6 +32,7 @@ Result<BodeFit> fit_bode(std::span<const RcReading> sweep, double common_u_rel =
 
 /// Frequency to work at: among the sweep's, below `share` of (divergence - 2 u) of every fit, the one whose capacitance is
 /// known best (smallest relative uncertainty averaged over the sweeps). NaN when a fit has no divergence.
-double operating_frequency_Hz(std::span<const BodeFit> fits, std::span<const std::vector<RcReading>> sweeps, double share = 0.9);
+double operating_frequency_Hz(std::span<const BodeFit> fits, std::span<const std::vector<RcReading>> sweeps,
+                              double share = 0.9);
 
 }  // namespace forcegate::impedance

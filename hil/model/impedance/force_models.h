@@ -24,6 +24,8 @@ using ForceModel = std::function<double(const ForceReading&)>;  ///< sees output
 double mean_squared_error_N2(std::span<const ForceReading> readings, const ForceModel& model);
 
 /// Eq. (11), percent.
-inline double error_reduction_pct(double network_N2, double conductance_N2) { return 100.0 * (1.0 - network_N2 / conductance_N2); }
+inline double error_reduction_pct(double network_N2, double conductance_N2) {
+  return 100.0 * (1.0 - network_N2 / conductance_N2);
+}
 
 }  // namespace forcegate::impedance

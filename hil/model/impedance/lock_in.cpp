@@ -13,7 +13,8 @@ constexpr int kNeighbours = 4;  // on either side
 constexpr std::size_t kBlocks = 8;
 
 // 2/N sum v e^{-j w t}: real part belongs to cos, minus the imaginary one to sin.
-std::complex<double> correlate(std::span<const std::int16_t> codes, double cycles_per_sample, double volts_per_code) {
+std::complex<double> correlate(std::span<const std::int16_t> codes, double cycles_per_sample,
+                               double volts_per_code) {
   const double w = 2.0 * kPi * cycles_per_sample;
   const std::complex<double> turn{portable::cos(w), -portable::sin(w)};
   std::complex<double> carrier{1.0, 0.0}, sum{0.0, 0.0};
@@ -25,9 +26,11 @@ std::complex<double> correlate(std::span<const std::int16_t> codes, double cycle
 }
 
 std::size_t whole_periods(std::size_t n, double samples_per_period) {
-  for (double periods = std::floor(static_cast<double>(n) / samples_per_period + 1e-9); periods >= 1.0; periods -= 1.0) {
+  for (double periods = std::floor(static_cast<double>(n) / samples_per_period + 1e-9); periods >= 1.0;
+       periods -= 1.0) {
     const double length = periods * samples_per_period;
-    if (std::abs(length - std::round(length)) <= 0.1) return std::min(n, static_cast<std::size_t>(std::llround(length)));
+    if (std::abs(length - std::round(length)) <= 0.1)
+      return std::min(n, static_cast<std::size_t>(std::llround(length)));
   }
   return n;
 }
@@ -40,7 +43,8 @@ std::size_t count_clipped(std::span<const std::int16_t> codes, double rail_code)
 
 }  // namespace
 
-Phasor lock_in(std::span<const std::int16_t> codes, double f_Hz, double rate_Hz, double volts_per_code, double rail_V) {
+Phasor lock_in(std::span<const std::int16_t> codes, double f_Hz, double rate_Hz, double volts_per_code,
+               double rail_V) {
   const std::span<const std::int16_t> window = codes.first(whole_periods(codes.size(), rate_Hz / f_Hz));
   const double n = static_cast<double>(window.size()), cycles = f_Hz / rate_Hz;
   Phasor out;
@@ -48,7 +52,9 @@ Phasor lock_in(std::span<const std::int16_t> codes, double f_Hz, double rate_Hz,
   out.quadrature_V = at.real();
   out.in_phase_V = -at.imag();
   out.mean_V = 0.5 * correlate(window, 0.0, volts_per_code).real();
-  out.third_harmonic = 3.0 * cycles < 0.5 ? std::abs(correlate(window, 3.0 * cycles, volts_per_code)) / std::abs(at) : std::nan("");
+  out.third_harmonic = 3.0 * cycles < 0.5
+                           ? std::abs(correlate(window, 3.0 * cycles, volts_per_code)) / std::abs(at)
+                           : std::nan("");
   const double bin = std::round(cycles * n);
   double power = 0.0;
   int used = 0;
@@ -73,7 +79,8 @@ Level direct_level(std::span<const std::int16_t> codes, double volts_per_code, d
     mean += means[b] / kBlocks;
   }
   for (const double m : means) squares += (m - mean) * (m - mean);
-  return {mean, std::sqrt(squares / (kBlocks * (kBlocks - 1))), count_clipped(codes, rail_V / volts_per_code)};
+  return {mean, std::sqrt(squares / (kBlocks * (kBlocks - 1))),
+          count_clipped(codes, rail_V / volts_per_code)};
 }
 
 }  // namespace forcegate::impedance

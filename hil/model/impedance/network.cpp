@@ -11,7 +11,8 @@
 namespace forcegate::impedance {
 namespace {
 
-constexpr double kDecay = 0.01;  // a weight of 1 costs as much as one residual of 1 % of the force's deviation
+constexpr double kDecay =
+    0.01;  // a weight of 1 costs as much as one residual of 1 % of the force's deviation
 constexpr int kMostEvaluations = 400;
 
 double hyperbolic_tangent(double x) {
@@ -38,7 +39,8 @@ struct Residuals {
   int operator()(const Eigen::VectorXd& w, Eigen::VectorXd& r) const {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const Sample& s = samples[i];
-      r[static_cast<Eigen::Index>(i)] = w[6] + w[7] * hyperbolic_tangent(w[0] + w[1] * s.v + w[2] * s.c) + w[8] * hyperbolic_tangent(w[3] + w[4] * s.v + w[5] * s.c) - s.f;
+      r[static_cast<Eigen::Index>(i)] = w[6] + w[7] * hyperbolic_tangent(w[0] + w[1] * s.v + w[2] * s.c) +
+                                        w[8] * hyperbolic_tangent(w[3] + w[4] * s.v + w[5] * s.c) - s.f;
     }
     r.tail(inputs()) = kDecay * w;
     return 0;
@@ -49,7 +51,8 @@ struct Residuals {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const Sample& s = samples[i];
       const auto row = static_cast<Eigen::Index>(i);
-      const double h1 = hyperbolic_tangent(w[0] + w[1] * s.v + w[2] * s.c), h2 = hyperbolic_tangent(w[3] + w[4] * s.v + w[5] * s.c);
+      const double h1 = hyperbolic_tangent(w[0] + w[1] * s.v + w[2] * s.c),
+                   h2 = hyperbolic_tangent(w[3] + w[4] * s.v + w[5] * s.c);
       const double d1 = w[7] * (1.0 - h1 * h1), d2 = w[8] * (1.0 - h2 * h2);
       J.row(row) << d1, d1 * s.v, d1 * s.c, d2, d2 * s.v, d2 * s.c, 1.0, h1, h2;
     }
@@ -74,18 +77,29 @@ Scaling scaling_of(std::span<const ForceReading> readings, Get get) {
 double Network::force_N(double output_V, double capacitance_F) const {
   const double v = (output_V - mean_V) / scale_V, c = (capacitance_F - mean_F) / scale_F;
   const auto& w = weights;
-  const double y = w[6] + w[7] * hyperbolic_tangent(w[0] + w[1] * v + w[2] * c) + w[8] * hyperbolic_tangent(w[3] + w[4] * v + w[5] * c);
+  const double y = w[6] + w[7] * hyperbolic_tangent(w[0] + w[1] * v + w[2] * c) +
+                   w[8] * hyperbolic_tangent(w[3] + w[4] * v + w[5] * c);
   return mean_N + scale_N * y;
 }
 
 Result<Network> train_network(std::span<const ForceReading> readings, std::uint64_t seed, int starts) {
-  if (readings.size() < 2 * Network::kWeights) return fail(ErrorCode::parse, "a network of nine weights needs at least 18 readings");
-  const Scaling v = scaling_of(readings, [](const ForceReading& r) { return r.output_V; }), c = scaling_of(readings, [](const ForceReading& r) { return r.capacitance_F; }),
-                f = scaling_of(readings, [](const ForceReading& r) { return r.force_N; });
-  if (!(v.scale > 0.0) || !(c.scale > 0.0) || !(f.scale > 0.0)) return fail(ErrorCode::parse, "the readings that shall train a network do not vary");
-  Network out{.mean_V = v.mean, .scale_V = v.scale, .mean_F = c.mean, .scale_F = c.scale, .mean_N = f.mean, .scale_N = f.scale};
+  if (readings.size() < 2 * Network::kWeights)
+    return fail(ErrorCode::parse, "a network of nine weights needs at least 18 readings");
+  const Scaling v = scaling_of(readings, [](const ForceReading&r) { return r.output_V; }),
+                c = scaling_of(readings, [](const ForceReading&r) { return r.capacitance_F; }),
+                f = scaling_of(readings, [](const ForceReading&r) { return r.force_N; });
+  if (!(v.scale > 0.0) || !(c.scale > 0.0) || !(f.scale > 0.0))
+    return fail(ErrorCode::parse, "the readings that shall train a network do not vary");
+  Network out{.mean_V = v.mean,
+              .scale_V = v.scale,
+              .mean_F = c.mean,
+              .scale_F = c.scale,
+              .mean_N = f.mean,
+              .scale_N = f.scale};
   std::vector<Sample> samples;
-  for (const ForceReading& r : readings) samples.push_back({(r.output_V - v.mean) / v.scale, (r.capacitance_F - c.mean) / c.scale, (r.force_N - f.mean) / f.scale});
+  for (const ForceReading& r : readings)
+    samples.push_back({(r.output_V - v.mean) / v.scale, (r.capacitance_F - c.mean) / c.scale,
+                       (r.force_N - f.mean) / f.scale});
   Rng rng(seed, "network");
   double best = INFINITY;
   for (int start = 0; start < starts; ++start) {
@@ -102,7 +116,8 @@ Result<Network> train_network(std::span<const ForceReading> readings, std::uint6
     for (std::size_t k = 0; k < Network::kWeights; ++k) out.weights[k] = w[static_cast<Eigen::Index>(k)];
   }
   double squares = 0.0;
-  for (const ForceReading& r : readings) squares += std::pow(out.force_N(r.output_V, r.capacitance_F) - r.force_N, 2);
+  for (const ForceReading& r : readings)
+    squares += std::pow(out.force_N(r.output_V, r.capacitance_F) - r.force_N, 2);
   out.training_rmse_N = std::sqrt(squares / static_cast<double>(readings.size()));
   return out;
 }

@@ -31,9 +31,15 @@ RcReading rc_reading(const Phasor& phasor, double source_V, double f_Hz, const C
   out.capacitance_F = y.imag() / w;
   out.phase_rad = std::arg(y);
   const double noise_S = phasor.u_V / std::abs(source_V) / circuit.feedback_ohm;
-  const Complex moved = circuit.gain_bandwidth_Hz > 0.0 ? loop_of(transfer, f_Hz, circuit.gain_bandwidth_Hz * (1.0 + circuit.gain_bandwidth_u_rel)) / circuit.feedback_ohm - y
-                                                        : Complex{0.0, 0.0};
-  const auto combine = [&](double value, double turned) { return std::sqrt(noise_S * noise_S + turned * turned + std::pow(value * circuit.feedback_u_rel, 2)); };
+  const Complex moved =
+      circuit.gain_bandwidth_Hz > 0.0
+          ? loop_of(transfer, f_Hz, circuit.gain_bandwidth_Hz * (1.0 + circuit.gain_bandwidth_u_rel)) /
+                    circuit.feedback_ohm -
+                y
+          : Complex{0.0, 0.0};
+  const auto combine = [&](double value, double turned) {
+    return std::sqrt(noise_S * noise_S + turned * turned + std::pow(value * circuit.feedback_u_rel, 2));
+  };
   out.u_conductance_S = combine(y.real(), moved.real());
   out.u_capacitance_F = combine(y.imag(), moved.imag()) / w;
   out.u_phase_rad = std::hypot(noise_S / std::abs(y), (moved / y).imag());
@@ -46,7 +52,8 @@ RcReading dc_reading(const Level& level, double source_V, const Circuit& circuit
   RcReading out;
   out.amplitude_V = std::abs(level.mean_V);
   out.conductance_S = -level.mean_V / source_V / circuit.feedback_ohm;
-  out.u_conductance_S = std::hypot(level.u_V / source_V / circuit.feedback_ohm, out.conductance_S * circuit.feedback_u_rel);
+  out.u_conductance_S =
+      std::hypot(level.u_V / source_V / circuit.feedback_ohm, out.conductance_S * circuit.feedback_u_rel);
   out.saturated = level.clipped > 0;
   return out;
 }

@@ -7,17 +7,17 @@ namespace forcegate::impedance {
 
 /// What is known of the circuit; u_rel are relative standard uncertainties.
 struct Circuit {
-  double feedback_ohm = 0, feedback_u_rel = 0;            ///< R_g
-  double gain_bandwidth_Hz = 0, gain_bandwidth_u_rel = 0; ///< 0: amplifier taken as ideal
+  double feedback_ohm = 0, feedback_u_rel = 0;             ///< R_g
+  double gain_bandwidth_Hz = 0, gain_bandwidth_u_rel = 0;  ///< 0: amplifier taken as ideal
 };
 
 struct RcReading {
   double f_Hz = 0;
-  double amplitude_V = 0;            ///< A_o of eq. (5)
+  double amplitude_V = 0;                 ///< A_o of eq. (5)
   double phase_rad = 0, u_phase_rad = 0;  ///< phi of eq. (5), between 0 and pi/2 for R parallel C
   double conductance_S = 0, u_conductance_S = 0;
   double capacitance_F = 0, u_capacitance_F = 0;
-  bool saturated = false;            ///< clipped samples, or a third harmonic above 1 % and above its noise
+  bool saturated = false;  ///< clipped samples, or a third harmonic above 1 % and above its noise
   double resistance_ohm() const { return 1.0 / conductance_S; }
   double u_resistance_ohm() const { return u_conductance_S / (conductance_S * conductance_S); }
 };

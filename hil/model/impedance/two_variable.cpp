@@ -37,16 +37,22 @@ void make_valid(ErrorCovariance& s) {
     s.at_zero[i] = std::clamp(s.at_zero[i], least, std::max(least, 3.0 * std::abs(total)));
     s.at_full[i] = std::max(s.at_full[i], 0.1 * s.at_zero[i]);
   }
-  const auto bounded = [](double cross, double a, double b) { return std::clamp(cross, -0.95 * std::sqrt(a * b), 0.95 * std::sqrt(a * b)); };
+  const auto bounded = [](double cross, double a, double b) {
+    return std::clamp(cross, -0.95 * std::sqrt(a * b), 0.95 * std::sqrt(a * b));
+  };
   s.at_zero[1] = bounded(s.at_zero[1], s.at_zero[0], s.at_zero[2]);
   s.at_full[1] = bounded(s.at_full[1], s.at_full[0], s.at_full[2]);
 }
 
 }  // namespace
 
-TwoVariableModel::Parabola TwoVariableModel::fit_parabola(const std::vector<ForceReading>& readings, bool capacitance) {
-  const auto x_of = [capacitance](const ForceReading& r) { return capacitance ? r.capacitance_F : r.output_V; };
-  const auto [low, high] = std::minmax_element(readings.begin(), readings.end(), [&](const auto& a, const auto& b) { return x_of(a) < x_of(b); });
+TwoVariableModel::Parabola TwoVariableModel::fit_parabola(const std::vector<ForceReading>& readings,
+                                                          bool capacitance) {
+  const auto x_of = [capacitance](const ForceReading& r) {
+    return capacitance ? r.capacitance_F : r.output_V;
+  };
+  const auto [low, high] = std::minmax_element(
+      readings.begin(), readings.end(), [&](const auto& a, const auto& b) { return x_of(a) < x_of(b); });
   Parabola p;
   p.centre = 0.5 * (x_of(*low) + x_of(*high));
   p.scale = std::max(0.5 * (x_of(*high) - x_of(*low)), 1e-300);
@@ -70,21 +76,26 @@ ForceEstimate TwoVariableModel::estimate(double output_V, double capacitance_F) 
   for (std::size_t i = 0; i < 3; ++i) s[i] = covariance_.at_zero[i] + covariance_.at_full[i] * x;
   const double spread = s[0] + s[2] - 2.0 * s[1];
   const double weight = std::clamp((s[2] - s[1]) / spread, 0.0, 1.0);  // of the conductance
-  const double variance = weight * weight * s[0] + 2.0 * weight * (1.0 - weight) * s[1] + (1.0 - weight) * (1.0 - weight) * s[2];
+  const double variance =
+      weight * weight * s[0] + 2.0 * weight * (1.0 - weight) * s[1] + (1.0 - weight) * (1.0 - weight) * s[2];
   return {weight * by_g + (1.0 - weight) * by_c, std::sqrt(variance)};
 }
 
-Result<std::vector<TwoVariableModel>> fit_two_variable(const std::vector<std::vector<std::vector<ForceReading>>>& sensors, double pool) {
+Result<std::vector<TwoVariableModel>> fit_two_variable(
+    const std::vector<std::vector<std::vector<ForceReading>>>& sensors, double pool) {
   std::vector<TwoVariableModel> models(sensors.size());
   std::vector<Errors> errors(sensors.size());
   Errors all;
   double loadings = 0.0;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     const auto& own = sensors[s];
-    if (own.size() < 2) return fail(ErrorCode::parse, "a two-variable model needs two loadings of each sensor, to see what a new loading does");
+    if (own.size() < 2)
+      return fail(ErrorCode::parse,
+                  "a two-variable model needs two loadings of each sensor, to see what a new loading does");
     std::vector<ForceReading> joined;
     for (const auto& loading : own) joined.insert(joined.end(), loading.begin(), loading.end());
-    if (joined.size() < kFewest * own.size()) return fail(ErrorCode::parse, "a two-variable model needs six levels in each loading");
+    if (joined.size() < kFewest * own.size())
+      return fail(ErrorCode::parse, "a two-variable model needs six levels in each loading");
     TwoVariableModel& m = models[s];
     m.from_conductance_ = TwoVariableModel::fit_parabola(joined, false);
     m.from_capacitance_ = TwoVariableModel::fit_parabola(joined, true);
@@ -96,10 +107,12 @@ Result<std::vector<TwoVariableModel>> fit_two_variable(const std::vector<std::ve
       std::vector<ForceReading> others;
       for (std::size_t l = 0; l < own.size(); ++l)
         if (l != left) others.insert(others.end(), own[l].begin(), own[l].end());
-      const auto by_g = TwoVariableModel::fit_parabola(others, false), by_c = TwoVariableModel::fit_parabola(others, true);
+      const auto by_g = TwoVariableModel::fit_parabola(others, false),
+                 by_c = TwoVariableModel::fit_parabola(others, true);
       for (const ForceReading& r : own[left]) {
         const double share = r.force_N / m.full_N_;
-        errors[s].push_back({share * share, shrink * (by_g.force_N(r.output_V) - r.force_N), shrink * (by_c.force_N(r.capacitance_F) - r.force_N)});
+        errors[s].push_back({share * share, shrink * (by_g.force_N(r.output_V) - r.force_N),
+                             shrink * (by_c.force_N(r.capacitance_F) - r.force_N)});
       }
     }
     all.insert(all.end(), errors[s].begin(), errors[s].end());

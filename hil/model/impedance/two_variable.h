@@ -32,7 +32,8 @@ class TwoVariableModel {
   const ErrorCovariance& covariance() const { return covariance_; }
 
  private:
-  friend Result<std::vector<TwoVariableModel>> fit_two_variable(const std::vector<std::vector<std::vector<ForceReading>>>& sensors, double pool);
+  friend Result<std::vector<TwoVariableModel>> fit_two_variable(
+      const std::vector<std::vector<std::vector<ForceReading>>>& sensors, double pool);
   struct Parabola {
     double centre = 0, scale = 1;
     std::array<double, 3> a{};
@@ -51,6 +52,7 @@ class TwoVariableModel {
 /// sensors[s][loading] are the training readings of the sensors of one set, at least two loadings each. One loading at a
 /// time is left out to see what a new loading does; a sensor's covariance is drawn towards the mean of all with the weight
 /// of `pool` loadings, since two or three loadings alone do not carry one. Errors (parse): too few loadings or readings.
-Result<std::vector<TwoVariableModel>> fit_two_variable(const std::vector<std::vector<std::vector<ForceReading>>>& sensors, double pool = 4.0);
+Result<std::vector<TwoVariableModel>> fit_two_variable(
+    const std::vector<std::vector<std::vector<ForceReading>>>& sensors, double pool = 4.0);
 
 }  // namespace forcegate::impedance

@@ -14,8 +14,10 @@ std::string network_header(const characterize::WeightStudy& study) {
   for (const auto& e : study.exemplar) {
     const impedance::Network& n = e.network;
     out += "    {{";
-    for (std::size_t k = 0; k < n.weights.size(); ++k) out += fmt::format("{}{:.9e}f", k == 0 ? "" : k == 3 || k == 6 ? ",\n      " : ", ", n.weights[k]);
-    out += fmt::format("}},\n     {:.9e}f, {:.9e}f, {:.9e}f, {:.9e}f, {:.9e}f, {:.9e}f}},\n", n.mean_V, n.scale_V, 1e12 * n.mean_F, 1e12 * n.scale_F, n.mean_N, n.scale_N);
+    for (std::size_t k = 0; k < n.weights.size(); ++k)
+      out += fmt::format("{}{:.9e}f", k == 0 ? "" : k == 3 || k == 6 ? ",\n      " : ", ", n.weights[k]);
+    out += fmt::format("}},\n     {:.9e}f, {:.9e}f, {:.9e}f, {:.9e}f, {:.9e}f, {:.9e}f}},\n", n.mean_V,
+                       n.scale_V, 1e12 * n.mean_F, 1e12 * n.scale_F, n.mean_N, n.scale_N);
   }
   return out + "};\n\n#endif\n";
 }

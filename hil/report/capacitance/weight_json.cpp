@@ -21,8 +21,10 @@ Json numbers(const Values& values) {
 Json of(const ShareOf& s) { return {{"share", number(s.share())}, {"k", s.k}, {"n", s.n}}; }
 
 Json of(const SensorResult& s) {
-  Json out{{"mse_N2", numbers(s.mse_N2)}, {"per_pct", number(s.per_pct)}, {"covered", s.covered}, {"tested", s.tested}, {"u_mean_N", number(s.u_mean_N)},
-           {"unloading_mse_N2", numbers(s.unloading_mse_N2)}, {"sweeps", Json::array()}};
+  Json out{{"mse_N2", numbers(s.mse_N2)},    {"per_pct", number(s.per_pct)},
+           {"covered", s.covered},           {"tested", s.tested},
+           {"u_mean_N", number(s.u_mean_N)}, {"unloading_mse_N2", numbers(s.unloading_mse_N2)},
+           {"sweeps", Json::array()}};
   for (const SweepResult& w : s.sweeps)
     out["sweeps"].push_back({{"force_N", w.force_N},
                              {"fitted", w.fitted},
@@ -36,15 +38,34 @@ Json of(const SensorResult& s) {
 }  // namespace
 
 std::string weight_json(const WeightStudy& study, const WeightSummary& s, bool sensors) {
-  Json root{{"format", 1}, {"kind", "capacitance"}, {"plan", study.plan.name}, {"seed", study.plan.seed}, {"bench", study.bench.name}, {"bench_version", study.bench.version},
-            {"sets", study.sets.size()}, {"bench_time_s", study.bench_time_s}, {"samples", study.samples}};
+  Json root{{"format", 1},
+            {"kind", "capacitance"},
+            {"plan", study.plan.name},
+            {"seed", study.plan.seed},
+            {"bench", study.bench.name},
+            {"bench_version", study.bench.version},
+            {"sets", study.sets.size()},
+            {"bench_time_s", study.bench_time_s},
+            {"samples", study.samples}};
   Json models = Json::array();
   for (const auto name : kForceModelNames) models.push_back(std::string(name));
   root["models"] = models;
-  root["per_pct"] = {{"mean", number(s.per_mean_pct)}, {"sd_sets", number(s.per_sd_sets_pct)}, {"standard_error", number(s.per_se_pct)}, {"lowest_set", number(s.per_low_pct)}, {"highest_set", number(s.per_high_pct)}};
-  root["mse_N2"] = {{"mean", numbers(s.mse_mean)}, {"q05", numbers(s.mse_q05)}, {"median", numbers(s.mse_median)}, {"q95", numbers(s.mse_q95)}, {"unloading_mean", numbers(s.unloading_mean)}};
-  root["per_by_training_loadings_pct"] = {{"network", numbers(s.per_network_pct)}, {"two_variables", numbers(s.per_ours_pct)}};
-  root["coverage_95"] = {{"force", of(s.covered)}, {"resistance", of(s.resistance_covered)}, {"capacitance", of(s.capacitance_covered)}, {"divergence", of(s.divergence_covered)}};
+  root["per_pct"] = {{"mean", number(s.per_mean_pct)},
+                     {"sd_sets", number(s.per_sd_sets_pct)},
+                     {"standard_error", number(s.per_se_pct)},
+                     {"lowest_set", number(s.per_low_pct)},
+                     {"highest_set", number(s.per_high_pct)}};
+  root["mse_N2"] = {{"mean", numbers(s.mse_mean)},
+                    {"q05", numbers(s.mse_q05)},
+                    {"median", numbers(s.mse_median)},
+                    {"q95", numbers(s.mse_q95)},
+                    {"unloading_mean", numbers(s.unloading_mean)}};
+  root["per_by_training_loadings_pct"] = {{"network", numbers(s.per_network_pct)},
+                                          {"two_variables", numbers(s.per_ours_pct)}};
+  root["coverage_95"] = {{"force", of(s.covered)},
+                         {"resistance", of(s.resistance_covered)},
+                         {"capacitance", of(s.capacitance_covered)},
+                         {"divergence", of(s.divergence_covered)}};
   root["claims"] = Json::array();
   for (const WeightClaim& c : claims_of(study, s)) {
     Json claim{{"place", c.place}, {"subject", c.subject}, {"paper", c.paper}, {"ours", c.ours}};
@@ -53,7 +74,10 @@ std::string weight_json(const WeightStudy& study, const WeightSummary& s, bool s
   }
   if (sensors)
     for (const SetResult& set : study.sets) {
-      Json one{{"set", set.set}, {"per_mean_pct", number(set.per_mean_pct())}, {"operating_Hz", number(set.operating_Hz)}, {"sensors", Json::array()}};
+      Json one{{"set", set.set},
+               {"per_mean_pct", number(set.per_mean_pct())},
+               {"operating_Hz", number(set.operating_Hz)},
+               {"sensors", Json::array()}};
       for (const SensorResult& sensor : set.sensors) one["sensors"].push_back(of(sensor));
       root["packs"].push_back(std::move(one));
     }

@@ -10,10 +10,14 @@
 namespace forcegate {
 
 /// Markdown; the same study gives the same bytes.
-std::string weight_markdown(const characterize::WeightStudy& study, const characterize::WeightSummary& summary, const std::vector<PaperPicture>& pictures, const std::string& command,
+std::string weight_markdown(const characterize::WeightStudy& study,
+                            const characterize::WeightSummary& summary,
+                            const std::vector<PaperPicture>& pictures, const std::string& command,
                             const std::string& pictures_folder);
 
 /// One HTML file for people.
-std::string weight_sheet_html(const characterize::WeightStudy& study, const characterize::WeightSummary& summary, const std::vector<PaperPicture>& pictures, const std::string& command);
+std::string weight_sheet_html(const characterize::WeightStudy& study,
+                              const characterize::WeightSummary& summary,
+                              const std::vector<PaperPicture>& pictures, const std::string& command);
 
 }  // namespace forcegate

@@ -19,20 +19,25 @@ using figures::escape;
 struct Section {
   const char *prefix, *title;
 };
-constexpr Section kSections[] = {{"static.", "Static properties"},         {"step.", "Step response"},
-                                 {"harmonic.", "Sinusoidal load"},         {"erratic.", "Erratic maxima"},
-                                 {"jump.", "Jump of the frequency"},       {"cycling.", "Static gain after cycling"},
-                                 {"recovery.", "Recovery at rest"},        {"identified.", "Identified decay"},
-                                 {"control.", "Force control"}, {"tms.", "Robotised TMS"},            {"recording.", "Recordings"}};
+constexpr Section kSections[] = {
+    {"static.", "Static properties"},   {"step.", "Step response"},
+    {"harmonic.", "Sinusoidal load"},   {"erratic.", "Erratic maxima"},
+    {"jump.", "Jump of the frequency"}, {"cycling.", "Static gain after cycling"},
+    {"recovery.", "Recovery at rest"},  {"identified.", "Identified decay"},
+    {"control.", "Force control"},      {"tms.", "Robotised TMS"},
+    {"recording.", "Recordings"}};
 
-std::string number(double v, const char* style = "n") { return fmt::format("<td class=\"{}\">{}</td>", style, escape(figures::display(v, 3))); }
+std::string number(double v, const char* style = "n") {
+  return fmt::format("<td class=\"{}\">{}</td>", style, escape(figures::display(v, 3)));
+}
 
 std::string section_table(const SensorStudy& study, const Section& section) {
   std::string rows;
   for (const Spread& s : study.spreads) {
     if (!s.key.starts_with(section.prefix)) continue;
-    rows += "<tr><th scope=\"row\">" + escape(s.title) + "</th><td>" + escape(s.unit) + "</td>" + number(s.mean) + number(s.sd_specimens) + number(s.sd_sessions) +
-            number(s.q05) + number(s.median) + number(s.q95) + fmt::format("<td class=\"n\">{}</td></tr>\n", s.n);
+    rows += "<tr><th scope=\"row\">" + escape(s.title) + "</th><td>" + escape(s.unit) + "</td>" +
+            number(s.mean) + number(s.sd_specimens) + number(s.sd_sessions) + number(s.q05) +
+            number(s.median) + number(s.q95) + fmt::format("<td class=\"n\">{}</td></tr>\n", s.n);
   }
   if (rows.empty()) return {};
   return fmt::format(
@@ -49,11 +54,14 @@ std::string laws_section(const SensorStudy& study) {
   std::string out = fmt::format(
       "<section><h2>Laws of the decay</h2><p>Umax = Umin + a e<sup>-bt</sup> + c with a = ({:.3f} &plusmn; {:.3f}) A&sup2; + ({:.3f} &plusmn; {:.3f}) A V, b = ({:.5f} &plusmn; {:.5f}) f + "
       "{:.5f} &plusmn; {:.5f} 1/s, c/a = 1/(1 + ({:.3f} &plusmn; {:.3f}) A&sup2;); {} records of {} specimens.</p>\n",
-      l.a2_V_per_N2, l.se_a2, l.a1_V_per_N, l.se_a1, l.b1_s_per_s, l.se_b1, l.b0_per_s, l.se_b0, l.k_per_N2, l.se_k, l.records, l.specimens);
-  out += "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Errors of the laws\"><table><caption>Errors of the laws, %</caption><thead><tr><th scope=\"col\">Records</th><th scope=\"col\">Specimens</th>"
-         "<th scope=\"col\" class=\"n\">a</th><th scope=\"col\" class=\"n\">b</th><th scope=\"col\" class=\"n\">c</th><th scope=\"col\" class=\"n\">MRE of the maxima</th><th scope=\"col\" class=\"n\">n</th></tr></thead><tbody>\n";
+      l.a2_V_per_N2, l.se_a2, l.a1_V_per_N, l.se_a1, l.b1_s_per_s, l.se_b1, l.b0_per_s, l.se_b0, l.k_per_N2,
+      l.se_k, l.records, l.specimens);
+  out +=
+      "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Errors of the laws\"><table><caption>Errors of the laws, %</caption><thead><tr><th scope=\"col\">Records</th><th scope=\"col\">Specimens</th>"
+      "<th scope=\"col\" class=\"n\">a</th><th scope=\"col\" class=\"n\">b</th><th scope=\"col\" class=\"n\">c</th><th scope=\"col\" class=\"n\">MRE of the maxima</th><th scope=\"col\" class=\"n\">n</th></tr></thead><tbody>\n";
   for (const auto& s : study.laws.scores)
-    out += "<tr><th scope=\"row\">" + escape(s.set) + "</th><td>" + escape(s.group) + "</td>" + number(s.mean.a_pct) + number(s.mean.b_pct) + number(s.mean.c_pct) + number(s.mean.mre_pct) +
+    out += "<tr><th scope=\"row\">" + escape(s.set) + "</th><td>" + escape(s.group) + "</td>" +
+           number(s.mean.a_pct) + number(s.mean.b_pct) + number(s.mean.c_pct) + number(s.mean.mre_pct) +
            fmt::format("<td class=\"n\">{}</td></tr>\n", s.records);
   return out + "</tbody></table></div></section>\n";
 }
@@ -61,7 +69,9 @@ std::string laws_section(const SensorStudy& study) {
 std::string failures(const SensorStudy& study) {
   std::string out;
   for (const SessionSheet& s : study.sheets)
-    if (s.failure) out += "<li>" + escape(fmt::format("{}, session {}: {}", s.specimen, s.session, s.failure->text)) + "</li>\n";
+    if (s.failure)
+      out += "<li>" + escape(fmt::format("{}, session {}: {}", s.specimen, s.session, s.failure->text)) +
+             "</li>\n";
   return out.empty() ? out : "<section><h2>Sessions that failed</h2><ul>" + out + "</ul></section>\n";
 }
 
@@ -70,13 +80,17 @@ std::string failures(const SensorStudy& study) {
 namespace {
 
 std::string bench_time(double seconds) {
-  return seconds < 7200.0 ? fmt::format("{:.1f} min", seconds / 60.0) : fmt::format("{:.0f} h", seconds / 3600.0);
+  return seconds < 7200.0 ? fmt::format("{:.1f} min", seconds / 60.0)
+                          : fmt::format("{:.0f} h", seconds / 3600.0);
 }
 
 }  // namespace
 
-std::string data_sheet_html(const SensorStudy& study, const characterize::StudyPlan& plan, const std::string& command) {
-  const std::string name = study.sensor == "fsr" ? "Interlink FSR" : study.sensor == "flexiforce" ? "Tekscan FlexiForce A201" : study.sensor;
+std::string data_sheet_html(const SensorStudy& study, const characterize::StudyPlan& plan,
+                            const std::string& command) {
+  const std::string name = study.sensor == "fsr"          ? "Interlink FSR"
+                           : study.sensor == "flexiforce" ? "Tekscan FlexiForce A201"
+                                                          : study.sensor;
   std::size_t specimens = 0, sessions = 0;
   std::string last;
   for (const SessionSheet& s : study.sheets) {
@@ -87,15 +101,19 @@ std::string data_sheet_html(const SensorStudy& study, const characterize::StudyP
   HtmlPage page;
   page.title = "Data sheet: " + name;
   page.body = "<header class=\"ok\"><div><h1>" + escape(name) + "</h1>\n<p class=\"why\">" +
-              escape(fmt::format("{} specimen{}, {} session{}, {} of bench time{}", specimens, specimens == 1 ? "" : "s", sessions,
-                                 sessions == 1 ? "" : "s", bench_time(study.rig_time_s),
-                                 plan.name.empty() ? "" : fmt::format("; plan {}, seed {}", plan.name, plan.seed))) +
+              escape(fmt::format(
+                  "{} specimen{}, {} session{}, {} of bench time{}", specimens, specimens == 1 ? "" : "s",
+                  sessions, sessions == 1 ? "" : "s", bench_time(study.rig_time_s),
+                  plan.name.empty() ? "" : fmt::format("; plan {}, seed {}", plan.name, plan.seed))) +
               "</p></div></header>\n<main>\n";
   for (const Section& section : kSections) page.body += section_table(study, section);
   page.body += laws_section(study) + failures(study);
   for (const PaperPicture& p : figures_of_the_paper({study}))
-    page.body += html_figure(p.figure.svg(figures::Figure::Target::embedded), p.figure.title, "<b>" + escape(p.place) + "</b> " + figures::typographic_minus(escape(p.caption)));
-  page.body += "<section><h2>Reproduce</h2><pre tabindex=\"0\" aria-label=\"Command\"><code>" + escape(command) + "</code></pre></section>\n</main>\n";
+    page.body +=
+        html_figure(p.figure.svg(figures::Figure::Target::embedded), p.figure.title,
+                    "<b>" + escape(p.place) + "</b> " + figures::typographic_minus(escape(p.caption)));
+  page.body += "<section><h2>Reproduce</h2><pre tabindex=\"0\" aria-label=\"Command\"><code>" +
+               escape(command) + "</code></pre></section>\n</main>\n";
   return html_document(page);
 }
 

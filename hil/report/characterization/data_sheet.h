@@ -9,6 +9,7 @@
 namespace forcegate {
 
 /// `pictures` of both sensors; only those of the study's exemplar are shown.
-std::string data_sheet_html(const characterize::SensorStudy& study, const characterize::StudyPlan& plan, const std::string& command);
+std::string data_sheet_html(const characterize::SensorStudy& study, const characterize::StudyPlan& plan,
+                            const std::string& command);
 
 }  // namespace forcegate

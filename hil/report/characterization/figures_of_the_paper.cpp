@@ -66,14 +66,18 @@ class Pictures {
       if (c == nullptr) continue;
       Panel& p = f.panel(Axis{"Output", "V"}, Axis{"Force", "N"}, kWide);
       p.title = s->sensor == "fsr" ? "FSR" : "FlexiForce";
-      p.points(column(*c, "sensor_V"), column(*c, "ati_N"), {Role::raw, Dash::solid, 1.0, Marker::dot, 2.0, 0.6}, "measured");
+      p.points(column(*c, "sensor_V"), column(*c, "ati_N"),
+               {Role::raw, Dash::solid, 1.0, Marker::dot, 2.0, 0.6}, "measured");
       const auto& k = s->exemplar.calibration;
       const double low_V = (0.2 - k.offset_N) / k.gain_N_per_V, high_V = (4.1 - k.offset_N) / k.gain_N_per_V;
       p.line({low_V, high_V}, {0.2, 4.1}, {Role::model}, "F = G U + F0");
-      residuals += fmt::format("{}{}: G = {:.3f} N/V, F0 = {:.3f} N, residual {:.3f} N", residuals.empty() ? "" : "; ", p.title,
-                               k.gain_N_per_V, k.offset_N, s->exemplar.calibration_rmse_N);
+      residuals +=
+          fmt::format("{}{}: G = {:.3f} N/V, F0 = {:.3f} N, residual {:.3f} N", residuals.empty() ? "" : "; ",
+                      p.title, k.gain_N_per_V, k.offset_N, s->exemplar.calibration_rmse_N);
     }
-    if (!f.panels().empty()) add("fig04.svg", "Fig. 4", "Two continuous sweeps and the identified line of eq. (1). " + residuals + ".", std::move(f));
+    if (!f.panels().empty())
+      add("fig04.svg", "Fig. 4",
+          "Two continuous sweeps and the identified line of eq. (1). " + residuals + ".", std::move(f));
   }
 
   void step() {
@@ -99,12 +103,15 @@ class Pictures {
     if (b != nullptr) draw(*b, "sensor_V", {Role::model, Dash::dashed}, "FSR");
     p.hline(0.95, "", Role::muted, Dash::dotted);
     std::string times;
-    for (const auto& [ms, who] : {std::pair(a != nullptr ? value("step.ati") : fsr_value("step.ati"), "Nano17"),
-                                  {value("step.sensor"), "FlexiForce"},
-                                  {fsr_value("step.sensor"), "FSR"}})
+    for (const auto& [ms, who] :
+         {std::pair(a != nullptr ? value("step.ati") : fsr_value("step.ati"), "Nano17"),
+          {value("step.sensor"), "FlexiForce"},
+          {fsr_value("step.sensor"), "FSR"}})
       if (std::isfinite(ms)) times += fmt::format("{}{:.0f} ms ({})", times.empty() ? "" : ", ", ms, who);
     add("fig05.svg", "Fig. 5",
-        "A step of the wheel from 1 to 4 N." + (times.empty() ? "" : " Within 5 % of the step after " + times + "."), std::move(f));
+        "A step of the wheel from 1 to 4 N." +
+            (times.empty() ? "" : " Within 5 % of the step after " + times + "."),
+        std::move(f));
   }
 
   void decay() {
@@ -115,11 +122,13 @@ class Pictures {
       if (c == nullptr) continue;
       Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Output", "V", 0.0, 10.0}, kLow);
       p.title = s->sensor == "fsr" ? "FSR" : "FlexiForce";
-      p.line(column(*c, "t_s"), column(*c, "sensor_V"), {s->sensor == "fsr" ? Role::model : Role::firmware, Dash::solid, 0.6});
+      p.line(column(*c, "t_s"), column(*c, "sensor_V"),
+             {s->sensor == "fsr" ? Role::model : Role::firmware, Dash::solid, 0.6});
       text += fmt::format("{} loses {:.0f} % of its swing", text.empty() ? p.title : ", the " + p.title,
                           s->exemplar.value("harmonic.fig6_loss"));
     }
-    if (!f.panels().empty()) add("fig06.svg", "Fig. 6", "Maxima fall, minima stay: " + text + ".", std::move(f));
+    if (!f.panels().empty())
+      add("fig06.svg", "Fig. 6", "Maxima fall, minima stay: " + text + ".", std::move(f));
   }
 
   void erratic() {
@@ -129,8 +138,9 @@ class Pictures {
     Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Output", "V"}, kLow);
     p.line(column(*c, "t_s"), column(*c, "sensor_V"), {Role::model, Dash::solid, 0.6});
     add("fig07.svg", "Fig. 7",
-        fmt::format("The FSR's maxima wander: {:.1f} % of the swing from maximum to its neighbours; loss over the record {:.0f} %.",
-                    fsr_value("erratic.wander"), fsr_value("erratic.loss")),
+        fmt::format(
+            "The FSR's maxima wander: {:.1f} % of the swing from maximum to its neighbours; loss over the record {:.0f} %.",
+            fsr_value("erratic.wander"), fsr_value("erratic.loss")),
         std::move(f));
   }
 
@@ -139,17 +149,20 @@ class Pictures {
     if (c == nullptr) return;
     Figure f("FlexiForce, 0.5, then 2, then 3 Hz", kWidth);
     Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Output", "V"}, kWide);
-    p.line(column(*c, "t_s"), column(*c, "sensor_V"), {Role::firmware, Dash::solid, 0.5, Marker::none, 4.0, 0.8}, "output");
+    p.line(column(*c, "t_s"), column(*c, "sensor_V"),
+           {Role::firmware, Dash::solid, 0.5, Marker::none, 4.0, 0.8}, "output");
     if (control != nullptr) {
       std::vector<double> t, v;
-      const auto time = column(*control, "t_s"), volts = column(*control, "sensor_V"), maximum = column(*control, "maximum");
+      const auto time = column(*control, "t_s"), volts = column(*control, "sensor_V"),
+                 maximum = column(*control, "maximum");
       for (std::size_t i = 0; i < time.size(); i += 4)
         if (maximum[i] > 0.5) t.push_back(time[i]), v.push_back(volts[i]);
       p.line(t, v, {Role::reference, Dash::dashed, 1.4}, "maxima without the jumps");
     }
     add("fig08.svg", "Fig. 8",
-        fmt::format("At the first jump {:.0f} % of the lost swing come back, then the output returns to the curve that it would have followed ({:+.1f} % of it after 100 s).",
-                    value("jump.bump"), value("jump.return")),
+        fmt::format(
+            "At the first jump {:.0f} % of the lost swing come back, then the output returns to the curve that it would have followed ({:+.1f} % of it after 100 s).",
+            value("jump.bump"), value("jump.return")),
         std::move(f));
   }
 
@@ -159,8 +172,9 @@ class Pictures {
       Panel& p = f.panel(Axis{"Time", "s", 0.0, 400.0}, Axis{"Force", "N", 0.0, 5.5}, kWide);
       force_lines(p, *c);
       add("fig09.svg", "Fig. 9",
-          fmt::format("Set-point 1.1 to 3.2 N. The controller believes the falling sensor: the maxima of the true force rise, then the minima, and after {:.0f} s the wheel comes to its stop (paper: 150 s).",
-                      value("control.raw_stop")),
+          fmt::format(
+              "Set-point 1.1 to 3.2 N. The controller believes the falling sensor: the maxima of the true force rise, then the minima, and after {:.0f} s the wheel comes to its stop (paper: 150 s).",
+              value("control.raw_stop")),
           std::move(f));
     }
     if (const Curve* c = curve_of(flexi_, "fig10")) {
@@ -168,8 +182,9 @@ class Pictures {
       Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Force", "N", 0.0, 5.5}, kWide);
       force_lines(p, *c);
       add("fig10.svg", "Fig. 10",
-          fmt::format("The same with eq. (7), b and c/a identified: MRE of the Nano17 against the set-point {:.1f} % (maxima), {:.1f} % (minima).",
-                      value("control.identified_maxima"), value("control.identified_minima")),
+          fmt::format(
+              "The same with eq. (7), b and c/a identified: MRE of the Nano17 against the set-point {:.1f} % (maxima), {:.1f} % (minima).",
+              value("control.identified_maxima"), value("control.identified_minima")),
           std::move(f));
     }
     if (const Curve* c = curve_of(flexi_, "fig10_end")) {
@@ -177,7 +192,8 @@ class Pictures {
       Panel& p = f.panel(Axis{"Time", "s"}, Axis{"Force", "N"}, kLow);
       p.line(column(*c, "t_s"), column(*c, "ati_N"), {Role::firmware}, "Nano17");
       p.line(column(*c, "t_s"), column(*c, "setpoint_N"), {Role::reference, Dash::dashed}, "reference");
-      add("fig11.svg", "Fig. 11", "Close-up of the end of the compensated record; black: reference value.", std::move(f));
+      add("fig11.svg", "Fig. 11", "Close-up of the end of the compensated record; black: reference value.",
+          std::move(f));
     }
   }
 
@@ -187,7 +203,8 @@ class Pictures {
     const auto& k = flexi_->exemplar.calibration;
     for (double& v : raw_N) v = k.gain_N_per_V * v + k.offset_N;
     p.line(column(c, "t_s"), column(c, "ati_N"), {Role::reference, Dash::solid, 0.6}, "Nano17");
-    p.line(column(c, "t_s"), raw_N, {Role::firmware, Dash::solid, 0.5, Marker::none, 4.0, 0.8}, "FlexiForce by eq. (1)");
+    p.line(column(c, "t_s"), raw_N, {Role::firmware, Dash::solid, 0.5, Marker::none, 4.0, 0.8},
+           "FlexiForce by eq. (1)");
     const auto setpoint = column(c, "setpoint_N");
     p.hline(*std::min_element(setpoint.begin(), setpoint.end()), "", Role::golden);
     p.hline(*std::max_element(setpoint.begin(), setpoint.end()), "extrema of the set-point", Role::golden);
@@ -204,8 +221,9 @@ class Pictures {
     force.line(column(*c, "t_s"), column(*c, "ati_N"), {Role::reference, Dash::solid, 0.8}, "Nano17");
     force.hline(5.0, "5 N, never to be passed", Role::fail).hline(1.5, "set-point", Role::golden);
     add("fig12.svg", "Fig. 12",
-        fmt::format("FSR without compensation holds 1.5 N on a head that breathes, moves suddenly and leaves the coil: largest force {:.2f} N, noise in steady spans {:.2f} N peak to peak (paper: below 0.34 N), no contact in {:.1f} % of the time.",
-                    fsr_value("tms.contact"), fsr_value("tms.noise"), fsr_value("tms.lost")),
+        fmt::format(
+            "FSR without compensation holds 1.5 N on a head that breathes, moves suddenly and leaves the coil: largest force {:.2f} N, noise in steady spans {:.2f} N peak to peak (paper: below 0.34 N), no contact in {:.1f} % of the time.",
+            fsr_value("tms.contact"), fsr_value("tms.noise"), fsr_value("tms.lost")),
         std::move(f));
   }
 
@@ -221,7 +239,8 @@ class Pictures {
     }
     const characterize::DecayRecord* d = nullptr;
     for (const auto& r : flexi_->exemplar.decays)
-      if (r.set == "series" && r.f_Hz == 0.5 && std::abs(r.A_N - 1.5) < 0.05 && std::abs(r.m_N - 2.7) < 1e-9) d = &r;
+      if (r.set == "series" && r.f_Hz == 0.5 && std::abs(r.A_N - 1.5) < 0.05 && std::abs(r.m_N - 2.7) < 1e-9)
+        d = &r;
     if (d == nullptr || !d->fitted) return;
     std::vector<double> t, fit;
     for (int i = 0; i <= 120; ++i) {
@@ -235,13 +254,18 @@ class Pictures {
     p.line(t, fit, {Role::model}, "Umin + a exp(-b t) + c");
     p.hline(d->u_min_V, "Umin", Role::muted);
     add("fig13.svg", "Fig. 13",
-        fmt::format("Eq. (3) fitted to the maxima of 0.5 Hz, A = 1.5 N: a = {:.2f} V, b = {:.2f}e-3 1/s, c = {:.2f} V, RMSE (eq. 8) {:.3f} V (paper: 3.48 V, 7.01e-3 1/s, 0.89 V, 0.064 V).",
-                    d->fit.a_V, 1e3 * d->fit.b_per_s, d->fit.c_V, d->fit.rmse_V),
+        fmt::format(
+            "Eq. (3) fitted to the maxima of 0.5 Hz, A = 1.5 N: a = {:.2f} V, b = {:.2f}e-3 1/s, c = {:.2f} V, RMSE (eq. 8) {:.3f} V (paper: 3.48 V, 7.01e-3 1/s, 0.89 V, 0.064 V).",
+            d->fit.a_V, 1e3 * d->fit.b_per_s, d->fit.c_V, d->fit.rmse_V),
         std::move(f));
   }
 
-  double value(std::string_view key) const { return flexi_ != nullptr ? flexi_->exemplar.value(key) : std::nan(""); }
-  double fsr_value(std::string_view key) const { return fsr_ != nullptr ? fsr_->exemplar.value(key) : std::nan(""); }
+  double value(std::string_view key) const {
+    return flexi_ != nullptr ? flexi_->exemplar.value(key) : std::nan("");
+  }
+  double fsr_value(std::string_view key) const {
+    return fsr_ != nullptr ? fsr_->exemplar.value(key) : std::nan("");
+  }
 
   const SensorStudy *flexi_, *fsr_;
   std::vector<PaperPicture> out_;
@@ -249,6 +273,8 @@ class Pictures {
 
 }  // namespace
 
-std::vector<PaperPicture> figures_of_the_paper(const std::vector<SensorStudy>& studies) { return Pictures(studies).all(); }
+std::vector<PaperPicture> figures_of_the_paper(const std::vector<SensorStudy>& studies) {
+  return Pictures(studies).all();
+}
 
 }  // namespace forcegate

@@ -21,8 +21,10 @@ Curve cycles_of(const Curve& extrema, std::string_view channel) {
   Curve out;
   out.columns = {"t_s", "maximum", "minimum"};
   out.data.resize(3);
-  const std::vector<float>&t = *extrema.find("t_s"), &v = *extrema.find(channel), &maximum = *extrema.find("maximum");
-  const auto maxima = static_cast<std::size_t>(std::count_if(maximum.begin(), maximum.end(), [](float m) { return m > 0.5F; }));
+  const std::vector<float>&t = *extrema.find("t_s"), &v = *extrema.find(channel),
+        &maximum = *extrema.find("maximum");
+  const auto maxima = static_cast<std::size_t>(
+      std::count_if(maximum.begin(), maximum.end(), [](float m) { return m > 0.5F; }));
   const std::size_t cycles = std::min(maxima, t.size() - maxima);
   const std::size_t every = std::max<std::size_t>(1, (cycles + kMostRows - 1) / kMostRows);
   for (std::size_t i = 0; i < cycles; i += every) {
@@ -46,7 +48,8 @@ Curve step_of(const Curve& step) {
 
 }  // namespace
 
-std::vector<GoldenTrace> golden_traces(const characterize::SensorStudy& study, const characterize::StudyPlan& plan) {
+std::vector<GoldenTrace> golden_traces(const characterize::SensorStudy& study,
+                                       const characterize::StudyPlan& plan) {
   std::vector<GoldenTrace> out;
   for (const Curve& c : study.exemplar.curves) {
     const bool extrema = c.name.starts_with("extrema/");
@@ -72,13 +75,15 @@ std::vector<GoldenTrace> golden_traces(const characterize::SensorStudy& study, c
 }
 
 std::string golden_text(const GoldenTrace& g) {
-  std::string out = fmt::format("# format = 1\n# name = \"{}\"\n# unit = \"{}\"\n# absolute = {}\n# relative = {}\n", g.name, g.unit,
-                                shortest(g.absolute), shortest(g.relative));
+  std::string out =
+      fmt::format("# format = 1\n# name = \"{}\"\n# unit = \"{}\"\n# absolute = {}\n# relative = {}\n",
+                  g.name, g.unit, shortest(g.absolute), shortest(g.relative));
   for (const auto& [key, value] : g.provenance) out += fmt::format("# {} = \"{}\"\n", key, value);
   out += join(g.curve.columns, ",") + "\n";
   for (std::size_t i = 0; i < g.curve.data[0].size(); ++i) {
     for (std::size_t k = 0; k < g.curve.data.size(); ++k)
-      out += fmt::format("{}{:.{}f}", k > 0 ? "," : "", static_cast<double>(g.curve.data[k][i]), k == 0 ? 3 : 4);
+      out +=
+          fmt::format("{}{:.{}f}", k > 0 ? "," : "", static_cast<double>(g.curve.data[k][i]), k == 0 ? 3 : 4);
     out += '\n';
   }
   return out;
@@ -89,7 +94,8 @@ Result<GoldenTrace> parse_golden(std::string_view text, const std::string& name)
   std::size_t number = 0;
   bool header = false;
   const auto bad = [&](std::string why) {
-    return fail(ErrorCode::parse, std::move(why), name + ":" + std::to_string(number), "write it anew with forcegate characterize --golden");
+    return fail(ErrorCode::parse, std::move(why), name + ":" + std::to_string(number),
+                "write it anew with forcegate characterize --golden");
   };
   for (const std::string& line : split(text, '\n')) {
     ++number;
@@ -124,15 +130,18 @@ Result<GoldenTrace> parse_golden(std::string_view text, const std::string& name)
       header = true;
       continue;
     }
-    if (cells.size() != g.curve.columns.size()) return bad("the row has another number of cells than the header");
+    if (cells.size() != g.curve.columns.size())
+      return bad("the row has another number of cells than the header");
     for (std::size_t k = 0; k < cells.size(); ++k) {
       float v = 0.0F;
       const auto [end, error] = std::from_chars(cells[k].data(), cells[k].data() + cells[k].size(), v);
-      if (error != std::errc{} || end != cells[k].data() + cells[k].size() || !std::isfinite(v)) return bad("'" + printable_utf8(cells[k]) + "' is not a number");
+      if (error != std::errc{} || end != cells[k].data() + cells[k].size() || !std::isfinite(v))
+        return bad("'" + printable_utf8(cells[k]) + "' is not a number");
       g.curve.data[k].push_back(v);
     }
   }
-  if (g.name.empty() || g.curve.data.size() < 2 || g.curve.data[0].empty()) return bad("this is no golden trace: name, columns or rows are missing");
+  if (g.name.empty() || g.curve.data.size() < 2 || g.curve.data[0].empty())
+    return bad("this is no golden trace: name, columns or rows are missing");
   return g;
 }
 

@@ -29,7 +29,8 @@ struct GoldenTrace {
 };
 
 /// Traces of the exemplar of a study, in the order in which they were played.
-std::vector<GoldenTrace> golden_traces(const characterize::SensorStudy& study, const characterize::StudyPlan& plan);
+std::vector<GoldenTrace> golden_traces(const characterize::SensorStudy& study,
+                                       const characterize::StudyPlan& plan);
 
 std::string golden_text(const GoldenTrace& trace);
 

@@ -8,7 +8,8 @@
 
 namespace forcegate {
 
-std::string table_II_markdown(const characterize::SensorStudy& flexiforce, const characterize::StudyPlan& plan);
+std::string table_II_markdown(const characterize::SensorStudy& flexiforce,
+                              const characterize::StudyPlan& plan);
 std::string table_III_markdown(const characterize::SensorStudy& flexiforce);
 std::string laws_markdown(const characterize::LawStudy& laws);
 std::string levels_markdown(const characterize::SensorStudy& flexiforce);

@@ -14,12 +14,27 @@ using namespace characterize;
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 Json of(const Spread& s) {
-  return {{"key", s.key}, {"title", s.title}, {"unit", s.unit}, {"mean", number(s.mean)}, {"sd_specimens", number(s.sd_specimens)},
-          {"sd_sessions", number(s.sd_sessions)}, {"lowest", number(s.lowest)}, {"q05", number(s.q05)}, {"median", number(s.median)},
-          {"q95", number(s.q95)}, {"largest", number(s.largest)}, {"specimens", s.specimens}, {"n", s.n}};
+  return {{"key", s.key},
+          {"title", s.title},
+          {"unit", s.unit},
+          {"mean", number(s.mean)},
+          {"sd_specimens", number(s.sd_specimens)},
+          {"sd_sessions", number(s.sd_sessions)},
+          {"lowest", number(s.lowest)},
+          {"q05", number(s.q05)},
+          {"median", number(s.median)},
+          {"q95", number(s.q95)},
+          {"largest", number(s.largest)},
+          {"specimens", s.specimens},
+          {"n", s.n}};
 }
 
-Json of(const LawErrors& e) { return {{"a_pct", number(e.a_pct)}, {"b_pct", number(e.b_pct)}, {"c_pct", number(e.c_pct)}, {"mre_pct", number(e.mre_pct)}}; }
+Json of(const LawErrors& e) {
+  return {{"a_pct", number(e.a_pct)},
+          {"b_pct", number(e.b_pct)},
+          {"c_pct", number(e.c_pct)},
+          {"mre_pct", number(e.mre_pct)}};
+}
 
 Json of(const LawStudy& study) {
   if (!study.available) return {{"available", false}, {"why_not", study.why_not}};
@@ -34,7 +49,13 @@ Json of(const LawStudy& study) {
            {"specimens", l.specimens},
            {"scores", Json::array()}};
   for (const LawScore& s : study.scores)
-    out["scores"].push_back({{"set", s.set}, {"specimens", s.group}, {"mean", of(s.mean)}, {"sd", of(s.sd)}, {"n_specimens", s.specimens}, {"n", s.records}, {"left_out", s.left_out}});
+    out["scores"].push_back({{"set", s.set},
+                             {"specimens", s.group},
+                             {"mean", of(s.mean)},
+                             {"sd", of(s.sd)},
+                             {"n_specimens", s.specimens},
+                             {"n", s.records},
+                             {"left_out", s.left_out}});
   return out;
 }
 
@@ -43,9 +64,15 @@ Json of(const SessionSheet& s) {
   if (s.failure) out["failure"] = s.failure->text;
   for (const Measurement& m : s.values) out["values"][m.key] = number(m.value);
   for (const DecayRecord& d : s.decays) {
-    Json r{{"set", d.set}, {"f_Hz", d.f_Hz}, {"A_N", number(d.A_N)}, {"m_N", d.m_N}, {"loss", number(d.loss)}, {"u_min_V", number(d.u_min_V)}};
+    Json r{{"set", d.set}, {"f_Hz", d.f_Hz},         {"A_N", number(d.A_N)},
+           {"m_N", d.m_N}, {"loss", number(d.loss)}, {"u_min_V", number(d.u_min_V)}};
     if (d.f2_Hz > 0.0) r["f2_Hz"] = d.f2_Hz;
-    if (d.fitted) r.update({{"a_V", d.fit.a_V}, {"b_per_s", d.fit.b_per_s}, {"c_V", d.fit.c_V}, {"rmse_V", d.fit.rmse_V}, {"n", d.fit.n}});
+    if (d.fitted)
+      r.update({{"a_V", d.fit.a_V},
+                {"b_per_s", d.fit.b_per_s},
+                {"c_V", d.fit.c_V},
+                {"rmse_V", d.fit.rmse_V},
+                {"n", d.fit.n}});
     out["decays"].push_back(std::move(r));
   }
   return out;
@@ -54,21 +81,45 @@ Json of(const SessionSheet& s) {
 }  // namespace
 
 std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan& plan, bool sessions) {
-  Json root{{"format", 1}, {"kind", "characterization"}, {"plan", plan.name}, {"seed", plan.seed}, {"sensors", Json::array()}};
+  Json root{{"format", 1},
+            {"kind", "characterization"},
+            {"plan", plan.name},
+            {"seed", plan.seed},
+            {"sensors", Json::array()}};
   for (const SensorStudy& s : studies) {
-    Json sensor{{"sensor", s.sensor}, {"rig_time_s", s.rig_time_s}, {"samples", s.samples}, {"spreads", Json::array()}, {"laws", of(s.laws)}};
+    Json sensor{{"sensor", s.sensor},
+                {"rig_time_s", s.rig_time_s},
+                {"samples", s.samples},
+                {"spreads", Json::array()},
+                {"laws", of(s.laws)}};
     for (const Spread& spread : s.spreads) sensor["spreads"].push_back(of(spread));
     if (sessions)
       for (const SessionSheet& sheet : s.sheets) sensor["sessions"].push_back(of(sheet));
     root["sensors"].push_back(std::move(sensor));
   }
   for (const LimitResult& r : check_limits(studies, plan))
-    root["limits"].push_back({{"key", r.limit.key}, {"sensor", r.sensor}, {"worst", number(r.worst)}, {"unit", r.unit}, {"specimen", r.specimen},
-                              {"minimum", number(r.limit.minimum)}, {"maximum", number(r.limit.maximum)}, {"source", r.limit.source},
-                              {"sessions", r.sessions}, {"outside", r.outside}, {"kept", r.kept}});
+    root["limits"].push_back({{"key", r.limit.key},
+                              {"sensor", r.sensor},
+                              {"worst", number(r.worst)},
+                              {"unit", r.unit},
+                              {"specimen", r.specimen},
+                              {"minimum", number(r.limit.minimum)},
+                              {"maximum", number(r.limit.maximum)},
+                              {"source", r.limit.source},
+                              {"sessions", r.sessions},
+                              {"outside", r.outside},
+                              {"kept", r.kept}});
   for (const PaperClaim& c : compare_with_paper(studies))
-    root["paper"].push_back({{"place", c.place}, {"sensor", c.sensor}, {"quantity", c.subject}, {"says", c.paper}, {"paper", number(c.paper_value)}, {"unit", c.unit},
-                             {"ours", number(c.ours)}, {"sd", number(c.spread)}, {"specimens", c.specimens}, {"inside", c.inside()}});
+    root["paper"].push_back({{"place", c.place},
+                             {"sensor", c.sensor},
+                             {"quantity", c.subject},
+                             {"says", c.paper},
+                             {"paper", number(c.paper_value)},
+                             {"unit", c.unit},
+                             {"ours", number(c.ours)},
+                             {"sd", number(c.spread)},
+                             {"specimens", c.specimens},
+                             {"inside", c.inside()}});
   return root.dump(1) + "\n";
 }
 

@@ -9,6 +9,7 @@
 namespace forcegate {
 
 /// NaN is written as null. `sessions` = false leaves the single sessions out.
-std::string study_json(const std::vector<characterize::SensorStudy>& studies, const characterize::StudyPlan& plan, bool sessions = true);
+std::string study_json(const std::vector<characterize::SensorStudy>& studies,
+                       const characterize::StudyPlan& plan, bool sessions = true);
 
 }  // namespace forcegate

@@ -37,9 +37,10 @@ class ContactForce final : public Controller {
     last_N_ = in.estimate_N;
     const double lever = std::max(kLeastSine, portable::sin(in.theta_rad));
     const double wanted_mm_per_s = kForceGain_per_s *
-                                    (in.setpoint_N - in.estimate_N - kSensorLag_s * slope_N_per_s_) /
-                                    geometry_.spring_N_per_mm;
-    return std::clamp(wanted_mm_per_s, -kRetreat_mm_per_s, kApproach_mm_per_s) / (geometry_.eccentricity_mm * lever);
+                                   (in.setpoint_N - in.estimate_N - kSensorLag_s * slope_N_per_s_) /
+                                   geometry_.spring_N_per_mm;
+    return std::clamp(wanted_mm_per_s, -kRetreat_mm_per_s, kApproach_mm_per_s) /
+           (geometry_.eccentricity_mm * lever);
   }
   bool uses_estimate() const override { return true; }
 
@@ -50,7 +51,8 @@ class ContactForce final : public Controller {
 };
 
 const Registration<ControllerKind> kRegistered{
-    {"contact_force", "Holds a contact force on a moving body: integral control with the sensor's lag taken out and a limited speed of approach",
+    {"contact_force",
+     "Holds a contact force on a moving body: integral control with the sensor's lag taken out and a limited speed of approach",
      [] { return std::unique_ptr<Controller>(std::make_unique<ContactForce>()); }}};
 
 }  // namespace

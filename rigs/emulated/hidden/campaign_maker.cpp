@@ -245,7 +245,8 @@ Result<MadeCampaign> make_campaign_at(const CampaignRequest& request, const std:
   return perform(request, stage, strengths);
 }
 
-Result<MadeCampaign> continue_campaign(const Truth& truth, std::size_t before, const std::vector<AskedForce>& asked) {
+Result<MadeCampaign> continue_campaign(const Truth& truth, std::size_t before,
+                                       const std::vector<AskedForce>& asked) {
   CampaignRequest request;
   request.seed = truth.seed;
   request.name = truth.campaign;

@@ -140,7 +140,8 @@ Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bo
   return write_text(list, json.dump(1) + "\n");
 }
 
-Result<std::vector<std::string>> append_records(const MadeCampaign& made, const std::vector<std::string>& names,
+Result<std::vector<std::string>> append_records(const MadeCampaign& made,
+                                                const std::vector<std::string>& names,
                                                 const fs::path& folder) {
   const fs::path list = folder / "campaign.json";
   FORCEGATE_TRY(const std::string text, read_file(list));
@@ -155,7 +156,8 @@ Result<std::vector<std::string>> append_records(const MadeCampaign& made, const 
     said.file = names[i] + ".csv";
     said.role.reset();
     if (fs::exists(folder / said.file, ignored))
-      return fail(ErrorCode::usage, "there is such a record already", (folder / said.file).string(), "choose another folder");
+      return fail(ErrorCode::usage, "there is such a record already", (folder / said.file).string(),
+                  "choose another folder");
     FORCEGATE_CHECK_OK(write_text(folder / said.file, csv_text(made.records[i])));
     json["records"].push_back(description_of(said));
     files.push_back(said.file);

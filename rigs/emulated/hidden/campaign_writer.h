@@ -14,7 +14,8 @@ namespace forcegate::hidden {
 Result<void> write_campaign(const MadeCampaign& made, const std::filesystem::path& folder, bool overwrite);
 
 /// Adds the records of continue_campaign to a campaign.json; the names of the new files, in order. No file is overwritten.
-Result<std::vector<std::string>> append_records(const MadeCampaign& made, const std::vector<std::string>& names,
+Result<std::vector<std::string>> append_records(const MadeCampaign& made,
+                                                const std::vector<std::string>& names,
                                                 const std::filesystem::path& folder);
 
 }  // namespace forcegate::hidden

@@ -40,10 +40,11 @@ struct Conditions {
   // what campaign.json says (probability 1 in a tidy lab)
   double documented = 0.8;
   // habits that differ between laboratories
-  double session_share = 0.0;    ///< of the record-to-record variance of gain and offset that a whole session shares
-  double gaps_per_hour = 0.0;    ///< rows that the logger lost; its stamps tell
+  double session_share =
+      0.0;  ///< of the record-to-record variance of gain and offset that a whole session shares
+  double gaps_per_hour = 0.0;  ///< rows that the logger lost; its stamps tell
   bool short_protocol = false, long_protocol = false;
-  bool wide_loads = false;       ///< small amplitudes, slow and fast sines, long sines of unequal length
+  bool wide_loads = false;  ///< small amplitudes, slow and fast sines, long sines of unequal length
   bool roles_given = true;
 };
 

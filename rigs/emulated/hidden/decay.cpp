@@ -23,7 +23,8 @@ Law parameters(DecayLaw kind, const RecordContext& context) {
   if (kind == DecayLaw::exponential_A) law.q = 0.96 * portable::exp(-0.80 * A);
   if (kind == DecayLaw::absolute) {
     const double a_V = 0.884 * A * A + 0.865 * A;
-    const double paper_N_per_V = context.truth.gain_N_per_V * context.voltage_range_V / 10.0;  // the paper's range is 10 V
+    const double paper_N_per_V =
+        context.truth.gain_N_per_V * context.voltage_range_V / 10.0;  // the paper's range is 10 V
     law.initial_gain = a_V * (1.0 + law.q) * paper_N_per_V / (2.0 * A);
   }
   law.b_per_s *= context.truth.b_scale;

@@ -173,8 +173,9 @@ void lose_rows(const Conditions& c, RecordData& record) {
     }
     keep.push_back(i);
   }
-  for (auto* column : {&record.stamp_s, &record.force_ref_N, &record.voltage_V, &record.theta_rad, &record.setpoint_N,
-                       &record.temperature_C, &record.capacitance_F, &record.force_unrounded_N}) {
+  for (auto* column :
+       {&record.stamp_s, &record.force_ref_N, &record.voltage_V, &record.theta_rad, &record.setpoint_N,
+        &record.temperature_C, &record.capacitance_F, &record.force_unrounded_N}) {
     if (column->empty()) continue;
     for (std::size_t k = 0; k < keep.size(); ++k) (*column)[k] = (*column)[keep[k]];
     column->resize(keep.size());

@@ -26,7 +26,11 @@ void draw_range(Rng& rng, RecordPlan& plan, double force_max_N, double A_low, do
 class Planner {
  public:
   Planner(Rng& rng, Rng& other, const Conditions& conditions, double minutes)
-      : rng_(rng), other_(other), conditions_(conditions), scale_(std::min(1.0, minutes / 20.0)), minutes_(minutes) {}
+      : rng_(rng),
+        other_(other),
+        conditions_(conditions),
+        scale_(std::min(1.0, minutes / 20.0)),
+        minutes_(minutes) {}
 
   RecordPlan plan(const std::string& kind, bool is_long) {
     RecordPlan p;

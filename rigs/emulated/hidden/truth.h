@@ -41,7 +41,7 @@ struct Truth {
   double voltage_span_V = 0.0, force_span_N = 0.0;
   double voltage_noise_pct = 0.0, force_noise_pct = 0.0;  ///< white noise and rounding of the channels
   double repeatability_pct = 0.0;  ///< RMS in U of the record-to-record scatter of gain and offset
-  double minutes = 20.0;  ///< length of the long sines
+  double minutes = 20.0;           ///< length of the long sines
   std::map<std::string, std::string> conditions;
 
   bool foreign() const { return !effects.empty() && effects.front().foreign; }

@@ -27,7 +27,7 @@ struct RecordPlan {
   std::vector<double> event_s;                  ///< instants of frequency jumps
   double dwell_s = 0.0;                         ///< of staircase, PRBS and steps
   int repeats = 2;                              ///< triangles of a ramp
-  std::vector<double> point_s, point_N;         ///< of a force that was asked for from outside; empty: by the kind
+  std::vector<double> point_s, point_N;  ///< of a force that was asked for from outside; empty: by the kind
   double drive_V = 5.0;
   int mounting = 0;  ///< counts how often the sensor has been taken off and put back
   std::uint64_t seed = 0, session_seed = 0;

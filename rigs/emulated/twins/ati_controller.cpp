@@ -8,7 +8,8 @@ namespace forcegate::emulated {
 
 Bytes AtiController::binary_record(std::uint8_t error, double counts_Fz, bool checksum) {
   // The cell is loaded along its axis; the other channels show their zero.
-  const int axes[6] = {3, -2, static_cast<int>(std::lround(std::clamp(counts_Fz, -32768.0, 32767.0))), 1, 0, -1};
+  const int axes[6] = {3, -2, static_cast<int>(std::lround(std::clamp(counts_Fz, -32768.0, 32767.0))),
+                       1, 0,  -1};
   Bytes out{error};
   for (const int counts : axes) {
     out.push_back(static_cast<std::uint8_t>(static_cast<unsigned>(counts) >> 8));
@@ -25,7 +26,8 @@ Bytes AtiController::binary_record(std::uint8_t error, double counts_Fz, bool ch
 Bytes AtiController::ascii_record(std::uint8_t error, double counts_Fz) {
   const int z = static_cast<int>(std::lround(std::clamp(counts_Fz, -32768.0, 32767.0)));
   char text[64];
-  const int n = std::snprintf(text, sizeof text, "%d,%6d,%6d,%6d,%6d,%6d,%6d\r\n", error % 10, 3, -2, z, 1, 0, -1);
+  const int n =
+      std::snprintf(text, sizeof text, "%d,%6d,%6d,%6d,%6d,%6d,%6d\r\n", error % 10, 3, -2, z, 1, 0, -1);
   return Bytes(text, text + n);
 }
 

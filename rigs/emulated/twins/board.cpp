@@ -45,7 +45,8 @@ void Board::serve(WireEnd& end, double t_s) {
   while (end.rest.size() > kReportUse) {
     const std::size_t used = end.rest[0];
     if (used <= kReportUse)
-      stream_.insert(stream_.end(), end.rest.begin() + 1, end.rest.begin() + 1 + static_cast<std::ptrdiff_t>(used));
+      stream_.insert(stream_.end(), end.rest.begin() + 1,
+                     end.rest.begin() + 1 + static_cast<std::ptrdiff_t>(used));
     end.rest.erase(end.rest.begin(), end.rest.begin() + kReportUse + 1);
   }
   understand(stream_, end, t_s);

@@ -10,7 +10,8 @@ std::uint32_t checksum_of(std::span<const std::uint8_t> bytes) {
   std::uint32_t remainder = ~0U;
   for (const std::uint8_t byte : bytes) {
     remainder ^= byte;
-    for (int bit = 8; bit > 0; --bit) remainder = (remainder & 1U) ? 0xEDB88320U ^ (remainder >> 1) : remainder >> 1;
+    for (int bit = 8; bit > 0; --bit)
+      remainder = (remainder & 1U) ? 0xEDB88320U ^ (remainder >> 1) : remainder >> 1;
   }
   return ~remainder;
 }
@@ -26,8 +27,12 @@ void put_u32(Bytes& out, std::uint32_t v) {
   put_u16(out, v >> 16);
 }
 void put_f32(Bytes& out, float v) { put_u32(out, std::bit_cast<std::uint32_t>(v)); }
-unsigned u16_at(std::span<const std::uint8_t> b, std::size_t at) { return b[at] | static_cast<unsigned>(b[at + 1]) << 8; }
-std::uint32_t u32_at(std::span<const std::uint8_t> b, std::size_t at) { return u16_at(b, at) | u16_at(b, at + 2) << 16; }
+unsigned u16_at(std::span<const std::uint8_t> b, std::size_t at) {
+  return b[at] | static_cast<unsigned>(b[at + 1]) << 8;
+}
+std::uint32_t u32_at(std::span<const std::uint8_t> b, std::size_t at) {
+  return u16_at(b, at) | u16_at(b, at + 2) << 16;
+}
 float f32_at(std::span<const std::uint8_t> b, std::size_t at) { return std::bit_cast<float>(u32_at(b, at)); }
 
 Bytes frame_bytes(const BoardFrame& frame) {

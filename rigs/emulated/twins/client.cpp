@@ -26,7 +26,8 @@ Result<TwinClient> TwinClient::connect(const std::filesystem::path& folder, doub
 
 Result<std::string> TwinClient::say(const std::string& line) {
   const std::string text = line + "\n";
-  FORCEGATE_CHECK_OK(line_->write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, kReply_s));
+  FORCEGATE_CHECK_OK(
+      line_->write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, kReply_s));
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kReply_s);
   std::size_t at = 0;
   while ((at = pending_.find('\n')) == std::string::npos) {

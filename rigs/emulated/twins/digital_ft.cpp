@@ -15,7 +15,9 @@ constexpr std::size_t kJam = 14;
 }  // namespace
 
 DigitalFt::DigitalFt(const ReferenceTwinOptions& o, Wire& wire)
-    : o_(o), wire_(wire), calibration_(calibration(o.serial, static_cast<std::int32_t>(std::lround(o.counts_per_N)))) {}
+    : o_(o),
+      wire_(wire),
+      calibration_(calibration(o.serial, static_cast<std::int32_t>(std::lround(o.counts_per_N)))) {}
 
 Bytes DigitalFt::record(const Gages& g, bool error) {
   Bytes out;
@@ -31,7 +33,9 @@ Bytes DigitalFt::record(const Gages& g, bool error) {
 
 // Fz = kStep (cos G2 - sin G3), Tx = kStep (sin G2 + cos G3): the inverse of a rotation is its transpose.
 DigitalFt::Gages DigitalFt::gages_of(double counts) {
-  const auto rounded = [](double v) { return static_cast<std::int16_t>(std::lround(std::clamp(v, -32767.0, 32767.0))); };
+  const auto rounded = [](double v) {
+    return static_cast<std::int16_t>(std::lround(std::clamp(v, -32767.0, 32767.0)));
+  };
   return {4, -7, rounded(kCos * counts / kStep), rounded(-kSin * counts / kStep), 11, 2};
 }
 
@@ -39,7 +43,8 @@ std::array<std::uint16_t, 168> DigitalFt::calibration(const std::string& serial,
   std::array<std::uint16_t, 168> w{};
   const auto text = [&](std::size_t at, std::size_t words, const std::string& s) {
     for (std::size_t i = 0; i < 2 * words && i < s.size(); ++i)
-      w[at + i / 2] = static_cast<std::uint16_t>(w[at + i / 2] | static_cast<unsigned>(static_cast<unsigned char>(s[i])) << (i % 2 == 0 ? 8 : 0));
+      w[at + i / 2] = static_cast<std::uint16_t>(
+          w[at + i / 2] | static_cast<unsigned>(static_cast<unsigned char>(s[i])) << (i % 2 == 0 ? 8 : 0));
   };
   const auto number = [&](std::size_t at, float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
@@ -75,7 +80,8 @@ std::optional<std::uint16_t> DigitalFt::read(int address) {
   if (address == 0x000C) return std::uint16_t{1};
   if (address == 0x001D) return std::uint16_t{0};
   if (address == 0x001F) return std::uint16_t{0};
-  if (address >= kBlock && address < kBlock + 168) return calibration_[static_cast<std::size_t>(address - kBlock)];
+  if (address >= kBlock && address < kBlock + 168)
+    return calibration_[static_cast<std::size_t>(address - kBlock)];
   return std::nullopt;
 }
 
@@ -147,7 +153,8 @@ void DigitalFt::row(double t_s, double force_N, bool saturated) {
   if (t_s + 1e-9 < next_s_) return;
   next_s_ += 1.0 / o_.rate_Hz;
   saturated = saturated || wire_.faults().active("reference", WireFault::saturation, t_s);
-  const Gages gages = saturated ? Gages{4, -7, 32767, -32767, 11, 2} : gages_of((frozen ? frozen_N_ : force_N) * o_.counts_per_N);
+  const Gages gages = saturated ? Gages{4, -7, 32767, -32767, 11, 2}
+                                : gages_of((frozen ? frozen_N_ : force_N) * o_.counts_per_N);
   wire_.send(nullptr, record(gages, saturated), t_s);
 }
 

@@ -16,7 +16,8 @@ std::uint16_t low(std::int32_t v) { return static_cast<std::uint16_t>(static_cas
 }  // namespace
 
 std::uint16_t Drive::status() const {
-  return static_cast<std::uint16_t>(((control_ & 0x20U) ? 1U : 0U) | (running() ? 0x20U : 0U) | (alarm_ ? 0x80U : 0U));
+  return static_cast<std::uint16_t>(((control_ & 0x20U) ? 1U : 0U) | (running() ? 0x20U : 0U) |
+                                    (alarm_ ? 0x80U : 0U));
 }
 
 std::optional<std::uint16_t> Drive::read(int address) {
@@ -41,7 +42,8 @@ std::optional<std::uint16_t> Drive::read(int address) {
 
 int Drive::write(int address, std::uint16_t word) {
   const auto with_high = [&](std::int32_t v) {
-    return static_cast<std::int32_t>((static_cast<std::uint32_t>(v) & 0xFFFFU) | static_cast<std::uint32_t>(word) << 16);
+    return static_cast<std::int32_t>((static_cast<std::uint32_t>(v) & 0xFFFFU) |
+                                     static_cast<std::uint32_t>(word) << 16);
   };
   const auto with_low = [&](std::int32_t v) {
     return static_cast<std::int32_t>((static_cast<std::uint32_t>(v) & 0xFFFF0000U) | word);
@@ -96,7 +98,7 @@ void Drive::see(double theta_rad, double velocity_rad_per_s, bool following_erro
 
 double Drive::velocity_rad_per_s() const {
   if (!running()) return 0.0;
-  const std::int32_t v = velocity_set_ > kVelocityMax ? kVelocityMax
+  const std::int32_t v = velocity_set_ > kVelocityMax    ? kVelocityMax
                          : velocity_set_ < -kVelocityMax ? -kVelocityMax
                                                          : velocity_set_;
   return v * 1e-4;

@@ -5,9 +5,9 @@
 namespace forcegate::emulated {
 
 const std::vector<std::string>& fault_names() {
-  static const std::vector<std::string> names{"delay",     "drop",        "drop_byte", "duplicate", "corrupt",
-                                              "garbage",   "truncate",    "exception", "wrong_slave", "stall",
-                                              "unplug",    "saturation",  "frozen",    "reset"};
+  static const std::vector<std::string> names{"delay",   "drop",       "drop_byte", "duplicate",   "corrupt",
+                                              "garbage", "truncate",   "exception", "wrong_slave", "stall",
+                                              "unplug",  "saturation", "frozen",    "reset"};
   return names;
 }
 
@@ -30,7 +30,8 @@ Result<FaultEntry> FaultScript::read_entry(const ConfigNode& table) {
 
 bool FaultScript::covers(const Live& live, const std::string& device, WireFault kind, double t_s) {
   const FaultEntry& e = live.entry;
-  return e.device == device && e.kind == kind && t_s >= e.at_s && t_s - e.at_s < e.for_s && live.used < e.count;
+  return e.device == device && e.kind == kind && t_s >= e.at_s && t_s - e.at_s < e.for_s &&
+         live.used < e.count;
 }
 
 bool FaultScript::hit(const std::string& device, WireFault kind, double t_s, double* amount) {

@@ -62,7 +62,8 @@ TwinHost::TwinHost(const TwinOptions& options)
   paced_at_ = std::chrono::steady_clock::now();
 }
 
-Result<std::unique_ptr<TwinHost>> TwinHost::make(const TwinOptions& options, const std::filesystem::path& folder) {
+Result<std::unique_ptr<TwinHost>> TwinHost::make(const TwinOptions& options,
+                                                 const std::filesystem::path& folder) {
   std::unique_ptr<TwinHost> host(new TwinHost(options));
   FORCEGATE_CHECK_OK(host->open(folder));
   return host;
@@ -108,7 +109,8 @@ std::vector<std::string> TwinHost::endpoints() const {
                        : fmt::format("motor      Modbus RTU   {}", (folder_ / options_.motor_port).string()),
           options_.reference.adapter == "ati_netft"
               ? fmt::format("reference  Net F/T      ports in {}", (folder_ / "reference.udp").string())
-              : fmt::format("reference  ATI {} {}", options_.reference.adapter == "ati_digital" ? "digital" : "serial ",
+              : fmt::format("reference  ATI {} {}",
+                            options_.reference.adapter == "ati_digital" ? "digital" : "serial ",
                             (folder_ / options_.reference_port).string()),
           fmt::format("board      link         {}", (folder_ / options_.board_port).string()),
           fmt::format("control    text lines   {}", (folder_ / "control").string())};
@@ -136,9 +138,11 @@ void TwinHost::receive_all() {
 void TwinHost::serve(const std::atomic<bool>& stop, bool until_alone) {
   while (!stop.load()) {
     double wait_s = 0.05;
-    const bool paced = std::none_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.master; });
+    const bool paced =
+        std::none_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.master; });
     if (paced) wait_s = 0.002;
-    if (const double due_s = motor_wire_.send_due(t_s_); due_s >= 0.0) wait_s = std::min(wait_s, due_s + 1e-4);
+    if (const double due_s = motor_wire_.send_due(t_s_); due_s >= 0.0)
+      wait_s = std::min(wait_s, due_s + 1e-4);
     wait_for_events(wait_s);
     for (Wire* w : {&motor_wire_, &reference_wire_, &board_wire_, &page_wire_}) w->apply_plug(t_s_);
     if (paced)
@@ -172,7 +176,8 @@ void TwinHost::obey(Client& client) {
       const std::string line = client.pending.substr(0, end);
       client.pending.erase(0, end + 1);
       const std::string reply = execute(client, line) + "\n";
-      if (::send(client.fd.get(), reply.data(), reply.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(reply.size())) {
+      if (::send(client.fd.get(), reply.data(), reply.size(), MSG_NOSIGNAL) !=
+          static_cast<ssize_t>(reply.size())) {
         client.fd.reset();
         return;
       }
@@ -240,16 +245,27 @@ std::string TwinHost::mount(const std::vector<std::string>& words) {
     if (equals == std::string::npos) return "error mount wants key=value";
     const std::string key = words[i].substr(0, equals), value = words[i].substr(equals + 1);
     const double v = number_of(value);
-    const auto whole = [&](std::uint64_t& out) { std::from_chars(value.data(), value.data() + value.size(), out); };
-    if (key == "specimen") q.specimen = value;
-    else if (key == "seed") whole(q.seed);
-    else if (key == "session") whole(q.session);
-    else if (key == "record") whole(q.record);
-    else if (key == "rest_s") q.rest_before_s = v;
-    else if (key == "low_N") q.force_low_N = v;
-    else if (key == "high_N") q.force_high_N = v;
-    else if (key.starts_with("fault:")) q.faults[key.substr(6)] = v;
-    else return "error mount knows no " + key;
+    const auto whole = [&](std::uint64_t& out) {
+      std::from_chars(value.data(), value.data() + value.size(), out);
+    };
+    if (key == "specimen")
+      q.specimen = value;
+    else if (key == "seed")
+      whole(q.seed);
+    else if (key == "session")
+      whole(q.session);
+    else if (key == "record")
+      whole(q.record);
+    else if (key == "rest_s")
+      q.rest_before_s = v;
+    else if (key == "low_N")
+      q.force_low_N = v;
+    else if (key == "high_N")
+      q.force_high_N = v;
+    else if (key.starts_with("fault:"))
+      q.faults[key.substr(6)] = v;
+    else
+      return "error mount knows no " + key;
   }
   plant_.park();
   auto begun = plant_.begin(q);
@@ -289,8 +305,9 @@ std::string TwinHost::advance(const std::vector<std::string>& words) {
   for (Wire* w : {&reference_wire_, &board_wire_}) w->apply_plug(t_s_);
   std::string reply = fmt::format("ok {:.9g}", t_s_);
   for (Wire* w : {&reference_wire_, &board_wire_})
-    reply += w->unplugged() || w->terminal() == nullptr ? fmt::format(" {}=-1", w->device())
-                                                        : fmt::format(" {}={}", w->device(), w->terminal()->sent);
+    reply += w->unplugged() || w->terminal() == nullptr
+                 ? fmt::format(" {}=-1", w->device())
+                 : fmt::format(" {}={}", w->device(), w->terminal()->sent);
   return reply;
 }
 
@@ -298,7 +315,8 @@ void TwinHost::pace() {
   const auto now = std::chrono::steady_clock::now();
   paced_rest_ += std::chrono::duration<double>(now - paced_at_).count() * options_.plant.rate_Hz;
   paced_at_ = now;
-  const double whole = std::min(std::floor(paced_rest_), options_.plant.rate_Hz);  // a halted process skips time
+  const double whole =
+      std::min(std::floor(paced_rest_), options_.plant.rate_Hz);  // a halted process skips time
   if (whole < 1.0) return;
   paced_rest_ -= std::floor(paced_rest_);
   step(static_cast<std::size_t>(whole));
@@ -352,10 +370,11 @@ void TwinHost::step(std::size_t samples) {
 std::string TwinHost::status() const {
   std::string cause = stop_cause_;
   std::replace(cause.begin(), cause.end(), ' ', '-');
-  return fmt::format("ok t_s={:.6g} theta_rad={:.6g} velocity_rad_per_s={:.6g} force_N={:.6g} command_rad_per_s={:.6g} "
-                     "alarm={} stop_s={:.6g} still_s={:.6g} stop_cause={} advanced_s={:.6g}",
-                     t_s_, plant_.theta_rad(), velocity_rad_per_s_, force_N_, told_rad_per_s_, drive_.alarm(), stop_s_, still_s_,
-                     cause, advanced_s_);
+  return fmt::format(
+      "ok t_s={:.6g} theta_rad={:.6g} velocity_rad_per_s={:.6g} force_N={:.6g} command_rad_per_s={:.6g} "
+      "alarm={} stop_s={:.6g} still_s={:.6g} stop_cause={} advanced_s={:.6g}",
+      t_s_, plant_.theta_rad(), velocity_rad_per_s_, force_N_, told_rad_per_s_, drive_.alarm(), stop_s_,
+      still_s_, cause, advanced_s_);
 }
 
 }  // namespace forcegate::emulated

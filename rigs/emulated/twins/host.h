@@ -42,7 +42,8 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench);
 class TwinHost {
  public:
   /// Opens all wires in `folder`.
-  static Result<std::unique_ptr<TwinHost>> make(const TwinOptions& options, const std::filesystem::path& folder);
+  static Result<std::unique_ptr<TwinHost>> make(const TwinOptions& options,
+                                                const std::filesystem::path& folder);
 
   /// Serves until `stop` is set or, with `until_alone`, the last control client has gone.
   void serve(const std::atomic<bool>& stop, bool until_alone);

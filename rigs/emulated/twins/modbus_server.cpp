@@ -57,7 +57,8 @@ Bytes modbus_reply(RegisterBank& bank, std::span<const std::uint8_t> q) {
   switch (function) {
     case 3:
     case 4: {
-      if (q.size() != 5 || word_at(q, 3) < 1 || word_at(q, 3) > 125) return exception(function, kIllegalValue);
+      if (q.size() != 5 || word_at(q, 3) < 1 || word_at(q, 3) > 125)
+        return exception(function, kIllegalValue);
       return read_words(bank, word_at(q, 1), word_at(q, 3), out) ? out : exception(function, kIllegalAddress);
     }
     case 6: {
@@ -71,7 +72,8 @@ Bytes modbus_reply(RegisterBank& bank, std::span<const std::uint8_t> q) {
     case 16: {
       if (q.size() < 6) return exception(function, kIllegalValue);
       const int address = word_at(q, 1), count = word_at(q, 3);
-      if (count < 1 || count > 123 || q[5] != 2 * count || q.size() != 6U + q[5]) return exception(function, kIllegalValue);
+      if (count < 1 || count > 123 || q[5] != 2 * count || q.size() != 6U + q[5])
+        return exception(function, kIllegalValue);
       for (int i = 0; i < count; ++i) {
         const auto word = static_cast<std::uint16_t>(word_at(q, 6 + 2 * static_cast<std::size_t>(i)));
         if (const int code = bank.write(address + i, word); code != 0) return exception(function, code);
@@ -82,8 +84,10 @@ Bytes modbus_reply(RegisterBank& bank, std::span<const std::uint8_t> q) {
     }
     case 23: {
       if (q.size() < 10) return exception(function, kIllegalValue);
-      const int read_address = word_at(q, 1), read_count = word_at(q, 3), address = word_at(q, 5), count = word_at(q, 7);
-      if (read_count < 1 || read_count > 125 || count < 1 || count > 121 || q[9] != 2 * count || q.size() != 10U + q[9])
+      const int read_address = word_at(q, 1), read_count = word_at(q, 3), address = word_at(q, 5),
+                count = word_at(q, 7);
+      if (read_count < 1 || read_count > 125 || count < 1 || count > 121 || q[9] != 2 * count ||
+          q.size() != 10U + q[9])
         return exception(function, kIllegalValue);
       for (int i = 0; i < count; ++i) {
         const auto word = static_cast<std::uint16_t>(word_at(q, 10 + 2 * static_cast<std::size_t>(i)));
@@ -126,7 +130,8 @@ void ModbusServer::serve_rtu(WireEnd& end, double t_s) {
     in.erase(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(whole));
     if (request[0] != slave_) continue;
     Bytes reply{slave_};
-    if (wire_.faults().hit("motor", WireFault::wrong_slave, t_s)) reply[0] = static_cast<std::uint8_t>(slave_ + 1);
+    if (wire_.faults().hit("motor", WireFault::wrong_slave, t_s))
+      reply[0] = static_cast<std::uint8_t>(slave_ + 1);
     const Bytes body = answer({request.data() + 1, request.size() - 1}, t_s);
     reply.insert(reply.end(), body.begin(), body.end());
     const std::uint16_t sum = modbus_crc16(reply);
@@ -150,7 +155,8 @@ void ModbusServer::serve_tcp(WireEnd& end, double t_s) {
     in.erase(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(whole));
     const Bytes body = answer({request.data() + 7, request.size() - 7}, t_s);
     Bytes reply(request.begin(), request.begin() + 4);
-    if (wire_.faults().hit("motor", WireFault::wrong_slave, t_s)) reply[1] = static_cast<std::uint8_t>(reply[1] ^ 1U);
+    if (wire_.faults().hit("motor", WireFault::wrong_slave, t_s))
+      reply[1] = static_cast<std::uint8_t>(reply[1] ^ 1U);
     put_word(reply, static_cast<int>(body.size()) + 1);
     reply.push_back(request[6]);
     reply.insert(reply.end(), body.begin(), body.end());

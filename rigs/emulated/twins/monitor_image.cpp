@@ -129,7 +129,9 @@ std::unique_ptr<BoardImage> blank_board() { return std::make_unique<Blank>(); }
 
 Result<std::unique_ptr<BoardImage>> load_image(const std::string& path) {
   FORCEGATE_TRY(const std::string bytes, read_file(path));
-  if (bytes.size() < 20 || bytes.compare(0, 4, "\x7f" "ELF") != 0)
+  if (bytes.size() < 20 || bytes.compare(0, 4,
+                                         "\x7f"
+                                         "ELF") != 0)
     return fail(ErrorCode::usage, "this file is no firmware image", path, "give an ELF image");
   constexpr std::uint8_t kArm = 40;
   if (static_cast<std::uint8_t>(bytes[18]) != kArm) return load_native_image(path);

@@ -51,8 +51,9 @@ bool write_all(int fd, const void* from, std::size_t size) {
 [[noreturn]] void live(void* library, int fd) {
   const auto open = reinterpret_cast<std::int32_t (*)(std::uint32_t, const BoardCalibration*, NativeInfo*)>(
       dlsym(library, "forcegate_native_open"));
-  const auto process = reinterpret_cast<std::int32_t (*)(std::uint32_t, std::uint32_t, const std::uint16_t*, float*,
-                                                         std::uint8_t*)>(dlsym(library, "forcegate_native_process"));
+  const auto process =
+      reinterpret_cast<std::int32_t (*)(std::uint32_t, std::uint32_t, const std::uint16_t*, float*,
+                                        std::uint8_t*)>(dlsym(library, "forcegate_native_process"));
   Order order{};
   std::vector<std::uint16_t> adc;
   std::vector<char> out;
@@ -94,8 +95,9 @@ class NativeImage final : public MonitorImage {
     const Order order{kOpen, 0, 0};
     std::int32_t status = 1;
     NativeInfo info{};
-    if (!write_all(fd_.get(), &order, sizeof order) || !write_all(fd_.get(), &calibration, sizeof calibration) ||
-        !answered() || !read_all(fd_.get(), &status, sizeof status) || !read_all(fd_.get(), &info, sizeof info))
+    if (!write_all(fd_.get(), &order, sizeof order) ||
+        !write_all(fd_.get(), &calibration, sizeof calibration) || !answered() ||
+        !read_all(fd_.get(), &status, sizeof status) || !read_all(fd_.get(), &info, sizeof info))
       return false;
     std::copy(std::begin(info.board), std::end(info.board), identity.board.begin());
     std::copy(std::begin(info.build_id), std::end(info.build_id), identity.build_id.begin());
@@ -104,12 +106,14 @@ class NativeImage final : public MonitorImage {
     return status == 0;
   }
 
-  bool run(std::uint32_t first_index, std::span<const std::uint16_t> adc, float* force_N, std::uint8_t* flags) override {
+  bool run(std::uint32_t first_index, std::span<const std::uint16_t> adc, float* force_N,
+           std::uint8_t* flags) override {
     const Order order{kProcess, first_index, static_cast<std::uint32_t>(adc.size())};
     std::int32_t status = 1;
-    return write_all(fd_.get(), &order, sizeof order) && write_all(fd_.get(), adc.data(), 2 * adc.size()) && answered() &&
-           read_all(fd_.get(), &status, sizeof status) && read_all(fd_.get(), force_N, 4 * adc.size()) &&
-           read_all(fd_.get(), flags, adc.size()) && status == 0;
+    return write_all(fd_.get(), &order, sizeof order) && write_all(fd_.get(), adc.data(), 2 * adc.size()) &&
+           answered() && read_all(fd_.get(), &status, sizeof status) &&
+           read_all(fd_.get(), force_N, 4 * adc.size()) && read_all(fd_.get(), flags, adc.size()) &&
+           status == 0;
   }
 
   bool answered() const {

@@ -32,7 +32,8 @@ class MonitorImage : public BoardImage {
  protected:
   /// Fresh state with this calibration; false: refused.
   virtual bool restart(const BoardCalibration& calibration, BoardIdentity& identity) = 0;
-  virtual bool run(std::uint32_t first_index, std::span<const std::uint16_t> adc, float* force_N, std::uint8_t* flags) = 0;
+  virtual bool run(std::uint32_t first_index, std::span<const std::uint16_t> adc, float* force_N,
+                   std::uint8_t* flags) = 0;
 
  private:
   BoardCalibration calibration_;

@@ -58,7 +58,9 @@ void NetFt::row(double t_s, double force_N, bool saturated) {
   next_s_ += 1.0 / o_.rate_Hz;
   saturated = saturated || wire_.faults().active("reference", WireFault::saturation, t_s);
   const double counts = ((frozen ? frozen_N_ : force_N) - bias_N_) * o_.counts_per_N;
-  wire_.send(nullptr, record(++rdt_, ft_, saturated ? 0x80020000U : 0U, static_cast<std::int32_t>(std::lround(counts))), t_s);
+  wire_.send(
+      nullptr,
+      record(++rdt_, ft_, saturated ? 0x80020000U : 0U, static_cast<std::int32_t>(std::lround(counts))), t_s);
   if (left_ > 0 && --left_ == 0) streaming_ = false;
 }
 
@@ -69,11 +71,13 @@ void NetFt::serve_page(Wire& wire, WireEnd& end, double t_s) const {
   std::string body, status = "404 Not Found";
   if (request.starts_with("GET /netftapi2.xml ")) {
     status = "200 OK";
-    body = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<netft><prodname>Net F/T</prodname><setserial>" + o_.serial +
-           "</setserial><comrdtrate>" + shortest(o_.rate_Hz) + "</comrdtrate><cfgcpf>" + shortest(o_.counts_per_N) +
+    body = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<netft><prodname>Net F/T</prodname><setserial>" +
+           o_.serial + "</setserial><comrdtrate>" + shortest(o_.rate_Hz) + "</comrdtrate><cfgcpf>" +
+           shortest(o_.counts_per_N) +
            "</cfgcpf><cfgcpt>1000000</cfgcpt><scfgfu>N</scfgfu><scfgtu>Nm</scfgtu></netft>\n";
   }
-  const std::string page = "HTTP/1.0 " + status + "\r\nContent-Type: text/xml\r\nContent-Length: " + std::to_string(body.size()) +
+  const std::string page = "HTTP/1.0 " + status +
+                           "\r\nContent-Type: text/xml\r\nContent-Length: " + std::to_string(body.size()) +
                            "\r\nConnection: close\r\n\r\n" + body;
   wire.send(&end, Bytes(page.begin(), page.end()), t_s);
   end.fd.reset();

@@ -33,7 +33,8 @@ Result<TwinOptions> read_twin_options(const ConfigNode& bench) {
   // Of the instruments' tables only what names a wire; the rest is the adapters' business.
   const auto text = [](const ConfigNode* table, const char* key, std::string& out) {
     if (table == nullptr) return;
-    if (const ConfigNode* n = table->find(key); n != nullptr && n->kind == ConfigNode::Kind::text) out = n->text;
+    if (const ConfigNode* n = table->find(key); n != nullptr && n->kind == ConfigNode::Kind::text)
+      out = n->text;
   };
   const auto integer = [](const ConfigNode* table, const char* key, int& out) {
     if (table == nullptr) return;

@@ -23,16 +23,19 @@ class UartImage final : public BoardImage {
   Result<void> start(const std::string& path, const std::string& machine) {
     const auto program = find_program("qemu-system-arm");
     if (!program)
-      return fail(ErrorCode::config, "qemu-system-arm is not installed", path, "sudo apt-get install qemu-system-arm");
+      return fail(ErrorCode::config, "qemu-system-arm is not installed", path,
+                  "sudo apt-get install qemu-system-arm");
     const std::filesystem::path socket = folder_.path() / "uart";
     FORCEGATE_TRY(UnixListener listener, UnixListener::listen_at(socket));
-    FORCEGATE_CHECK_OK(child_.start({program->string(), "-machine", machine, "-kernel", path, "-nodefaults", "-display", "none", "-monitor",
-                                     "none", "-chardev", "socket,id=uart,path=" + socket.string() + ",server=off",
-                                     "-serial", "chardev:uart"},
-                                    folder_.path(), folder_.path() / "log"));
+    FORCEGATE_CHECK_OK(
+        child_.start({program->string(), "-machine", machine, "-kernel", path, "-nodefaults", "-display",
+                      "none", "-monitor", "none", "-chardev",
+                      "socket,id=uart,path=" + socket.string() + ",server=off", "-serial", "chardev:uart"},
+                     folder_.path(), folder_.path() / "log"));
     FORCEGATE_TRY(line_, listener.accept_peer(kTimeout_s));
     if (!line_ || !receive(0x81, 0))
-      return fail(ErrorCode::firmware, "the image does not announce itself: " + last_line(folder_.path() / "log"), path);
+      return fail(ErrorCode::firmware,
+                  "the image does not announce itself: " + last_line(folder_.path() / "log"), path);
     return {};
   }
 
@@ -68,7 +71,9 @@ class UartImage final : public BoardImage {
         const auto frame = frame_of({pending_.data(), static_cast<std::size_t>(zero - pending_.begin())});
         pending_.erase(pending_.begin(), zero + 1);
         if (!frame || (type != 0 && frame->type != type)) continue;
-        if (request >= 0 && (frame->payload.size() < 2 || static_cast<int>(u16_at(frame->payload, 0)) != request)) continue;
+        if (request >= 0 &&
+            (frame->payload.size() < 2 || static_cast<int>(u16_at(frame->payload, 0)) != request))
+          continue;
         return frame;
       }
       std::uint8_t bytes[4096];

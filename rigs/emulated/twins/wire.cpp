@@ -59,7 +59,8 @@ Result<int> Wire::open_server(int port) {
   socklen_t size = sizeof address;
   if (!fd || bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(fd.get(), 8) != 0 || getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
-    return fail(ErrorCode::io, "cannot listen on TCP port " + std::to_string(port) + ": " + system_text(errno));
+    return fail(ErrorCode::io,
+                "cannot listen on TCP port " + std::to_string(port) + ": " + system_text(errno));
   listener_ = std::move(fd);
   return ntohs(address.sin_port);
 }
@@ -99,8 +100,9 @@ bool Wire::read_end(WireEnd& end, double t_s) {
   for (;;) {
     sockaddr_in from{};
     socklen_t size = sizeof from;
-    const ssize_t n = datagrams_ ? recvfrom(end.fd.get(), bytes, sizeof bytes, 0, reinterpret_cast<sockaddr*>(&from), &size)
-                                 : ::read(end.fd.get(), bytes, sizeof bytes);
+    const ssize_t n =
+        datagrams_ ? recvfrom(end.fd.get(), bytes, sizeof bytes, 0, reinterpret_cast<sockaddr*>(&from), &size)
+                   : ::read(end.fd.get(), bytes, sizeof bytes);
     if (n > 0 && datagrams_) peer_port_ = from.sin_port;
     if (n <= 0) return !(n == 0 || (errno != EAGAIN && errno != EINTR && errno != EIO));
     end.received += static_cast<std::uint64_t>(n);
@@ -132,7 +134,8 @@ void Wire::put(WireEnd& end, std::span<const std::uint8_t> bytes) {
   if (!end.fd) return;
   if (datagrams_) {
     const sockaddr_in to = loopback(peer_port_);
-    const ssize_t n = sendto(end.fd.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    const ssize_t n = sendto(end.fd.get(), bytes.data(), bytes.size(), 0,
+                             reinterpret_cast<const sockaddr*>(&to), sizeof to);
     if (n > 0) end.sent += static_cast<std::uint64_t>(n);
     return;
   }

@@ -23,7 +23,8 @@ SerialPort Serial;
 unsigned long micros() {
   static const auto start = std::chrono::steady_clock::now();
   return static_cast<std::uint32_t>(
-      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start).count());
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start)
+          .count());
 }
 
 int analogRead(std::uint8_t) {

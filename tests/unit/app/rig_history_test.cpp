@@ -28,7 +28,8 @@ TEST(ControlChart, says_nothing_before_there_are_enough_visits) {
 
 TEST(ControlChart, a_steady_rig_stays_in_control) {
   int alarms = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) alarms += !control_chart("noise", steady(40, seed), 1e-6).in_control;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed)
+    alarms += !control_chart("noise", steady(40, seed), 1e-6).in_control;
   EXPECT_LE(alarms, 12) << "two charts at three standard deviations, spread from 20 visits";
 }
 
@@ -65,7 +66,11 @@ TEST(RigHistory, keeps_every_visit_and_charts_only_those_of_the_same_rig) {
   const auto path = std::filesystem::temp_directory_path() / "forcegate_rig_history_test.jsonl";
   std::filesystem::remove(path);
   for (int i = 0; i < 12; ++i) {
-    RigVisit v{"2026-11-21T08:00:00Z", i % 2 ? "bench A" : "bench B", "abc", "ACCEPT", {{"rig_reference_zero", 0.001 * i}}};
+    RigVisit v{"2026-11-21T08:00:00Z",
+               i % 2 ? "bench A" : "bench B",
+               "abc",
+               "ACCEPT",
+               {{"rig_reference_zero", 0.001 * i}}};
     ASSERT_TRUE(append_visit(path, v));
   }
   const auto history = read_history(path);

@@ -46,7 +46,8 @@ TEST(SensorRecords, damaged_lines_are_refused) {
   EXPECT_FALSE(sensor_records_from(shorter, {}, "r").has_value());
   std::string beyond = text;
   beyond.replace(beyond.find("[0,3]"), 5, "[0,4]");
-  EXPECT_FALSE(sensor_records_from(beyond, {}, "r").has_value()) << "the plan has three loadings, 3 is the last frames'";
+  EXPECT_FALSE(sensor_records_from(beyond, {}, "r").has_value())
+      << "the plan has three loadings, 3 is the last frames'";
 }
 
 }  // namespace

@@ -22,46 +22,43 @@ Result<std::string> in_child(std::function<Result<std::string>()> work) {
 TEST(WatchedTask, gives_the_text_and_the_errors_of_the_work) {
   const std::string large(3'000'000, 'x');
   EXPECT_EQ(in_child([&]() -> Result<std::string> { return large; }).value_or(""), large);
-  const auto failed = in_child([]() -> Result<std::string> { return fail(ErrorCode::usage, "text", "where", "hint"); });
+  const auto failed =
+      in_child([]() -> Result<std::string> { return fail(ErrorCode::usage, "text", "where", "hint"); });
   ASSERT_FALSE(failed.has_value());
   EXPECT_EQ(failed.error().code, ErrorCode::usage);
   EXPECT_EQ(failed.error().text + failed.error().where + failed.error().hint, "textwherehint");
 }
 
 TEST(WatchedTask, charges_a_crash_to_the_image_only_when_it_was_inside) {
-  const auto inside = in_child(
-      []() -> Result<std::string> {
-        const InFirmware marker(640);
-        std::raise(SIGSEGV);
-        return std::string();
-      });
+  const auto inside = in_child([]() -> Result<std::string> {
+    const InFirmware marker(640);
+    std::raise(SIGSEGV);
+    return std::string();
+  });
   ASSERT_FALSE(inside.has_value());
   EXPECT_EQ(inside.error().code, ErrorCode::firmware);
   EXPECT_NE(inside.error().text.find("640"), std::string::npos) << inside.error().text;
-  const auto outside = in_child(
-      []() -> Result<std::string> {
-        std::raise(SIGSEGV);
-        return std::string();
-      });
+  const auto outside = in_child([]() -> Result<std::string> {
+    std::raise(SIGSEGV);
+    return std::string();
+  });
   EXPECT_EQ(outside.error().code, ErrorCode::internal);
 }
 
 TEST(WatchedTask, ends_an_image_that_does_not_come_back_or_ends_its_process) {
-  const auto hang = in_child(
-      []() -> Result<std::string> {
-        const InFirmware marker(0);
-        volatile bool goes_on = true;
-        while (goes_on) {
-        }
-        return std::string();
-      });
+  const auto hang = in_child([]() -> Result<std::string> {
+    const InFirmware marker(0);
+    volatile bool goes_on = true;
+    while (goes_on) {
+    }
+    return std::string();
+  });
   EXPECT_EQ(hang.error().code, ErrorCode::firmware);
   EXPECT_NE(hang.error().text.find("does not return"), std::string::npos);
-  const auto gone = in_child(
-      []() -> Result<std::string> {
-        const InFirmware marker(0);
-        _Exit(0);
-      });
+  const auto gone = in_child([]() -> Result<std::string> {
+    const InFirmware marker(0);
+    _Exit(0);
+  });
   EXPECT_EQ(gone.error().code, ErrorCode::firmware);
 }
 

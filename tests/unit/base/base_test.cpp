@@ -53,7 +53,10 @@ TEST(Rng, StreamsOfOneSeedDiffer) {
 }
 
 TEST(Text, ControlBytesAndBrokenUtf8NeverPass) {
-  EXPECT_EQ(printable_utf8("a\x01" "b"), "a\xEF\xBF\xBD" "b");
+  EXPECT_EQ(printable_utf8("a\x01"
+                           "b"),
+            "a\xEF\xBF\xBD"
+            "b");
   EXPECT_EQ(printable_utf8("\xC3\xA9\n"), "\xC3\xA9\n");
   EXPECT_EQ(printable_utf8("\xC3("), "\xEF\xBF\xBD(");
   EXPECT_EQ(printable_utf8("\xED\xA0\x80").find("\xED\xA0"), std::string::npos);

@@ -29,13 +29,16 @@ class ArduinoBoard : public testing::Test {
     ASSERT_TRUE(made);
     folder_.emplace(std::move(*made));
     const auto port = folder_->path() / "board";
-    ASSERT_TRUE(firmware_.start({FORCEGATE_BINARY_DIR "/arduino_host", port.string()}, folder_->path(), folder_->path() / "log"));
-    for (int i = 0; i < 2000 && !std::filesystem::exists(port); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    ASSERT_TRUE(firmware_.start({FORCEGATE_BINARY_DIR "/arduino_host", port.string()}, folder_->path(),
+                                folder_->path() / "log"));
+    for (int i = 0; i < 2000 && !std::filesystem::exists(port); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     const auto root = parse_config("[ports]\nboard = \"" + port.string() + "\"\n", "lab.toml");
     auto world = Registry<BenchWorldKind>::instance().find("real")->make(*root, {});
     ASSERT_TRUE(world);
     world_ = std::move(*world);
-    const auto table = parse_config("port = \"board\"\nserial = \"A-1\"\nadc_bits = 10\nv_range_V = 5\n", "lab.toml");
+    const auto table =
+        parse_config("port = \"board\"\nserial = \"A-1\"\nadc_bits = 10\nv_range_V = 5\n", "lab.toml");
     auto board = Registry<BoardKind>::instance().find("serial_board")->make(*table, *world_);
     ASSERT_TRUE(board);
     board_ = std::move(*board);
@@ -75,7 +78,8 @@ TEST_F(ArduinoBoard, ShakesHandsAndStreamsEverySample) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     EXPECT_EQ(samples[i].index, i);
     EXPECT_EQ(samples[i].adc, (samples[0].adc + i) % 1024);  // the shim's converter counts
-    EXPECT_FLOAT_EQ(samples[i].force_N, 0.75F * (static_cast<float>(samples[i].adc) / 1023.0F) * 5.0F + 0.125F);
+    EXPECT_FLOAT_EQ(samples[i].force_N,
+                    0.75F * (static_cast<float>(samples[i].adc) / 1023.0F) * 5.0F + 0.125F);
     EXPECT_EQ(samples[i].flags, samples[i].adc == 0 || samples[i].adc == 1023 ? kDutInputRail : 0);
   }
   ASSERT_TRUE(board_->stop());
@@ -89,7 +93,8 @@ TEST_F(ArduinoBoard, RefusesACalibrationOfAnotherConverter) {
   other.calibration.adc_bits = 12;
   const auto loaded = board_->load(other);
   ASSERT_FALSE(loaded);
-  EXPECT_NE(loaded.error().text.find("calibration out of range"), std::string::npos) << loaded.error().to_text();
+  EXPECT_NE(loaded.error().text.find("calibration out of range"), std::string::npos)
+      << loaded.error().to_text();
   EXPECT_TRUE(board_->load(session()));
 }
 

@@ -45,7 +45,8 @@ TEST(BenchFile, EveryMistakeNamesItsLineAndHelps) {
       {{{"emergency = [{ reg = \"control\"", "emergency = [{ reg = \"contrl\""}}, "contrl"},
       {{{"drive_timeout_reg = \"comm_timeout\"\n", ""}}, "drive_timeout_reg"},
       {{{"addr = 0x0200", "addr = 0xFFFF"}}, "last address"},
-      {{{"fault = { reg = \"status\", mask = 0x80, equals = 0x80 }", "fault = { reg = \"status\" }"}}, "either"},
+      {{{"fault = { reg = \"status\", mask = 0x80, equals = 0x80 }", "fault = { reg = \"status\" }"}},
+       "either"},
       {{{"form = \"binary\"", "form = \"hex\""}}, "hex"},
   };
   for (const Case& c : cases) {

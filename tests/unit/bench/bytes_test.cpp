@@ -35,7 +35,8 @@ TEST(ModbusBytes, ADriveAnswersStatusAndPosition) {
             (Bytes{0x03, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x51, 0x7D}));
   EXPECT_EQ(emulated::modbus_reply(drive, Bytes{0x03, 0x40, 0x00, 0x00, 0x01}), (Bytes{0x83, 0x02}));
   EXPECT_EQ(emulated::modbus_reply(drive, Bytes{0x2B, 0x0E}), (Bytes{0xAB, 0x01}));
-  EXPECT_EQ(emulated::modbus_reply(drive, Bytes{0x06, 0x01, 0x06, 0x12, 0x34}), (Bytes{0x06, 0x01, 0x06, 0x12, 0x34}));
+  EXPECT_EQ(emulated::modbus_reply(drive, Bytes{0x06, 0x01, 0x06, 0x12, 0x34}),
+            (Bytes{0x06, 0x01, 0x06, 0x12, 0x34}));
 }
 
 TEST(ModbusBytes, SignedValuesCrossBothWordOrders) {
@@ -51,7 +52,8 @@ TEST(ModbusBytes, SignedValuesCrossBothWordOrders) {
   EXPECT_EQ(modbus::encode(r, -1.5).value(), (std::vector<std::uint16_t>{0xC568, 0xFFFF}));
   r.type = modbus::WordType::f32;
   r.scale = 1.0;
-  EXPECT_FALSE(modbus::decode(r, std::vector<std::uint16_t>{0x0000, 0x7FC0}));  // not a number is never a value
+  EXPECT_FALSE(
+      modbus::decode(r, std::vector<std::uint16_t>{0x0000, 0x7FC0}));  // not a number is never a value
 }
 
 TEST(ModbusBytes, AValueBeyondItsLimitsIsNeverEncoded) {
@@ -67,12 +69,15 @@ TEST(ModbusBytes, AValueBeyondItsLimitsIsNeverEncoded) {
 }
 
 // sequence 7 | F/T sequence 1000007 | status 0 | Fx 3, Fy -2, Fz 1500000, Tx 1, Ty 0, Tz -1
-const Bytes kRdtRecord{0x00, 0x00, 0x00, 0x07, 0x00, 0x0F, 0x42, 0x47, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x03, 0xFF, 0xFF,
-                       0xFF, 0xFE, 0x00, 0x16, 0xE3, 0x60, 0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0xFF, 0xFF, 0xFF, 0xFF};
+const Bytes kRdtRecord{0x00, 0x00, 0x00, 0x07, 0x00, 0x0F, 0x42, 0x47, 0x00, 0x00, 0x00, 0x00,
+                       0x00, 0x00, 0x00, 0x03, 0xFF, 0xFF, 0xFF, 0xFE, 0x00, 0x16, 0xE3, 0x60,
+                       0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0xFF, 0xFF, 0xFF, 0xFF};
 
 TEST(NetFtBytes, ARequestAndARecordAreBigEndian) {
-  EXPECT_EQ(ati::encode_rdt(ati::RdtCommand::stream, 0), (std::array<std::uint8_t, 8>{0x12, 0x34, 0, 2, 0, 0, 0, 0}));
-  EXPECT_EQ(ati::encode_rdt(ati::RdtCommand::bias, 258), (std::array<std::uint8_t, 8>{0x12, 0x34, 0, 0x42, 0, 0, 1, 2}));
+  EXPECT_EQ(ati::encode_rdt(ati::RdtCommand::stream, 0),
+            (std::array<std::uint8_t, 8>{0x12, 0x34, 0, 2, 0, 0, 0, 0}));
+  EXPECT_EQ(ati::encode_rdt(ati::RdtCommand::bias, 258),
+            (std::array<std::uint8_t, 8>{0x12, 0x34, 0, 0x42, 0, 0, 1, 2}));
   EXPECT_EQ(emulated::NetFt::record(7, 1000007, 0, 1500000), kRdtRecord);
   Bytes two = kRdtRecord;
   two.insert(two.end(), kRdtRecord.begin(), kRdtRecord.end());
@@ -95,14 +100,15 @@ TEST(NetFtBytes, StatusTellsOverloadFromFaultFromWarning) {
 }
 
 TEST(NetFtBytes, APageThatDoesNotTellTheScaleIsRefused) {
-  const std::string page = "<netft><prodname>Net F/T</prodname><comrdtrate>1000</comrdtrate><cfgcpf>1000000</cfgcpf><scfgfu>lbf</scfgfu></netft>";
+  const std::string page =
+      "<netft><prodname>Net F/T</prodname><comrdtrate>1000</comrdtrate><cfgcpf>1000000</cfgcpf><scfgfu>lbf</scfgfu></netft>";
   const auto config = ati::parse_netft_page(page);
   ASSERT_TRUE(config) << config.error().to_text();
   EXPECT_EQ(config->counts_per_force, 1e6);
   EXPECT_NEAR(config->newtons_per_unit, 4.44822, 1e-5);
   EXPECT_EQ(config->rate_Hz, 1000.0);
-  for (const char* broken : {"<cfgcpf>0</cfgcpf>", "<cfgcpf>-5</cfgcpf>", "<cfgcpf>1e999</cfgcpf>", "<cfgcpf>12x</cfgcpf>",
-                             "<cfgcpf>5</cfgcpf><cfgcpf>6</cfgcpf>", ""}) {
+  for (const char* broken : {"<cfgcpf>0</cfgcpf>", "<cfgcpf>-5</cfgcpf>", "<cfgcpf>1e999</cfgcpf>",
+                             "<cfgcpf>12x</cfgcpf>", "<cfgcpf>5</cfgcpf><cfgcpf>6</cfgcpf>", ""}) {
     std::string wrong = page;
     wrong.replace(wrong.find("<cfgcpf>"), std::string("<cfgcpf>1000000</cfgcpf>").size(), broken);
     EXPECT_FALSE(ati::parse_netft_page(wrong)) << broken;
@@ -122,7 +128,8 @@ TEST(DigitalFtBytes, TheGagesStandInTheOrderOfTheManualWithASevenBitSum) {
   error[12] |= 0x80;
   ASSERT_EQ(ati::parse_gages(error, record), ati::GageParse::value);
   EXPECT_TRUE(record.status_error);
-  EXPECT_EQ(ati::parse_gages(Bytes(kGageRecord.begin(), kGageRecord.end() - 1), record), ati::GageParse::need_more);
+  EXPECT_EQ(ati::parse_gages(Bytes(kGageRecord.begin(), kGageRecord.end() - 1), record),
+            ati::GageParse::need_more);
   for (std::size_t bit = 0; bit < 8 * 12; ++bit) {
     if (bit % 8 == 7) continue;  // 128 is invisible in a sum modulo 128: range and jumps must tell
     Bytes damaged = kGageRecord;
@@ -134,7 +141,8 @@ TEST(DigitalFtBytes, TheGagesStandInTheOrderOfTheManualWithASevenBitSum) {
 TEST(DigitalFtBytes, RequestsAreModbusFrames) {
   EXPECT_EQ(ati::encode_read(0x11, 0x006B, 3), (Bytes{0x11, 0x03, 0x00, 0x6B, 0x00, 0x03, 0x76, 0x87}));
   const std::uint16_t words[] = {0x000A, 0x0102};
-  EXPECT_EQ(ati::encode_write(0x11, 1, words), (Bytes{0x11, 0x10, 0x00, 0x01, 0x00, 0x02, 0x04, 0x00, 0x0A, 0x01, 0x02, 0xC6, 0xF0}));
+  EXPECT_EQ(ati::encode_write(0x11, 1, words),
+            (Bytes{0x11, 0x10, 0x00, 0x01, 0x00, 0x02, 0x04, 0x00, 0x0A, 0x01, 0x02, 0xC6, 0xF0}));
   EXPECT_TRUE(ati::decode_frame(Bytes{0x11, 0x03, 0x00, 0x6B, 0x00, 0x03, 0x76, 0x87}, 0x11, 3));
   EXPECT_FALSE(ati::decode_frame(Bytes{0x11, 0x03, 0x00, 0x6B, 0x00, 0x03, 0x76, 0x87}, 0x12, 3));
   EXPECT_FALSE(ati::decode_frame(Bytes{0x11, 0x03, 0x00, 0x6B, 0x00, 0x02, 0x76, 0x87}, 0x11, 3));
@@ -151,7 +159,9 @@ TEST(DigitalFtBytes, TheCalibrationGivesForceFromGages) {
   EXPECT_EQ(c->gains_and_offsets[11], 2011);
   for (const double force_N : {-4.0, 0.0, 0.15, 3.7}) {
     ati::GageRecord record;
-    ASSERT_EQ(ati::parse_gages(emulated::DigitalFt::record(emulated::DigitalFt::gages_of(force_N * 1e6), false), record), ati::GageParse::value);
+    ASSERT_EQ(ati::parse_gages(
+                  emulated::DigitalFt::record(emulated::DigitalFt::gages_of(force_N * 1e6), false), record),
+              ati::GageParse::value);
     EXPECT_NEAR(ati::gage_force_N(*c, record, 2), force_N, 2e-4);  // half a gage count
   }
   auto empty = block;
@@ -192,7 +202,8 @@ TEST(AtiBytes, AnAsciiLineThatIsNotExactlyARecordIsNone) {
   const auto kind = [](const std::string& line, std::size_t width) {
     return ati::parse_ascii({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}, width).kind;
   };
-  EXPECT_EQ(kind("0,     3,    -2,  150,     1,     0,    -1\r\n", 45), ati::Parse::invalid);  // a digit was lost
+  EXPECT_EQ(kind("0,     3,    -2,  150,     1,     0,    -1\r\n", 45),
+            ati::Parse::invalid);  // a digit was lost
   EXPECT_EQ(kind("0,3,-2,1500,1,0\r\n", 0), ati::Parse::invalid);
   EXPECT_EQ(kind("0,3,-2,1500,1,0,-1,4\r\n", 0), ati::Parse::invalid);
   EXPECT_EQ(kind("0,3,-2,15x0,1,0,-1\r\n", 0), ati::Parse::invalid);
@@ -202,9 +213,9 @@ TEST(AtiBytes, AnAsciiLineThatIsNotExactlyARecordIsNone) {
 }
 
 // docs/protocol.md: SAMPLES, sequence 6, t = 640000 us, answer to 5: index 640, twice {100, 1.5 N, excited}
-const Bytes kSamples{0x04, 0x10, 0x82, 0x06, 0x01, 0x03, 0xc4, 0x09, 0x02, 0x05, 0x03, 0x80, 0x02, 0x01, 0x02,
-                     0x02, 0x01, 0x01, 0x01, 0x02, 0x64, 0x01, 0x01, 0x05, 0xc0, 0x3f, 0x01, 0x64, 0x01, 0x01,
-                     0x08, 0xc0, 0x3f, 0x01, 0x0d, 0x03, 0x94, 0x54, 0x00};
+const Bytes kSamples{0x04, 0x10, 0x82, 0x06, 0x01, 0x03, 0xc4, 0x09, 0x02, 0x05, 0x03, 0x80, 0x02,
+                     0x01, 0x02, 0x02, 0x01, 0x01, 0x01, 0x02, 0x64, 0x01, 0x01, 0x05, 0xc0, 0x3f,
+                     0x01, 0x64, 0x01, 0x01, 0x08, 0xc0, 0x3f, 0x01, 0x0d, 0x03, 0x94, 0x54, 0x00};
 
 TEST(BoardBytes, TheTwinWritesTheWorkedExampleOfTheProtocol) {
   emulated::BoardFrame frame;

@@ -78,13 +78,13 @@ void expect_parked(const Seen& seen) {
 // name of the fault, and its script
 using Fault = std::pair<const char*, const char*>;
 const Fault kFaults[] = {
-    {"delay", "delay 0.3 1e9 2 100"},       {"drop", "drop 0.3 1e9 1 0"},
-    {"drop_for_long", "drop 0.3 0.2 0 0"},  {"drop_byte", "drop_byte 0.3 1e9 1 0"},
-    {"duplicate", "duplicate 0.3 1e9 3 0"}, {"corrupt", "corrupt 0.3 1e9 1 0"},
+    {"delay", "delay 0.3 1e9 2 100"},         {"drop", "drop 0.3 1e9 1 0"},
+    {"drop_for_long", "drop 0.3 0.2 0 0"},    {"drop_byte", "drop_byte 0.3 1e9 1 0"},
+    {"duplicate", "duplicate 0.3 1e9 3 0"},   {"corrupt", "corrupt 0.3 1e9 1 0"},
     {"corrupt_often", "corrupt 0.3 1e9 5 0"}, {"garbage", "garbage 0.3 1e9 2 5"},
-    {"truncate", "truncate 0.3 1e9 1 0"},   {"stall", "stall 0.3 0.1 0 0"},
-    {"stall_for_good", "stall 0.3 1e9 0 0"}, {"unplug", "unplug 0.3 1e9 0 0"},
-    {"frozen", "frozen 0.3 1e9 0 0"},       {"reset", "reset 0.3 1e9 1 0"},
+    {"truncate", "truncate 0.3 1e9 1 0"},     {"stall", "stall 0.3 0.1 0 0"},
+    {"stall_for_good", "stall 0.3 1e9 0 0"},  {"unplug", "unplug 0.3 1e9 0 0"},
+    {"frozen", "frozen 0.3 1e9 0 0"},         {"reset", "reset 0.3 1e9 1 0"},
 };
 
 std::string name_of(const testing::TestParamInfo<Fault>& info) { return info.param.first; }
@@ -119,8 +119,10 @@ INSTANTIATE_TEST_SUITE_P(Matrix, MotorFaultOverTcp, testing::ValuesIn(checked_li
 
 class MotorReply : public testing::TestWithParam<Fault> {};
 TEST_P(MotorReply, IsSurvivedOrNamed) { check_motor("twin_rtu.toml", GetParam().second); }
-const Fault kReplies[] = {{"exception_once", "exception 0.3 1e9 1 6"}, {"exception_always", "exception 0.3 1e9 0 4"},
-                          {"wrong_slave", "wrong_slave 0.3 1e9 1 0"}, {"wrong_slave_always", "wrong_slave 0.3 1e9 0 0"}};
+const Fault kReplies[] = {{"exception_once", "exception 0.3 1e9 1 6"},
+                          {"exception_always", "exception 0.3 1e9 0 4"},
+                          {"wrong_slave", "wrong_slave 0.3 1e9 1 0"},
+                          {"wrong_slave_always", "wrong_slave 0.3 1e9 0 0"}};
 INSTANTIATE_TEST_SUITE_P(Matrix, MotorReply, testing::ValuesIn(kReplies), name_of);
 
 class ReferenceFault : public testing::TestWithParam<Fault> {};
@@ -137,7 +139,8 @@ void check_reference(const std::string& file, const Fault& fault) {
       // Some reading of the run without the fault within 30 ms says the same.
       double nearest = 1e9;
       for (const ReferenceReading& q : sound)
-        if (std::fabs(q.t_s - r.t_s) < 0.03) nearest = std::min(nearest, std::fabs(static_cast<double>(q.force_N - r.force_N)));
+        if (std::fabs(q.t_s - r.t_s) < 0.03)
+          nearest = std::min(nearest, std::fabs(static_cast<double>(q.force_N - r.force_N)));
       EXPECT_LT(nearest, 0.03) << "at " << r.t_s << " s: " << r.force_N;
     }
   if (seen.error) {
@@ -153,7 +156,9 @@ void check_reference(const std::string& file, const Fault& fault) {
 }
 
 TEST_P(ReferenceFault, OnASerialControllerNeverShowsAWrongForce) { check_reference("twin.toml", GetParam()); }
-TEST_P(ReferenceFault, OnADigitalSensorNeverShowsAWrongForce) { check_reference("twin_digital.toml", GetParam()); }
+TEST_P(ReferenceFault, OnADigitalSensorNeverShowsAWrongForce) {
+  check_reference("twin_digital.toml", GetParam());
+}
 INSTANTIATE_TEST_SUITE_P(Matrix, ReferenceFault, testing::ValuesIn(kFaults), name_of);
 
 class NetFtFault : public testing::TestWithParam<Fault> {};

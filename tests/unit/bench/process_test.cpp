@@ -48,8 +48,10 @@ class WallWorld final : public BenchWorld {
 };
 
 std::string table_text(const std::string& device, const std::string& fault) {
-  const std::string common = "command = [\"/usr/bin/python3\", \"" FORCEGATE_SOURCE_DIR "/tests/support/scripted_adapter.py\", \"" +
-                             device + "\", \"" + fault + "\"]\nfolder = \"/tmp\"\nreply_timeout_ms = 1500\nstart_timeout_ms = 20000\n";
+  const std::string common = "command = [\"/usr/bin/python3\", \"" FORCEGATE_SOURCE_DIR
+                             "/tests/support/scripted_adapter.py\", \"" +
+                             device + "\", \"" + fault +
+                             "\"]\nfolder = \"/tmp\"\nreply_timeout_ms = 1500\nstart_timeout_ms = 20000\n";
   if (device == "motor") return common + "velocity_max_rad_per_s = 10\ndrive_timeout_ms = 200\n";
   if (device == "board") return common + "serial = \"B\"\n";
   return common +
@@ -72,9 +74,28 @@ void expect_named(const Result<void>& result, const std::string& device) {
   EXPECT_FALSE(result.error().text.empty());
 }
 
-constexpr const char* kFaults[] = {"die",    "killed",   "hang",         "late",     "silent", "garbage", "half",
-                                   "endless", "wrong_id", "old_id",       "twice",    "no_object", "not_a_number", "infinite",
-                                   "text",   "error",    "error_without_text", "future", "past", "absurd", "short_row", "no_clock"};
+constexpr const char* kFaults[] = {"die",
+                                   "killed",
+                                   "hang",
+                                   "late",
+                                   "silent",
+                                   "garbage",
+                                   "half",
+                                   "endless",
+                                   "wrong_id",
+                                   "old_id",
+                                   "twice",
+                                   "no_object",
+                                   "not_a_number",
+                                   "infinite",
+                                   "text",
+                                   "error",
+                                   "error_without_text",
+                                   "future",
+                                   "past",
+                                   "absurd",
+                                   "short_row",
+                                   "no_clock"};
 class ProgramFault : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Matrix, ProgramFault, testing::ValuesIn(kFaults),
                          [](const auto& one) { return std::string(one.param); });
@@ -130,7 +151,8 @@ TEST_P(ProgramFault, OfAMotorNeverShowsAWrongAngleAndItIsStopped) {
     if (!state)
       done = Unexpected(state.error());
     else
-      EXPECT_EQ(state->theta_rad, i);  // the script counts its readings: an earlier answer would show an earlier number
+      EXPECT_EQ(state->theta_rad,
+                i);  // the script counts its readings: an earlier answer would show an earlier number
   }
   expect_named(done, "motor");
   const auto parked = motor->emergency();
@@ -154,8 +176,10 @@ TEST(ProgramAdapter, OneThatCannotBeStartedIsNamed) {
 TEST(ProgramMessages, RequestsAreOneLineAndTablesBecomeObjects) {
   const auto table = parse_config("a = 1\nb = \"x\\ny\"\nc = [1.5, true]\n", "t");
   ASSERT_TRUE(table);
-  EXPECT_EQ(process::encode_request(7, "open", 0.5, {{"options", &*table}, {"port", std::string("/dev/x")}, {"exclusive", true}}),
-            R"({"id":7,"do":"open","now_s":0.5,"options":{"a":1,"b":"x\ny","c":[1.5,true]},"port":"/dev/x","exclusive":true})");
+  EXPECT_EQ(
+      process::encode_request(7, "open", 0.5,
+                              {{"options", &*table}, {"port", std::string("/dev/x")}, {"exclusive", true}}),
+      R"({"id":7,"do":"open","now_s":0.5,"options":{"a":1,"b":"x\ny","c":[1.5,true]},"port":"/dev/x","exclusive":true})");
 }
 
 TEST(DeviceClock, FindsOffsetAndSkewWhateverTheDelays) {
@@ -163,7 +187,8 @@ TEST(DeviceClock, FindsOffsetAndSkewWhateverTheDelays) {
   Rng rng(3, "device_clock");
   // Device runs 80 ppm fast and 5 s ahead.
   for (int i = 0; i < 400; ++i) {
-    const double t = 0.05 * i, out = 0.001 + 0.01 * rng.uniform() * rng.uniform(), back = 0.001 + 0.01 * rng.uniform() * rng.uniform();
+    const double t = 0.05 * i, out = 0.001 + 0.01 * rng.uniform() * rng.uniform(),
+                 back = 0.001 + 0.01 * rng.uniform() * rng.uniform();
     clock.add(t, 5.0 + (t + out) * (1.0 + 80e-6), t + out + back);
   }
   const ClockFit fit = clock.fit();
@@ -178,7 +203,9 @@ TEST(DeviceClock, FindsOffsetAndSkewWhateverTheDelays) {
 
 TEST(PythonAdapters, TurnTheWheelAndReadForceAndBoardOfTheTwins) {
   // Long waits, so that a busy machine is no fault of the drive.
-  TwinBench b("twin_python.toml", {{"drive_timeout_ms = 500", "drive_timeout_ms = 5000\nreply_timeout_ms = 20000\nstart_timeout_ms = 20000"}});
+  TwinBench b("twin_python.toml",
+              {{"drive_timeout_ms = 500",
+                "drive_timeout_ms = 5000\nreply_timeout_ms = 20000\nstart_timeout_ms = 20000"}});
   ASSERT_TRUE(b.session);
   b.run_up();
   BenchSession& s = *b.session;
@@ -198,7 +225,8 @@ TEST(PythonAdapters, TurnTheWheelAndReadForceAndBoardOfTheTwins) {
   }
   EXPECT_GE(theta, start + 0.3);
   TwinBench::ok(s.motor().stop());
-  for (int i = 0; i < 500 && std::fabs(b.status("velocity_rad_per_s")) > 1e-4; ++i) TwinBench::ok(b.advance(0.01));
+  for (int i = 0; i < 500 && std::fabs(b.status("velocity_rad_per_s")) > 1e-4; ++i)
+    TwinBench::ok(b.advance(0.01));
   readings.clear();
   for (int i = 0; i < 500 && readings.size() < 60; ++i) {
     TwinBench::ok(b.advance(0.01));
@@ -220,7 +248,8 @@ TEST(PythonTwin, IsReadByTheAdapterOfARealBench) {
   ASSERT_TRUE(folder);
   ChildProcess twin;
   const auto log = folder->path() / "log";
-  ASSERT_TRUE(twin.start({"/usr/bin/python3", "-m", "forcegate_adapter", "twin"}, FORCEGATE_SOURCE_DIR "/adapters/python", log));
+  ASSERT_TRUE(twin.start({"/usr/bin/python3", "-m", "forcegate_adapter", "twin"},
+                         FORCEGATE_SOURCE_DIR "/adapters/python", log));
   std::string port;
   for (int i = 0; i < 2000 && port.empty(); ++i) {
     const std::string said = last_line(log);
@@ -233,7 +262,8 @@ TEST(PythonTwin, IsReadByTheAdapterOfARealBench) {
   auto world = Registry<BenchWorldKind>::instance().find("real")->make(*root, {});
   ASSERT_TRUE(world);
   const auto table = parse_config(
-      "port = \"ati\"\ncounts_per_force = 1000\nresolution_N = 0.025\nforce_max_N = 17\nserial = \"S\"\ncalibration_id = \"C\"\n", "lab.toml");
+      "port = \"ati\"\ncounts_per_force = 1000\nresolution_N = 0.025\nforce_max_N = 17\nserial = \"S\"\ncalibration_id = \"C\"\n",
+      "lab.toml");
   auto ati = Registry<ReferenceKind>::instance().find("ati_serial")->make(*table, **world);
   ASSERT_TRUE(ati);
   const auto opened = (*ati)->open();

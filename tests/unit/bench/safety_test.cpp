@@ -100,7 +100,8 @@ class ServedOverEveryLink : public Served, public testing::WithParamInterface<co
     return {{"drive_timeout_ms = " + own, "drive_timeout_ms = 5000"}};
   }
 };
-INSTANTIATE_TEST_SUITE_P(Links, ServedOverEveryLink, testing::Values("twin.toml", "twin_rtu.toml", "twin_python.toml"));
+INSTANTIATE_TEST_SUITE_P(Links, ServedOverEveryLink,
+                         testing::Values("twin.toml", "twin_rtu.toml", "twin_python.toml"));
 
 TEST_P(ServedOverEveryLink, AKilledHarnessIsParkedByItsGuardLongBeforeTheDriveGivesUp) {
   serve(GetParam(), patient_drive());
@@ -143,7 +144,8 @@ TEST_F(Served, TwoRunsCannotHaveOneBench) {
   ASSERT_TRUE(second);
   const auto opened = (*second)->open();
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().text.find(std::to_string(harness_)), std::string::npos) << opened.error().to_text();
+  EXPECT_NE(opened.error().text.find(std::to_string(harness_)), std::string::npos)
+      << opened.error().to_text();
   const auto holder = lease_holder(bench_->id);
   ASSERT_TRUE(holder && *holder);
   EXPECT_EQ((*holder)->pid, harness_);

@@ -13,7 +13,8 @@ namespace {
 
 class SpecimenLogTest : public testing::Test {
  protected:
-  SpecimenLogTest() : folder_(std::move(*PrivateFolder::make())), file_(folder_.path() / "specimens.tsv"), log_(file_) {}
+  SpecimenLogTest()
+      : folder_(std::move(*PrivateFolder::make())), file_(folder_.path() / "specimens.tsv"), log_(file_) {}
   void write(const std::string& text) { std::ofstream(file_, std::ios::app) << text; }
   PrivateFolder folder_;
   std::filesystem::path file_;
@@ -59,7 +60,8 @@ class RestedSpecimen : public SpecimenLogTest {
  protected:
   std::unique_ptr<Rig> rig(const std::string& more) {
     const auto bench = folder_.path() / "bench.toml";
-    std::ofstream(bench) << test::bench_text("twin.toml") << "\n[specimens]\nlog = \"specimens.tsv\"\n" << more;
+    std::ofstream(bench) << test::bench_text("twin.toml") << "\n[specimens]\nlog = \"specimens.tsv\"\n"
+                         << more;
     auto made = Registry<RigKind>::instance().find("bench")->make({{"file", bench.string()}});
     EXPECT_TRUE(made) << made.error().to_text();
     return std::move(*made);

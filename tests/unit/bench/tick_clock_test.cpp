@@ -9,7 +9,7 @@ namespace {
 TEST(TickHistogram, CountsHowLateTheTicksWere) {
   TickHistogram h;
   for (int i = 0; i < 97; ++i) h.add(50e-6);
-  h.add(-1.0);   // too early is not late
+  h.add(-1.0);  // too early is not late
   h.add(2e-3);
   h.add(80e-3);
   EXPECT_EQ(h.ticks(), 100U);

@@ -96,7 +96,8 @@ TEST(TwinSession, AsciiRecordsGiveTheSameForces) {
 }
 
 class EveryReference : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(References, EveryReference, testing::Values("twin.toml", "twin_netft.toml", "twin_digital.toml"));
+INSTANTIATE_TEST_SUITE_P(References, EveryReference,
+                         testing::Values("twin.toml", "twin_netft.toml", "twin_digital.toml"));
 
 TEST_P(EveryReference, AnOverloadIsSaid) {
   TwinBench b(GetParam());
@@ -135,7 +136,8 @@ TEST_P(FastReference, GivesEveryRowOfThePlantAtItsTime) {
   ASSERT_GE(readings.size(), 597U);  // the last ones wait for the records behind them
   EXPECT_NEAR(static_cast<double>(readings.back().force_N), b.status("force_N"), 0.02);
   // In the first clump no early arrival has told the clock yet.
-  for (std::size_t i = 20; i < readings.size(); ++i) EXPECT_NEAR(readings[i].t_s - readings[i - 1].t_s, 0.001, 2e-4);
+  for (std::size_t i = 20; i < readings.size(); ++i)
+    EXPECT_NEAR(readings[i].t_s - readings[i - 1].t_s, 0.001, 2e-4);
   EXPECT_NEAR(readings.back().t_s, s.world().now_s(), 0.004);
   s.make_safe();
 }
@@ -182,15 +184,16 @@ TEST(BoardClock, IsComparedByTimeMessagesWhileTheBoardStreams) {
     TwinBench::ok(s.board().poll(samples));
   }
   const ClockFit fit = s.board().clock();
-  EXPECT_EQ(fit.exchanges, 12U);  // twice a second
-  EXPECT_NEAR(fit.skew_ppm, 0.0, 1.0);  // one plant, one clock
+  EXPECT_EQ(fit.exchanges, 12U);                       // twice a second
+  EXPECT_NEAR(fit.skew_ppm, 0.0, 1.0);                 // one plant, one clock
   EXPECT_NEAR(fit.u_s, 0.005 / std::sqrt(3.0), 1e-4);  // an answer is looked for every 10 ms
   EXPECT_NE(s.details().at("board clock").find("12 exchanges"), std::string::npos);
 }
 
 // BENCH: after one stall every later RTU read was an answer to an earlier request, and libmodbus called it success.
 TEST(TwinSession, ALateReplyIsNeverTakenForAFreshOne) {
-  TwinBench b("twin_rtu.toml", {{"response_timeout_ms = 1000", "response_timeout_ms = 40"}, {"worst_reply_ms = 50", "worst_reply_ms = 150"}});
+  TwinBench b("twin_rtu.toml", {{"response_timeout_ms = 1000", "response_timeout_ms = 40"},
+                                {"worst_reply_ms = 50", "worst_reply_ms = 150"}});
   TwinBench::ok(b.session->open());
   TwinBench::ok(b.session->arm());
   TwinBench::ok(b.session->motor().command_velocity(1.0));

@@ -34,7 +34,8 @@ std::vector<DecayRecord> series_of(const Laws& laws, const Calibration& c) {
 
 TEST(Laws, are_recovered_exactly_from_records_that_follow_them) {
   Laws truth;
-  truth.a2_V_per_N2 = 0.7, truth.a1_V_per_N = 1.1, truth.b1_s_per_s = 0.003, truth.b0_per_s = 0.004, truth.k_per_N2 = 2.0;
+  truth.a2_V_per_N2 = 0.7, truth.a1_V_per_N = 1.1, truth.b1_s_per_s = 0.003, truth.b0_per_s = 0.004,
+  truth.k_per_N2 = 2.0;
   const auto records = series_of(truth, {});
   const std::vector<std::string> owner(records.size(), "one");
   const auto fitted = fit_laws(records, owner);
@@ -68,7 +69,8 @@ TEST(Laws, standard_errors_are_those_of_the_scatter_between_specimens) {
     claimed.push_back(fitted->se_b0);
   }
   double rms = 0.0, mean = 0.0;
-  for (std::size_t i = 0; i < errors.size(); ++i) rms += errors[i] * errors[i] / 60.0, mean += claimed[i] / 60.0;
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    rms += errors[i] * errors[i] / 60.0, mean += claimed[i] / 60.0;
   EXPECT_NEAR(mean / std::sqrt(rms), 1.0, 0.25);
 }
 
@@ -112,8 +114,10 @@ TEST(PrintedTable, holds_no_significant_dependence_that_the_laws_leave_out) {
     EXPECT_FALSE(x.significant) << x.parameter << " on " << x.term;
     EXPECT_GT(x.loo_before_pct, 0.0);
   }
-  EXPECT_TRUE(std::is_sorted(found.begin(), found.end(), [](const LeftOut& a, const LeftOut& b) { return a.p < b.p; }));
-  EXPECT_LT(found.front().p, 0.05);  // one alone would look significant: that is why all are corrected together
+  EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
+                             [](const LeftOut& a, const LeftOut& b) { return a.p < b.p; }));
+  EXPECT_LT(found.front().p,
+            0.05);  // one alone would look significant: that is why all are corrected together
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ class PlaybackRig final : public Rig {
     if (!got) return got;
     const double b = 0.0019 * 0.5 + 0.0056, q = 1.0 / (1.0 + 1.377 * 2.25);
     for (std::size_t i = at; i < at + *got; ++i) {
-      const double r = (std::exp(-b * out.t_s[i]) + q) / (1.0 + q), force = static_cast<double>(out.force_ref_N[i]);
+      const double r = (std::exp(-b * out.t_s[i]) + q) / (1.0 + q),
+                   force = static_cast<double>(out.force_ref_N[i]);
       const double volts = (1.2 + r * (force - 1.2) - 0.15) / 0.5;
       out.adc[i] = static_cast<std::uint16_t>(std::lround(std::clamp(volts / 10.0, 0.0, 1.0) * 65535.0));
     }
@@ -90,7 +91,8 @@ struct Swings {
 };
 
 template <class Make>
-std::vector<Swings> swings(const Make& make, double low_N, const std::vector<std::pair<double, double>>& spans) {
+std::vector<Swings> swings(const Make& make, double low_N,
+                           const std::vector<std::pair<double, double>>& spans) {
   std::vector<Swings> out(spans.size());
   const auto emulated = value_or_abort(make_rig("emulated", {{"session_spread", "off"}}));
   PlaybackRig playback;
@@ -100,7 +102,8 @@ std::vector<Swings> swings(const Make& make, double low_N, const std::vector<std
     Sequence load;
     make(load);
     ExtremaSink sink(0.5, bench.volts_per_code());
-    value_or_abort(bench.play(load, [&](const RigBlock& b, std::size_t n, std::span<const float> e) { sink(b, n, e); }));
+    value_or_abort(
+        bench.play(load, [&](const RigBlock& b, std::size_t n, std::span<const float> e) { sink(b, n, e); }));
     const Extrema e = sink.finish();
     const double low_V = (low_N - 0.15) / 0.5;
     for (std::size_t k = 0; k < spans.size(); ++k)

@@ -27,7 +27,8 @@ std::string read(const std::filesystem::path& path) {
 }
 
 std::string minimal(const std::string& more) {
-  return "format = 1\nkind = \"characterize\"\nname = \"x\"\n[population]\nspecimens = [\"q50\"]\nsessions = 1\n[procedures]\nflexiforce = [\"static_calibration\"]\n" + more;
+  return "format = 1\nkind = \"characterize\"\nname = \"x\"\n[population]\nspecimens = [\"q50\"]\nsessions = 1\n[procedures]\nflexiforce = [\"static_calibration\"]\n" +
+         more;
 }
 
 TEST(StudyPlan, names_the_place_of_a_mistake_and_how_to_mend_it) {
@@ -41,8 +42,10 @@ TEST(StudyPlan, names_the_place_of_a_mistake_and_how_to_mend_it) {
   const auto procedure = parse_study_plan(unknown, "p.toml");
   ASSERT_FALSE(procedure.has_value());
   EXPECT_NE(procedure.error().hint.find("static_calibration"), std::string::npos) << procedure.error().hint;
-  for (const char* bad : {"[harmonic]\nf_Hz = [1]\nA_N = [1, 2]\nm_N = [3]\n", "[harmonic]\nf_Hz = [1]\nA_N = [2]\nm_N = [1]\n", "[[limit]]\nkey = \"x\"\nsource = \"y\"\n",
-                          "[profiles]\nrecord_s = \"long\"\n", "[profiles]\nrecovery_s = [0]\n"})
+  for (const char* bad :
+       {"[harmonic]\nf_Hz = [1]\nA_N = [1, 2]\nm_N = [3]\n", "[harmonic]\nf_Hz = [1]\nA_N = [2]\nm_N = [1]\n",
+        "[[limit]]\nkey = \"x\"\nsource = \"y\"\n", "[profiles]\nrecord_s = \"long\"\n",
+        "[profiles]\nrecovery_s = [0]\n"})
     EXPECT_FALSE(parse_study_plan(minimal(bad), "p.toml").has_value()) << bad;
   EXPECT_FALSE(parse_study_plan("format = 1\nkind = \"gate\"\nname = \"x\"\n", "p.toml").has_value());
 }
@@ -92,7 +95,9 @@ TEST(Study, refuses_a_procedure_that_needs_a_calibration_before_there_is_one) {
 TEST(Study, limits_are_judged_on_the_worst_session_and_a_quantity_that_nobody_measured_is_not_kept) {
   StudyPlan plan = short_plan();
   plan.flexiforce = {"static_calibration"};
-  plan.limits = {{"static.linearity", -INFINITY, 3.0, "maker"}, {"static.gain", 10.0, INFINITY, "absurd"}, {"static.nothing", 0.0, 1.0, "x"}};
+  plan.limits = {{"static.linearity", -INFINITY, 3.0, "maker"},
+                 {"static.gain", 10.0, INFINITY, "absurd"},
+                 {"static.nothing", 0.0, 1.0, "x"}};
   const auto results = check_limits(run(request_of(plan, {"flexiforce"})), plan);
   ASSERT_EQ(results.size(), 3U);
   EXPECT_TRUE(results[0].kept);
@@ -110,14 +115,16 @@ TEST(Study, of_panel_specimens_lies_in_every_window_of_the_paper) {
   plan.sessions = 1;
   plan.exemplar.clear();
   plan.recovery_s = {300.0, 7200.0};
-  std::erase_if(plan.flexiforce, [](const std::string& name) { return name == "two_sines" || name == "validation_sines"; });
+  std::erase_if(plan.flexiforce,
+                [](const std::string& name) { return name == "two_sines" || name == "validation_sines"; });
   const auto studies = run(request_of(plan, {"flexiforce", "fsr"}));
   std::size_t windows = 0;
   for (const PaperClaim& c : compare_with_paper(studies)) {
     if (!c.low && !c.high) continue;
     ++windows;
     ASSERT_TRUE(std::isfinite(c.ours)) << c.subject;
-    EXPECT_TRUE(c.inside()) << c.place << " " << c.sensor << " " << c.subject << ": " << c.ours << " " << c.unit << " (" << c.paper << ")";
+    EXPECT_TRUE(c.inside()) << c.place << " " << c.sensor << " " << c.subject << ": " << c.ours << " "
+                            << c.unit << " (" << c.paper << ")";
   }
   EXPECT_GE(windows, 20U);
 }
@@ -131,14 +138,17 @@ TEST(GoldenTraces, of_the_paper_are_those_of_the_rig) {
   for (const SensorStudy& study : studies)
     for (const GoldenTrace& now : golden_traces(study, plan)) {
       const std::filesystem::path path = folder / (now.name + ".csv");
-      ASSERT_TRUE(std::filesystem::exists(path)) << path << " is missing: forcegate characterize --golden golden/traces/paper";
+      ASSERT_TRUE(std::filesystem::exists(path))
+          << path << " is missing: forcegate characterize --golden golden/traces/paper";
       const GoldenTrace golden = value_or_abort(parse_golden(read(path), path.string()));
       ASSERT_EQ(golden.curve.columns, now.curve.columns) << now.name;
       EXPECT_EQ(golden.provenance, now.provenance) << now.name;
       for (std::size_t k = 1; k < golden.curve.data.size(); ++k) {
-        const auto tube = value_or_abort(compare_tube({0.0, 1.0, golden.curve.data[k]}, {0.0, 1.0, now.curve.data[k]},
-                                                      {.absolute = golden.absolute, .relative = golden.relative, .lag_limit_s = INFINITY}));
-        EXPECT_EQ(tube.state, TubeState::inside) << now.name << " " << golden.curve.columns[k] << ": " << tube.cause << ", worst margin " << tube.worst_margin;
+        const auto tube = value_or_abort(compare_tube(
+            {0.0, 1.0, golden.curve.data[k]}, {0.0, 1.0, now.curve.data[k]},
+            {.absolute = golden.absolute, .relative = golden.relative, .lag_limit_s = INFINITY}));
+        EXPECT_EQ(tube.state, TubeState::inside) << now.name << " " << golden.curve.columns[k] << ": "
+                                                 << tube.cause << ", worst margin " << tube.worst_margin;
       }
       ++compared;
     }
@@ -162,7 +172,9 @@ TEST(GoldenTraces, are_read_as_they_were_written_and_damage_is_named_by_line) {
   const auto cut = parse_golden(text.substr(0, text.size() - 8), "x.csv");
   ASSERT_FALSE(cut.has_value());
   EXPECT_NE(cut.error().where.find("x.csv:"), std::string::npos);
-  for (const char* bad : {"", "t_s,maximum\n1,2\n", "# format = 2\n", "# name = \"x\"\nt_s,v\n1,nan\n", "# absolute = -1\n"}) EXPECT_FALSE(parse_golden(bad, "x.csv").has_value()) << bad;
+  for (const char* bad :
+       {"", "t_s,maximum\n1,2\n", "# format = 2\n", "# name = \"x\"\nt_s,v\n1,nan\n", "# absolute = -1\n"})
+    EXPECT_FALSE(parse_golden(bad, "x.csv").has_value()) << bad;
 }
 
 TEST(Tms, force_on_a_moving_head_stays_below_5_newtons_and_the_head_really_leaves) {
@@ -170,7 +182,8 @@ TEST(Tms, force_on_a_moving_head_stays_below_5_newtons_and_the_head_really_leave
   plan.exemplar.clear();
   const auto results = check_limits(run(request_of(plan, {"fsr"})), plan);
   ASSERT_EQ(results.size(), plan.limits.size());
-  for (const LimitResult& r : results) EXPECT_TRUE(r.kept) << r.title << ": worst " << r.worst << " " << r.unit << " (" << r.specimen << ")";
+  for (const LimitResult& r : results)
+    EXPECT_TRUE(r.kept) << r.title << ": worst " << r.worst << " " << r.unit << " (" << r.specimen << ")";
 }
 
 }  // namespace

@@ -72,7 +72,8 @@ TEST_F(ConsoleTest, NonsenseFractionsAndManyThreadsDoNoHarm) {
   std::vector<std::jthread> threads;
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&] {
-      for (const double f : {-1.0, 0.5, 2.0, std::numeric_limits<double>::quiet_NaN()}) console.progress(f, "x\ny\xff");
+      for (const double f : {-1.0, 0.5, 2.0, std::numeric_limits<double>::quiet_NaN()})
+        console.progress(f, "x\ny\xff");
       console.print("line");
     });
   threads.clear();

@@ -21,13 +21,17 @@ const std::vector<Command>& table() {
        .description = "Plays.",
        .positionals = {{.name = "PIECE", .doc = "What to play."},
                        {.name = "MORE", .doc = "And then.", .required = false, .repeatable = true}},
-       .options = {{.name = "speed", .value_name = "HZ", .doc = "How fast.", .fallback = "2.5", .letter = 's'},
-                   {.name = "tone",
-                    .value_name = "NAME",
-                    .doc = "Which tone.",
-                    .choices = [] { return std::vector<std::string>{"low", "high"}; }},
-                   {.name = "map", .value_name = "A=B", .doc = "Maps.", .repeatable = true},
-                   {.name = "loud", .value_name = "", .doc = "Louder.", .letter = 'l'}},
+       .options =
+           {{.name = "speed", .value_name = "HZ", .doc = "How fast.", .fallback = "2.5", .letter = 's'},
+            {.name = "tone",
+             .value_name = "NAME",
+             .doc = "Which tone.",
+             .choices =
+                 [] {
+                   return std::vector<std::string>{"low", "high"};
+                 }},
+            {.name = "map", .value_name = "A=B", .doc = "Maps.", .repeatable = true},
+            {.name = "loud", .value_name = "", .doc = "Louder.", .letter = 'l'}},
        .run = [](const Invocation&) -> Result<int> { return 0; }},
       {.name = "piano tune",
        .group = "Test",
@@ -52,8 +56,10 @@ Invocation invocation(const ParsedLine& line, Console& console) {
 }
 
 TEST(Parse, TakesValuesInEveryNotation) {
-  for (const auto& arguments : std::vector<std::vector<std::string>>{
-           {"play", "fugue", "--speed", "3", "--loud"}, {"play", "--loud", "--speed=3", "fugue"}, {"play", "-l", "-s", "3", "fugue"}}) {
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"play", "fugue", "--speed", "3", "--loud"},
+                                             {"play", "--loud", "--speed=3", "fugue"},
+                                             {"play", "-l", "-s", "3", "fugue"}}) {
     const ParsedLine line = parse(arguments);
     ASSERT_FALSE(line.error) << line.error->to_text();
     Console console({});
@@ -100,20 +106,25 @@ TEST(Parse, NumbersAreCheckedWithRangeAndWithoutLocale) {
     EXPECT_EQ(number.error().code, ErrorCode::usage);
     EXPECT_THAT(number.error().hint, HasSubstr("from 0 to 10"));
   }
-  const auto seed = [&](const char* text) { return invocation(parse({"play", "x", "--speed", text}), console).seed("speed"); };
+  const auto seed = [&](const char* text) {
+    return invocation(parse({"play", "x", "--speed", text}), console).seed("speed");
+  };
   EXPECT_EQ(seed("18446744073709551615").value(), ~0ULL);
   EXPECT_EQ(seed("0xff").value(), 255u);
-  for (const char* wrong : {"-1", "18446744073709551616", "0x", "1.0"}) EXPECT_FALSE(seed(wrong).has_value()) << wrong;
+  for (const char* wrong : {"-1", "18446744073709551616", "0x", "1.0"})
+    EXPECT_FALSE(seed(wrong).has_value()) << wrong;
 }
 
 TEST(Parse, TheCommandLineOfARunCanBePastedIntoAShell) {
-  EXPECT_EQ(parse({"play", "my file", "--map", "it's=1"}).command_line, "forcegate play 'my file' --map 'it'\\''s=1'");
+  EXPECT_EQ(parse({"play", "my file", "--map", "it's=1"}).command_line,
+            "forcegate play 'my file' --map 'it'\\''s=1'");
   EXPECT_EQ(shell_quoted(""), "''");
 }
 
 TEST(Parse, AnyArgumentsGiveALineOrAnErrorWithHelp) {
-  const std::vector<std::string> words = {"play", "--speed", "-s", "--", "-", "--loud=", "=", "--=x", "\xff\x01", "", "--tone",
-                                          "low", "--json", "--color", "help", "--help", "-q", "---", "--map=", "x"};
+  const std::vector<std::string> words = {"play", "--speed",  "-s", "--",     "-",      "--loud=", "=",
+                                          "--=x", "\xff\x01", "",   "--tone", "low",    "--json",  "--color",
+                                          "help", "--help",   "-q", "---",    "--map=", "x"};
   Rng rng(5);
   for (int trial = 0; trial < 20000; ++trial) {
     std::vector<std::string> arguments;
@@ -154,7 +165,8 @@ TEST(Completion, OffersTheSecondWordAfterTheFirst) {
 
 TEST(Help, WrapsAtTheColumnAndKeepsIndentedLines) {
   EXPECT_EQ(wrapped("one two three", 2, 10), "  one two\n  three\n");
-  EXPECT_EQ(wrapped("  table  row that is longer than the width", 0, 10), "  table  row that is longer than the width\n");
+  EXPECT_EQ(wrapped("  table  row that is longer than the width", 0, 10),
+            "  table  row that is longer than the width\n");
   EXPECT_EQ(wrapped("a\n\nb", 0, 10), "a\n\nb\n");
 }
 

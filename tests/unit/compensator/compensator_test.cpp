@@ -21,9 +21,11 @@ ModelEffect effect(const std::string& name, const std::string& form, const std::
   EXPECT_NE(found, nullptr) << form;
   ModelEffect out{name, form, {}, {}};
   for (std::size_t k = 0; k < found->shape.size(); ++k)
-    out.shape.push_back({found->shape[k].name, found->shape[k].unit, k < shape.size() ? shape[k] : found->shape[k].neutral, 0, -1e9, 1e9, 0});
+    out.shape.push_back({found->shape[k].name, found->shape[k].unit,
+                         k < shape.size() ? shape[k] : found->shape[k].neutral, 0, -1e9, 1e9, 0});
   for (std::size_t k = 0; k < found->strength.size(); ++k)
-    out.strength.push_back({found->strength[k].name, found->strength[k].unit, k < strength.size() ? strength[k] : 0.0, 0, -1e9, 1e9, 0});
+    out.strength.push_back({found->strength[k].name, found->strength[k].unit,
+                            k < strength.size() ? strength[k] : 0.0, 0, -1e9, 1e9, 0});
   return out;
 }
 
@@ -49,7 +51,8 @@ Record record_of(const std::string& name, bool dynamic, double seconds, double (
   }
   TimeBase clock;
   clock.nominal_rate_Hz = 200.0;
-  Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}}, T{"temp", "degC", "temperature", 0, {}, {}};
+  Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}},
+      T{"temp", "degC", "temperature", 0, {}, {}};
   for (int i = 0; i < static_cast<int>(200.0 * seconds); ++i) {
     const double t = i / 200.0;
     clock.t_s.push_back(t);
@@ -67,9 +70,13 @@ Campaign campaign() {
   c.name = "forces";
   c.bench.adc_bits = 16;
   c.bench.voltage_max_V = 10.0;
-  c.records.push_back(record_of("sine", true, 60, [](double t) { return t < 2.0 ? 1.1 : 2.15 - 1.05 * std::cos(3.14159265 * (t - 2.0)); }));
-  c.records.push_back(record_of("triangle", false, 40, [](double t) { return 0.2 + 3.8 * std::fabs(std::fmod(t / 10.0, 2.0) - 1.0); }));
-  c.records.push_back(record_of("minor", false, 40, [](double t) { return 2.0 + std::cos(0.6 * t) + 0.7 * std::cos(2.3 * t); }));
+  c.records.push_back(record_of("sine", true, 60, [](double t) {
+    return t < 2.0 ? 1.1 : 2.15 - 1.05 * std::cos(3.14159265 * (t - 2.0));
+  }));
+  c.records.push_back(record_of(
+      "triangle", false, 40, [](double t) { return 0.2 + 3.8 * std::fabs(std::fmod(t / 10.0, 2.0) - 1.0); }));
+  c.records.push_back(record_of("minor", false, 40,
+                                [](double t) { return 2.0 + std::cos(0.6 * t) + 0.7 * std::cos(2.3 * t); }));
   return c;
 }
 
@@ -90,9 +97,12 @@ double replay_LSB(const Model& model, CompensatorOptions options = {}) {
 TEST(Compensator, TheLawAloneIsInverted) { EXPECT_LT(replay_LSB(model_with({})), 0.05); }
 
 TEST(Compensator, EveryFormOfHysteresisIsUndone) {
-  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank", {0.02, 0.03, 0.05, 0.04, 0.03, 0.02})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank", {0.02, 0.03, 0.05, 0.04, 0.03, 0.02})})),
+            0.1);
   EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank_undecayed", {0, 0.03, 0, 0.04})})), 0.1);
-  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank_curved", {0.03, 0.04, 0.02, 0, 0, 0, 0.02, 0.01, 0.02, 0.01})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank_curved",
+                                          {0.03, 0.04, 0.02, 0, 0, 0, 0.02, 0.01, 0.02, 0.01})})),
+            0.1);
   EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "bouc_wen", {0.15}, {0.3})})), 0.1);
 }
 
@@ -113,7 +123,8 @@ TEST(Compensator, EveryFormOfLagIsUndone) {
 
 TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "polynomial", {0.05, -0.03})})), 0.1);
-  EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "polynomial_after_decay", {0.05, -0.03})})), 0.1);
+  EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "polynomial_after_decay", {0.05, -0.03})})),
+            0.1);
   EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "power_law", {0.1})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "saturation", {0.2}, {3.0, 0.5})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("thermal", "lagged", {0.003, 0.001}, {60.0})})), 0.1);
@@ -121,14 +132,18 @@ TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
 }
 
 TEST(Compensator, EffectsTogetherAreUndone) {
-  EXPECT_LT(replay_LSB(model_with({effect("creep", "prony", {0.01, 0.01, 0.02, 0.02}), effect("hysteresis", "play_bank", {0.02, 0.03, 0.05, 0.04}),
+  EXPECT_LT(replay_LSB(model_with({effect("creep", "prony", {0.01, 0.01, 0.02, 0.02}),
+                                   effect("hysteresis", "play_bank", {0.02, 0.03, 0.05, 0.04}),
                                    effect("static_nonlinearity", "polynomial", {0.03, -0.02})})),
             0.1);
 }
 
 TEST(Compensator, AUsersEquationIsUndone) {
   Model m = model_with({});
-  m.user_effects.push_back({"relax", {{"k", "1", 0.08}, {"tau", "s", 12.0}}, {{"x", "(F - x) / tau"}}, "k * x * (1 + 0.1 * tanh(F - 2))"});
+  m.user_effects.push_back({"relax",
+                            {{"k", "1", 0.08}, {"tau", "s", 12.0}},
+                            {{"x", "(F - x) / tau"}},
+                            "k * x * (1 + 0.1 * tanh(F - 2))"});
   // causal steps where the model looks half a step ahead: a few LSB at 1 kHz
   EXPECT_LT(replay_LSB(m), 3.0);
   m.user_effects[0].output = "F > 2 ? k * (F - 2)^2 : 0";
@@ -191,7 +206,8 @@ TEST(CalibrationMap, TakesBackWhatTheSweepsMakeOfCreep) {
   EXPECT_NEAR(none->q[2], 1.0, 0.02);
   const auto creep = calibration_map(model_with({effect("creep", "prony", {0.1})}), *plan);
   ASSERT_TRUE(creep);
-  EXPECT_NEAR(creep->alpha, 1.0 / 1.1, 0.01);  // a second is nothing to a sweep: creep of 10 % is a gain of 10 %
+  EXPECT_NEAR(creep->alpha, 1.0 / 1.1,
+              0.01);  // a second is nothing to a sweep: creep of 10 % is a gain of 10 %
   EXPECT_LT(creep->residual_pct, 1.0);
 }
 

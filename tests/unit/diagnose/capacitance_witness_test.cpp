@@ -31,12 +31,18 @@ Campaign make_campaign(Moves moves, bool with_capacitance, double size_N = 0.25)
     TimeBase clock;
     std::vector<double> F, U, C;
     for (int i = 0; i < 12000; ++i) {
-      const double t = i / 100.0, phase = std::fmod(t / 60.0, 1.0), up = phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase;
-      const double force = k % 2 == 0 ? 0.2 + 4.2 * up : 0.5 + 0.7 * std::min(std::floor(t / 12.0), std::floor((120.0 - t) / 12.0));
+      const double t = i / 100.0, phase = std::fmod(t / 60.0, 1.0),
+                   up = phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase;
+      const double force = k % 2 == 0
+                               ? 0.2 + 4.2 * up
+                               : 0.5 + 0.7 * std::min(std::floor(t / 12.0), std::floor((120.0 - t) / 12.0));
       const double zero_N = size_N * (1.0 - std::exp(-(900.0 * k + t) / 2000.0));
       clock.t_s.push_back(t);
-      F.push_back(std::round((force + (moves == Moves::reference ? zero_N : 0.0) + 0.006 * rng.normal()) / 0.025) * 0.025);
-      U.push_back(std::clamp(0.2 + 2.0 * (force + (moves == Moves::output ? zero_N : 0.0)) + 0.004 * rng.normal(), 0.0, 10.0));
+      F.push_back(
+          std::round((force + (moves == Moves::reference ? zero_N : 0.0) + 0.006 * rng.normal()) / 0.025) *
+          0.025);
+      U.push_back(std::clamp(
+          0.2 + 2.0 * (force + (moves == Moves::output ? zero_N : 0.0)) + 0.004 * rng.normal(), 0.0, 10.0));
       C.push_back(1e-12 * (200.0 + 9.0 * force - 0.2 * force * force + 0.3 * rng.normal()));
     }
     r.trace.time_bases.push_back(clock);

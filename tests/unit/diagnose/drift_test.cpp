@@ -38,15 +38,19 @@ std::string form_of(const Campaign& campaign) {
 }
 
 TEST(Drift, TellsOneTimeConstantFromTheLogarithmAndThePower) {
-  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.8 * std::exp(-t / 40.0); })), "exponential");
-  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 - 0.2 * std::log10(1.0 + t / 0.5); })), "logarithm");
-  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.02 * std::pow(t, 0.6); })), "power");
+  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.8 * std::exp(-t / 40.0); })),
+            "exponential");
+  EXPECT_EQ(
+      form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 - 0.2 * std::log10(1.0 + t / 0.5); })),
+      "logarithm");
+  EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.02 * std::pow(t, 0.6); })),
+            "power");
   EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.01 * t; })), "line");
 }
 
 TEST(Drift, FindsTheTimeConstantAndWhereItSetsIn) {
-  const auto d = diagnose_drift(
-      recording(1500, 0.1, 0.002, [](double t) { return 0.2 + 3.5 * std::exp(-std::max(0.0, t - 8.0) / 22.0); }));
+  const auto d = diagnose_drift(recording(
+      1500, 0.1, 0.002, [](double t) { return 0.2 + 3.5 * std::exp(-std::max(0.0, t - 8.0) / 22.0); }));
   ASSERT_TRUE(d);
   ASSERT_EQ(d->findings.size(), 1u);
   double tau_s = 0.0, onset_s = 0.0;
@@ -70,7 +74,8 @@ TEST(Drift, NoiseAloneIsNoDrift) {
 
 TEST(Drift, AnOutputThatFollowsSomethingUnrecordedIsUnknown) {
   Campaign campaign = recording(6000, 0.01, 0.002, [](double t) { return 3.0 + std::sin(3.0 * t); });
-  campaign.records[0].trace.channels.push_back({"load", "", "", 0, campaign.records[0].trace.channels[0].value, {}});
+  campaign.records[0].trace.channels.push_back(
+      {"load", "", "", 0, campaign.records[0].trace.channels[0].value, {}});
   const auto d = diagnose_drift(campaign);
   ASSERT_TRUE(d);
   EXPECT_EQ(d->verdict, DiagnosisVerdict::unknown);

@@ -11,7 +11,8 @@ namespace forcegate::diagnose {
 namespace {
 
 // Forces of eight records; the output is made by the caller, noise and steps are those of ordinary instruments.
-using Sensor = std::function<std::vector<double>(const std::vector<double>& t, const std::vector<double>& F, int record)>;
+using Sensor = std::function<std::vector<double>(const std::vector<double>& t, const std::vector<double>& F,
+                                                 int record)>;
 
 Campaign make_campaign(std::uint64_t seed, const Sensor& sensor, double noise_V = 0.004) {
   Campaign c;
@@ -45,7 +46,9 @@ Campaign make_campaign(std::uint64_t seed, const Sensor& sensor, double noise_V 
     }
     const double gain = 1.0 + 0.005 * rng.normal(), offset = 0.01 * rng.normal();
     std::vector<double> U = sensor(clock.t_s, F, k);
-    for (double& u : U) u = std::clamp(std::round((u * gain + offset + noise_V * rng.normal()) / 10.0 * 4096.0) / 4096.0 * 10.0, 0.0, 10.0);
+    for (double& u : U)
+      u = std::clamp(std::round((u * gain + offset + noise_V * rng.normal()) / 10.0 * 4096.0) / 4096.0 * 10.0,
+                     0.0, 10.0);
     for (double& f : F) f = std::round((f + 0.006 * rng.normal()) / 0.025) * 0.025;
     r.trace.time_bases.push_back(clock);
     r.trace.channels.push_back({"F_ref", "N", "force", 0, F, {}});
@@ -72,27 +75,29 @@ Diagnosis answer(Campaign campaign, unsigned threads = 1) {
 TEST(Engine, ClaimsNothingWhereNothingIsMissing) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Diagnosis d = answer(make_campaign(seed, straight));
-    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << seed << ": " << (d.findings.empty() ? "" : d.findings.front().effect);
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none)
+        << seed << ": " << (d.findings.empty() ? "" : d.findings.front().effect);
   }
 }
 
 TEST(Engine, NamesALoopMadeByRelays) {
-  const Diagnosis d = answer(make_campaign(11, [](const std::vector<double>&, const std::vector<double>& F, int) {
-    std::vector<double> U(F.size(), 0.0);
-    int relays = 0;
-    for (double alpha = 0.4; alpha < 4.6; alpha += 0.3)
-      for (double beta = 0.2; beta < alpha; beta += 0.3) {
-        ++relays;
-        bool up = F[0] >= alpha;
-        for (std::size_t i = 0; i < F.size(); ++i) {
-          if (F[i] >= alpha) up = true;
-          if (F[i] <= beta) up = false;
-          U[i] += up ? 1.0 : 0.0;
-        }
-      }
-    for (std::size_t i = 0; i < F.size(); ++i) U[i] = 1.85 * F[i] + 0.2 + 0.6 * U[i] / relays;
-    return U;
-  }));
+  const Diagnosis d =
+      answer(make_campaign(11, [](const std::vector<double>&, const std::vector<double>& F, int) {
+        std::vector<double> U(F.size(), 0.0);
+        int relays = 0;
+        for (double alpha = 0.4; alpha < 4.6; alpha += 0.3)
+          for (double beta = 0.2; beta < alpha; beta += 0.3) {
+            ++relays;
+            bool up = F[0] >= alpha;
+            for (std::size_t i = 0; i < F.size(); ++i) {
+              if (F[i] >= alpha) up = true;
+              if (F[i] <= beta) up = false;
+              U[i] += up ? 1.0 : 0.0;
+            }
+          }
+        for (std::size_t i = 0; i < F.size(); ++i) U[i] = 1.85 * F[i] + 0.2 + 0.6 * U[i] / relays;
+        return U;
+      }));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::known);
   ASSERT_FALSE(d.findings.empty());
   EXPECT_EQ(d.findings.front().effect, "hysteresis");
@@ -101,38 +106,42 @@ TEST(Engine, NamesALoopMadeByRelays) {
 }
 
 TEST(Engine, NamesABentCurveMadeByASaturation) {
-  const Diagnosis d = answer(make_campaign(12, [](const std::vector<double>&, const std::vector<double>& F, int) {
-    std::vector<double> U;
-    for (double f : F) U.push_back(9.0 * std::tanh(f / 5.0) + 0.2);
-    return U;
-  }));
+  const Diagnosis d =
+      answer(make_campaign(12, [](const std::vector<double>&, const std::vector<double>& F, int) {
+        std::vector<double> U;
+        for (double f : F) U.push_back(9.0 * std::tanh(f / 5.0) + 0.2);
+        return U;
+      }));
   ASSERT_FALSE(d.findings.empty());
   EXPECT_EQ(d.findings.front().effect, "static_nonlinearity");
 }
 
 TEST(Engine, NamesCreepMadeByAPowerOfTime) {
-  const Diagnosis d = answer(make_campaign(13, [](const std::vector<double>& t, const std::vector<double>& F, int) {
-    std::vector<double> U(F.size(), 0.0);
-    constexpr std::size_t kStride = 100;
-    std::vector<double> step;
-    for (std::size_t k = 0; k < F.size(); k += kStride) step.push_back(F[k] - (k >= kStride ? F[k - kStride] : 0.0));
-    std::vector<double> coarse(step.size(), 0.0);
-    for (std::size_t i = 0; i < step.size(); ++i)
-      for (std::size_t k = 0; k <= i; ++k)
-        coarse[i] += step[k] * (std::pow(1.0 + (t[i * kStride] - t[k * kStride]) / 2.0, 0.12) - 1.0);
-    for (std::size_t i = 0; i < F.size(); ++i) {
-      const std::size_t k = i / kStride, n = std::min(k + 1, coarse.size() - 1);
-      const double share = static_cast<double>(i % kStride) / kStride;
-      U[i] = 2.0 * F[i] + 0.2 + 0.25 * (coarse[k] + share * (coarse[n] - coarse[k]));
-    }
-    return U;
-  }));
+  const Diagnosis d =
+      answer(make_campaign(13, [](const std::vector<double>& t, const std::vector<double>& F, int) {
+        std::vector<double> U(F.size(), 0.0);
+        constexpr std::size_t kStride = 100;
+        std::vector<double> step;
+        for (std::size_t k = 0; k < F.size(); k += kStride)
+          step.push_back(F[k] - (k >= kStride ? F[k - kStride] : 0.0));
+        std::vector<double> coarse(step.size(), 0.0);
+        for (std::size_t i = 0; i < step.size(); ++i)
+          for (std::size_t k = 0; k <= i; ++k)
+            coarse[i] += step[k] * (std::pow(1.0 + (t[i * kStride] - t[k * kStride]) / 2.0, 0.12) - 1.0);
+        for (std::size_t i = 0; i < F.size(); ++i) {
+          const std::size_t k = i / kStride, n = std::min(k + 1, coarse.size() - 1);
+          const double share = static_cast<double>(i % kStride) / kStride;
+          U[i] = 2.0 * F[i] + 0.2 + 0.25 * (coarse[k] + share * (coarse[n] - coarse[k]));
+        }
+        return U;
+      }));
   ASSERT_FALSE(d.findings.empty());
   EXPECT_EQ(d.findings.front().effect, "creep");
 }
 
 TEST(Engine, CallsWhatIsOutsideTheLibraryUnknown) {
-  const Diagnosis d = answer(make_campaign(14, [](const std::vector<double>& t, const std::vector<double>& F, int record) {
+  const Diagnosis d = answer(make_campaign(14, [](const std::vector<double>& t, const std::vector<double>& F,
+                                                  int record) {
     std::vector<double> U;
     for (std::size_t i = 0; i < F.size(); ++i)
       U.push_back(2.0 * F[i] + 0.2 + 0.2 * (std::sin(t[i] * t[i] / (40.0 + 7.0 * record)) > 0.3 ? 1.0 : 0.0));
@@ -157,7 +166,8 @@ TEST(Engine, NamesAndFitsAnEquationOfTheUsersOwn) {
   options.user_effects = {mine};
   const auto d = diagnose_campaign(make_campaign(16, rippled), options);
   ASSERT_TRUE(d.has_value());
-  const auto found = std::find_if(d->findings.begin(), d->findings.end(), [](const Finding& f) { return f.effect == "ripple"; });
+  const auto found = std::find_if(d->findings.begin(), d->findings.end(),
+                                  [](const Finding& f) { return f.effect == "ripple"; });
   ASSERT_NE(found, d->findings.end());
   EXPECT_GE(found->probability, 0.5);
   for (const FoundParameter& p : found->parameters)
@@ -191,7 +201,11 @@ TEST(Engine, ASensorOfAnotherRangeWithTheSameDecayIsNoFinding) {
     auto& U = r.trace.find("U")->value;
     const auto& t = r.trace.time_bases[0].t_s;
     for (std::size_t i = 0; i < F.size(); ++i) {
-      const double low = 0.4, force = k % 4 == 3 ? low + 1.8 * (1.0 - std::cos(1.4 * t[i] * (1.0 + 0.2 * static_cast<double>(k)))) : F[i];
+      const double low = 0.4,
+                   force =
+                       k % 4 == 3
+                           ? low + 1.8 * (1.0 - std::cos(1.4 * t[i] * (1.0 + 0.2 * static_cast<double>(k))))
+                           : F[i];
       const double D = k % 4 == 3 ? (std::exp(-0.02 * t[i]) + 0.5) / 1.5 : 1.0;
       U[i] = 2.0 * (k % 4 == 3 ? low + D * (force - low) : force) + 0.2 + 0.004 * rng.normal();
       F[i] = 40.0 * (force + 0.002 * rng.normal());
@@ -203,17 +217,18 @@ TEST(Engine, ASensorOfAnotherRangeWithTheSameDecayIsNoFinding) {
 }
 
 TEST(Engine, EffectsOfTimeShareOneProbability) {
-  const Diagnosis d = answer(make_campaign(32, [](const std::vector<double>& t, const std::vector<double>& F, int) {
-    std::vector<double> U;
-    double fast = F[0], slow = F[0];
-    for (std::size_t i = 0; i < F.size(); ++i) {
-      const double dt = i > 0 ? t[i] - t[i - 1] : 0.005;
-      fast += (F[i] - fast) * -std::expm1(-dt / 0.02);
-      slow += (F[i] - slow) * -std::expm1(-dt / 0.09);
-      U.push_back(2.0 * (0.6 * fast + 0.4 * slow) + 0.2);
-    }
-    return U;
-  }));
+  const Diagnosis d =
+      answer(make_campaign(32, [](const std::vector<double>& t, const std::vector<double>& F, int) {
+        std::vector<double> U;
+        double fast = F[0], slow = F[0];
+        for (std::size_t i = 0; i < F.size(); ++i) {
+          const double dt = i > 0 ? t[i] - t[i - 1] : 0.005;
+          fast += (F[i] - fast) * -std::expm1(-dt / 0.02);
+          slow += (F[i] - slow) * -std::expm1(-dt / 0.09);
+          U.push_back(2.0 * (0.6 * fast + 0.4 * slow) + 0.2);
+        }
+        return U;
+      }));
   ASSERT_FALSE(d.findings.empty());
   EXPECT_EQ(d.findings.front().effect, "lag");
   double sum = 0.0;
@@ -224,7 +239,8 @@ TEST(Engine, EffectsOfTimeShareOneProbability) {
 
 TEST(Engine, SaysFromWhichSizeOnAnEffectBetweenRecordsWouldShow) {
   const Diagnosis d = answer(make_campaign(5, straight));
-  const auto wear = std::find_if(d.ranking.begin(), d.ranking.end(), [](const RankedEffect& r) { return r.effect == "wear"; });
+  const auto wear = std::find_if(d.ranking.begin(), d.ranking.end(),
+                                 [](const RankedEffect& r) { return r.effect == "wear"; });
   ASSERT_NE(wear, d.ranking.end());
   EXPECT_GT(wear->visible_from, 1e-4);
   EXPECT_LT(wear->visible_from, 0.1);
@@ -290,7 +306,8 @@ TEST(RawHealth, ALateOutputIsNotTakenForHeldSamples) {
       const double x = std::fmod(static_cast<double>(i), 400.0);
       F[i] = 1.0 + 2.0 * std::clamp(x / 8.0, 0.0, 1.0) - 2.0 * std::clamp((x - 200.0) / 8.0, 0.0, 1.0);
       const double y = std::fmod(static_cast<double>(i) + 400.0 - static_cast<double>(kLate), 400.0);
-      U[i] = 0.2 + 2.0 * (1.0 + 2.0 * std::clamp(y / 8.0, 0.0, 1.0) - 2.0 * std::clamp((y - 200.0) / 8.0, 0.0, 1.0));
+      U[i] = 0.2 + 2.0 * (1.0 + 2.0 * std::clamp(y / 8.0, 0.0, 1.0) -
+                          2.0 * std::clamp((y - 200.0) / 8.0, 0.0, 1.0));
     }
     const RecordHealth h = check_raw_health(r, health_scales(c), c.bench);
     EXPECT_EQ(h.held, 0u) << r.name;
@@ -327,7 +344,8 @@ TEST(RawHealth, DeclaredEndsOfTheRangeAreNoFinding) {
   EXPECT_GT(censored, 1000u);
   for (std::uint64_t seed = 22; seed <= 24; ++seed) {
     const Diagnosis d = answer(make_campaign(seed, wider_than_the_range));
-    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << seed << ": " << (d.findings.empty() ? "" : d.findings.front().effect);
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none)
+        << seed << ": " << (d.findings.empty() ? "" : d.findings.front().effect);
   }
 }
 

@@ -27,7 +27,8 @@ ResidualChannel make(double strength, int records, int with_effect) {
       const double F = 0.5 + 0.5 * std::sin(0.05 * i + k), x = std::sin(0.21 * i), e = 0.002 * rng.normal();
       rows.row.push_back(static_cast<std::size_t>(i));
       // the second column points up or down by the record's own whim
-      rows.matrix.row(i) << F, 1.0, x, std::sin(0.13 * i), gain * F + (k < with_effect ? strength * x : 0.0) + 0.01 * own * std::sin(0.13 * i) + e;
+      rows.matrix.row(i) << F, 1.0, x, std::sin(0.13 * i),
+          gain * F + (k < with_effect ? strength * x : 0.0) + 0.01 * own * std::sin(0.13 * i) + e;
     }
     RecordGram g;
     g.name = "r" + std::to_string(k);
@@ -61,7 +62,8 @@ TEST(CrossFit, AnEffectOfAllRecordsLowersTheErrorOfEachThatWasLeftOut) {
 
 TEST(CrossFit, WhatEveryRecordHasInItsOwnSizeAndSignHelpsNoOther) {
   const CrossFit c = of_column(make(0.0, 8, 0), 1);
-  EXPECT_FALSE(c.helps()) << c.fall << " +- " << c.standard_error << ", " << c.improved << " of " << c.excited;
+  EXPECT_FALSE(c.helps()) << c.fall << " +- " << c.standard_error << ", " << c.improved << " of "
+                          << c.excited;
 }
 
 TEST(CrossFit, AnEffectOfTwoRecordsIsJudgedOnTheirBlocks) {
@@ -83,7 +85,8 @@ TEST(CrossFit, TwoModelsAreComparedAtTheSameFreedom) {
   const MixedFit before = fit_mixed(channel.problem, {}, nullptr, 20, RecordUse::all_records);
   MixedFit stiff = before;
   stiff.variance *= 1e-6;
-  const LeftOut own = leave_one_out(channel.problem, stiff), lent = leave_one_out(channel.problem, stiff, &before);
+  const LeftOut own = leave_one_out(channel.problem, stiff),
+                lent = leave_one_out(channel.problem, stiff, &before);
   for (std::size_t i = 0; i < own.adapted.size(); ++i) EXPECT_LE(lent.adapted[i], own.adapted[i]) << i;
 }
 

@@ -27,7 +27,8 @@ Made make(std::uint64_t seed, double slope_on_covariate, double gain_sd = 0.005)
   Rng rng(seed, "mixed");
   for (int k = 0; k < kRecords; ++k) {
     Eigen::MatrixXd A(kRows, 5);
-    const double gain = 1.0 + gain_sd * rng.normal(), offset = 0.003 * rng.normal(), covariate = static_cast<double>(k) / (kRecords - 1);
+    const double gain = 1.0 + gain_sd * rng.normal(), offset = 0.003 * rng.normal(),
+                 covariate = static_cast<double>(k) / (kRecords - 1);
     double e = 0.0;
     for (int i = 0; i < kRows; ++i) {
       const double F = 0.5 + 0.5 * std::sin(0.05 * i + k);
@@ -89,7 +90,8 @@ TEST(MixedModel, SeldomGivesChanceTheEvidenceOfAClaim) {
 
 TEST(MixedModel, GivesARealSlopeMoreEvidenceThanChanceEverHas) {
   int found = 0;
-  for (std::uint64_t seed = 0; seed < 20; ++seed) found += gain_of(make(900 + seed, 0.08).problem, 0) > 8.0 ? 1 : 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed)
+    found += gain_of(make(900 + seed, 0.08).problem, 0) > 8.0 ? 1 : 0;
   EXPECT_GE(found, 18);
 }
 

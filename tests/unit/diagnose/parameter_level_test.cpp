@@ -69,7 +69,8 @@ TEST(ParameterLevel, WithoutADependenceTheAnswerSaysHowLargeOneWouldHaveToBe) {
   const auto a = missing_dependence(q);
   ASSERT_TRUE(a);
   EXPECT_TRUE(a->added.empty()) << a->sentence;
-  EXPECT_NE(a->sentence.find("no further dependence of b is significant with 20 records"), std::string::npos) << a->sentence;
+  EXPECT_NE(a->sentence.find("no further dependence of b is significant with 20 records"), std::string::npos)
+      << a->sentence;
   EXPECT_GT(a->smallest_share, 0.2);
   EXPECT_LT(a->smallest_share, 0.8);
 }

@@ -37,7 +37,9 @@ TEST(ReferenceScatter, SeesWhiteAndColouredNoiseAlike) {
   EXPECT_NEAR(scatter(make(0.03, 0.8, 0.0)), 0.03, 0.008);
 }
 
-TEST(ReferenceScatter, LeavesOutAForceThatReallyTrembles) { EXPECT_LT(scatter(make(0.005, 0.0, 0.05)), 0.008); }
+TEST(ReferenceScatter, LeavesOutAForceThatReallyTrembles) {
+  EXPECT_LT(scatter(make(0.005, 0.0, 0.05)), 0.008);
+}
 
 TEST(ReferenceScatter, GivesNothingForAFewSamples) {
   Made m = make(0.03, 0.0, 0.0);

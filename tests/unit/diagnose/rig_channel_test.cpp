@@ -13,8 +13,8 @@ namespace {
 
 struct Bench {
   double reference_lag_s = 0.0;
-  double lift_N = 0.0;                                      // the wheel stands so far back
-  std::function<double(double)> zero_N = [](double) { return 0.0; };  // of the reference, in campaign time
+  double lift_N = 0.0;                                                  // the wheel stands so far back
+  std::function<double(double)> zero_N = [](double) { return 0.0; };    // of the reference, in campaign time
   std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
 };
 
@@ -41,13 +41,21 @@ Campaign turning(const Bench& bench) {
     double late = 0.0;
     for (int i = 0; i < 22500; ++i) {
       const double t = i / kRate_Hz;
-      const double wanted = hertz[n] > 0.0 ? 2.0 * std::numbers::pi * hertz[n] * t : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
-      const double th = wanted + bench.slip_rad(wanted), F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N);
-      late = i == 0 ? F : late + (bench.reference_lag_s > 0.0 ? -std::expm1(-1.0 / (kRate_Hz * bench.reference_lag_s)) : 1.0) * (F - late);
+      const double wanted =
+          hertz[n] > 0.0 ? 2.0 * std::numbers::pi * hertz[n] * t
+                         : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
+      const double th = wanted + bench.slip_rad(wanted),
+                   F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N);
+      late = i == 0 ? F
+                    : late + (bench.reference_lag_s > 0.0
+                                  ? -std::expm1(-1.0 / (kRate_Hz * bench.reference_lag_s))
+                                  : 1.0) *
+                                 (F - late);
       clock.t_s.push_back(t);
       theta.push_back(std::remainder(th, 2.0 * std::numbers::pi));
       command.push_back(k * (p + e * (1.0 - std::cos(wanted))));
-      F_ref.push_back(std::round((late + bench.zero_N(*r.start_s + t) + 0.003 * rng.normal()) / 0.005) * 0.005);
+      F_ref.push_back(std::round((late + bench.zero_N(*r.start_s + t) + 0.003 * rng.normal()) / 0.005) *
+                      0.005);
       U.push_back(2.0 * F + 0.2 + 0.003 * rng.normal());
     }
     r.trace.time_bases.push_back(clock);

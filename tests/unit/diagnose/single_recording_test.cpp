@@ -19,7 +19,9 @@ Diagnosis answer(Campaign campaign) {
 
 // One recording of some machine: plain columns, no notes.
 Campaign recording(double rate_Hz, std::size_t n, const std::function<double(double)>& input,
-                   const std::function<std::vector<double>(const std::vector<double>& t, const std::vector<double>& x)>& machine, double noise) {
+                   const std::function<std::vector<double>(const std::vector<double>& t,
+                                                           const std::vector<double>& x)>& machine,
+                   double noise) {
   Campaign c;
   c.name = "machine";
   Record r;
@@ -42,16 +44,21 @@ Campaign recording(double rate_Hz, std::size_t n, const std::function<double(dou
 
 TEST(SingleRecording, KeepsItsHistoryFromBlockToBlock) {
   // a slow pole: every block begins with what the one before it left behind
-  const auto slow = [](double t) { return 3.0 + std::sin(0.011 * t) + 0.8 * std::sin(0.037 * t + 1.0) + 0.5 * std::sin(0.083 * t + 2.0); };
-  const Diagnosis d = answer(recording(0.25, 1000, slow, [](const std::vector<double>& t, const std::vector<double>& x) {
-    std::vector<double> y(x.size(), 0.0);
-    double s = 1.0;
-    for (std::size_t i = 1; i < x.size(); ++i) {
-      s += (x[i] - s) * -std::expm1(-(t[i] - t[i - 1]) / 45.0);
-      y[i] = 1.3 * s;
-    }
-    return y;
-  }, 0.02));
+  const auto slow = [](double t) {
+    return 3.0 + std::sin(0.011 * t) + 0.8 * std::sin(0.037 * t + 1.0) + 0.5 * std::sin(0.083 * t + 2.0);
+  };
+  const Diagnosis d = answer(recording(
+      0.25, 1000, slow,
+      [](const std::vector<double>& t, const std::vector<double>& x) {
+        std::vector<double> y(x.size(), 0.0);
+        double s = 1.0;
+        for (std::size_t i = 1; i < x.size(); ++i) {
+          s += (x[i] - s) * -std::expm1(-(t[i] - t[i - 1]) / 45.0);
+          y[i] = 1.3 * s;
+        }
+        return y;
+      },
+      0.02));
   ASSERT_FALSE(d.findings.empty());
   EXPECT_EQ(d.findings.front().effect, "lag");
   EXPECT_GE(d.findings.front().probability, 0.5);
@@ -65,16 +72,19 @@ TEST(SingleRecording, StrokesOfOneSpeedEachWayDoNotPartFrictionFromDamping) {
     const double x = std::fmod(t, kOut_s + kBack_s);
     return x < kOut_s ? 6.5 * x : 39.0 - 13.0 * (x - kOut_s);
   };
-  const Diagnosis d = answer(recording(100.0, 9000, strokes, [](const std::vector<double>&, const std::vector<double>& x) {
-    std::vector<double> y;
-    double v = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double now = i > 0 ? 100.0 * (x[i] - x[i - 1]) : 6.5;
-      v += 0.2 * (now - v);
-      y.push_back(340.0 + 0.02 * x[i] + 0.6 * v + 4.0 * std::tanh(v));
-    }
-    return y;
-  }, 0.3));
+  const Diagnosis d = answer(recording(
+      100.0, 9000, strokes,
+      [](const std::vector<double>&, const std::vector<double>& x) {
+        std::vector<double> y;
+        double v = 0.0;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+          const double now = i > 0 ? 100.0 * (x[i] - x[i - 1]) : 6.5;
+          v += 0.2 * (now - v);
+          y.push_back(340.0 + 0.02 * x[i] + 0.6 * v + 4.0 * std::tanh(v));
+        }
+        return y;
+      },
+      0.3));
   for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
   ASSERT_FALSE(d.not_separable.empty());
@@ -85,13 +95,18 @@ TEST(SingleRecording, TheSwingOfACycledSensorMayDecayAsItsModelSays) {
   // Lebosse 2011, eq. (3), with b and c/a of a specimen of its own: the paper's experiment as one CSV of t, F, U
   for (const double b_per_s : {0.0052, 0.0095}) {
     const auto sine = [](double t) { return 2.15 + 1.05 * std::sin(3.14159265358979 * t); };
-    const Diagnosis d = answer(recording(50.0, 40000, sine, [&](const std::vector<double>& t, const std::vector<double>& F) {
-      constexpr double kKept = 0.27, kLowest_N = 1.1;
-      std::vector<double> U;
-      for (std::size_t i = 0; i < F.size(); ++i)
-        U.push_back((kLowest_N + (kKept + (1.0 - kKept) * std::exp(-b_per_s * t[i])) * (F[i] - kLowest_N) - 0.12) / 0.53);
-      return U;
-    }, 0.003));
+    const Diagnosis d = answer(recording(
+        50.0, 40000, sine,
+        [&](const std::vector<double>& t, const std::vector<double>& F) {
+          constexpr double kKept = 0.27, kLowest_N = 1.1;
+          std::vector<double> U;
+          for (std::size_t i = 0; i < F.size(); ++i)
+            U.push_back((kLowest_N +
+                         (kKept + (1.0 - kKept) * std::exp(-b_per_s * t[i])) * (F[i] - kLowest_N) - 0.12) /
+                        0.53);
+          return U;
+        },
+        0.003));
     EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << b_per_s;
     for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << f.effect << " at b = " << b_per_s;
     EXPECT_LT(d.error_before, 0.006) << "the law itself must follow the record";

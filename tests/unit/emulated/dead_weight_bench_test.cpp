@@ -46,7 +46,8 @@ TEST(DeadWeightBench, phase_follows_the_RC_law_up_to_the_divergence_and_saturate
     s.load(125.0, 20.0);
     EXPECT_NEAR(phase_deg(s, 1000.0), rc_phase_deg(s, 1000.0), 1.0);
     EXPECT_NEAR(rc_phase_deg(s, p.divergence_Hz) - phase_deg(s, p.divergence_Hz), 3.0, 2.0);
-    EXPECT_GT(std::tan(rc_phase_deg(s, 40e3) * kPi / 180.0) / std::tan(phase_deg(s, 40e3) * kPi / 180.0), 3.0);
+    EXPECT_GT(std::tan(rc_phase_deg(s, 40e3) * kPi / 180.0) / std::tan(phase_deg(s, 40e3) * kPi / 180.0),
+              3.0);
     EXPECT_NEAR(phase_deg(s, 40e3), phase_deg(s, 15e3), 5.0);
     // Fig. 8 and Fig. 7: the resistance falls dramatically, the capacitance varies little
     const auto low = s.admittance_S(1000.0), high = s.admittance_S(40e3);

@@ -43,11 +43,12 @@ struct Example {
 };
 
 class Jcgm106Example : public testing::TestWithParam<Example> {};
-INSTANTIATE_TEST_SUITE_P(Cases, Jcgm106Example,
-                         testing::Values(Example{"breakdown_voltage_V", -5.47, 0.05, {-kInf, -5.40}, 0.9192},
-                                         Example{"bursting_pressure_kPa", 509.7, 8.6, {490.0, kInf}, 0.9890},
-                                         Example{"viscosity_of_motor_oil_mm2_per_s", 13.6, 1.8, {12.5, 16.3}, 0.6626}),
-                         [](const auto& example) { return std::string(example.param.what); });
+INSTANTIATE_TEST_SUITE_P(
+    Cases, Jcgm106Example,
+    testing::Values(Example{"breakdown_voltage_V", -5.47, 0.05, {-kInf, -5.40}, 0.9192},
+                    Example{"bursting_pressure_kPa", 509.7, 8.6, {490.0, kInf}, 0.9890},
+                    Example{"viscosity_of_motor_oil_mm2_per_s", 13.6, 1.8, {12.5, 16.3}, 0.6626}),
+    [](const auto& example) { return std::string(example.param.what); });
 
 TEST_P(Jcgm106Example, the_probability_of_conformance_is_the_integral_over_the_tolerance) {
   const Example& e = GetParam();
@@ -147,10 +148,18 @@ TEST(Jcgm106, the_zones_of_the_rule_are_guard_bands_of_two_standard_uncertaintie
     c.value = 4.5 + 3.0 * c.u * (2.0 * rng.uniform() - 1.0);
     const double conforms = conformance_probability(c.value, c.u, {-kInf, 4.5});
     const Verdict verdict = zone(c, coverage_factor(0.9545, 0.0) * c.u);
-    if (verdict == Verdict::pass) { EXPECT_GE(conforms, 0.9772); }
-    if (verdict == Verdict::marginal) { EXPECT_TRUE(conforms >= 0.5 && conforms < 0.9773); }
-    if (verdict == Verdict::inconclusive) { EXPECT_TRUE(conforms < 0.5 && conforms > 0.0227); }
-    if (verdict == Verdict::fail) { EXPECT_LE(conforms, 0.0228); }
+    if (verdict == Verdict::pass) {
+      EXPECT_GE(conforms, 0.9772);
+    }
+    if (verdict == Verdict::marginal) {
+      EXPECT_TRUE(conforms >= 0.5 && conforms < 0.9773);
+    }
+    if (verdict == Verdict::inconclusive) {
+      EXPECT_TRUE(conforms < 0.5 && conforms > 0.0227);
+    }
+    if (verdict == Verdict::fail) {
+      EXPECT_LE(conforms, 0.0228);
+    }
   }
 }
 

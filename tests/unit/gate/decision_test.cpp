@@ -75,7 +75,8 @@ TEST(Looks, share_both_error_probabilities_between_them) {
   three.looks = 3;
   EXPECT_NEAR(three.coverage_per_look(), 1.0 - 0.0455 / 3.0, 1e-12);
   EXPECT_NEAR(three.alpha_per_look(), 0.01 / 3.0, 1e-12);
-  const Check doubtful = check(4.5 - 0.22, 4.5, 0.1);  // 2.2 u inside: enough for one look, not for one of three
+  const Check doubtful =
+      check(4.5 - 0.22, 4.5, 0.1);  // 2.2 u inside: enough for one look, not for one of three
   EXPECT_EQ(judged({doubtful}, one)[0].verdict, Verdict::pass);
   EXPECT_EQ(judged({doubtful}, three)[0].verdict, Verdict::marginal);
   EXPECT_NEAR(judged({doubtful}, three)[0].expanded_u, 0.2427, 0.0005);

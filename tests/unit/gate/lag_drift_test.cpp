@@ -12,7 +12,8 @@ namespace {
 constexpr double kRate_Hz = 1000.0, kLag_s = 0.003;
 
 // Ten minutes of 0.5 Hz whose sensor is kLag_s late at the start and falls behind by `skew_ppm`; noise of 0.01 N on both.
-LagDrift drift_of(double skew_ppm, double amplitude_N, std::size_t block_rows = 1000, double duration_s = 600.0) {
+LagDrift drift_of(double skew_ppm, double amplitude_N, std::size_t block_rows = 1000,
+                  double duration_s = 600.0) {
   LagEstimator lag;
   lag.begin(kRate_Hz, 0.0, duration_s);
   Rng rng(11, "lag_drift");

@@ -22,10 +22,10 @@ struct Trouble {
 };
 
 const std::vector<std::string>& kinds() {
-  static const std::vector<std::string> kAll{"ati_nan",     "ati_saturated", "ati_fault",  "ati_offset", "ati_frozen",
-                                             "ati_gain",    "motor_fault",   "lost",       "code_zero",  "code_frozen",
-                                             "code_stuck",  "time_back",     "time_gap",   "ends",       "rig_error",
-                                             "link_counts", "link_timeout",  "wheel_noise"};
+  static const std::vector<std::string> kAll{
+      "ati_nan",     "ati_saturated", "ati_fault", "ati_offset",  "ati_frozen",   "ati_gain",
+      "motor_fault", "lost",          "code_zero", "code_frozen", "code_stuck",   "time_back",
+      "time_gap",    "ends",          "rig_error", "link_counts", "link_timeout", "wheel_noise"};
   return kAll;
 }
 
@@ -56,7 +56,8 @@ class TroubledDut : public testing::FakeDut {
   }
 };
 
-void spoil_row(const Trouble& t, std::size_t row, double t_s, RigBlock& b, float& frozen_N, std::uint16_t& frozen_code) {
+void spoil_row(const Trouble& t, std::size_t row, double t_s, RigBlock& b, float& frozen_N,
+               std::uint16_t& frozen_code) {
   if (t_s < t.from_s || t_s > t.to_s) {
     frozen_N = b.force_ref_N[row];
     frozen_code = b.adc[row];
@@ -82,7 +83,9 @@ Decision play(const std::vector<Trouble>& troubles, bool closed, double firmware
   TroubledRig rig;
   TroubledDut dut;
   if (firmware_gain != 1.0)
-    dut.spoil = [=](std::uint32_t, float& force_N, std::uint8_t&) { force_N *= static_cast<float>(firmware_gain); };
+    dut.spoil = [=](std::uint32_t, float& force_N, std::uint8_t&) {
+      force_N *= static_cast<float>(firmware_gain);
+    };
   std::vector<float> frozen_N(troubles.size());
   std::vector<std::uint16_t> frozen_code(troubles.size());
   for (const Trouble& t : troubles) {
@@ -92,7 +95,8 @@ Decision play(const std::vector<Trouble>& troubles, bool closed, double firmware
     if (t.name == "link_counts") dut.spoiled.frames_bad += 3;
   }
   rig.spoil = [&](std::size_t row, double t_s, RigBlock& b) {
-    for (std::size_t k = 0; k < troubles.size(); ++k) spoil_row(troubles[k], row, t_s, b, frozen_N[k], frozen_code[k]);
+    for (std::size_t k = 0; k < troubles.size(); ++k)
+      spoil_row(troubles[k], row, t_s, b, frozen_N[k], frozen_code[k]);
   };
   RunMaterial m;
   m.plan.panel = {"fake"};
@@ -126,7 +130,8 @@ Decision play(const std::vector<Trouble>& troubles, bool closed, double firmware
 
 std::string in_words(const std::vector<Trouble>& troubles) {
   std::string out;
-  for (const Trouble& t : troubles) out += t.name + " " + std::to_string(t.from_s) + ".." + std::to_string(t.to_s) + "; ";
+  for (const Trouble& t : troubles)
+    out += t.name + " " + std::to_string(t.from_s) + ".." + std::to_string(t.to_s) + "; ";
   return out;
 }
 
@@ -152,8 +157,9 @@ TEST(NeverAccept, no_random_sequence_of_troubles_accepts_or_rejects_a_build) {
     const int n = 1 + static_cast<int>(4.0 * rng.uniform());
     for (int k = 0; k < n; ++k) {
       const double from_s = 4.0 + 40.0 * rng.uniform();
-      troubles.push_back({kinds()[static_cast<std::size_t>(rng.uniform() * static_cast<double>(kinds().size()))], from_s,
-                          from_s + 5.0 + 30.0 * rng.uniform(), (rng.uniform() < 0.5 ? -1.0 : 1.0) * (0.2 + rng.uniform())});
+      troubles.push_back(
+          {kinds()[static_cast<std::size_t>(rng.uniform() * static_cast<double>(kinds().size()))], from_s,
+           from_s + 5.0 + 30.0 * rng.uniform(), (rng.uniform() < 0.5 ? -1.0 : 1.0) * (0.2 + rng.uniform())});
     }
     const bool closed = rng.uniform() < 0.3;
     const double gain = rng.uniform() < 0.5 ? 1.0 : 1.2;

@@ -234,7 +234,9 @@ TEST(NoFalseAccept, missing_or_damaged_facts_are_never_accepted) {
       [](CaseRecord& r) { r.resources.heap_growth_bytes = 24.0; },
       [](CaseRecord& r) { r.prelude.samples = 1000, r.prelude.not_finite = 1; },
       [](CaseRecord& r) { r.prelude.samples = 1000, r.prelude.largest_N = 1e6; },
-      [](CaseRecord& r) { r.prelude.samples = 1000, r.prelude.conformance_known = true, r.prelude.conformance = kNan; },
+      [](CaseRecord& r) {
+        r.prelude.samples = 1000, r.prelude.conformance_known = true, r.prelude.conformance = kNan;
+      },
       [](CaseRecord& r) { r.failure = CaseFailure{}; },
       [](CaseRecord& r) { r = CaseRecord{}; },
   };

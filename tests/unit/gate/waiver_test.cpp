@@ -16,7 +16,8 @@ struct WaivedRun {
   std::vector<JudgedCheck>& of_record() { return records[0].judged.checks; }
 };
 
-void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today, WaivedRun& run, std::vector<std::string>& notes) {
+void apply_waivers(const std::vector<Waiver>& waivers, const std::string& today, WaivedRun& run,
+                   std::vector<std::string>& notes) {
   forcegate::apply_waivers(waivers, today, run.checks, run.records, notes);
 }
 
@@ -24,11 +25,21 @@ WaivedRun one_failure() {
   WaivedRun run;
   run.records.resize(1);
   JudgedCheck good, bad;
-  good.check = {.id = "output_finite", .case_id = "sine/q50", .title = "Finite", .value = 0.0, .unit = "1",
-                .limit = {Limit::Kind::upper, 0.0, "test"}, .evidence = ""};
+  good.check = {.id = "output_finite",
+                .case_id = "sine/q50",
+                .title = "Finite",
+                .value = 0.0,
+                .unit = "1",
+                .limit = {Limit::Kind::upper, 0.0, "test"},
+                .evidence = ""};
   good.check.verdict = Verdict::pass;
-  bad.check = {.id = "mre_minima", .case_id = "sine/q50", .title = "Minima", .value = 9.0, .unit = "%",
-               .limit = {Limit::Kind::upper, 7.5, "test"}, .evidence = ""};
+  bad.check = {.id = "mre_minima",
+               .case_id = "sine/q50",
+               .title = "Minima",
+               .value = 9.0,
+               .unit = "%",
+               .limit = {Limit::Kind::upper, 7.5, "test"},
+               .evidence = ""};
   bad.check.verdict = Verdict::fail;
   bad.check.blame = Blame::firmware;
   run.of_record() = {good, bad};
@@ -60,7 +71,8 @@ TEST(Waivers, a_waived_failure_is_shown_and_counted_and_no_pass) {
 }
 
 TEST(Waivers, the_last_day_still_holds_and_the_next_one_fails) {
-  for (const auto& [today, kind] : {std::pair{"2026-12-31", DecisionKind::accept}, {"2027-01-01", DecisionKind::reject}}) {
+  for (const auto& [today, kind] :
+       {std::pair{"2026-12-31", DecisionKind::accept}, {"2027-01-01", DecisionKind::reject}}) {
     WaivedRun run = one_failure();
     std::vector<std::string> notes;
     apply_waivers({waiver("mre_minima")}, today, run, notes);
@@ -110,12 +122,16 @@ TEST(Waivers, a_file_without_owner_reason_or_date_is_refused_with_its_line) {
     std::ofstream(path) << "format = 1\n[[waiver]]\n" << body;
     return read_waivers(path);
   };
-  const std::string good = "case = \"sine\"\ncheck = \"lag\"\nowner = \"A\"\nreason = \"b\"\nexpires = \"2026-12-31\"\n";
+  const std::string good =
+      "case = \"sine\"\ncheck = \"lag\"\nowner = \"A\"\nreason = \"b\"\nexpires = \"2026-12-31\"\n";
   EXPECT_TRUE(read(good));
   EXPECT_FALSE(read("case = \"sine\"\ncheck = \"lag\"\nowner = \"A\"\nreason = \"b\"\n"));
-  EXPECT_FALSE(read("case = \"sine\"\ncheck = \"lag\"\nowner = \"\"\nreason = \"b\"\nexpires = \"2026-12-31\"\n"));
-  EXPECT_FALSE(read("case = \"*\"\ncheck = \"*\"\nowner = \"A\"\nreason = \"b\"\nexpires = \"2026-12-31\"\n"));
-  const auto bad = read("case = \"s\"\ncheck = \"lag\"\nowner = \"A\"\nreason = \"b\"\nexpires = \"2026-02-30\"\n");
+  EXPECT_FALSE(
+      read("case = \"sine\"\ncheck = \"lag\"\nowner = \"\"\nreason = \"b\"\nexpires = \"2026-12-31\"\n"));
+  EXPECT_FALSE(
+      read("case = \"*\"\ncheck = \"*\"\nowner = \"A\"\nreason = \"b\"\nexpires = \"2026-12-31\"\n"));
+  const auto bad =
+      read("case = \"s\"\ncheck = \"lag\"\nowner = \"A\"\nreason = \"b\"\nexpires = \"2026-02-30\"\n");
   ASSERT_FALSE(bad);
   EXPECT_NE(bad.error().where.find(":2"), std::string::npos) << bad.error().where;
   std::filesystem::remove(path);

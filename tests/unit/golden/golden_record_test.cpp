@@ -42,7 +42,8 @@ GoldenRecord golden() {
   return *parse_golden_record(to_text(g), "golden");
 }
 
-GoldenComparison compare(const GoldenRecord& g, const GoldenContent& tested, GoldenCurve curve = GoldenCurve::ati) {
+GoldenComparison compare(const GoldenRecord& g, const GoldenContent& tested,
+                         GoldenCurve curve = GoldenCurve::ati) {
   const auto result = compare_golden(g, tested, curve);
   EXPECT_TRUE(result) << (result ? "" : result.error().to_text());
   return result.value_or(GoldenComparison{});
@@ -145,7 +146,8 @@ TEST(GoldenRecord, a_signal_near_zero_and_a_constant_one_are_held_to_the_toleran
   for (const double level_N : {0.0, 1e-6, 3.0}) {
     GoldenRecord g = golden();
     for (GoldenExtremum& e : g.content.extrema) e.ati_N = level_N;
-    for (GoldenWindow& w : g.content.windows) std::fill(w.ati_N.begin(), w.ati_N.end(), static_cast<float>(level_N));
+    for (GoldenWindow& w : g.content.windows)
+      std::fill(w.ati_N.begin(), w.ati_N.end(), static_cast<float>(level_N));
     GoldenContent tested = sine();
     const auto set = [&](double offset_N) {
       for (GoldenExtremum& e : tested.extrema) e.ati_N = level_N + offset_N;

@@ -13,11 +13,13 @@ namespace {
 std::vector<float> sine(std::size_t n, double f_Hz, double shift_s = 0.0, double step_s = 0.001) {
   std::vector<float> v(n);
   for (std::size_t i = 0; i < n; ++i)
-    v[i] = static_cast<float>(2.0 + 1.5 * std::sin(2 * M_PI * f_Hz * (static_cast<double>(i) * step_s - shift_s)));
+    v[i] = static_cast<float>(2.0 +
+                              1.5 * std::sin(2 * M_PI * f_Hz * (static_cast<double>(i) * step_s - shift_s)));
   return v;
 }
 
-TubeResult compare(const std::vector<float>& g, const std::vector<float>& x, TubeOptions o, double step_s = 0.001) {
+TubeResult compare(const std::vector<float>& g, const std::vector<float>& x, TubeOptions o,
+                   double step_s = 0.001) {
   const auto r = compare_tube({0.0, step_s, g}, {0.0, step_s, x}, o);
   EXPECT_TRUE(r) << r.error().to_text();
   return r.value_or(TubeResult{});
@@ -31,7 +33,8 @@ TubeOptions absolute(double a) {
 }
 
 // The definition, on a grid of 1/40 step; exact where time_s is a multiple of that.
-double brute_margin(const std::vector<float>& g, double x, std::size_t i, const TubeOptions& o, double step_s) {
+double brute_margin(const std::vector<float>& g, double x, std::size_t i, const TubeOptions& o,
+                    double step_s) {
   float low = g[0], high = g[0];
   for (const float v : g) low = std::min(low, v), high = std::max(high, v);
   const double floor = std::max(o.absolute, o.scale * (static_cast<double>(high) - low));
@@ -69,7 +72,8 @@ TEST(Tube, MarginsFollowTheDefinitionForRandomTracesAndTolerances) {
     ASSERT_EQ(r.margin.size(), n);
     std::size_t outside = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      EXPECT_NEAR(r.margin[i], brute_margin(g, x[i], i, o, 0.001), 1e-5) << "round " << round << " sample " << i;
+      EXPECT_NEAR(r.margin[i], brute_margin(g, x[i], i, o, 0.001), 1e-5)
+          << "round " << round << " sample " << i;
       outside += r.margin[i] < 0;
     }
     EXPECT_EQ(r.n_outside, outside);
@@ -108,7 +112,8 @@ TEST(Tube, SamplesThatAreNotNumbersAreNeverInside) {
   const TubeResult r = compare(g, x, absolute(100));
   EXPECT_EQ(r.state, TubeState::not_compared);
   EXPECT_EQ(r.cause, "70 of 101 tested samples are not numbers");
-  EXPECT_FALSE(compare_tube({0, 0.001, x}, {0, 0.001, g}, absolute(1))) << "a golden with holes is a configuration error";
+  EXPECT_FALSE(compare_tube({0, 0.001, x}, {0, 0.001, g}, absolute(1)))
+      << "a golden with holes is a configuration error";
 }
 
 TEST(Tube, ATruncatedOrOverlongOrShiftedClockIsNotCompared) {

@@ -38,7 +38,8 @@ TEST_F(HidrawTest, ADeviceIsFoundByItsNumbersAndItsSerial) {
   ASSERT_TRUE(found) << found.error().to_text();
   EXPECT_NE((*found)->name().find("/dev/hidraw0"), std::string::npos);
   EXPECT_TRUE(hid::open_hidraw(kVendor, kProduct, ""));
-  for (const auto& wrong : {hid::open_hidraw(kVendor, kProduct, "BOARD-T-2"), hid::open_hidraw(kVendor, 0x0002, "")}) {
+  for (const auto& wrong :
+       {hid::open_hidraw(kVendor, kProduct, "BOARD-T-2"), hid::open_hidraw(kVendor, 0x0002, "")}) {
     ASSERT_FALSE(wrong);
     EXPECT_EQ(wrong.error().code, ErrorCode::device);
   }
@@ -98,7 +99,8 @@ TEST_F(HidrawTest, TheAdapterStreamsTheBoardOfATwinThroughIt) {
   const auto root = parse_config("", "lab.toml");
   auto world = Registry<BenchWorldKind>::instance().find("real")->make(*root, {});
   ASSERT_TRUE(world);
-  const auto table = parse_config("vendor_id = 0x1209\nproduct_id = 1\nserial = \"BOARD-T-1\"\nbatch = 8\n", "lab.toml");
+  const auto table =
+      parse_config("vendor_id = 0x1209\nproduct_id = 1\nserial = \"BOARD-T-1\"\nbatch = 8\n", "lab.toml");
   auto board = Registry<BoardKind>::instance().find("hid_board")->make(*table, **world);
   ASSERT_TRUE(board) << board.error().to_text();
   const auto opened = (*board)->open();

@@ -16,14 +16,14 @@ namespace {
 
 /// Answers from the data alone, differently for different campaigns: enough to see mixed-up results.
 LeagueEngine fake_engine() {
-  return {
-      "fake", [](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
-        const bool even = made.records.size() % 2 == 0;
-        if (made.records.size() == 9) return fail(ErrorCode::internal, "nine records are too many");
-        if (even) return LeagueReply{R"({"verdict":"none"})", "none"};
-        return LeagueReply{
-            R"({"verdict":"known","findings":[{"effect":"hum","side":"instrument","probability":0.8}]})", "hum"};
-      }};
+  return {"fake", [](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
+            const bool even = made.records.size() % 2 == 0;
+            if (made.records.size() == 9) return fail(ErrorCode::internal, "nine records are too many");
+            if (even) return LeagueReply{R"({"verdict":"none"})", "none"};
+            return LeagueReply{
+                R"({"verdict":"known","findings":[{"effect":"hum","side":"instrument","probability":0.8}]})",
+                "hum"};
+          }};
 }
 
 TEST(LeagueProgramme, TheFullOneHasAHundredControlsAndFiveOfEachEffectAndStrength) {
@@ -118,7 +118,8 @@ TEST(Tally, CountsCalibrationByWhatWasStated) {
 }
 
 TEST(League, AnInterruptedLeagueGoesOnFromItsJournal) {
-  const std::filesystem::path journal = std::filesystem::path(::testing::TempDir()) / "forcegate_league_journal.jsonl";
+  const std::filesystem::path journal =
+      std::filesystem::path(::testing::TempDir()) / "forcegate_league_journal.jsonl";
   std::filesystem::remove(journal);
   LeagueRequest request;
   request.seed = 4;
@@ -175,22 +176,23 @@ LeagueMatch single(const std::string& hidden_effect, const std::string& json, bo
 
 TEST(Miss, SaysAtWhichStepItWasLost) {
   const auto stage = [](const LeagueMatch& m) { return miss_of(m).stage; };
-  EXPECT_EQ(stage(single("creep", R"({"verdict":"known","findings":[{"effect":"creep","probability":0.9}]})")),
-            MissStage::none);
+  EXPECT_EQ(
+      stage(single("creep", R"({"verdict":"known","findings":[{"effect":"creep","probability":0.9}]})")),
+      MissStage::none);
   EXPECT_EQ(stage(single("creep", R"({"verdict":"none"})", false)), MissStage::not_excited);
   EXPECT_EQ(stage(single("hum", R"({"verdict":"none"})")), MissStage::raw_health);
   EXPECT_EQ(stage(single("thermal", R"({"verdict":"none","ranking":[{"effect":"lag","score":3}]})")),
             MissStage::not_a_candidate);
   EXPECT_EQ(stage(single("creep", R"({"verdict":"none","ranking":[{"effect":"creep","score":9}]})")),
             MissStage::evidence);
-  const LeagueMatch behind = single(
-      "creep",
-      R"({"verdict":"known","findings":[{"effect":"lag","probability":0.9}],
+  const LeagueMatch behind = single("creep",
+                                    R"({"verdict":"known","findings":[{"effect":"lag","probability":0.9}],
           "ranking":[{"effect":"creep","score":50},{"effect":"lag","score":90}]})");
   EXPECT_EQ(stage(behind), MissStage::outranked);
   EXPECT_EQ(miss_of(behind).other, "lag");
   const LeagueMatch refused = single(
-      "creep", R"({"verdict":"unknown","ranking":[{"effect":"creep","score":50}],"notes":["not taken: creep: why not"]})");
+      "creep",
+      R"({"verdict":"unknown","ranking":[{"effect":"creep","score":50}],"notes":["not taken: creep: why not"]})");
   EXPECT_EQ(stage(refused), MissStage::refused);
   EXPECT_EQ(miss_of(refused).detail, "why not");
   EXPECT_EQ(stage(single("creep", R"({"verdict":"known","findings":[{"effect":"lag","probability":0.6},

@@ -19,7 +19,8 @@ std::vector<ForceReading> loading(Rng& rng, double g_N, double c_N, double bend_
   std::vector<ForceReading> out;
   for (double force = 5.0; force <= 250.0; force += 5.0) {
     const double share = force / 250.0, bent = force + 4.0 * bend_N * share * (1.0 - share);
-    out.push_back({force, 0.016 * (bent + std::sqrt(3.0) * share * g + 0.05 * rng.normal()), 200e-12 + 1.8e-12 * (force + std::sqrt(3.0) * share * c + 0.05 * rng.normal())});
+    out.push_back({force, 0.016 * (bent + std::sqrt(3.0) * share * g + 0.05 * rng.normal()),
+                   200e-12 + 1.8e-12 * (force + std::sqrt(3.0) * share * c + 0.05 * rng.normal())});
   }
   return out;
 }
@@ -37,16 +38,22 @@ TEST(ForceModels, lines_recover_a_linear_sensor) {
   EXPECT_NEAR(fit_capacitance(readings).force_N(200e-12 + 1.8e-12 * 100.0), 100.0, 0.05);
 }
 
-TEST(ForceModels, error_reduction_is_equation_11) { EXPECT_NEAR(error_reduction_pct(0.330, 0.547), 39.7, 0.05); }
+TEST(ForceModels, error_reduction_is_equation_11) {
+  EXPECT_NEAR(error_reduction_pct(0.330, 0.547), 39.7, 0.05);
+}
 
 TEST(Network, learns_a_bent_sensor_better_than_a_line_and_the_same_seed_gives_the_same_bits) {
   Rng rng(2);
-  const auto training = join({loading(rng, 0.3, 0.2, 3.0), loading(rng, 0.3, 0.2, 3.0), loading(rng, 0.3, 0.2, 3.0)}), test = loading(rng, 0.1, 0.1, 3.0);
+  const auto training = join(
+                 {loading(rng, 0.3, 0.2, 3.0), loading(rng, 0.3, 0.2, 3.0), loading(rng, 0.3, 0.2, 3.0)}),
+             test = loading(rng, 0.1, 0.1, 3.0);
   const auto network = train_network(training, 7), again = train_network(training, 7);
   ASSERT_TRUE(network.has_value()) << network.error().to_text();
   const auto line = fit_conductance(training);
-  const double by_network = mean_squared_error_N2(test, [&](const ForceReading& r) { return network->force_N(r.output_V, r.capacitance_F); });
-  const double by_line = mean_squared_error_N2(test, [&](const ForceReading& r) { return line.force_N(r.output_V); });
+  const double by_network = mean_squared_error_N2(
+      test, [&](const ForceReading& r) { return network->force_N(r.output_V, r.capacitance_F); });
+  const double by_line =
+      mean_squared_error_N2(test, [&](const ForceReading& r) { return line.force_N(r.output_V); });
   EXPECT_LT(by_network, 0.3 * by_line);
   EXPECT_EQ(network->weights, again->weights);
   EXPECT_LT(network->training_rmse_N, 0.6);
@@ -74,7 +81,9 @@ TEST(TwoVariable, beats_both_variables_and_covers_new_loadings_as_it_states) {
       const auto g = fit_conductance(training), c = fit_capacitance(training);
       by_g += mean_squared_error_N2(test, [&](const ForceReading& r) { return g.force_N(r.output_V); });
       by_c += mean_squared_error_N2(test, [&](const ForceReading& r) { return c.force_N(r.capacitance_F); });
-      by_both += mean_squared_error_N2(test, [&](const ForceReading& r) { return (*models)[s].estimate(r.output_V, r.capacitance_F).force_N; });
+      by_both += mean_squared_error_N2(test, [&](const ForceReading& r) {
+        return (*models)[s].estimate(r.output_V, r.capacitance_F).force_N;
+      });
       for (const ForceReading& r : test) {
         const auto e = (*models)[s].estimate(r.output_V, r.capacitance_F);
         covered += std::abs(e.force_N - r.force_N) <= 2.45 * e.u_N ? 1 : 0;  // Student, 6 degrees of freedom

@@ -16,12 +16,14 @@ using namespace impedance;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRate_Hz = 320e3, kVoltsPerCode = 20.0 / 4096.0;
 
-std::vector<std::int16_t> sine(double in_phase_V, double quadrature_V, double f_Hz, std::size_t n, double noise_V, std::uint64_t seed, double clip_V = 20.0) {
+std::vector<std::int16_t> sine(double in_phase_V, double quadrature_V, double f_Hz, std::size_t n,
+                               double noise_V, std::uint64_t seed, double clip_V = 20.0) {
   Rng rng(seed);
   std::vector<std::int16_t> out;
   for (std::size_t i = 0; i < n; ++i) {
     const double w = 2.0 * kPi * f_Hz * static_cast<double>(i) / kRate_Hz;
-    const double v = std::clamp(in_phase_V * std::sin(w) + quadrature_V * std::cos(w), -clip_V, clip_V) + noise_V * rng.normal();
+    const double v = std::clamp(in_phase_V * std::sin(w) + quadrature_V * std::cos(w), -clip_V, clip_V) +
+                     noise_V * rng.normal();
     out.push_back(static_cast<std::int16_t>(std::lround(v / kVoltsPerCode)));
   }
   return out;
@@ -31,7 +33,8 @@ TEST(LockIn, finds_amplitude_and_phase_within_the_noise_that_it_states) {
   int within = 0;
   constexpr int kTrials = 400;
   for (int i = 0; i < kTrials; ++i) {
-    const Phasor p = lock_in(sine(-2.0, 0.7, 4000.0, 1600, 0.02, static_cast<std::uint64_t>(i)), 4000.0, kRate_Hz, kVoltsPerCode, 10.0);
+    const Phasor p = lock_in(sine(-2.0, 0.7, 4000.0, 1600, 0.02, static_cast<std::uint64_t>(i)), 4000.0,
+                             kRate_Hz, kVoltsPerCode, 10.0);
     within += std::abs(p.in_phase_V + 2.0) <= 2.0 * p.u_V ? 1 : 0;
     within += std::abs(p.quadrature_V - 0.7) <= 2.0 * p.u_V ? 1 : 0;
     EXPECT_EQ(p.clipped, 0u);
@@ -57,10 +60,13 @@ TEST(RcReading, recovers_resistance_and_capacitance_by_equations_6_and_7) {
 }
 
 TEST(RcReading, says_when_the_amplifier_saturates) {
-  const Phasor clipped = lock_in(sine(-9.0, -9.0, 4000.0, 1600, 0.003, 3, 9.9), 4000.0, kRate_Hz, kVoltsPerCode, 9.89);
+  const Phasor clipped =
+      lock_in(sine(-9.0, -9.0, 4000.0, 1600, 0.003, 3, 9.9), 4000.0, kRate_Hz, kVoltsPerCode, 9.89);
   EXPECT_TRUE(rc_reading(clipped, 3.0, 4000.0, {120e3, 0.001, 8e6, 0.1}).saturated);
-  const Phasor soft = lock_in(sine(-9.0, -9.0, 4000.0, 1600, 0.003, 3, 8.0), 4000.0, kRate_Hz, kVoltsPerCode, 9.89);
-  EXPECT_TRUE(rc_reading(soft, 3.0, 4000.0, {120e3, 0.001, 8e6, 0.1}).saturated) << "its third harmonic is " << soft.third_harmonic;
+  const Phasor soft =
+      lock_in(sine(-9.0, -9.0, 4000.0, 1600, 0.003, 3, 8.0), 4000.0, kRate_Hz, kVoltsPerCode, 9.89);
+  EXPECT_TRUE(rc_reading(soft, 3.0, 4000.0, {120e3, 0.001, 8e6, 0.1}).saturated)
+      << "its third harmonic is " << soft.third_harmonic;
 }
 
 TEST(RcReading, corrects_the_phase_that_the_amplifier_turns) {
@@ -74,9 +80,11 @@ TEST(RcReading, corrects_the_phase_that_the_amplifier_turns) {
   ASSERT_TRUE(bench.capture(0, {WeightBenchSource::Kind::sine, 0.5, 20e3}, codes).has_value());
   const Phasor p = lock_in(codes, 20e3, kRate_Hz, kVoltsPerCode, 10.0);
   const auto truth = *bench.true_admittance_S(0, 20e3);
-  const RcReading corrected = rc_reading(p, 0.5, 20e3, {120e3, 0.001, 8e6, 0.1}), ideal = rc_reading(p, 0.5, 20e3, {120e3, 0.001, 0.0, 0.0});
+  const RcReading corrected = rc_reading(p, 0.5, 20e3, {120e3, 0.001, 8e6, 0.1}),
+                  ideal = rc_reading(p, 0.5, 20e3, {120e3, 0.001, 0.0, 0.0});
   EXPECT_NEAR(corrected.conductance_S, truth.real(), 0.02 * truth.real());
-  EXPECT_GT(std::abs(ideal.conductance_S - truth.real()), 3.0 * std::abs(corrected.conductance_S - truth.real()));
+  EXPECT_GT(std::abs(ideal.conductance_S - truth.real()),
+            3.0 * std::abs(corrected.conductance_S - truth.real()));
 }
 
 TEST(RcReading, level_of_a_direct_voltage_gives_the_conductance_by_equation_8) {
@@ -140,7 +148,8 @@ TEST(BodeFit, finds_no_divergence_where_there_is_none_and_refuses_too_few_readin
 }
 
 TEST(BodeFit, frequency_to_work_at_lies_below_every_divergence) {
-  const std::vector<std::vector<RcReading>> sweeps{sweep_of(3e-6, 450e-12, 9000.0, 0.004, 8), sweep_of(2e-6, 400e-12, 11000.0, 0.004, 9)};
+  const std::vector<std::vector<RcReading>> sweeps{sweep_of(3e-6, 450e-12, 9000.0, 0.004, 8),
+                                                   sweep_of(2e-6, 400e-12, 11000.0, 0.004, 9)};
   const std::vector<BodeFit> fits{*fit_bode(sweeps[0]), *fit_bode(sweeps[1])};
   const double f = operating_frequency_Hz(fits, sweeps);
   EXPECT_LT(f, 0.9 * fits[0].divergence_Hz);

@@ -21,7 +21,9 @@ WeightGatePlan small_plan() {
 }
 
 Result<std::unique_ptr<WeightBench>> bench(double rate_Hz) {
-  return make_weight_bench("dead_weight", rate_Hz > 0.0 ? std::map<std::string, std::string>{{"rate_Hz", "40000"}} : std::map<std::string, std::string>{});
+  return make_weight_bench("dead_weight", rate_Hz > 0.0
+                                              ? std::map<std::string, std::string>{{"rate_Hz", "40000"}}
+                                              : std::map<std::string, std::string>{});
 }
 
 class WeightGate : public ::testing::Test {
@@ -43,10 +45,12 @@ class WeightGate : public ::testing::Test {
     return out;
   }
 
-  static std::vector<JudgedCheck> of_pack(const WeightGatePlan& plan, const std::vector<FrameAnswers>& answers) {
+  static std::vector<JudgedCheck> of_pack(const WeightGatePlan& plan,
+                                          const std::vector<FrameAnswers>& answers) {
     std::vector<const SensorFrames*> frames;
     std::vector<const FrameAnswers*> pointers;
-    for (std::size_t s = 0; s < answers.size(); ++s) frames.push_back(&pack_->sensors[s]), pointers.push_back(&answers[s]);
+    for (std::size_t s = 0; s < answers.size(); ++s)
+      frames.push_back(&pack_->sensors[s]), pointers.push_back(&answers[s]);
     return judge_pack(plan, frames, pointers);
   }
 
@@ -54,7 +58,8 @@ class WeightGate : public ::testing::Test {
     const WeightGatePlan plan = small_plan();
     std::vector<JudgedCheck> judged = of_pack(plan, answers);
     for (std::size_t s = 0; s < answers.size(); ++s)
-      for (JudgedCheck& j : judge_sensor(plan, pack_->sensors[s], answers[s], "sensor" + std::to_string(s))) judged.push_back(std::move(j));
+      for (JudgedCheck& j : judge_sensor(plan, pack_->sensors[s], answers[s], "sensor" + std::to_string(s)))
+        judged.push_back(std::move(j));
     std::vector<JudgedCheck*> all;
     for (JudgedCheck& j : judged) all.push_back(&j);
     apply_rule(plan.rule, all);
@@ -136,12 +141,14 @@ const Check& of(const std::vector<Check>& checks, std::string_view id) {
 
 TEST_F(WeightGate, a_bench_on_which_the_network_itself_errs_is_never_blamed_on_the_firmware) {
   WeightMaterial m = run_of(*pack_, sound());
-  for (std::size_t i = 0; i < m.records[2].frames.force_N.size(); ++i) m.records[2].frames.oracle_N[i] += 4.0, m.records[2].answers.force_N[i] += 4.0;
+  for (std::size_t i = 0; i < m.records[2].frames.force_N.size(); ++i)
+    m.records[2].frames.oracle_N[i] += 4.0, m.records[2].answers.force_N[i] += 4.0;
   const RunResult result = judged(m);
   EXPECT_EQ(result.decision.kind, DecisionKind::no_decision) << result.decision.reason;
   EXPECT_EQ(result.decision.blame, Blame::rig);
   EXPECT_EQ(of(result.cases[2].checks, "mse").verdict, Verdict::rig_error);
-  EXPECT_EQ(of(result.cases[2].checks, "conformance").verdict, Verdict::pass) << "arithmetic on the same codes stays judged";
+  EXPECT_EQ(of(result.cases[2].checks, "conformance").verdict, Verdict::pass)
+      << "arithmetic on the same codes stays judged";
   EXPECT_EQ(of(result.cases[3].checks, "mse").verdict, Verdict::pass);
   EXPECT_EQ(of(result.checks, "mse_pack").verdict, Verdict::rig_error);
 }
@@ -154,7 +161,8 @@ TEST_F(WeightGate, a_firmware_that_departs_from_the_network_is_blamed_on_a_spoil
 
 TEST_F(WeightGate, a_session_that_broke_off_leaves_the_pack_unjudged_and_rejects) {
   WeightMaterial m = run_of(*pack_, sound());
-  m.records[1].failure = Error{ErrorCode::firmware, "the firmware crashed with signal SEGV after sample 800", "sensor2", {}};
+  m.records[1].failure =
+      Error{ErrorCode::firmware, "the firmware crashed with signal SEGV after sample 800", "sensor2", {}};
   const RunResult result = judged(m);
   EXPECT_EQ(result.decision.kind, DecisionKind::reject);
   EXPECT_TRUE(result.checks.empty());

@@ -61,7 +61,9 @@ TEST(WeightPlan, the_committed_one_is_good_and_mistakes_are_named_with_their_pla
   EXPECT_EQ(plan_kind(FORCEGATE_SOURCE_DIR "/ci/plans/capacitance.toml").value_or(""), "capacitance");
   EXPECT_EQ(plan_kind(FORCEGATE_SOURCE_DIR "/ci/plans/tms.toml").value_or(""), "characterize");
   const std::string head = "format = 1\nkind = \"capacitance\"\nname = \"x\"\n";
-  for (const char* bad : {"[loading]\ntraning = 3\n", "[loading]\ntraining = 1\n", "[sweep]\nforces_N = [300.0]\n", "[source]\ndc_V = 0.0\n", "[loading]\ntraining = 5\nmost_training = 4\n"}) {
+  for (const char* bad :
+       {"[loading]\ntraning = 3\n", "[loading]\ntraining = 1\n", "[sweep]\nforces_N = [300.0]\n",
+        "[source]\ndc_V = 0.0\n", "[loading]\ntraining = 5\nmost_training = 4\n"}) {
     const auto read = parse_weight_plan(head + bad, "p.toml");
     ASSERT_FALSE(read.has_value()) << bad;
     EXPECT_NE(read.error().where.find("p.toml:"), std::string::npos) << bad;

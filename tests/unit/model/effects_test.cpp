@@ -36,7 +36,8 @@ CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
   cyclic.dynamic = true;
   cyclic.onset_s = 1.0;
   cyclic.F_min_N = 0.2;
-  for (std::size_t i = 0; i < cyclic.rows(); ++i) cyclic.decay[i] = 0.5 + 0.5 * std::exp(-cyclic.t_s[i] / 30.0);
+  for (std::size_t i = 0; i < cyclic.rows(); ++i)
+    cyclic.decay[i] = 0.5 + 0.5 * std::exp(-cyclic.t_s[i] / 30.0);
   cyclic.frequency_jumps_s = {20.0};
   cyclic.jump_log_ratio = {0.7};
   const auto serves = [&] { return is_available(kind, out) && !form.grid(out).empty(); };
@@ -72,7 +73,8 @@ std::vector<std::pair<std::string, std::string>> all_forms() {
 TEST_P(EveryForm, DocumentsItselfAndItsParameters) {
   const EffectKind& kind = *EffectRegistry::instance().find(GetParam().first);
   const EffectForm& form = *find_form(kind, GetParam().second);
-  EXPECT_FALSE(kind.summary.empty() || kind.equation.empty() || kind.source.empty() || kind.separates.empty());
+  EXPECT_FALSE(kind.summary.empty() || kind.equation.empty() || kind.source.empty() ||
+               kind.separates.empty());
   EXPECT_FALSE(form.strength.empty());
   for (const ParameterSpec& p : form.strength) {
     EXPECT_LT(p.minimum, p.neutral) << p.name;
@@ -91,7 +93,9 @@ TEST_P(EveryForm, GivesFiniteColumnsAndTheSameOnesTwice) {
   for (const auto& shape : form.grid(campaign)) {
     ASSERT_EQ(shape.size(), form.shape.size());
     for (const RecordInput& r : campaign.records) {
-      Eigen::MatrixXd a = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()), static_cast<Eigen::Index>(form.strength.size())), b = a;
+      Eigen::MatrixXd a = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()),
+                                                static_cast<Eigen::Index>(form.strength.size())),
+                      b = a;
       form.columns(campaign, r, shape, a);
       form.columns(campaign, r, shape, b);
       EXPECT_TRUE(a.allFinite());
@@ -114,7 +118,8 @@ TEST_P(EveryForm, ChangesNothingAtItsNeutralValueAndFollowsItsDerivativeElsewher
   const auto neutral = model_output_V(with, campaign, r);
   ASSERT_TRUE(neutral.has_value());
   EXPECT_EQ(*neutral, *base);
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()), static_cast<Eigen::Index>(form.strength.size()));
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()),
+                                                  static_cast<Eigen::Index>(form.strength.size()));
   form.columns(campaign, r, form.grid(campaign).front(), columns);
   // at a given reference force the sensor does not see what the rig does to it
   const double seen = kind.channel == EffectChannel::output ? 1.0 : 0.0;
@@ -124,7 +129,10 @@ TEST_P(EveryForm, ChangesNothingAtItsNeutralValueAndFollowsItsDerivativeElsewher
     const auto moved = model_output_V(with, campaign, r);
     with.effects[0].strength[j].value = 0.0;
     for (std::size_t i = 0; i < r.rows(); i += 97)
-      EXPECT_NEAR(((*moved)[i] - (*base)[i]) / step, seen * columns(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) / plain.law.gain_N_per_V, 1e-6);
+      EXPECT_NEAR(
+          ((*moved)[i] - (*base)[i]) / step,
+          seen * columns(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) / plain.law.gain_N_per_V,
+          1e-6);
   }
 }
 
@@ -135,7 +143,8 @@ TEST_P(EveryForm, MovesSomeRecordOfACampaignThatFitsIt) {
   double largest = 0.0;
   for (const auto& shape : form.grid(campaign))
     for (const RecordInput& r : campaign.records) {
-      Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()), static_cast<Eigen::Index>(form.strength.size()));
+      Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()),
+                                                      static_cast<Eigen::Index>(form.strength.size()));
       form.columns(campaign, r, shape, columns);
       largest = std::max(largest, columns.cwiseAbs().maxCoeff());
     }
@@ -146,18 +155,45 @@ INSTANTIATE_TEST_SUITE_P(Library, EveryForm, ::testing::ValuesIn(all_forms()),
                          [](const auto& info) { return info.param.first + "__" + info.param.second; });
 
 TEST(Library, HoldsEveryEffectThatACampaignMayName) {
-  for (const char* name : {"hysteresis", "creep", "lag", "delay", "clock_skew", "static_nonlinearity", "dead_zone", "wear", "frequency_bump",
-                           "slow_recovery", "thermal", "humidity", "rc", "piezocapacitance", "bias", "self_heating", "spring_nonlinearity",
-                           "backlash", "off_axis", "contact_loss", "motor", "reference_drift", "reference_noise", "clipping", "hum", "outliers",
-                           "dropouts", "adc_codes", "mounting"})
+  for (const char* name : {"hysteresis",
+                           "creep",
+                           "lag",
+                           "delay",
+                           "clock_skew",
+                           "static_nonlinearity",
+                           "dead_zone",
+                           "wear",
+                           "frequency_bump",
+                           "slow_recovery",
+                           "thermal",
+                           "humidity",
+                           "rc",
+                           "piezocapacitance",
+                           "bias",
+                           "self_heating",
+                           "spring_nonlinearity",
+                           "backlash",
+                           "off_axis",
+                           "contact_loss",
+                           "motor",
+                           "reference_drift",
+                           "reference_noise",
+                           "clipping",
+                           "hum",
+                           "outliers",
+                           "dropouts",
+                           "adc_codes",
+                           "mounting"})
     EXPECT_NE(EffectRegistry::instance().find(name), nullptr) << name;
 }
 
 TEST(LaggedChannel, StaysBehindTheAirAcrossARestAndSettlesInALongOne) {
   CampaignInput campaign = input();
-  for (RecordInput& r : campaign.records) r.temp_C.assign(r.rows(), 20.0 + 5.0 * static_cast<double>(r.index));
+  for (RecordInput& r : campaign.records)
+    r.temp_C.assign(r.rows(), 20.0 + 5.0 * static_cast<double>(r.index));
   // record 1 begins 380 s after record 0 has ended; the air warms along a straight line from 20 to 25 degC meanwhile
-  const double tau = 200.0, rest = campaign.records[1].start_s - campaign.records[0].start_s - campaign.records[0].t_s.back();
+  const double tau = 200.0, rest = campaign.records[1].start_s - campaign.records[0].start_s -
+                                   campaign.records[0].t_s.back();
   const std::vector<double> film = lagged_channel(campaign, campaign.records[1], &RecordInput::temp_C, tau);
   EXPECT_NEAR(film.front(), 25.0 - 5.0 * (tau / rest) * (1.0 - std::exp(-rest / tau)), 0.02);
   EXPECT_LT(film.front(), film.back());
@@ -166,7 +202,8 @@ TEST(LaggedChannel, StaysBehindTheAirAcrossARestAndSettlesInALongOne) {
 }
 
 // Recovered from data made by another form: columns of the effect against the other form's output by least squares.
-double explained_by(const std::string& effect, const std::string& form_name, const CampaignInput& campaign, const std::vector<std::vector<double>>& added) {
+double explained_by(const std::string& effect, const std::string& form_name, const CampaignInput& campaign,
+                    const std::vector<std::vector<double>>& added) {
   const EffectKind& kind = *EffectRegistry::instance().find(effect);
   const EffectForm& form = *find_form(kind, form_name);
   double best = 0.0;
@@ -227,7 +264,8 @@ TEST(CapacitanceCurve, IsTheRecordedOneAndNoneThatSaysNothingAboutTheForce) {
 
 // A current V dC/dt of this very C, and a pole of R(F) and this C, against the forms with and without the recorded channel.
 TEST(CapacitanceForms, TheRecordedCapacitanceExplainsItsCurrentAndItsPoleBetterThanAnAssumedOne) {
-  const CampaignInput campaign = with_capacitance([](double F) { return 1e-12 * (2.0 + 0.5 * F + 1.5 * F * F); });
+  const CampaignInput campaign =
+      with_capacitance([](double F) { return 1e-12 * (2.0 + 0.5 * F + 1.5 * F * F); });
   const double middle = campaign.lowest_N + 0.5 * campaign.range_N;
   std::vector<std::vector<double>> current, pole;
   for (const RecordInput& r : campaign.records) {
@@ -238,7 +276,8 @@ TEST(CapacitanceForms, TheRecordedCapacitanceExplainsItsCurrentAndItsPoleBetterT
       double sum = 0.0, current_sum = 0.0;
       for (std::uint32_t k = r.row_begin[i]; k < r.row_begin[i + 1]; ++k) {
         const double F = r.fast_F_N[k], dt = k > 0 ? r.fast_t_s[k] - r.fast_t_s[k - 1] : 1.0;
-        const double tau_s = 0.03 * (middle / (std::max(F, 0.0) + 0.02 * campaign.range_N)) * C_of(F) / C_of(middle);
+        const double tau_s =
+            0.03 * (middle / (std::max(F, 0.0) + 0.02 * campaign.range_N)) * C_of(F) / C_of(middle);
         const double moved = k > 0 ? dt / (0.003 + dt) * (C_of(F) - charge) : 0.0;
         charge += moved;
         current_sum += moved / dt;
@@ -255,7 +294,8 @@ TEST(CapacitanceForms, TheRecordedCapacitanceExplainsItsCurrentAndItsPoleBetterT
                current_assumed = explained_by("piezocapacitance", "load_dependent", campaign, current);
   EXPECT_GT(current_measured, 0.9);
   EXPECT_GT(current_measured, current_assumed + 0.02);
-  const double pole_measured = explained_by("rc", "measured_capacitance", campaign, pole), pole_assumed = explained_by("rc", "load_dependent_pole", campaign, pole);
+  const double pole_measured = explained_by("rc", "measured_capacitance", campaign, pole),
+               pole_assumed = explained_by("rc", "load_dependent_pole", campaign, pole);
   EXPECT_GT(pole_measured, 0.9);
   EXPECT_GT(pole_measured, pole_assumed);
 }

@@ -50,7 +50,8 @@ TEST(ModelFile, NamesThePlaceOfAMistakeAndGuessesTheEffect) {
 TEST(UserEffect, FollowsItsDifferentialEquation) {
   const auto model = parse_model(
       "[law]\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\noutput = \"k*x\"\nstate.x = \"(F-x)/tau\"\n"
-      "parameter.tau = { value = 20.0, unit = \"s\" }\nparameter.k = { value = 0.1, unit = \"1\" }\n", "m.toml");
+      "parameter.tau = { value = 20.0, unit = \"s\" }\nparameter.k = { value = 0.1, unit = \"1\" }\n",
+      "m.toml");
   ASSERT_TRUE(model.has_value()) << model.error().to_text();
   const auto input = make_campaign_input(test::campaign([](double, double F) { return F; }));
   const RecordInput& hold = input->records[2];

@@ -11,15 +11,16 @@
 namespace forcegate::test {
 
 inline Record record(const std::string& name, const std::string& kind, double duration_s, double start_s,
-                     const std::function<double(double)>& force, const std::function<double(double, double)>& output) {
+                     const std::function<double(double)>& force,
+                     const std::function<double(double, double)>& output) {
   Record r;
   r.name = name;
   r.kind = kind;
   r.start_s = start_s;
   TimeBase clock;
   clock.nominal_rate_Hz = 200.0;
-  Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}}, T{"temp", "degC", "temperature", 0, {}, {}},
-      th{"theta", "rad", "angle", 0, {}, {}};
+  Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}},
+      T{"temp", "degC", "temperature", 0, {}, {}}, th{"theta", "rad", "angle", 0, {}, {}};
   const auto n = static_cast<std::size_t>(duration_s * 200.0);
   for (std::size_t i = 0; i < n; ++i) {
     const double t = static_cast<double>(i) / 200.0, f = force(t);
@@ -41,10 +42,17 @@ inline Campaign campaign(const std::function<double(double, double)>& output) {
     const double x = std::fmod(t / period, 1.0);
     return x < 0.5 ? 2.0 * x : 2.0 - 2.0 * x;
   };
-  c.records.push_back(record("ramp", "ramp", 120, 0, [&](double t) { return 0.2 + 4.0 * triangle(t, 60); }, output));
-  c.records.push_back(record("fast", "ramp", 60, 500, [&](double t) { return 0.2 + 4.0 * triangle(t, 4); }, output));
-  c.records.push_back(record("hold", "hold", 200, 1000, [](double t) { return t < 10 ? 0.2 : t < 110 ? 3.5 : 1.0; }, output));
-  c.records.push_back(record("stairs", "staircase", 120, 1500, [](double t) { return 0.4 + std::min(std::floor(t / 12), std::floor((120 - t) / 12)) * 0.7; }, output));
+  c.records.push_back(record(
+      "ramp", "ramp", 120, 0, [&](double t) { return 0.2 + 4.0 * triangle(t, 60); }, output));
+  c.records.push_back(record(
+      "fast", "ramp", 60, 500, [&](double t) { return 0.2 + 4.0 * triangle(t, 4); }, output));
+  c.records.push_back(record(
+      "hold", "hold", 200, 1000, [](double t) { return t < 10    ? 0.2
+                                                       : t < 110 ? 3.5
+                                                                 : 1.0; }, output));
+  c.records.push_back(record(
+      "stairs", "staircase", 120, 1500,
+      [](double t) { return 0.4 + std::min(std::floor(t / 12), std::floor((120 - t) / 12)) * 0.7; }, output));
   return c;
 }
 

@@ -27,8 +27,10 @@ TEST(PowerGatings, a_gating_comes_out_of_its_line_as_it_went_in) {
 }
 
 TEST(PowerGatings, a_line_that_is_no_gating_is_refused) {
-  for (const char* line : {"", "[]", "{}", R"({"kind":"MAYBE","failed":[],"conformance_known":true,"blind":"ACCEPT","reason":""})",
-                           R"({"kind":"ACCEPT","failed":1,"conformance_known":true,"blind":"ACCEPT","reason":""})"})
+  for (const char* line :
+       {"", "[]", "{}",
+        R"({"kind":"MAYBE","failed":[],"conformance_known":true,"blind":"ACCEPT","reason":""})",
+        R"({"kind":"ACCEPT","failed":1,"conformance_known":true,"blind":"ACCEPT","reason":""})"})
     EXPECT_FALSE(gated_from_json(line)) << line;
 }
 

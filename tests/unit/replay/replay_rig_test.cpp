@@ -26,7 +26,9 @@ class ReplayRig : public ::testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return (folder_ / name).string();
   }
-  Result<std::unique_ptr<Rig>> make(std::map<std::string, std::string> options) { return make_rig("replay", options); }
+  Result<std::unique_ptr<Rig>> make(std::map<std::string, std::string> options) {
+    return make_rig("replay", options);
+  }
 
   static RigBlock all(Rig& rig) {
     EXPECT_TRUE(rig.begin({}));
@@ -46,7 +48,9 @@ class ReplayRig : public ::testing::Test {
 };
 
 TEST_F(ReplayRig, TurnsVoltsIntoCodesOfTheDeclaredConverter) {
-  const auto path = put("r.csv", "t_s,F_ref_N,U_V,F_cmd_N\n0,1,0,1.5\n0.001,2,5,1.6\n0.002,3,10,1.7\n0.003,4,12,1.8\n0.004,4,-1,1.8\n");
+  const auto path = put(
+      "r.csv",
+      "t_s,F_ref_N,U_V,F_cmd_N\n0,1,0,1.5\n0.001,2,5,1.6\n0.002,3,10,1.7\n0.003,4,12,1.8\n0.004,4,-1,1.8\n");
   auto rig = make({{"record", path}, {"adc_bits", "12"}});
   ASSERT_TRUE(rig) << rig.error().to_text();
   const RigInfo info = (*rig)->info();
@@ -110,7 +114,8 @@ TEST_F(ReplayRig, RefusesWhatItCannotReplayAndSaysHowToMendIt) {
   EXPECT_THAT(make({{"record", no_force}}).error().hint, HasSubstr("F_ref_N"));
   const auto no_sensor = put("b.csv", "t_s,F_ref_N\n0,1\n1,2\n");
   EXPECT_THAT(make({{"record", no_sensor}}).error().hint, HasSubstr("U_V"));
-  const auto wild = put("c.csv", "t_s,F_ref_N,U_V\n0,1,1\n1,1,1\n3,1,1\n4,1,1\n10,1,1\n11,1,1\n19,1,1\n20,1,1\n50,1,1\n");
+  const auto wild =
+      put("c.csv", "t_s,F_ref_N,U_V\n0,1,1\n1,1,1\n3,1,1\n4,1,1\n10,1,1\n11,1,1\n19,1,1\n20,1,1\n50,1,1\n");
   EXPECT_THAT(make({{"record", wild}}).error().text, HasSubstr("not uniform"));
   const auto good = put("d.csv", "t_s,F_ref_N,U_V\n0,1,1\n1,1,1\n");
   EXPECT_THAT(make({{"record", good}, {"adc_bit", "12"}}).error().hint, HasSubstr("adc_bits"));

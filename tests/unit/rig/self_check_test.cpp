@@ -154,7 +154,9 @@ TEST(SelfCheck, no_spring_explains_a_reference_that_looks_along_another_axis) {
   testing::FakeRig rig;
   rig.spoil = [](std::size_t row, double, RigBlock& b) { b.force_ref_N[row] *= 0.2f; };
   for (const Check& c : checks_of(rig))
-    if (c.verdict != Verdict::pass) { EXPECT_EQ(c.blame, Blame::reference) << c.id; }
+    if (c.verdict != Verdict::pass) {
+      EXPECT_EQ(c.blame, Blame::reference) << c.id;
+    }
 }
 
 TEST(SelfCheck, a_wheel_that_leaves_its_command_is_the_rig_s_fault_and_the_drive_s_own_lag_is_not) {
@@ -163,7 +165,8 @@ TEST(SelfCheck, a_wheel_that_leaves_its_command_is_the_rig_s_fault_and_the_drive
     b.theta_rad[row] += 0.06f * static_cast<float>(std::sin(20.0 * t_s));
   };
   bool following = false;
-  for (const Check& c : checks_of(rippling)) following |= c.id == "rig_following" && c.verdict == Verdict::rig_error;
+  for (const Check& c : checks_of(rippling))
+    following |= c.id == "rig_following" && c.verdict == Verdict::rig_error;
   EXPECT_TRUE(following);
   testing::FakeRig lagging;
   float behind = -1.0f;
@@ -172,7 +175,9 @@ TEST(SelfCheck, a_wheel_that_leaves_its_command_is_the_rig_s_fault_and_the_drive
     b.theta_rad[row] = behind;
   };
   for (const Check& c : checks_of(lagging))
-    if (c.id == "rig_following") { EXPECT_EQ(c.verdict, Verdict::pass) << c.evidence; }
+    if (c.id == "rig_following") {
+      EXPECT_EQ(c.verdict, Verdict::pass) << c.evidence;
+    }
 }
 
 TEST(SelfCheck, sees_a_clock_that_runs_fast_jumps_or_leaves_a_hole) {
@@ -192,11 +197,15 @@ TEST(SelfCheck, sees_readings_that_come_late) {
   testing::FakeRig rig;
   std::vector<float> line(40, 1.0f);
   std::size_t at = 0;
-  rig.spoil = [&](std::size_t row, double, RigBlock& b) { std::swap(b.force_ref_N[row], line[at++ % line.size()]); };
+  rig.spoil = [&](std::size_t row, double, RigBlock& b) {
+    std::swap(b.force_ref_N[row], line[at++ % line.size()]);
+  };
   bool late = false;
   for (const Check& c : checks_of(rig)) {
     late |= c.id == "rig_reference_lag" && c.verdict == Verdict::rig_error;
-    if (c.verdict != Verdict::pass) { EXPECT_EQ(c.blame, Blame::reference) << c.id; }
+    if (c.verdict != Verdict::pass) {
+      EXPECT_EQ(c.blame, Blame::reference) << c.id;
+    }
   }
   EXPECT_TRUE(late);
 }

@@ -23,7 +23,9 @@ class ReadCampaign : public ::testing::Test {
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
-  void put(const std::string& name, const std::string& text) { std::ofstream(folder_ / name, std::ios::binary) << text; }
+  void put(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
   Error refusal() {
     const auto campaign = read_campaign(folder_);
     EXPECT_FALSE(campaign);
@@ -137,7 +139,8 @@ TEST_F(ReadCampaign, RefusesToMapAColumnThatIsNotThereAndSaysWhichAre) {
 TEST_F(ReadCampaign, MapsAColumnByItsOwnNameAndByTheNameInCanonicalUnits) {
   put("r.csv", "t_s,pressure_bar,U_V\n0,1,2\n0.1,2,3\n0.2,3,4\n");
   for (const char* name : {"pressure_bar", "pressure_Pa"}) {
-    const auto c = read_campaign(folder_ / "r.csv", {.column_map = {{name, "F_ref_N"}}, .assumed_rate_Hz = 0.0});
+    const auto c =
+        read_campaign(folder_ / "r.csv", {.column_map = {{name, "F_ref_N"}}, .assumed_rate_Hz = 0.0});
     ASSERT_TRUE(c) << c.error().text;
     const Channel* force = c->records[0].trace.find("F_ref");
     ASSERT_NE(force, nullptr) << name;
@@ -147,7 +150,9 @@ TEST_F(ReadCampaign, MapsAColumnByItsOwnNameAndByTheNameInCanonicalUnits) {
 
 TEST_F(ReadCampaign, MapsAColumnByTheNameThatItWasTakenFor) {
   put("r.csv", "t_s,position_mm,force_N\n0,1,2\n0.1,2,3\n0.2,3,4\n");
-  const auto c = read_campaign(folder_ / "r.csv", {.column_map = {{"F_ref_N", "U_V"}, {"position_mm", "F_ref_N"}}, .assumed_rate_Hz = 0.0});
+  const auto c =
+      read_campaign(folder_ / "r.csv",
+                    {.column_map = {{"F_ref_N", "U_V"}, {"position_mm", "F_ref_N"}}, .assumed_rate_Hz = 0.0});
   ASSERT_TRUE(c) << c.error().text;
   EXPECT_EQ(c->records[0].trace.find("U")->value[2], 4.0);
   EXPECT_EQ(c->records[0].trace.find("F_ref")->value[2], 3.0);
@@ -172,8 +177,10 @@ TEST_F(ReadCampaign, TellsOnceWhatRecordsShareEvenWhenTheNumbersDiffer) {
   put("d.csv", b);
   const auto more = read_campaign(folder_);
   ASSERT_TRUE(more);
-  EXPECT_EQ(std::ranges::count_if(more->notes, [](const std::string& n) { return n.find("in the clock") != std::string::npos; }),
-            static_cast<std::ptrdiff_t>(gaps.size()));
+  EXPECT_EQ(
+      std::ranges::count_if(more->notes,
+                            [](const std::string& n) { return n.find("in the clock") != std::string::npos; }),
+      static_cast<std::ptrdiff_t>(gaps.size()));
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ TEST(ReadCsv, ConvertsUnitsAndSaysSo) {
 }
 
 TEST(ReadCsv, AcceptsMarksCarriageReturnsCommentsBlankLinesAndQuotes) {
-  const auto f = read("\xEF\xBB\xBF# bench 3\r\n\r\n\"t_s\" , \"F_ref_N\"\r\n0,1\r\n# pause\r\n\r\n0.5,\"2\"\r\n 1.0 , 3 \r\n");
+  const auto f = read(
+      "\xEF\xBB\xBF# bench 3\r\n\r\n\"t_s\" , \"F_ref_N\"\r\n0,1\r\n# pause\r\n\r\n0.5,\"2\"\r\n 1.0 , 3 \r\n");
   EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1, 2, 3}));
 }
 
@@ -123,7 +124,8 @@ TEST(ReadCsv, RecognisesForeignNamesWhereThatIsUnambiguous) {
 }
 
 TEST(ReadCsv, FollowsTheColumnMap) {
-  const auto f = read("stamp,a,b\n0,1,2\n1,3,4\n", {.column_map = {{"stamp", "t_s"}, {"a", "F_ref_mN"}, {"b", "U_V"}}});
+  const auto f =
+      read("stamp,a,b\n0,1,2\n1,3,4\n", {.column_map = {{"stamp", "t_s"}, {"a", "F_ref_mN"}, {"b", "U_V"}}});
   EXPECT_DOUBLE_EQ(f.trace.find("F_ref")->value[1], 3e-3);
   EXPECT_EQ(f.trace.find("U")->value[1], 4.0);
 }
@@ -131,7 +133,8 @@ TEST(ReadCsv, FollowsTheColumnMap) {
 TEST(ReadCsv, AVelocityIsNoClock) {
   const auto e = refuse("sample,velocity_cm_s,force_N\n0,1,2\n1,2,3\n");
   EXPECT_THAT(e.text, HasSubstr("no time column"));
-  const auto f = read("sample,velocity_cm_s,force_N\n0,1,2\n1,2,3\n", {.column_map = {}, .assumed_rate_Hz = 200});
+  const auto f =
+      read("sample,velocity_cm_s,force_N\n0,1,2\n1,2,3\n", {.column_map = {}, .assumed_rate_Hz = 200});
   EXPECT_TRUE(f.trace.time_bases[0].invented);
   EXPECT_DOUBLE_EQ(f.trace.time_bases[0].t_s[1], 0.005);
   EXPECT_EQ(f.trace.find("velocity")->unit, "cm/s");
@@ -181,7 +184,8 @@ TEST(ReadCsv, ReadsAFileLikeTheSameTextFromMemory) {
   Rng rng(4, "csv");
   std::string text = "t_s,F_ref_N,U_V\n";
   for (int i = 0; i < 60000; ++i)
-    text += shortest(i * 1e-3) + "," + shortest(rng.normal()) + "," + (i % 97 == 0 ? "" : shortest(rng.uniform())) + "\n";
+    text += shortest(i * 1e-3) + "," + shortest(rng.normal()) + "," +
+            (i % 97 == 0 ? "" : shortest(rng.uniform())) + "\n";
   const std::string path = ::testing::TempDir() + "forcegate_csv_test.csv";
   std::ofstream(path, std::ios::binary) << text;
   const auto file = read_csv(path);
@@ -202,7 +206,8 @@ TEST(WriteCsv, ReadsBackTheSameNumbers) {
   trace.channels[1] = {"U", "V", "voltage", 0, {}, {}};
   for (int i = 0; i < 5000; ++i) {
     trace.time_bases[0].t_s.push_back(i * 1e-3);
-    trace.channels[0].value.push_back(i % 50 == 0 ? kMissing : rng.normal() * std::pow(10.0, rng.uniform(-20, 20)));
+    trace.channels[0].value.push_back(i % 50 == 0 ? kMissing
+                                                  : rng.normal() * std::pow(10.0, rng.uniform(-20, 20)));
     trace.channels[1].value.push_back(i * 1e-4);
     trace.channels[1].raw.push_back(i);
   }

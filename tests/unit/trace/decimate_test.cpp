@@ -43,7 +43,8 @@ TEST(M4Accumulator, KeepsEveryExtremeOfTheTraceAndEveryGlitchOfTheError) {
   const auto rows = decimate(s, 300, 1000);
   EXPECT_LE(rows.t_s.size(), 300u * 6);
   EXPECT_EQ(std::count(rows.value[1].begin(), rows.value[1].end(), 5.0f), 3);
-  EXPECT_EQ(*std::max_element(rows.value[0].begin() + 1, rows.value[0].end()), *std::max_element(s.force.begin() + 6, s.force.end()));
+  EXPECT_EQ(*std::max_element(rows.value[0].begin() + 1, rows.value[0].end()),
+            *std::max_element(s.force.begin() + 6, s.force.end()));
   EXPECT_TRUE(std::is_sorted(rows.t_s.begin(), rows.t_s.end()));
   EXPECT_EQ(rows.t_s.front(), 0.0f);
   EXPECT_EQ(rows.t_s.back(), static_cast<float>(s.t.back()));

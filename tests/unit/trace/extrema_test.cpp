@@ -46,7 +46,8 @@ std::vector<PairedExtremum> pair(const Wave& w, ExtremaPairer::Options options) 
   return pairer.pairs();
 }
 
-std::vector<Extremum> turning_points(const std::vector<double>& t, const std::vector<double>& x, double prominence) {
+std::vector<Extremum> turning_points(const std::vector<double>& t, const std::vector<double>& x,
+                                     double prominence) {
   TurningPoints detector(prominence);
   std::vector<Extremum> out;
   for (std::size_t i = 0; i < t.size(); ++i)
@@ -156,7 +157,9 @@ TEST(ExtremaPairer, GivesEqualExtremaForIdenticalChannelsAtAnyFrequency) {
 }
 
 TEST(ExtremaPairer, FindsTheCyclesAfterALongRest) {
-  const auto profile = [](double t) { return t < 1000 ? 1.0 : 1.0 + 0.5 * (1 - std::cos(2 * kPi * (t - 1000))); };
+  const auto profile = [](double t) {
+    return t < 1000 ? 1.0 : 1.0 + 0.5 * (1 - std::cos(2 * kPi * (t - 1000)));
+  };
   const auto w = make(200, 1020.0, profile, profile);
   const auto pairs = pair(w, {.prominence = 0.2});
   ASSERT_GE(pairs.size(), 38u);
@@ -195,8 +198,9 @@ TEST(ExtremaPairer, CoversTheWholePlateauOfABinarySequence) {
 TEST(ExtremaPairer, AFollowerWithoutSamplesIsNotANumber) {
   const auto sine = [](double t) { return std::sin(2 * kPi * t); };
   for (const int half_width : {0, 5}) {
-    const auto w = make(200, 10.0, sine, [](double) { return kNan; },
-                        [&](double t) { return std::fmod(t, 0.05) < 0.01 ? kNan : sine(t); });
+    const auto w = make(
+        200, 10.0, sine, [](double) { return kNan; },
+        [&](double t) { return std::fmod(t, 0.05) < 0.01 ? kNan : sine(t); });
     const auto pairs = pair(w, {.prominence = 0.2, .half_width = half_width});
     ASSERT_GE(pairs.size(), 18u);
     for (const auto& p : pairs) {
@@ -231,16 +235,20 @@ TEST(ExtremaPairer, ColumnsAndRowsGiveTheSame) {
 TEST(ExtremaPairer, AgreesWithASearchThroughTheWholeRecord) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Rng rng(seed, "property");
-    const double f = rng.uniform(0.05, 5.0), phase = rng.uniform(0, 6.28), rate = rng.uniform(20, 500) * (1 + f);
+    const double f = rng.uniform(0.05, 5.0), phase = rng.uniform(0, 6.28),
+                 rate = rng.uniform(20, 500) * (1 + f);
     const double lag = rng.uniform(-0.2, 0.2) / f;
     auto w = make(
         rate, 12.0 / f, [&](double t) { return std::sin(2 * kPi * f * t + phase); },
-        [&](double t) { return std::sin(2 * kPi * f * t + phase) * std::exp(-0.1 * f * t) + rng.normal(0, 0.02); });
+        [&](double t) {
+          return std::sin(2 * kPi * f * t + phase) * std::exp(-0.1 * f * t) + rng.normal(0, 0.02);
+        });
     const auto pairs = pair(w, {.prominence = 0.3, .lag_s = lag});
     const auto turns = turning_points(w.t, w.guide, 0.3);
     ASSERT_GE(pairs.size() + 1, turns.size());
     for (std::size_t k = 1; k + 1 < pairs.size(); ++k) {
-      const double from = 0.5 * (turns[k - 1].t_s + turns[k].t_s) + lag, to = 0.5 * (turns[k].t_s + turns[k + 1].t_s) + lag;
+      const double from = 0.5 * (turns[k - 1].t_s + turns[k].t_s) + lag,
+                   to = 0.5 * (turns[k].t_s + turns[k + 1].t_s) + lag;
       const bool maximum = turns[k].turn == Turn::maximum;
       double best = maximum ? -1e9 : 1e9;
       for (std::size_t i = 0; i < w.t.size(); ++i) {

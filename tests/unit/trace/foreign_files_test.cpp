@@ -29,17 +29,19 @@ TEST(DateTime, ReadsStampsOfLoggersAndTimesOfDay) {
   EXPECT_NEAR(*seconds_of_stamp("2026-11-21T10:00:00Z"), 1795255200.0, 1e-6);
   EXPECT_NEAR(*seconds_of_stamp("21.11.2026 10:00:00,5"), 1795255200.5, 1e-6);
   EXPECT_DOUBLE_EQ(*seconds_of_stamp("00:01:02.5"), 62.5);
-  EXPECT_NEAR(*seconds_of_stamp("2024-03-01 00:00:00") - *seconds_of_stamp("2024-02-28 00:00:00"), 2 * 86400.0, 1e-9);
+  EXPECT_NEAR(*seconds_of_stamp("2024-03-01 00:00:00") - *seconds_of_stamp("2024-02-28 00:00:00"),
+              2 * 86400.0, 1e-9);
 }
 
 TEST(DateTime, LeavesEverythingElseAlone) {
-  for (const char* text : {"", "oops", "12", "2026-11-21", "11/21/2026 10:00:00", "2026-13-01 10:00:00", "25:00:00",
-                           "10:00:00 and more", "2026-11-21T10:00:00X"})
+  for (const char* text : {"", "oops", "12", "2026-11-21", "11/21/2026 10:00:00", "2026-13-01 10:00:00",
+                           "25:00:00", "10:00:00 and more", "2026-11-21T10:00:00X"})
     EXPECT_FALSE(seconds_of_stamp(text)) << text;
 }
 
 TEST(ForeignFiles, AClockOfDatesCountsSeconds) {
-  const auto f = read("timestamp,F,U\n2026-11-21 09:59:59.5,1,2\n2026-11-21 10:00:00.0,1,2\n2026-11-21 10:00:00.5,2,3\n");
+  const auto f = read(
+      "timestamp,F,U\n2026-11-21 09:59:59.5,1,2\n2026-11-21 10:00:00.0,1,2\n2026-11-21 10:00:00.5,2,3\n");
   const auto& t = f.trace.time_bases[0].t_s;
   ASSERT_EQ(t.size(), 3u);
   EXPECT_NEAR(t[2] - t[0], 1.0, 1e-6);
@@ -97,7 +99,8 @@ TEST(ForeignFiles, ANoteOfEveryRecordIsToldOnce) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directory(folder);
   for (const char* name : {"a.csv", "b.csv", "c.csv"})
-    std::ofstream(folder / name) << (std::string(name) == "c.csv" ? "t;F;U\n0;1;2\n1;1;2\n" : "t,F,U\n0,1,2\n1,1,2\n");
+    std::ofstream(folder / name) << (std::string(name) == "c.csv" ? "t;F;U\n0;1;2\n1;1;2\n"
+                                                                  : "t,F,U\n0,1,2\n1,1,2\n");
   for (const unsigned threads : {1u, 3u}) {
     CampaignOptions options;
     options.threads = threads;

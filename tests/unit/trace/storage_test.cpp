@@ -43,7 +43,8 @@ Trace sample_trace() {
   rig.nominal_rate_Hz = 1000;
   ati.device = "ati";
   ati.invented = true;
-  Channel u{"U", "V", "voltage", 0, {}, {}}, f{"F_ref", "N", "force", 1, {}, {}}, flags{"flags", "counts", "code", 0, {}, {}};
+  Channel u{"U", "V", "voltage", 0, {}, {}}, f{"F_ref", "N", "force", 1, {}, {}},
+      flags{"flags", "counts", "code", 0, {}, {}};
   Rng rng(1, "trace");
   for (int i = 0; i < 70000; ++i) {
     rig.t_s.push_back(i * 1e-3 + (i >= 100 ? 0.5 : 0.0));
@@ -105,7 +106,8 @@ TEST_F(Storage, Hdf5RefusesForeignAndDamagedFiles) {
 
 TEST_F(Storage, AnUnfinishedHdf5FileNeverHasTheFinalName) {
   {
-    auto writer = Hdf5Writer::create(folder_ / "a.h5", {{"rig", 1000}}, {{"U", "V", "voltage", SampleType::f32, 0}});
+    auto writer =
+        Hdf5Writer::create(folder_ / "a.h5", {{"rig", 1000}}, {{"U", "V", "voltage", SampleType::f32, 0}});
     ASSERT_TRUE(writer);
     EXPECT_TRUE(fs::exists(folder_ / "a.h5.part"));
   }
@@ -129,7 +131,8 @@ TEST_F(Storage, MatReturnsTheColumns) {
 }
 
 TEST_F(Storage, ConvertGoesRoundThroughAllFormats) {
-  std::ofstream(folder_ / "a.csv") << "t_s,F_ref_N,U_V,U_counts\n0,1,2,3\n0.1,1.25,,4\n0.2,3,4,5\n0.3,3,4,6\n";
+  std::ofstream(folder_ / "a.csv")
+      << "t_s,F_ref_N,U_V,U_counts\n0,1,2,3\n0.1,1.25,,4\n0.2,3,4,5\n0.3,3,4,6\n";
   ASSERT_TRUE(convert_trace(folder_ / "a.csv", folder_ / "b.h5"));
   ASSERT_TRUE(convert_trace(folder_ / "b.h5", folder_ / "c.mat"));
   ASSERT_TRUE(convert_trace(folder_ / "c.mat", folder_ / "d.csv"));
@@ -143,7 +146,10 @@ TEST_F(Storage, ConvertGoesRoundThroughAllFormats) {
 }
 
 JournalHeader small_header() {
-  return {"run", {{"rig", 1000.0}}, {{"F_ref", "N", "force", SampleType::f32, 0}, {"U", "counts", "code", SampleType::u16, 0}}, {{"seed", "1"}}};
+  return {"run",
+          {{"rig", 1000.0}},
+          {{"F_ref", "N", "force", SampleType::f32, 0}, {"U", "counts", "code", SampleType::u16, 0}},
+          {{"seed", "1"}}};
 }
 
 Result<void> record(TraceRecorder& recorder, int from, int n) {
@@ -242,7 +248,8 @@ TEST_F(Storage, AFullDiskIsReportedAndWhatWasWrittenCanBeRead) {
     auto recorder = TraceRecorder::create(folder_ / "r.h5", small_header());
     if (!recorder) ::_exit(3);
     for (int i = 0; i < 100000; i += 100)
-      if (auto result = record(*recorder, i, 100); !result) ::_exit(result.error().code == ErrorCode::io ? 0 : 2);
+      if (auto result = record(*recorder, i, 100); !result)
+        ::_exit(result.error().code == ErrorCode::io ? 0 : 2);
     ::_exit(1);
   }
   int status = 0;

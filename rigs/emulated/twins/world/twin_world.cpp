@@ -69,7 +69,8 @@ class CountedLine final : public Transport {
       received_ += *n;
       if (*n > 0) fetched_.emplace_back(bytes, bytes + *n);
       if (*n == 0 && std::chrono::steady_clock::now() > end)
-        return fail(ErrorCode::internal, fmt::format("bytes of the twin were lost: {} of {}", received_, count), name());
+        return fail(ErrorCode::internal,
+                    fmt::format("bytes of the twin were lost: {} of {}", received_, count), name());
     }
     return {};
   }
@@ -130,7 +131,8 @@ class TwinWorld final : public BenchWorld {
       if (n > 0) told.append(bytes, static_cast<std::size_t>(n));
     }
     if (told != "ready")
-      return fail(ErrorCode::config, told.empty() ? "the twins did not start" : printable_utf8(told), "[twins]");
+      return fail(ErrorCode::config, told.empty() ? "the twins did not start" : printable_utf8(told),
+                  "[twins]");
     return attach(own_folder_->path(), 10.0);
   }
 
@@ -138,7 +140,8 @@ class TwinWorld final : public BenchWorld {
     const std::filesystem::path path = folder_ / port;
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored))
-      return fail(ErrorCode::device, "the twins have no port '" + printable_utf8(port) + "' (unplugged?)", path.string());
+      return fail(ErrorCode::device, "the twins have no port '" + printable_utf8(port) + "' (unplugged?)",
+                  path.string());
     return path.string();
   }
 
@@ -148,10 +151,13 @@ class TwinWorld final : public BenchWorld {
                           : s.parity == LineParity::odd ? Parity::odd
                                                         : Parity::none;
     FORCEGATE_TRY(auto inner, open_serial(path, {s.baud, parity}));
-    const std::string device = port == options_.reference_port ? "reference" : port == options_.board_port ? "board" : "motor";
+    const std::string device = port == options_.reference_port ? "reference"
+                               : port == options_.board_port   ? "board"
+                                                               : "motor";
     return counted(device, std::move(inner));
   }
-  Result<std::unique_ptr<Transport>> open_datagrams(const std::string& device, const std::string& host, int declared) override {
+  Result<std::unique_ptr<Transport>> open_datagrams(const std::string& device, const std::string& host,
+                                                    int declared) override {
     FORCEGATE_TRY(const int port, published(device + ".udp", declared));
     FORCEGATE_TRY(auto inner, connect_udp(host, port));
     return counted(device, std::move(inner));
@@ -161,7 +167,9 @@ class TwinWorld final : public BenchWorld {
   }
   void forget(const CountedLine* line) { std::erase(lines_, line); }
 
-  Result<int> tcp_port(const std::string& device, int declared) override { return published(device + ".port", declared); }
+  Result<int> tcp_port(const std::string& device, int declared) override {
+    return published(device + ".port", declared);
+  }
 
   double now_s() const override {
     if (!paced_) return now_s_;
@@ -171,8 +179,9 @@ class TwinWorld final : public BenchWorld {
 
   Result<void> advance_to(double t_s) override {
     if (paced_) {
-      std::this_thread::sleep_until(started_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                                   std::chrono::duration<double>(t_s)));
+      std::this_thread::sleep_until(started_ +
+                                    std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                        std::chrono::duration<double>(t_s)));
       return {};
     }
     const auto samples = static_cast<std::int64_t>(std::llround((t_s - now_s_) * options_.plant.rate_Hz));
@@ -193,8 +202,9 @@ class TwinWorld final : public BenchWorld {
   }
 
   Result<void> mount(const RigRecordRequest& q) override {
-    std::string order = fmt::format("mount specimen={} seed={} session={} record={} rest_s={:.17g} low_N={:.17g} high_N={:.17g}",
-                                    q.specimen, q.seed, q.session, q.record, q.rest_before_s, q.force_low_N, q.force_high_N);
+    std::string order = fmt::format(
+        "mount specimen={} seed={} session={} record={} rest_s={:.17g} low_N={:.17g} high_N={:.17g}",
+        q.specimen, q.seed, q.session, q.record, q.rest_before_s, q.force_low_N, q.force_high_N);
     for (const auto& [name, magnitude] : q.faults) order += fmt::format(" fault:{}={:.17g}", name, magnitude);
     FORCEGATE_CHECK_OK(client_->say(order));
     return {};
@@ -205,7 +215,8 @@ class TwinWorld final : public BenchWorld {
   bool flashes() const override { return true; }
   Result<void> flash(const std::string& image) override {
     auto done = client_->say("flash " + std::filesystem::absolute(image).string());
-    if (!done) return Unexpected(Error{done.error().code, done.error().text, "board: " + image, done.error().hint});
+    if (!done)
+      return Unexpected(Error{done.error().code, done.error().text, "board: " + image, done.error().hint});
     return {};
   }
 
@@ -248,7 +259,8 @@ class TwinWorld final : public BenchWorld {
 
 CountedLine::~CountedLine() { world_.forget(this); }
 
-Result<std::unique_ptr<BenchWorld>> make(const ConfigNode& bench, const std::map<std::string, std::string>& given) {
+Result<std::unique_ptr<BenchWorld>> make(const ConfigNode& bench,
+                                         const std::map<std::string, std::string>& given) {
   FORCEGATE_TRY(TwinOptions options, read_twin_options(bench));
   std::string clock = "virtual", folder;
   const ConfigNode* twins = bench.find("twins");
@@ -267,7 +279,8 @@ Result<std::unique_ptr<BenchWorld>> make(const ConfigNode& bench, const std::map
 }
 
 const Registration<BenchWorldKind> kRegistered{
-    {"twins", "Wire-level twins of the instruments around the emulated plant, in virtual or paced time", make}};
+    {"twins", "Wire-level twins of the instruments around the emulated plant, in virtual or paced time",
+     make}};
 
 }  // namespace
 }  // namespace forcegate::emulated
