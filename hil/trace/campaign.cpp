@@ -286,7 +286,7 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
                   source.find(name, "file"),
                   "put it into " + campaign.folder.string() + " or take the record out");
     campaign.records.push_back(std::move(record));
-    readings.push_back({nullptr, path, {}, {}});
+    readings.push_back({nullptr, path, {}, {}, {}});
   }
   for (std::size_t i = 0; i < readings.size(); ++i) readings[i].record = &campaign.records[i];
   load_all(readings, options);
