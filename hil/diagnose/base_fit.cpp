@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
+#include "hil/model/states.h"
 
 namespace forcegate::diagnose {
 
@@ -82,6 +84,22 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
   return out;
 }
 
+void add_waves(const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::Index first, int count, Eigen::MatrixXd& Z) {
+  for (int k = 0; k < count; ++k)
+    if (r.duration_s > 60.0 * (k + 1))
+      for (std::size_t j = 0; j < rows.size(); ++j)
+        Z(static_cast<Eigen::Index>(j), first + k) = std::cos(std::numbers::pi * (k + 1) * r.t_s[rows[j]] / r.duration_s);
+}
+
+void add_drive_lag(const RecordInput& r, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
+                   Eigen::Index first, Eigen::MatrixXd& Z) {
+  for (const double pole_s : {0.03, 0.1}) {
+    const std::vector<double> late = low_pass_channel(r, command_N, pole_s, command_N[0]);
+    for (std::size_t j = 0; j < rows.size(); ++j) Z(static_cast<Eigen::Index>(j), first) = (late[rows[j]] - command_N[rows[j]]) / scale;
+    ++first;
+  }
+}
+
 void set_repeatability(MixedProblem& problem, bool one_recording) {
   problem.nz = kColumns;
   // F_min, swing and shape of the decay too: a decay in volts, another lowest force than the one that was found, a stretched
@@ -112,7 +130,6 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
   const double g = w.gain_V_per_N / w.input.U_range_V;
   const double b = w.law.decay_rate_per_s(r.f_Hz) * std::exp(w.shifts[index].log_b);
   const double q = w.law.depth_ratio(r.A_N) * std::exp(w.shifts[index].log_q);
-  const double length = std::max(1e-9, r.duration_s);
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const std::size_t i = rows[j];
     const auto row = static_cast<Eigen::Index>(j);
@@ -131,10 +148,8 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
       if (since > 0.0 && w.law.decays) Z(row, 5) = g * D * swing;
       for (int k = 0; k < kShapes; ++k) Z(row, kFirstShape + k) = g * swing * hat(since, k);
     }
-    for (int k = 0; k < kWaves; ++k)
-      if (length > 60.0 * (k + 1))
-        Z(row, kFirstWave + k) = std::cos(3.14159265358979 * (k + 1) * r.t_s[i] / length);
   }
+  add_waves(r, rows, kFirstWave, kWaves, Z);
   return Z;
 }
 

@@ -4,13 +4,11 @@
 #include <cmath>
 
 #include "hil/diagnose/workspace.h"
-#include "hil/model/states.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-constexpr double kPoles_s[] = {0.03, 0.1};
 constexpr double kFollows = 0.8;  // least squared correlation of force and command
 
 const std::vector<double>& reached_N(const RecordInput& r) {
@@ -66,22 +64,16 @@ void build_command_channel(Workspace& w, unsigned threads) {
                [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z,
                    std::vector<double>& y) {
                  const std::vector<double>& reached = reached_N(r);
-                 std::vector<double> late[2];
-                 for (int q = 0; q < 2; ++q)
-                   late[q] = low_pass_channel(r, r.F_cmd_N, kPoles_s[q], r.F_cmd_N[0]);
                  for (std::size_t j = 0; j < rows.size(); ++j) {
                    const auto row = static_cast<Eigen::Index>(j);
                    Z(row, 0) = r.F_cmd_N[rows[j]] / channel.scale;
                    Z(row, 1) = 1.0;
                    if (!r.sin_theta.empty())
                      Z(row, 2) = w.rig_slope_N[r.index] * r.sin_theta[rows[j]] / channel.scale;
-                   for (int q = 0; q < 2; ++q)
-                     Z(row, 3 + q) = (late[q][rows[j]] - r.F_cmd_N[rows[j]]) / channel.scale;
-                   for (int q = 0; q < 3; ++q)
-                     if (r.duration_s > 60.0 * (q + 1))
-                       Z(row, 5 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
                    y.push_back(reached[rows[j]] / channel.scale);
                  }
+                 add_drive_lag(r, r.F_cmd_N, rows, channel.scale, 3, Z);
+                 add_waves(r, rows, 5, 3, Z);
                });
 }
 

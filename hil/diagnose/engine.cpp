@@ -75,12 +75,6 @@ int far_above_noise(const ResidualChannel& channel, const Workspace& w, const Mi
   return left > kFar * kFar * noise ? out : 0;
 }
 
-double noise_rms(const ResidualChannel& channel) {
-  double sum = 0.0;
-  for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
-  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
-}
-
 void set_scales(const Workspace& w, const EngineOptions& options, Diagnosis& out) {
   out.campaign = w.input.name;
   out.model = options.model_name;
@@ -158,7 +152,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const double explained =
       selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
   const Structure left = structure_of(w.output, selection.final);
-  const double noise = noise_rms(w.output);
+  const double noise = allowed_rms(w.output);
   const bool structured = is_structure(left, noise);
   const bool named_enough = explained > 0.5 || !structured;
   add_findings(w, w.output, selection, named_enough ? std::max(explained, 0.6) : explained, out);

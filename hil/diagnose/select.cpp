@@ -38,13 +38,6 @@ bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& fam
   return false;
 }
 
-// RMS of what the declared instruments may leave.
-double noise_rms(const ResidualChannel& channel) {
-  double sum = 0.0;
-  for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
-  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
-}
-
 double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < fit.adapted.size(); ++i)
@@ -81,7 +74,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall))
     return "it leaves most of the residual";
   if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
-  if (std::max(removed_rms, total_rms) < std::max(rules.smallest_rms, kOfNoise * noise_rms(channel))) return "too small for the declared instruments";
+  if (std::max(removed_rms, total_rms) < std::max(rules.smallest_rms, kOfNoise * allowed_rms(channel))) return "too small for the declared instruments";
   // the form of an effect is known to a share of its size only: what it leaves of that size is no second effect
   if (removed_rms < rules.form_error * removed_before) return "it is no more than the first one's form may be wrong by";
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
@@ -324,15 +317,6 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       out.nuisance.push_back(slight_shift ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
                                           : "the output leads the reference by a few milliseconds, as a reference with its own lag does");
       if (!screen_again(&family.best.fit) || ++latencies > 2) break;
-      --step;
-      continue;
-    }
-    if (std::find(rules.nuisance.begin(), rules.nuisance.end(), family.kind->name) != rules.nuisance.end() && family.gain > rules.first_gain) {
-      taken.push_back(family.kind->name);
-      for (int j : family_columns(channel, *family.kind))
-        if (std::find(present.begin(), present.end(), j) == present.end()) present.push_back(j);
-      out.nuisance.push_back(family.kind->name + " explains part of it and is nobody's fault");
-      if (!screen_again(&family.best.fit)) break;
       --step;
       continue;
     }

@@ -54,7 +54,6 @@ struct SelectionRules {
   double sure_gain = 40.0,
          sure_total_fall = 0.02;      ///< a small share is enough where the evidence is overwhelming
   double smallest_rms = 2.5e-4;       ///< of the span: less is below what the declared instruments can tell
-  std::vector<std::string> nuisance;  ///< families that compete, and are carried without being claimed
   bool clock_slack = true;            ///< a few milliseconds between two instruments are nobody's fault
   int most = 3;
 };

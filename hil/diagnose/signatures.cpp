@@ -240,20 +240,18 @@ void build_rig_channel(Workspace& w, unsigned threads) {
                      Z(row, 2) = slope * (r.cos_theta[rows[j]] - r.late_cos_theta[rows[j]]);
                      Z(row, 3) = slope * r.sin_theta[rows[j]];
                    }
-                   for (int q = 0; q < 3; ++q)
-                     if (r.duration_s > 60.0 * (q + 1))
-                       Z(row, 4 + q) = std::cos(3.14159265358979 * (q + 1) * r.t_s[rows[j]] / r.duration_s);
                    y.push_back(r.F_N[rows[j]] / channel.scale);
                  }
+                 add_waves(r, rows, 4, 3, Z);
                  if (r.theta_rad.empty())
-                   for (int q = 0; q < 2; ++q) {
-                     const auto late =
-                         low_pass_channel(r, r.rig_force_N, q == 0 ? 0.03 : 0.1, r.rig_force_N[0]);
-                     for (std::size_t j = 0; j < rows.size(); ++j)
-                       Z(static_cast<Eigen::Index>(j), 7 + q) =
-                           (late[rows[j]] - r.rig_force_N[rows[j]]) / channel.scale;
-                   }
+                   add_drive_lag(r, r.rig_force_N, rows, channel.scale, 7, Z);
                });
+}
+
+double allowed_rms(const ResidualChannel& channel) {
+  double sum = 0.0;
+  for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
 void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill) {

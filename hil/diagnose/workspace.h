@@ -55,6 +55,9 @@ struct ResidualChannel {
   std::string unit = "V";
 };
 
+/// RMS over the records of what the declared instruments may leave, share of the channel's scale.
+double allowed_rms(const ResidualChannel& channel);
+
 struct Workspace {
   CampaignInput input;
   std::vector<RecordHealth> health;
@@ -85,6 +88,11 @@ void fit_base(Workspace& workspace);
 /// Columns of Z for the chosen rows, each divided by the voltage span.
 Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record,
                                       const std::vector<std::size_t>& rows);
+/// Slow wander as columns of Z from `first` on: half waves cos(k pi t / T) of the record, k = 1 .. count, those longer than a minute.
+void add_waves(const RecordInput& record, const std::vector<std::size_t>& rows, Eigen::Index first, int count, Eigen::MatrixXd& Z);
+/// The ordinary lag of a drive behind its command as two columns of Z: (L_tau[C] - C) / scale, tau 30 and 100 ms.
+void add_drive_lag(const RecordInput& record, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
+                   Eigen::Index first, Eigen::MatrixXd& Z);
 /// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
 bool decays_by_itself(const RecordInput& record);
 /// Sets nz, components and priors of the output channel.
