@@ -50,18 +50,23 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
   return out;
 }
 
-std::string refit_json(const diagnose::Refit& r, const std::string& add) {
-  nlohmann::ordered_json moves = nlohmann::ordered_json::array(), bars = nlohmann::ordered_json::array();
-  for (const auto& m : r.moves)
-    moves.push_back(
-        {{"name", m.name}, {"before", m.before}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
-  for (const auto& b : r.waterfall.bars)
+std::string waterfall_json(const diagnose::Waterfall& w) {
+  nlohmann::ordered_json bars = nlohmann::ordered_json::array();
+  for (const auto& b : w.bars)
     bars.push_back({{"effect", b.effect},
                     {"as_added", b.as_added},
                     {"average", b.average},
                     {"low", b.low},
                     {"high", b.high},
                     {"hollow", b.hollow}});
+  return nlohmann::ordered_json{{"start", w.start}, {"end", w.end}, {"floor", w.floor}, {"bars", bars}}.dump();
+}
+
+std::string refit_json(const diagnose::Refit& r, const std::string& add) {
+  nlohmann::ordered_json moves = nlohmann::ordered_json::array();
+  for (const auto& m : r.moves)
+    moves.push_back(
+        {{"name", m.name}, {"before", m.before}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
   const nlohmann::ordered_json out = {
       {"format", 1},
       {"added", add},
@@ -73,7 +78,7 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
       {"plain_before", r.plain_before},
       {"plain_after", r.plain_after},
       {"unit", "V"},
-      {"waterfall", {{"start", r.waterfall.start}, {"end", r.waterfall.end}, {"bars", bars}}}};
+      {"waterfall", nlohmann::ordered_json::parse(waterfall_json(r.waterfall))}};
   return out.dump(2) + "\n";
 }
 

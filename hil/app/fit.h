@@ -11,5 +11,6 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::s
 std::string refit_text(const diagnose::Refit& refit, const std::string& add);
 std::string refit_json(const diagnose::Refit& refit, const std::string& add);
 std::string waterfall_text(const diagnose::Waterfall& waterfall);
+std::string waterfall_json(const diagnose::Waterfall& waterfall);
 
 }  // namespace forcegate

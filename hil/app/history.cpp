@@ -43,20 +43,7 @@ std::string history_json(const History& h) {
                      {"floor", s.floor},
                      {"accepted", s.accepted}});
   nlohmann::ordered_json out = {{"format", 1}, {"model", h.model.name}, {"steps", steps}};
-  if (h.waterfall) {
-    nlohmann::ordered_json bars = nlohmann::ordered_json::array();
-    for (const auto& b : h.waterfall->bars)
-      bars.push_back({{"effect", b.effect},
-                      {"as_added", b.as_added},
-                      {"average", b.average},
-                      {"low", b.low},
-                      {"high", b.high},
-                      {"hollow", b.hollow}});
-    out["waterfall"] = {{"start", h.waterfall->start},
-                        {"end", h.waterfall->end},
-                        {"floor", h.waterfall->floor},
-                        {"bars", bars}};
-  }
+  if (h.waterfall) out["waterfall"] = nlohmann::ordered_json::parse(waterfall_json(*h.waterfall));
   return out.dump(2) + "\n";
 }
 
