@@ -5,6 +5,7 @@
 #include <set>
 
 #include "rigs/emulated/hidden/campaign_maker.h"
+#include "tests/support/campaign_effects.h"
 
 namespace forcegate::hidden {
 namespace {
@@ -56,35 +57,7 @@ std::string test_name(const ::testing::TestParamInfo<std::string>& info) { retur
 INSTANTIATE_TEST_SUITE_P(Hidden, EveryEffect, ::testing::ValuesIn(all_names()), test_name);
 
 TEST(Catalogue, HoldsEveryNameOfTheCampaignFormat) {
-  const std::set<std::string> wanted = {"hysteresis",
-                                        "creep",
-                                        "lag",
-                                        "delay",
-                                        "clock_skew",
-                                        "static_nonlinearity",
-                                        "dead_zone",
-                                        "wear",
-                                        "frequency_bump",
-                                        "slow_recovery",
-                                        "thermal",
-                                        "humidity",
-                                        "rc",
-                                        "piezocapacitance",
-                                        "bias",
-                                        "self_heating",
-                                        "spring_nonlinearity",
-                                        "backlash",
-                                        "off_axis",
-                                        "contact_loss",
-                                        "motor",
-                                        "reference_drift",
-                                        "reference_noise",
-                                        "clipping",
-                                        "hum",
-                                        "outliers",
-                                        "dropouts",
-                                        "adc_codes",
-                                        "mounting"};
+  const std::set<std::string>& wanted = test::kCampaignEffects;
   const std::vector<std::string> known = effect_names(false);
   EXPECT_EQ(std::set<std::string>(known.begin(), known.end()), wanted);
   for (const std::string& foreign : effect_names(true)) EXPECT_EQ(wanted.count(foreign), 0u) << foreign;

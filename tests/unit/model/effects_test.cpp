@@ -11,6 +11,7 @@
 #include "hil/model/lagged_channel.h"
 #include "hil/model/model.h"
 #include "synthetic.h"
+#include "tests/support/campaign_effects.h"
 
 namespace forcegate {
 namespace {
@@ -152,38 +153,10 @@ TEST_P(EveryForm, MovesSomeRecordOfACampaignThatFitsIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Library, EveryForm, ::testing::ValuesIn(all_forms()),
-                         [](const auto& info) { return info.param.first + "__" + info.param.second; });
+                         [](const auto& form) { return form.param.first + "__" + form.param.second; });
 
 TEST(Library, HoldsEveryEffectThatACampaignMayName) {
-  for (const char* name : {"hysteresis",
-                           "creep",
-                           "lag",
-                           "delay",
-                           "clock_skew",
-                           "static_nonlinearity",
-                           "dead_zone",
-                           "wear",
-                           "frequency_bump",
-                           "slow_recovery",
-                           "thermal",
-                           "humidity",
-                           "rc",
-                           "piezocapacitance",
-                           "bias",
-                           "self_heating",
-                           "spring_nonlinearity",
-                           "backlash",
-                           "off_axis",
-                           "contact_loss",
-                           "motor",
-                           "reference_drift",
-                           "reference_noise",
-                           "clipping",
-                           "hum",
-                           "outliers",
-                           "dropouts",
-                           "adc_codes",
-                           "mounting"})
+  for (const std::string& name : test::kCampaignEffects)
     EXPECT_NE(EffectRegistry::instance().find(name), nullptr) << name;
 }
 
