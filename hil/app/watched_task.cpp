@@ -228,7 +228,8 @@ class Pool {
   Result<std::string> answered(Worker& w) const {
     if (w.answer.front() == kText) return std::move(w.answer.erase(0, 1));
     const auto e = nlohmann::json::parse(w.answer.begin() + 1, w.answer.end(), nullptr, false);
-    if (w.answer.front() != kError || !e.is_array() || e.size() != 4)
+    if (w.answer.front() != kError || !e.is_array() || e.size() != 4 || !e[0].is_number_integer() ||
+        !e[1].is_string() || !e[2].is_string() || !e[3].is_string())
       return gone(w.task, ErrorCode::internal, "a worker gave no answer");
     return Unexpected(Error{static_cast<ErrorCode>(e[0].get<int>()), e[1], e[2], e[3]});
   }

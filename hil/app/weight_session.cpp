@@ -42,17 +42,30 @@ Result<std::string> play(const WeightSession& s) {
   return out.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-WeightSessionAnswer answer_of(const std::string& text, const DutSession& asked) {
-  const auto in = json::parse(text);
+Result<WeightSessionAnswer> answer_of(const std::string& text, const WeightSession& asked) {
   WeightSessionAnswer out;
-  const auto &info = in["info"], &link = in["link"];
-  out.firmware = {info[3],      info[4], info[0], info[1], info[2], asked.nonce, asked.calibration.adc_bits,
-                  asked.rate_Hz};
-  out.link = {link[0], link[1], link[2], link[3], link[4], link[5]};
-  out.digest = in["digest"];
-  for (const auto& v : in["force"])
-    out.answers.force_N.push_back(v.is_null() ? std::nan("") : v.get<double>());
-  for (const auto& v : in["flags"]) out.answers.flags.push_back(v.get<std::uint8_t>());
+  try {  // ends here: the image wrote into what the worker was to say
+    const auto in = json::parse(text);
+    const auto &info = in.at("info"), &link = in.at("link");
+    out.firmware = {info.at(3),
+                    info.at(4),
+                    info.at(0),
+                    info.at(1),
+                    info.at(2),
+                    asked.session.nonce,
+                    asked.session.calibration.adc_bits,
+                    asked.session.rate_Hz};
+    out.link = {link.at(0), link.at(1), link.at(2), link.at(3), link.at(4), link.at(5)};
+    out.digest = in.at("digest");
+    for (const auto& v : in.at("force"))
+      out.answers.force_N.push_back(v.is_null() ? std::nan("") : v.get<double>());
+    for (const auto& v : in.at("flags")) out.answers.flags.push_back(v.get<std::uint8_t>());
+  } catch (const json::exception&) {
+    return fail(ErrorCode::internal, "a worker's answer cannot be read", asked.id);
+  }
+  if (out.answers.force_N.size() != asked.frames->codes.size() / asked.frame_samples ||
+      out.answers.flags.size() != out.answers.force_N.size())
+    return fail(ErrorCode::internal, "a worker's answer is not of the length of its frames", asked.id);
   return out;
 }
 
@@ -67,7 +80,7 @@ std::vector<Result<WeightSessionAnswer>> run_weight_sessions(const std::vector<W
   std::vector<Result<WeightSessionAnswer>> out;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (texts[i])
-      out.emplace_back(answer_of(*texts[i], sessions[i].session));
+      out.emplace_back(answer_of(*texts[i], sessions[i]));
     else
       out.emplace_back(Unexpected(texts[i].error()));
   }

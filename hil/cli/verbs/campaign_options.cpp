@@ -35,6 +35,10 @@ std::string campaign_words(const Invocation& in, const std::string& campaign) {
   return out;
 }
 
+std::string model_words(const Invocation& in) {
+  return in.given("model") ? " --model " + shell_quoted(in.text("model")) : "";
+}
+
 Result<CampaignRequest> campaign_request(const Invocation& in, const std::string& campaign,
                                          const std::string& model) {
   CampaignRequest request;

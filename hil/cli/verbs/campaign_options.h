@@ -14,6 +14,8 @@ std::vector<Option> campaign_rows();
 Positional campaign_positional();
 /// The campaign as the next command must name it: quoted, with the --map and --rate that it was read with.
 std::string campaign_words(const Invocation& in, const std::string& campaign);
+/// " --model MODEL" where one was given, for the next command; "" otherwise.
+std::string model_words(const Invocation& in);
 /// From the values of campaign_rows(). Errors: usage.
 Result<CampaignRequest> campaign_request(const Invocation& in, const std::string& campaign,
                                          const std::string& model);

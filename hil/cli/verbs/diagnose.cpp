@@ -27,7 +27,7 @@ Result<int> run(const Invocation& in) {
   }
   console.print(diagnosis_text(answer));
   console.print_json(to_json(answer));
-  const std::string campaign = campaign_words(in, in.text("CAMPAIGN"));
+  const std::string campaign = campaign_words(in, in.text("CAMPAIGN")) + model_words(in);
   if (!answer.findings.empty() && answer.findings.front().probability >= 0.5 &&
       answer.findings.front().form != "raw" && answer.findings.front().effect != "drift" &&
       answer.findings.front().unit == "V")

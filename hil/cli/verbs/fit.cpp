@@ -17,8 +17,8 @@ Result<int> run(const Invocation& in) {
   if (!output.empty()) FORCEGATE_CHECK_OK(write_file_atomically(output, write_model(answer.model)));
   in.console().print(refit_text(answer, ""));
   in.console().print_json(refit_json(answer, ""));
-  in.console().next("forcegate diagnose " + shell_quoted(in.text("CAMPAIGN")) +
-                    (output.empty() ? "" : " --model " + shell_quoted(output)));
+  in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) +
+                    (output.empty() ? model_words(in) : " --model " + shell_quoted(output)));
   return kExitSuccess;
 }
 

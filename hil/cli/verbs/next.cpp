@@ -25,7 +25,7 @@ Result<int> play(const Invocation& in) {
   if (!made) return Unexpected(made.error());
   in.console().print(next_run_text(*made));
   in.console().print_json(next_run_json(*made));
-  const std::string folder = shell_quoted(made->folder.string());
+  const std::string folder = shell_quoted(made->folder.string()) + model_words(in);
   for (const Finding& f : made->after.findings)
     if (f.probability >= 0.5) {
       in.console().next("forcegate add " + f.effect + " --fit " + folder + " -o better.toml");
@@ -43,10 +43,10 @@ Result<int> run(const Invocation& in) {
   in.console().print(next_text(diagnosis));
   in.console().print_json(next_json(answer));
   if (!answer.segments.empty())
-    in.console().next("forcegate next " + campaign_words(in, in.text("CAMPAIGN")) +
+    in.console().next("forcegate next " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in) +
                       " --run on your rig, or record it yourself and add --record FILE");
   else
-    in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) +
+    in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in) +
                       " --html diagnosis.html");
   return kExitSuccess;
 }

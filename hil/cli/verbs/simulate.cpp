@@ -20,8 +20,7 @@ Result<int> run(const Invocation& in) {
                         json.back() == '[' ? "" : ", ", item.record, item.rows, item.rmse_V);
   }
   in.console().print_json(json + "]}");
-  in.console().next("forcegate compare " + shell_quoted(in.text("CAMPAIGN")) + " --model " +
-                    shell_quoted(request.model));
+  in.console().next("forcegate compare " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in));
   return kExitSuccess;
 }
 
