@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/workspace.h"
+#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
@@ -34,6 +35,17 @@ bool follows_command(const RecordInput& r, double range_N) {
   xy -= x1 * y1 / n;
   yy -= y1 * y1 / n;
   return xx > n * std::pow(0.01 * range_N, 2) && yy > 0.0 && xy * xy > kFollows * xx * yy;
+}
+
+// White noise of a row of what the drive makes of its command: the angle does not move in steps of the reference.
+double drive_noise_N(const RecordInput& r) {
+  const std::vector<double>& y = reached_N(r);
+  std::vector<double> d;
+  for (std::size_t i = 1; i + 1 < y.size(); ++i)
+    d.push_back(std::abs(y[i - 1] - 2.0 * y[i] + y[i + 1] -
+                         (r.F_cmd_N[i - 1] - 2.0 * r.F_cmd_N[i] + r.F_cmd_N[i + 1])));
+  const double median = quantile(std::move(d), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
 }
 
 }  // namespace
@@ -75,6 +87,12 @@ void build_command_channel(Workspace& w, unsigned threads) {
                  add_drive_lag(r, r.F_cmd_N, rows, channel.scale, 3, Z);
                  add_waves(r, rows, 5, 3, Z);
                });
+  for (std::size_t k = 0; k < channel.record_of.size(); ++k) {
+    const RecordInput& r = w.input.records[channel.record_of[k]];
+    if (r.cos_theta.empty()) continue;
+    const double noise = drive_noise_N(r) / channel.scale;
+    p.records[k].noise_variance = p.records[k].allowed_variance = noise * noise + 1e-8;
+  }
 }
 
 }  // namespace forcegate::diagnose

@@ -124,11 +124,13 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   rig_rules.sure_gain = 1e9;
   rig_rules.first_total_fall = 0.3;
   rig_rules.later_total_fall = 0.6;
-  rig_rules.smallest_rms = 1e-3;
-  // a servo loop leaves more than a motor's fault: the evidence must be large instead
+  rig_rules.smallest_rms = 4e-4;
   SelectionRules drive_rules = rig_rules;
-  drive_rules.first_gain = 200.0;
+  drive_rules.first_gain = 60.0;
+  drive_rules.form_gain = {{"one_pole", 200.0}};  // a servo loop leaves the like
   drive_rules.first_fall = 0.2;
+  drive_rules.where_it_acts = true;
+  drive_rules.smallest_rms = rules.smallest_rms;  // no spring and no guide between command and angle
   if (w.has_command)
     drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
   if (w.has_rig) {
@@ -183,6 +185,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
 
   if (w.has_command && drive.base.valid) add_findings(w, w.command, drive, 0.6, out);
   share_among_timing(selection, out.findings);
+  withdraw_what_explains_little(w, selection, out.findings);
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (raw_says("reference_noise"))
     for (Finding& f : out.findings)

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/diagnose/physical_parameters.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -32,15 +34,15 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
   return out;
 }
 
-std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, double before,
-                     double after) {
+std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, const Finding& f) {
   char text[480];
   const double milli = 1000.0;
   std::snprintf(
       text, sizeof text,
-      "%s; it accounts for %.3g m%s RMS (%.2g %% of the span), and the error of records left out falls from %.3g to %.3g m%s",
-      chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(),
-      100.0 * chosen.effect_rms, before * milli, after * milli, channel.unit.c_str());
+      "%s; it accounts for %.3g m%s RMS (%.2g %% of the span): the error of records left out falls from %.3g to %.3g m%s",
+      chosen.kind->summary.c_str(), f.effect_rms * milli, channel.unit.c_str(),
+      100.0 * f.effect_rms / channel.scale, f.error_before * milli, f.error_after * milli,
+      channel.unit.c_str());
   std::string out = text;
   if (chosen.left_out.excited > 0) {
     std::snprintf(text, sizeof text,
@@ -89,7 +91,8 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
     const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
     f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
-    f.parameters = parameters_of(channel, chosen);
+    f.parameters = physical_parameters(w.input, channel, chosen);
+    if (f.parameters.empty()) f.parameters = parameters_of(channel, chosen);
     const Judged was = judge(channel, before, selection.base, w.all_fit),
                  is = judge(channel, chosen.fit, selection.base, w.all_fit);
     const auto error = [&](const Judged& j) {
@@ -97,10 +100,10 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     };
     f.error_before = error(was);
     f.error_after = error(is);
-    f.effect_rms = chosen.effect_rms * channel.scale;
+    f.effect_rms = std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
-    f.evidence = sentence(chosen, channel, f.error_before, f.error_after);
+    f.evidence = sentence(chosen, channel, f);
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
     constexpr double kLeast =
         0.88;  // an effect of half the spread of the records leaves this share of their error
@@ -153,6 +156,23 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
       if (f.effect == c->kind->name && f.form != "raw") {
         f.probability = std::min(f.probability, std::max(0.0, left));
         left -= f.probability;
+      }
+}
+
+void withdraw_what_explains_little(const Workspace& w, const Selection& selection,
+                                   std::vector<Finding>& findings) {
+  constexpr double kMost = 0.6, kFarAbove = 8.0;  // of the RMS error; of the instruments' noise
+  const ResidualChannel& channel = w.output;
+  const auto rms = [&](const MixedFit& fit) {
+    return std::sqrt(judged(channel, judge(channel, fit, selection.base, w.all_fit).adapted, w.all_fit));
+  };
+  const double before = rms(selection.base), after = rms(selection.claimed);
+  if (!(after > kMost * before && after > kFarAbove * allowed_rms(channel))) return;
+  for (const ChosenEffect& c : selection.chosen)
+    for (Finding& f : findings)
+      if (f.effect == c.kind->name && f.form != "raw" && !c.between && f.probability > kNoClaim) {
+        f.probability = kNoClaim;
+        f.evidence += "; not claimed: most of the error is left, far above the noise";
       }
 }
 

@@ -29,6 +29,10 @@ void add_findings(const Workspace& workspace, const ResidualChannel& channel, co
 /// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings);
 
+/// Claims about the output that leave most of the error, far above what the instruments may, are suspicions: something else is at work.
+void withdraw_what_explains_little(const Workspace& workspace, const Selection& selection,
+                                   std::vector<Finding>& findings);
+
 /// Rivals that no more than odds of 4 : 1 part.
 void tell_not_separable(const Selection& selection, Diagnosis& out);
 

@@ -107,6 +107,7 @@ RecordInput simulate(const Workspace& w, const Segment& s) {
       r.theta_rad.push_back((r.rate_N_per_s[i] < 0.0 ? -1.0 : 1.0) *
                             std::acos(std::clamp(1.0 - 2.0 * (r.F_N[i] - low) / std::max(1e-9, high - low), -1.0, 1.0)));
       r.sin_theta.push_back(std::sin(r.theta_rad.back()));
+      r.cos_theta.push_back(std::cos(r.theta_rad.back()));
     }
   r.F_min_N = s.dynamic ? low : 0.0;
   r.f_Hz = s.dynamic ? 0.5 : 0.0;

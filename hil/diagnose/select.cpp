@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/further_forms.h"
+#include "hil/diagnose/instrument_error.h"
 #include "hil/diagnose/left_out.h"
 #include "hil/diagnose/null_calibration.h"
 #include "hil/diagnose/refine.h"
@@ -15,7 +16,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kOfNoise = 0.4;  // an effect must remove more than this share of what the instruments may leave
+// an effect must remove so much more than it would of the steps of the reference alone; what one or two records show may be one place of
+// the steps
+constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
+constexpr const char* kTooSmall = "too small for the declared instruments";
+constexpr double kSameStrength = 1.0;  // a law has one strength: scatter between records, relative to it
 
 VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
   VectorXd out = VectorXd::Zero(channel.problem.ns);
@@ -35,6 +40,15 @@ bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& fam
     const auto at = family.best.fit.coefficient.size() - 1;
     return std::abs(c.shape[0] * family.best.fit.coefficient[at]) <= kAllowed_s;
   }
+  return false;
+}
+
+// A late reference explains nearly all that the best family does.
+bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result) {
+  constexpr double kNearly = 0.8;
+  for (const FamilyScore& family : result.families)
+    if (family.kind->name == "delay")
+      return family.gain > 40.0 && family.gain > kNearly * result.families.front().gain && is_reference_latency(channel, family);
   return false;
 }
 
@@ -68,13 +82,20 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
       return "sign-flipped records show as much";
     return {};
   }
-  if (family.gain < (first ? rules.first_gain : rules.later_gain)) return "too little evidence";
-  if (chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
+  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
+  const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
+  const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
+  if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return "too little evidence";
+  const bool explains_its_own = rules.where_it_acts && chosen.left_out.share > (first ? rules.first_fall : rules.later_fall);
+  if (!explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
       family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall))
     return "it leaves most of the residual";
   if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
-  if (std::max(removed_rms, total_rms) < std::max(rules.smallest_rms, kOfNoise * allowed_rms(channel))) return "too small for the declared instruments";
+  const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
+  const double seen_rms = std::max(removed_rms, total_rms);
+  if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
+  if (chosen.strength_scatter > kSameStrength) return "its strength differs by more than its size between records";
   // the form of an effect is known to a share of its size only: what it leaves of that size is no second effect
   if (removed_rms < rules.form_error * removed_before) return "it is no more than the first one's form may be wrong by";
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
@@ -131,7 +152,9 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& alway
     const MixedFit full = fit_mixed(channel.problem, with, &out.final, 12, RecordUse::all_records);
     if (!reduced.valid || !full.valid) return;
     const double left = excess_mean_square(channel, reduced), kept = excess_mean_square(channel, full);
-    if (full.log_evidence - reduced.log_evidence < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, left) ||
+    // what another effect's form leaves is no measure of this one
+    const double its_own = std::min(left, out.chosen[k].fall * out.chosen[k].excess);
+    if (full.log_evidence - reduced.log_evidence < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
         !(out.chosen[k].between || cross_fit(channel, reduced, full).helps())) {
       out.rejected.push_back(out.chosen[k].kind->name + ": needless beside the others");
       out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
@@ -289,6 +312,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     chosen.columns = variant.columns;
     chosen.gain = family.gain;
     chosen.fall = family.best.fall;
+    chosen.excess = excess_mean_square(channel, result.base);
     chosen.effect_rms = family.best.effect_rms;
     chosen.fit = family.best.fit;
     chosen.left_out = cross_fit(channel, result.base, family.best.fit);
@@ -307,11 +331,13 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       --step;
       continue;
     }
-    if ((rules.clock_slack && is_reference_latency(channel, family) && family.gain > 4.0) || slight_shift) {
+    // what a late reference explains nearly as well is its own, whatever else may fit
+    const bool nearly_latency = rules.clock_slack && latencies == 0 && first && place == 0 && is_nearly_latency(channel, result);
+    if ((rules.clock_slack && is_reference_latency(channel, family) && family.gain > 4.0) || slight_shift || nearly_latency) {
       // all leads: they span a shift and a first-order lag of the reference alike
       if (slight_shift) present.insert(present.end(), variant.columns.begin(), variant.columns.end());
       for (const Candidate& c : channel.candidates)
-        if (!slight_shift && c.kind == family.kind && c.shape[0] < 0.0 && c.shape[0] > -0.03 &&
+        if (!slight_shift && c.kind->name == "delay" && c.shape[0] < 0.0 && c.shape[0] > -0.03 &&
             std::find(present.begin(), present.end(), c.first) == present.end())
           present.push_back(c.first);
       out.nuisance.push_back(slight_shift ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
@@ -325,7 +351,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       out.rejected.push_back(family.kind->name + ": " + why);
       // the scatter within records and the spread between them are different questions: the next family may answer the
       // other. What fits worse than a refused family answers the same question no better
-      const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain;
+      const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain || why == kTooSmall;
       ++place;
       while (!unphysical && place < result.families.size() && is_between_records(result.families[place].kind->name) == chosen.between) ++place;
       if (first && place < result.families.size() && (!unphysical || place < kMostPlaces)) {

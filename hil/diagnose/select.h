@@ -1,6 +1,7 @@
 #pragma once
 // S5: forward choice of effects with a backward check, on log evidence and on records that were left out.
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct ChosenEffect {
   std::vector<int> further;       ///< variants of the same family that stand beside it in the model
   double gain = 0.0;              ///< log evidence when it entered
   double fall = 0.0;              ///< share of the excess mean square that it removed when it entered
+  double excess = 0.0;            ///< mean square above the noise before it entered
   double effect_rms = 0.0;        ///< share of the span
   double unique = 0.0;            ///< log evidence that the final model loses without it
   double share_of_family = 0.0;   ///< softmax over the families that competed, at the working temperature
@@ -39,6 +41,7 @@ struct Selection {
 
 struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
+  std::map<std::string, double> form_gain;  ///< forms of what every bench does a little must reach more
   double between_gain =
       5.0;  ///< nats. One in twenty campaigns has a given effect of this kind: odds of 7 : 1 are left
   double between_left_out = 3.0;  ///< nats by which records that were left out must be predicted better
@@ -48,6 +51,7 @@ struct SelectionRules {
   double first_fall = 0.10, later_fall = 0.50;
   double first_total_fall = 0.06,
          later_total_fall = 0.35;  ///< where the declared noise allows the whole residual
+  bool where_it_acts = false;  ///< the records that an effect touches count: a drive has another fault in every manner of moving
   double form_error = 0.25;  ///< of the RMS that the largest effect removed: a second one must remove more
   bool forms_are_rough =
       false;  ///< the recording is of another machine: forms within form_error of each other are one

@@ -2,7 +2,10 @@
 //   dF = c (L_tau[C] - C), C the commanded force;   dF = A sin th (a sin n th + b cos n th), n times a turn, A half the record's span.
 // Never seen in U against F_ref.
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <string>
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
@@ -29,6 +32,18 @@ EffectForm one_pole() {
               }};
 }
 
+// Where the wheel goes to and fro, at another speed, the servo's own unevenness hides the drive's.
+bool goes_round(const RecordInput& r) {
+  double low = 0.0, high = 0.0, turned = 0.0;
+  for (std::size_t i = 1; i < r.sin_theta.size(); ++i) {
+    turned += std::atan2(r.sin_theta[i] * r.cos_theta[i - 1] - r.cos_theta[i] * r.sin_theta[i - 1],
+                         r.cos_theta[i] * r.cos_theta[i - 1] + r.sin_theta[i] * r.sin_theta[i - 1]);
+    low = std::min(low, turned);
+    high = std::max(high, turned);
+  }
+  return high - low > 4.0 * std::numbers::pi;
+}
+
 EffectForm ripple() {
   return {.name = "ripple",
           .shape = {{"per_turn", "1", 1.0, 50.0, 1.0, "times a turn of the wheel"}},
@@ -45,6 +60,7 @@ EffectForm ripple() {
           .columns =
               [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 out.setZero();
+                if (!goes_round(r)) return;
                 for (std::size_t i = 0; i < r.sin_theta.size(); ++i) {
                   const double th = std::atan2(r.sin_theta[i], r.cos_theta[i]), arm = r.A_N * std::sin(th);
                   out(static_cast<Eigen::Index>(i), 0) = arm * std::sin(shape[0] * th);
@@ -52,6 +68,32 @@ EffectForm ripple() {
                 }
               },
           .refine = false};
+}
+
+// A drive that turns unevenly seldom does so at one multiple alone.
+EffectForm ripples() {
+  constexpr int kMultiples = 6;
+  EffectForm form{.name = "ripples", .shape = {}, .strength = {}, .sign = StrengthSign::either};
+  for (int n = 1; n <= kMultiples; ++n)
+    for (const char* part : {"sine_", "cosine_"})
+      form.strength.push_back({part + std::to_string(n) + "_rad", "rad", -1.0, 1.0, 0.0,
+                               "error of the angle, so many times a turn"});
+  form.grid = [](const CampaignInput& c) {
+    return c.has_theta ? std::vector<std::vector<double>>{{}} : std::vector<std::vector<double>>{};
+  };
+  form.columns = [](const CampaignInput&, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+    out.setZero();
+    if (!goes_round(r)) return;
+    for (std::size_t i = 0; i < r.sin_theta.size(); ++i) {
+      const double th = std::atan2(r.sin_theta[i], r.cos_theta[i]), arm = r.A_N * std::sin(th);
+      for (int n = 1; n <= kMultiples; ++n) {
+        out(static_cast<Eigen::Index>(i), 2 * n - 2) = arm * std::sin(n * th);
+        out(static_cast<Eigen::Index>(i), 2 * n - 1) = arm * std::cos(n * th);
+      }
+    }
+  };
+  form.refine = false;
+  return form;
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
@@ -65,7 +107,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"backlash", "lag"},
     .separates = "a step command: F_ref against the wheel angle stays a single curve",
     .needs = {"command"},
-    .forms = {one_pole(), ripple()}}};
+    .forms = {one_pole(), ripple(), ripples()}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -1,10 +1,51 @@
 // Off-axis push: the eccentric wheel also pushes sideways.  dU = g D (c1 sin th + c2 F sin th / R).
+// Form cam: the pressure angle of an eccentric grows with its eccentricity, so that a record of half the stroke has half the push.
 // With a turning wheel a loop that keeps its width at any speed; in servo mode a single curve: the clash is the signature.
+
+#include <algorithm>
 
 #include "hil/model/effect.h"
 
 namespace forcegate {
 namespace {
+
+// Half the stroke of the record's force, from its line over cos th: an eccentric pushes sideways in proportion to its eccentricity.
+double arm_N(const RecordInput& r) {
+  if (r.cos_theta.size() != r.rows()) return 0.0;
+  double n = 0.0, x1 = 0.0, y1 = 0.0, xx = 0.0, xy = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    if (r.ok[i] == 0) continue;
+    const double x = 1.0 - r.cos_theta[i], y = r.F_N[i];
+    n += 1.0;
+    x1 += x;
+    y1 += y;
+    xx += x * x;
+    xy += x * y;
+  }
+  const double spread = n * xx - x1 * x1;
+  return spread > 1e-9 * n * n ? std::max(0.0, (n * xy - x1 * y1) / spread) : 0.0;
+}
+
+EffectForm cam() {
+  return {.name = "cam",
+          .shape = {},
+          .strength = {{"c1", "1", -10.0, 10.0, 0.0, "sideways push over half the stroke, constant part"},
+                       {"c2", "1", -10.0, 10.0, 0.0, "the same, part that grows with the force"}},
+          .sign = StrengthSign::either,
+          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+          .columns =
+              [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                out.setZero();
+                if (r.sin_theta.empty()) return;
+                const double arm = arm_N(r);
+                for (std::size_t i = 0; i < r.rows(); ++i) {
+                  const double s = r.decay[i] * arm * r.sin_theta[i];
+                  out(static_cast<Eigen::Index>(i), 0) = s;
+                  out(static_cast<Eigen::Index>(i), 1) = s * r.F_N[i] / c.range_N;
+                }
+              },
+          .singles = true};
+}
 
 EffectForm form(const char* name, bool decayed) {
   return {
@@ -36,7 +77,7 @@ const Registration<EffectKind> kRegistered{
                .look_alikes = {"hysteresis", "static_nonlinearity"},
                .separates = "the same cycle with the wheel turning the other way: the loop flips",
                .needs = {"theta"},
-               .forms = {form("sine", true), form("sine_undecayed", false)}}};
+               .forms = {form("sine", true), form("sine_undecayed", false), cam()}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -1,76 +1,13 @@
-#include "hil/diagnose/engine.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "hil/base/rng.h"
+#include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {
 namespace {
-
-// Forces of eight records; the output is made by the caller, noise and steps are those of ordinary instruments.
-using Sensor = std::function<std::vector<double>(const std::vector<double>& t, const std::vector<double>& F,
-                                                 int record)>;
-
-Campaign make_campaign(std::uint64_t seed, const Sensor& sensor, double noise_V = 0.004) {
-  Campaign c;
-  c.name = "made";
-  c.bench.reference_resolution_N = 0.025;
-  c.bench.voltage_min_V = 0.0;
-  c.bench.voltage_max_V = 10.0;
-  Rng rng(seed, "campaign");
-  const auto triangle = [](double t, double period) {
-    const double x = std::fmod(t / period, 1.0);
-    return x < 0.5 ? 2.0 * x : 2.0 - 2.0 * x;
-  };
-  for (int k = 0; k < 8; ++k) {
-    Record r;
-    r.name = "r" + std::to_string(k);
-    r.kind = k % 4 == 1 ? "staircase" : k % 4 == 2 ? "hold" : "ramp";
-    r.start_s = 900.0 * k;
-    r.dynamic = false;
-    r.role = k == 3 || k == 6 ? RecordRole::heldout : RecordRole::fit;
-    TimeBase clock;
-    std::vector<double> F;
-    for (int i = 0; i < 24000; ++i) {
-      const double t = i / 200.0;
-      clock.t_s.push_back(t);
-      double f = 0.0;
-      if (k % 4 == 0) f = 0.2 + 4.2 * triangle(t, 60.0);
-      if (k % 4 == 1) f = 0.5 + 0.7 * std::min(std::floor(t / 12.0), std::floor((120.0 - t) / 12.0));
-      if (k % 4 == 2) f = t < 10.0 ? 0.3 : t < 70.0 ? 3.6 : 1.2;
-      if (k % 4 == 3) f = 0.4 + 3.6 * triangle(t, 5.0);
-      F.push_back(f);
-    }
-    const double gain = 1.0 + 0.005 * rng.normal(), offset = 0.01 * rng.normal();
-    std::vector<double> U = sensor(clock.t_s, F, k);
-    for (double& u : U)
-      u = std::clamp(std::round((u * gain + offset + noise_V * rng.normal()) / 10.0 * 4096.0) / 4096.0 * 10.0,
-                     0.0, 10.0);
-    for (double& f : F) f = std::round((f + 0.006 * rng.normal()) / 0.025) * 0.025;
-    r.trace.time_bases.push_back(clock);
-    r.trace.channels.push_back({"F_ref", "N", "force", 0, F, {}});
-    r.trace.channels.push_back({"U", "V", "voltage", 0, U, {}});
-    c.records.push_back(std::move(r));
-  }
-  return c;
-}
-
-std::vector<double> straight(const std::vector<double>&, const std::vector<double>& F, int) {
-  std::vector<double> U;
-  for (double f : F) U.push_back(2.0 * f + 0.2);
-  return U;
-}
-
-Diagnosis answer(Campaign campaign, unsigned threads = 1) {
-  EngineOptions options;
-  options.threads = threads;
-  auto out = diagnose_campaign(std::move(campaign), options);
-  EXPECT_TRUE(out.has_value()) << (out ? "" : out.error().to_text());
-  return out ? *out : Diagnosis{};
-}
 
 TEST(Engine, ClaimsNothingWhereNothingIsMissing) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -100,9 +37,16 @@ TEST(Engine, NamesALoopMadeByRelays) {
       }));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::known);
   ASSERT_FALSE(d.findings.empty());
-  EXPECT_EQ(d.findings.front().effect, "hysteresis");
-  EXPECT_EQ(d.findings.front().side, "sensor");
+  const Finding& loop = d.findings.front();
+  EXPECT_EQ(loop.effect, "hysteresis");
+  EXPECT_EQ(loop.side, "sensor");
   EXPECT_LT(d.error_after, d.error_before);
+  EXPECT_LE(loop.effect_rms, loop.error_before) << "a finding accounts for what the error falls by";
+  // relays of every place and width up to the span, 0.6 V together at 2 V/N: half of them hold the middle up on the way down
+  ASSERT_EQ(loop.parameters.size(), 2u);
+  EXPECT_EQ(loop.parameters.front().name, "loop_width_N");
+  EXPECT_NEAR(loop.parameters.front().value, 0.15, 0.05);
+  EXPECT_GT(loop.parameters.front().u, 0.0);
 }
 
 TEST(Engine, NamesABentCurveMadeByASaturation) {
@@ -137,6 +81,40 @@ TEST(Engine, NamesCreepMadeByAPowerOfTime) {
       }));
   ASSERT_FALSE(d.findings.empty());
   EXPECT_EQ(d.findings.front().effect, "creep");
+  // 0.125 ((1 + t/2)^0.12 - 1) of the load: from 1 s to 100 s
+  const FoundParameter& growth = d.findings.front().parameters.front();
+  EXPECT_EQ(growth.name, "growth_per_decade");
+  EXPECT_NEAR(growth.value, 0.125 * (std::pow(51.0, 0.12) - std::pow(1.5, 0.12)) / 2.0, 0.008);
+}
+
+TEST(Engine, NamesNothingThatLeavesMostOfAnErrorFarAboveTheNoise) {
+  // the output also remembers the force of two seconds ago, and multiplies by it
+  const Diagnosis d =
+      answer(make_campaign(16, [](const std::vector<double>&, const std::vector<double>& F, int) {
+        std::vector<double> U;
+        for (std::size_t i = 0; i < F.size(); ++i) {
+          const double old = F[i < 400 ? 0 : i - 400];
+          U.push_back(2.0 * F[i] + 0.2 + 0.08 * (old - 2.0) * (F[i] - 2.0) * (old > 2.0 ? 1.0 : -0.6));
+        }
+        return U;
+      }));
+  for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
+}
+
+TEST(Engine, StepsOfTheReferenceInAHandfulOfLevelsAreNoCurve) {
+  for (std::uint64_t seed = 31; seed <= 33; ++seed) {
+    Campaign c = make_campaign(seed, straight, 0.002);
+    Rng rng(seed, "place");
+    for (Record& r : c.records) {
+      const double place = rng.uniform(0.0, 0.05);
+      for (double& f : r.trace.channels[0].value) f = std::round((f + place) / 0.05) * 0.05;
+    }
+    c.bench.reference_resolution_N = 0.05;
+    const Diagnosis d = answer(c);
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none)
+        << seed << ": " << (d.findings.empty() ? "" : d.findings.front().effect);
+  }
 }
 
 TEST(Engine, CallsWhatIsOutsideTheLibraryUnknown) {
@@ -279,82 +257,6 @@ TEST(MixedModel, RecoversFixedPartAndSpreadOfRecords) {
   EXPECT_NEAR(fit.coefficient[1], 0.3, 0.02);
   EXPECT_NEAR(std::sqrt(fit.variance[0]), 0.2, 0.05);
   EXPECT_NEAR(std::sqrt(fit.variance[1]), 0.05, 0.015);
-}
-
-TEST(RawHealth, FindsSpikesAndHeldSamplesWhileTheForceMoves) {
-  Campaign c = make_campaign(21, straight);
-  auto& U = c.records[3].trace.find("U")->value;
-  for (std::size_t i = 500; i < 20000; i += 700) U[i] += 2.0;
-  for (std::size_t i = 900; i < 20000; i += 1500)
-    for (std::size_t k = 1; k < 20; ++k) U[i + k] = U[i];
-  const RecordHealth h = check_raw_health(c.records[3], health_scales(c), c.bench);
-  EXPECT_NEAR(static_cast<double>(h.outliers), 28.0, 8.0);
-  EXPECT_GT(h.held, 150u);
-  const RecordHealth clean = check_raw_health(c.records[0], health_scales(c), c.bench);
-  EXPECT_EQ(clean.outliers, 0u);
-  EXPECT_EQ(clean.held, 0u);
-}
-
-TEST(RawHealth, ALateOutputIsNotTakenForHeldSamples) {
-  Campaign c = make_campaign(25, straight, 0.0);
-  for (Record& r : c.records) {
-    auto& F = r.trace.find("F_ref")->value;
-    auto& U = r.trace.find("U")->value;
-    constexpr std::size_t kLate = 12;  // samples
-    for (std::size_t i = 0; i < F.size(); ++i) {
-      // edges of 40 ms every second
-      const double x = std::fmod(static_cast<double>(i), 400.0);
-      F[i] = 1.0 + 2.0 * std::clamp(x / 8.0, 0.0, 1.0) - 2.0 * std::clamp((x - 200.0) / 8.0, 0.0, 1.0);
-      const double y = std::fmod(static_cast<double>(i) + 400.0 - static_cast<double>(kLate), 400.0);
-      U[i] = 0.2 + 2.0 * (1.0 + 2.0 * std::clamp(y / 8.0, 0.0, 1.0) -
-                          2.0 * std::clamp((y - 200.0) / 8.0, 0.0, 1.0));
-    }
-    const RecordHealth h = check_raw_health(r, health_scales(c), c.bench);
-    EXPECT_EQ(h.held, 0u) << r.name;
-  }
-}
-
-TEST(RawHealth, TheEndOfAHoldIsNoSpike) {
-  Campaign c = make_campaign(26, straight);
-  auto& U = c.records[3].trace.find("U")->value;
-  for (std::size_t i = 900; i + 40 < U.size(); i += 700)
-    for (std::size_t k = 1; k < 30; ++k) U[i + k] = U[i];
-  const RecordHealth h = check_raw_health(c.records[3], health_scales(c), c.bench);
-  EXPECT_GT(h.held, 300u);
-  EXPECT_EQ(h.outliers, 0u);
-}
-
-// Below F0 the circuit would be negative, above 4.2 N beyond full scale: the converter shows its ends.
-std::vector<double> wider_than_the_range(const std::vector<double>&, const std::vector<double>& F, int) {
-  std::vector<double> U;
-  for (double f : F) U.push_back(2.6 * f - 1.0);
-  return U;
-}
-
-TEST(RawHealth, DeclaredEndsOfTheRangeAreNoFinding) {
-  const Campaign c = make_campaign(22, wider_than_the_range);
-  std::size_t censored = 0;
-  for (const Record& r : c.records) {
-    const RecordHealth h = check_raw_health(r, health_scales(c), c.bench);
-    EXPECT_EQ(h.zeros, 0u) << r.name;
-    EXPECT_EQ(h.at_rail, 0u) << r.name;
-    EXPECT_EQ(h.held, 0u) << r.name;
-    censored += static_cast<std::size_t>(std::count(h.bad.begin(), h.bad.end(), 1));
-  }
-  EXPECT_GT(censored, 1000u);
-  for (std::uint64_t seed = 22; seed <= 24; ++seed) {
-    const Diagnosis d = answer(make_campaign(seed, wider_than_the_range));
-    EXPECT_EQ(d.verdict, DiagnosisVerdict::none)
-        << seed << ": " << (d.findings.empty() ? "" : d.findings.front().effect);
-  }
-}
-
-TEST(RawHealth, AFallToZeroThatTheForceDoesNotExplainIsLostSamples) {
-  Campaign c = make_campaign(23, wider_than_the_range);
-  auto& U = c.records[3].trace.find("U")->value;
-  for (std::size_t i = 400; i + 20 < U.size(); i += 500)
-    for (std::size_t k = 0; k < 12; ++k) U[i + k] = 0.0;
-  EXPECT_GT(check_raw_health(c.records[3], health_scales(c), c.bench).zeros, 100u);
 }
 
 }  // namespace

@@ -13,6 +13,9 @@ namespace {
 
 struct Bench {
   double reference_lag_s = 0.0;
+  double resolution_N = 0.005;
+  std::function<double(int)> eccentricity_mm = [](int) { return 6.0; };
+  std::function<double(double, double, double)> push = [](double, double, double) { return 0.0; };  // N, seen by the sensor
   double lift_N = 0.0;                                                  // the wheel stands so far back
   std::function<double(double)> zero_N = [](double) { return 0.0; };    // of the reference, in campaign time
   std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
@@ -20,10 +23,10 @@ struct Bench {
 
 // A wheel that turns in three records and goes slowly to and fro in four; the sensor is a straight line.
 Campaign turning(const Bench& bench) {
-  constexpr double kRate_Hz = 250.0, k = 0.25, e = 6.0;
+  constexpr double kRate_Hz = 250.0, k = 0.25;
   Campaign c;
   c.name = "wheel";
-  c.bench.reference_resolution_N = 0.005;
+  c.bench.reference_resolution_N = bench.resolution_N;
   c.bench.spring_N_per_mm = k;
   Rng rng(11, "wheel");
   const double hertz[] = {0.0, 0.4, 0.0, 1.5, 0.0, 3.0, 0.0};
@@ -33,7 +36,7 @@ Campaign turning(const Bench& bench) {
     r.kind = hertz[n] > 0.0 ? "sine" : "ramp";
     r.dynamic = false;
     r.start_s = 1500.0 * n;
-    const double p = 1.0 + 0.3 * n;
+    const double p = 1.0 + 0.3 * n, e = bench.eccentricity_mm(n);
     r.eccentricity_mm = e;
     r.preload_mm = p;
     TimeBase clock;
@@ -54,9 +57,10 @@ Campaign turning(const Bench& bench) {
       clock.t_s.push_back(t);
       theta.push_back(std::remainder(th, 2.0 * std::numbers::pi));
       command.push_back(k * (p + e * (1.0 - std::cos(wanted))));
-      F_ref.push_back(std::round((late + bench.zero_N(*r.start_s + t) + 0.003 * rng.normal()) / 0.005) *
-                      0.005);
-      U.push_back(2.0 * F + 0.2 + 0.003 * rng.normal());
+      F_ref.push_back(std::round((late + bench.zero_N(*r.start_s + t) + 0.003 * rng.normal()) /
+                                 bench.resolution_N) *
+                      bench.resolution_N);
+      U.push_back(2.0 * (F + bench.push(F, e, th)) + 0.2 + 0.003 * rng.normal());
     }
     r.trace.time_bases.push_back(clock);
     r.trace.channels.push_back({"F_ref", "N", "force", 0, F_ref, {}});
@@ -112,6 +116,27 @@ TEST(RigChannel, AWheelThatTurnsUnevenlyIsTheMotor) {
   Bench bench;
   bench.slip_rad = [](double th) { return 0.03 * std::sin(5.0 * th + 0.4) - 0.03 * std::sin(0.4); };
   EXPECT_EQ(claims(diagnose(bench)), "motor ");
+}
+
+TEST(RigChannel, ASlightUnevennessOfSeveralMultiplesIsTheMotorThoughTheReferenceIsCoarse) {
+  Bench bench;
+  bench.resolution_N = 0.025;
+  bench.slip_rad = [](double th) {
+    return 0.004 * (std::sin(2.0 * th + 0.7) - std::sin(0.7)) + 0.003 * std::sin(5.0 * th);
+  };
+  EXPECT_EQ(claims(diagnose(bench)), "motor ");
+}
+
+TEST(RigChannel, TheSidewaysPushOfAnEccentricGrowsWithItsEccentricity) {
+  Bench bench;
+  bench.eccentricity_mm = [](int record) { return 3.0 + 1.0 * (record % 5); };
+  bench.push = [](double F, double e, double th) {
+    const double across = e * std::sin(th);
+    return 0.15 * F * across / std::sqrt(24.0 * 24.0 - across * across);
+  };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "off_axis ");
+  EXPECT_FALSE(d.residual_unknown);
 }
 
 TEST(RigChannel, AZeroErrorOfTheAngleIsNoFinding) {

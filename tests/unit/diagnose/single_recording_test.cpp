@@ -113,5 +113,18 @@ TEST(SingleRecording, TheSwingOfACycledSensorMayDecayAsItsModelSays) {
   }
 }
 
+TEST(SingleRecording, AReferenceThatIsLateIsNoCreep) {
+  // the output leads F_ref by a millisecond: in one sine a slow growth of the right sign would fit nearly as well
+  const Diagnosis d = answer(recording(
+      100.0, 20000, [](double t) { return 2.1 + 1.4 * std::sin(3.14159265358979 * t); },
+      [](const std::vector<double>& t, const std::vector<double>&) {
+        std::vector<double> U;
+        for (const double s : t) U.push_back(2.0 * (2.1 + 1.4 * std::sin(3.14159265358979 * (s + 0.001))) + 0.2);
+        return U;
+      },
+      0.002));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << (d.findings.empty() ? "" : d.findings.front().effect);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

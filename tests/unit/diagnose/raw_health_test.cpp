@@ -1,0 +1,83 @@
+#include "tests/unit/diagnose/made_campaign.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+TEST(RawHealth, FindsSpikesAndHeldSamplesWhileTheForceMoves) {
+  Campaign c = make_campaign(21, straight);
+  auto& U = c.records[3].trace.find("U")->value;
+  for (std::size_t i = 500; i < 20000; i += 700) U[i] += 2.0;
+  for (std::size_t i = 900; i < 20000; i += 1500)
+    for (std::size_t k = 1; k < 20; ++k) U[i + k] = U[i];
+  const RecordHealth h = check_raw_health(c.records[3], health_scales(c), c.bench);
+  EXPECT_NEAR(static_cast<double>(h.outliers), 28.0, 8.0);
+  EXPECT_GT(h.held, 150u);
+  const RecordHealth clean = check_raw_health(c.records[0], health_scales(c), c.bench);
+  EXPECT_EQ(clean.outliers, 0u);
+  EXPECT_EQ(clean.held, 0u);
+}
+
+TEST(RawHealth, ALateOutputIsNotTakenForHeldSamples) {
+  Campaign c = make_campaign(25, straight, 0.0);
+  for (Record& r : c.records) {
+    auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    constexpr std::size_t kLate = 12;  // samples
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      // edges of 40 ms every second
+      const double x = std::fmod(static_cast<double>(i), 400.0);
+      F[i] = 1.0 + 2.0 * std::clamp(x / 8.0, 0.0, 1.0) - 2.0 * std::clamp((x - 200.0) / 8.0, 0.0, 1.0);
+      const double y = std::fmod(static_cast<double>(i) + 400.0 - static_cast<double>(kLate), 400.0);
+      U[i] = 0.2 + 2.0 * (1.0 + 2.0 * std::clamp(y / 8.0, 0.0, 1.0) -
+                          2.0 * std::clamp((y - 200.0) / 8.0, 0.0, 1.0));
+    }
+    const RecordHealth h = check_raw_health(r, health_scales(c), c.bench);
+    EXPECT_EQ(h.held, 0u) << r.name;
+  }
+}
+
+TEST(RawHealth, TheEndOfAHoldIsNoSpike) {
+  Campaign c = make_campaign(26, straight);
+  auto& U = c.records[3].trace.find("U")->value;
+  for (std::size_t i = 900; i + 40 < U.size(); i += 700)
+    for (std::size_t k = 1; k < 30; ++k) U[i + k] = U[i];
+  const RecordHealth h = check_raw_health(c.records[3], health_scales(c), c.bench);
+  EXPECT_GT(h.held, 300u);
+  EXPECT_EQ(h.outliers, 0u);
+}
+
+// Below F0 the circuit would be negative, above 4.2 N beyond full scale: the converter shows its ends.
+std::vector<double> wider_than_the_range(const std::vector<double>&, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  for (double f : F) U.push_back(2.6 * f - 1.0);
+  return U;
+}
+
+TEST(RawHealth, DeclaredEndsOfTheRangeAreNoFinding) {
+  const Campaign c = make_campaign(22, wider_than_the_range);
+  std::size_t censored = 0;
+  for (const Record& r : c.records) {
+    const RecordHealth h = check_raw_health(r, health_scales(c), c.bench);
+    EXPECT_EQ(h.zeros, 0u) << r.name;
+    EXPECT_EQ(h.at_rail, 0u) << r.name;
+    EXPECT_EQ(h.held, 0u) << r.name;
+    censored += static_cast<std::size_t>(std::count(h.bad.begin(), h.bad.end(), 1));
+  }
+  EXPECT_GT(censored, 1000u);
+  for (std::uint64_t seed = 22; seed <= 24; ++seed) {
+    const Diagnosis d = answer(make_campaign(seed, wider_than_the_range));
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none)
+        << seed << ": " << (d.findings.empty() ? "" : d.findings.front().effect);
+  }
+}
+
+TEST(RawHealth, AFallToZeroThatTheForceDoesNotExplainIsLostSamples) {
+  Campaign c = make_campaign(23, wider_than_the_range);
+  auto& U = c.records[3].trace.find("U")->value;
+  for (std::size_t i = 400; i + 20 < U.size(); i += 500)
+    for (std::size_t k = 0; k < 12; ++k) U[i + k] = 0.0;
+  EXPECT_GT(check_raw_health(c.records[3], health_scales(c), c.bench).zeros, 100u);
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
