@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "hil/diagnose/further_forms.h"
-#include "hil/diagnose/instrument_error.h"
 #include "hil/diagnose/left_out.h"
-#include "hil/diagnose/null_calibration.h"
+#include "hil/diagnose/objection.h"
 #include "hil/diagnose/refine.h"
 
 namespace forcegate::diagnose {
@@ -16,12 +15,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// an effect must remove so much more than it would of the steps of the reference alone; what one or two records show may be one place of
-// the steps
-constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
-constexpr const char* kTooSmall = "too small for the declared instruments";
-constexpr double kSameStrength = 1.0;  // a law has one strength: scatter between records, relative to it
-
 VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
   VectorXd out = VectorXd::Zero(channel.problem.ns);
   for (std::size_t b = 0; b < fit.columns.size(); ++b)
@@ -30,18 +23,27 @@ VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const
   return out;
 }
 
+constexpr double kAllowed_s = 0.012;  // by which two instruments may be out of step
+
+// Shift in time that an effect of time comes to.
+double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
+  const std::string& name = family.kind->name;
+  const Candidate& c =
+      channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(family.best.variant)].candidate)];
+  const double share = family.best.fit.coefficient[family.best.fit.coefficient.size() - 1];
+  if (name == "piezocapacitance") return 0.01 * std::abs(share);
+  return name == "clock_skew" || c.shape.empty() ? 0.0 : std::abs(c.shape[0] * share);
+}
+
 // A reference that is a few milliseconds late does what such instruments do: the output then leads F_ref. It is carried
 // as a nuisance and never claimed.
 bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family) {
   const Candidate& c =
       channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(family.best.variant)].candidate)];
-  constexpr double kAllowed_s = 0.012;
-  if (family.kind->name == "delay" && c.shape[0] < 0.0) {
-    const auto at = family.best.fit.coefficient.size() - 1;
-    return std::abs(c.shape[0] * family.best.fit.coefficient[at]) <= kAllowed_s;
-  }
-  return false;
+  return family.kind->name == "delay" && c.shape[0] < 0.0 && shift_s(channel, family) <= kAllowed_s;
 }
+
+bool is_late(const std::string& name) { return name == "delay" || name == "lag"; }
 
 // A late reference explains nearly all that the best family does.
 bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result) {
@@ -50,58 +52,6 @@ bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& resul
     if (family.kind->name == "delay")
       return family.gain > 40.0 && family.gain > kNearly * result.families.front().gain && is_reference_latency(channel, family);
   return false;
-}
-
-double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
-  double sum = 0.0, n = 0.0;
-  for (std::size_t i = 0; i < fit.adapted.size(); ++i)
-    if (fit.counts(channel.problem.records[i])) {
-      sum += fit.adapted[i];
-      n += 1.0;
-    }
-  return sum / std::max(n, 1.0);
-}
-
-// Why an effect is not taken; empty when it is.
-std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, const ChosenEffect& chosen,
-                      double removed_before, const SelectionRules& rules, unsigned threads) {
-  const bool first = removed_before == 0.0;
-  const double excess = excess_mean_square(channel, result.base);
-  const double total_rms = std::sqrt(std::max(0.0, family.best.total_fall * mean_adapted(channel, result.base)));
-  const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess));
-  const std::string& name = family.kind->name;
-  if (family.best.wrong_sign) return "its sign is unphysical";
-  if (is_between_records(name) && family.best.total_fall < rules.first_total_fall) {
-    if (family.gain < (first ? rules.between_gain : rules.later_gain)) return "too little evidence";
-    if (spread_fall(result.base, family.best.fit) < rules.between_fall) return "it does not make records predictable from each other";
-    const LeftOutGain left_out = left_out_gain(channel.problem, result.base, family.best.fit);
-    if (left_out.total < rules.between_left_out) return "records that were left out are not predicted better";
-    if (left_out.without_best < 0.0 || left_out.total < left_out.standard_error) return "only one record is predicted better";
-    constexpr int kFlips = 19;
-    if (chance_of(channel, result.base, *family.kind, family.gain, kFlips, threads) > rules.between_chance)
-      return "sign-flipped records show as much";
-    return {};
-  }
-  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-  const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
-  const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
-  if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return "too little evidence";
-  const bool explains_its_own = rules.where_it_acts && chosen.left_out.share > (first ? rules.first_fall : rules.later_fall);
-  if (!explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
-      family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
-      !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall))
-    return "it leaves most of the residual";
-  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
-  const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
-  const double seen_rms = std::max(removed_rms, total_rms);
-  if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
-  if (chosen.strength_scatter > kSameStrength) return "its strength differs by more than its size between records";
-  // the form of an effect is known to a share of its size only: what it leaves of that size is no second effect
-  if (removed_rms < rules.form_error * removed_before) return "it is no more than the first one's form may be wrong by";
-  if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
-  if (!chosen.left_out.helps() || chosen.left_out.share < 0.02)
-    return chosen.left_out.blocks ? "it does not help parts of records that were left out" : "it does not help records that were left out";
-  return {};
 }
 
 // Shares among the families from `place` on: what was turned down for its own reasons is no rival.
@@ -141,7 +91,8 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& alway
   for (std::size_t k = 0; out.chosen.size() >= 2 && k < out.chosen.size();) {
     std::vector<int> without = always;
     for (std::size_t j = 0; j < out.chosen.size(); ++j)
-      if (j != k) {
+      // what changes from record to record takes the place of nothing that happens within one
+      if (j != k && (out.chosen[k].between || !out.chosen[j].between)) {
         // own columns only for others: a bank is there to soak up remains, not to take the place of another effect
         add(without, out.chosen[j].columns);
         if (look_alike(*out.chosen[j].kind, *out.chosen[k].kind)) add(without, family_columns(channel, *out.chosen[j].kind));
@@ -154,8 +105,11 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& alway
     const double left = excess_mean_square(channel, reduced), kept = excess_mean_square(channel, full);
     // what another effect's form leaves is no measure of this one
     const double its_own = std::min(left, out.chosen[k].fall * out.chosen[k].excess);
-    if (full.log_evidence - reduced.log_evidence < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
-        !(out.chosen[k].between || cross_fit(channel, reduced, full).helps())) {
+    const double lost = full.log_evidence - reduced.log_evidence;
+    // so much evidence is that of no other effect, though its strength, beside others that are as large, may be that of some records
+    constexpr double kPlain = 100.0;
+    if (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
+        !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps())) {
       out.rejected.push_back(out.chosen[k].kind->name + ": needless beside the others");
       out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
       dropped = true;
@@ -298,6 +252,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
   if (!screen_again(nullptr)) return out;
 
   int latencies = 0;
+  bool leads = false;  // of the output over the reference, carried along: what is late beside them repairs the reference's smoothing
   double largest_removed = 0.0;  // RMS
   constexpr std::size_t kMostPlaces = 4;
   for (int step = 0; step < rules.most; ++step) {
@@ -320,7 +275,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, variant.columns);
     const bool first = out.chosen.empty();
     const bool slight_shift = rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
-                              chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
+                              shift_s(channel, family) <= kAllowed_s && chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
     // a lead that depends on the load is only seen beside the plain lead of a reference with a lag of its own
     if (rules.clock_slack && family.kind->name == "piezocapacitance" && latencies == 0 && family.gain > 4.0) {
       for (const Candidate& c : channel.candidates)
@@ -342,11 +297,13 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
           present.push_back(c.first);
       out.nuisance.push_back(slight_shift ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
                                           : "the output leads the reference by a few milliseconds, as a reference with its own lag does");
+      leads = leads || !slight_shift;
       if (!screen_again(&family.best.fit) || ++latencies > 2) break;
       --step;
       continue;
     }
-    const std::string why = objection(channel, result, family, chosen, largest_removed, rules, threads);
+    const std::string why = leads && is_late(family.kind->name) ? "the output leads the reference"
+                            : objection(channel, result, family, chosen, out.chosen, largest_removed, rules, threads);
     if (!why.empty()) {
       out.rejected.push_back(family.kind->name + ": " + why);
       // the scatter within records and the spread between them are different questions: the next family may answer the

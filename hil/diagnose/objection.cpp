@@ -1,0 +1,84 @@
+#include "hil/diagnose/objection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/instrument_error.h"
+#include "hil/diagnose/null_calibration.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// an effect must remove so much more than it would of the steps of the reference alone; what one or two records show may be one place of
+// the steps
+constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
+constexpr double kSameStrength = 1.0;  // a law has one strength: scatter between records, relative to it
+
+double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < fit.adapted.size(); ++i)
+    if (fit.counts(channel.problem.records[i])) {
+      sum += fit.adapted[i];
+      n += 1.0;
+    }
+  return sum / std::max(n, 1.0);
+}
+
+// |cos| with the signatures of the earlier effects, summed: the errors of their forms add up, and none is wholly across.
+double resemblance(const ResidualChannel& channel, const MixedFit& base, const MixedFit& fit, const std::vector<int>& columns,
+                   const std::vector<ChosenEffect>& earlier) {
+  constexpr double kLeast = 0.3;
+  double out = 0.0;
+  for (const ChosenEffect& e : earlier)
+    if (!e.between)
+      out += std::max(kLeast, std::abs(signature_cosine(channel, base, e.fit, e.columns, fit, columns)));
+  return std::min(1.0, out);
+}
+
+}  // namespace
+
+std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, const ChosenEffect& chosen,
+                      const std::vector<ChosenEffect>& earlier, double removed_before, const SelectionRules& rules, unsigned threads) {
+  const bool first = removed_before == 0.0;
+  const double excess = excess_mean_square(channel, result.base);
+  const double total_rms = std::sqrt(std::max(0.0, family.best.total_fall * mean_adapted(channel, result.base)));
+  const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess));
+  const std::string& name = family.kind->name;
+  if (family.best.wrong_sign) return "its sign is unphysical";
+  if (is_between_records(name) && family.best.total_fall < rules.first_total_fall) {
+    if (family.gain < (first ? rules.between_gain : rules.later_gain)) return "too little evidence";
+    if (spread_fall(result.base, family.best.fit) < rules.between_fall) return "it does not make records predictable from each other";
+    const LeftOutGain left_out = left_out_gain(channel.problem, result.base, family.best.fit);
+    if (left_out.total < rules.between_left_out) return "records that were left out are not predicted better";
+    if (left_out.without_best < 0.0 || left_out.total < left_out.standard_error) return "only one record is predicted better";
+    constexpr int kFlips = 19;
+    if (chance_of(channel, result.base, *family.kind, family.gain, kFlips, threads) > rules.between_chance)
+      return "sign-flipped records show as much";
+    return {};
+  }
+  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
+  const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
+  const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
+  if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return "too little evidence";
+  const bool explains_its_own = rules.where_it_acts && chosen.left_out.share > (first ? rules.first_fall : rules.later_fall);
+  if (!explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
+      family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
+      !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall))
+    return "it leaves most of the residual";
+  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
+  const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
+  const double seen_rms = std::max(removed_rms, total_rms);
+  if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
+  if (chosen.strength_scatter > kSameStrength) return "its strength differs by more than its size between records";
+  // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
+  if (removed_rms < rules.form_error * removed_before *
+                        resemblance(channel, result.base, family.best.fit, variant.columns, earlier))
+    return "it is no more than the first one's form may be wrong by";
+  if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
+  if (!chosen.left_out.helps() || chosen.left_out.share < 0.02)
+    return chosen.left_out.blocks ? "it does not help parts of records that were left out" : "it does not help records that were left out";
+  return {};
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,19 @@
+#pragma once
+// What stands against an effect that the screen puts first.
+
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/select.h"
+
+namespace forcegate::diagnose {
+
+/// An effect that the instruments may feign is no answer: what fits worse may still be one.
+inline constexpr const char* kTooSmall = "too small for the declared instruments";
+
+/// Why an effect is not taken; empty when it is. `earlier`: what has been chosen before; `removed_before`: RMS that the largest of them removed.
+std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family,
+                      const ChosenEffect& chosen, const std::vector<ChosenEffect>& earlier,
+                      double removed_before, const SelectionRules& rules, unsigned threads);
+
+}  // namespace forcegate::diagnose
