@@ -43,32 +43,38 @@ Result<Comparison> compare_request(const CampaignRequest& request) {
 
 std::string comparison_text(const Comparison& c) {
   const Diagnosis& d = c.view;
+  const PrintedUnit unit = printed_unit(d.unit);
   std::string out = fmt::format("{}: model {} against {} records\n", d.campaign, d.model, d.records.size());
   out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "record", "kind", "as written",
                      "refitted", "adapted", "floor", "explainable");
   out +=
-      fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "", "", "mV", "mV", "mV", "mV", "%");
+      fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "", "", unit.name, unit.name, unit.name,
+                  unit.name, "%");
   for (const RecordError& r : d.records) {
     std::string written = "-";
     for (const auto& a : c.as_written)
-      if (a.record == r.record) written = plain_number(1e3 * a.rmse_V);
+      if (a.record == r.record) written = plain_number(unit.factor * a.rmse_V);
     out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12.0f}{}\n", r.record, r.kind, written,
-                       plain_number(1e3 * r.plain_before), plain_number(1e3 * r.before),
-                       plain_number(1e3 * r.floor), 100.0 * r.explainable, r.heldout ? "  held out" : "");
+                       plain_number(unit.factor * r.plain_before), plain_number(unit.factor * r.before),
+                       plain_number(unit.factor * r.floor), 100.0 * r.explainable, r.heldout ? "  held out" : "");
   }
   if (c.as_written.size() == 1 && d.records.size() > 1)
     out += fmt::format("  {:<22} {:<10} {:>12}\n\none recording, judged in {} blocks",
-                       c.as_written.front().record, "whole", plain_number(1e3 * c.as_written.front().rmse_V),
+                       c.as_written.front().record, "whole", plain_number(unit.factor * c.as_written.front().rmse_V),
                        d.records.size());
   out +=
       "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset\n"
       "and decay within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";
-  for (std::size_t k = 0; k < d.maps.size() && k < 4; ++k)
-    out += fmt::format("  {:<26} {:>4.0f} %  {}\n", d.maps[k].coordinate,
-                       std::max(0.0, 100.0 * d.maps[k].share), d.maps[k].sentence);
+  constexpr double kLeastShare = 0.005;
+  for (std::size_t k = 0; k < d.maps.size() && k < 4 && d.maps[k].share > kLeastShare; ++k)
+    out += fmt::format("  {:<26} {:>4.0f} %  {}\n", d.maps[k].coordinate, 100.0 * d.maps[k].share,
+                       d.maps[k].sentence);
+  if (d.maps.empty() || d.maps.front().share <= kLeastShare)
+    out += "  nowhere in particular: no coordinate predicts it on rows that it was not made from\n";
   out +=
-      fmt::format("repeatability between records: gain {:.2g} %, offset {:.2g} mV, b {:.2g} %, q {:.2g} %\n",
-                  100.0 * d.repeatability.gain, 1e3 * d.repeatability.offset_V, 100.0 * d.repeatability.log_b,
+      fmt::format("repeatability between records: gain {:.2g} %, offset {:.2g} {}, b {:.2g} %, q {:.2g} %\n",
+                  100.0 * d.repeatability.gain, unit.factor * d.repeatability.offset_V, unit.name,
+                  100.0 * d.repeatability.log_b,
                   100.0 * d.repeatability.log_q);
   for (const std::string& note : d.notes) out += "note: " + note + "\n";
   return out;

@@ -22,14 +22,30 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request) {
   return out;
 }
 
+const Finding* worth_adding(const Diagnosis& d) {
+  constexpr double kClaim = 0.5, kSame = 1.02;
+  if (d.error_after > kSame * d.error_before) return nullptr;
+  for (const Finding& f : d.findings) {
+    const EffectKind* kind = EffectRegistry::instance().find(f.effect);
+    if (f.probability >= kClaim && f.form != "raw" && f.effect != "drift" && f.unit == d.unit &&
+        f.error_after < f.error_before && (kind == nullptr || kind->channel == EffectChannel::output))
+      return &f;
+  }
+  return nullptr;
+}
+
 std::string diagnosis_text(const Diagnosis& d) {
   std::string out;
-  const auto milli = [](double v) { return plain_number(1e3 * v); };
+  const PrintedUnit unit = printed_unit(d.unit);
+  const auto number = [&](double v) { return plain_number(unit.factor * v); };
   if (d.verdict == DiagnosisVerdict::none) {
     out += "verdict: nothing is missing that these records could show\n";
+  } else if (d.verdict == DiagnosisVerdict::unknown && !d.not_separable.empty()) {
+    out += "verdict: something is missing, and these records cannot tell which: " +
+           join(d.not_separable.front(), " or ") + "\n";
   } else if (d.verdict == DiagnosisVerdict::unknown) {
-    out += "verdict: structure remains that no effect of the library explains; it depends on " +
-           join(d.depends_on, ", ") + "\n";
+    out += "verdict: structure remains that no effect of the library explains" +
+           (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) + "\n";
   } else {
     out += "verdict: something is missing\n";
   }
@@ -50,17 +66,20 @@ std::string diagnosis_text(const Diagnosis& d) {
   if (d.residual_unknown)
     out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") + "\n";
   out += fmt::format(
-      "held-out error: {} -> {} mV (floor {} mV); with one gain, offset and decay for all of them {} -> {} mV\n",
-      milli(d.error_before), milli(d.error_after), milli(d.floor), milli(d.plain_before),
-      milli(d.plain_after));
+      "held-out error: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
+      number(d.error_before), number(d.error_after), unit.name, number(d.floor), unit.name,
+      number(d.plain_before), number(d.plain_after), unit.name);
   if (const auto F = d.errors.find("F"); F != d.errors.end())
-    out += fmt::format("reference against the rig's law: {} -> {} mN\n", milli(F->second.before),
-                       milli(F->second.after));
+    out += fmt::format("reference against the rig's law: {} -> {} mN\n", plain_number(1e3 * F->second.before),
+                       plain_number(1e3 * F->second.after));
   if (!d.maps.empty() && d.maps.front().share > 0.02)
     out += fmt::format("where it fails most: {} ({:.0f} % of the residual's variance)\n",
                        d.maps.front().sentence, 100.0 * d.maps.front().share);
   if (!d.next_experiment.sentence.empty()) out += "measure next: " + d.next_experiment.sentence + "\n";
-  for (const std::string& note : d.notes) out += "note: " + note + "\n";
+  // what hardly shows is no doubt of the verdict: the page and the JSON list it
+  for (const std::string& note : d.notes)
+    if (!note.starts_with("not taken: ") || !note.ends_with(": too little evidence"))
+      out += "note: " + note + "\n";
   return out;
 }
 

@@ -7,6 +7,10 @@ namespace forcegate {
 
 Result<Diagnosis> diagnose_request(const CampaignRequest& request);
 
+/// What a user would take into the model next: the first claim on the sensor's side of the model whose error on records left
+/// out falls with it. nullptr: none.
+const Finding* worth_adding(const Diagnosis& diagnosis);
+
 /// The answer as a person reads it on a terminal.
 std::string diagnosis_text(const Diagnosis& diagnosis);
 

@@ -19,27 +19,32 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::s
 }
 
 std::string waterfall_text(const diagnose::Waterfall& w) {
-  std::string out = fmt::format("  {:<22} {:>8} mV\n", "base law", plain_number(1e3 * w.start));
+  const PrintedUnit unit = printed_unit(w.unit);
+  const auto number = [&](double v) { return plain_number(unit.factor * v); };
+  std::string out = fmt::format("  {:<22} {:>8} {}\n", "base law", number(w.start), unit.name);
   const double full = std::max(w.start, 1e-12);
   for (const auto& bar : w.bars) {
     const auto length = static_cast<std::size_t>(std::clamp(40.0 * bar.as_added / full, 0.0, 40.0));
     std::string picture;
     for (std::size_t k = 0; k < length; ++k) picture += bar.hollow ? "o" : "#";
     out +=
-        fmt::format("  {:<22} {:>+8.3g} mV  {:<40} over all orders {:+.3g} [{:+.3g}, {:+.3g}]\n", bar.effect,
-                    -1e3 * bar.as_added, picture, -1e3 * bar.average, -1e3 * bar.high, -1e3 * bar.low);
+        fmt::format("  {:<22} {:>+8.3g} {}  {:<40} over all orders {:+.3g} [{:+.3g}, {:+.3g}]\n", bar.effect,
+                    -unit.factor * bar.as_added, unit.name, picture, -unit.factor * bar.average,
+                    -unit.factor * bar.high, -unit.factor * bar.low);
   }
-  out += fmt::format("  {:<22} {:>8} mV\n  {:<22} {:>8} mV\n", "what is left", plain_number(1e3 * w.end),
-                     "floor", plain_number(1e3 * w.floor));
+  out += fmt::format("  {:<22} {:>8} {}\n  {:<22} {:>8} {}\n", "what is left", number(w.end), unit.name, "floor",
+                     number(w.floor), unit.name);
   return out;
 }
 
 std::string refit_text(const diagnose::Refit& r, const std::string& add) {
+  const PrintedUnit unit = printed_unit(r.waterfall.unit);
+  const auto number = [&](double v) { return plain_number(unit.factor * v); };
   std::string out = add.empty() ? "refitted\n" : "added " + add + " and refitted everything\n";
   out += fmt::format(
-      "held-out error: {} -> {} mV (floor {} mV); with one gain, offset and decay for all of them {} -> {} mV\n",
-      plain_number(1e3 * r.error_before), plain_number(1e3 * r.error_after), plain_number(1e3 * r.floor),
-      plain_number(1e3 * r.plain_before), plain_number(1e3 * r.plain_after));
+      "held-out error: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
+      number(r.error_before), number(r.error_after), unit.name, number(r.floor), unit.name, number(r.plain_before),
+      number(r.plain_after), unit.name);
   if (!add.empty() && r.error_after >= r.error_before)
     out += "the held-out error did not fall: this effect is not needed for these records\n";
   out += "parameters:\n";
@@ -77,7 +82,7 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
       {"floor", r.floor},
       {"plain_before", r.plain_before},
       {"plain_after", r.plain_after},
-      {"unit", "V"},
+      {"unit", r.waterfall.unit},
       {"waterfall", nlohmann::ordered_json::parse(waterfall_json(r.waterfall))}};
   return out.dump(2) + "\n";
 }

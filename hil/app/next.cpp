@@ -3,25 +3,62 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
 
+namespace {
+
+std::string what_parts(const std::string& effect) {
+  const EffectKind* kind = EffectRegistry::instance().find(effect);
+  return kind == nullptr ? "" : kind->separates;
+}
+
+// The effect with the most evidence that was turned down all the same, and why.
+struct Refused {
+  std::string effect, reason;
+};
+std::optional<Refused> strongest_refused(const Diagnosis& d) {
+  constexpr double kMuch = 20.0;  // nats
+  for (const RankedEffect& r : d.ranking) {
+    if (r.score < kMuch) break;
+    const std::string start = "not taken: " + r.effect + ": ";
+    for (const std::string& note : d.notes)
+      if (note.starts_with(start)) return Refused{r.effect, note.substr(start.size())};
+  }
+  return std::nullopt;
+}
+
+std::string without_segments(const Diagnosis& d) {
+  if (!d.not_separable.empty()) {
+    std::string out = "not separable here: " + join(d.not_separable.front(), " or ") +
+                      "; none of the short segments that a rig can play would part them\nwhat would:\n";
+    for (const std::string& effect : d.not_separable.front())
+      if (const std::string how = what_parts(effect); !how.empty()) out += "  " + effect + ": " + how + "\n";
+    return out;
+  }
+  if (d.verdict == DiagnosisVerdict::unknown)
+    return "structure remains that no effect of the library explains, so none competes" +
+           (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) +
+           "\nLook at its map (--html), or write an equation of your own: [[effect]] in the model file (docs/diagnosis.md)\n";
+  if (const Finding* first = worth_adding(d); first != nullptr)
+    return "nothing competes with " + first->effect + ": no further measurement is needed to tell it from others\n";
+  if (const auto refused = strongest_refused(d))
+    return "no two effects compete, but " + refused->effect + " has evidence and was not taken: " +
+           refused->reason + "\nto settle it, record more of what shows it: " + what_parts(refused->effect) + "\n";
+  return "nothing competes: no further measurement is needed to tell effects apart\n"
+         "What these records do not excite they cannot show: slow ramps, a staircase with long holds, long sines of two\n"
+         "frequencies and swings, a rest, and one ramp again at the end (docs/campaign.md)\n";
+}
+
+}  // namespace
+
 std::string next_text(const Diagnosis& d) {
   const NextExperiment& n = d.next_experiment;
-  if (n.segments.empty() && !d.not_separable.empty())
-    return "not separable here: " + join(d.not_separable.front(), " or ") +
-           "; no record of a few minutes on this rig would part them (the diagnosis says what would)\n";
-  if (n.segments.empty() && d.verdict == DiagnosisVerdict::unknown)
-    return "structure remains that no effect of the library explains, so none competes; it depends on " +
-           join(d.depends_on, ", ") +
-           "\nLook at its map (--html), or write an equation of your own: [[effect]] in the model file (docs/diagnosis.md)\n";
-  if (n.segments.empty())
-    return "nothing competes: no further measurement is needed to tell effects apart\n"
-           "What these records do not excite they cannot show: slow ramps, a staircase with long holds, long sines of two\n"
-           "frequencies and swings, a rest, and one ramp again at the end (docs/campaign.md)\n";
+  if (n.segments.empty()) return without_segments(d);
   std::string out = fmt::format("measure next, {:.2g} minutes of rig time:\n", n.minutes);
   for (const ExperimentSegment& s : n.segments) {
     out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1, likeness {:.2f} -> {:.2f}\n",

@@ -178,8 +178,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
   out.planned = out.before.next_experiment;
   if (out.planned.segments.empty())
-    return fail(ErrorCode::usage,
-                "nothing competes here: no further measurement is needed to tell effects apart",
+    return fail(ErrorCode::usage, next_text(out.before).substr(0, next_text(out.before).find('\n')),
                 request.campaign.campaign.string(), "forcegate diagnose shows the answer");
   fs::path from = request.campaign.campaign;
   if (from.filename().empty()) from = from.parent_path();

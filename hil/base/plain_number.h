@@ -13,6 +13,18 @@ inline std::string plain_number(double value) {
   return std::fabs(value) >= 999.5 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
 }
 
+/// How people read an error in the unit of its column: volts and newtons in thousandths, siemens and amperes in millionths,
+/// counts and ohms as they are.
+struct PrintedUnit {
+  double factor = 1.0;
+  std::string name;
+};
+inline PrintedUnit printed_unit(const std::string& unit) {
+  if (unit == "V" || unit == "N") return {1e3, "m" + unit};
+  if (unit == "S" || unit == "A") return {1e6, "u" + unit};
+  return {1.0, unit};
+}
+
 /// "12.3", "over 1000": a simulation promises more than a bench keeps, and beyond a thousand to one nothing more is learnt.
 inline std::string odds_text(double odds) {
   return odds > 1000.0 ? "over 1000" : fmt::format("{:.3g}", odds);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/physical_parameters.h"
 
 namespace forcegate::diagnose {
@@ -17,17 +18,19 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
   for (const int v : variants) {
     const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
     const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+    // a family with several forms has parameters of the same name
+    const std::string of = v == chosen.variant ? "" : c.form->name + ".";
     for (std::size_t k = 0; k < c.shape.size(); ++k) {
       // half the distance to the neighbours of the grid stands for the uncertainty of a shape
       const ParameterSpec& spec = c.form->shape[k];
-      out.push_back({spec.name, c.shape[k], 0.3 * std::abs(c.shape[k]), spec.unit});
+      out.push_back({of + spec.name, c.shape[k], 0.3 * std::abs(c.shape[k]), spec.unit});
     }
     for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
       for (int column : variant.columns)
         if (chosen.fit.columns[b] == column) {
           const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
           const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-          out.push_back({spec.name, chosen.fit.coefficient[at],
+          out.push_back({of + spec.name, chosen.fit.coefficient[at],
                          std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
         }
   }
@@ -36,13 +39,13 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
 
 std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, const Finding& f) {
   char text[480];
-  const double milli = 1000.0;
+  const PrintedUnit unit = printed_unit(channel.unit);
   std::snprintf(
       text, sizeof text,
-      "%s; it accounts for %.3g m%s RMS (%.2g %% of the span): the error of records left out falls from %.3g to %.3g m%s",
-      chosen.kind->summary.c_str(), f.effect_rms * milli, channel.unit.c_str(),
-      100.0 * f.effect_rms / channel.scale, f.error_before * milli, f.error_after * milli,
-      channel.unit.c_str());
+      "%s; it accounts for %.3g %s RMS (%.2g %% of the span): the error of records left out falls from %.3g to %.3g %s",
+      chosen.kind->summary.c_str(), f.effect_rms * unit.factor, unit.name.c_str(),
+      100.0 * f.effect_rms / channel.scale, f.error_before * unit.factor, f.error_after * unit.factor,
+      unit.name.c_str());
   std::string out = text;
   if (chosen.left_out.excited > 0) {
     std::snprintf(text, sizeof text,
@@ -177,11 +180,11 @@ void withdraw_what_explains_little(const Workspace& w, const Selection& selectio
 }
 
 void tell_not_separable(const Selection& selection, Diagnosis& out) {
-  constexpr double kOdds = 0.2;
+  constexpr double kOdds = 0.2, kOfTheFirst = 0.5;
   for (const ChosenEffect& c : selection.chosen) {
     std::vector<std::string> set = {c.kind->name};
     for (const auto& [name, share] : c.rivals)
-      if (share >= kOdds) set.push_back(name);
+      if (share >= std::min(kOdds, kOfTheFirst * c.share_of_family)) set.push_back(name);
     if (set.size() < 2) continue;
     std::string text = "not separable here: " + set[0];
     for (std::size_t k = 1; k < set.size(); ++k) text += " or " + set[k];

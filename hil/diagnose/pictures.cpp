@@ -17,7 +17,7 @@ EvidenceSeries series(const Workspace& w, std::size_t k, const std::string& x_na
   EvidenceSeries s;
   s.record = r.name;
   s.x_name = x_name;
-  s.y_unit = "V";
+  s.y_unit = w.output.unit;
   s.x_unit = x_name == "force" ? "N" : x_name == "rate" ? "N/s" : "s";
   s.title = "residual against " + x_name + ", coloured by direction";
   const std::size_t stride = std::max<std::size_t>(1, rows.size() / kPoints);
@@ -44,7 +44,7 @@ void add_pictures(const Workspace& w, const Selection& selection,
     s.title = "measured (before) and modelled (after)";
     s.x_name = "time";
     s.x_unit = "s";
-    s.y_unit = "V";
+    s.y_unit = w.output.unit;
     const std::size_t stride = std::max<std::size_t>(1, rows.size() / kPoints);
     for (std::size_t j = 0; j < rows.size(); j += stride) {
       s.x.push_back(r.t_s[rows[j]]);

@@ -53,6 +53,8 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   w->input.single = single;
   w->input.generic = single && campaign.records.front().kind.empty();
   w->input.notes = campaign.notes;
+  const Channel* output = campaign.records.front().trace.find("U");
+  if (output != nullptr && !output->unit.empty() && output->unit != "1") w->output.unit = output->unit;
   w->scales = health_scales(campaign);
   bool any_heldout = false;
   for (const Record& r : campaign.records) any_heldout |= r.role == RecordRole::heldout;
@@ -107,12 +109,15 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   }
   if (single) cut_into_blocks(*w);
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
+  choose_wanted_rows(w->input);
   fit_base(*w);
   if (options.search) {
     build_rig_channel(*w, options.threads);
     build_command_channel(*w, options.threads);
   }
-  build_output_channel(*w, options.threads, options.search ? nullptr : &options.in_model);
+  std::vector<std::string> only = options.in_model;
+  only.push_back(kLatencyEffect);
+  build_output_channel(*w, options.threads, options.search ? nullptr : &only);
   return w;
 }
 

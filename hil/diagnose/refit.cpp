@@ -226,6 +226,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   out.floor = std::min(std::sqrt(floor / std::max(n, 1.0)), out.error_after);
   out.waterfall = waterfall_of(w, effects, base);
   out.waterfall.floor = out.floor;
+  out.waterfall.unit = w.output.unit;
   HistoryStep step;
   step.effect = add;
   step.campaign = w.input.name;

@@ -22,6 +22,7 @@ struct Waterfall {
     bool hollow = false;  ///< the range holds 0
   };
   double start = 0.0, end = 0.0, floor = 0.0;
+  std::string unit = "V";  ///< of the output's column
   std::vector<Bar> bars;
 };
 

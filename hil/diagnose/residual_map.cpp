@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/base/plain_number.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -62,7 +63,7 @@ std::vector<Coordinate> coordinates(const Workspace& w, const ResidualChannel& c
                                  {"time in the record", "time", "s", {}},
                                  {"campaign time", "time", "s", {}},
                                  {"load done", "history", "N", {}},
-                                 {"output", "force", "V", {}},
+                                 {"output", "force", w.output.unit.c_str(), {}},
                                  {"cycle frequency", "frequency", "Hz", {}}};
   if (w.input.has_temp) {
     out.push_back({"temperature", "temperature", "degC", {}});
@@ -208,8 +209,9 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
         std::abs(out.mean) > 2.0 * out.standard_error) {
       largest = out.mean;
       char text[160];
-      std::snprintf(text, sizeof text, "%+.3g %s where %s is about %.3g %s", out.mean * 1000.0,
-                    unit == "V" ? "mV" : "mN", c.name, out.x, c.unit);
+      const PrintedUnit printed = printed_unit(unit);
+      std::snprintf(text, sizeof text, "%+.3g %s where %s is about %.3g %s", out.mean * printed.factor,
+                    printed.name.c_str(), c.name, out.x, c.unit);
       map.sentence = text;
     }
   }

@@ -106,6 +106,21 @@ bool needs_records(const std::string& name) {
 
 }  // namespace
 
+void choose_wanted_rows(CampaignInput& input) {
+  // blocks of one recording read the columns of its first block
+  for (std::size_t first = 0, end = 0; first < input.records.size(); first = end) {
+    std::vector<std::uint32_t> wanted;
+    for (end = first; end < input.records.size() &&
+                      input.records[end].recording == input.records[first].recording;
+         ++end)
+      for (const std::size_t row : choose_rows(input.records[end], kRowLimit))
+        wanted.push_back(static_cast<std::uint32_t>(row));
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    for (std::size_t k = first; k < end; ++k) input.records[k].wanted = wanted;
+  }
+}
+
 void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& c,
                     unsigned threads) {
   const int nz = channel.problem.nz;
@@ -167,9 +182,10 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
 
 void build_output_channel(Workspace& w, unsigned threads, const std::vector<std::string>* only) {
   ResidualChannel& channel = w.output;
+  std::string unit = std::move(channel.unit);
   channel = ResidualChannel{};
   channel.scale = w.input.U_range_V;
-  channel.unit = "V";
+  channel.unit = std::move(unit);
   set_repeatability(channel.problem, w.input.single);
   list_candidates(w, EffectChannel::output, true, channel, only);
   reserve_spare(channel);

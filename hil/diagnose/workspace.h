@@ -52,7 +52,7 @@ struct ResidualChannel {
   double column_factor = 1.0;  ///< newtons of a column to its entry in the matrix
   int first_spare = 0;         ///< columns of S from here on are free for refined shapes
   double scale = 1.0;          ///< y and columns are divided by this (V or N)
-  std::string unit = "V";
+  std::string unit = "V";  ///< of the output: that of its column
 };
 
 /// RMS over the records of what the declared instruments may leave, share of the channel's scale.
@@ -99,6 +99,8 @@ bool decays_by_itself(const RecordInput& record);
 void set_repeatability(MixedProblem& problem, bool one_recording);
 
 // S3 ------------------------------------------------------------------------------------------------------------
+/// Says which rows the Gram matrices will see, so that candidates need no others.
+void choose_wanted_rows(CampaignInput& input);
 /// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.
 /// `only`: no others than these families.
 void build_output_channel(Workspace& workspace, unsigned threads,

@@ -104,10 +104,11 @@ EffectForm unrecorded_form(std::function<bool(const CampaignInput&)> possible) {
               [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 double T = 1.0;
                 for (const RecordInput& other : c.records) T = std::max(T, other.start_s + other.duration_s);
-                for (std::size_t i = 0; i < r.rows(); ++i)
+                r.for_each_wanted([&](std::size_t i) {
                   for (int k = 1; k <= 4; ++k)
                     out(static_cast<Eigen::Index>(i), k - 1) =
                         r.base_force_N(i) * std::cos(k * std::numbers::pi * (r.start_s + r.t_s[i]) / T);
+                });
               }};
 }
 

@@ -53,7 +53,19 @@ struct RecordInput {
   std::vector<double> rig_force_N;
   double eccentricity_mm = kMissing, preload_mm = kMissing;
 
+  /// Rows whose entries in an effect's columns are read, in rising order; empty: all. Effects that keep no memory pass over
+  /// the others.
+  std::vector<std::uint32_t> wanted;
+
   std::size_t rows() const { return t_s.size(); }
+  /// Calls `visit(row)` for the wanted rows.
+  template <class Visit>
+  void for_each_wanted(const Visit& visit) const {
+    if (wanted.empty())
+      for (std::size_t i = 0; i < rows(); ++i) visit(i);
+    else
+      for (const std::uint32_t i : wanted) visit(std::size_t{i});
+  }
   /// Base force F_min + D (F - F_min), newtons.
   double base_force_N(std::size_t row) const { return F_min_N + decay[row] * (F_N[row] - F_min_N); }
 };

@@ -5,15 +5,11 @@ namespace forcegate {
 namespace {
 
 template <class Sample>
-std::vector<double> row_means(const RecordInput& record, const Sample& sample) {
-  std::vector<double> out(record.rows());
-  for (std::size_t r = 0; r < record.rows(); ++r) {
-    double sum = 0.0;
-    const std::uint32_t begin = record.row_begin[r], end = record.row_begin[r + 1];
-    for (std::uint32_t k = begin; k < end; ++k) sum += sample(k);
-    out[r] = sum / static_cast<double>(end - begin);
-  }
-  return out;
+double row_mean(const RecordInput& record, std::size_t row, const Sample& sample) {
+  double sum = 0.0;
+  const std::uint32_t begin = record.row_begin[row], end = record.row_begin[row + 1];
+  for (std::uint32_t k = begin; k < end; ++k) sum += sample(k);
+  return sum / static_cast<double>(end - begin);
 }
 
 }  // namespace
@@ -24,7 +20,7 @@ std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int p
   const auto& t = record.fast_t_s;
   LowPass first(tau_s, F[0]), second(tau_s, F[0]);
   double before_second = F[0];
-  return row_means(record, [&](std::uint32_t k) {
+  const auto sample = [&](std::uint32_t k) {
     if (k == 0) return F[0];
     const double dt = t[k] - t[k - 1];
     const double y = first.step(F[k - 1], F[k], dt);
@@ -32,7 +28,10 @@ std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int p
     const double z = second.step(before_second, y, dt);
     before_second = y;
     return z;
-  });
+  };
+  std::vector<double> out(record.rows());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = row_mean(record, i, sample);
+  return out;
 }
 
 std::vector<double> delayed_rows(const RecordInput& record, double delay_s, double skew) {
@@ -41,7 +40,7 @@ std::vector<double> delayed_rows(const RecordInput& record, double delay_s, doub
   const auto& t = record.fast_t_s;
   const std::size_t n = F.size();
   std::size_t j = 0;
-  return row_means(record, [&](std::uint32_t k) {
+  const auto sample = [&](std::uint32_t k) {
     const double at = t[k] - delay_s - skew * (t[k] - t[0]);
     if (at <= t[0]) return F[0];
     if (at >= t[n - 1]) return F[n - 1];
@@ -49,7 +48,10 @@ std::vector<double> delayed_rows(const RecordInput& record, double delay_s, doub
     while (j + 2 < n && t[j + 1] <= at) ++j;
     const double share = (at - t[j]) / (t[j + 1] - t[j]);
     return F[j] + share * (F[j + 1] - F[j]);
-  });
+  };
+  std::vector<double> out(record.rows(), 0.0);
+  record.for_each_wanted([&](std::size_t i) { out[i] = row_mean(record, i, sample); });
+  return out;
 }
 
 std::vector<double> low_pass_channel(const RecordInput& record, std::span<const double> x, double tau_s,
@@ -65,12 +67,11 @@ std::vector<double> spectrum_response(const RecordInput& record, std::span<const
                                       std::span<const double> tau_s, std::span<const double> weight,
                                       double first_state) {
   std::vector<double> out(x.size(), 0.0);
-  for (std::size_t k = 0; k < tau_s.size(); ++k) {
-    LowPass filter(tau_s[k], first_state);
-    out[0] += weight[k] * first_state;
-    for (std::size_t i = 1; i < x.size(); ++i)
-      out[i] += weight[k] * filter.step(x[i - 1], x[i], record.t_s[i] - record.t_s[i - 1]);
-  }
+  std::vector<LowPass> filter;
+  for (const double tau : tau_s) filter.emplace_back(tau, first_state);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t k = 0; k < filter.size(); ++k)
+      out[i] += weight[k] * (i == 0 ? first_state : filter[k].step(x[i - 1], x[i], record.t_s[i] - record.t_s[i - 1]));
   return out;
 }
 

@@ -28,13 +28,28 @@ class Play {
   double radius_, state_;
 };
 
+/// (1 - e^-h) / h for h >= 0 to the last bit or two: a series below 1/8, brought there by quarters of h.
+inline double mean_of_decay(double h) {
+  if (h > 8.0) return (1.0 - std::exp(-h)) / h;
+  int quarters = 0;
+  for (; h > 0.125; ++quarters) h *= 0.25;
+  const double tail = 1.0 / 720.0 - h * (1.0 / 5040.0 - h * (1.0 / 40320.0 - h * (1.0 / 362880.0 - h / 3628800.0)));
+  double mean =
+      1.0 - h * (1.0 / 2.0 - h * (1.0 / 6.0 - h * (1.0 / 24.0 - h * (1.0 / 120.0 - h * tail))));
+  for (; quarters > 0; --quarters, h *= 4.0) {
+    const double keep = 1.0 - h * mean;
+    mean *= 0.25 * (1.0 + keep) * (1.0 + keep * keep);
+  }
+  return mean;
+}
+
 /// tau y' + y = x with x linear between samples (exact for that input, any step).
 class LowPass {
  public:
   LowPass(double tau_s, double state) : tau_s_(tau_s), state_(state) {}
   double step(double x_before, double x, double dt_s) {
     const Weights& w = weights(dt_s);
-    state_ = w.keep * state_ + w.to_old * x_before + w.to_new * x;
+    state_ = w.keep * state_ + (w.to_old * x_before + w.to_new * x);
     return state_;
   }
   double state() const { return state_; }
@@ -49,8 +64,7 @@ class LowPass {
   const Weights& weights(double dt_s) {
     Weights& w = cache_[(std::bit_cast<std::uint64_t>(dt_s) * 0x9e3779b97f4a7c15ull) >> 58];
     if (dt_s != w.dt_s) {
-      const double h = dt_s / tau_s_, keep = std::exp(-h);
-      const double mean = h > 1e-6 ? -std::expm1(-h) / h : 1.0 - 0.5 * h;
+      const double h = dt_s / tau_s_, mean = mean_of_decay(h), keep = 1.0 - h * mean;
       w = {dt_s, keep, mean - keep, 1.0 - mean};
     }
     return w;
@@ -71,7 +85,7 @@ inline double soft_hinge(double x, double w) {
 /// Low pass of the full-rate force, averaged over each row. start: first state.
 std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int poles = 1);
 
-/// F(t - delay_s), linear between full-rate samples, averaged over each row.
+/// F(t - delay_s), linear between full-rate samples, averaged over each wanted row; 0 in the others.
 std::vector<double> delayed_rows(const RecordInput& record, double delay_s, double skew = 0.0);
 
 /// Low pass of a row channel.
@@ -87,16 +101,16 @@ std::vector<double> spectrum_response(const RecordInput& record, std::span<const
 template <class Curve>
 void through_decay(const RecordInput& record, const Curve& h, Eigen::Ref<Eigen::VectorXd> out) {
   const double low = h(record.F_min_N);
-  for (std::size_t i = 0; i < record.rows(); ++i)
+  record.for_each_wanted([&](std::size_t i) {
     out[static_cast<Eigen::Index>(i)] =
         record.dynamic ? low + record.decay[i] * (h(record.F_N[i]) - low) : h(record.F_N[i]);
+  });
 }
 
 /// h(W) of a static curve that acts on the decayed base force W.
 template <class Curve>
 void after_decay(const RecordInput& record, const Curve& h, Eigen::Ref<Eigen::VectorXd> out) {
-  for (std::size_t i = 0; i < record.rows(); ++i)
-    out[static_cast<Eigen::Index>(i)] = h(record.base_force_N(i));
+  record.for_each_wanted([&](std::size_t i) { out[static_cast<Eigen::Index>(i)] = h(record.base_force_N(i)); });
 }
 
 }  // namespace forcegate

@@ -51,13 +51,14 @@ Figure diagnosis_waterfall(const Diagnosis& d) {
   std::vector<WaterfallStep> steps;
   double error = d.error_before;
   for (const Finding& f : d.findings) {
-    if (f.probability < kClaim || f.unit != d.unit) continue;
+    if (f.probability < kClaim || f.unit != d.unit || f.form == "raw") continue;
     // each finding's own pair is the step that it made; the last one ends at the error of the whole model
     steps.push_back({f.effect, error, f.error_after, 0.0, true});
     error = f.error_after;
   }
   if (steps.empty())
-    steps.push_back({"no effect added", d.error_before, d.error_after, 0.0, false});
+    steps.push_back({d.not_separable.empty() ? "no effect added" : join(d.not_separable.front(), " or "),
+                     d.error_before, d.error_after, 0.0, false});
   else
     steps.back().after = d.error_after;
   return waterfall("Held-out error over the model's versions", "start", steps, "now", d.unit,
@@ -158,7 +159,7 @@ Figure residual_map_figure(const Diagnosis& d, bool after) {
   panel.heat(std::move(map));
   figure.summary = "Hatched: fewer than three blocks of data, no statement.";
   for (const ResidualMap* m : rows)
-    if (!m->sentence.empty()) {
+    if (m->share > 0.0 && !m->sentence.empty()) {
       figure.summary = m->sentence + ". " + figure.summary;
       break;
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "hil/base/text.h"
@@ -29,7 +30,10 @@ std::string in_unit(double value, const std::string& unit) {
 
 std::string picture(const Figure& figure, std::string_view more = {}) {
   if (figure.panels().empty()) return {};
-  std::string caption = figures::typographic_minus(escape(figure.summary));
+  std::string summary = figure.summary;
+  if (!more.empty() && !summary.empty())  // it begins a sentence
+    summary[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(summary[0])));
+  std::string caption = figures::typographic_minus(escape(summary));
   if (!more.empty()) caption = escape(more) + (caption.empty() ? "" : " " + caption);
   return html_figure(figure.svg(Figure::Target::embedded), figure.title, caption);
 }
@@ -48,9 +52,20 @@ std::string cell(const std::string& html, bool number = false) {
   return std::string(number ? "<td class=\"n\">" : "<td>") + html + "</td>";
 }
 
-std::string header(const Diagnosis& d) {
-  const std::string colour = d.verdict == Answer::none ? "ok" : d.verdict == Answer::known ? "wa" : "no";
-  std::string out = "<header class=\"" + colour + "\"><div><h1>" + escape(diagnosis_headline(d)) +
+// What the same search finds where there is nothing to find: chance when the residual is noise, leftovers when it is not.
+std::string chance_sentence(const Diagnosis& d) {
+  if (d.ranking.empty()) return {};
+  if (d.expected_false < 0.5)
+    return "With the signs of what is left turned over by chance, " + display(d.expected_false, 2) +
+           " effects pass the threshold: hardly any claim here is chance.";
+  return "What is left is no noise: with its signs turned over by chance, " + display(d.expected_false, 2) +
+         " effects still pass the threshold. The claims above explain more than that; of weaker ones some are leftovers.";
+}
+
+std::string header(const Diagnosis& d, bool comparison) {
+  const std::string colour = comparison || d.verdict == Answer::none ? "ok" : d.verdict == Answer::known ? "wa" : "no";
+  std::string out = "<header class=\"" + colour + "\"><div><h1>" +
+                    escape(comparison ? "How far " + d.model + " is from " + d.campaign : diagnosis_headline(d)) +
                     "</h1>\n<p class=\"why\">";
   const bool rig = d.errors.contains("F");
   const double before = rig ? d.errors.at("F").before : d.error_before,
@@ -67,15 +82,18 @@ std::string header(const Diagnosis& d) {
   fact("model", escape(d.model));
   fact("records", std::to_string(d.records.size()));
   fact("force range", display(d.force_range_N, 3) + " N");
-  fact("false effects expected at this threshold", display(d.expected_false, 2));
   if (d.residual_unknown) fact("and", "structure remains that no listed effect explains");
   if (!d.depends_on.empty()) fact("it depends on", escape(join(d.depends_on, ", ")));
-  return out +
-         "</ul><nav aria-label=\"Sections\"><a href=\"#missing\">What is missing</a><a href=\"#where\">Where "
-         "it fails</a>"
-         "<a href=\"#ranking\">Ranking</a><a href=\"#records\">Records</a><a href=\"#next\">What to measure "
-         "next</a></nav>"
-         "</div></header>\n";
+  out += "</ul><nav aria-label=\"Sections\">";
+  const auto section = [&](bool there, std::string_view id, std::string_view name) {
+    if (there) out += "<a href=\"#" + std::string(id) + "\">" + std::string(name) + "</a>";
+  };
+  section(!comparison, "missing", "What is missing");
+  section(!d.maps.empty(), "where", "Where it fails");
+  section(!d.ranking.empty(), "ranking", "Ranking");
+  section(!d.records.empty(), "records", "Records");
+  section(!d.next_experiment.segments.empty(), "next", "What to measure next");
+  return out + "</nav></div></header>\n";
 }
 
 std::string finding(const Finding& f, bool open) {
@@ -89,9 +107,12 @@ std::string finding(const Finding& f, bool open) {
   const auto fact = [&](std::string_view name, const std::string& html) {
     if (!html.empty()) out += "<dt>" + std::string(name) + "</dt><dd>" + html + "</dd>";
   };
-  fact("Held-out error",
-       escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
-  fact("Effect", escape(in_unit(f.effect_rms, f.unit)) + " RMS");
+  // a fault that is seen in the raw samples is no term of the model: the fall of the error is not its doing
+  if (f.form != "raw") {
+    fact("Held-out error",
+         escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
+    if (f.effect_rms > 0.0) fact("Effect", escape(in_unit(f.effect_rms, f.unit)) + " RMS");
+  }
   fact("Form", escape(f.form));
   if (f.records_excited > 0)
     fact("Records", std::to_string(f.records_improved) + " of " + std::to_string(f.records_excited) +
@@ -152,9 +173,14 @@ std::string where(const Diagnosis& d) {
   return out + "</div></section>\n";
 }
 
+std::string whole_percent(double share) {
+  return fmt::format("{:.0f}", std::round(100.0 * share) + 0.0);  // never "-0"
+}
+
 std::string ranking(const Diagnosis& d) {
   if (d.ranking.empty()) return {};
-  std::string out = "<section id=\"ranking\"><h2>Ranking</h2>\n" + picture(ranking_figure(d)) +
+  std::string out = "<section id=\"ranking\"><h2>Ranking</h2>\n<p>" + escape(chance_sentence(d)) + "</p>\n" +
+                    picture(ranking_figure(d)) +
                     table_start("Every effect that these records can excite",
                                 {"Effect", "Side", "#Probability", "#Log evidence", "#Chance level (95 %)",
                                  "#Alone / %", "#Only it / %", "Note"});
@@ -163,8 +189,7 @@ std::string ranking(const Diagnosis& d) {
            cell(escape(r.side)) + cell(fmt::format("{:.2f}", r.probability), true) +
            cell(figures::typographic_minus(fmt::format("{:.1f}", r.score)), true) +
            cell(figures::typographic_minus(fmt::format("{:.1f}", r.null_score)), true) +
-           cell(fmt::format("{:.0f}", 100.0 * r.alone), true) +
-           cell(fmt::format("{:.0f}", 100.0 * r.unique), true) + cell(escape(r.note)) + "</tr>\n";
+           cell(whole_percent(r.alone), true) + cell(whole_percent(r.unique), true) + cell(escape(r.note)) + "</tr>\n";
   return out + std::string(kTableEnd) + "</section>\n";
 }
 
@@ -192,7 +217,7 @@ std::string records(const Diagnosis& d) {
   }
   const Repeatability& s = d.repeatability;
   out += "<p class=\"q\">Spread from record to record: gain " + display(100.0 * s.gain, 2) + " %, offset " +
-         escape(in_unit(s.offset_V, "V")) + ", decay rate " + display(100.0 * s.log_b, 2) +
+         escape(in_unit(s.offset_V, d.unit)) + ", decay rate " + display(100.0 * s.log_b, 2) +
          " %, decay depth " + display(100.0 * s.log_q, 2) + " %.</p>\n";
   return out + "</section>\n";
 }
@@ -220,6 +245,8 @@ std::string next(const Diagnosis& d) {
 
 std::string diagnosis_headline(const Diagnosis& d) {
   if (d.verdict == Answer::none) return "Nothing is missing that these records can show";
+  if (d.verdict == Answer::unknown && !d.not_separable.empty())
+    return "Something is missing; these records cannot tell which: " + join(d.not_separable.front(), " or ");
   if (d.verdict == Answer::unknown)
     return "Something is missing that no listed effect explains" +
            (d.depends_on.empty() ? std::string() : "; it depends on " + join(d.depends_on, ", "));
@@ -233,10 +260,16 @@ std::string diagnosis_headline(const Diagnosis& d) {
   return out;
 }
 
-std::string diagnosis_html(const Diagnosis& d, const DiagnosisPage& page) {
+std::string diagnosis_html(const Diagnosis& diagnosis, const DiagnosisPage& page) {
+  Diagnosis d = diagnosis;
+  // a share among rivals is no probability: the ranking shows what stands above it
+  for (RankedEffect& r : d.ranking)
+    for (const Finding& f : d.findings)
+      if (f.effect == r.effect) r.probability = f.probability;
   HtmlPage html;
-  html.title = "Diagnosis of " + d.campaign;
-  html.body = header(d) + "<main>\n" + missing(d) + where(d) + ranking(d) + records(d) + next(d);
+  html.title = (page.comparison ? "Comparison with " : "Diagnosis of ") + d.campaign;
+  html.body = header(d, page.comparison) + "<main>\n" + (page.comparison ? "" : missing(d)) + where(d) + ranking(d) +
+              records(d) + next(d);
   if (!d.notes.empty()) {
     html.body += "<section><h2>Notes</h2><ul>";
     for (const std::string& note : d.notes) html.body += "<li>" + escape(note) + "</li>";

@@ -11,6 +11,7 @@ namespace forcegate {
 struct DiagnosisPage {
   std::string tool_version;
   std::string command_line;  ///< that repeats it; "" = section left out
+  bool comparison = false;   ///< of the model with records alone: no effect was searched, nothing is claimed
 };
 
 /// Pure: equal diagnoses give equal bytes.

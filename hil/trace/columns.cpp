@@ -174,7 +174,7 @@ std::vector<std::string> use_canonical_names(Trace& trace) {
       const auto is_output = [&](const Channel& channel) { return channel.quantity == quantity; };
       if (std::count_if(trace.channels.begin(), trace.channels.end(), is_output) != 1) continue;
       rename(*std::find_if(trace.channels.begin(), trace.channels.end(), is_output), "U",
-             "; read its unit wherever V is written");
+             "; errors are given in its own unit");
       break;
     }
   return notes;

@@ -19,6 +19,9 @@ Result<int> run(const Invocation& in) {
   in.console().print_json(refit_json(answer, request.effect));
   if (request.output.empty())
     in.console().next("the same with -o better.toml, which keeps it");
+  else if (answer.error_after >= answer.error_before)
+    in.console().next("forcegate diagnose " + campaign_words(in, in.text("fit")) + model_words(in) +
+                      " says what else it may be");
   else
     in.console().next("forcegate history " + shell_quoted(request.output.string()) + " --on " +
                       campaign_words(in, in.text("fit")));

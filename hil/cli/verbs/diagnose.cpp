@@ -28,11 +28,8 @@ Result<int> run(const Invocation& in) {
   console.print(diagnosis_text(answer));
   console.print_json(to_json(answer));
   const std::string campaign = campaign_words(in, in.text("CAMPAIGN")) + model_words(in);
-  if (!answer.findings.empty() && answer.findings.front().probability >= 0.5 &&
-      answer.findings.front().form != "raw" && answer.findings.front().effect != "drift" &&
-      answer.findings.front().unit == "V")
-    console.next("forcegate add " + answer.findings.front().effect + " --fit " + campaign +
-                 " -o better.toml");
+  if (const Finding* first = worth_adding(answer); first != nullptr)
+    console.next("forcegate add " + first->effect + " --fit " + campaign + " -o better.toml");
   else if (!answer.next_experiment.segments.empty())
     console.next("forcegate next " + campaign);
   else if (in.text("html").empty())

@@ -26,12 +26,12 @@ Result<int> play(const Invocation& in) {
   in.console().print(next_run_text(*made));
   in.console().print_json(next_run_json(*made));
   const std::string folder = shell_quoted(made->folder.string()) + model_words(in);
-  for (const Finding& f : made->after.findings)
-    if (f.probability >= 0.5) {
-      in.console().next("forcegate add " + f.effect + " --fit " + folder + " -o better.toml");
-      return kExitSuccess;
-    }
-  in.console().next("forcegate next " + folder);
+  if (const Finding* first = worth_adding(made->after); first != nullptr)
+    in.console().next("forcegate add " + first->effect + " --fit " + folder + " -o better.toml");
+  else if (!made->after.next_experiment.segments.empty())
+    in.console().next("forcegate next " + folder);
+  else
+    in.console().next("forcegate diagnose " + folder + " --html diagnosis.html");
   return kExitSuccess;
 }
 
@@ -42,12 +42,14 @@ Result<int> run(const Invocation& in) {
   const NextExperiment& answer = diagnosis.next_experiment;
   in.console().print(next_text(diagnosis));
   in.console().print_json(next_json(answer));
+  const std::string campaign = campaign_words(in, in.text("CAMPAIGN")) + model_words(in);
   if (!answer.segments.empty())
-    in.console().next("forcegate next " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in) +
+    in.console().next("forcegate next " + campaign +
                       " --run on your rig, or record it yourself and add --record FILE");
+  else if (const Finding* first = worth_adding(diagnosis); first != nullptr)
+    in.console().next("forcegate add " + first->effect + " --fit " + campaign + " -o better.toml");
   else
-    in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in) +
-                      " --html diagnosis.html");
+    in.console().next("forcegate diagnose " + campaign + " --html diagnosis.html");
   return kExitSuccess;
 }
 

@@ -27,7 +27,8 @@ void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, Co
       if (k > 0) {
         const double rate = (std::max(F, 0.0) + floor) / (tau_s * middle * factor(F));
         const double before = 0.5 * (F + r.fast_F_N[k - 1]);
-        y = before + (y - before) * std::exp(-rate * (r.fast_t_s[k] - r.fast_t_s[k - 1]));
+        const double h = rate * (r.fast_t_s[k] - r.fast_t_s[k - 1]);
+        y += (before - y) * h * mean_of_decay(h);
       }
       sum += y;
     }

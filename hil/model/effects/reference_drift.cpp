@@ -45,8 +45,9 @@ EffectForm warm_up() {
               },
           .columns =
               [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                for (std::size_t i = 0; i < r.rows(); ++i)
+                r.for_each_wanted([&](std::size_t i) {
                   out(static_cast<Eigen::Index>(i), 0) = std::log1p((r.start_s + r.t_s[i]) / shape[0]);
+                });
               }};
 }
 
@@ -64,10 +65,11 @@ EffectForm wander() {
           .columns =
               [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 const double T = campaign_length_s(c);
-                for (std::size_t i = 0; i < r.rows(); ++i)
+                r.for_each_wanted([&](std::size_t i) {
                   for (int k = 1; k <= 6; ++k)
                     out(static_cast<Eigen::Index>(i), k - 1) =
                         std::cos(k * 3.14159265358979 * (r.start_s + r.t_s[i]) / T);
+                });
               },
           .bank = true};
 }

@@ -42,7 +42,7 @@ EffectForm form(const char* name, bool swing_only, bool carried_only) {
       .columns =
           [=](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
             const double up = shape[0], rest = shape[1], start = state_at_start(c, r, up, rest);
-            for (std::size_t i = 0; i < r.rows(); ++i) {
+            r.for_each_wanted([&](std::size_t i) {
               const double t = r.t_s[i];
               double x = relax(start, false, r.dynamic ? std::min(t, r.onset_s) : t, up, rest);
               if (r.dynamic && t > r.onset_s && !carried_only) x = relax(x, true, t - r.onset_s, up, rest);
@@ -51,7 +51,7 @@ EffectForm form(const char* name, bool swing_only, bool carried_only) {
               const double force =
                   swing_only ? (r.dynamic ? r.F_N[i] - r.F_min_N : r.F_N[i]) : r.base_force_N(i);
               out(static_cast<Eigen::Index>(i), 0) = x * force;
-            }
+            });
           }};
 }
 

@@ -58,7 +58,7 @@ TEST(ForeignFiles, AnArduinoCountsMicrosecondsAndCodes) {
   EXPECT_NEAR(f.trace.time_bases[0].t_s[2], 0.02, 1e-12);
   ASSERT_TRUE(f.trace.find("U"));
   EXPECT_EQ(f.trace.find("U")->unit, "counts");
-  EXPECT_THAT(f.notes, Contains(HasSubstr("read its unit wherever V is written")));
+  EXPECT_THAT(f.notes, Contains(HasSubstr("errors are given in its own unit")));
 }
 
 TEST(ForeignFiles, AResistanceStandsForTheOutput) {

@@ -1,0 +1,116 @@
+// What to measure next, recorded by hand: the force that is asked for becomes a file, its recording is given back, and the odds
+// move. Nothing of the old campaign changes.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr double kDelay_s = 0.03, kPi = 3.141592653589793;
+
+std::string row(double t_s, double force_N, double output_V) {
+  std::ostringstream out;
+  out.precision(7);
+  out << t_s << ',' << force_N << ',' << output_V << '\n';
+  return out.str();
+}
+
+// One sine of 0.5 Hz, the output 30 ms late with 3 mV of noise: a delay, a lag and a loop look the same here.
+std::string slow_sine() {
+  std::string text = "t,F,U\n";
+  std::uint32_t state = 1;
+  const auto force_N = [](double t_s) { return 2.0 + 1.2 * std::sin(kPi * t_s); };
+  for (int i = 0; i < 6000; ++i) {
+    double noise = 0.0;
+    for (int k = 0; k < 12; ++k) noise += ((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0 - 0.5;
+    const double t_s = 0.01 * i;
+    text += row(t_s, force_N(t_s), 1.0 + 0.9 * force_N(t_s - kDelay_s) + 0.003 * noise);
+  }
+  return text;
+}
+
+// The same sensor under the force of a profile (t_s,F_ref_N).
+std::string recorded(const std::string& profile) {
+  std::vector<double> t_s, force_N;
+  std::istringstream in(profile);
+  std::string line;
+  for (std::getline(in, line); std::getline(in, line);) {
+    t_s.push_back(std::stod(line));
+    force_N.push_back(std::stod(line.substr(line.find(',') + 1)));
+  }
+  std::string text = "t_s,F_ref_N,U_V\n";
+  std::size_t late = 0;
+  for (std::size_t i = 0; i < t_s.size(); ++i) {
+    while (late + 1 < t_s.size() && t_s[late + 1] <= t_s[i] - kDelay_s) ++late;
+    text += row(t_s[i], force_N[i], 1.0 + 0.9 * force_N[late]);
+  }
+  return text;
+}
+
+TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
+  TemporaryFolder folder;
+  const std::string sine = folder / "sine.csv", still = folder / "still.csv", out = folder / "more";
+  write_text(sine, slow_sine());
+  const std::string before = read_text(sine);
+  std::string rest = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 3000; ++i) rest += row(0.01 * i, 1.0, 1.9);
+  write_text(still, rest);
+
+  const ProcessResult asked = forcegate({"next", sine});
+  EXPECT_EQ(asked.exit_code, 0) << asked.err;
+  EXPECT_THAT(asked.out, AllOf(HasSubstr("delay / lag"), ContainsRegex("next: forcegate next [^\n]*--run")));
+
+  const ProcessResult unlike = forcegate({"next", sine, "--run", "--record", still, "-o", out});
+  EXPECT_EQ(unlike.exit_code, 2);
+  EXPECT_THAT(unlike.err, HasSubstr("none of the recordings is like it; the force to play is"));
+  fs::path profile;
+  for (const auto& file : fs::directory_iterator(fs::path(out) / "profiles"))
+    if (profile.empty() || file.path() < profile) profile = file.path();
+  ASSERT_FALSE(profile.empty());
+  EXPECT_FALSE(fs::exists(fs::path(out) / "campaign.json"));
+
+  const std::string played = folder / "played.csv";
+  write_text(played, recorded(read_text(profile)));
+  const ProcessResult done = forcegate({"next", sine, "--run", "--record", played, "-o", out});
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_THAT(done.out, AllOf(HasSubstr("played.csv"), ContainsRegex("to 1 before, .* now for delay"),
+                              HasSubstr("before: unknown"), ContainsRegex("now:    known, delay"),
+                              HasSubstr("next: forcegate add delay --fit ")));
+  const auto list = nlohmann::json::parse(read_text(out + "/campaign.json"));
+  ASSERT_EQ(list["records"].size(), 2u);
+  EXPECT_EQ(list["records"][1]["file"], "played.csv");
+  EXPECT_EQ(read_text(sine), before);
+}
+
+TEST(NextVerb, WhereOneEffectExplainsItAllTheNextStepIsToAddIt) {
+  TemporaryFolder folder;
+  std::string text = "t,F,U\n";
+  double play = 0.0;
+  for (int i = 0; i < 9000; ++i) {
+    const double t_s = 0.02 * i, phase = t_s / (t_s < 90.0 ? 20.0 : 45.0),
+                 force_N = 0.5 + 3.0 * std::abs(2.0 * (phase - std::floor(phase)) - 1.0);
+    play = std::min(std::max(play, force_N - 0.4), force_N + 0.4);
+    text += row(t_s, force_N, 1.0 + 1.1 * force_N + 0.15 * play + 0.002 * std::sin(977.0 * i * i));
+  }
+  const std::string file = folder / "loop.csv";
+  write_text(file, text);
+  const ProcessResult r = forcegate({"next", file});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, AllOf(HasSubstr("nothing competes with hysteresis"), HasSubstr("next: forcegate add hysteresis --fit ")));
+}
+
+}  // namespace
+}  // namespace forcegate::test
