@@ -105,6 +105,10 @@ MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<s
     if (const auto found = lead_s.find(columns[b]); found != lead_s.end())
       lead += found->second * with.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
   if (lead < 0.0 || lead > kAllowed_s) return base;
+  const auto left_out = [&](const MixedFit& fit) {
+    return judged(channel, judge(channel, fit, base, w.all_fit).adapted, w.all_fit);
+  };
+  if (left_out(with) >= left_out(base)) return base;
   notes.push_back("the output leads the reference by a few milliseconds, as a reference with its own lag does");
   return with;
 }

@@ -57,9 +57,9 @@ std::string chance_sentence(const Diagnosis& d) {
   if (d.ranking.empty()) return {};
   if (d.expected_false < 0.5)
     return "With the signs of what is left turned over by chance, " + display(d.expected_false, 2) +
-           " effects pass the threshold: hardly any claim here is chance.";
+           " effects pass the threshold: chance alone claims hardly anything here.";
   return "What is left is no noise: with its signs turned over by chance, " + display(d.expected_false, 2) +
-         " effects still pass the threshold. The claims above explain more than that; of weaker ones some are leftovers.";
+         " effects still pass the threshold. What ranks without a claim may be a leftover of something else.";
 }
 
 std::string header(const Diagnosis& d, bool comparison) {
@@ -146,7 +146,9 @@ std::string missing(const Diagnosis& d) {
   }
   std::size_t opened = 0;
   for (const Finding& f : d.findings) out += finding(f, f.probability >= kClaim && opened++ < 3);
-  out += "<h3>Error over the versions of the model</h3>\n" + picture(diagnosis_waterfall(d));
+  const bool moves = !d.not_separable.empty() ||
+                     std::ranges::any_of(d.findings, [](const Finding& f) { return f.probability >= kClaim; });
+  if (moves) out += "<h3>Error over the versions of the model</h3>\n" + picture(diagnosis_waterfall(d));
   return out + "</section>\n";
 }
 
