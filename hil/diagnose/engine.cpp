@@ -271,16 +271,16 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       f.error_before = out.error_before;
       f.error_after = out.error_after;
     }
-  add_ranking(w.output, selection, rules, out);
+  add_ranking(w.input, w.output, selection, rules, out);
   constexpr int kFlips = 6;
   const NullCalibration null = calibrate_null(
-      w.output, selection.final, skip, [&](const std::string& name) { return threshold_of(name, rules); },
+      w.input, w.output, selection.final, skip, [&](const std::string& name) { return threshold_of(name, rules); },
       kFlips, options.threads);
   out.expected_false = null.expected_false;
   for (RankedEffect& r : out.ranking)
     if (const auto found = null.score.find(r.effect); found != null.score.end()) r.null_score = found->second;
-  if (w.has_rig && rig.base.valid) add_ranking(w.rig, rig, rules, out);
-  if (w.has_command && drive.base.valid) add_ranking(w.command, drive, rules, out);
+  if (w.has_rig && rig.base.valid) add_ranking(w.input, w.rig, rig, rules, out);
+  if (w.has_command && drive.base.valid) add_ranking(w.input, w.command, drive, rules, out);
   if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};

@@ -47,6 +47,15 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
       100.0 * f.effect_rms / channel.scale, f.error_before * unit.factor, f.error_after * unit.factor,
       unit.name.c_str());
   std::string out = text;
+  if (chosen.by_records()) {
+    // the decay differs from record to record too: the error of whole records says little of a gain
+    std::snprintf(text, sizeof text,
+                  "%s; it accounts for %.3g m%s RMS (%.2g %% of the span) and for %.0f %% of the scatter that it acts on; where a record is "
+                  "predicted from the others, the mean square error of that falls by %.0f %%",
+                  chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(), 100.0 * chosen.effect_rms,
+                  100.0 * chosen.records.explained, 100.0 * (1.0 - chosen.records.left_out));
+    return text;
+  }
   if (chosen.left_out.excited > 0) {
     std::snprintf(text, sizeof text,
                   "; %d of %d %s that it touches improve, its strength differs by %.0f %% between records",
@@ -110,7 +119,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
     constexpr double kLeast =
         0.88;  // an effect of half the spread of the records leaves this share of their error
-    const double allowed = chosen.between ? kLeast : 1.02;
+    const double allowed = chosen.between && !chosen.by_records() ? kLeast : 1.02;
     if (f.error_after > allowed * f.error_before) {
       f.probability = std::min(f.probability, kNoClaim);
       f.evidence += "; not claimed: the error of records left out does not fall";

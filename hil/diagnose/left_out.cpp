@@ -94,31 +94,6 @@ Blocks cut(const ResidualChannel& channel, const MixedFit& before, const MixedFi
 
 }  // namespace
 
-double spread_fall(const MixedFit& before, const MixedFit& after) {
-  double out = 0.0;
-  for (Index k = 0; k < before.variance.size(); ++k)
-    if (before.variance[k] > 0.0) out = std::max(out, 1.0 - after.variance[k] / before.variance[k]);
-  return out;
-}
-
-LeftOutGain left_out_gain(const MixedProblem& problem, const MixedFit& before, const MixedFit& after) {
-  const std::vector<double> a = leave_one_out(problem, after).log_density,
-                            b = leave_one_out(problem, before).log_density;
-  LeftOutGain out;
-  double best = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double d = a[i] - b[i];
-    out.total += d;
-    squares += d * d;
-    best = std::max(best, d);
-  }
-  const double n = static_cast<double>(a.size());
-  out.without_best = out.total - best;
-  if (n > 1.0)
-    out.standard_error = std::sqrt(std::max(0.0, squares - out.total * out.total / n) * n / (n - 1.0));
-  return out;
-}
-
 CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after) {
   Parts parts = compare(channel.problem, before, after);
   CrossFit out;

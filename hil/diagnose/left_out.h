@@ -8,18 +8,6 @@
 
 namespace forcegate::diagnose {
 
-/// Largest share by which the variance of one component of the spread falls between two fits.
-double spread_fall(const MixedFit& before, const MixedFit& after);
-
-/// Gain of the records' log predictive density, each with strengths and law from the others alone, at the variances of
-/// the fit (Vehtari, Gelman and Gabry 2017): what an effect between records is judged by.
-struct LeftOutGain {
-  double total = 0.0;           ///< nats, summed over records
-  double without_best = 0.0;    ///< the same without the record that gains most: not one record's whim
-  double standard_error = 0.0;  ///< of the total, from the scatter over records
-};
-LeftOutGain left_out_gain(const MixedProblem& problem, const MixedFit& before, const MixedFit& after);
-
 /// Fall of the mean square error of parts that were left out. Parts are whole records where three or more show the
 /// effect, else blocks of records. Both models may follow a part's own gain, offset and decay by the same spread, that of
 /// the model without the effect, so that a model with a smaller spread is not blamed for it.

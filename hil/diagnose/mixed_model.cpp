@@ -225,26 +225,15 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     if (total.size() == 0) total = MatrixXd::Zero(single.back().rows(), single.back().cols());
     if (fit.counts(problem.records[i])) total += single.back();
   }
-  const auto factor = [&](const MatrixXd& M) {
-    MatrixXd P = M.topLeftCorner(d, d);
-    P.diagonal() += prior;
-    return P.llt();
-  };
-  // beta and c integrated out, up to what does not depend on the records
-  const auto evidence = [&](const MatrixXd& M, const Eigen::LLT<MatrixXd>& llt) {
-    const VectorXd right = M.row(d).head(d);
-    return 0.5 * right.dot(llt.solve(right)) - log_diagonal(llt);
-  };
-  LeftOut out{std::vector<double>(n_records), std::vector<double>(n_records), std::vector<double>(n_records)};
+  LeftOut out{std::vector<double>(n_records), std::vector<double>(n_records)};
   Conditional conditional;
   for (std::size_t i = 0; i < n_records; ++i) {
     const bool counts = fit.counts(problem.records[i]);
-    const MatrixXd others = counts ? MatrixXd(total - single[i]) : total, with = others + single[i];
-    const Eigen::LLT<MatrixXd> llt = factor(others);
-    const VectorXd v = with_minus(llt.solve(others.row(d).head(d).transpose()));
+    const MatrixXd others = counts ? MatrixXd(total - single[i]) : total;
+    MatrixXd P = others.topLeftCorner(d, d);
+    P.diagonal() += prior;
+    const VectorXd v = with_minus(P.llt().solve(others.row(d).head(d).transpose()));
     const double n_eff = problem.records[i].n_eff;
-    out.log_density[i] = evidence(with, factor(with)) - evidence(others, llt) -
-                         0.5 * (n_eff * std::log(fit.s2[i]) + single[i](d, d) + parts[i].log_determinant());
     if (freedom != nullptr)
       parts[i].eliminate(expand_variance(problem, freedom->variance), n_eff / freedom->s2[i]);
     parts[i].condition(v, conditional);

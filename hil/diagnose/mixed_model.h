@@ -80,7 +80,6 @@ void flip_residuals(MixedProblem& problem, const MixedFit& fit, const std::vecto
 /// out); records outside the fit as they were.
 struct LeftOut {
   std::vector<double> adapted, plain;  ///< with and without the record's own zeta
-  std::vector<double> log_density;     ///< of the record given the others; zeta, beta and c integrated out
 };
 /// `freedom`: adapted errors let the record's zeta follow within the variances of this fit instead; two models are compared
 /// at the same freedom.

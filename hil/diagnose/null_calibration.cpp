@@ -5,6 +5,7 @@
 
 #include "hil/base/parallel.h"
 #include "hil/base/rng.h"
+#include "hil/diagnose/between_records.h"
 
 namespace forcegate::diagnose {
 
@@ -39,7 +40,7 @@ std::vector<int> draw_signs(Rng& rng, std::size_t n) {
 
 }  // namespace
 
-NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& final,
+NullCalibration calibrate_null(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& final,
                                const std::vector<std::string>& skip,
                                const std::function<double(const std::string&)>& threshold, int flips,
                                unsigned threads) {
@@ -49,7 +50,8 @@ NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& f
   Rng rng(1, "sign flips");
   for (int flip = 0; flip < flips; ++flip) {
     flip_residuals(turned.problem, final, draw_signs(rng, channel.problem.records.size()));
-    const ScreenResult result = screen(turned, final.columns, skip, &final, threads, kFlipIterations);
+    ScreenResult result = screen(turned, final.columns, skip, &final, threads, kFlipIterations);
+    judge_between_records(input, turned, final.columns, result);
     for (const FamilyScore& family : result.families) {
       double& largest = out.score.try_emplace(family.kind->name, -1e300).first->second;
       largest = std::max(largest, family.gain);
@@ -59,22 +61,6 @@ NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& f
   }
   if (out.flips > 0) out.expected_false /= out.flips;
   return out;
-}
-
-double chance_of(const ResidualChannel& channel, const MixedFit& present, const EffectKind& kind, double gain,
-                 int flips, unsigned threads) {
-  ResidualChannel turned = gram_only(channel);
-  std::erase_if(turned.variants, [&](const Variant& v) {
-    return turned.candidates[static_cast<std::size_t>(v.candidate)].kind != &kind;
-  });
-  Rng rng(2, "sign flips of " + kind.name);
-  int hits = 0;
-  for (int flip = 0; flip < flips; ++flip) {
-    flip_residuals(turned.problem, present, draw_signs(rng, channel.problem.records.size()));
-    const ScreenResult result = screen(turned, present.columns, {}, &present, threads, kFlipIterations);
-    if (!result.families.empty() && result.families.front().gain >= gain) ++hits;
-  }
-  return (1.0 + hits) / (1.0 + flips);
 }
 
 }  // namespace forcegate::diagnose

@@ -19,13 +19,9 @@ struct NullCalibration {
 };
 
 /// threshold(family) is the score from which the family would have been considered.
-NullCalibration calibrate_null(const ResidualChannel& channel, const MixedFit& final,
+NullCalibration calibrate_null(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& final,
                                const std::vector<std::string>& skip,
                                const std::function<double(const std::string&)>& threshold, int flips,
                                unsigned threads);
-
-/// Share of sign patterns for which the family reaches `gain` by chance; (1 + hits) / (1 + flips).
-double chance_of(const ResidualChannel& channel, const MixedFit& present, const EffectKind& kind, double gain,
-                 int flips, unsigned threads);
 
 }  // namespace forcegate::diagnose

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "hil/diagnose/instrument_error.h"
-#include "hil/diagnose/null_calibration.h"
 
 namespace forcegate::diagnose {
 
@@ -39,24 +38,16 @@ double resemblance(const ResidualChannel& channel, const MixedFit& base, const M
 }  // namespace
 
 std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, const ChosenEffect& chosen,
-                      const std::vector<ChosenEffect>& earlier, double removed_before, const SelectionRules& rules, unsigned threads) {
+                      const std::vector<ChosenEffect>& earlier, double removed_before, const SelectionRules& rules) {
   const bool first = removed_before == 0.0;
   const double excess = excess_mean_square(channel, result.base);
   const double total_rms = std::sqrt(std::max(0.0, family.best.total_fall * mean_adapted(channel, result.base)));
   const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess));
   const std::string& name = family.kind->name;
   if (family.best.wrong_sign) return "its sign is unphysical";
-  if (is_between_records(name) && family.best.total_fall < rules.first_total_fall) {
-    if (family.gain < (first ? rules.between_gain : rules.later_gain)) return "too little evidence";
-    if (spread_fall(result.base, family.best.fit) < rules.between_fall) return "it does not make records predictable from each other";
-    const LeftOutGain left_out = left_out_gain(channel.problem, result.base, family.best.fit);
-    if (left_out.total < rules.between_left_out) return "records that were left out are not predicted better";
-    if (left_out.without_best < 0.0 || left_out.total < left_out.standard_error) return "only one record is predicted better";
-    constexpr int kFlips = 19;
-    if (chance_of(channel, result.base, *family.kind, family.gain, kFlips, threads) > rules.between_chance)
-      return "sign-flipped records show as much";
-    return {};
-  }
+  const bool another_between = std::any_of(earlier.begin(), earlier.end(), [](const ChosenEffect& e) { return e.between; });
+  if (chosen.by_records() && another_between) return "another effect between the records is in: what its form leaves is no second one";
+  if (chosen.between && (chosen.not_by_records.empty() || family.best.total_fall < rules.first_total_fall)) return chosen.not_by_records;
   const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
   const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
   const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;

@@ -14,6 +14,6 @@ inline constexpr const char* kTooSmall = "too small for the declared instruments
 /// Why an effect is not taken; empty when it is. `earlier`: what has been chosen before; `removed_before`: RMS that the largest of them removed.
 std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family,
                       const ChosenEffect& chosen, const std::vector<ChosenEffect>& earlier,
-                      double removed_before, const SelectionRules& rules, unsigned threads);
+                      double removed_before, const SelectionRules& rules);
 
 }  // namespace forcegate::diagnose

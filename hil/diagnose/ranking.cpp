@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/diagnose/between_records.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -27,7 +29,7 @@ double visible_from(const ResidualChannel& channel, const FamilyScore& family, d
 
 }  // namespace
 
-void add_ranking(const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules,
+void add_ranking(const CampaignInput& input, const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules,
                  Diagnosis& out) {
   for (const FamilyScore& family : selection.first.families) {
     RankedEffect r;
@@ -37,8 +39,12 @@ void add_ranking(const ResidualChannel& channel, const Selection& selection, con
     r.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
     r.score = family.gain;
     r.alone = std::clamp(family.best.fall, 0.0, 1.0);
-    r.visible_from = visible_from(channel, family, threshold_of(family.kind->name, rules));
-    if (family.best.wrong_sign) r.note = "wrong sign";
+    r.visible_from = family.records.valid ? visible_between_records(input, channel, selection.first.base, family, rules)
+                                          : visible_from(channel, family, threshold_of(family.kind->name, rules));
+    if (family.best.wrong_sign)
+      r.note = "wrong sign";
+    else if (family.records.valid && !(r.visible_from > 0.0))
+      r.note = "these records would show it at no size";
     for (const ChosenEffect& c : selection.chosen)
       if (c.kind == family.kind) r.probability = c.share_of_family;
     // what the final model loses without it, or still gains with it

@@ -7,7 +7,7 @@
 
 namespace forcegate::diagnose {
 
-void add_ranking(const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules,
+void add_ranking(const CampaignInput& input, const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules,
                  Diagnosis& out);
 
 /// What acts from record to record hides in the records' own scatter: a note says how much of it there may be.

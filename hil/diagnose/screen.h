@@ -19,10 +19,20 @@ struct VariantScore {
   MixedFit fit;
 };
 
+/// What one gain and one zero for each record say about a family that acts between records.
+struct RecordEvidence {
+  bool valid = false;
+  int variant = 0;
+  double gain = -1e300;    ///< ln Bayes factor
+  double explained = 0.0;  ///< share of the spread between records (a variance) that goes away
+  double left_out = 1.0;   ///< mean square error of records predicted from the others, over the same without the effect
+};
+
 struct FamilyScore {
   const EffectKind* kind = nullptr;
   double gain = -1e300;  ///< best variant less what the number of variants costs
   VariantScore best;
+  RecordEvidence records;
 };
 
 struct ScreenResult {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/between_records.h"
 #include "hil/diagnose/further_forms.h"
 #include "hil/diagnose/left_out.h"
 #include "hil/diagnose/objection.h"
@@ -58,11 +59,13 @@ bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& resul
 void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, ChosenEffect& chosen) {
   const double top = chosen.gain;
   // evidence between records counts records; evidence within them counts rows that hang together and needs a scale
-  const double temperature = chosen.between ? 1.5 : 0.03 * std::max(0.0, top) + 6.0;
+  const double temperature = chosen.by_records() ? 1.0 : chosen.between ? 1.5 : 0.03 * std::max(0.0, top) + 6.0;
   double sum = 0.0;
   std::vector<double> weight(result.families.size(), 0.0);
   for (std::size_t k = place; k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
+    // what acts within records answers another question
+    if (chosen.by_records() && !is_between_records(family.kind->name)) continue;
     weight[k] = std::exp(std::max(-200.0, (family.gain - top) / temperature));
     // signatures that differ by less than a form is known to cannot be parted by how well they fit
     if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
@@ -108,8 +111,9 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& alway
     const double lost = full.log_evidence - reduced.log_evidence;
     // so much evidence is that of no other effect, though its strength, beside others that are as large, may be that of some records
     constexpr double kPlain = 100.0;
-    if (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
-        !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps())) {
+    if (!out.chosen[k].by_records() &&
+        (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
+         !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps()))) {
       out.rejected.push_back(out.chosen[k].kind->name + ": needless beside the others");
       out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
       dropped = true;
@@ -240,6 +244,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     result = screen(channel, present, taken, warm, threads);
     place = 0;
     if (!result.base.valid) return false;
+    judge_between_records(input, channel, present, result);
     out.final = result.base;
     out.excess_after = excess_mean_square(channel, result.base);
     if (out.chosen.empty()) {
@@ -272,6 +277,8 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     chosen.fit = family.best.fit;
     chosen.left_out = cross_fit(channel, result.base, family.best.fit);
     chosen.between = is_between_records(family.kind->name);
+    chosen.records = family.records;
+    if (chosen.between) chosen.not_by_records = objection_of_records(input, channel, result.base, family, rules);
     chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, variant.columns);
     const bool first = out.chosen.empty();
     const bool slight_shift = rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
@@ -303,7 +310,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       continue;
     }
     const std::string why = leads && is_late(family.kind->name) ? "the output leads the reference"
-                            : objection(channel, result, family, chosen, out.chosen, largest_removed, rules, threads);
+                            : objection(channel, result, family, chosen, out.chosen, largest_removed, rules);
     if (!why.empty()) {
       out.rejected.push_back(family.kind->name + ": " + why);
       // the scatter within records and the spread between them are different questions: the next family may answer the
@@ -311,7 +318,8 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain || why == kTooSmall;
       ++place;
       while (!unphysical && place < result.families.size() && is_between_records(result.families[place].kind->name) == chosen.between) ++place;
-      if (first && place < result.families.size() && (!unphysical || place < kMostPlaces)) {
+      const bool other_question = place < result.families.size() && is_between_records(result.families[place].kind->name) && !chosen.between;
+      if ((first || other_question) && place < result.families.size() && (!unphysical || place < kMostPlaces)) {
         --step;
         continue;
       }

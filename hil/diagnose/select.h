@@ -23,9 +23,13 @@ struct ChosenEffect {
   double share_of_family = 0.0;   ///< softmax over the families that competed, at the working temperature
   double strength_scatter = 0.0;  ///< between records, relative to the strength
   bool between = false;           ///< it acts from record to record
+  RecordEvidence records;         ///< of an effect between records
+  std::string not_by_records;     ///< why one number for each record does not bear it; empty: it does
   CrossFit left_out;              ///< against the model before it entered
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share
   MixedFit fit;                                        ///< of the model with everything up to this effect
+
+  bool by_records() const { return between && not_by_records.empty(); }
 };
 
 struct Selection {
@@ -43,10 +47,12 @@ struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
   std::map<std::string, double> form_gain;  ///< forms of what every bench does a little must reach more
   double between_gain =
-      5.0;  ///< nats. One in twenty campaigns has a given effect of this kind: odds of 7 : 1 are left
-  double between_left_out = 3.0;  ///< nats by which records that were left out must be predicted better
-  double between_fall = 0.5;      ///< share of the spread between records (a variance) that it must explain
-  double between_chance = 0.10;   ///< largest share of sign-flipped records that may do as well
+      4.0;  ///< nats. One in twenty campaigns has a given effect of this kind: odds of 3 : 1 are left
+  double between_fall = 0.5;  ///< share of the spread between records (a variance) that it must explain
+  double between_course_fall =
+      0.75;  ///< the same where it follows no record of its cause: sessions of a bench look alike
+  double between_left_out = 0.7;  ///< mean square error that records which were left out may keep
+  double between_chance = 0.02;   ///< largest share of orders of the records that may do as well
 
   double first_fall = 0.10, later_fall = 0.50;
   double first_total_fall = 0.06,

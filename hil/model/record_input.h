@@ -43,6 +43,8 @@ struct RecordInput {
   // campaign
   double start_s = 0.0, duration_s = 0.0, rest_before_s = 0.0;
   double drive_mean_V = kMissing;
+  std::string mounting_name;  ///< as declared
+  int mounting = -1;          ///< number in the order of the records; -1: not declared
   double travel_before_N = 0.0;  ///< sum |dF| of all earlier records
   std::vector<double> travel_N;  ///< the same continued through this record, per row
 
@@ -80,6 +82,7 @@ struct CampaignInput {
   double travel_total_N = 1.0;
   bool has_theta = false, has_temp = false, has_humidity = false, has_drive = false, has_command = false,
        has_capacitance = false;
+  int mountings = 0;     ///< how many were declared; 0: some record does not say and its neighbours do not tell
   bool single = false;   ///< one recording, its records are blocks of it
   bool generic = false;  ///< not a force sensor's campaign: plain input and output columns
   std::vector<std::string> notes;

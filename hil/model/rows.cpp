@@ -176,11 +176,39 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
   out.start_s = record.start_s.value_or(kMissing);
   out.rest_before_s = record.rest_before_s.value_or(kMissing);
   out.drive_mean_V = record.drive_V.value_or(out.drive_V.empty() ? kMissing : quantile(out.drive_V, 0.5));
+  out.mounting_name = record.mounting;
   out.eccentricity_mm = record.eccentricity_mm.value_or(kMissing);
   out.preload_mm = record.preload_mm.value_or(kMissing);
   out.decay.assign(n_rows, 1.0);
   return out;
 }
+
+namespace {
+
+// A record that does not say belongs to the mounting of its neighbours where they agree, or where there is only one.
+void number_mountings(CampaignInput& campaign) {
+  auto& records = campaign.records;
+  std::vector<std::string> names;
+  for (const RecordInput& r : records) names.push_back(r.mounting_name);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (!names[k].empty()) continue;
+    std::size_t next = k;
+    while (next < names.size() && records[next].mounting_name.empty()) ++next;
+    const std::string after = next < names.size() ? records[next].mounting_name : std::string(), before = k > 0 ? names[k - 1] : std::string();
+    if (!after.empty() && !before.empty() && after != before) return;
+    names[k] = before.empty() ? after : before;
+    if (names[k].empty()) return;
+  }
+  std::vector<std::string> distinct;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    auto found = std::find(distinct.begin(), distinct.end(), names[k]);
+    if (found == distinct.end()) found = distinct.insert(distinct.end(), names[k]);
+    records[k].mounting = static_cast<int>(found - distinct.begin());
+  }
+  campaign.mountings = static_cast<int>(distinct.size());
+}
+
+}  // namespace
 
 void finish_campaign_input(CampaignInput& campaign) {
   auto& records = campaign.records;
@@ -270,6 +298,7 @@ void finish_campaign_input(CampaignInput& campaign) {
     }
     travel += sum;
   }
+  number_mountings(campaign);
   campaign.has_drive = drive_known && drive_high - drive_low > 0.02 * std::abs(drive_high);
   campaign.travel_total_N = std::max(travel, 1e-9);
 }

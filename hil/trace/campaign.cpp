@@ -72,6 +72,17 @@ class Members {
     out = printable_utf8(it->get_ref<const std::string&>());
     return {};
   }
+  /// A name or a whole number.
+  Result<void> label(const char* key, std::string& out) const {
+    const auto it = object_.find(key);
+    if (it == object_.end() || it->is_null()) return {};
+    if (it->is_number_integer()) {
+      out = it->dump();
+      return {};
+    }
+    if (!it->is_string()) return wrong(key, "must be a name or a whole number");
+    return text(key, out);
+  }
   Result<void> flag(const char* key, std::optional<bool>& out) const {
     const auto it = object_.find(key);
     if (it == object_.end() || it->is_null()) return {};
@@ -135,6 +146,7 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   FORCEGATE_CHECK_OK(m.number("eccentricity_mm", into(record.eccentricity_mm)));
   FORCEGATE_CHECK_OK(m.number("preload_mm", into(record.preload_mm)));
   FORCEGATE_CHECK_OK(m.flag("dynamic", record.dynamic));
+  FORCEGATE_CHECK_OK(m.label("mounting", record.mounting));
   if (record.rate_Hz && !(*record.rate_Hz > 0.0)) return m.wrong("fs_Hz", "must be above 0");
   std::string role;
   FORCEGATE_CHECK_OK(m.text("role", role));

@@ -36,6 +36,7 @@ struct Record {
   Trace trace;  ///< channels named F_ref, U, theta, temp, C, F_cmd, F_dut, drive, ... (canonical units)
   std::optional<double> rate_Hz, start_s, rest_before_s, excitation_start_s, f_min_Hz, A_N, m_N, drive_V,
       eccentricity_mm, preload_mm;
+  std::string mounting;  ///< name or number of the mounting; records that share it were not taken apart in between; "" unknown
   std::optional<bool> dynamic;
 };
 

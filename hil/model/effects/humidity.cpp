@@ -1,5 +1,5 @@
-// Humidity: dU = g (c_gain W + c_offset R)(h_s - h_ref), h_s the measured humidity behind a slow lag. Where the temperature was
-// recorded and the humidity was not, a gain that moves smoothly and not with the temperature.
+// Humidity: dU = g (c_gain W + c_offset R)(h_s - h_ref), h_s the measured humidity behind a slow lag. Where it was not recorded, a gain
+// that moves smoothly; the temperature does the same where that was not recorded either.
 // Hot and humid +10 % resistance, storage +30 % (Interlink FSR 400 data sheet).
 
 #include "hil/model/lagged_channel.h"
@@ -16,7 +16,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"thermal", "creep", "wear", "reference_drift", "self_heating"},
     .separates = "one ramp repeated over hours with the humidity recorded",
     .needs = {},
-    .forms = {unrecorded_form([](const CampaignInput& c) { return c.has_temp && !c.has_humidity; }),
+    .forms = {unrecorded_form([](const CampaignInput& c) { return !c.has_humidity; }),
               lagged_form(&RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%")}}};
 
 }  // namespace

@@ -1,16 +1,47 @@
 // Mounting: hardness and curvature of the contacting surface change the gain; one gain for each mounting.
-//   dU = g (c W + o R) for all records from number k on, R the force span.  Sensors 20 (2020) 6863.
+//   dU = g (c_k W + o_k R) in the k-th mounting, R the force span; where nobody wrote the mountings down, one step:
+//   dU = g (c W + o R) for all records from number k on.  Sensors 20 (2020) 6863.
+
+#include <algorithm>
+#include <string>
+#include <utility>
 
 #include "hil/model/effect.h"
 
 namespace forcegate {
 namespace {
 
+constexpr int kMostMountings = 6;
+
+// Gains, or zeros, of the second to the last mounting over the first. More mountings than there is room for: the last ones share.
+EffectForm declared(const char* name, bool gain) {
+  EffectForm form;
+  form.name = name;
+  for (int k = 1; k < kMostMountings; ++k) {
+    const std::string number = std::to_string(k + 1);
+    ParameterSpec strength = gain ? ParameterSpec{"c_", "1", -0.9, 9.0, 0.0, "relative change of gain in mounting "}
+                                  : ParameterSpec{"o_", "1", -1.0, 1.0, 0.0, "change of zero, share of the force span, in mounting "};
+    strength.name += number;
+    strength.doc += number;
+    form.strength.push_back(std::move(strength));
+  }
+  form.grid = [](const CampaignInput& c) {
+    return c.mountings > 1 ? std::vector<std::vector<double>>{{}} : std::vector<std::vector<double>>{};
+  };
+  form.columns = [gain](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+    out.setZero();
+    if (r.mounting < 1) return;
+    const int column = std::min(r.mounting, kMostMountings - 1) - 1;
+    for (std::size_t i = 0; i < r.rows(); ++i) out(static_cast<Eigen::Index>(i), column) = gain ? r.base_force_N(i) : c.range_N;
+  };
+  return form;
+}
+
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "mounting",
     .side = "sensor",
-    .summary = "gain and zero step between two records and keep their new values",
-    .equation = "dU = g (c W + o R) from record k on",
+    .summary = "gain and zero are new after the sensor was mounted anew, and stay until the next time",
+    .equation = "dU = g (c_k W + o_k R) in mounting k; not written down: one step from record k on",
     .source = "Sensors 20 (2020) 6863",
     .look_alikes = {"wear", "thermal", "bias", "slow_recovery"},
     .separates = "the same ramp before and after touching the mounting, and again without touching it",
@@ -24,6 +55,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .grid =
              [](const CampaignInput& c) {
                std::vector<std::vector<double>> out;
+               if (c.mountings > 0) return out;
                for (std::size_t k = 1; k < c.records.size(); ++k) out.push_back({static_cast<double>(k)});
                return out;
              },
@@ -36,7 +68,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
                }
              },
          .refine = false,
-         .singles = true}}}};
+         .singles = true},
+        declared("declared_gain", true), declared("declared_zero", false)}}};
 
 }  // namespace
 }  // namespace forcegate

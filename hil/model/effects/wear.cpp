@@ -1,5 +1,6 @@
 // Wear: loss of gain with the loading done, untouched by rest.
-//   dU = -g c W N^p,  N = sum |dF| over the campaign, 1 at its end; p = 1 or 1/2; or 1 - exp(-N/N0).
+//   dU = -g c W N^p,  N = sum |dF| over the campaign, 1 at its end; p = 1 or 1/2; or 1 - exp(-N/N0). Forms "after_": N at the start of the
+//   record, where the decay of the maxima has taken up what the gain loses while it is cycled.
 // 10 million taps shift the resistance by about 10 % (Interlink); sensitivity degrades under cycling (Proc. 1, 2017, 813).
 
 #include <cmath>
@@ -9,19 +10,23 @@
 namespace forcegate {
 namespace {
 
-EffectForm form(const char* name, std::function<double(double)> law) {
+EffectForm form(const char* name, std::function<double(double)> law, bool within_records) {
   return {.name = name,
           .shape = {},
           .strength = {{"loss", "1", -1.0, 1.0, 0.0, "relative loss of gain at the end of the campaign"}},
           .sign = StrengthSign::either,
           .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
           .columns =
-              [law](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+              [law, within_records](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 for (std::size_t i = 0; i < r.rows(); ++i)
                   out(static_cast<Eigen::Index>(i), 0) =
-                      -r.base_force_N(i) * law((r.travel_before_N + r.travel_N[i]) / c.travel_total_N);
+                      -r.base_force_N(i) * law((r.travel_before_N + (within_records ? r.travel_N[i] : 0.0)) / c.travel_total_N);
               }};
 }
+
+double linear(double N) { return N; }
+double root(double N) { return std::sqrt(N); }
+double saturating(double N) { return -std::expm1(-4.0 * N); }
 
 const Registration<EffectKind> kRegistered{
     EffectKind{.name = "wear",
@@ -32,9 +37,9 @@ const Registration<EffectKind> kRegistered{
                .look_alikes = {"slow_recovery", "thermal", "bias", "mounting"},
                .separates = "the same ramp before and after cycling and again after 2 h of rest",
                .needs = {},
-               .forms = {form("linear", [](double N) { return N; }),
-                         form("square_root", [](double N) { return std::sqrt(N); }),
-                         form("saturating", [](double N) { return -std::expm1(-4.0 * N); })}}};
+               .forms = {form("linear", linear, true), form("square_root", root, true), form("saturating", saturating, true),
+                         form("after_linear", linear, false), form("after_square_root", root, false),
+                         form("after_saturating", saturating, false)}}};
 
 }  // namespace
 }  // namespace forcegate

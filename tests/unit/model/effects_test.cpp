@@ -43,6 +43,9 @@ CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
   cyclic.jump_log_ratio = {0.7};
   const auto serves = [&] { return is_available(kind, out) && !form.grid(out).empty(); };
   if (serves()) return out;
+  for (RecordInput& r : out.records) r.mounting = static_cast<int>(r.index);
+  out.mountings = static_cast<int>(out.records.size());
+  if (serves()) return out;
   for (RecordInput& r : out.records)
     for (const double T : r.temp_C) r.humidity.push_back(40.0 + 3.0 * std::cos(T));
   out.has_humidity = true;
@@ -158,6 +161,26 @@ INSTANTIATE_TEST_SUITE_P(Library, EveryForm, ::testing::ValuesIn(all_forms()),
 TEST(Library, HoldsEveryEffectThatACampaignMayName) {
   for (const std::string& name : test::kCampaignEffects)
     EXPECT_NE(EffectRegistry::instance().find(name), nullptr) << name;
+}
+
+TEST(Mounting, IsThatOfTheNeighboursWhereARecordDoesNotSay) {
+  CampaignInput campaign = input();
+  ASSERT_GE(campaign.records.size(), 3u);
+  campaign.records.resize(3);
+  const auto numbered = [&](std::vector<std::string> names) {
+    for (std::size_t k = 0; k < names.size(); ++k) campaign.records[k].mounting_name = names[k];
+    for (RecordInput& r : campaign.records) r.mounting = -1;
+    campaign.mountings = 0;
+    finish_campaign_input(campaign);
+    std::vector<int> out = {campaign.mountings};
+    for (const RecordInput& r : campaign.records) out.push_back(r.mounting);
+    return out;
+  };
+  EXPECT_EQ(numbered({"a", "b", "a"}), (std::vector<int>{2, 0, 1, 0}));
+  EXPECT_EQ(numbered({"a", "", "a"}), (std::vector<int>{1, 0, 0, 0}));
+  EXPECT_EQ(numbered({"", "a", "b"}), (std::vector<int>{2, 0, 0, 1}));
+  EXPECT_EQ(numbered({"a", "", "b"}).front(), 0);
+  EXPECT_EQ(numbered({"", "", ""}).front(), 0);
 }
 
 TEST(LaggedChannel, StaysBehindTheAirAcrossARestAndSettlesInALongOne) {

@@ -44,8 +44,8 @@ TEST_F(ReadCampaign, TakesEveryFactOfADescribedCampaign) {
               "reference_resolution_N": 0.025, "adc_bits": 12, "colour": "blue"},
     "records": [{"file": "r1.csv", "kind": "sine", "role": "fit", "fs_Hz": 10, "start_s": 1900, "rest_before_s": 677,
                  "excitation_start_s": 2, "dynamic": true, "f_min_Hz": 0.5, "A_N": 1.16, "m_N": 1.92, "drive_V": 5.0,
-                 "eccentricity_mm": 11, "preload_mm": 1.6, "stimulus": {"f": 0.5}},
-                {"file": "r2.csv", "role": "heldout"}]})");
+                 "eccentricity_mm": 11, "preload_mm": 1.6, "mounting": 2, "stimulus": {"f": 0.5}},
+                {"file": "r2.csv", "role": "heldout", "mounting": "glued"}]})");
   const auto c = read_campaign(folder_);
   ASSERT_TRUE(c) << c.error().to_text();
   EXPECT_EQ(c->name, "C01");
@@ -58,6 +58,8 @@ TEST_F(ReadCampaign, TakesEveryFactOfADescribedCampaign) {
   EXPECT_EQ(r.kind, "sine");
   EXPECT_EQ(r.A_N, 1.16);
   EXPECT_EQ(r.rest_before_s, 677.0);
+  EXPECT_EQ(r.mounting, "2");
+  EXPECT_EQ(c->records[1].mounting, "glued");
   EXPECT_EQ(r.dynamic, true);
   EXPECT_EQ(r.trace.find("U")->value[2], 4.0);
   EXPECT_NE(r.trace.find("level"), nullptr);
@@ -103,6 +105,8 @@ TEST_F(ReadCampaign, SaysWhereTheDescriptionIsWrong) {
   put("campaign.json", "{\"records\": [\n  {\"file\": \"r.csv\",\n   \"A_N\": \"big\"}\n]}");
   EXPECT_THAT(refusal().where, EndsWith("campaign.json:3:4"));
   EXPECT_THAT(refusal().text, HasSubstr("\"A_N\" must be a number"));
+  put("campaign.json", "{\"records\": [{\"file\": \"r.csv\", \"mounting\": 1.5}]}");
+  EXPECT_THAT(refusal().text, HasSubstr("a name or a whole number"));
   put("campaign.json", "{\"records\": [{\"file\": \"r.csv\", \"role\": \"test\"}]}");
   EXPECT_THAT(refusal().hint, HasSubstr("heldout"));
   put("campaign.json", "{\"records\": [{\"file\": \"gone.csv\"}]}");

@@ -1,0 +1,35 @@
+#pragma once
+// Effects that change gain or zero from record to record, judged where they act: on one gain and one zero for each record.
+// The mixed model's evidence counts rows; here n counts records, spreads are integrated out, and no prior keeps them wide.
+
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/record_regression.h"
+#include "hil/diagnose/screen.h"
+#include "hil/diagnose/select.h"
+
+namespace forcegate::diagnose {
+
+/// What the records say about a channel's first two columns of Z, gain and zero: estimates with these two free and everything
+/// else within its spread; and what the same linear map makes of every column of S.
+struct RecordLevels {
+  RecordSeries gain, zero;
+  Eigen::MatrixXd gain_of_column, zero_of_column;  ///< records x ns
+};
+RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& fit);
+
+/// Judges the families that act between records anew, sets their gain, best variant and `records`, and sorts the ranking. A family that
+/// shows within records too keeps the larger of its two gains.
+void judge_between_records(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result);
+
+/// From which RMS on (share of the span, over all records) the family would pass on these records: what its best variant adds is
+/// taken away from the records and put back at growing size, until the rule that claims is met; 0 where it never is.
+double visible_between_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
+                               const SelectionRules& rules);
+
+/// Why one number for each record does not bear a claim; empty when it does.
+std::string objection_of_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
+                                 const SelectionRules& rules);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,61 @@
+#pragma once
+// One number per record (its gain, its zero) against what was different between the records. n counts records.
+//
+//   y_i = mu + x_i' c + zeta_i + e_i,   zeta ~ N(0, s^2 (I + k G)),  e_i ~ N(0, v_i),  c_j ~ N(0, t^2 w_j)
+//
+// G_ij = 1 where i and j belong to one session: records of a session may hang together, and a predictor that only tells the
+// sessions apart explains nothing. mu is flat (REML); s is integrated out over a grid that is even in its logarithm, k and t over
+// a few values. The score is the logarithm of the Bayes factor against x = 0 (Kass and Raftery 1995).
+//
+// The chance is exact up to the estimated weights: whitened residuals of the model without x are permuted over the records (Freedman
+// and Lane 1983) and the whole search over predictors is repeated (Westfall and Young 1993).
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <vector>
+
+namespace forcegate::diagnose {
+
+struct RecordSeries {
+  Eigen::VectorXd value, variance;  ///< estimate of each record and variance of its measurement
+  std::vector<int> session;         ///< empty: every record stands alone
+  double least_scatter = 1e-4;      ///< s is not believed to be smaller
+};
+
+/// Columns that one strength each multiplies; weight: relative prior variance of the strengths. Scaled by normalise() so that a
+/// size of 1 moves the records by an RMS of 1 about their mean.
+struct RecordPredictor {
+  Eigen::MatrixXd column;
+  Eigen::VectorXd weight;
+};
+/// Factor by which the columns were multiplied; 0: they are the same for all records and the predictor is empty.
+double normalise(RecordPredictor& predictor);
+
+struct RecordScore {
+  double gain = -1e300;    ///< ln Bayes factor
+  double explained = 0.0;  ///< share of s^2 that goes away
+  double left_out = 1.0;   ///< mean square error of records predicted from the others, over the same without x
+  Eigen::VectorXd added;   ///< what the columns add to each record, mean 0
+};
+
+/// Scores of several predictors of one series, each alone. `sizes`: values of t. Fewer than 4 records: no score.
+std::vector<RecordScore> score_predictors(const RecordSeries& series, const std::vector<RecordPredictor>& predictors,
+                                          const std::vector<double>& sizes);
+
+/// Several series of the same records and what competes to explain each: the question that one family of effects asks.
+struct RecordQuestion {
+  RecordSeries series;
+  std::vector<RecordPredictor> predictors;
+};
+
+/// Share of permutations of the records, the same for all series, under which the family does as well as it did; (1 + hits)/(1 + n).
+double permutation_chance(const std::vector<RecordQuestion>& questions, int permutations, std::uint64_t seed);
+
+/// ln of the mean evidence of alternatives: one of the series moves, or all of them. `gains`: per series, ln of the mean Bayes
+/// factor over its predictors.
+double joint_gain(const std::vector<double>& gains);
+
+/// ln(mean(exp(x))).
+double log_mean_exp(const std::vector<double>& x);
+
+}  // namespace forcegate::diagnose

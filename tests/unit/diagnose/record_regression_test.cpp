@@ -1,0 +1,121 @@
+#include "hil/diagnose/record_regression.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hil/base/rng.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+const std::vector<double> kSizes = {0.003, 0.01, 0.03, 0.1};
+
+// Ten records; some of them know their value to a third of the scatter only.
+RecordSeries scatter(Rng& rng, Index n = 10, double sd = 0.005) {
+  RecordSeries out;
+  out.value.resize(n);
+  out.variance.resize(n);
+  for (Index i = 0; i < n; ++i) {
+    const double u = i % 3 == 0 ? 0.3 * sd : 0.02 * sd;
+    out.variance[i] = u * u;
+    out.value[i] = sd * rng.normal() + u * rng.normal();
+  }
+  out.least_scatter = 1e-4;
+  return out;
+}
+
+RecordPredictor one_column(Rng& rng, Index n = 10) {
+  RecordPredictor p{MatrixXd(n, 1), VectorXd::Ones(1)};
+  for (Index i = 0; i < n; ++i) p.column(i, 0) = rng.normal();
+  normalise(p);
+  return p;
+}
+
+TEST(RecordRegression, TheChanceIsUniformWhereNothingActs) {
+  Rng rng(11, "null");
+  int below_1 = 0, below_10 = 0, below_50 = 0;
+  constexpr int kCampaigns = 400;
+  for (int k = 0; k < kCampaigns; ++k) {
+    const RecordSeries s = scatter(rng);
+    const double p = permutation_chance({{s, {one_column(rng), one_column(rng)}}}, 99, 5);
+    below_1 += p <= 0.01 ? 1 : 0;
+    below_10 += p <= 0.10 ? 1 : 0;
+    below_50 += p <= 0.50 ? 1 : 0;
+  }
+  // three standard errors of a binomial
+  EXPECT_LE(below_1, 10);
+  EXPECT_NEAR(below_10, 40, 18);
+  EXPECT_NEAR(below_50, 200, 30);
+}
+
+TEST(RecordRegression, TheScoreHardlyEverReachesFiveWhereNothingActs) {
+  Rng rng(12, "null");
+  int reached = 0;
+  for (int k = 0; k < 400; ++k)
+    reached += score_predictors(scatter(rng), {one_column(rng)}, kSizes).front().gain >= 5.0 ? 1 : 0;
+  // a Bayes factor of e^5 has a chance of at most e^-5 = 0.7 %
+  EXPECT_LE(reached, 8);
+}
+
+TEST(RecordRegression, AnEffectOfFourTimesTheScatterIsSeenInTenRecords) {
+  Rng rng(13, "effect");
+  int seen = 0;
+  for (int k = 0; k < 40; ++k) {
+    RecordSeries s = scatter(rng);
+    const RecordPredictor p = one_column(rng);
+    s.value += 0.02 * p.column.col(0);
+    const RecordScore score = score_predictors(s, {p}, kSizes).front();
+    seen += score.gain > 5.0 && score.explained > 0.75 && score.left_out < 0.5 && permutation_chance({{s, {p}}}, 499, 1) <= 0.01 ? 1 : 0;
+    EXPECT_NEAR(std::sqrt(score.added.squaredNorm() / 10.0), 0.02, 0.007);
+  }
+  EXPECT_GE(seen, 38);
+}
+
+TEST(RecordRegression, TheOrderOfTheRecordsDoesNotMatter) {
+  Rng rng(14, "order");
+  RecordSeries s = scatter(rng);
+  RecordPredictor p = one_column(rng);
+  s.value += 0.01 * p.column.col(0);
+  const RecordScore before = score_predictors(s, {p}, kSizes).front();
+  s.value.reverseInPlace();
+  s.variance.reverseInPlace();
+  p.column.col(0).reverseInPlace();
+  const RecordScore after = score_predictors(s, {p}, kSizes).front();
+  EXPECT_NEAR(before.gain, after.gain, 1e-9);
+  EXPECT_NEAR(before.explained, after.explained, 1e-9);
+  EXPECT_NEAR(before.left_out, after.left_out, 1e-9);
+}
+
+TEST(RecordRegression, WhatOnlyTellsTheSessionsApartIsNoEvidence) {
+  Rng rng(15, "session");
+  RecordSeries s = scatter(rng, 10, 0.001);
+  RecordPredictor step{MatrixXd::Zero(10, 1), VectorXd::Ones(1)};
+  for (Index i = 5; i < 10; ++i) {
+    s.value[i] += 0.02;
+    step.column(i, 0) = 1.0;
+  }
+  normalise(step);
+  EXPECT_GT(score_predictors(s, {step}, kSizes).front().gain, 5.0);
+  s.session = {0, 0, 0, 0, 0, 1, 1, 1, 1, 1};
+  EXPECT_LT(score_predictors(s, {step}, kSizes).front().gain, 3.0);
+}
+
+TEST(RecordRegression, AColumnThatIsTheSameForAllRecordsAsksNothing) {
+  RecordPredictor p{MatrixXd::Constant(8, 1, 3.0), VectorXd::Ones(1)};
+  EXPECT_EQ(normalise(p), 0.0);
+}
+
+TEST(RecordRegression, ThreeRecordsHaveNoScore) {
+  Rng rng(16, "few");
+  const RecordScore score = score_predictors(scatter(rng, 3), {one_column(rng, 3)}, kSizes).front();
+  EXPECT_LT(score.gain, -1e299);
+  EXPECT_EQ(permutation_chance({{scatter(rng, 3), {one_column(rng, 3)}}}, 99, 1), 1.0);
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
