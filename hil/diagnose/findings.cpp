@@ -50,9 +50,9 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
   if (chosen.by_records()) {
     // the decay differs from record to record too: the error of whole records says little of a gain
     std::snprintf(text, sizeof text,
-                  "%s; it accounts for %.3g m%s RMS (%.2g %% of the span) and for %.0f %% of the scatter that it acts on; where a record is "
+                  "%s; it accounts for %.3g %s RMS (%.2g %% of the span) and for %.0f %% of the scatter that it acts on; where a record is "
                   "predicted from the others, the mean square error of that falls by %.0f %%",
-                  chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * milli, channel.unit.c_str(), 100.0 * chosen.effect_rms,
+                  chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * unit.factor, unit.name.c_str(), 100.0 * chosen.effect_rms,
                   100.0 * chosen.records.explained, 100.0 * (1.0 - chosen.records.left_out));
     return text;
   }
@@ -112,7 +112,8 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     };
     f.error_before = error(was);
     f.error_after = error(is);
-    f.effect_rms = std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
+    f.effect_rms = chosen.by_records() ? chosen.effect_rms * channel.scale
+                                       : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
     f.evidence = sentence(chosen, channel, f);
