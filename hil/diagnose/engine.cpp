@@ -113,6 +113,24 @@ MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<s
   return with;
 }
 
+// A candidate that left-out records do not bear out may have made others needless: the search begins anew without it.
+Selection select_borne_out(Workspace& w, const std::vector<int>& always, std::vector<std::string> skip, const SelectionRules& rules,
+                           unsigned threads, std::vector<Finding>& suspicions) {
+  Selection out = select_effects(w.input, w.output, always, skip, rules, threads);
+  constexpr int kMostTimes = 2;
+  for (int time = 0; time < kMostTimes && out.base.valid; ++time) {
+    std::vector<Finding> idle = not_borne_out(w, w.output, out);
+    if (idle.empty()) break;
+    for (const Finding& f : idle) skip.push_back(f.effect);
+    Selection without = select_effects(w.input, w.output, always, skip, rules, threads);
+    if (!without.base.valid) break;
+    without.first = std::move(out.first);  // the ranking is of all
+    out = std::move(without);
+    std::move(idle.begin(), idle.end(), std::back_inserter(suspicions));
+  }
+  return out;
+}
+
 }  // namespace
 
 Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
@@ -177,7 +195,8 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     for (int j : bank_columns(w.output, *EffectRegistry::instance().find("reference_drift")))
       always.push_back(j);
   if (raw_says("clipping")) skip.push_back("clipping");
-  const Selection selection = select_effects(w.input, w.output, always, skip, rules, options.threads);
+  std::vector<Finding> suspicions;
+  const Selection selection = select_borne_out(w, always, skip, rules, options.threads, suspicions);
   if (!selection.base.valid) {
     out.notes.push_back("the records do not determine the starting model: no verdict");
     return out;
@@ -190,6 +209,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const bool structured = is_structure(left, noise);
   const bool named_enough = explained > 0.5 || !structured;
   add_findings(w, w.output, selection, named_enough ? std::max(explained, 0.6) : explained, out);
+  std::move(suspicions.begin(), suspicions.end(), std::back_inserter(out.findings));
   for (Finding& f : out.findings)
     if (f.effect == "reference_drift" && f.unit == w.output.unit) decide_by_capacitance(w.input, f);
   for (const HealthClaim& claim : raw) {

@@ -66,6 +66,27 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
   return out;
 }
 
+constexpr const char* kDoesNotFall = "; not claimed: the error of records left out does not fall";
+
+struct LeftOutErrors {
+  double before, after;  // in the channel's unit
+};
+
+LeftOutErrors left_out_errors(const Workspace& w, const ResidualChannel& channel, const Selection& selection, const ChosenEffect& chosen,
+                              const MixedFit& before) {
+  const auto error = [&](const MixedFit& fit) {
+    const Judged j = judge(channel, fit, selection.base, w.all_fit);
+    return channel.scale * std::sqrt(judged(channel, chosen.between ? j.plain : j.adapted, w.all_fit));
+  };
+  return {error(before), error(chosen.fit)};
+}
+
+// What is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence.
+bool falls(const ChosenEffect& chosen, const LeftOutErrors& errors) {
+  constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
+  return errors.after <= (chosen.between && !chosen.by_records() ? kLeast : 1.02) * errors.before;
+}
+
 }  // namespace
 
 double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit) {
@@ -82,6 +103,26 @@ Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit
   if (!all_fit) return {adapted_errors(channel.problem, fit, freedom), fit.plain};
   LeftOut out = leave_one_out(channel.problem, fit, &freedom);
   return {std::move(out.adapted), std::move(out.plain)};
+}
+
+std::vector<Finding> not_borne_out(const Workspace& w, const ResidualChannel& channel, const Selection& selection) {
+  std::vector<Finding> out;
+  MixedFit before = selection.base;
+  for (const ChosenEffect& chosen : selection.chosen) {
+    const LeftOutErrors errors = left_out_errors(w, channel, selection, chosen, before);
+    if (falls(chosen, errors)) {
+      before = chosen.fit;
+      continue;
+    }
+    Finding f;
+    f.effect = chosen.kind->name;
+    f.side = chosen.kind->side;
+    f.unit = channel.unit;
+    f.probability = std::min(kNoClaim, chosen.share_of_family);
+    f.evidence = chosen.kind->summary + kDoesNotFall;
+    out.push_back(std::move(f));
+  }
+  return out;
 }
 
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
@@ -105,25 +146,17 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
     f.parameters = physical_parameters(w.input, channel, chosen);
     if (f.parameters.empty()) f.parameters = parameters_of(channel, chosen);
-    const Judged was = judge(channel, before, selection.base, w.all_fit),
-                 is = judge(channel, chosen.fit, selection.base, w.all_fit);
-    const auto error = [&](const Judged& j) {
-      return channel.scale * std::sqrt(judged(channel, chosen.between ? j.plain : j.adapted, w.all_fit));
-    };
-    f.error_before = error(was);
-    f.error_after = error(is);
+    const LeftOutErrors errors = left_out_errors(w, channel, selection, chosen, before);
+    f.error_before = errors.before;
+    f.error_after = errors.after;
     f.effect_rms = chosen.by_records() ? chosen.effect_rms * channel.scale
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
     f.evidence = sentence(chosen, channel, f);
-    // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
-    constexpr double kLeast =
-        0.88;  // an effect of half the spread of the records leaves this share of their error
-    const double allowed = chosen.between && !chosen.by_records() ? kLeast : 1.02;
-    if (f.error_after > allowed * f.error_before) {
+    if (!falls(chosen, errors)) {
       f.probability = std::min(f.probability, kNoClaim);
-      f.evidence += "; not claimed: the error of records left out does not fall";
+      f.evidence += kDoesNotFall;
     }
     for (const FamilyScore& rival : selection.first.families) {
       if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
@@ -174,7 +207,7 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
 
 void withdraw_what_explains_little(const Workspace& w, const Selection& selection,
                                    std::vector<Finding>& findings) {
-  constexpr double kMost = 0.6, kFarAbove = 8.0;  // of the RMS error; of the instruments' noise
+  constexpr double kMost = 0.75, kFarAbove = 8.0;  // of the RMS error; of the instruments' noise
   const ResidualChannel& channel = w.output;
   const auto rms = [&](const MixedFit& fit) {
     return std::sqrt(judged(channel, judge(channel, fit, selection.base, w.all_fit).adapted, w.all_fit));

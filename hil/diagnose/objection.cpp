@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/instrument_error.h"
+#include "hil/diagnose/workspace.h"
 
 namespace forcegate::diagnose {
 
@@ -12,6 +13,8 @@ namespace {
 // an effect must remove so much more than it would of the steps of the reference alone; what one or two records show may be one place of
 // the steps
 constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
+// what smoothing leaves of a reference that is late and noisy is a shift of a shift: of the span, and of what the instruments may leave
+constexpr double kLeastOfTime = 1e-3, kOfNoise = 0.4;
 constexpr double kSameStrength = 1.0;  // a law has one strength: scatter between records, relative to it
 
 double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
@@ -61,6 +64,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
   const double seen_rms = std::max(removed_rms, total_rms);
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
+  if (is_timing(name) && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
   if (chosen.strength_scatter > kSameStrength) return "its strength differs by more than its size between records";
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *
