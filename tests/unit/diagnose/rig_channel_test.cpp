@@ -122,7 +122,7 @@ TEST(RigChannel, ASlightUnevennessOfSeveralMultiplesIsTheMotorThoughTheReference
   Bench bench;
   bench.resolution_N = 0.025;
   bench.slip_rad = [](double th) {
-    return 0.004 * (std::sin(2.0 * th + 0.7) - std::sin(0.7)) + 0.003 * std::sin(5.0 * th);
+    return 0.008 * (std::sin(2.0 * th + 0.7) - std::sin(0.7)) + 0.006 * std::sin(5.0 * th);
   };
   EXPECT_EQ(claims(diagnose(bench)), "motor ");
 }
