@@ -65,7 +65,9 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   const double seen_rms = std::max(removed_rms, total_rms);
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
   if (is_timing(name) && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
-  if (chosen.strength_scatter > kSameStrength) return "its strength differs by more than its size between records";
+  // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
+  const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited;
+  if (chosen.strength_scatter > kSameStrength && !helps_all) return "its strength differs by more than its size between records";
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *
                         resemblance(channel, result.base, family.best.fit, variant.columns, earlier))
