@@ -177,10 +177,10 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   rig_rules.smallest_rms = 4e-4;
   SelectionRules drive_rules = rig_rules;
   drive_rules.first_gain = 60.0;
-  drive_rules.form_gain = {{"one_pole", 200.0}};  // a servo loop leaves the like
+  drive_rules.form_gain = {{"one_pole", 400.0}};  // a servo loop leaves the like
   drive_rules.first_fall = 0.2;
   drive_rules.where_it_acts = true;
-  drive_rules.smallest_rms = 8e-4;  // a servo loop leaves the like
+  drive_rules.smallest_rms = 6e-4;  // a servo loop leaves the like
   if (w.has_command)
     drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
   if (w.has_rig) {

@@ -50,6 +50,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   if (family.best.wrong_sign) return "its sign is unphysical";
   const bool another_between = std::any_of(earlier.begin(), earlier.end(), [](const ChosenEffect& e) { return e.between; });
   if (chosen.by_records() && another_between) return "another effect between the records is in: what its form leaves is no second one";
+  if (chosen.by_records() && chosen.effect_rms < rules.smallest_rms) return kTooSmall;
   if (chosen.between && (chosen.not_by_records.empty() || family.best.total_fall < rules.first_total_fall)) return chosen.not_by_records;
   const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
   const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);

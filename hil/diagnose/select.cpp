@@ -64,8 +64,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
   std::vector<double> weight(result.families.size(), 0.0);
   for (std::size_t k = place; k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
-    // what acts within records answers another question
-    if (chosen.by_records() && !is_between_records(family.kind->name)) continue;
+    if (chosen.by_records() && !is_between_records(family.kind->name)) continue;  // what acts within records answers another question
     weight[k] = std::exp(std::max(-200.0, (family.gain - top) / temperature));
     // signatures that differ by less than a form is known to cannot be parted by how well they fit
     if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
@@ -75,7 +74,15 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
     }
     sum += weight[k];
   }
-  for (std::size_t k = place; k < result.families.size(); ++k) {
+  // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well
+  constexpr double kWithin = 40.0;
+  for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
+    const FamilyScore& family = result.families[k];
+    if (is_between_records(family.kind->name) || !look_alike(*family.kind, *chosen.kind) || family.gain < kWithin || family.best.wrong_sign) continue;
+    weight[k] = 1.0;
+    sum += 1.0;
+  }
+  for (std::size_t k = 0; k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
     const double share = weight[k] / sum;
     if (family.kind == chosen.kind) chosen.share_of_family = share;
