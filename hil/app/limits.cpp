@@ -57,15 +57,10 @@ class Derivation {
 
   DerivedLimits limits() {
     for (const auto& [key, list] : values_) {
-      DerivedLimit limit;
-      limit.n = list.size();
-      limit.unit = units_[key];
-      limit.p99 = sample_quantile(list, 0.99);
       // Few recordings of one specimen repeat better than one of them is known: a good one must pass by U = 2 u.
-      limit.sd = limits_.rig.starts_with("replay") ? moments(list).sd + moments(u_[key]).mean
-                                                   : std::max(moments(list).sd, moments(u_[key]).mean);
-      limit.value = limit.p99 + 2.0 * limit.sd;
-      limits_.by_case_and_check[key] = limit;
+      const double sd = limits_.rig.starts_with("replay") ? moments(list).sd + moments(u_[key]).mean
+                                                          : std::max(moments(list).sd, moments(u_[key]).mean);
+      limits_.by_case_and_check[key] = derive_limit(list, sd, units_[key]);
     }
     return std::move(limits_);
   }

@@ -17,10 +17,10 @@ struct LimitsRequest {
   std::string date;  ///< "2026-11-21", for the file
 };
 
-/// p99 and standard deviation of the judged errors of every open-loop case with the check `accuracy`; the
-/// limit is p99 + 2 sd. With recordings (at least 5 of one profile on one bench: its repeatability run) each of
-/// them gives one value, under the case name `recording` of the plan `replay`. Errors: those of gate(); config when a record gave no value (the file would claim too
-/// much).
+/// derive_limit() of the judged errors of every open-loop case with the check `accuracy`. With recordings (at least
+/// 5 of one profile on one bench: its repeatability run) each of them gives one value, under the case name
+/// `recording` of the plan `replay`. Errors: those of gate(); config when a record gave no value (the file would
+/// claim too much).
 Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress = {},
                                     const std::atomic<bool>* cancelled = nullptr);
 

@@ -135,7 +135,7 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
   answer.limits.date = request.date;
   for (const auto& [key, list] : values) {
     const Moments m = moments(list);
-    const double p99 = sample_quantile(list, 0.99), derived = p99 + 2.0 * m.sd;
+    const DerivedLimit derived = derive_limit(list, m.sd, like[key].unit);
     const auto planned = std::find_if(plan.cases.begin(), plan.cases.end(),
                                       [&](const PlanCase& c) { return c.name == key.first; });
     double given = std::nan("");  // limit of the plan
@@ -153,10 +153,9 @@ Result<RepeatabilityAnswer> repeatability(const RepeatabilityRequest& request, c
                            given,
                            0.0,
                            false};
-    row.gauge_pct = gauge_share_pct(m.sd, std::isnan(given) ? derived : given);
+    row.gauge_pct = gauge_share_pct(m.sd, std::isnan(given) ? derived.value : given);
     row.resolved = row.gauge_pct <= kGaugeRefused_pct;
-    if (row.resolved)
-      answer.limits.by_case_and_check[key] = {p99, m.sd, derived, like[key].unit, list.size()};
+    if (row.resolved) answer.limits.by_case_and_check[key] = derived;
     answer.rows.push_back(std::move(row));
   }
   return answer;

@@ -5,15 +5,33 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/base/text.h"
+#include "hil/gate/statistics.h"
 #include "hil/rig/config.h"
 
 namespace forcegate {
+namespace {
+
+constexpr std::uint64_t kFewestForP99 = 299;  // 0.99^299 < 0.05
+constexpr std::int64_t kFormat = 2;
+
+}  // namespace
 
 Limit DerivedLimits::find(const std::string& case_name, const std::string& check_id) const {
   const auto at = by_case_and_check.find({case_name, check_id});
   if (at == by_case_and_check.end()) return {};
   return {Limit::Kind::upper, at->second.value,
-          fmt::format("derived: p99 + 2 sd of n = {}, {}, rig {}", at->second.n, date, rig)};
+          fmt::format("derived: {} + 2 sd of n = {}, {}, rig {}",
+                      at->second.n < kFewestForP99 ? "largest" : "p99 at 95 % confidence", at->second.n, date, rig)};
+}
+
+DerivedLimit derive_limit(const std::vector<double>& values, double sd, std::string unit) {
+  DerivedLimit limit;
+  limit.p99_upper = quantile_bound_95(values, 0.99).value;
+  limit.sd = sd;
+  limit.value = limit.p99_upper + 2.0 * sd;
+  limit.unit = std::move(unit);
+  limit.n = values.size();
+  return limit;
 }
 
 Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
@@ -21,7 +39,7 @@ Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
   DerivedLimits limits;
   ConfigReader r(root, "the limits file");
   std::int64_t format = 0;
-  r.integer("format", format, 1, 1, ConfigReader::required);
+  r.integer("format", format, kFormat, kFormat, ConfigReader::required);
   r.text("plan", limits.plan, ConfigReader::required);
   r.text("firmware_sha256", limits.firmware_sha256, ConfigReader::required);
   r.text("rig", limits.rig, ConfigReader::required);
@@ -37,7 +55,7 @@ Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
     std::int64_t n = 0;
     l.text("case", case_name, ConfigReader::required);
     l.text("check", check, ConfigReader::required);
-    l.number("p99", limit.p99, 0.0, 1e9, ConfigReader::required);
+    l.number("p99_upper", limit.p99_upper, 0.0, 1e9, ConfigReader::required);
     l.number("sd", limit.sd, 0.0, 1e9, ConfigReader::required);
     l.number("value", limit.value, 0.0, 1e9, ConfigReader::required);
     l.text("unit", limit.unit, ConfigReader::required);
@@ -53,13 +71,13 @@ Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
 std::string write_limits(const DerivedLimits& limits) {
   std::string out = fmt::format(
       "# Derived limits. Made by `forcegate limits`; do not edit by hand.\n"
-      "format = 1\nplan = \"{}\"\nfirmware_sha256 = \"{}\"\nrig = \"{}\"\ndate = \"{}\"\n",
-      limits.plan, limits.firmware_sha256, limits.rig, limits.date);
+      "format = {}\nplan = \"{}\"\nfirmware_sha256 = \"{}\"\nrig = \"{}\"\ndate = \"{}\"\n",
+      kFormat, limits.plan, limits.firmware_sha256, limits.rig, limits.date);
   for (const auto& [key, limit] : limits.by_case_and_check)
     out += fmt::format(
-        "\n[[limit]]\ncase = \"{}\"\ncheck = \"{}\"\np99 = {:.4f}\nsd = {:.4f}\nvalue = {:.4f}\nunit = "
+        "\n[[limit]]\ncase = \"{}\"\ncheck = \"{}\"\np99_upper = {:.4f}\nsd = {:.4f}\nvalue = {:.4f}\nunit = "
         "\"{}\"\nn = {}\n",
-        key.first, key.second, limit.p99, limit.sd, limit.value, limit.unit, limit.n);
+        key.first, key.second, limit.p99_upper, limit.sd, limit.value, limit.unit, limit.n);
   return out;
 }
 
@@ -68,13 +86,13 @@ std::string limits_json(const DerivedLimits& limits) {
   for (const auto& [key, limit] : limits.by_case_and_check)
     rows.push_back({{"case", key.first},
                     {"check", key.second},
-                    {"p99", limit.p99},
+                    {"p99_upper", limit.p99_upper},
                     {"sd", limit.sd},
                     {"value", limit.value},
                     {"unit", limit.unit},
                     {"n", limit.n}});
   return nlohmann::ordered_json{
-      {"format", 1},       {"plan", limits.plan}, {"firmware_sha256", limits.firmware_sha256},
+      {"format", kFormat}, {"plan", limits.plan}, {"firmware_sha256", limits.firmware_sha256},
       {"rig", limits.rig}, {"date", limits.date}, {"limits", rows}}
       .dump(2);
 }

@@ -88,6 +88,21 @@ double sample_quantile(std::vector<double> values, double p) {
   return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
+QuantileBound quantile_bound_95(std::vector<double> values, double p) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return {std::numeric_limits<double>::quiet_NaN(), false};
+  std::sort(values.begin(), values.end());
+  const auto n = static_cast<double>(values.size());
+  // P(Bin(n, p) <= r - 1) = I_{1-p}(n - r + 1, r), and it falls with r.
+  const auto confidence = [&](std::size_t r) {
+    return incomplete_beta(n - static_cast<double>(r) + 1.0, static_cast<double>(r), 1.0 - p);
+  };
+  std::size_t r = values.size();
+  if (confidence(r) < 0.95) return {values.back(), false};
+  while (r > 1 && confidence(r - 1) >= 0.95) --r;
+  return {values[r - 1], true};
+}
+
 Interval95 clopper_pearson_95(std::size_t k, std::size_t n) {
   Interval95 out;
   if (n == 0 || k > n) return out;

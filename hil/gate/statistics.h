@@ -28,6 +28,15 @@ Moments moments(std::span<const double> values);
 /// Value below which the share p of the items lies (linear between order statistics, type 7); NaN when empty.
 double sample_quantile(std::vector<double> values, double p);
 
+/// Item that is, with 95 % confidence, not below the quantile p of what the items were drawn from, whatever the
+/// distribution (order statistic r, the smallest with P(Bin(n, p) < r) >= 0.95; Wilks 1941). `reached` is false
+/// when n is too small for any item to say so (p = 0.99: below 299); it is the largest one then. NaN when empty.
+struct QuantileBound {
+  double value = 0.0;
+  bool reached = false;
+};
+QuantileBound quantile_bound_95(std::vector<double> values, double p);
+
 /// Interval of Clopper and Pearson (1934) for a probability after k successes in n trials; n = 0: [0, 1].
 /// One-sided where k is 0 or n: then the bound alone has the coverage, as in "59 clean runs claim less than 5
 /// %".

@@ -41,8 +41,8 @@ const Registration<Command> kRow{Command{
     .group = "Gate",
     .summary = "derive the limits of a plan from a known-good build",
     .description = "Plays every open-loop case of a plan on many specimens that belong to no panel, and "
-                   "takes p99 + 2 sd of "
-                   "the errors of extrema as limits. The file says n, date, rig and the firmware it was made "
+                   "takes as limits of the errors of extrema what 99 % of specimens stay below with 95 % "
+                   "confidence (below 299 of them: the largest), and 2 sd. The file says n, date, rig and the firmware it was made "
                    "with; it is "
                    "part of the goldens and changes only with a reason.",
     .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image."}},

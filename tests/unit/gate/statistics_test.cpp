@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <random>
 
 namespace forcegate {
 namespace {
@@ -38,6 +41,36 @@ TEST(Statistics, holm_rejects_step_by_step) {
 TEST(Statistics, holm_never_rejects_what_is_not_a_number) {
   const double p[] = {std::nan(""), 0.0};
   EXPECT_EQ(holm(p, 0.05), (std::vector<bool>{false, true}));
+}
+
+TEST(Statistics, the_bound_of_a_quantile_is_the_order_statistic_of_wilks) {
+  std::vector<double> values(473);
+  std::iota(values.begin(), values.end(), 1.0);
+  // First and second failure of a 95/99 tolerance limit need 299 and 473 values.
+  EXPECT_EQ(quantile_bound_95(values, 0.99).value, 472.0);
+  values.pop_back();
+  EXPECT_EQ(quantile_bound_95(values, 0.99).value, 472.0);
+  values.resize(299);
+  std::reverse(values.begin(), values.end());
+  EXPECT_EQ(quantile_bound_95(values, 0.99).value, 299.0);
+  EXPECT_TRUE(quantile_bound_95(values, 0.99).reached);
+  values.erase(values.begin());
+  EXPECT_EQ(quantile_bound_95(values, 0.99).value, 298.0);
+  EXPECT_FALSE(quantile_bound_95(values, 0.99).reached);
+  EXPECT_TRUE(std::isnan(quantile_bound_95({std::nan("")}, 0.99).value));
+}
+
+TEST(Statistics, the_bound_of_a_quantile_covers_it_as_often_as_it_says) {
+  std::mt19937_64 random(7);
+  std::exponential_distribution<double> heavy(1.0);
+  const double p90 = -std::log(0.1);
+  int covered = 0;
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<double> values(100);
+    for (double& v : values) v = std::pow(heavy(random), 2.0);
+    covered += quantile_bound_95(values, 0.9).value >= p90 * p90;
+  }
+  EXPECT_GE(covered, 1900 - 3 * 10);  // sd of the count: 10
 }
 
 TEST(Statistics, clopper_pearson_gives_the_published_intervals) {

@@ -1,0 +1,62 @@
+#include "hil/gate/limits.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+
+namespace forcegate {
+namespace {
+
+std::vector<double> one_to(std::size_t n) {
+  std::vector<double> values(n);
+  std::iota(values.begin(), values.end(), 1.0);
+  return values;
+}
+
+class LimitsFile : public ::testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(path_); }
+  std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / ("forcegate_limits_" + std::to_string(::getpid()) + ".toml");
+};
+
+DerivedLimits sample() {
+  DerivedLimits limits;
+  limits.plan = "nightly", limits.firmware_sha256 = "ab", limits.rig = "emulated/1", limits.date = "2026-01-02";
+  limits.by_case_and_check[{"sine", "mre_maxima"}] = derive_limit(one_to(300), 2.0, "%");
+  limits.by_case_and_check[{"sine", "mre_minima"}] = derive_limit(one_to(5), 0.5, "%");
+  return limits;
+}
+
+TEST(DerivedLimits, of_few_values_the_largest_and_of_many_the_bound_of_p99) {
+  const DerivedLimits limits = sample();
+  EXPECT_EQ(limits.find("sine", "mre_maxima").value, 304.0);
+  EXPECT_EQ(limits.find("sine", "mre_maxima").source,
+            "derived: p99 at 95 % confidence + 2 sd of n = 300, 2026-01-02, rig emulated/1");
+  EXPECT_EQ(limits.find("sine", "mre_minima").value, 6.0);
+  EXPECT_EQ(limits.find("sine", "mre_minima").source,
+            "derived: largest + 2 sd of n = 5, 2026-01-02, rig emulated/1");
+  EXPECT_EQ(limits.find("sweep", "mre_minima").kind, Limit::Kind::none);
+}
+
+TEST_F(LimitsFile, comes_back_from_disk_as_it_was) {
+  std::ofstream(path_) << write_limits(sample());
+  const auto back = read_limits(path_);
+  ASSERT_TRUE(back) << back.error().to_text();
+  EXPECT_EQ(write_limits(*back), write_limits(sample()));
+}
+
+TEST_F(LimitsFile, of_the_former_format_is_refused_with_its_place) {
+  std::ofstream(path_) << "format = 1\nplan = \"p\"\nfirmware_sha256 = \"a\"\nrig = \"r\"\ndate = \"d\"\n"
+                         "[[limit]]\ncase = \"c\"\ncheck = \"mre_maxima\"\np99 = 1\nsd = 1\nvalue = 3\nunit = "
+                         "\"%\"\nn = 300\n";
+  const auto limits = read_limits(path_);
+  ASSERT_FALSE(limits);
+  EXPECT_NE(limits.error().to_text().find(path_.string()), std::string::npos) << limits.error().to_text();
+}
+
+}  // namespace
+}  // namespace forcegate
