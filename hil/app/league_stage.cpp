@@ -21,14 +21,6 @@ const AnswerFinding* first_claim(const Answer& answer) {
   return nullptr;
 }
 
-/// "not taken: NAME: why" among the engine's notes.
-std::string refusal(const Answer& answer, const std::string& name) {
-  const std::string head = "not taken: " + name + ": ";
-  for (const std::string& note : answer.notes)
-    if (note.rfind(head, 0) == 0) return note.substr(head.size());
-  return "";
-}
-
 Miss lost(const LeagueMatch& m, const hidden::TruthEffect& effect) {
   Miss miss;
   miss.effect = effect.name;
@@ -46,8 +38,8 @@ Miss lost(const LeagueMatch& m, const hidden::TruthEffect& effect) {
   const auto& ranking = answer.ranking;
   const auto own =
       std::find_if(ranking.begin(), ranking.end(), [&](const auto& r) { return r.effect == effect.name; });
-  if (const std::string why = refusal(answer, effect.name); !why.empty())
-    return at(MissStage::refused, claim ? claim->effect : "", why);
+  if (const auto why = answer.refused.find(effect.name); why != answer.refused.end())
+    return at(MissStage::refused, claim ? claim->effect : "", why->second);
   for (std::size_t i = 0; i < answer.findings.size(); ++i)
     if (answer.findings[i].effect == effect.name)
       return at(MissStage::outclaimed, claim ? claim->effect : "",

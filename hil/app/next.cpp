@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
@@ -17,19 +16,15 @@ std::string what_parts(const std::string& effect) {
   return kind == nullptr ? "" : kind->separates;
 }
 
-// The effect with the most evidence that was turned down all the same, and why.
-struct Refused {
-  std::string effect, reason;
-};
-std::optional<Refused> strongest_refused(const Diagnosis& d) {
+// The effect with the most evidence that was turned down all the same.
+const RefusedEffect* strongest_refused(const Diagnosis& d) {
   constexpr double kMuch = 20.0;  // nats
   for (const RankedEffect& r : d.ranking) {
     if (r.score < kMuch) break;
-    const std::string start = "not taken: " + r.effect + ": ";
-    for (const std::string& note : d.notes)
-      if (note.starts_with(start)) return Refused{r.effect, note.substr(start.size())};
+    for (const RefusedEffect& refused : d.refused)
+      if (refused.effect == r.effect) return &refused;
   }
-  return std::nullopt;
+  return nullptr;
 }
 
 std::string without_segments(const Diagnosis& d) {
@@ -46,7 +41,7 @@ std::string without_segments(const Diagnosis& d) {
            "\nLook at its map (--html), or write an equation of your own: [[effect]] in the model file (docs/diagnosis.md)\n";
   if (const Finding* first = worth_adding(d); first != nullptr)
     return "nothing competes with " + first->effect + ": no further measurement is needed to tell it from others\n";
-  if (const auto refused = strongest_refused(d))
+  if (const RefusedEffect* refused = strongest_refused(d))
     return "no two effects compete, but " + refused->effect + " has evidence and was not taken: " +
            refused->reason + "\nto settle it, record more of what shows it: " + what_parts(refused->effect) + "\n";
   return "nothing competes: no further measurement is needed to tell effects apart\n"

@@ -177,9 +177,11 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   if (progress) progress(0.0, "diagnosing what there is");
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
   out.planned = out.before.next_experiment;
-  if (out.planned.segments.empty())
-    return fail(ErrorCode::usage, next_text(out.before).substr(0, next_text(out.before).find('\n')),
-                request.campaign.campaign.string(), "forcegate diagnose shows the answer");
+  if (out.planned.segments.empty()) {
+    const std::string why = next_text(out.before);
+    return fail(ErrorCode::usage, why.substr(0, why.find('\n')), request.campaign.campaign.string(),
+                "forcegate diagnose shows the answer");
+  }
   fs::path from = request.campaign.campaign;
   if (from.filename().empty()) from = from.parent_path();
   out.folder =

@@ -67,7 +67,8 @@ Result<Answer> answer_from_json(const std::string& text) {
       answer.ranking.push_back({row.value("effect", ""), number(row, "score").value_or(0.0)});
     std::stable_sort(answer.ranking.begin(), answer.ranking.end(),
                      [](const AnswerRank& a, const AnswerRank& b) { return a.score > b.score; });
-    for (const Json& note : j.value("notes", Json::array())) answer.notes.push_back(note);
+    for (const Json& row : j.value("refused", Json::array()))
+      answer.refused.try_emplace(row.at("effect").get<std::string>(), row.value("reason", ""));
     for (const char* key : {"reason", "sentence", "summary"})
       if (answer.reason.empty() && j.contains(key) && j[key].is_string()) answer.reason = j[key];
     return answer;

@@ -2,6 +2,7 @@
 // An answer of `forcegate diagnose --json` (or of a person) against the truth sheet of a campaign, and the
 // arithmetic of the tables made from many of them.
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,7 +33,7 @@ struct Answer {
   std::optional<double> force_error_before, force_error_after;  ///< N, when the rig side is at fault
   std::string reason;                                           ///< free text of the engine, may be empty
   std::vector<AnswerRank> ranking;                              ///< best first
-  std::vector<std::string> notes;
+  std::map<std::string, std::string> refused;  ///< effect that came up and was not taken, reason
 };
 
 /// Errors name the missing or mistyped key.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/base/rng.h"
+#include "hil/diagnose/objection.h"
 
 namespace forcegate::diagnose {
 
@@ -149,7 +150,7 @@ bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& fami
 }
 
 std::string objection(const RecordEvidence& records, bool with_time, const SelectionRules& rules) {
-  if (!records.valid || records.gain < rules.between_gain) return "too little evidence";
+  if (!records.valid || records.gain < rules.between_gain) return kTooLittleEvidence;
   if (records.explained < (with_time ? rules.between_course_fall : rules.between_fall)) return "it does not make records predictable from each other";
   if (records.left_out > rules.between_left_out) return "records that were left out are not predicted better";
   return {};

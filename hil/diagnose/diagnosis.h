@@ -68,6 +68,14 @@ struct RankedEffect {
   std::string note;  ///< "not excited", "wrong sign", "needs temperature" ...
 };
 
+/// An effect that came up and was not taken.
+struct RefusedEffect {
+  std::string effect, reason;
+  bool evident = true;  ///< false: it had too little evidence to begin with
+
+  bool operator==(const RefusedEffect&) const = default;
+};
+
 struct ErrorPair {
   double before = 0.0, after = 0.0;
   std::string unit;
@@ -139,6 +147,7 @@ struct Diagnosis {
       not_separable;            ///< effects that explain the same residual of these records
   double expected_false = 0.0;  ///< expected number of false effects at the threshold used, from sign flips
   NextExperiment next_experiment;
+  std::vector<RefusedEffect> refused;
   std::vector<std::string> notes;
   double force_range_N = 0.0, voltage_range_V = 0.0;
 };

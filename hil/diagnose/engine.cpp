@@ -9,6 +9,7 @@
 #include "hil/diagnose/null_calibration.h"
 #include "hil/diagnose/pictures.h"
 #include "hil/diagnose/ranking.h"
+#include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/verdict.h"
 
 namespace forcegate::diagnose {
@@ -84,45 +85,21 @@ void set_scales(const Workspace& w, const EngineOptions& options, Diagnosis& out
   out.voltage_range_V = w.input.U_range_V;
 }
 
-// The base, or the base beside a lead of the output where the records show one that a reference with a lag of its own explains: what
-// a diagnosis carries along and never claims is no failure of the model either.
-MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<std::string>& notes) {
-  constexpr double kLongest_s = 0.03, kAllowed_s = 0.012, kLeastGain = 4.0;
-  const ResidualChannel& channel = w.output;
-  std::vector<int> columns = base.columns;
-  std::map<int, double> lead_s;
-  for (const Candidate& c : channel.candidates)
-    if (c.kind->name == kLatencyEffect && c.shape[0] < 0.0 && c.shape[0] > -kLongest_s &&
-        std::find(columns.begin(), columns.end(), c.first) == columns.end()) {
-      columns.push_back(c.first);
-      lead_s[c.first] = -c.shape[0];
-    }
-  if (lead_s.empty()) return base;
-  MixedFit with = fit_mixed(channel.problem, columns, &base, 20);
-  if (!with.valid || with.log_evidence - base.log_evidence < kLeastGain) return base;
-  double lead = 0.0;
-  for (std::size_t b = 0; b < columns.size(); ++b)
-    if (const auto found = lead_s.find(columns[b]); found != lead_s.end())
-      lead += found->second * with.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
-  if (lead < 0.0 || lead > kAllowed_s) return base;
-  const auto left_out = [&](const MixedFit& fit) {
-    return judged(channel, judge(channel, fit, base, w.all_fit).adapted, w.all_fit);
-  };
-  if (left_out(with) >= left_out(base)) return base;
-  notes.push_back("the output leads the reference by a few milliseconds, as a reference with its own lag does");
-  return with;
-}
-
 // A candidate that left-out records do not bear out may have made others needless: the search begins anew without it.
 Selection select_borne_out(Workspace& w, const std::vector<int>& always, std::vector<std::string> skip, const SelectionRules& rules,
                            unsigned threads, std::vector<Finding>& suspicions) {
-  Selection out = select_effects(w.input, w.output, always, skip, rules, threads);
+  const auto select = [&] {
+    Selection one = select_effects(w.input, w.output, always, skip, rules, threads);
+    measure_left_out(w, w.output, one);
+    return one;
+  };
+  Selection out = select();
   constexpr int kMostTimes = 2;
   for (int time = 0; time < kMostTimes && out.base.valid; ++time) {
-    std::vector<Finding> idle = not_borne_out(w, w.output, out);
+    std::vector<Finding> idle = not_borne_out(w.output, out);
     if (idle.empty()) break;
     for (const Finding& f : idle) skip.push_back(f.effect);
-    Selection without = select_effects(w.input, w.output, always, skip, rules, threads);
+    Selection without = select();
     if (!without.base.valid) break;
     without.first = std::move(out.first);  // the ranking is of all
     out = std::move(without);
@@ -181,11 +158,14 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   drive_rules.first_fall = 0.2;
   drive_rules.where_it_acts = true;
   drive_rules.smallest_rms = 6e-4;  // a servo loop leaves the like
-  if (w.has_command)
+  if (w.has_command) {
     drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
+    measure_left_out(w, w.command, drive);
+  }
   if (w.has_rig) {
     rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules,
                          options.threads);
+    measure_left_out(w, w.rig, rig);
     for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
   }
   std::vector<std::string> skip = options.in_model;
@@ -305,13 +285,12 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   // a family may come up, and be turned down, once for every model that it is tried beside
-  const auto note_once = [&](std::string note) {
-    if (std::find(out.notes.begin(), out.notes.end(), note) == out.notes.end())
-      out.notes.push_back(std::move(note));
+  const auto add_once = [](auto& list, const auto& one) {
+    if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
   };
-  for (const std::string& what : selection.nuisance) note_once(what);
+  for (const std::string& what : selection.nuisance) add_once(out.notes, what);
   for (const Selection* tried : std::initializer_list<const Selection*>{&selection, &rig, &drive})
-    for (const std::string& why : tried->rejected) note_once("not taken: " + why);
+    for (const RefusedEffect& r : tried->refused) add_once(out.refused, r);
   if (options.pictures) add_pictures(w, selection, residual, residual_rows(w.output, selection.claimed), out);
   return out;
 }

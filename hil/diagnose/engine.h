@@ -14,9 +14,6 @@
 
 namespace forcegate::diagnose {
 
-/// The effect whose leads are forgiven: a reference reads the force a few milliseconds late.
-constexpr const char* kLatencyEffect = "delay";
-
 struct EngineOptions {
   BaseLaw law;  ///< starting model
   std::string model_name = "flexiforce";

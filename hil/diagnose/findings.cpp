@@ -68,25 +68,6 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
 
 constexpr const char* kDoesNotFall = "; not claimed: the error of records left out does not fall";
 
-struct LeftOutErrors {
-  double before, after;  // in the channel's unit
-};
-
-LeftOutErrors left_out_errors(const Workspace& w, const ResidualChannel& channel, const Selection& selection, const ChosenEffect& chosen,
-                              const MixedFit& before) {
-  const auto error = [&](const MixedFit& fit) {
-    const Judged j = judge(channel, fit, selection.base, w.all_fit);
-    return channel.scale * std::sqrt(judged(channel, chosen.between ? j.plain : j.adapted, w.all_fit));
-  };
-  return {error(before), error(chosen.fit)};
-}
-
-// What is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence.
-bool falls(const ChosenEffect& chosen, const LeftOutErrors& errors) {
-  constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
-  return errors.after <= (chosen.between && !chosen.by_records() ? kLeast : 1.02) * errors.before;
-}
-
 }  // namespace
 
 double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit) {
@@ -105,15 +86,26 @@ Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit
   return {std::move(out.adapted), std::move(out.plain)};
 }
 
-std::vector<Finding> not_borne_out(const Workspace& w, const ResidualChannel& channel, const Selection& selection) {
+void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection) {
+  constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
+  const MixedFit* before = &selection.base;
+  for (ChosenEffect& chosen : selection.chosen) {
+    const auto error = [&](const MixedFit& fit) {
+      const Judged j = judge(channel, fit, selection.base, w.all_fit);
+      return channel.scale * std::sqrt(judged(channel, chosen.between ? j.plain : j.adapted, w.all_fit));
+    };
+    chosen.error_before = error(*before);
+    chosen.error_after = error(chosen.fit);
+    // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
+    chosen.borne_out = chosen.error_after <= (chosen.between && !chosen.by_records() ? kLeast : 1.02) * chosen.error_before;
+    if (chosen.borne_out) before = &chosen.fit;
+  }
+}
+
+std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selection& selection) {
   std::vector<Finding> out;
-  MixedFit before = selection.base;
   for (const ChosenEffect& chosen : selection.chosen) {
-    const LeftOutErrors errors = left_out_errors(w, channel, selection, chosen, before);
-    if (falls(chosen, errors)) {
-      before = chosen.fit;
-      continue;
-    }
+    if (chosen.borne_out) continue;
     Finding f;
     f.effect = chosen.kind->name;
     f.side = chosen.kind->side;
@@ -127,7 +119,6 @@ std::vector<Finding> not_borne_out(const Workspace& w, const ResidualChannel& ch
 
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out) {
-  MixedFit before = selection.base;
   for (const ChosenEffect& chosen : selection.chosen) {
     Finding f;
     f.effect = chosen.kind->name;
@@ -146,15 +137,14 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
     f.parameters = physical_parameters(w.input, channel, chosen);
     if (f.parameters.empty()) f.parameters = parameters_of(channel, chosen);
-    const LeftOutErrors errors = left_out_errors(w, channel, selection, chosen, before);
-    f.error_before = errors.before;
-    f.error_after = errors.after;
+    f.error_before = chosen.error_before;
+    f.error_after = chosen.error_after;
     f.effect_rms = chosen.by_records() ? chosen.effect_rms * channel.scale
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
     f.evidence = sentence(chosen, channel, f);
-    if (!falls(chosen, errors)) {
+    if (!chosen.borne_out) {
       f.probability = std::min(f.probability, kNoClaim);
       f.evidence += kDoesNotFall;
     }
@@ -170,7 +160,6 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
       if (share > 0.2 && std::none_of(f.confounded_with.begin(), f.confounded_with.end(),
                                       [&, n = name](const LookAlike& a) { return a.effect == n; }))
         f.confounded_with.push_back({name, 0.0, chosen.kind->separates});
-    before = chosen.fit;
     out.findings.push_back(std::move(f));
     // the rivals of this place stand beside it with what is left of the probability
     for (const auto& [name, share] : chosen.rivals) {

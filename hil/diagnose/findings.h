@@ -22,10 +22,13 @@ Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit
 /// Mean over the records that judge: held-out ones, or all.
 double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit);
 
-/// What was chosen although the error of records that were left out does not fall with it, as suspicions.
-std::vector<Finding> not_borne_out(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection);
+/// Sets error_before, error_after and borne_out of what was chosen.
+void measure_left_out(const Workspace& workspace, const ResidualChannel& channel, Selection& selection);
 
-/// Adds what was chosen in one channel, and its rivals. `explained`: share of what the noise does not explain.
+/// What was chosen and is not borne out, as suspicions. After measure_left_out().
+std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selection& selection);
+
+/// Adds what was chosen in one channel, and its rivals, after measure_left_out(). `explained`: share of what the noise does not explain.
 void add_findings(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out);
 

@@ -55,7 +55,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
   const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
   const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
-  if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return "too little evidence";
+  if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return kTooLittleEvidence;
   const bool explains_its_own = rules.where_it_acts && chosen.left_out.share > (first ? rules.first_fall : rules.later_fall);
   if (!explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
       family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&

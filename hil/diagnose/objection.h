@@ -10,6 +10,7 @@ namespace forcegate::diagnose {
 
 /// An effect that the instruments may feign is no answer: what fits worse may still be one.
 inline constexpr const char* kTooSmall = "too small for the declared instruments";
+inline constexpr const char* kTooLittleEvidence = "too little evidence";
 
 /// Why an effect is not taken; empty when it is. `earlier`: what has been chosen before; `removed_before`: RMS that the largest of them removed.
 std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family,

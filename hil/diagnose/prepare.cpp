@@ -4,6 +4,7 @@
 #include "hil/base/parallel.h"
 #include "hil/diagnose/denoise.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/user_candidates.h"
 #include "hil/model/rows.h"
 

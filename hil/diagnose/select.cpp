@@ -7,6 +7,7 @@
 #include "hil/diagnose/further_forms.h"
 #include "hil/diagnose/left_out.h"
 #include "hil/diagnose/objection.h"
+#include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/refine.h"
 
 namespace forcegate::diagnose {
@@ -24,36 +25,7 @@ VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const
   return out;
 }
 
-constexpr double kAllowed_s = 0.012;  // by which two instruments may be out of step
-
-// Shift in time that an effect of time comes to.
-double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
-  const std::string& name = family.kind->name;
-  const Candidate& c =
-      channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(family.best.variant)].candidate)];
-  const double share = family.best.fit.coefficient[family.best.fit.coefficient.size() - 1];
-  if (name == "piezocapacitance") return 0.01 * std::abs(share);
-  return name == "clock_skew" || c.shape.empty() ? 0.0 : std::abs(c.shape[0] * share);
-}
-
-// A reference that is a few milliseconds late does what such instruments do: the output then leads F_ref. It is carried
-// as a nuisance and never claimed.
-bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family) {
-  const Candidate& c =
-      channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(family.best.variant)].candidate)];
-  return family.kind->name == "delay" && c.shape[0] < 0.0 && shift_s(channel, family) <= kAllowed_s;
-}
-
 bool is_late(const std::string& name) { return name == "delay" || name == "lag"; }
-
-// A late reference explains nearly all that the best family does.
-bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result) {
-  constexpr double kNearly = 0.8;
-  for (const FamilyScore& family : result.families)
-    if (family.kind->name == "delay")
-      return family.gain > 40.0 && family.gain > kNearly * result.families.front().gain && is_reference_latency(channel, family);
-  return false;
-}
 
 // Shares among the families from `place` on: what was turned down for its own reasons is no rival.
 void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, ChosenEffect& chosen) {
@@ -121,7 +93,7 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& alway
     if (!out.chosen[k].by_records() &&
         (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
          !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps()))) {
-      out.rejected.push_back(out.chosen[k].kind->name + ": needless beside the others");
+      out.refused.push_back({out.chosen[k].kind->name, "needless beside the others", true});
       out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
       dropped = true;
       k = 0;
@@ -289,11 +261,10 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, variant.columns);
     const bool first = out.chosen.empty();
     const bool slight_shift = rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
-                              shift_s(channel, family) <= kAllowed_s && chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
+                              shift_s(channel, family) <= kAllowedLatency_s && chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
     // a lead that depends on the load is only seen beside the plain lead of a reference with a lag of its own
     if (rules.clock_slack && family.kind->name == "piezocapacitance" && latencies == 0 && family.gain > 4.0) {
-      for (const Candidate& c : channel.candidates)
-        if (c.kind->name == "delay" && c.shape[0] < 0.0 && c.shape[0] > -0.006) present.push_back(c.first);
+      add_leads(channel, present, 0.006);
       out.nuisance.push_back("a lead of the output of a few milliseconds is left to the reference");
       if (!screen_again(&family.best.fit)) break;
       ++latencies;
@@ -303,14 +274,10 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     // what a late reference explains nearly as well is its own, whatever else may fit
     const bool nearly_latency = rules.clock_slack && latencies == 0 && first && place == 0 && is_nearly_latency(channel, result);
     if ((rules.clock_slack && is_reference_latency(channel, family) && family.gain > 4.0) || slight_shift || nearly_latency) {
-      // all leads: they span a shift and a first-order lag of the reference alike
       if (slight_shift) present.insert(present.end(), variant.columns.begin(), variant.columns.end());
-      for (const Candidate& c : channel.candidates)
-        if (!slight_shift && c.kind->name == "delay" && c.shape[0] < 0.0 && c.shape[0] > -0.03 &&
-            std::find(present.begin(), present.end(), c.first) == present.end())
-          present.push_back(c.first);
+      else add_leads(channel, present);
       out.nuisance.push_back(slight_shift ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
-                                          : "the output leads the reference by a few milliseconds, as a reference with its own lag does");
+                                          : kLatencyNote);
       leads = leads || !slight_shift;
       if (!screen_again(&family.best.fit) || ++latencies > 2) break;
       --step;
@@ -319,7 +286,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     const std::string why = leads && is_late(family.kind->name) ? "the output leads the reference"
                             : objection(channel, result, family, chosen, out.chosen, largest_removed, rules);
     if (!why.empty()) {
-      out.rejected.push_back(family.kind->name + ": " + why);
+      out.refused.push_back({family.kind->name, why, why != kTooLittleEvidence});
       // the scatter within records and the spread between them are different questions: the next family may answer the
       // other. What fits worse than a refused family answers the same question no better
       const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain || why == kTooSmall;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/left_out.h"
 #include "hil/diagnose/screen.h"
 
@@ -26,6 +27,8 @@ struct ChosenEffect {
   RecordEvidence records;         ///< of an effect between records
   std::string not_by_records;     ///< why one number for each record does not bear it; empty: it does
   CrossFit left_out;              ///< against the model before it entered
+  double error_before = 0.0, error_after = 0.0;  ///< RMS of records that were left out, channel's unit; plain where it acts between them
+  bool borne_out = true;          ///< that error falls
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share
   MixedFit fit;                                        ///< of the model with everything up to this effect
 
@@ -40,7 +43,7 @@ struct Selection {
   MixedFit claimed;  ///< the chosen variants alone: what a model gains that takes them in
   double excess_before = 0.0, excess_after = 0.0;  ///< mean squares above the noise
   std::vector<std::string> nuisance;               ///< what was carried along without being a finding
-  std::vector<std::string> rejected;               ///< why the next one was not taken
+  std::vector<RefusedEffect> refused;              ///< what came up and was not taken
 };
 
 struct SelectionRules {

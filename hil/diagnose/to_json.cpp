@@ -124,6 +124,10 @@ std::string to_json(const Diagnosis& d) {
   out["next_experiment"] = {{"segments", segments},
                             {"minutes", number(d.next_experiment.minutes)},
                             {"sentence", d.next_experiment.sentence}};
+  Json refused = Json::array();
+  for (const RefusedEffect& r : d.refused)
+    refused.push_back({{"effect", r.effect}, {"reason", r.reason}, {"evident", r.evident}});
+  out["refused"] = refused;
   out["notes"] = d.notes;
   return out.dump(2) + "\n";
 }

@@ -192,7 +192,7 @@ TEST(Miss, SaysAtWhichStepItWasLost) {
   EXPECT_EQ(miss_of(behind).other, "lag");
   const LeagueMatch refused = single(
       "creep",
-      R"({"verdict":"unknown","ranking":[{"effect":"creep","score":50}],"notes":["not taken: creep: why not"]})");
+      R"({"verdict":"unknown","ranking":[{"effect":"creep","score":50}],"refused":[{"effect":"creep","reason":"why not"}]})");
   EXPECT_EQ(stage(refused), MissStage::refused);
   EXPECT_EQ(miss_of(refused).detail, "why not");
   EXPECT_EQ(stage(single("creep", R"({"verdict":"known","findings":[{"effect":"lag","probability":0.6},

@@ -1,0 +1,36 @@
+#pragma once
+// A reference that reads the force a few milliseconds late does what such instruments do: the output then leads F_ref. It is
+// carried along as a nuisance and never claimed.
+
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/screen.h"
+
+namespace forcegate::diagnose {
+
+/// The effect whose leads are forgiven.
+inline constexpr const char* kLatencyEffect = "delay";
+/// By which two instruments may be out of step, s.
+inline constexpr double kAllowedLatency_s = 0.012;
+/// What is said where a lead is carried along.
+inline constexpr const char* kLatencyNote =
+    "the output leads the reference by a few milliseconds, as a reference with its own lag does";
+
+/// Shift in time that an effect of time comes to, s, never negative; 0 for a skew, which has none.
+double shift_s(const ResidualChannel& channel, const FamilyScore& family);
+
+/// The best variant is a lead that the reference may have of its own.
+bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family);
+
+/// Such a lead explains nearly all that the best family does.
+bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result);
+
+/// Adds the columns of all leads up to `longest_s`: together they span a shift and a first-order lag of the reference alike.
+void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double longest_s = 0.03);
+
+/// The base, or the base beside a lead where the records show one that the reference explains, with a note: what a diagnosis carries
+/// along is no failure of the model either.
+MixedFit forgive_late_reference(const Workspace& workspace, MixedFit base, std::vector<std::string>& notes);
+
+}  // namespace forcegate::diagnose
