@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 constexpr double kFree = 1.0;                        // spread of a gain or zero that may be anything, shares of the span
 constexpr double kSession_s = 3600.0;                // a rest of this length begins a new session
-constexpr double kLeastGain = 5e-4, kLeastZero = 1e-4;  // no specimen repeats better
+constexpr double kTypicalGain = 6e-3, kTypicalZero = 2e-3;  // to which specimens repeat
 
 // Sizes (RMS over the records) that an effect may have: shares of the gain, and of the span for a zero.
 const std::vector<double> kGainSizes = {0.003, 0.01, 0.03, 0.1}, kZeroSizes = {0.001, 0.003, 0.01, 0.03};
@@ -114,8 +114,8 @@ Answer evidence(const ResidualChannel& channel, const RecordLevels& levels, cons
     for (std::size_t a = 0; a < scores.size(); ++a) {
       of_part.push_back(scores[a].gain + prior_of(channel, part[a].variant));
       out.ranked.emplace_back(of_part.back(), part[a].variant);
-      if (scores[a].gain <= highest) continue;
-      highest = scores[a].gain;
+      if (of_part.back() <= highest) continue;
+      highest = of_part.back();
       out.of_gain = gain;
       out.added = scores[a].added;
       out.evidence.explained = scores[a].explained;
@@ -164,8 +164,8 @@ RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& ch
   RecordLevels out;
   out.gain_of_column = out.zero_of_column = MatrixXd::Zero(n, p.ns);
   for (RecordSeries* s : {&out.gain, &out.zero}) s->value = s->variance = VectorXd::Zero(n);
-  out.gain.least_scatter = kLeastGain;
-  out.zero.least_scatter = kLeastZero;
+  out.gain.typical_scatter = kTypicalGain;
+  out.zero.typical_scatter = kTypicalZero;
   VectorXd sigma2(p.nz);
   for (int j = 0; j < p.nz; ++j) sigma2[j] = fit.variance[p.component_of_z[j]];
   sigma2[0] = sigma2[1] = kFree * kFree;
@@ -225,15 +225,16 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
   std::stable_sort(result.families.begin(), result.families.end(), [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });
 }
 
-std::string objection_of_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
-                                 const SelectionRules& rules) {
-  constexpr int kPermutations = 1999;
-  std::string why = objection(family.records, only_goes_with_time(channel, family), rules);
-  if (!why.empty()) return why;
+RecordTest test_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
+                        const SelectionRules& rules) {
+  constexpr int kPermutations = 19999;
+  RecordTest out;
+  out.objection = objection(family.records, only_goes_with_time(channel, family), rules);
+  if (!out.objection.empty()) return out;
   const RecordLevels levels = record_levels(input, channel, base);
-  if (chance(levels, ask(channel, levels, *family.kind), family.kind->name, kPermutations) > rules.between_chance)
-    return "the records in another order show as much";
-  return {};
+  out.chance = chance(levels, ask(channel, levels, *family.kind), family.kind->name, kPermutations);
+  if (out.chance > rules.between_chance) out.objection = "the records in another order show as much";
+  return out;
 }
 
 double visible_between_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,

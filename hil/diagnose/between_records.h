@@ -28,8 +28,12 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
 double visible_between_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
                                const SelectionRules& rules);
 
-/// Why one number for each record does not bear a claim; empty when it does.
-std::string objection_of_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
-                                 const SelectionRules& rules);
+/// What one number for each record says against a claim.
+struct RecordTest {
+  std::string objection;  ///< empty: nothing
+  double chance = 1.0;    ///< that the records in another order show as much; tested where nothing else stands against it
+};
+RecordTest test_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
+                        const SelectionRules& rules);
 
 }  // namespace forcegate::diagnose

@@ -6,6 +6,7 @@
 
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/physical_parameters.h"
+#include "hil/diagnose/record_regression.h"
 
 namespace forcegate::diagnose {
 
@@ -127,7 +128,10 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     // evidence between records is honest, since n counts records: posterior odds against a prior of 1 in 20. Within records
     // the evidence counts rows that hang together and is only a scale
     constexpr double kPriorOdds = 1.0 / 20.0;
-    const double odds = kPriorOdds * std::exp(std::min(50.0, chosen.gain));
+    double factor = std::exp(std::min(50.0, chosen.gain));
+    const bool records_alone = chosen.by_records() && chosen.gain <= chosen.records.gain;
+    if (records_alone) factor = std::min(factor, bayes_factor_bound(chosen.chance));
+    const double odds = kPriorOdds * factor;
     const double real = chosen.between       ? std::min(0.98, odds / (1.0 + odds))
                         : chosen.gain > 40.0 ? 0.98
                                              : 0.90;

@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 
 constexpr Index kFewest = 4;
 constexpr int kScatters = 24;
+constexpr double kFactor = 3.0;  // one standard deviation of the prior of s
 
 struct Session {
   double ratio, prior;
@@ -41,13 +42,20 @@ MatrixXd covariance(const RecordSeries& series, double scatter, double ratio) {
   return out;
 }
 
-// Values of s, even in ln s, from the least believable to beyond the spread of the values.
-std::vector<double> scatters(const RecordSeries& series) {
+struct Scatter {
+  double s, log_prior;
+};
+
+// Values of s, even in ln s, from far below the spread of the values to beyond it.
+std::vector<Scatter> scatters(const RecordSeries& series) {
   const VectorXd d = series.value.array() - series.value.mean();
   const double spread = std::sqrt(d.squaredNorm() / static_cast<double>(std::max<Index>(1, d.size() - 1)));
-  const double low = std::max(series.least_scatter, spread / 40.0), high = std::max(2.0 * low, 2.0 * spread);
-  std::vector<double> out;
-  for (int k = 0; k < kScatters; ++k) out.push_back(low * std::pow(high / low, k / (kScatters - 1.0)));
+  const double low = std::max(series.typical_scatter / 12.0, spread / 40.0), high = std::max(2.0 * low, 2.0 * spread);
+  std::vector<Scatter> out;
+  for (int k = 0; k < kScatters; ++k) {
+    const double s = low * std::pow(high / low, k / (kScatters - 1.0)), away = std::log(s / series.typical_scatter) / std::log(kFactor);
+    out.push_back({s, -0.5 * away * away});
+  }
   return out;
 }
 
@@ -165,10 +173,10 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
   Best best_null;
   std::vector<LogSum> with(predictors.size());
   std::vector<Best> best(predictors.size());
-  for (const double s : scatters(series))
+  for (const auto& [s, log_prior] : scatters(series))
     for (const Session& session : session_ratios(series)) {
       const Whitened white = whiten(series, covariance(series, s, session.ratio), columns);
-      const double prior = std::log(session.prior);
+      const double prior = std::log(session.prior) + log_prior;
       null.add(white.log_null + prior, 2.0 * std::log(s));
       if (white.log_null + prior > best_null.log_evidence) best_null = {white.log_null + prior, s, session.ratio, 0.0};
       for (std::size_t v = 0; v < predictors.size(); ++v)
@@ -206,10 +214,10 @@ class Permutable {
     const RecordSeries& series = question.series;
     const Index n = series.value.size();
     Best best;
-    for (const double s : scatters(series))
+    for (const auto& [s, log_prior] : scatters(series))
       for (const Session& session : session_ratios(series)) {
         const Whitened white = whiten(series, covariance(series, s, session.ratio), MatrixXd(n, 0));
-        const double e = white.log_null + std::log(session.prior);
+        const double e = white.log_null + std::log(session.prior) + log_prior;
         if (e > best.log_evidence) best = {e, s, session.ratio, 0.0};
       }
     const Eigen::LLT<MatrixXd> llt(covariance(series, best.scatter, best.ratio));
@@ -272,14 +280,19 @@ double permutation_chance(const std::vector<RecordQuestion>& questions, int perm
     for (const Permutable& s : series) gains.push_back(s.gain(order));
     return joint_gain(gains);
   };
+  constexpr int kHits = 40;  // enough to tell
   const double seen = gain();
   Rng rng(seed, "records permuted");
   int hits = 0;
   for (int k = 0; k < permutations; ++k) {
     for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[rng.below(i)]);
-    if (gain() >= seen - 1e-9) ++hits;
+    if (gain() >= seen - 1e-9 && ++hits == kHits) return hits / (1.0 + k);
   }
   return (1.0 + hits) / (1.0 + permutations);
+}
+
+double bayes_factor_bound(double chance) {
+  return chance < std::exp(-1.0) ? -1.0 / (std::exp(1.0) * chance * std::log(chance)) : 1.0;
 }
 
 }  // namespace forcegate::diagnose

@@ -4,8 +4,8 @@
 //   y_i = mu + x_i' c + zeta_i + e_i,   zeta ~ N(0, s^2 (I + k G)),  e_i ~ N(0, v_i),  c_j ~ N(0, t^2 w_j)
 //
 // G_ij = 1 where i and j belong to one session: records of a session may hang together, and a predictor that only tells the
-// sessions apart explains nothing. mu is flat (REML); s is integrated out over a grid that is even in its logarithm, k and t over
-// a few values. The score is the logarithm of the Bayes factor against x = 0 (Kass and Raftery 1995).
+// sessions apart explains nothing. mu is flat (REML); s is integrated out over a lognormal prior (a factor of 3 about what
+// specimens typically repeat to: few records that fit too well are chance, not evidence), k and t over a few values. The score is the logarithm of the Bayes factor against x = 0 (Kass and Raftery 1995).
 //
 // The chance is exact up to the estimated weights: whitened residuals of the model without x are permuted over the records (Freedman
 // and Lane 1983) and the whole search over predictors is repeated (Westfall and Young 1993).
@@ -19,7 +19,7 @@ namespace forcegate::diagnose {
 struct RecordSeries {
   Eigen::VectorXd value, variance;  ///< estimate of each record and variance of its measurement
   std::vector<int> session;         ///< empty: every record stands alone
-  double least_scatter = 1e-4;      ///< s is not believed to be smaller
+  double typical_scatter = 5e-3;    ///< median of the prior of s
 };
 
 /// Columns that one strength each multiplies; weight: relative prior variance of the strengths. Scaled by normalise() so that a
@@ -48,8 +48,12 @@ struct RecordQuestion {
   std::vector<RecordPredictor> predictors;
 };
 
-/// Share of permutations of the records, the same for all series, under which the family does as well as it did; (1 + hits)/(1 + n).
+/// Share of permutations of the records, the same for all series, under which the family does as well as it did: (1 + hits)/(1 + n),
+/// or hits/n as soon as enough hits tell (Besag and Clifford 1991).
 double permutation_chance(const std::vector<RecordQuestion>& questions, int permutations, std::uint64_t seed);
+
+/// Largest Bayes factor that a chance leaves room for, 1 from 1/e on (Sellke, Bayarri and Berger 2001).
+double bayes_factor_bound(double chance);
 
 /// ln of the mean evidence of alternatives: one of the series moves, or all of them. `gains`: per series, ln of the mean Bayes
 /// factor over its predictors.

@@ -257,7 +257,11 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     chosen.left_out = cross_fit(channel, result.base, family.best.fit);
     chosen.between = is_between_records(family.kind->name);
     chosen.records = family.records;
-    if (chosen.between) chosen.not_by_records = objection_of_records(input, channel, result.base, family, rules);
+    if (chosen.between) {
+      RecordTest test = test_records(input, channel, result.base, family, rules);
+      chosen.not_by_records = std::move(test.objection);
+      chosen.chance = test.chance;
+    }
     chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, variant.columns);
     const bool first = out.chosen.empty();
     const bool slight_shift = rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&

@@ -25,6 +25,7 @@ struct ChosenEffect {
   double strength_scatter = 0.0;  ///< between records, relative to the strength
   bool between = false;           ///< it acts from record to record
   RecordEvidence records;         ///< of an effect between records
+  double chance = 1.0;            ///< that its records in another order would show as much
   std::string not_by_records;     ///< why one number for each record does not bear it; empty: it does
   CrossFit left_out;              ///< against the model before it entered
   double error_before = 0.0, error_after = 0.0;  ///< RMS of records that were left out, channel's unit; plain where it acts between them
@@ -50,7 +51,7 @@ struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
   std::map<std::string, double> form_gain;  ///< forms of what every bench does a little must reach more
   double between_gain =
-      4.0;  ///< nats. One in twenty campaigns has a given effect of this kind: odds of 3 : 1 are left
+      3.0;  ///< nats. One in twenty campaigns has a given effect of this kind: even odds are left
   double between_fall = 0.5;  ///< share of the spread between records (a variance) that it must explain
   double between_course_fall =
       0.75;  ///< the same where it follows no record of its cause: sessions of a bench look alike

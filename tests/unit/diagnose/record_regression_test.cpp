@@ -25,7 +25,6 @@ RecordSeries scatter(Rng& rng, Index n = 10, double sd = 0.005) {
     out.variance[i] = u * u;
     out.value[i] = sd * rng.normal() + u * rng.normal();
   }
-  out.least_scatter = 1e-4;
   return out;
 }
 
@@ -115,6 +114,26 @@ TEST(RecordRegression, ThreeRecordsHaveNoScore) {
   const RecordScore score = score_predictors(scatter(rng, 3), {one_column(rng, 3)}, kSizes).front();
   EXPECT_LT(score.gain, -1e299);
   EXPECT_EQ(permutation_chance({{scatter(rng, 3), {one_column(rng, 3)}}}, 99, 1), 1.0);
+}
+
+TEST(RecordRegression, TheBoundOfABayesFactorIsThatOfItsChance) {
+  // Sellke, Bayarri and Berger 2001, table 1: p = 0.05, 0.01, 0.001 leave odds of 2.5, 8.1 and 53
+  EXPECT_NEAR(bayes_factor_bound(0.05), 2.46, 0.01);
+  EXPECT_NEAR(bayes_factor_bound(0.01), 7.99, 0.01);
+  EXPECT_NEAR(bayes_factor_bound(0.001), 53.3, 0.1);
+  EXPECT_EQ(bayes_factor_bound(0.5), 1.0);
+}
+
+TEST(RecordRegression, FewRecordsThatFitTooWellAreChance) {
+  // five records on a line to a part in ten thousand: no specimen repeats like that
+  RecordSeries s;
+  s.value = VectorXd::LinSpaced(5, -0.004, 0.004);
+  s.variance = VectorXd::Constant(5, 1e-10);
+  RecordPredictor p{MatrixXd(VectorXd::LinSpaced(5, -1.0, 1.0)), VectorXd::Ones(1)};
+  normalise(p);
+  EXPECT_LT(score_predictors(s, {p}, kSizes).front().gain, 4.0);
+  s.typical_scatter = 2e-4;
+  EXPECT_GT(score_predictors(s, {p}, kSizes).front().gain, 5.0);
 }
 
 }  // namespace
