@@ -71,9 +71,8 @@ struct RankedEffect {
 /// An effect that came up and was not taken.
 struct RefusedEffect {
   std::string effect, reason;
-  bool evident = true;  ///< false: it had too little evidence to begin with
-
-  bool operator==(const RefusedEffect&) const = default;
+  double score = 0.0;   ///< log evidence beside what had been taken, natural units
+  bool suspicion = true;  ///< false: too little of it to begin with, or of the wrong sign
 };
 
 struct ErrorPair {

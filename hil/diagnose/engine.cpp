@@ -285,12 +285,14 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   // a family may come up, and be turned down, once for every model that it is tried beside
-  const auto add_once = [](auto& list, const auto& one) {
-    if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
-  };
-  for (const std::string& what : selection.nuisance) add_once(out.notes, what);
+  for (const std::string& what : selection.nuisance)
+    if (std::find(out.notes.begin(), out.notes.end(), what) == out.notes.end()) out.notes.push_back(what);
   for (const Selection* tried : std::initializer_list<const Selection*>{&selection, &rig, &drive})
-    for (const RefusedEffect& r : tried->refused) add_once(out.refused, r);
+    for (const RefusedEffect& r : tried->refused)
+      if (std::none_of(out.refused.begin(), out.refused.end(),
+                       [&](const RefusedEffect& o) { return o.effect == r.effect && o.reason == r.reason; }))
+        out.refused.push_back(r);
+  suspect_refused(out);
   if (options.pictures) add_pictures(w, selection, residual, residual_rows(w.output, selection.claimed), out);
   return out;
 }

@@ -133,6 +133,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     if (records_alone) factor = std::min(factor, bayes_factor_bound(chosen.chance));
     const double odds = kPriorOdds * factor;
     const double real = chosen.between       ? std::min(0.98, odds / (1.0 + odds))
+                        : chosen.stands_out  ? 0.75
                         : chosen.gain > 40.0 ? 0.98
                                              : 0.90;
     const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
@@ -180,6 +181,24 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
       out.findings.push_back(std::move(weak));
     }
   }
+}
+
+void suspect_refused(Diagnosis& out) {
+  constexpr double kOneInFive = 0.2, kLeastScore = 20.0;
+  const RefusedEffect* strongest = nullptr;
+  for (const RefusedEffect& r : out.refused) {
+    const bool listed = std::any_of(out.findings.begin(), out.findings.end(), [&](const Finding& f) { return f.effect == r.effect; });
+    if (r.suspicion && !listed && r.score >= kLeastScore && (strongest == nullptr || r.score > strongest->score)) strongest = &r;
+  }
+  const EffectKind* kind = strongest == nullptr ? nullptr : EffectRegistry::instance().find(strongest->effect);
+  if (kind == nullptr) return;
+  Finding f;
+  f.effect = kind->name;
+  f.side = kind->side;
+  f.probability = kOneInFive;
+  f.evidence = kind->summary + "; not claimed: " + strongest->reason;
+  const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [](const Finding& o) { return o.probability < kOneInFive; });
+  out.findings.insert(weaker, std::move(f));
 }
 
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings) {

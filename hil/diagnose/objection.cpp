@@ -27,6 +27,23 @@ double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
   return sum / std::max(n, 1.0);
 }
 
+// What a wrong form of the first effect leaves, many families soak up. One that stands far above all others, runs across the first ones
+// and has one strength in all records that show it is an effect of its own, however much else is left.
+bool stands_out(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, const ChosenEffect& chosen,
+                const std::vector<ChosenEffect>& earlier) {
+  constexpr double kGain = 60.0, kAboveOthers = 4.0, kAcross = 0.35, kOneStrength = 0.25, kErrors = 2.5, kLeastFall = 0.2;
+  if (earlier.empty() || chosen.between || chosen.left_out.blocks || family.gain < kGain || chosen.fall < kLeastFall ||
+      chosen.strength_scatter > kOneStrength || chosen.left_out.log_ratio < kErrors * chosen.left_out.log_ratio_error)
+    return false;
+  for (const FamilyScore& other : result.families)
+    if (other.kind != family.kind && !look_alike(*other.kind, *family.kind) && !is_between_records(other.kind->name) && !other.best.wrong_sign &&
+        kAboveOthers * other.gain > family.gain)
+      return false;
+  return std::all_of(earlier.begin(), earlier.end(), [&](const ChosenEffect& e) {
+    return std::abs(signature_cosine(channel, result.base, e.fit, e.columns, family.best.fit, chosen.columns)) <= kAcross;
+  });
+}
+
 // |cos| with the signatures of the earlier effects, summed: the errors of their forms add up, and none is wholly across.
 double resemblance(const ResidualChannel& channel, const MixedFit& base, const MixedFit& fit, const std::vector<int>& columns,
                    const std::vector<ChosenEffect>& earlier) {
@@ -40,14 +57,18 @@ double resemblance(const ResidualChannel& channel, const MixedFit& base, const M
 
 }  // namespace
 
-std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, const ChosenEffect& chosen,
+bool is_suspicion(const std::string& reason) {
+  return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads;
+}
+
+std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, ChosenEffect& chosen,
                       const std::vector<ChosenEffect>& earlier, double removed_before, const SelectionRules& rules) {
   const bool first = removed_before == 0.0;
   const double excess = excess_mean_square(channel, result.base);
   const double total_rms = std::sqrt(std::max(0.0, family.best.total_fall * mean_adapted(channel, result.base)));
   const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess));
   const std::string& name = family.kind->name;
-  if (family.best.wrong_sign) return "its sign is unphysical";
+  if (family.best.wrong_sign) return kUnphysical;
   const bool another_between = std::any_of(earlier.begin(), earlier.end(), [](const ChosenEffect& e) { return e.between; });
   if (chosen.by_records() && another_between) return "another effect between the records is in: what its form leaves is no second one";
   if (chosen.by_records() && chosen.effect_rms < rules.smallest_rms) return kTooSmall;
@@ -57,10 +78,11 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
   if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return kTooLittleEvidence;
   const bool explains_its_own = rules.where_it_acts && chosen.left_out.share > (first ? rules.first_fall : rules.later_fall);
-  if (!explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
+  const bool leaves_most = !explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
       family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
-      !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall))
-    return "it leaves most of the residual";
+      !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);
+  chosen.stands_out = leaves_most && stands_out(channel, result, family, chosen, earlier);
+  if (leaves_most && !chosen.stands_out) return "it leaves most of the residual";
   if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
   const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
   const double seen_rms = std::max(removed_rms, total_rms);

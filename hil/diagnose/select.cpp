@@ -93,7 +93,7 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& alway
     if (!out.chosen[k].by_records() &&
         (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
          !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps()))) {
-      out.refused.push_back({out.chosen[k].kind->name, "needless beside the others", true});
+      out.refused.push_back({out.chosen[k].kind->name, "needless beside the others", lost, true});
       out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
       dropped = true;
       k = 0;
@@ -287,10 +287,10 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       --step;
       continue;
     }
-    const std::string why = leads && is_late(family.kind->name) ? "the output leads the reference"
+    const std::string why = leads && is_late(family.kind->name) ? kLeads
                             : objection(channel, result, family, chosen, out.chosen, largest_removed, rules);
     if (!why.empty()) {
-      out.refused.push_back({family.kind->name, why, why != kTooLittleEvidence});
+      out.refused.push_back({family.kind->name, why, family.gain, is_suspicion(why)});
       // the scatter within records and the spread between them are different questions: the next family may answer the
       // other. What fits worse than a refused family answers the same question no better
       const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain || why == kTooSmall;

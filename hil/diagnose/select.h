@@ -30,6 +30,7 @@ struct ChosenEffect {
   CrossFit left_out;              ///< against the model before it entered
   double error_before = 0.0, error_after = 0.0;  ///< RMS of records that were left out, channel's unit; plain where it acts between them
   bool borne_out = true;          ///< that error falls
+  bool stands_out = false;        ///< a later one that leaves much, but is far above what else would explain it
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share
   MixedFit fit;                                        ///< of the model with everything up to this effect
 

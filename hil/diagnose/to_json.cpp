@@ -126,7 +126,7 @@ std::string to_json(const Diagnosis& d) {
                             {"sentence", d.next_experiment.sentence}};
   Json refused = Json::array();
   for (const RefusedEffect& r : d.refused)
-    refused.push_back({{"effect", r.effect}, {"reason", r.reason}, {"evident", r.evident}});
+    refused.push_back({{"effect", r.effect}, {"reason", r.reason}, {"score", number(r.score)}, {"suspicion", r.suspicion}});
   out["refused"] = refused;
   out["notes"] = d.notes;
   return out.dump(2) + "\n";
