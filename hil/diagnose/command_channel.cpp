@@ -60,15 +60,16 @@ void build_command_channel(Workspace& w, unsigned threads) {
   w.has_command = channel.record_of.size() >= 2;
   if (!w.has_command) return;
   MixedProblem& p = channel.problem;
-  p.nz = 8;
+  p.nz = 10;
   p.n_fixed = 3;
   // a drive follows late, differently in every manner of moving, and the angle's zero is known to a degree or two: no findings
   p.components = {{"drive_gain", 0.02, 0.002, 0.5},
                   {"drive_offset", 0.02, 0.001, 0.5},
                   {"angle_zero", 0.01, 0.002, 0.5},
                   {"drive_lag", 1.0, 1.0, 1.0},
-                  {"drive_wander", 0.002, 3e-4, 0.5}};
-  p.component_of_z = {0, 1, 2, 3, 3, 4, 4, 4};
+                  {"drive_wander", 0.002, 3e-4, 0.5},
+                  {"drive_curve", 0.02, 0.005, 0.5}};
+  p.component_of_z = {0, 1, 2, 3, 3, 4, 4, 4, 5, 5};
   p.fixed_prior_sd = Eigen::Vector3d(10.0, 10.0, 0.03);
   const std::vector<std::string> only = {"motor"};
   list_candidates(w, EffectChannel::rig, false, channel, &only);
@@ -86,6 +87,12 @@ void build_command_channel(Workspace& w, unsigned threads) {
                  }
                  add_drive_lag(r, r.F_cmd_N, rows, channel.scale, 3, Z);
                  add_waves(r, rows, 5, 3, Z);
+                 // a machine without an angle is calibrated by somebody, to a curve
+                 for (std::size_t j = 0; r.cos_theta.empty() && j < rows.size(); ++j) {
+                   const double x = (r.F_cmd_N[rows[j]] - w.input.lowest_N) / channel.scale - 0.5;
+                   Z(static_cast<Eigen::Index>(j), 8) = x * x;
+                   Z(static_cast<Eigen::Index>(j), 9) = x * x * x;
+                 }
                });
   for (std::size_t k = 0; k < channel.record_of.size(); ++k) {
     const RecordInput& r = w.input.records[channel.record_of[k]];

@@ -1,8 +1,10 @@
 // Motor: a slow drive, and a wheel that does not turn evenly (cogging, an eccentric rotor) between command and force.
-//   dF = c (L_tau[C] - C), C the commanded force;   dF = A sin th (a sin n th + b cos n th), n times a turn, A half the record's span.
+//   dF = c (L_tau[C] - C), C the commanded force;   dF = A sin th (a sin n th + b cos n th), n times a turn, A half the record's span;
+//   dF = a sin (2 pi n C / span) + b cos (2 pi n C / span) of a machine whose angle nobody reads.
 // Never seen in U against F_ref.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -44,6 +46,21 @@ bool goes_round(const RecordInput& r) {
   return high - low > 4.0 * std::numbers::pi;
 }
 
+// Columns a sin n th + b cos n th of an error of the angle, for each n in turn; nothing where the wheel does not go round.
+template <class Multiples>
+void fill_multiples(const RecordInput& r, const Multiples& multiples, ColumnsRef out) {
+  out.setZero();
+  if (!goes_round(r)) return;
+  for (std::size_t i = 0; i < r.sin_theta.size(); ++i) {
+    const double th = std::atan2(r.sin_theta[i], r.cos_theta[i]), arm = r.A_N * std::sin(th);
+    Eigen::Index column = 0;
+    for (const double n : multiples) {
+      out(static_cast<Eigen::Index>(i), column++) = arm * std::sin(n * th);
+      out(static_cast<Eigen::Index>(i), column++) = arm * std::cos(n * th);
+    }
+  }
+}
+
 EffectForm ripple() {
   return {.name = "ripple",
           .shape = {{"per_turn", "1", 1.0, 50.0, 1.0, "times a turn of the wheel"}},
@@ -57,24 +74,18 @@ EffectForm ripple() {
                   for (int n = 1; n <= 16; ++n) out.push_back({static_cast<double>(n)});
                 return out;
               },
-          .columns =
-              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                out.setZero();
-                if (!goes_round(r)) return;
-                for (std::size_t i = 0; i < r.sin_theta.size(); ++i) {
-                  const double th = std::atan2(r.sin_theta[i], r.cos_theta[i]), arm = r.A_N * std::sin(th);
-                  out(static_cast<Eigen::Index>(i), 0) = arm * std::sin(shape[0] * th);
-                  out(static_cast<Eigen::Index>(i), 1) = arm * std::cos(shape[0] * th);
-                }
-              },
+          .columns = [](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
+                        ColumnsRef out) { fill_multiples(r, shape, out); },
           .refine = false};
 }
 
 // A drive that turns unevenly seldom does so at one multiple alone.
 EffectForm ripples() {
-  constexpr int kMultiples = 6;
-  EffectForm form{.name = "ripples", .shape = {}, .strength = {}, .sign = StrengthSign::either};
-  for (int n = 1; n <= kMultiples; ++n)
+  static constexpr std::array<double, 6> kMultiples = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+  EffectForm form;
+  form.name = "ripples";
+  form.sign = StrengthSign::either;
+  for (std::size_t n = 1; n <= kMultiples.size(); ++n)
     for (const char* part : {"sine_", "cosine_"})
       form.strength.push_back({part + std::to_string(n) + "_rad", "rad", -1.0, 1.0, 0.0,
                                "error of the angle, so many times a turn"});
@@ -82,18 +93,37 @@ EffectForm ripples() {
     return c.has_theta ? std::vector<std::vector<double>>{{}} : std::vector<std::vector<double>>{};
   };
   form.columns = [](const CampaignInput&, const RecordInput& r, std::span<const double>, ColumnsRef out) {
-    out.setZero();
-    if (!goes_round(r)) return;
-    for (std::size_t i = 0; i < r.sin_theta.size(); ++i) {
-      const double th = std::atan2(r.sin_theta[i], r.cos_theta[i]), arm = r.A_N * std::sin(th);
-      for (int n = 1; n <= kMultiples; ++n) {
-        out(static_cast<Eigen::Index>(i), 2 * n - 2) = arm * std::sin(n * th);
-        out(static_cast<Eigen::Index>(i), 2 * n - 1) = arm * std::cos(n * th);
-      }
-    }
+    fill_multiples(r, kMultiples, out);
   };
   form.refine = false;
   return form;
+}
+
+// A machine without an angle: what its screw or rack does comes again every so many newtons of the command.
+EffectForm pitch() {
+  return {.name = "pitch",
+          .shape = {{"per_range", "1", 3.0, 40.0, 6.0, "times over the range of the force"}},
+          .strength = {{"sine_N", "N", -5.0, 5.0, 0.0, "error of the force in phase"},
+                       {"cosine_N", "N", -5.0, 5.0, 0.0, "error of the force in quadrature"}},
+          .sign = StrengthSign::either,
+          .grid =
+              [](const CampaignInput& c) {
+                constexpr double kStep = 0.35;  // the phase at the ends is then known to a third of a right angle
+                std::vector<std::vector<double>> out;
+                if (!c.has_theta)
+                  for (double n = 3.0; n <= 16.0; n += kStep) out.push_back({n});
+                return out;
+              },
+          .columns =
+              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                out.setZero();
+                if (r.F_cmd_N.empty()) return;
+                for (std::size_t i = 0; i < r.rows(); ++i) {
+                  const double phase = 2.0 * std::numbers::pi * shape[0] * (r.F_cmd_N[i] - c.lowest_N) / c.range_N;
+                  out(static_cast<Eigen::Index>(i), 0) = std::sin(phase);
+                  out(static_cast<Eigen::Index>(i), 1) = std::cos(phase);
+                }
+              }};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
@@ -102,12 +132,12 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .channel = EffectChannel::rig,
     .summary =
         "the wheel does not follow its command: the drive is slow or turns unevenly; the sensor is innocent",
-    .equation = "F = C + c (L_tau[C] - C) + A sin th (a sin n th + b cos n th)",
+    .equation = "F = C + c (L_tau[C] - C) + A sin th (a sin n th + b cos n th), or + a sin k C + b cos k C",
     .source = "Lebosse et al. 2011, fig. 5: final force reached in 70 ms",
     .look_alikes = {"backlash", "lag"},
     .separates = "a step command: F_ref against the wheel angle stays a single curve",
     .needs = {"command"},
-    .forms = {one_pole(), ripple(), ripples()}}};
+    .forms = {one_pole(), ripple(), ripples(), pitch()}}};
 
 }  // namespace
 }  // namespace forcegate
