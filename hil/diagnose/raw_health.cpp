@@ -221,6 +221,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
     const auto at_low_end = [&](std::size_t k) { return std::abs(U[k] - low_rail) < 1e-9 + out.lsb_U_V; };
     if (at_low_end(i)) {
+      out.zero_runs += at_low_end(i - 1) ? 0 : 1;
       ++(at_low_end(i - 1) || at_low_end(i + 1) ? out.zeros : out.lone_zeros);
       mark(i, jump);
     } else if (comes_back(i, jump)) {
@@ -304,7 +305,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, rail = 0.0, missing = 0.0;
   std::vector<double> noise_F, hum;
-  std::size_t with_hum = 0, with_outliers = 0, with_held = 0;
+  std::size_t with_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
   double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
   std::vector<double> bit_V;
@@ -316,6 +317,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     (lone_are_spikes ? outliers : zeros) += static_cast<double>(h.lone_zeros);
     missing += static_cast<double>(h.missing);
     rail += static_cast<double>(h.at_rail);
+    zero_runs += h.zero_runs;
+    with_zeros += h.zero_runs > 0 ? 1 : 0;
     with_outliers += h.outliers >= 2 ? 1 : 0;
     with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
     bit_errors += static_cast<double>(h.bit_errors);
@@ -346,7 +349,10 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                    percent(outliers / samples) +
                        " of the samples stand far off their neighbours while the force is smooth",
                    "share", "1", outliers / samples, std::sqrt(outliers) / samples});
-  if ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records))
+  // the output cannot be at its low end there: a few are enough
+  constexpr std::size_t kFewestZeros = 5;
+  const bool plain_zeros = !lone_are_spikes && zero_runs >= kFewestZeros && with_zeros >= 2;
+  if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
     out.push_back(
         {"dropouts", 0.95,
          percent((held + zeros) / samples) + " of the samples are held or zero while the force moves",

@@ -14,6 +14,7 @@ struct RecordHealth {
   std::string record;
   std::vector<std::uint8_t> bad;  ///< samples that no fit may use
   std::size_t samples = 0, missing = 0, outliers = 0, held = 0, zeros = 0, at_rail = 0, gaps = 0;
+  std::size_t zero_runs = 0;  ///< at the low end where the force says otherwise
   std::size_t lone_zeros =
       0;  ///< single samples at the low end: a lost sample, or a spike that was cut off there
   std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
