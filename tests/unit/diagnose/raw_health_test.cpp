@@ -79,5 +79,20 @@ TEST(RawHealth, AFallToZeroThatTheForceDoesNotExplainIsLostSamples) {
   EXPECT_GT(check_raw_health(c.records[3], health_scales(c), c.bench).zeros, 100u);
 }
 
+TEST(RawHealth, AFewZerosInSeveralRecordsAreDropouts) {
+  const auto lost = [](std::size_t each) {
+    Campaign c = make_campaign(24, straight);
+    for (const std::size_t k : {0u, 3u})
+      for (std::size_t j = 0; j < each; ++j) c.records[k].trace.find("U")->value[2100 + 3001 * j] = 0.0;
+    return answer(std::move(c));
+  };
+  const Diagnosis few = lost(3);
+  ASSERT_FALSE(few.findings.empty());
+  EXPECT_EQ(few.findings.front().effect, "dropouts");
+  EXPECT_GE(few.findings.front().probability, 0.5);
+  const Diagnosis two = lost(1);
+  for (const Finding& f : two.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -18,6 +18,8 @@ struct Bench {
   std::function<double(double, double, double)> push = [](double, double, double) { return 0.0; };  // N, seen by the sensor
   double lift_N = 0.0;                                                  // the wheel stands so far back
   std::function<double(double)> zero_N = [](double) { return 0.0; };    // of the reference, in campaign time
+  bool angle = true;                                                    // recorded
+  std::function<double(double)> machine_N = [](double) { return 0.0; };  // added to a commanded force
   std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
 };
 
@@ -47,8 +49,9 @@ Campaign turning(const Bench& bench) {
       const double wanted =
           hertz[n] > 0.0 ? 2.0 * std::numbers::pi * hertz[n] * t
                          : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
+      const double asked_N = k * (p + e * (1.0 - std::cos(wanted)));
       const double th = wanted + bench.slip_rad(wanted),
-                   F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N);
+                   F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N + bench.machine_N(asked_N));
       late = i == 0 ? F
                     : late + (bench.reference_lag_s > 0.0
                                   ? -std::expm1(-1.0 / (kRate_Hz * bench.reference_lag_s))
@@ -56,7 +59,7 @@ Campaign turning(const Bench& bench) {
                                  (F - late);
       clock.t_s.push_back(t);
       theta.push_back(std::remainder(th, 2.0 * std::numbers::pi));
-      command.push_back(k * (p + e * (1.0 - std::cos(wanted))));
+      command.push_back(asked_N);
       F_ref.push_back(std::round((late + bench.zero_N(*r.start_s + t) + 0.003 * rng.normal()) /
                                  bench.resolution_N) *
                       bench.resolution_N);
@@ -65,7 +68,7 @@ Campaign turning(const Bench& bench) {
     r.trace.time_bases.push_back(clock);
     r.trace.channels.push_back({"F_ref", "N", "force", 0, F_ref, {}});
     r.trace.channels.push_back({"U", "V", "voltage", 0, U, {}});
-    r.trace.channels.push_back({"theta", "rad", "angle", 0, theta, {}});
+    if (bench.angle) r.trace.channels.push_back({"theta", "rad", "angle", 0, theta, {}});
     r.trace.channels.push_back({"F_cmd", "N", "force", 0, command, {}});
     c.records.push_back(std::move(r));
   }
@@ -125,6 +128,24 @@ TEST(RigChannel, ASlightUnevennessOfSeveralMultiplesIsTheMotorThoughTheReference
     return 0.008 * (std::sin(2.0 * th + 0.7) - std::sin(0.7)) + 0.006 * std::sin(5.0 * th);
   };
   EXPECT_EQ(claims(diagnose(bench)), "motor ");
+}
+
+TEST(RigChannel, AMachineWithoutAnAngleShowsThePitchOfItsScrew) {
+  Bench bench;
+  bench.angle = false;
+  bench.machine_N = [](double F) { return 0.02 * std::sin(2.0 * std::numbers::pi * F / 0.55 + 0.7); };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "motor ");
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().form, "pitch");
+  EXPECT_EQ(d.findings.front().side, "rig");
+}
+
+TEST(RigChannel, ACurveOfAMachineIsItsSpringAndNoPitch) {
+  Bench bench;
+  bench.angle = false;
+  bench.machine_N = [](double F) { return 0.05 * F * (1.0 - F / 5.0) - 0.004 * F * F * F / 5.0; };
+  EXPECT_EQ(claims(diagnose(bench)), "spring_nonlinearity ");
 }
 
 TEST(RigChannel, TheSidewaysPushOfAnEccentricGrowsWithItsEccentricity) {

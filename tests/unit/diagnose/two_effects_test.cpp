@@ -12,7 +12,8 @@ bool claims(const Diagnosis& d, const std::string& effect) {
 
 std::string told(const Diagnosis& d) {
   std::string out;
-  for (const Finding& f : d.findings) out += f.effect + " " + std::to_string(f.probability) + "; ";
+  for (const Finding& f : d.findings) out += f.effect + " " + std::to_string(f.probability) + ": " + f.evidence + "\n";
+  for (const RefusedEffect& r : d.refused) out += "refused " + r.effect + ": " + r.reason + "\n";
   for (const std::string& note : d.notes) out += "\n" + note;
   return out;
 }
@@ -33,6 +34,37 @@ TEST(TwoEffects, ACurveAndAGrowthOfTheSameSizeAreBothNamed) {
       }));
   EXPECT_TRUE(claims(d, "static_nonlinearity")) << told(d);
   EXPECT_TRUE(claims(d, "creep")) << told(d);
+}
+
+// A loop of stick and slip whose form no family has, and a slow growth across it.
+std::vector<double> loop_and_growth(const std::vector<double>& t, const std::vector<double>& F, double growth) {
+  std::vector<double> U;
+  double stuck = 0.0, slow = 0.0;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    const double dt = i == 0 ? 0.0 : t[i] - t[i - 1], dF = i == 0 ? 0.0 : F[i] - F[i - 1];
+    stuck += -std::expm1(-std::abs(dF) / 0.5) * ((dF > 0.0 ? 1.0 : -1.0) * std::sqrt(F[i]) - stuck);
+    slow += (F[i] - slow) * -std::expm1(-dt / 40.0);
+    U.push_back(2.0 * (F[i] - 0.05 * stuck + growth * slow) + 0.2);
+  }
+  return U;
+}
+
+TEST(TwoEffects, WhatIsRefusedWithMuchEvidenceIsASuspicionAndNoClaim) {
+  const Diagnosis d = answer(make_campaign(43, [](const std::vector<double>& t, const std::vector<double>& F, int) {
+    return loop_and_growth(t, F, 0.0);
+  }));
+  ASSERT_TRUE(claims(d, "hysteresis")) << told(d);
+  for (const Finding& f : d.findings) EXPECT_TRUE(f.effect == "hysteresis" || f.probability < 0.5) << told(d);
+  for (const RefusedEffect& r : d.refused) EXPECT_FALSE(r.reason.empty()) << r.effect;
+}
+
+TEST(TwoEffects, AGrowthBesideALoopIsAmongTheFirstTwo) {
+  const Diagnosis d = answer(make_campaign(43, [](const std::vector<double>& t, const std::vector<double>& F, int) {
+    return loop_and_growth(t, F, 0.05);
+  }));
+  ASSERT_GE(d.findings.size(), 2u) << told(d);
+  EXPECT_TRUE(claims(d, "hysteresis")) << told(d);
+  EXPECT_TRUE(d.findings[0].effect == "creep" || d.findings[1].effect == "creep") << told(d);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ CampaignInput input() {
   return std::move(*made);
 }
 
-// The campaign with what a form asks for: a humidity channel, a thermometer that is missing, a recording of another machine.
+// The campaign with what a form asks for: a humidity channel, a thermometer or an angle that is missing, a recording of another machine.
 CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
   CampaignInput out = input();
   out.has_command = out.has_capacitance = true;
@@ -52,6 +52,8 @@ CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
   if (serves()) return out;
   for (RecordInput& r : out.records) r.temp_C.clear();
   out.has_temp = false;
+  if (serves()) return out;
+  out.has_theta = false;
   if (serves()) return out;
   out.bench.voltage_min_V = 0.0;
   out.bench.voltage_max_V = 10.0;
