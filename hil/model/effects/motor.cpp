@@ -31,7 +31,8 @@ EffectForm one_pole() {
                 const auto y = low_pass_channel(r, r.F_cmd_N, shape[0], r.F_cmd_N[0]);
                 for (std::size_t i = 0; i < r.rows(); ++i)
                   out(static_cast<Eigen::Index>(i), 0) = y[i] - r.F_cmd_N[i];
-              }};
+              },
+          .least = 0.2};  // a servo loop leaves a slow tail of some per cent
 }
 
 // Where the wheel goes to and fro, at another speed, the servo's own unevenness hides the drive's.
