@@ -157,7 +157,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   drive_rules.form_gain = {{"one_pole", 400.0}};  // a servo loop leaves the like
   drive_rules.first_fall = 0.2;
   drive_rules.where_it_acts = true;
-  drive_rules.smallest_rms = 6e-4;  // a servo loop leaves the like
+  drive_rules.smallest_rms = 2.5e-4;
   if (w.has_command) {
     drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
     measure_left_out(w, w.command, drive);

@@ -85,7 +85,11 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   if (leaves_most && !chosen.stands_out) return "it leaves most of the residual";
   if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
   const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
-  const double seen_rms = std::max(removed_rms, total_rms);
+  // seen where it acts
+  const double where = rules.where_it_acts && chosen.left_out.excited > 0 && !chosen.left_out.blocks
+                           ? std::sqrt(static_cast<double>(chosen.left_out.parts) / chosen.left_out.excited)
+                           : 1.0;
+  const double seen_rms = where * std::max(removed_rms, total_rms);
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
   if (is_timing(name) && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
   // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
