@@ -9,6 +9,7 @@
 #include "hil/app/gate.h"
 #include "hil/app/write_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -53,10 +54,12 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   }
   options.provenance.push_back(
       fmt::format("Model {}, SHA-256 {}.", model.name, sha256_hex(write_model(model)).substr(0, 16)));
-  for (const HistoryStep& step : model.history)
-    options.provenance.push_back(fmt::format("{} on campaign {}: held-out error {:.3g} -> {:.3g} mV.",
-                                             step.effect.empty() ? "Refitted" : step.effect + " added",
-                                             step.campaign, 1e3 * step.error_before, 1e3 * step.error_after));
+  for (const HistoryStep& step : model.history) {
+    const PrintedUnit unit = printed_unit(step.unit);
+    options.provenance.push_back(fmt::format("{} on campaign {}: held-out error {:.3g} -> {:.3g} {}.",
+                                             step.effect.empty() ? "Refitted" : step.effect + " added", step.campaign,
+                                             unit.factor * step.error_before, unit.factor * step.error_after, unit.name));
+  }
   options.provenance.push_back(fmt::format("G {} N/V, F0 {} N, b x {}, c/a x {}.",
                                            with_uncertainty(model.law.gain_N_per_V, model.se_gain),
                                            with_uncertainty(model.law.offset_N, model.se_offset),

@@ -22,11 +22,13 @@ std::string history_text(const History& h) {
   std::string out =
       h.model.name + ", " + (h.model.sensor.empty() ? "sensor not named" : h.model.sensor) + "\n";
   if (h.model.history.empty()) out += "  no steps yet: the model is as it was written\n";
-  for (const HistoryStep& s : h.model.history)
-    out += fmt::format("  {:<22} on {:<16} {:>8} -> {:>8} mV held out (floor {}){}\n",
+  for (const HistoryStep& s : h.model.history) {
+    const PrintedUnit unit = printed_unit(s.unit);
+    out += fmt::format("  {:<22} on {:<16} {:>8} -> {:>8} {} held out (floor {}){}\n",
                        s.effect.empty() ? "refit" : "+ " + s.effect, s.campaign,
-                       plain_number(1e3 * s.error_before), plain_number(1e3 * s.error_after),
-                       plain_number(1e3 * s.floor), s.accepted ? "" : "  [the held-out error did not fall]");
+                       plain_number(unit.factor * s.error_before), plain_number(unit.factor * s.error_after), unit.name,
+                       plain_number(unit.factor * s.floor), s.accepted ? "" : "  [the held-out error did not fall]");
+  }
   if (h.waterfall) out += "waterfall, held out:\n" + waterfall_text(*h.waterfall);
   return out;
 }
@@ -41,6 +43,7 @@ std::string history_json(const History& h) {
                      {"plain_before", s.plain_before},
                      {"plain_after", s.plain_after},
                      {"floor", s.floor},
+                     {"unit", s.unit},
                      {"accepted", s.accepted}});
   nlohmann::ordered_json out = {{"format", 1}, {"model", h.model.name}, {"steps", steps}};
   if (h.waterfall) out["waterfall"] = nlohmann::ordered_json::parse(waterfall_json(*h.waterfall));

@@ -266,8 +266,12 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       const bool late = release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next;
       const bool at_end = U[i] >= top - 1e-12 || std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
       const bool allowed = (ends.holds(U[i]) && !falls_there(i)) || (late && !at_end);
-      if (!allowed && gain * std::min(moved, high - low) > move_V) {
-        const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
+      const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
+      // down and up again though the force stays where it is
+      const bool falls = at_bottom && !ends.holds(U[i]) && i > 0 && end < n &&
+                         std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (high - low);
+      out.zero_runs += falls ? 1 : 0;
+      if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
         for (std::size_t k = i; k < end; ++k) mark(k, 0.5 * gain * (high - low));
         if (at_top && length >= 8) {
           out.at_rail += length;
@@ -350,8 +354,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                        " of the samples stand far off their neighbours while the force is smooth",
                    "share", "1", outliers / samples, std::sqrt(outliers) / samples});
   // the output cannot be at its low end there: a few are enough
-  constexpr std::size_t kFewestZeros = 5;
-  const bool plain_zeros = !lone_are_spikes && zero_runs >= kFewestZeros && with_zeros >= 2;
+  constexpr std::size_t kFewestZeros = 5, kFewestLong = 3;
+  const bool plain_zeros = !lone_are_spikes && with_zeros >= 2 &&
+                           zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros);
   if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
     out.push_back(
         {"dropouts", 0.95,

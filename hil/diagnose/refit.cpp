@@ -235,6 +235,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   step.plain_before = out.plain_before;
   step.plain_after = out.plain_after;
   step.floor = out.floor;
+  step.unit = w.output.unit;
   step.accepted = add.empty() || out.error_after < out.error_before;
   m.history.push_back(step);
   return out;
