@@ -15,19 +15,22 @@ from forcegate_adapter.null_modem import NullModem
 
 
 class Played(unittest.TestCase):
-    """An instrument in a thread, at the other end of a cable."""
+    """An instrument in a thread, at the other end of a cable. Its port is opened before anybody writes: opening one discards
+    what has come."""
+
+    def setUp(self):
+        self.cable = NullModem()
+        self.addCleanup(self.cable.close)
 
     def play(self, run):
-        self.cable = NullModem()
         self.over = threading.Event()
-        self.thread = threading.Thread(target=run, args=(self.cable.ports[1], self.over.is_set), daemon=True)
+        self.thread = threading.Thread(target=run, args=(self.over.is_set,), daemon=True)
         self.thread.start()
         self.addCleanup(self.finish)
 
     def finish(self):
         self.over.set()
         self.thread.join()
-        self.cable.close()
 
 
 class Ati(Played):
@@ -43,13 +46,8 @@ class Ati(Played):
                 parse_record(damaged, True)
 
     def test_forces_come_as_they_were_played(self):
-        twin = []
-
-        def run(port, stop):
-            twin.append(AtiTwin(port))
-            twin[0].run(stop)
-
-        self.play(run)
+        twin = AtiTwin(self.cable.ports[1])
+        self.play(twin.run)
         ati = AtiSerial()
         self.addCleanup(ati.close)
         ati.open(self.cable.ports[0], {"counts_per_force": 1000}, True)
@@ -61,12 +59,11 @@ class Ati(Played):
             readings += ati.poll()
         ati.stop()
         self.assertGreaterEqual(len(readings), 100)
-        errors = sorted(abs(r.force_N - twin[0].force_N(r.t_s - twin[0].started_s)) for r in readings)
+        errors = sorted(abs(r.force_N - twin.force_N(r.t_s - twin.started_s)) for r in readings)
         self.assertLess(errors[len(errors) // 2], 0.05)  # 3 N/s and some ms of a busy machine
         self.assertEqual([r.t_s for r in readings], sorted(r.t_s for r in readings))
 
     def test_a_silent_line_is_an_error_not_a_hang(self):
-        self.play(lambda port, stop: None)
         with self.assertRaises(AdapterError) as caught:
             AtiSerial().open(self.cable.ports[0], {"counts_per_force": 1000}, True)
         self.assertIn("does not answer", str(caught.exception))
@@ -77,15 +74,17 @@ class Drive(Played):
         self.assertEqual(crc16(bytes.fromhex("11 03 00 6b 00 03")), 0x8776)
 
     def test_an_answer_to_an_earlier_request_is_refused(self):
-        def run(port, stop):  # echoes writes, reads always give the same registers
-            with serial.Serial(port, timeout=0.01) as line:
-                data = b""
-                while not stop():
-                    data += line.read(64)
-                    while len(data) >= 8:
-                        request, data = data[:8], data[8:]
-                        reply = request[:-2] if request[1] == 6 else b"\x01\x03\x0e" + struct.pack(">HHiiH", 1, 0, 0, 0, 4711)
-                        line.write(reply + struct.pack("<H", crc16(reply)))
+        line = serial.Serial(self.cable.ports[1], timeout=0.01)
+        self.addCleanup(line.close)
+
+        def run(stop):  # echoes writes, reads always give the same registers
+            data = b""
+            while not stop():
+                data += line.read(64)
+                while len(data) >= 8:
+                    request, data = data[:8], data[8:]
+                    reply = request[:-2] if request[1] == 6 else b"\x01\x03\x0e" + struct.pack(">HHiiH", 1, 0, 0, 0, 4711)
+                    line.write(reply + struct.pack("<H", crc16(reply)))
 
         self.play(run)
         drive = RtuDrive()
