@@ -4,6 +4,7 @@
 // repeatability (gain, offset, decay rate and depth, within the spread estimated from the campaign) follow the data;
 // "plain" figures predict the record from the others alone.
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <string>
@@ -150,6 +151,15 @@ struct Diagnosis {
   std::vector<std::string> notes;
   double force_range_N = 0.0, voltage_range_V = 0.0;
 };
+
+/// What was refused with evidence and does not stand among the findings: for people, who have read those.
+inline std::vector<RefusedEffect> refused_beside_findings(const Diagnosis& d) {
+  std::vector<RefusedEffect> out;
+  for (const RefusedEffect& r : d.refused)
+    if (r.suspicion && std::none_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == r.effect; }))
+      out.push_back(r);
+  return out;
+}
 
 /// The JSON of docs/campaign.md, schema 1.
 std::string to_json(const Diagnosis& diagnosis);

@@ -186,10 +186,9 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
 void suspect_refused(Diagnosis& out) {
   constexpr double kOneInFive = 0.2, kLeastScore = 20.0;
   const RefusedEffect* strongest = nullptr;
-  for (const RefusedEffect& r : out.refused) {
-    const bool listed = std::any_of(out.findings.begin(), out.findings.end(), [&](const Finding& f) { return f.effect == r.effect; });
-    if (r.suspicion && !listed && r.score >= kLeastScore && (strongest == nullptr || r.score > strongest->score)) strongest = &r;
-  }
+  const std::vector<RefusedEffect> refused = refused_beside_findings(out);
+  for (const RefusedEffect& r : refused)
+    if (r.score >= kLeastScore && (strongest == nullptr || r.score > strongest->score)) strongest = &r;
   const EffectKind* kind = strongest == nullptr ? nullptr : EffectRegistry::instance().find(strongest->effect);
   if (kind == nullptr) return;
   Finding f;

@@ -275,7 +275,7 @@ std::string diagnosis_html(const Diagnosis& diagnosis, const DiagnosisPage& page
   if (!d.notes.empty() || !d.refused.empty()) {
     html.body += "<section><h2>Notes</h2><ul>";
     for (const std::string& note : d.notes) html.body += "<li>" + escape(note) + "</li>";
-    for (const RefusedEffect& r : d.refused) html.body += "<li>" + escape("not taken: " + r.effect + ": " + r.reason) + "</li>";
+    for (const RefusedEffect& r : refused_beside_findings(d)) html.body += "<li>" + escape("not taken: " + r.effect + ": " + r.reason) + "</li>";
     html.body += "</ul></section>\n";
   }
   if (!page.command_line.empty())
