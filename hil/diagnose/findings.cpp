@@ -194,6 +194,7 @@ void suspect_refused(Diagnosis& out) {
   Finding f;
   f.effect = kind->name;
   f.side = kind->side;
+  f.unit = out.unit;
   f.probability = kOneInFive;
   f.evidence = kind->summary + "; not claimed: " + strongest->reason;
   const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [](const Finding& o) { return o.probability < kOneInFive; });

@@ -272,10 +272,11 @@ std::string diagnosis_html(const Diagnosis& diagnosis, const DiagnosisPage& page
   html.title = (page.comparison ? "Comparison with " : "Diagnosis of ") + d.campaign;
   html.body = header(d, page.comparison) + "<main>\n" + (page.comparison ? "" : missing(d)) + where(d) + ranking(d) +
               records(d) + next(d);
-  if (!d.notes.empty() || !d.refused.empty()) {
+  const std::vector<RefusedEffect> refused = refused_beside_findings(d);
+  if (!d.notes.empty() || !refused.empty()) {
     html.body += "<section><h2>Notes</h2><ul>";
     for (const std::string& note : d.notes) html.body += "<li>" + escape(note) + "</li>";
-    for (const RefusedEffect& r : refused_beside_findings(d)) html.body += "<li>" + escape("not taken: " + r.effect + ": " + r.reason) + "</li>";
+    for (const RefusedEffect& r : refused) html.body += "<li>" + escape("not taken: " + r.effect + ": " + r.reason) + "</li>";
     html.body += "</ul></section>\n";
   }
   if (!page.command_line.empty())
