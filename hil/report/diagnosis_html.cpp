@@ -107,8 +107,8 @@ std::string finding(const Finding& f, bool open) {
   const auto fact = [&](std::string_view name, const std::string& html) {
     if (!html.empty()) out += "<dt>" + std::string(name) + "</dt><dd>" + html + "</dd>";
   };
-  // a fault that is seen in the raw samples is no term of the model: the fall of the error is not its doing
-  if (f.form != "raw") {
+  // a fault that is seen in the raw samples is no term of the model: the fall of the error is not its doing. A rival was not taken in
+  if (f.form != "raw" && f.error_before > 0.0) {
     fact("Held-out error",
          escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
     if (f.effect_rms > 0.0) fact("Effect", escape(in_unit(f.effect_rms, f.unit)) + " RMS");
