@@ -39,13 +39,16 @@ Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
   DerivedLimits limits;
   ConfigReader r(root, "the limits file");
   std::int64_t format = 0;
-  r.integer("format", format, kFormat, kFormat, ConfigReader::required);
+  r.integer("format", format, 1, kFormat, ConfigReader::required);
   r.text("plan", limits.plan, ConfigReader::required);
   r.text("firmware_sha256", limits.firmware_sha256, ConfigReader::required);
   r.text("rig", limits.rig, ConfigReader::required);
   r.text("date", limits.date, ConfigReader::required);
   const ConfigNode* list = r.array("limit", ConfigReader::required);
   FORCEGATE_CHECK_OK(r.finish());
+  if (format < kFormat)
+    return fail(ErrorCode::config, "limits of format 1 hold a point estimate of p99 and are no longer judged by", path.string(),
+                "take \"derived\" out of the plan, make the file anew with forcegate limits, and put it back");
   for (const ConfigNode& item : list->items) {
     if (item.kind != ConfigNode::Kind::table)
       return fail(ErrorCode::config, "a limit must be a table", item.where, "write [[limit]]");

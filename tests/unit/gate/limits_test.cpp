@@ -56,6 +56,7 @@ TEST_F(LimitsFile, of_the_former_format_is_refused_with_its_place) {
   const auto limits = read_limits(path_);
   ASSERT_FALSE(limits);
   EXPECT_NE(limits.error().to_text().find(path_.string()), std::string::npos) << limits.error().to_text();
+  EXPECT_NE(limits.error().hint.find("forcegate limits"), std::string::npos) << limits.error().to_text();
 }
 
 }  // namespace
