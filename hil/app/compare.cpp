@@ -5,35 +5,57 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/residual_map.h"
 #include "hil/model/rows.h"
 
 namespace forcegate {
 
+namespace {
+
+Comparison::AsWritten as_written(const RecordInput& r, const std::vector<double>& U) {
+  double square = 0.0, mean = 0.0, swing = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) {
+      square += (r.U_V[i] - U[i]) * (r.U_V[i] - U[i]);
+      mean += r.U_V[i];
+      n += 1.0;
+    }
+  mean /= std::max(n, 1.0);
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) swing += (r.U_V[i] - mean) * (r.U_V[i] - mean);
+  return {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0};
+}
+
+Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, const Campaign& campaign,
+                                                      unsigned threads) {
+  // the base law is one of the rows alone
+  const bool effects = !model.effects.empty() || !model.user_effects.empty();
+  FORCEGATE_TRY(CampaignInput input,
+                make_campaign_input(campaign, threads, {.full_rate = effects, .angle = effects}));
+  for (RecordInput& r : input.records) set_decay(r, model.law);
+  std::vector<Result<Comparison::AsWritten>> made(input.records.size());
+  parallel_for(made.size(), threads, [&](std::size_t k) {
+    made[k] = model_output_V(model, input, input.records[k]).map([&](const std::vector<double>& U) {
+      return as_written(input.records[k], U);
+    });
+  });
+  std::vector<Comparison::AsWritten> out;
+  for (Result<Comparison::AsWritten>& one : made) {
+    FORCEGATE_TRY(Comparison::AsWritten written, std::move(one));
+    out.push_back(std::move(written));
+  }
+  return out;
+}
+
+}  // namespace
+
 Result<Comparison> compare_request(const CampaignRequest& request) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   Comparison out;
-  {
-    FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
-    for (RecordInput& r : input.records) {
-      set_decay(r, model.law);
-      FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
-      double square = 0.0, mean = 0.0, swing = 0.0, n = 0.0;
-      for (std::size_t i = 0; i < r.rows(); ++i)
-        if (r.ok[i] != 0) {
-          square += (r.U_V[i] - U[i]) * (r.U_V[i] - U[i]);
-          mean += r.U_V[i];
-          n += 1.0;
-        }
-      mean /= std::max(n, 1.0);
-      for (std::size_t i = 0; i < r.rows(); ++i)
-        if (r.ok[i] != 0) swing += (r.U_V[i] - mean) * (r.U_V[i] - mean);
-      out.as_written.push_back(
-          {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0});
-    }
-  }
+  FORCEGATE_TRY(out.as_written, as_written(model, campaign, request.threads));
   diagnose::EngineOptions options = engine_options(model, request.threads);
   options.search = false;
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), options));

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "hil/base/parallel.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
@@ -16,17 +18,23 @@ constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
 constexpr double kLargestShift = 12.0;
 
 // Hats on log time: the decay factor may bend away from one exponential, differently in each record.
-double hat(double since_s, int knot) {
-  if (since_s <= 0.0) return 0.0;
+std::array<double, kShapes> hats(double since_s) {
+  static const std::array<double, kShapes> knot = [] {
+    std::array<double, kShapes> out;
+    for (int k = 0; k < kShapes; ++k) out[static_cast<std::size_t>(k)] = std::log(kShapeKnots_s[k] + 1.0);
+    return out;
+  }();
+  std::array<double, kShapes> out{};
+  if (since_s <= 0.0) return out;
   const double x = std::log(since_s + 1.0);
-  const auto at = [](int k) { return std::log(kShapeKnots_s[k] + 1.0); };
-  const double here = at(knot);
-  if (x <= here) {
-    const double left = knot == 0 ? 0.0 : at(knot - 1);
-    return std::clamp((x - left) / (here - left), 0.0, 1.0);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const double left = k == 0 ? 0.0 : knot[k - 1];
+    if (x <= knot[k])
+      out[k] = std::clamp((x - left) / (knot[k] - left), 0.0, 1.0);
+    else
+      out[k] = k + 1 == out.size() ? 1.0 : std::clamp((knot[k + 1] - x) / (knot[k + 1] - knot[k]), 0.0, 1.0);
   }
-  if (knot == kShapes - 1) return 1.0;
-  return std::clamp((at(knot + 1) - x) / (at(knot + 1) - here), 0.0, 1.0);
+  return out;
 }
 
 std::uint64_t mixed(std::uint64_t x) {
@@ -38,6 +46,7 @@ std::uint64_t mixed(std::uint64_t x) {
 
 double row_noise_of(const std::vector<double>& e) {
   std::vector<double> d;
+  d.reserve(e.size());
   for (std::size_t i = 2; i + 2 < e.size(); ++i)
     d.push_back(std::abs(e[i - 2] - 4.0 * e[i - 1] + 6.0 * e[i] - 4.0 * e[i + 1] + e[i + 2]));
   const double median = quantile(std::move(d), 0.5);
@@ -45,10 +54,10 @@ double row_noise_of(const std::vector<double>& e) {
 }
 
 // Errors in variables: what the instruments' steps leave in a row although they do as declared.
-void set_noise(Workspace& w) {
+void set_noise(Workspace& w, unsigned threads) {
   w.noise_V.assign(w.input.records.size(), 0.0);
   w.white_V.assign(w.input.records.size(), 0.0);
-  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+  parallel_for(w.input.records.size(), threads, [&](std::size_t k) {
     const RecordInput& r = w.input.records[k];
     std::vector<double> e(r.rows());
     for (std::size_t i = 0; i < r.rows(); ++i) e[i] = r.U_V[i] - w.gain_V_per_N * r.base_force_N(i);
@@ -64,7 +73,7 @@ void set_noise(Workspace& w) {
         h != nullptr && step_F > 0.0 ? std::clamp(1.2 - 2.0 * h->noise_F_N / step_F, 0.3, 1.0) : 1.0;
     w.white_V[k] = white + 1e-4 * w.input.U_range_V;
     w.noise_V[k] = std::hypot(white, dithered * quantised) + 1e-4 * w.input.U_range_V;
-  }
+  });
 }
 
 }  // namespace
@@ -133,20 +142,22 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const std::size_t i = rows[j];
     const auto row = static_cast<Eigen::Index>(j);
-    const double D = r.decay[i], swing = r.F_N[i] - r.F_min_N;
-    Z(row, 0) = g * r.base_force_N(i);
+    const double since = r.t_s[i] - r.onset_s, swing = r.F_N[i] - r.F_min_N;
+    const bool decays = r.dynamic && w.law.decays && since > 0.0;
+    const double e = decays ? std::exp(-b * since) : 1.0, D = decays ? (e + q) / (1.0 + q) : 1.0;
+    Z(row, 0) = g * (r.F_min_N + D * swing);
     Z(row, 1) = 1.0;
     if (r.dynamic) {
-      const double since = r.t_s[i] - r.onset_s;
-      if (since > 0.0 && w.law.decays) {
-        const double e = std::exp(-b * since);
+      if (decays) {
         Z(row, 2) = g * swing * (-b * since * e) / (1.0 + q);
         Z(row, 3) = g * swing * q * (1.0 - e) / ((1.0 + q) * (1.0 + q));
         Z(row, 4) = (1.0 - D) * g * w.input.range_N;
+        // laws a(A), c(A) in volts do not start at the static gain: the swing has a size of its own
+        Z(row, 5) = g * D * swing;
       }
-      // laws a(A), c(A) in volts do not start at the static gain: the swing has a size of its own
-      if (since > 0.0 && w.law.decays) Z(row, 5) = g * D * swing;
-      for (int k = 0; k < kShapes; ++k) Z(row, kFirstShape + k) = g * swing * hat(since, k);
+      const auto shape = hats(since);
+      for (int k = 0; k < kShapes; ++k)
+        Z(row, kFirstShape + k) = g * swing * shape[static_cast<std::size_t>(k)];
     }
   }
   add_waves(r, rows, kFirstWave, kWaves, Z);
@@ -241,7 +252,7 @@ bool decays_by_itself(const RecordInput& record) {
   return is_decay(own_decay(record, choose_rows(record, 4000)));
 }
 
-void fit_base(Workspace& w) {
+void fit_base(Workspace& w, unsigned threads) {
   const std::size_t n = w.input.records.size();
   w.shifts.assign(n, {});
   w.gain_V_per_N = w.scales.gain_V_per_N;
@@ -275,25 +286,23 @@ void fit_base(Workspace& w) {
   const auto run = [&](int rounds) {
     MixedFit fit;
     for (int round = 0; round < rounds; ++round) {
-      for (std::size_t k = 0; k < n; ++k)
-        set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
       MixedProblem problem;
       set_repeatability(problem, w.input.single);
       problem.column_prior_sd.resize(0);
-      for (std::size_t k = 0; k < n; ++k) {
+      problem.records.resize(n);
+      parallel_for(n, threads, [&](std::size_t k) {
         const Eigen::MatrixXd Z = repeatability_columns(w, k, rows[k]);
         Eigen::MatrixXd A(Z.rows(), Z.cols() + 1);
         A.leftCols(Z.cols()) = Z;
         for (Eigen::Index j = 0; j < Z.rows(); ++j)
           A(j, Z.cols()) = w.input.records[k].U_V[rows[k][static_cast<std::size_t>(j)]] / w.input.U_range_V +
                            Z(j, 2) * w.shifts[k].log_b + Z(j, 3) * w.shifts[k].log_q;
-        RecordGram gram;
+        RecordGram& gram = problem.records[k];
         gram.gram = (A.transpose() * A) / std::max<double>(1.0, static_cast<double>(A.rows()));
         gram.n_eff = std::min(150.0, static_cast<double>(A.rows()) / 5.0 + 1.0);
         gram.noise_variance = 1e-6;
         gram.heldout = w.input.records[k].heldout && !w.all_fit;
-        problem.records.push_back(std::move(gram));
-      }
+      });
       fit = fit_mixed(problem, {}, nullptr, 15);
       if (!fit.valid) return fit;
       for (std::size_t k = 0; k < n; ++k) {
@@ -331,9 +340,10 @@ void fit_base(Workspace& w) {
   } else {
     run(2);
   }
-  for (std::size_t k = 0; k < n; ++k)
+  parallel_for(n, threads, [&](std::size_t k) {
     set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
-  set_noise(w);
+  });
+  set_noise(w, threads);
 }
 
 }  // namespace forcegate::diagnose

@@ -1,6 +1,7 @@
 #include "hil/diagnose/denoise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -9,7 +10,7 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr std::size_t kReach[] = {2, 4, 8, 16, 32};
-constexpr std::size_t kLongest = 32, kBlock = 2048;
+constexpr std::size_t kLongest = 32, kBlock = 128, kTogether = 4;
 constexpr double kAgree = 1.7;
 
 // Weight of a sample k away from the centre of a parabola over 2m+1 samples.
@@ -19,33 +20,66 @@ double weight(std::size_t m_size, std::size_t k_size) {
          ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
 }
 
+struct Window {
+  std::size_t reach;
+  std::array<double, kLongest + 1> weight;
+};
+
+std::array<Window, std::size(kReach)> windows() {
+  std::array<Window, std::size(kReach)> out{};
+  for (std::size_t w = 0; w < out.size(); ++w) {
+    out[w].reach = kReach[w];
+    for (std::size_t k = 0; k <= kReach[w]; ++k) out[w].weight[k] = weight(kReach[w], k);
+  }
+  return out;
+}
+
+// Centres of the parabolas around x[0] .. x[n - 1]. Every sum runs from the middle outwards.
+void fit_parabolas(const Window& window, const double* x, std::size_t n, double* __restrict estimate) {
+  const auto& w = window.weight;
+  const auto pair = [](const double* at, std::size_t k) { return *(at - k) + *(at + k); };
+  for (std::size_t i = 0; i < n; ++i) estimate[i] = w[0] * x[i];
+  std::size_t k = 1;
+  for (; k + kTogether <= window.reach + 1; k += kTogether)
+    for (std::size_t i = 0; i < n; ++i)
+      estimate[i] = (((estimate[i] + w[k] * pair(x + i, k)) + w[k + 1] * pair(x + i, k + 1)) +
+                     w[k + 2] * pair(x + i, k + 2)) +
+                    w[k + 3] * pair(x + i, k + 3);
+  for (; k <= window.reach; ++k)
+    for (std::size_t i = 0; i < n; ++i) estimate[i] += w[k] * pair(x + i, k);
+}
+
 }  // namespace
 
-std::vector<double> smooth_within_noise(std::span<const double> x, double sigma) {
-  std::vector<double> out(x.begin(), x.end());
+std::vector<double> smooth_within_noise(std::vector<double> x, double sigma) {
   const std::size_t n = x.size();
-  if (!(sigma > 0.0) || n < 2 * kLongest + 1) return out;
-  std::vector<double> low(kBlock), high(kBlock), estimate(kBlock);
-  std::vector<char> open(kBlock);
+  if (!(sigma > 0.0) || n < 2 * kLongest + 1) return x;
+  const auto window = windows();
+  std::array<double, kBlock> low, high, estimate;
+  std::array<char, kBlock> open;
+  // the block as it was, from kLongest before it to kLongest behind it
+  std::array<double, kLongest + kBlock + kLongest> seen{};
+  const double* const block = seen.data() + kLongest;
+  std::copy_n(x.begin(), kReach[0], seen.end() - kReach[0] - kLongest);
   for (std::size_t begin = kReach[0]; begin + kReach[0] < n; begin += kBlock) {
-    const std::size_t end = std::min(begin + kBlock, n - kReach[0]);
-    for (std::size_t i = begin; i < end; ++i) {
-      low[i - begin] = x[i] - kAgree * sigma;
-      high[i - begin] = x[i] + kAgree * sigma;
-      open[i - begin] = 1;
+    std::copy_n(seen.begin() + kBlock, kLongest, seen.begin());
+    std::copy_n(x.begin() + static_cast<std::ptrdiff_t>(begin), std::min(kBlock + kLongest, n - begin),
+                seen.begin() + kLongest);
+    // from .. to: samples of the block among which some are open to a wider window yet
+    std::size_t from = 0, to = std::min(kBlock, n - kReach[0] - begin);
+    for (std::size_t j = from; j < to; ++j) {
+      low[j] = block[j] - kAgree * sigma;
+      high[j] = block[j] + kAgree * sigma;
+      open[j] = 1;
     }
-    for (const std::size_t m : kReach) {
-      const std::size_t from = std::max(begin, m), to = std::min(end, n - m);
+    for (const Window& w : window) {
+      from = std::max(from, std::max(w.reach, begin) - begin);
+      to = std::min(to, std::max(n - w.reach, begin) - begin);
       if (from >= to) break;
-      const double centre = weight(m, 0), spread = kAgree * sigma * std::sqrt(centre);
-      for (std::size_t i = from; i < to; ++i) estimate[i - begin] = centre * x[i];
-      for (std::size_t k = 1; k <= m; ++k) {
-        const double w = weight(m, k);
-        for (std::size_t i = from; i < to; ++i) estimate[i - begin] += w * (x[i - k] + x[i + k]);
-      }
-      bool any = false;
-      for (std::size_t i = from; i < to; ++i) {
-        const std::size_t j = i - begin;
+      fit_parabolas(w, block + from, to - from, estimate.data() + from);
+      const double spread = kAgree * sigma * std::sqrt(w.weight[0]);
+      std::size_t first_open = to, last_open = from;
+      for (std::size_t j = from; j < to; ++j) {
         if (open[j] == 0) continue;
         const double l = std::max(low[j], estimate[j] - spread), h = std::min(high[j], estimate[j] + spread);
         if (!std::isfinite(estimate[j]) || !(l <= h)) {
@@ -54,15 +88,15 @@ std::vector<double> smooth_within_noise(std::span<const double> x, double sigma)
         }
         low[j] = l;
         high[j] = h;
-        out[i] = estimate[j];
-        any = true;
+        x[begin + j] = estimate[j];
+        first_open = std::min(first_open, j);
+        last_open = j + 1;
       }
-      for (std::size_t i = begin; i < end; ++i)
-        if (i < from || i >= to) open[i - begin] = 0;
-      if (!any) break;
+      from = first_open;
+      to = last_open;
     }
   }
-  return out;
+  return x;
 }
 
 }  // namespace forcegate::diagnose

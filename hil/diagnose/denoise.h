@@ -7,12 +7,11 @@
 // agrees with all narrower ones within 1.7 standard deviations (intersection of confidence intervals, Goldenshluger and
 // Nemirovski 1997). Symmetric: no shift, and no bias up to the cube of time.
 
-#include <span>
 #include <vector>
 
 namespace forcegate::diagnose {
 
 /// sigma: standard deviation of the noise of one sample, steps included. Samples next to missing ones stay as they are.
-std::vector<double> smooth_within_noise(std::span<const double> x, double sigma);
+std::vector<double> smooth_within_noise(std::vector<double> x, double sigma);
 
 }  // namespace forcegate::diagnose

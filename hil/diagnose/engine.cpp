@@ -120,7 +120,7 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   const bool in_step = w.input.generic && w.input.records.front().row_step_s > 0.05;
   if (!in_step) nothing.base = nothing.final = forgive_late_reference(w, nothing.base, out.notes);
   const auto residual = residual_rows(w.output, nothing.base);
-  out.maps = residual_maps(w, w.output, residual);
+  out.maps = residual_maps(w, w.output, residual, options.threads);
   add_records(w, nothing.base, nothing.base, out);
   const auto sd = [&](int k) { return std::sqrt(nothing.base.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
@@ -259,9 +259,9 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       claims && ((structured && explained < 0.8) || far_above_noise(w.output, w, selection.claimed) > 0);
 
   const auto residual = residual_rows(w.output, selection.base);
-  out.maps = residual_maps(w, w.output, residual);
+  out.maps = residual_maps(w, w.output, residual, options.threads);
   const auto residual_after = residual_rows(w.output, selection.final);
-  out.maps_after = residual_maps(w, w.output, residual_after);
+  out.maps_after = residual_maps(w, w.output, residual_after, options.threads);
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(out.maps_after);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them

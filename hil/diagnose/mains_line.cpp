@@ -1,8 +1,10 @@
 #include "hil/diagnose/mains_line.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "hil/model/rows.h"
 
@@ -10,30 +12,69 @@ namespace forcegate::diagnose {
 
 namespace {
 
-// Power at frequency_Hz of x with a Hann window: (amplitude / 2)^2 for a line in the middle of the bin.
-double power_at(const double* x, std::size_t n, double rate_Hz, double frequency_Hz) {
-  const double step = 2.0 * std::numbers::pi * frequency_Hz / rate_Hz;
-  const double c = std::cos(step), s = std::sin(step);
-  const double wc = std::cos(2.0 * std::numbers::pi / static_cast<double>(n)),
-               ws = std::sin(2.0 * std::numbers::pi / static_cast<double>(n));
-  double re = 0.0, im = 0.0, pc = 1.0, ps = 0.0, hc = 1.0, hs = 0.0, total = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double w = 0.5 - 0.5 * hc;
-    re += w * x[i] * pc;
-    im += w * x[i] * ps;
-    total += w;
-    const double p = pc * c - ps * s, h = hc * wc - hs * ws;
-    ps = pc * s + ps * c;
-    hs = hc * ws + hs * wc;
-    pc = p;
-    hc = h;
+constexpr std::size_t kMostSegments = 12, kBlock = 256;
+
+// A unit vector that turns by the same angle at every sample.
+struct Rotation {
+  explicit Rotation(double angle) : c(std::cos(angle)), s(std::sin(angle)) {}
+  void step() {
+    const double next = re * c - im * s;
+    im = re * s + im * c;
+    re = next;
   }
-  return (re * re + im * im) / (total * total);
-}
+  double c, s, re = 1.0, im = 0.0;
+};
+
+// The same sample of every segment, side by side: their sums do not wait for each other.
+using Side = std::array<double, kMostSegments>;
+
+// Sums at one frequency over all segments.
+struct Spectrum {
+  explicit Spectrum(double angle) : phase(angle) {}
+  void add(std::span<const Side> windowed) {
+    for (const Side& x : windowed) {
+      for (std::size_t k = 0; k < kMostSegments; ++k) {
+        re[k] += x[k] * phase.re;
+        im[k] += x[k] * phase.im;
+      }
+      phase.step();
+    }
+  }
+  // (amplitude / 2)^2 for a line in the middle of the bin
+  double power(std::size_t k, double window_total) const {
+    return (re[k] * re[k] + im[k] * im[k]) / (window_total * window_total);
+  }
+  Rotation phase;
+  Side re{}, im{};
+};
+
+struct Line {
+  double frequency_Hz;
+  std::vector<Spectrum> at, force, beside;
+};
 
 double alias(double frequency_Hz, double rate_Hz) {
   const double folded = std::fmod(frequency_Hz, rate_Hz);
   return std::min(folded, rate_Hz - folded);
+}
+
+// Those that can be told from the slow force and have neighbours to be compared with.
+std::vector<Line> mains_lines(double rate_Hz) {
+  std::vector<Line> out;
+  for (const double mains_Hz : {50.0, 60.0, 150.0, 180.0}) {
+    Line line{alias(mains_Hz, rate_Hz), {}, {}, {}};
+    const double f = line.frequency_Hz;
+    if (f < 4.0 || f > 0.495 * rate_Hz + 1e-9) continue;
+    const auto beside = [&](double by_Hz) {
+      return Spectrum(2.0 * std::numbers::pi * (f + by_Hz) / rate_Hz);
+    };
+    for (const double by_Hz : {-0.25, 0.0, 0.25}) line.at.push_back(beside(by_Hz));
+    line.force = line.at;
+    for (const double by_Hz : {-3.0, -2.25, -1.5, 1.5, 2.25, 3.0})
+      if (f + by_Hz > 1.0 && f + by_Hz < 0.5 * rate_Hz) line.beside.push_back(beside(by_Hz));
+    if (line.beside.size() >= 2) out.push_back(std::move(line));
+  }
+  return out;
 }
 
 }  // namespace
@@ -46,40 +87,55 @@ MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double
   const double rate = static_cast<double>(n - 1) / (t[n - 1] - t[0]);
   const auto length = static_cast<std::size_t>(4.0 * rate);
   if (length < 128 || n < 2 * length) return best;
-  const std::size_t segments = std::min<std::size_t>(12, n / length);
-  // second differences whiten the smooth force before the window sees it
-  std::vector<double> e(length), f(length);
-  for (double mains : {50.0, 60.0, 150.0, 180.0}) {
-    const double line = alias(mains, rate);
-    if (line < 4.0 || line > 0.495 * rate + 1e-9) continue;
+  const std::size_t segments = std::min(kMostSegments, n / length);
+  std::vector<std::size_t> from;
+  for (std::size_t k = 0; k < segments; ++k) {
+    const std::size_t begin = k * (n - length) / std::max<std::size_t>(1, segments - 1);
+    if (begin >= 1 && begin + length + 1 <= n) from.push_back(begin);
+  }
+  std::vector<Line> lines = mains_lines(rate);
+
+  Rotation hann(2.0 * std::numbers::pi / static_cast<double>(length));
+  double total = 0.0;
+  std::array<bool, kMostSegments> broken{};
+  std::array<Side, kBlock> e{}, f{};
+  for (std::size_t begin = 0; begin < length; begin += kBlock) {
+    const std::size_t size = std::min(kBlock, length - begin);
+    for (std::size_t i = 0; i < size; ++i, hann.step()) {
+      const double w = 0.5 - 0.5 * hann.re;
+      total += w;
+      for (std::size_t k = 0; k < from.size(); ++k) {
+        const std::size_t at = from[k] + begin + i;
+        const double residual = U[at] - gain * F[at];
+        broken[k] = broken[k] || !std::isfinite(residual);
+        e[i][k] = w * residual;
+        f[i][k] = w * (gain * F[at]);
+      }
+    }
+    for (Line& line : lines) {
+      for (Spectrum& s : line.at) s.add({e.data(), size});
+      for (Spectrum& s : line.force) s.add({f.data(), size});
+      for (Spectrum& s : line.beside) s.add({e.data(), size});
+    }
+  }
+
+  std::vector<std::size_t> whole;
+  for (std::size_t k = 0; k < from.size(); ++k)
+    if (!broken[k]) whole.push_back(k);
+  if (whole.size() < 2) return best;
+  for (const Line& line : lines) {
     std::vector<double> ratio, amplitude;
-    for (std::size_t k = 0; k < segments; ++k) {
-      const std::size_t from = k * (n - length) / std::max<std::size_t>(1, segments - 1);
-      bool whole = from >= 1 && from + length + 1 <= n;
-      if (!whole) continue;
-      for (std::size_t i = 0; i < length && whole; ++i) {
-        const std::size_t at = from + i;
-        e[i] = U[at] - gain * F[at];
-        f[i] = gain * F[at];
-        whole = std::isfinite(e[i]);
-      }
-      if (!whole) continue;
+    for (const std::size_t k : whole) {
       double at_line = 0.0, force = 0.0;
-      for (double shift : {-0.25, 0.0, 0.25}) {
-        at_line = std::max(at_line, power_at(e.data(), length, rate, line + shift));
-        force = std::max(force, power_at(f.data(), length, rate, line + shift));
-      }
+      for (const Spectrum& s : line.at) at_line = std::max(at_line, s.power(k, total));
+      for (const Spectrum& s : line.force) force = std::max(force, s.power(k, total));
       std::vector<double> beside;
-      for (double shift : {-3.0, -2.25, -1.5, 1.5, 2.25, 3.0})
-        if (line + shift > 1.0 && line + shift < 0.5 * rate)
-          beside.push_back(power_at(e.data(), length, rate, line + shift));
-      if (beside.size() < 2) continue;
+      for (const Spectrum& s : line.beside) beside.push_back(s.power(k, total));
       ratio.push_back(at_line / (quantile(beside, 0.5) + 3.0 * force + 1e-18));
       amplitude.push_back(2.0 * std::sqrt(at_line));
     }
-    if (ratio.size() < 2) continue;
     const double r = quantile(ratio, 0.5);
-    if (r > best.ratio) best = {quantile(amplitude, 0.5), line, r};
+    if (r > best.ratio) best = {quantile(amplitude, 0.5), line.frequency_Hz, r};
   }
   return best;
 }

@@ -69,6 +69,8 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     Result<RecordInput> input;
   };
   std::vector<Prepared> prepared(campaign.records.size());
+  // without a search only effects of the model itself ask for the angle
+  const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
   parallel_for(prepared.size(), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
     prepared[k].health = check_raw_health(record, w->scales, campaign.bench);
@@ -76,7 +78,8 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     const double reference_sd_N = std::hypot(h.noise_F_N, h.lsb_F_N / std::sqrt(12.0));
     if (reference_sd_N > 1e-4 * w->scales.range_N)
       for (Channel& channel : record.trace.channels)
-        if (channel.name == "F_ref") channel.value = smooth_within_noise(channel.value, reference_sd_N);
+        if (channel.name == "F_ref")
+          channel.value = smooth_within_noise(std::move(channel.value), reference_sd_N);
     double row_step_s = kRowStep_s;
     if (single) {
       // a short recording of something fast keeps its samples
@@ -86,7 +89,7 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
           force != nullptr ? &record.trace.time_bases[force->time_base].t_s : nullptr;
       if (t != nullptr && t->size() > 1) row_step_s = std::min(row_step_s, (t->back() - t->front()) / kRows);
     }
-    prepared[k].input = make_record_input(record, prepared[k].health.bad, row_step_s);
+    prepared[k].input = take_record_input(record, prepared[k].health.bad, row_step_s, parts);
     record.trace = Trace{};
     prepared[k].health.bad = {};
   });
@@ -96,8 +99,9 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     health.emplace(input.name, std::move(p.health));
     w->input.records.push_back(std::move(input));
   }
-  finish_campaign_input(w->input);
-  for (RecordInput& input : w->input.records) {
+  finish_campaign_input(w->input, options.threads);
+  parallel_for(w->input.records.size(), options.threads, [&](std::size_t k) {
+    RecordInput& input = w->input.records[k];
     const Record* declared = nullptr;
     for (const Record& record : campaign.records)
       if (record.name == input.name) declared = &record;
@@ -106,19 +110,27 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
       input.dynamic_assumed = false;  // the blocks share the answer of the whole
       if (!w->law.decays || !decays_by_itself(input)) set_static(input);
     }
-    w->health.push_back(health[input.name]);
-  }
+  });
+  for (const RecordInput& input : w->input.records) w->health.push_back(health[input.name]);
   if (single) cut_into_blocks(*w);
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   choose_wanted_rows(w->input);
-  fit_base(*w);
+  fit_base(*w, options.threads);
   if (options.search) {
     build_rig_channel(*w, options.threads);
     build_command_channel(*w, options.threads);
   }
-  std::vector<std::string> only = options.in_model;
-  only.push_back(kLatencyEffect);
-  build_output_channel(*w, options.threads, options.search ? nullptr : &only);
+  if (options.search) {
+    build_output_channel(*w, options.threads);
+    return w;
+  }
+  ListedOnly only{options.in_model, {}};
+  const bool latency_in_model = std::ranges::find(options.in_model, kLatencyEffect) != options.in_model.end();
+  if (!latency_in_model) {
+    only.families.push_back(kLatencyEffect);
+    only.is_read = [](const Candidate& c) { return c.kind->name != kLatencyEffect || is_allowed_lead(c); };
+  }
+  build_output_channel(*w, options.threads, &only);
   return w;
 }
 

@@ -13,11 +13,12 @@ namespace forcegate::diagnose {
 
 namespace {
 
-std::vector<double> aligned(const Trace& trace, const Channel& channel, std::size_t n) {
-  std::vector<double> out = channel.value;
-  out.resize(n, kMissing);
-  (void)trace;
-  return out;
+// The channel itself where it is as long as its clock; else `room`, with what is missing.
+const std::vector<double>& aligned(const Channel& channel, std::size_t n, std::vector<double>& room) {
+  if (channel.value.size() == n) return channel.value;
+  room = channel.value;
+  room.resize(n, kMissing);
+  return room;
 }
 
 // Robust white noise from fourth differences (1 -4 6 -4 1, norm sqrt 70): smooth signals vanish.
@@ -172,7 +173,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   if (f == nullptr || u == nullptr) return out;
   const auto& t = record.trace.time_bases[f->time_base].t_s;
   const std::size_t n = t.size();
-  const std::vector<double> F = aligned(record.trace, *f, n), U = aligned(record.trace, *u, n);
+  std::vector<double> room_F, room_U;
+  const std::vector<double>&F = aligned(*f, n, room_F), &U = aligned(*u, n, room_U);
   out.samples = n;
   out.bad.assign(n, 0);
   out.gaps = record.trace.time_bases[f->time_base].gaps.size();

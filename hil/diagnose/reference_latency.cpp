@@ -38,9 +38,13 @@ bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& resul
   return false;
 }
 
+bool is_allowed_lead(const Candidate& candidate, double longest_s) {
+  return is_lead(candidate) && candidate.shape[0] > -longest_s;
+}
+
 void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double longest_s) {
   for (const Candidate& c : channel.candidates)
-    if (is_lead(c) && c.shape[0] > -longest_s && std::find(columns.begin(), columns.end(), c.first) == columns.end())
+    if (is_allowed_lead(c, longest_s) && std::find(columns.begin(), columns.end(), c.first) == columns.end())
       columns.push_back(c.first);
 }
 

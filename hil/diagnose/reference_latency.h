@@ -26,8 +26,14 @@ bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& fam
 /// Such a lead explains nearly all that the best family does.
 bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result);
 
+/// Of the leads that may be forgiven, s.
+inline constexpr double kLongestLead_s = 0.03;
+
+/// A lead of the output of less than `longest_s`.
+bool is_allowed_lead(const Candidate& candidate, double longest_s = kLongestLead_s);
+
 /// Adds the columns of all leads up to `longest_s`: together they span a shift and a first-order lag of the reference alike.
-void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double longest_s = 0.03);
+void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double longest_s = kLongestLead_s);
 
 /// The base, or the base beside a lead where the records show one that the reference explains, with a note: what a diagnosis carries
 /// along is no failure of the model either.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
 #include "hil/model/rows.h"
 
@@ -11,134 +12,103 @@ namespace forcegate::diagnose {
 
 namespace {
 
+struct Turn {
+  double force_N, time_s;
+};
+
+// Of every row: the last turning point before it, with a prominence of 5 % of the span.
+std::vector<Turn> last_turns(const RecordInput& r, double prominence) {
+  std::vector<Turn> out;
+  out.reserve(r.rows());
+  Turn high{r.F_N[0], r.t_s[0]}, low = high, turn = high;
+  int direction = 0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const Turn here{r.F_N[i], r.t_s[i]};
+    if (here.force_N > high.force_N) high = here;
+    if (here.force_N < low.force_N) low = here;
+    if (direction >= 0 && high.force_N - here.force_N > prominence) {
+      direction = -1;
+      turn = high;
+      low = here;
+    } else if (direction <= 0 && here.force_N - low.force_N > prominence) {
+      direction = 1;
+      turn = low;
+      high = here;
+    }
+    out.push_back(turn);
+  }
+  return out;
+}
+
+struct Row {
+  const RecordInput& record;
+  std::size_t i;
+  Turn turn;
+};
+
 struct Coordinate {
   const char* name;
   const char* group;
   const char* unit;
-  std::vector<std::vector<double>> value;  ///< per record, per chosen row; NaN where it does not apply
+  double (*of)(const Row&);  ///< NaN where it does not apply
 };
 
-// Turning points with a prominence of 5 % of the span: last extremum and time since it.
-void history(const RecordInput& r, double prominence, std::vector<double>& last, std::vector<double>& since) {
-  last.assign(r.rows(), r.F_N.empty() ? 0.0 : r.F_N[0]);
-  since.assign(r.rows(), 0.0);
-  double high = r.F_N[0], low = r.F_N[0], turn = r.F_N[0], turn_s = r.t_s[0], high_s = turn_s, low_s = turn_s;
-  int direction = 0;
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    const double F = r.F_N[i];
-    if (F > high) {
-      high = F;
-      high_s = r.t_s[i];
-    }
-    if (F < low) {
-      low = F;
-      low_s = r.t_s[i];
-    }
-    if (direction >= 0 && high - F > prominence) {
-      direction = -1;
-      turn = high;
-      turn_s = high_s;
-      low = F;
-      low_s = r.t_s[i];
-    } else if (direction <= 0 && F - low > prominence) {
-      direction = 1;
-      turn = low;
-      turn_s = low_s;
-      high = F;
-      high_s = r.t_s[i];
-    }
-    last[i] = turn;
-    since[i] = std::log10(1.0 + r.t_s[i] - turn_s);
-  }
-}
-
-std::vector<Coordinate> coordinates(const Workspace& w, const ResidualChannel& channel) {
-  std::vector<Coordinate> out = {{"force", "force", "N", {}},
-                                 {"force while loading", "history", "N", {}},
-                                 {"force while unloading", "history", "N", {}},
-                                 {"rate", "rate", "N/s", {}},
-                                 {"size of the rate", "rate", "N/s", {}},
-                                 {"last turning point", "history", "N", {}},
-                                 {"time since the last turn", "history", "log10 s", {}},
-                                 {"time in the record", "time", "s", {}},
-                                 {"campaign time", "time", "s", {}},
-                                 {"load done", "history", "N", {}},
-                                 {"output", "force", w.output.unit.c_str(), {}},
-                                 {"cycle frequency", "frequency", "Hz", {}}};
-  if (w.input.has_temp) {
-    out.push_back({"temperature", "temperature", "degC", {}});
-  }
-  if (w.input.has_theta) {
-    out.push_back({"angle", "angle", "rad", {}});
-  }
-  if (w.input.has_drive) out.push_back({"drive", "drive", "V", {}});
-  for (std::size_t k = 0; k < channel.record_of.size(); ++k) {
-    const RecordInput& r = w.input.records[channel.record_of[k]];
-    std::vector<double> last, since;
-    history(r, 0.05 * w.input.range_N, last, since);
-    for (Coordinate& c : out) {
-      std::vector<double> v;
-      const std::string name = c.name;
-      for (std::size_t i : channel.rows[k].row) {
-        const double rate = r.rate_N_per_s[i];
-        double x = kMissing;
-        if (name == "force")
-          x = r.F_N[i];
-        else if (name == "force while loading")
-          x = rate > 0.0 ? r.F_N[i] : kMissing;
-        else if (name == "force while unloading")
-          x = rate < 0.0 ? r.F_N[i] : kMissing;
-        else if (name == "rate")
-          x = rate;
-        else if (name == "size of the rate")
-          x = std::abs(rate);
-        else if (name == "last turning point")
-          x = last[i];
-        else if (name == "time since the last turn")
-          x = since[i];
-        else if (name == "time in the record")
-          x = r.t_s[i];
-        else if (name == "campaign time")
-          x = r.start_s + r.t_s[i];
-        else if (name == "load done")
-          x = r.travel_before_N + r.travel_N[i];
-        else if (name == "output")
-          x = r.U_V[i];
-        else if (name == "cycle frequency")
-          x = r.dynamic ? r.f_Hz : kMissing;
-        else if (name == "temperature")
-          x = r.temp_C.empty() ? kMissing : r.temp_C[i];
-        else if (name == "angle")
-          x = r.theta_rad.empty() ? kMissing : std::remainder(r.theta_rad[i], 6.283185307179586);
-        else if (name == "drive")
-          x = r.drive_mean_V;
-        v.push_back(x);
-      }
-      c.value.push_back(std::move(v));
-    }
-  }
+std::vector<Coordinate> coordinates(const Workspace& w) {
+  constexpr double kTurn_rad = 6.283185307179586;
+  std::vector<Coordinate> out = {
+      {"force", "force", "N", [](const Row& r) { return r.record.F_N[r.i]; }},
+      {"force while loading", "history", "N",
+       [](const Row& r) { return r.record.rate_N_per_s[r.i] > 0.0 ? r.record.F_N[r.i] : kMissing; }},
+      {"force while unloading", "history", "N",
+       [](const Row& r) { return r.record.rate_N_per_s[r.i] < 0.0 ? r.record.F_N[r.i] : kMissing; }},
+      {"rate", "rate", "N/s", [](const Row& r) { return r.record.rate_N_per_s[r.i]; }},
+      {"size of the rate", "rate", "N/s", [](const Row& r) { return std::abs(r.record.rate_N_per_s[r.i]); }},
+      {"last turning point", "history", "N", [](const Row& r) { return r.turn.force_N; }},
+      {"time since the last turn", "history", "log10 s",
+       [](const Row& r) { return std::log10(1.0 + r.record.t_s[r.i] - r.turn.time_s); }},
+      {"time in the record", "time", "s", [](const Row& r) { return r.record.t_s[r.i]; }},
+      {"campaign time", "time", "s", [](const Row& r) { return r.record.start_s + r.record.t_s[r.i]; }},
+      {"load done", "history", "N",
+       [](const Row& r) { return r.record.travel_before_N + r.record.travel_N[r.i]; }},
+      {"output", "force", w.output.unit.c_str(), [](const Row& r) { return r.record.U_V[r.i]; }},
+      {"cycle frequency", "frequency", "Hz",
+       [](const Row& r) { return r.record.dynamic ? r.record.f_Hz : kMissing; }}};
+  if (w.input.has_temp)
+    out.push_back({"temperature", "temperature", "degC",
+                   [](const Row& r) { return r.record.temp_C.empty() ? kMissing : r.record.temp_C[r.i]; }});
+  if (w.input.has_theta)
+    out.push_back({"angle", "angle", "rad", [](const Row& r) {
+                     return r.record.theta_rad.empty() ? kMissing
+                                                       : std::remainder(r.record.theta_rad[r.i], kTurn_rad);
+                   }});
+  if (w.input.has_drive)
+    out.push_back({"drive", "drive", "V", [](const Row& r) { return r.record.drive_mean_V; }});
   return out;
 }
 
 constexpr int kCells = 16;
 constexpr std::size_t kBlocks = 12;
 
-ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& residual,
-                   const std::string& unit) {
+// `value`: of the coordinate, per record and chosen row.
+ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& value,
+                   const std::vector<std::vector<double>>& residual, const std::string& unit) {
   ResidualMap map;
   map.coordinate = c.name;
   map.group = c.group;
   map.unit = c.unit;
   std::vector<double> all;
-  for (const auto& v : c.value)
+  for (const auto& v : value)
     for (double x : v)
       if (std::isfinite(x)) all.push_back(x);
   if (all.size() < 200) return map;
-  std::sort(all.begin(), all.end());
   std::vector<double> edge;
+  auto rest = all.begin();
   for (int k = 1; k < kCells; ++k) {
-    const double e = all[all.size() * static_cast<std::size_t>(k) / kCells];
-    if (edge.empty() || e > edge.back()) edge.push_back(e);
+    const auto at =
+        all.begin() + static_cast<std::ptrdiff_t>(all.size() * static_cast<std::size_t>(k) / kCells);
+    std::nth_element(rest, at, all.end());
+    rest = at;
+    if (edge.empty() || *at > edge.back()) edge.push_back(*at);
   }
   const std::size_t n_cells = edge.size() + 1;
   const auto cell_of = [&](double x) {
@@ -158,15 +128,15 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
     for (std::size_t j = 0; j < residual[k].size(); ++j) {
       const double e = residual[k][j];
       square += e * e;
-      if (!std::isfinite(c.value[k][j])) continue;
-      const std::size_t cell = cell_of(c.value[k][j]);
+      if (!std::isfinite(value[k][j])) continue;
+      const std::size_t cell = cell_of(value[k][j]);
       Sum& s = sum[k][j * kBlocks / residual[k].size()][cell];
       s.n += 1.0;
       s.e += e;
-      s.x += c.value[k][j];
+      s.x += value[k][j];
       total[cell].n += 1.0;
       total[cell].e += e;
-      total[cell].x += c.value[k][j];
+      total[cell].x += value[k][j];
     }
   const bool own_record = std::string(c.group) == "time" || n_records < 3;
   double gained = 0.0;
@@ -237,12 +207,24 @@ std::vector<std::vector<double>> residual_rows(const ResidualChannel& channel, c
 }
 
 std::vector<ResidualMap> residual_maps(const Workspace& w, const ResidualChannel& channel,
-                                       const std::vector<std::vector<double>>& residual) {
-  std::vector<ResidualMap> out;
-  for (const Coordinate& c : coordinates(w, channel)) {
-    ResidualMap map = map_of(c, residual, channel.unit);
-    if (!map.cells.empty()) out.push_back(std::move(map));
-  }
+                                       const std::vector<std::vector<double>>& residual, unsigned threads) {
+  const std::size_t n = channel.record_of.size();
+  std::vector<std::vector<Turn>> turns(n);
+  parallel_for(n, threads, [&](std::size_t k) {
+    turns[k] = last_turns(w.input.records[channel.record_of[k]], 0.05 * w.input.range_N);
+  });
+  const std::vector<Coordinate> all = coordinates(w);
+  std::vector<ResidualMap> out(all.size());
+  parallel_for(all.size(), threads, [&](std::size_t c) {
+    std::vector<std::vector<double>> value(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      value[k].reserve(channel.rows[k].row.size());
+      for (const std::size_t i : channel.rows[k].row)
+        value[k].push_back(all[c].of({w.input.records[channel.record_of[k]], i, turns[k][i]}));
+    }
+    out[c] = map_of(all[c], value, residual, channel.unit);
+  });
+  std::erase_if(out, [](const ResidualMap& map) { return map.cells.empty(); });
   std::stable_sort(out.begin(), out.end(),
                    [](const ResidualMap& a, const ResidualMap& b) { return a.share > b.share; });
   return out;

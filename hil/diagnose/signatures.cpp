@@ -48,11 +48,14 @@ void write_all_columns(const CampaignInput& input, ResidualChannel& channel, uns
   const std::size_t parts = first.size() == 1 ? channel.candidates.size() : first.size();
   parallel_for(parts, threads, [&](std::size_t p) {
     Eigen::MatrixXd full;
+    const auto write = [&](std::size_t k, const Candidate& c) {
+      if (c.is_read) write_columns(input, channel, k, c, full);
+    };
     if (first.size() == 1) {
-      write_columns(input, channel, first.front(), channel.candidates[p], full);
+      write(first.front(), channel.candidates[p]);
       return;
     }
-    for (const Candidate& c : channel.candidates) write_columns(input, channel, first[p], c, full);
+    for (const Candidate& c : channel.candidates) write(first[p], c);
   });
 }
 
@@ -180,14 +183,16 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
     for (const auto& kind : w.user_kinds) add(*kind);
 }
 
-void build_output_channel(Workspace& w, unsigned threads, const std::vector<std::string>* only) {
+void build_output_channel(Workspace& w, unsigned threads, const ListedOnly* only) {
   ResidualChannel& channel = w.output;
   std::string unit = std::move(channel.unit);
   channel = ResidualChannel{};
   channel.scale = w.input.U_range_V;
   channel.unit = std::move(unit);
   set_repeatability(channel.problem, w.input.single);
-  list_candidates(w, EffectChannel::output, true, channel, only);
+  list_candidates(w, EffectChannel::output, true, channel, only != nullptr ? &only->families : nullptr);
+  if (only != nullptr && only->is_read)
+    for (Candidate& c : channel.candidates) c.is_read = only->is_read(c);
   reserve_spare(channel);
   channel.signs_known = !w.input.generic;
   // where the output hardly follows the input, its slope is no measure of an effect

@@ -22,6 +22,13 @@ struct Candidate {
   const EffectForm* form = nullptr;
   std::vector<double> shape;
   int first = 0, count = 0;  ///< columns of S
+  bool is_read = true;       ///< false: nothing reads its columns, they stay zero
+};
+
+/// What a channel lists when it does not list everything.
+struct ListedOnly {
+  std::vector<std::string> families;
+  std::function<bool(const Candidate&)> is_read;  ///< empty: all of them are
 };
 
 /// A choice that competes: a candidate's columns, or one of them alone.
@@ -83,9 +90,9 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
 // S2 ------------------------------------------------------------------------------------------------------------
 /// Fits the base law with per-record repeatability (b, q by Gauss-Newton at the record's own values, the rest linear)
 /// and leaves D(t) in the inputs, the shifts and the row noise in the workspace.
-void fit_base(Workspace& workspace);
+void fit_base(Workspace& workspace, unsigned threads = 1);
 
-/// Columns of Z for the chosen rows, each divided by the voltage span.
+/// Columns of Z for the chosen rows at the workspace's shifts, each divided by the voltage span.
 Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record,
                                       const std::vector<std::size_t>& rows);
 /// Slow wander as columns of Z from `first` on: half waves cos(k pi t / T) of the record, k = 1 .. count, those longer than a minute.
@@ -102,9 +109,7 @@ void set_repeatability(MixedProblem& problem, bool one_recording);
 /// Says which rows the Gram matrices will see, so that candidates need no others.
 void choose_wanted_rows(CampaignInput& input);
 /// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.
-/// `only`: no others than these families.
-void build_output_channel(Workspace& workspace, unsigned threads,
-                          const std::vector<std::string>* only = nullptr);
+void build_output_channel(Workspace& workspace, unsigned threads, const ListedOnly* only = nullptr);
 /// The same for F_ref against angle or command; sets has_rig.
 void build_rig_channel(Workspace& workspace, unsigned threads);
 

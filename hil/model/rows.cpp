@@ -4,17 +4,21 @@
 #include <cmath>
 #include <numeric>
 
+#include "hil/base/parallel.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
 
 namespace {
 
-std::vector<double> on_clock(const Trace& trace, const Channel& channel, std::size_t clock) {
+// The channel itself where it has that clock already; else `room`, filled along straight lines.
+const std::vector<double>& on_clock(const Trace& trace, const Channel& channel, std::size_t clock,
+                                    std::vector<double>& room) {
   if (channel.time_base == clock) return channel.value;
   const auto& from = trace.time_bases[channel.time_base].t_s;
   const auto& to = trace.time_bases[clock].t_s;
-  std::vector<double> out(to.size(), kMissing);
+  std::vector<double>& out = room;
+  out.assign(to.size(), kMissing);
   if (from.size() < 2) return out;
   std::size_t j = 0;
   for (std::size_t i = 0; i < to.size(); ++i) {
@@ -33,19 +37,17 @@ double median_step(const std::vector<double>& t) {
   return steps.empty() ? 1.0 : quantile(std::move(steps), 0.5);
 }
 
+double first_finite(const std::vector<double>& x) {
+  const auto found = std::ranges::find_if(x, [](double v) { return std::isfinite(v); });
+  return found == x.end() ? 0.0 : *found;
+}
+
 // Missing forces are held, so that the states of plays and filters stay finite.
-std::vector<double> held(std::vector<double> x) {
-  double last = 0.0;
-  for (double v : x)
-    if (std::isfinite(v)) {
-      last = v;
-      break;
-    }
+void hold(std::vector<double>& x, double last) {
   for (double& v : x) {
     if (std::isfinite(v)) last = v;
     v = last;
   }
-  return x;
 }
 
 struct RowMeans {
@@ -65,36 +67,62 @@ struct RowMeans {
   }
 };
 
-void set_angle(const Trace& trace, std::size_t clock, const RowMeans& mean, RecordInput& out) {
-  const Channel* theta = trace.find("theta");
-  if (theta == nullptr || out.theta_rad.empty()) return;
-  const std::vector<double> angle = held(on_clock(trace, *theta, clock));
-  const std::size_t n = out.fast_t_s.size();
-  std::vector<double> sine(n), cosine(n), late(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    sine[i] = std::sin(angle[i]);
-    cosine[i] = std::cos(angle[i]);
+void set_angle(const std::vector<double>& theta, const std::vector<double>& t, RecordInput& out) {
+  double angle = first_finite(theta), before = std::cos(angle), late = before;
+  LowPass pole(kLateAngle_s, before);
+  out.sin_theta.reserve(out.rows());
+  out.cos_theta.reserve(out.rows());
+  out.late_cos_theta.reserve(out.rows());
+  for (std::size_t r = 0; r < out.rows(); ++r) {
+    double sum_sin = 0.0, sum_cos = 0.0, sum_late = 0.0;
+    const std::uint32_t begin = out.row_begin[r], end = out.row_begin[r + 1];
+    for (std::uint32_t k = begin; k < end; ++k) {
+      if (std::isfinite(theta[k])) angle = theta[k];
+      const double cosine = std::cos(angle);
+      if (k > 0) late = pole.step(before, cosine, (t[k] - t[0]) - (t[k - 1] - t[0]));
+      before = cosine;
+      sum_sin += std::sin(angle);
+      sum_cos += cosine;
+      sum_late += late;
+    }
+    const double n = static_cast<double>(end - begin);
+    out.sin_theta.push_back(sum_sin / n);
+    out.cos_theta.push_back(sum_cos / n);
+    out.late_cos_theta.push_back(sum_late / n);
   }
-  LowPass pole(kLateAngle_s, cosine[0]);
-  for (std::size_t i = 0; i < n; ++i)
-    late[i] = i == 0 ? cosine[0] : pole.step(cosine[i - 1], cosine[i], out.fast_t_s[i] - out.fast_t_s[i - 1]);
-  out.sin_theta = mean(sine);
-  out.cos_theta = mean(cosine);
-  out.late_cos_theta = mean(late);
+}
+
+// The force is held over what is missing at its end too.
+void set_full_rate(std::vector<double> t, std::vector<double> F, RecordInput& out) {
+  const std::size_t used = out.row_begin.back();
+  hold(F, first_finite(F));
+  F.resize(used);
+  t.resize(used);
+  for (const double t0 = t.front(); double& v : t) v -= t0;
+  out.fast_t_s = std::move(t);
+  out.fast_F_N = std::move(F);
 }
 
 }  // namespace
 
-double quantile(std::vector<double> values, double q) {
+double quantile(std::vector<double> values, double q) { return quantiles(std::move(values), q, q).front(); }
+
+std::array<double, 2> quantiles(std::vector<double> values, double low_q, double high_q) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return kMissing;
-  const auto at = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
-  return values[at];
+  if (values.empty()) return {kMissing, kMissing};
+  const auto place = [&](double q) {
+    return values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  };
+  const auto low = place(low_q), high = place(high_q);
+  std::nth_element(values.begin(), low, values.end());
+  if (high > low) std::nth_element(low + 1, high, values.end());
+  return {*low, *high};
 }
 
-Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad,
-                                      double row_step_s) {
+namespace {
+
+Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t> bad, double row_step_s,
+                              bool angle) {
   const Trace& trace = record.trace;
   const Channel* F = trace.find("F_ref");
   const Channel* U = trace.find("U");
@@ -117,34 +145,34 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
   const auto n_rows = static_cast<std::uint32_t>(t.size() / per_row);
   for (std::uint32_t r = 0; r <= n_rows; ++r) out.row_begin.push_back(r * per_row);
 
-  out.fast_t_s = t;
-  const std::vector<double> force = F->value;
-  const std::vector<double> output = on_clock(trace, *U, clock);
-  out.fast_F_N = held(force);
-  out.fast_t_s.resize(n_rows * per_row);
-  out.fast_F_N.resize(n_rows * per_row);
+  const std::vector<double>& force = F->value;
+  std::vector<double> room;
+  const std::vector<double>& output = on_clock(trace, *U, clock, room);
   const double t0 = t.front();
-  for (double& v : out.fast_t_s) v -= t0;
 
   out.t_s.resize(n_rows);
   out.U_V.resize(n_rows);
   out.F_N.resize(n_rows);
   out.ok.assign(n_rows, 1);
+  double last_F = first_finite(force);
   for (std::uint32_t r = 0; r < n_rows; ++r) {
     double sum_t = 0.0, sum_F = 0.0, sum_U = 0.0;
     const std::uint32_t begin = out.row_begin[r], end = out.row_begin[r + 1];
     for (std::uint32_t k = begin; k < end; ++k) {
-      sum_t += out.fast_t_s[k];
-      sum_F += out.fast_F_N[k];
-      sum_U += output[k];
-      if ((!bad.empty() && bad[k] != 0) || !std::isfinite(force[k]) || !std::isfinite(output[k]))
+      if (std::isfinite(force[k]))
+        last_F = force[k];
+      else
         out.ok[r] = 0;
+      sum_t += t[k] - t0;
+      sum_F += last_F;
+      sum_U += output[k];
+      if ((!bad.empty() && bad[k] != 0) || !std::isfinite(output[k])) out.ok[r] = 0;
     }
     const double n = per_row;
     out.t_s[r] = sum_t / n;
     out.F_N[r] = sum_F / n;
     out.U_V[r] = sum_U / n;
-    if (out.fast_t_s[end - 1] - out.fast_t_s[begin] > 1.6 * out.row_step_s) out.ok[r] = 0;
+    if ((t[end - 1] - t0) - (t[begin] - t0) > 1.6 * out.row_step_s) out.ok[r] = 0;
     if (!std::isfinite(out.U_V[r])) out.U_V[r] = 0.0;
   }
   // a row next to a hole in the clock carries states of unknown age
@@ -155,12 +183,13 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
   const auto channel = [&](const char* name) -> std::vector<double> {
     const Channel* c = trace.find(name);
     if (c == nullptr) return {};
-    std::vector<double> rows = mean(on_clock(trace, *c, clock));
+    std::vector<double> rows = mean(on_clock(trace, *c, clock, room));
     if (std::none_of(rows.begin(), rows.end(), [](double v) { return std::isfinite(v); })) return {};
-    return held(std::move(rows));
+    hold(rows, first_finite(rows));
+    return rows;
   };
   out.theta_rad = channel("theta");
-  set_angle(trace, clock, mean, out);
+  if (angle && !out.theta_rad.empty()) set_angle(on_clock(trace, *trace.find("theta"), clock, room), t, out);
   out.temp_C = channel("temp");
   out.humidity = channel("RH");
   if (out.humidity.empty()) out.humidity = channel("humidity");
@@ -180,6 +209,25 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
   out.eccentricity_mm = record.eccentricity_mm.value_or(kMissing);
   out.preload_mm = record.preload_mm.value_or(kMissing);
   out.decay.assign(n_rows, 1.0);
+  return out;
+}
+
+}  // namespace
+
+Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad,
+                                      double row_step_s, const RowParts& parts) {
+  FORCEGATE_TRY(RecordInput out, make_rows(record, bad, row_step_s, parts.angle));
+  const Channel& F = *record.trace.find("F_ref");
+  if (parts.full_rate) set_full_rate(record.trace.time_bases[F.time_base].t_s, F.value, out);
+  return out;
+}
+
+Result<RecordInput> take_record_input(Record& record, std::span<const std::uint8_t> bad, double row_step_s,
+                                      const RowParts& parts) {
+  FORCEGATE_TRY(RecordInput out, make_rows(record, bad, row_step_s, parts.angle));
+  Channel& F = *record.trace.find("F_ref");
+  if (parts.full_rate)
+    set_full_rate(std::move(record.trace.time_bases[F.time_base].t_s), std::move(F.value), out);
   return out;
 }
 
@@ -210,7 +258,7 @@ void number_mountings(CampaignInput& campaign) {
 
 }  // namespace
 
-void finish_campaign_input(CampaignInput& campaign) {
+void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
   auto& records = campaign.records;
   bool starts_known = true;
   for (const RecordInput& r : records) starts_known &= std::isfinite(r.start_s);
@@ -244,21 +292,24 @@ void finish_campaign_input(CampaignInput& campaign) {
       }
   }
   if (!F.empty()) {
-    campaign.lowest_N = quantile(F, 0.001);
-    campaign.range_N = std::max(1e-12, quantile(F, 0.999) - campaign.lowest_N);
-    campaign.U_range_V = std::max(1e-12, quantile(U, 0.999) - quantile(U, 0.001));
+    const auto [low_N, high_N] = quantiles(std::move(F), 0.001, 0.999);
+    const auto [low_V, high_V] = quantiles(std::move(U), 0.001, 0.999);
+    campaign.lowest_N = low_N;
+    campaign.range_N = std::max(1e-12, high_N - low_N);
+    campaign.U_range_V = std::max(1e-12, high_V - low_V);
   }
 
   // Where the force stands still its reading is resolution and noise only: as a regressor it would pull gains to zero.
-  for (RecordInput& r : records) {
-    const double span = quantile(r.F_N, 0.995) - quantile(r.F_N, 0.005);
-    if (!(span < 0.02 * campaign.range_N)) continue;
+  parallel_for(records.size(), threads, [&](std::size_t k) {
+    RecordInput& r = records[k];
+    const auto [low_N, high_N] = quantiles(r.F_N, 0.005, 0.995);
+    if (!(high_N - low_N < 0.02 * campaign.range_N)) return;
     const double middle =
         std::accumulate(r.F_N.begin(), r.F_N.end(), 0.0) / static_cast<double>(r.F_N.size());
     std::fill(r.F_N.begin(), r.F_N.end(), middle);
     std::fill(r.fast_F_N.begin(), r.fast_F_N.end(), middle);
     std::fill(r.rate_N_per_s.begin(), r.rate_N_per_s.end(), 0.0);
-  }
+  });
 
   double travel = 0.0;
   const auto every = [&](auto member) {
@@ -303,23 +354,27 @@ void finish_campaign_input(CampaignInput& campaign) {
   campaign.travel_total_N = std::max(travel, 1e-9);
 }
 
-Result<CampaignInput> make_campaign_input(const Campaign& campaign) {
+Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads, const RowParts& parts) {
   CampaignInput out;
   out.name = campaign.name;
   out.bench = campaign.bench;
-  std::vector<const Record*> declared;
-  for (const Record& record : campaign.records) {
-    FORCEGATE_TRY(RecordInput input, make_record_input(record));
+  std::vector<Result<RecordInput>> made(campaign.records.size());
+  parallel_for(made.size(), threads, [&](std::size_t k) {
+    made[k] = make_record_input(campaign.records[k], {}, kRowStep_s, parts);
+  });
+  for (Result<RecordInput>& one : made) {
+    FORCEGATE_TRY(RecordInput input, std::move(one));
     out.records.push_back(std::move(input));
   }
-  finish_campaign_input(out);
-  for (RecordInput& input : out.records) {
+  finish_campaign_input(out, threads);
+  parallel_for(out.records.size(), threads, [&](std::size_t k) {
+    RecordInput& input = out.records[k];
     const Record* found = nullptr;
     for (const Record& record : campaign.records)
       if (record.name == input.name) found = &record;
     estimate_excitation(input, found, out.range_N);
     if (input.dynamic && input.dynamic_assumed && stands_mostly_still(input, out.range_N)) set_static(input);
-  }
+  });
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // From recordings to what models see: block means at no more than 50 rows a second, excitation facts, travel.
 
+#include <array>
 #include <span>
 
 #include "hil/base/result.h"
@@ -10,22 +11,35 @@ namespace forcegate {
 
 constexpr double kRowStep_s = 0.02;
 
+/// Parts of a record that cost as much as all the rest, and that only effects read.
+struct RowParts {
+  bool full_rate = true;  ///< fast_t_s, fast_F_N
+  bool angle = true;      ///< sin_theta, cos_theta, late_cos_theta
+};
+
 /// Rows of one record. `bad` (may be empty) marks full-rate samples that must not count. Channels are put on the
 /// clock of F_ref. Missing forces are held for the state machines; their rows are not ok.
 /// Errors: no F_ref or no U channel, fewer than 16 samples.
 /// `row_step_s`: aimed at; never less than one sample.
 Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad = {},
-                                      double row_step_s = kRowStep_s);
+                                      double row_step_s = kRowStep_s, const RowParts& parts = {});
+
+/// The same; the full-rate clock and force are taken out of the record's trace instead of copied.
+Result<RecordInput> take_record_input(Record& record, std::span<const std::uint8_t> bad, double row_step_s,
+                                      const RowParts& parts);
 
 /// Sorts by campaign time and fills in what depends on all records: ranges, travel, start times, excitation
 /// (declared values first, estimates otherwise, each estimate told in `notes`).
-void finish_campaign_input(CampaignInput& campaign);
+void finish_campaign_input(CampaignInput& campaign, unsigned threads = 1);
 
 /// Reads nothing; convenience for callers that need no raw health: all records, then finish.
-Result<CampaignInput> make_campaign_input(const Campaign& campaign);
+Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads = 1,
+                                          const RowParts& parts = {});
 
 /// q-quantile (0..1) of finite values; NaN when there are none.
 double quantile(std::vector<double> values, double q);
+/// Two of them, low_q <= high_q.
+std::array<double, 2> quantiles(std::vector<double> values, double low_q, double high_q);
 
 /// Facts of the excitation of one record from its rows: dynamic, onset, f, A, F_min, frequency jumps.
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N);

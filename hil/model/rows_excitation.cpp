@@ -84,7 +84,7 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   for (std::size_t i = 0; i < record.rows(); ++i)
     if (record.t_s[i] >= from_s && record.ok[i] != 0) settled.push_back(record.F_N[i]);
   if (settled.empty()) settled = record.F_N;
-  const double low = quantile(settled, 0.01), high = quantile(settled, 0.99);
+  const auto [low, high] = quantiles(std::move(settled), 0.01, 0.99);
   record.F_min_N = low;
   record.A_N = declared != nullptr && declared->A_N ? *declared->A_N : 0.5 * (high - low);
   if (!(record.A_N > 0.0)) record.A_N = 0.5 * (high - low);

@@ -72,5 +72,38 @@ TEST(SmoothWithinNoise, DoesNothingWithoutNoise) {
   EXPECT_EQ(smooth_within_noise(n.seen, 0.0), n.seen);
 }
 
+// Centre of the least-squares parabola over 2m + 1 samples (Savitzky and Golay), summed from the middle outwards.
+double centre(const std::vector<double>& x, std::size_t i, std::size_t m_size, double* own_weight) {
+  const double m = static_cast<double>(m_size);
+  const auto weight = [&](double k) {
+    return 3.0 * (3.0 * m * m + 3.0 * m - 1.0 - 5.0 * k * k) /
+           ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
+  };
+  *own_weight = weight(0.0);
+  double sum = *own_weight * x[i];
+  for (std::size_t k = 1; k <= m_size; ++k) sum += weight(static_cast<double>(k)) * (x[i - k] + x[i + k]);
+  return sum;
+}
+
+TEST(SmoothWithinNoise, TakesTheWidestParabolaThatAgreesWithTheNarrowerOnesAtEverySample) {
+  constexpr double kSigma = 0.01, kAgree = 1.7;
+  const Noisy n = noisy([](double t) { return std::sin(t * t); }, kSigma);  // ever faster: all widths come up
+  const std::vector<double> out = smooth_within_noise(n.seen, kSigma);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    double low = n.seen[i] - kAgree * kSigma, high = n.seen[i] + kAgree * kSigma, expected = n.seen[i];
+    for (const std::size_t m : {2, 4, 8, 16, 32}) {
+      if (i < m || i + m >= out.size()) break;
+      double own_weight = 0.0;
+      const double estimate = centre(n.seen, i, m, &own_weight),
+                   spread = kAgree * kSigma * std::sqrt(own_weight);
+      low = std::max(low, estimate - spread);
+      high = std::min(high, estimate + spread);
+      if (low > high) break;
+      expected = estimate;
+    }
+    EXPECT_EQ(out[i], expected) << i;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "synthetic.h"
@@ -81,6 +82,28 @@ TEST(Rows, NeedForceAndOutput) {
   const auto made = make_record_input(record);
   ASSERT_FALSE(made.has_value());
   EXPECT_NE(made.error().text.find("U"), std::string::npos);
+}
+
+TEST(Rows, AreTheSameWhetherTheRecordIsCopiedOrTakenAndWhateverIsLeftOut) {
+  Record record = test::campaign([](double, double F) { return 2.0 * F; }).records[0];
+  Channel theta = record.trace.channels[0];
+  theta.name = "theta";
+  record.trace.channels.push_back(theta);
+  record.trace.channels[0].value[700] = kMissing;
+  const auto copied = make_record_input(record);
+  const auto bare = make_record_input(record, {}, kRowStep_s, {.full_rate = false, .angle = false});
+  const auto taken = take_record_input(record, {}, kRowStep_s, {});
+  ASSERT_TRUE(copied && bare && taken);
+  EXPECT_EQ(copied->ok, bare->ok);
+  EXPECT_EQ(std::count(copied->ok.begin(), copied->ok.end(), 0), 1);
+  EXPECT_EQ(copied->F_N, bare->F_N);
+  EXPECT_EQ(copied->theta_rad, bare->theta_rad);
+  EXPECT_TRUE(bare->fast_F_N.empty() && bare->fast_t_s.empty() && bare->sin_theta.empty());
+  EXPECT_EQ(copied->fast_F_N[700], copied->fast_F_N[699]);
+  EXPECT_EQ(copied->fast_F_N, taken->fast_F_N);
+  EXPECT_EQ(copied->fast_t_s, taken->fast_t_s);
+  EXPECT_EQ(copied->late_cos_theta, taken->late_cos_theta);
+  EXPECT_EQ(copied->cos_theta.size(), copied->rows());
 }
 
 TEST(Rows, AreBlockMeansOfAtMostFiftyASecond) {
