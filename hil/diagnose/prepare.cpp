@@ -14,13 +14,14 @@ namespace {
 
 // A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Every
 // block keeps the whole history, since what came before it is still in the states of the system. The states of the first rows are
-// not known.
+// not known. Columns are made once for all blocks, from the first: it alone has the full rate.
 void cut_into_blocks(Workspace& w) {
   constexpr std::size_t kBlocks = 5, kFewestRows = 200;
   const std::size_t n = w.input.records.front().rows();
   if (n < kFewestRows) return;
   RecordInput whole = std::move(w.input.records.front());
   const RecordHealth health = std::move(w.health.front());
+  std::vector<double> fast_t_s = std::move(whole.fast_t_s), fast_F_N = std::move(whole.fast_F_N);
   w.input.records.clear();
   w.health.clear();
   const std::size_t gap = n / 100, settled = n / 10, length = (n - settled) / kBlocks;
@@ -35,6 +36,8 @@ void cut_into_blocks(Workspace& w) {
     w.input.records.push_back(std::move(block));
     w.health.push_back(health);
   }
+  w.input.records.front().fast_t_s = std::move(fast_t_s);
+  w.input.records.front().fast_F_N = std::move(fast_F_N);
   w.input.notes.push_back(
       std::string(
           "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn") +
