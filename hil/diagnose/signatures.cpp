@@ -14,11 +14,15 @@ constexpr std::size_t kRowLimit = 2500;
 constexpr double kPriorShare = 0.03;  // an effect of 3 % of the span is nothing unusual
 constexpr int kSpareColumns = 24;
 
-// The candidate's columns on the chosen rows of record k and of all other blocks of the same recording.
+// The candidate's columns on the chosen rows of record k and of all other blocks of the same recording. `room` is kept from
+// candidate to candidate.
 void write_columns(const CampaignInput& input, ResidualChannel& channel, std::size_t k, const Candidate& c,
-                   Eigen::MatrixXd& full) {
+                   Eigen::MatrixXd& room) {
   const RecordInput& r = input.records[channel.record_of[k]];
-  full.setZero(static_cast<Eigen::Index>(r.rows()), c.count);
+  const auto n = static_cast<Eigen::Index>(r.rows());
+  if (room.rows() != n || room.cols() < c.count) room.resize(n, c.count);
+  auto full = room.leftCols(c.count);
+  full.setZero();
   c.form->columns(input, r, c.shape, full);
   for (std::size_t b = k;
        b < channel.rows.size() && input.records[channel.record_of[b]].recording == r.recording; ++b) {
@@ -47,9 +51,9 @@ void write_all_columns(const CampaignInput& input, ResidualChannel& channel, uns
   const std::vector<std::size_t> first = recordings(input, channel);
   const std::size_t parts = first.size() == 1 ? channel.candidates.size() : first.size();
   parallel_for(parts, threads, [&](std::size_t p) {
-    Eigen::MatrixXd full;
+    Eigen::MatrixXd room;
     const auto write = [&](std::size_t k, const Candidate& c) {
-      if (c.is_read) write_columns(input, channel, k, c, full);
+      if (c.is_read) write_columns(input, channel, k, c, room);
     };
     if (first.size() == 1) {
       write(first.front(), channel.candidates[p]);
@@ -129,8 +133,8 @@ void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const 
   const int nz = channel.problem.nz;
   const std::vector<std::size_t> first = recordings(input, channel);
   parallel_for(first.size(), threads, [&](std::size_t p) {
-    Eigen::MatrixXd full;
-    write_columns(input, channel, first[p], c, full);
+    Eigen::MatrixXd room;
+    write_columns(input, channel, first[p], c, room);
   });
   parallel_for(channel.rows.size(), threads, [&](std::size_t k) {
     const Eigen::MatrixXd& A = channel.rows[k].matrix;

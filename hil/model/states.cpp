@@ -40,7 +40,11 @@ std::vector<double> delayed_rows(const RecordInput& record, double delay_s, doub
   const auto& t = record.fast_t_s;
   const std::size_t n = F.size();
   std::size_t j = 0;
+  std::uint32_t last = 0;
   const auto sample = [&](std::uint32_t k) {
+    // on a clock without gaps j comes along with k, over rows that nobody wants too
+    j = std::min<std::size_t>(j + (k - last), n - 2);
+    last = k;
     const double at = t[k] - delay_s - skew * (t[k] - t[0]);
     if (at <= t[0]) return F[0];
     if (at >= t[n - 1]) return F[n - 1];
