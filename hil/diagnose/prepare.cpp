@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/base/parallel.h"
+#include "hil/base/largest_first.h"
 #include "hil/diagnose/denoise.h"
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/reference_latency.h"
@@ -74,7 +74,7 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   std::vector<Prepared> prepared(campaign.records.size());
   // without a search only effects of the model itself ask for the angle
   const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
-  parallel_for(prepared.size(), options.threads, [&](std::size_t k) {
+  parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
     prepared[k].health = check_raw_health(record, w->scales, campaign.bench);
     const RecordHealth& h = prepared[k].health;

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/base/parallel.h"
+#include "hil/base/largest_first.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
@@ -49,8 +49,12 @@ std::vector<std::size_t> recordings(const CampaignInput& input, const ResidualCh
 // All candidates; a single recording is divided by candidates, many recordings by recordings.
 void write_all_columns(const CampaignInput& input, ResidualChannel& channel, unsigned threads) {
   const std::vector<std::size_t> first = recordings(input, channel);
-  const std::size_t parts = first.size() == 1 ? channel.candidates.size() : first.size();
-  parallel_for(parts, threads, [&](std::size_t p) {
+  std::vector<std::size_t> cost(channel.candidates.size(), 1);
+  if (first.size() > 1) {
+    cost.clear();
+    for (const std::size_t k : first) cost.push_back(input.records[channel.record_of[k]].rows());
+  }
+  parallel_for_largest_first(cost, threads, [&](std::size_t p) {
     Eigen::MatrixXd room;
     const auto write = [&](std::size_t k, const Candidate& c) {
       if (c.is_read) write_columns(input, channel, k, c, room);

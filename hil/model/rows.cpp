@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "hil/base/parallel.h"
+#include "hil/base/largest_first.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
@@ -354,12 +354,18 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
   campaign.travel_total_N = std::max(travel, 1e-9);
 }
 
+std::vector<std::size_t> sample_counts(const Campaign& campaign) {
+  std::vector<std::size_t> out;
+  for (const Record& record : campaign.records) out.push_back(record.trace.size());
+  return out;
+}
+
 Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads, const RowParts& parts) {
   CampaignInput out;
   out.name = campaign.name;
   out.bench = campaign.bench;
   std::vector<Result<RecordInput>> made(campaign.records.size());
-  parallel_for(made.size(), threads, [&](std::size_t k) {
+  parallel_for_largest_first(sample_counts(campaign), threads, [&](std::size_t k) {
     made[k] = make_record_input(campaign.records[k], {}, kRowStep_s, parts);
   });
   for (Result<RecordInput>& one : made) {

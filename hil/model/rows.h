@@ -32,6 +32,9 @@ Result<RecordInput> take_record_input(Record& record, std::span<const std::uint8
 /// (declared values first, estimates otherwise, each estimate told in `notes`).
 void finish_campaign_input(CampaignInput& campaign, unsigned threads = 1);
 
+/// Samples of every record.
+std::vector<std::size_t> sample_counts(const Campaign& campaign);
+
 /// Reads nothing; convenience for callers that need no raw health: all records, then finish.
 Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads = 1,
                                           const RowParts& parts = {});

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "hil/base/parallel.h"
+#include "hil/base/largest_first.h"
 #include "hil/base/text.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/convert.h"
@@ -184,7 +184,13 @@ void load(Reading& reading, const CampaignOptions& options) {
 }
 
 void load_all(std::vector<Reading>& readings, const CampaignOptions& options) {
-  parallel_for(readings.size(), options.threads, [&](std::size_t i) { load(readings[i], options); });
+  std::vector<std::size_t> bytes;
+  for (const Reading& reading : readings) {
+    std::error_code unknown;
+    const std::uintmax_t size = fs::file_size(reading.file, unknown);
+    bytes.push_back(unknown ? 0 : static_cast<std::size_t>(size));
+  }
+  parallel_for_largest_first(bytes, options.threads, [&](std::size_t i) { load(readings[i], options); });
 }
 
 /// "r1, r2: the separator is a semicolon": each note once, with the records that it is about. Notes that differ in their
