@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "hil/diagnose/capacitance_witness.h"
+#include "hil/diagnose/coloured_noise.h"
 #include "hil/diagnose/findings.h"
 #include "hil/diagnose/null_calibration.h"
 #include "hil/diagnose/pictures.h"
@@ -142,7 +143,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   };
 
   Selection rig, drive;
-  bool reference_moves = false;
+  bool reference_moves = false, wheel_lets_go = false;
   // the rig's own law is only nearly linear and its guide only nearly free: a finding must explain most of the misfit
   SelectionRules rig_rules = rules;
   rig_rules.first_gain = 20.0;
@@ -166,11 +167,16 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules,
                          options.threads);
     measure_left_out(w, w.rig, rig);
-    for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
+    for (const ChosenEffect& c : rig.chosen) {
+      reference_moves |= c.kind->name == "reference_drift";
+      wheel_lets_go |= c.kind->name == "contact_loss";
+    }
   }
   std::vector<std::string> skip = options.in_model;
   std::vector<int> always = model_columns(w.output, options.in_model);
   if (w.has_rig && w.rig_sees_zero) skip.push_back("reference_drift");
+  // a wheel that does not touch pushes from no side
+  if (wheel_lets_go) skip.push_back("off_axis");
   if (reference_moves)
     for (int j : bank_columns(w.output, *EffectRegistry::instance().find("reference_drift")))
       always.push_back(j);
@@ -186,7 +192,10 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
   const Structure left = structure_of(w.output, selection.final);
   const double noise = allowed_rms(w.output);
-  const bool structured = is_structure(left, noise);
+  const auto residual_after = residual_rows(w.output, selection.final);
+  out.maps_after = residual_maps(w, w.output, residual_after, options.threads);
+  const bool coloured = is_coloured_noise(w.input, w.output, residual_after, out.maps_after);
+  const bool structured = is_structure(left, noise) && !coloured;
   const bool named_enough = explained > 0.5 || !structured;
   add_findings(w, w.output, selection, named_enough ? std::max(explained, 0.6) : explained, out);
   std::move(suspicions.begin(), suspicions.end(), std::back_inserter(out.findings));
@@ -253,15 +262,13 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   for (const std::vector<std::string>& set : out.not_separable)
     for (const Finding& f : out.findings)
       if (std::find(set.begin(), set.end(), f.effect) != set.end()) together += f.probability;
-  const bool open = structured || together >= 0.8 || far_above_noise(w.output, w, selection.final) >= 2;
+  const bool open = structured || together >= 0.8 || (!coloured && far_above_noise(w.output, w, selection.final) >= 2);
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
   out.residual_unknown =
-      claims && ((structured && explained < 0.8) || far_above_noise(w.output, w, selection.claimed) > 0);
+      claims && ((structured && explained < 0.8) || (!coloured && far_above_noise(w.output, w, selection.claimed) > 0));
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual, options.threads);
-  const auto residual_after = residual_rows(w.output, selection.final);
-  out.maps_after = residual_maps(w, w.output, residual_after, options.threads);
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(out.maps_after);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
@@ -272,6 +279,12 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
       f.error_after = out.error_after;
     }
   add_ranking(w.input, w.output, selection, rules, out);
+  if (coloured && is_structure(left, noise)) {
+    char text[160];
+    std::snprintf(text, sizeof text, "the noise of the output hangs together over time (%.2g %% of the span, RMS), of one size in every record whatever the load does",
+                  100.0 * left.rms);
+    out.notes.emplace_back(text);
+  }
   constexpr int kFlips = 6;
   const NullCalibration null = calibrate_null(
       w.input, w.output, selection.final, skip, [&](const std::string& name) { return threshold_of(name, rules); },

@@ -50,6 +50,7 @@ struct Spectrum {
 
 struct Line {
   double frequency_Hz;
+  double halves;  // at half the rate the two halves of a line fall on each other
   std::vector<Spectrum> at, force, beside;
 };
 
@@ -62,9 +63,10 @@ double alias(double frequency_Hz, double rate_Hz) {
 std::vector<Line> mains_lines(double rate_Hz) {
   std::vector<Line> out;
   for (const double mains_Hz : {50.0, 60.0, 150.0, 180.0}) {
-    Line line{alias(mains_Hz, rate_Hz), {}, {}, {}};
+    Line line{alias(mains_Hz, rate_Hz), 2.0, {}, {}, {}};
     const double f = line.frequency_Hz;
-    if (f < 4.0 || f > 0.495 * rate_Hz + 1e-9) continue;
+    if (f < 4.0) continue;
+    if (0.5 * rate_Hz - f < 0.5) line.halves = 1.0;
     const auto beside = [&](double by_Hz) {
       return Spectrum(2.0 * std::numbers::pi * (f + by_Hz) / rate_Hz);
     };
@@ -132,7 +134,7 @@ MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double
       std::vector<double> beside;
       for (const Spectrum& s : line.beside) beside.push_back(s.power(k, total));
       ratio.push_back(at_line / (quantile(beside, 0.5) + 3.0 * force + 1e-18));
-      amplitude.push_back(2.0 * std::sqrt(at_line));
+      amplitude.push_back(line.halves * std::sqrt(at_line));
     }
     const double r = quantile(ratio, 0.5);
     if (r > best.ratio) best = {quantile(amplitude, 0.5), line.frequency_Hz, r};

@@ -311,7 +311,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, rail = 0.0, missing = 0.0;
   std::vector<double> noise_F, hum;
-  std::size_t with_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
+  std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
   double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
   std::vector<double> bit_V;
@@ -333,8 +333,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
       bit_V.push_back(h.bit_V);
     }
     if (h.at_rail > 0) rail_V = h.rail_V;
-    noise_F.push_back(std::max(h.noise_F_N, h.scatter_F_N));
+    noise_F.push_back(std::max({h.noise_F_N, h.scatter_F_N, h.lsb_F_N / std::sqrt(12.0)}));
     lsb_F = std::max(lsb_F, h.lsb_F_N);
+    could_show_hum += h.hum_ratio > 0.0 ? 1 : 0;  // where the rate folds the line to zero nothing can
     if (h.hum_ratio > 25.0 && h.hum_V > 4e-4 * scales.U_range_V) {
       ++with_hum;
       hum.push_back(h.hum_V);
@@ -368,7 +369,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     out.push_back({"clipping", 0.95,
                    "the output stays at exactly one value at its top while the force moves on", "rail_V", "V",
                    rail_V, scales.U_range_V * 1e-4});
-  if (with_hum >= 2 && with_hum * 2 >= n)
+  if (with_hum >= 2 && with_hum * 2 >= could_show_hum)
     out.push_back(
         {"hum", 0.95,
          "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",

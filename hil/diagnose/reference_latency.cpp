@@ -48,6 +48,16 @@ void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double
       columns.push_back(c.first);
 }
 
+bool depends_on_load(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, const FamilyScore& family) {
+  constexpr double kPlain = 100.0;  // nats
+  std::vector<int> columns = present;
+  add_leads(channel, columns);
+  const MixedFit with_leads = fit_mixed(channel.problem, columns, &base, 20, base.use);
+  if (!with_leads.valid) return false;
+  const VariantScore beside = score_variant(channel, columns, with_leads, family.best.variant, nullptr);
+  return !beside.wrong_sign && beside.gain > kPlain;
+}
+
 MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<std::string>& notes) {
   constexpr double kLeastGain = 4.0;
   const ResidualChannel& channel = w.output;

@@ -35,6 +35,9 @@ bool is_allowed_lead(const Candidate& candidate, double longest_s = kLongestLead
 /// Adds the columns of all leads up to `longest_s`: together they span a shift and a first-order lag of the reference alike.
 void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double longest_s = kLongestLead_s);
 
+/// Whether a lead depends on the load: beside all plain leads that a late reference may have, the family still gains far more than chance.
+bool depends_on_load(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, const FamilyScore& family);
+
 /// The base, or the base beside a lead where the records show one that the reference explains, with a note: what a diagnosis carries
 /// along is no failure of the model either.
 MixedFit forgive_late_reference(const Workspace& workspace, MixedFit base, std::vector<std::string>& notes);

@@ -8,7 +8,9 @@
 #include "hil/diagnose/left_out.h"
 #include "hil/diagnose/objection.h"
 #include "hil/diagnose/reference_latency.h"
+#include "hil/diagnose/reconsider.h"
 #include "hil/diagnose/refine.h"
+#include "hil/diagnose/shares.h"
 
 namespace forcegate::diagnose {
 
@@ -27,51 +29,16 @@ VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const
 
 bool is_late(const std::string& name) { return name == "delay" || name == "lag"; }
 
-// Shares among the families from `place` on: what was turned down for its own reasons is no rival.
-void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, ChosenEffect& chosen) {
-  const double top = chosen.gain;
-  // evidence between records counts records; evidence within them counts rows that hang together and needs a scale
-  const double temperature = chosen.by_records() ? 1.0 : chosen.between ? 1.5 : 0.03 * std::max(0.0, top) + 6.0;
-  double sum = 0.0;
-  std::vector<double> weight(result.families.size(), 0.0);
-  for (std::size_t k = place; k < result.families.size(); ++k) {
-    const FamilyScore& family = result.families[k];
-    if (chosen.by_records() && !is_between_records(family.kind->name)) continue;  // what acts within records answers another question
-    weight[k] = std::exp(std::max(-200.0, (family.gain - top) / temperature));
-    // signatures that differ by less than a form is known to cannot be parted by how well they fit
-    if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
-      const double cosine = signature_cosine(channel, result.base, chosen.fit, chosen.columns, family.best.fit,
-                                             channel.variants[static_cast<std::size_t>(family.best.variant)].columns);
-      if (std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) < rules.form_error) weight[k] = 1.0;
-    }
-    sum += weight[k];
-  }
-  // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well
-  constexpr double kWithin = 40.0;
-  for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
-    const FamilyScore& family = result.families[k];
-    if (is_between_records(family.kind->name) || !look_alike(*family.kind, *chosen.kind) || family.gain < kWithin || family.best.wrong_sign) continue;
-    weight[k] = 1.0;
-    sum += 1.0;
-  }
-  for (std::size_t k = 0; k < result.families.size(); ++k) {
-    const FamilyScore& family = result.families[k];
-    const double share = weight[k] / sum;
-    if (family.kind == chosen.kind) chosen.share_of_family = share;
-    else if (share > 0.01) chosen.rivals.emplace_back(family.kind->name, share);
-  }
-}
-
 // Backward: an earlier effect may have been a compromise that the later ones make needless. A look-alike gets all forms of
 // its family before it is said that it cannot do without the other.
-void drop_needless(const ResidualChannel& channel, const std::vector<int>& always, const SelectionRules& rules, Selection& out) {
+void drop_needless(const ResidualChannel& channel, const std::vector<int>& carried, const SelectionRules& rules, Selection& out) {
   const auto add = [](std::vector<int>& to, const std::vector<int>& columns) {
     for (int j : columns)
       if (std::find(to.begin(), to.end(), j) == to.end()) to.push_back(j);
   };
   bool dropped = false;
   for (std::size_t k = 0; out.chosen.size() >= 2 && k < out.chosen.size();) {
-    std::vector<int> without = always;
+    std::vector<int> without = carried;
     for (std::size_t j = 0; j < out.chosen.size(); ++j)
       // what changes from record to record takes the place of nothing that happens within one
       if (j != k && (out.chosen[k].between || !out.chosen[j].between)) {
@@ -103,7 +70,7 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& alway
     }
   }
   if (!dropped) return;
-  std::vector<int> present = always;
+  std::vector<int> present = carried;
   for (ChosenEffect& chosen : out.chosen) {
     add(present, chosen.columns);
     const MixedFit fit = fit_mixed(channel.problem, present, &out.final, 12, RecordUse::all_records);
@@ -211,10 +178,33 @@ double signature_cosine(const ResidualChannel& channel, const MixedFit& base, co
   return norm > 0.0 ? S(0, 1) / norm : 0.0;
 }
 
+ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
+                       const SelectionRules& rules) {
+  ChosenEffect chosen;
+  chosen.kind = family.kind;
+  chosen.variant = family.best.variant;
+  chosen.columns = channel.variants[static_cast<std::size_t>(family.best.variant)].columns;
+  chosen.gain = family.gain;
+  chosen.fall = family.best.fall;
+  chosen.excess = excess_mean_square(channel, base);
+  chosen.effect_rms = family.best.effect_rms;
+  chosen.fit = family.best.fit;
+  chosen.left_out = cross_fit(channel, base, family.best.fit);
+  chosen.between = is_between_records(family.kind->name);
+  chosen.records = family.records;
+  if (chosen.between) {
+    RecordTest test = test_records(input, channel, base, family, rules);
+    chosen.not_by_records = std::move(test.objection);
+    chosen.chance = test.chance;
+  }
+  chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, chosen.columns);
+  return chosen;
+}
+
 Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always, const std::vector<std::string>& skip,
                          const SelectionRules& rules, unsigned threads) {
   Selection out;
-  std::vector<int> present = always;
+  std::vector<int> present = always, carried = always;
   std::vector<std::string> taken = skip;
   ScreenResult result;
   std::size_t place = 0;  // in the ranking
@@ -245,41 +235,27 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     if (out.chosen.empty()) out.first = result;
     const FamilyScore& family = result.families[place];
     const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-    ChosenEffect chosen;
-    chosen.kind = family.kind;
-    chosen.variant = family.best.variant;
-    chosen.columns = variant.columns;
-    chosen.gain = family.gain;
-    chosen.fall = family.best.fall;
-    chosen.excess = excess_mean_square(channel, result.base);
-    chosen.effect_rms = family.best.effect_rms;
-    chosen.fit = family.best.fit;
-    chosen.left_out = cross_fit(channel, result.base, family.best.fit);
-    chosen.between = is_between_records(family.kind->name);
-    chosen.records = family.records;
-    if (chosen.between) {
-      RecordTest test = test_records(input, channel, result.base, family, rules);
-      chosen.not_by_records = std::move(test.objection);
-      chosen.chance = test.chance;
-    }
-    chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, variant.columns);
+    ChosenEffect chosen = as_chosen(input, channel, result.base, family, rules);
     const bool first = out.chosen.empty();
-    const bool slight_shift = rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
-                              shift_s(channel, family) <= kAllowedLatency_s && chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
-    // a lead that depends on the load is only seen beside the plain lead of a reference with a lag of its own
-    if (rules.clock_slack && family.kind->name == "piezocapacitance" && latencies == 0 && family.gain > 4.0) {
-      add_leads(channel, present, 0.006);
+    // a lead of the output may be the lag of the reference, unless it depends on the load
+    const bool a_lead = rules.clock_slack && family.kind->name == "piezocapacitance" && latencies == 0 && family.gain > 4.0;
+    const bool loaded_lead = a_lead && depends_on_load(channel, present, result.base, family);
+    if (a_lead && !loaded_lead) {
+      for (std::vector<int>* columns : {&present, &carried}) add_leads(channel, *columns, 0.006);
       out.nuisance.push_back("a lead of the output of a few milliseconds is left to the reference");
       if (!screen_again(&family.best.fit)) break;
       ++latencies;
       --step;
       continue;
     }
+    const bool slight_shift = !loaded_lead && rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
+                              shift_s(channel, family) <= kAllowedLatency_s && chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
     // what a late reference explains nearly as well is its own, whatever else may fit
-    const bool nearly_latency = rules.clock_slack && latencies == 0 && first && place == 0 && is_nearly_latency(channel, result);
+    const bool nearly_latency = !loaded_lead && rules.clock_slack && latencies == 0 && first && place == 0 && is_nearly_latency(channel, result);
     if ((rules.clock_slack && is_reference_latency(channel, family) && family.gain > 4.0) || slight_shift || nearly_latency) {
-      if (slight_shift) present.insert(present.end(), variant.columns.begin(), variant.columns.end());
-      else add_leads(channel, present);
+      for (std::vector<int>* columns : {&present, &carried})
+        if (slight_shift) columns->insert(columns->end(), variant.columns.begin(), variant.columns.end());
+        else add_leads(channel, *columns);
       out.nuisance.push_back(slight_shift ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
                                           : kLatencyNote);
       leads = leads || !slight_shift;
@@ -314,7 +290,8 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     if (!screen_again(&family.best.fit)) break;
   }
 
-  drop_needless(channel, always, rules, out);
+  reconsider(input, channel, carried, skip, rules, threads, out);
+  drop_needless(channel, carried, rules, out);
   fit_claimed(channel, out);
   // what is reported comes from the fit records alone
   const auto report = [&](MixedFit& fit) {

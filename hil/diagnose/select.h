@@ -88,6 +88,10 @@ double threshold_of(const std::string& effect, const SelectionRules& rules);
 Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always,
                          const std::vector<std::string>& skip, const SelectionRules& rules, unsigned threads);
 
+/// A family's best variant as a choice over the base that it was scored against, with the tests that an objection reads.
+ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
+                       const SelectionRules& rules);
+
 /// |cos| between what two sets of columns add, after the base law and the repeatability are projected off.
 double signature_cosine(const ResidualChannel& channel, const MixedFit& base, const MixedFit& a,
                         const std::vector<int>& columns_a, const MixedFit& b,

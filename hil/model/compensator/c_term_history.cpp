@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/model/states.h"
+
 namespace forcegate {
 
 LowPassWeights low_pass_weights(double tau_s, double rate_Hz) {
@@ -16,9 +18,6 @@ LowPassWeights low_pass_weights(double tau_s, double rate_Hz) {
 
 namespace c_terms {
 namespace {
-
-constexpr double kRadii[] = {0.0125, 0.025, 0.05,
-                             0.1,    0.2,   0.35};  // of the span, as the library's play banks
 
 // Relaxations in parallel: sum_k c_k L_k[drive]. The states are sums of two floats: a time constant of 1000 s moves them by
 // less than the last bit of one.
@@ -128,10 +127,11 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
   }
   const bool decayed = e.form != "play_bank_undecayed", curved = e.form == "play_bank_curved";
   std::vector<double> radius, w, v;
-  for (std::size_t k = 0; k < 6; ++k) {
-    const double wk = strength_of(e, k), vk = curved && k >= 1 && k <= 4 ? strength_of(e, 5 + k) : 0.0;
+  for (std::size_t k = 0; k < kPlayRadii.size(); ++k) {
+    const bool bends = curved && k >= kFirstCurved && k <= kLastCurved;
+    const double wk = strength_of(e, k), vk = bends ? strength_of(e, kPlayRadii.size() + k - kFirstCurved) : 0.0;
     if (wk == 0.0 && vk == 0.0) continue;
-    radius.push_back(kRadii[k] * x.span_N);
+    radius.push_back(kPlayRadii[k] * x.span_N);
     w.push_back(wk);
     v.push_back(vk / x.span_N);
   }

@@ -9,7 +9,7 @@
 namespace forcegate {
 namespace {
 
-constexpr double kRadii[] = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.35};  // of the force span
+constexpr int kPlays = static_cast<int>(kPlayRadii.size()), kFirst = static_cast<int>(kFirstCurved), kLast = static_cast<int>(kLastCurved);
 
 ParameterSpec weight(const std::string& name, double radius) {
   return {name, "1", -2.0,
@@ -19,24 +19,24 @@ ParameterSpec weight(const std::string& name, double radius) {
 void play_bank(const CampaignInput& campaign, const RecordInput& record, ColumnsRef out, bool decayed,
                bool curved) {
   const auto n = record.rows();
-  for (int k = 0; k < 6; ++k) {
-    const double radius = kRadii[k] * campaign.range_N;
+  for (int k = 0; k < kPlays; ++k) {
+    const double radius = kPlayRadii[static_cast<std::size_t>(k)] * campaign.range_N;
     Play play(radius, std::max(0.0, record.F_N[0] - radius));
     for (std::size_t i = 0; i < n; ++i) {
       const double F = record.F_N[i], p = play.step(F), D = decayed ? record.decay[i] : 1.0;
       const auto row = static_cast<Eigen::Index>(i);
       out(row, k) = D * (p - F);
       // play of a curved function: loops that are wider at high force
-      if (curved && k >= 1 && k <= 4) out(row, 5 + k) = D * (p * p - F * F) / campaign.range_N;
+      if (curved && k >= kFirst && k <= kLast) out(row, kPlays + k - kFirst) = D * (p * p - F * F) / campaign.range_N;
     }
   }
 }
 
 std::vector<ParameterSpec> bank_weights(bool curved) {
   std::vector<ParameterSpec> out;
-  for (int k = 0; k < 6; ++k) out.push_back(weight("w" + std::to_string(k + 1), kRadii[k]));
+  for (std::size_t k = 0; k < kPlayRadii.size(); ++k) out.push_back(weight("w" + std::to_string(k + 1), kPlayRadii[k]));
   if (curved)
-    for (int k = 1; k <= 4; ++k) out.push_back(weight("v" + std::to_string(k + 1), kRadii[k]));
+    for (std::size_t k = kFirstCurved; k <= kLastCurved; ++k) out.push_back(weight("v" + std::to_string(k + 1), kPlayRadii[k]));
   return out;
 }
 

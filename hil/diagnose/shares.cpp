@@ -1,0 +1,42 @@
+#include "hil/diagnose/shares.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcegate::diagnose {
+
+void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, ChosenEffect& chosen) {
+  const double top = chosen.gain;
+  // evidence between records counts records; evidence within them counts rows that hang together and needs a scale
+  const double temperature = chosen.by_records() ? 1.0 : chosen.between ? 1.5 : 0.03 * std::max(0.0, top) + 6.0;
+  double sum = 0.0;
+  std::vector<double> weight(result.families.size(), 0.0);
+  for (std::size_t k = place; k < result.families.size(); ++k) {
+    const FamilyScore& family = result.families[k];
+    if (chosen.by_records() && !is_between_records(family.kind->name)) continue;  // what acts within records answers another question
+    weight[k] = std::exp(std::max(-200.0, (family.gain - top) / temperature));
+    // signatures that differ by less than a form is known to cannot be parted by how well they fit
+    if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
+      const double cosine = signature_cosine(channel, result.base, chosen.fit, chosen.columns, family.best.fit,
+                                             channel.variants[static_cast<std::size_t>(family.best.variant)].columns);
+      if (std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) < rules.form_error) weight[k] = 1.0;
+    }
+    sum += weight[k];
+  }
+  // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well
+  constexpr double kWithin = 40.0;
+  for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
+    const FamilyScore& family = result.families[k];
+    if (is_between_records(family.kind->name) || !look_alike(*family.kind, *chosen.kind) || family.gain < kWithin || family.best.wrong_sign) continue;
+    weight[k] = 1.0;
+    sum += 1.0;
+  }
+  for (std::size_t k = 0; k < result.families.size(); ++k) {
+    const FamilyScore& family = result.families[k];
+    const double share = weight[k] / sum;
+    if (family.kind == chosen.kind) chosen.share_of_family = share;
+    else if (share > 0.01) chosen.rivals.emplace_back(family.kind->name, share);
+  }
+}
+
+}  // namespace forcegate::diagnose
