@@ -42,7 +42,8 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
   const auto number = [&](double v) { return plain_number(unit.factor * v); };
   std::string out = add.empty() ? "refitted\n" : "added " + add + " and refitted everything\n";
   out += fmt::format(
-      "held-out error: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
+      "held-out error{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
+      r.levels ? ", one gain and offset for all" : "",
       number(r.error_before), number(r.error_after), unit.name, number(r.floor), unit.name, number(r.plain_before),
       number(r.plain_after), unit.name);
   if (!add.empty() && r.error_after >= r.error_before)
@@ -80,6 +81,7 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
       {"error_before", r.error_before},
       {"error_after", r.error_after},
       {"floor", r.floor},
+      {"adapted", r.levels ? nlohmann::ordered_json{"decay"} : nlohmann::ordered_json{"gain", "zero", "decay"}},
       {"plain_before", r.plain_before},
       {"plain_after", r.plain_after},
       {"unit", r.waterfall.unit},

@@ -134,6 +134,7 @@ struct Diagnosis {
   std::vector<Finding> findings;                              ///< claims first, then weaker ones
   std::vector<std::string> depends_on;                        ///< at most three groups
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< adapted, V
+  bool levels = false;  ///< a claim acts between records: adapted then means the decay alone, gain and zero are those of all records
   double plain_before = 0.0, plain_after = 0.0;
   std::string unit = "V";
   std::map<std::string, ErrorPair> errors;  ///< "F" when the rig side is at fault, "U_plain" always

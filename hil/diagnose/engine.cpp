@@ -19,7 +19,14 @@ namespace {
 
 void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
   const ResidualChannel& channel = w.output;
-  const Judged before = judge(channel, base, base, w.all_fit), after = judge(channel, final, base, w.all_fit);
+  Judged before = judge(channel, base, base, w.all_fit), after = judge(channel, final, base, w.all_fit);
+  // what a claim changes between the records, their own gains and zeros would hide
+  out.levels = std::any_of(out.findings.begin(), out.findings.end(),
+                           [](const Finding& f) { return f.probability >= 0.5 && f.form != "raw" && is_between_records(f.effect); });
+  if (out.levels) {
+    before.adapted = judge_levels(channel, base, base, w.all_fit);
+    after.adapted = judge_levels(channel, final, base, w.all_fit);
+  }
   const double s = channel.scale;
   for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
     const RecordGram& g = channel.problem.records[i];

@@ -87,13 +87,20 @@ Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit
   return {std::move(out.adapted), std::move(out.plain)};
 }
 
+std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit) {
+  constexpr double kHeld = 1e-14;
+  MixedFit held = freedom;
+  for (int j = 0; j < 2; ++j) held.variance[channel.problem.component_of_z[static_cast<std::size_t>(j)]] = kHeld;
+  return judge(channel, fit, held, all_fit).adapted;
+}
+
 void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection) {
   constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
     const auto error = [&](const MixedFit& fit) {
-      const Judged j = judge(channel, fit, selection.base, w.all_fit);
-      return channel.scale * std::sqrt(judged(channel, chosen.between ? j.plain : j.adapted, w.all_fit));
+      const auto square = chosen.between ? judge_levels(channel, fit, selection.base, w.all_fit) : judge(channel, fit, selection.base, w.all_fit).adapted;
+      return channel.scale * std::sqrt(judged(channel, square, w.all_fit));
     };
     chosen.error_before = error(*before);
     chosen.error_after = error(chosen.fit);

@@ -19,6 +19,9 @@ struct Judged {
 };
 Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit);
 
+/// The same where a record keeps the gain and the zero of all records, but may decay in its own way: what an effect between records changes.
+std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit);
+
 /// Mean over the records that judge: held-out ones, or all.
 double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/base/text.h"
+#include "hil/diagnose/findings.h"
 #include "hil/diagnose/further_forms.h"
 #include "hil/diagnose/refine.h"
 #include "hil/diagnose/select.h"
@@ -13,17 +14,15 @@ namespace forcegate::diagnose {
 
 namespace {
 
-double held_out_rms(const Workspace& w, const MixedFit& fit, bool plain) {
-  const std::vector<double> square = plain       ? fit.plain
-                                     : w.all_fit ? leave_one_out(w.output.problem, fit).adapted
-                                                 : fit.adapted;
-  double sum = 0.0, n = 0.0;
-  for (std::size_t i = 0; i < square.size(); ++i)
-    if (w.all_fit || w.output.problem.records[i].heldout) {
-      sum += square[i];
-      n += 1.0;
-    }
-  return w.output.scale * std::sqrt(sum / std::max(n, 1.0));
+double held_out_rms(const Workspace& w, const std::vector<double>& square) {
+  return w.output.scale * std::sqrt(judged(w.output, square, w.all_fit));
+}
+
+// What an effect between records changes, a record's own gain and zero would hide.
+double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& base, bool levels) {
+  return held_out_rms(w, levels      ? judge_levels(w.output, fit, base, w.all_fit)
+                         : w.all_fit ? leave_one_out(w.output.problem, fit).adapted
+                                     : fit.adapted);
 }
 
 // Best variant of one family beside the columns that are in, its shape refined; fit records only.
@@ -57,7 +56,7 @@ ModelEffect effect_of(const Workspace& w, const Variant& variant, const MixedFit
 
 Waterfall waterfall_of(const Workspace& w,
                        const std::vector<std::pair<std::string, std::vector<int>>>& effects,
-                       const MixedFit& base) {
+                       const MixedFit& base, bool levels) {
   Waterfall out;
   const std::size_t n = effects.size();
   const auto error_of = [&](unsigned mask) {
@@ -66,7 +65,7 @@ Waterfall waterfall_of(const Workspace& w,
       if ((mask >> k & 1u) != 0)
         columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
     const MixedFit fit = fit_mixed(w.output.problem, columns, &base, 10);
-    return fit.valid ? held_out_rms(w, fit, false) : 0.0;
+    return fit.valid ? held_out_rms(w, fit, base, levels) : 0.0;
   };
   const unsigned all = (1u << std::min<std::size_t>(n, 16)) - 1u;
   std::vector<double> error(n <= 4 ? all + 1u : 0u);
@@ -213,10 +212,11 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
                            old != nullptr ? old->strength[j].value : p.neutral, p.value, p.se});
     }
   }
-  out.error_before = held_out_rms(w, before, false);
-  out.error_after = held_out_rms(w, now, false);
-  out.plain_before = held_out_rms(w, before, true);
-  out.plain_after = held_out_rms(w, now, true);
+  out.levels = std::any_of(names.begin(), names.end(), is_between_records);
+  out.error_before = held_out_rms(w, before, base, out.levels);
+  out.error_after = held_out_rms(w, now, base, out.levels);
+  out.plain_before = held_out_rms(w, before.plain);
+  out.plain_after = held_out_rms(w, now.plain);
   double floor = 0.0, n = 0.0;
   for (std::size_t i = 0; i < w.noise_V.size(); ++i)
     if (w.all_fit || w.output.problem.records[i].heldout) {
@@ -224,7 +224,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
       n += 1.0;
     }
   out.floor = std::min(std::sqrt(floor / std::max(n, 1.0)), out.error_after);
-  out.waterfall = waterfall_of(w, effects, base);
+  out.waterfall = waterfall_of(w, effects, base, out.levels);
   out.waterfall.floor = out.floor;
   out.waterfall.unit = w.output.unit;
   HistoryStep step;

@@ -75,6 +75,7 @@ std::string to_json(const Diagnosis& d) {
     errors[name] = {{"before", number(pair.before)}, {"after", number(pair.after)}, {"unit", pair.unit}};
   out["errors"] = errors;
   out["floor"] = number(d.floor);
+  out["adapted"] = d.levels ? nlohmann::ordered_json{"decay"} : nlohmann::ordered_json{"gain", "zero", "decay"};
   out["plain"] = {{"before", number(d.plain_before)}, {"after", number(d.plain_after)}};
   out["records"] = Json::array();
   for (const RecordError& r : d.records)

@@ -201,7 +201,8 @@ std::string records(const Diagnosis& d) {
   const std::string role = any_heldout ? "fitted" : d.records.size() > 1 ? "left out in turn" : "in blocks";
   std::string out = "<section id=\"records\"><h2>Records</h2>\n" + picture(record_error_figure(d)) +
                     table_start("RMS error of each record in " + d.unit +
-                                    " (adapted: gain, offset and decay of the record may follow the data)",
+                                    (d.levels ? " (the decay of the record may follow the data, gain and offset are those of all)"
+                                              : " (gain, offset and decay of the record may follow the data)"),
                                 {"Record", "Kind", "Role", "#Before", "#After", "#Plain before",
                                  "#Plain after", "#Noise", "#Explainable / %"});
   for (const RecordError& r : d.records)
