@@ -201,9 +201,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   };
   std::vector<std::size_t> spike;
   std::vector<double> spike_level;
-  // a spike comes back; what stays is an edge, or held samples that were let go
-  const auto comes_back = [&](std::size_t i, double jump) {
-    return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump;
+  // a spike comes back, and its neighbours know nothing of it; what stays is an edge, or held samples that were let go, and what they
+  // climb to is a peak
+  const auto stands_alone = [&](std::size_t i, double jump) {
+    return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump && std::abs(U[i - 1] + U[i + 1] - U[i - 2] - U[i + 2]) < 0.8 * jump;
   };
   // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
   for (std::size_t i = 2; i + 2 < n; ++i) {
@@ -226,7 +227,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       out.zero_runs += at_low_end(i - 1) ? 0 : 1;
       ++(at_low_end(i - 1) || at_low_end(i + 1) ? out.zeros : out.lone_zeros);
       mark(i, jump);
-    } else if (comes_back(i, jump)) {
+    } else if (stands_alone(i, jump)) {
       spike.push_back(i);
       spike_level.push_back(middle);
     }

@@ -24,10 +24,10 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
     sum += weight[k];
   }
   // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well
-  constexpr double kWithin = 40.0;
+  constexpr double kWithin = 40.0, kNearly = 0.7;
   for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
-    if (is_between_records(family.kind->name) || !look_alike(*family.kind, *chosen.kind) || family.gain < kWithin || family.best.wrong_sign) continue;
+    if (is_between_records(family.kind->name) || !look_alike(*family.kind, *chosen.kind) || family.gain < std::max(kWithin, kNearly * top) || family.best.wrong_sign) continue;
     weight[k] = 1.0;
     sum += 1.0;
   }
