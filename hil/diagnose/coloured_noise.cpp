@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "hil/diagnose/verdict.h"
 #include "hil/model/rows.h"
@@ -45,7 +46,10 @@ double rms_rate(const RecordInput& record) {
 
 bool is_coloured_noise(const CampaignInput& input, const ResidualChannel& channel, const std::vector<std::vector<double>>& residual,
                        const std::vector<ResidualMap>& maps) {
-  if (depends_on(maps) != std::vector<std::string>{"time"}) return false;
+  // the output holds the noise itself: where the force keeps still, the two go together
+  std::vector<ResidualMap> others;
+  std::copy_if(maps.begin(), maps.end(), std::back_inserter(others), [](const ResidualMap& m) { return m.coordinate != "output"; });
+  if (depends_on(others) != std::vector<std::string>{"time"}) return false;
   std::vector<double> rms, kurtosis;
   double slowest = 1e300, fastest = 0.0;
   for (std::size_t k = 0; k < residual.size(); ++k) {

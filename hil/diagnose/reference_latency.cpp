@@ -49,9 +49,13 @@ void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double
 }
 
 bool depends_on_load(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, const FamilyScore& family) {
-  constexpr double kPlain = 100.0;  // nats
+  constexpr double kPlain = 100.0;   // nats
+  constexpr double kSameKernel = 0.01;  // s: poles as quick as that of the lead, whose strength may turn over
   std::vector<int> columns = present;
   add_leads(channel, columns);
+  for (const Candidate& c : channel.candidates)
+    if (c.kind->name == "lag" && c.form->name == "one_pole" && c.shape[0] < kSameKernel && std::find(columns.begin(), columns.end(), c.first) == columns.end())
+      columns.push_back(c.first);
   const MixedFit with_leads = fit_mixed(channel.problem, columns, &base, 20, base.use);
   if (!with_leads.valid) return false;
   const VariantScore beside = score_variant(channel, columns, with_leads, family.best.variant, nullptr);

@@ -238,9 +238,10 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     ChosenEffect chosen = as_chosen(input, channel, result.base, family, rules);
     const bool first = out.chosen.empty();
     // a lead of the output may be the lag of the reference, unless it depends on the load
-    const bool a_lead = rules.clock_slack && family.kind->name == "piezocapacitance" && latencies == 0 && family.gain > 4.0;
+    const bool a_lead = rules.clock_slack && family.kind->name == "piezocapacitance" && family.gain > 4.0;
     const bool loaded_lead = a_lead && depends_on_load(channel, present, result.base, family);
-    if (a_lead && !loaded_lead) {
+    const bool plain_lead = a_lead && !loaded_lead;
+    if (plain_lead && latencies == 0) {
       for (std::vector<int>* columns : {&present, &carried}) add_leads(channel, *columns, 0.006);
       out.nuisance.push_back("a lead of the output of a few milliseconds is left to the reference");
       if (!screen_again(&family.best.fit)) break;
@@ -248,7 +249,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       --step;
       continue;
     }
-    const bool slight_shift = !loaded_lead && rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
+    const bool slight_shift = !a_lead && rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
                               shift_s(channel, family) <= kAllowedLatency_s && chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
     // what a late reference explains nearly as well is its own, whatever else may fit
     const bool nearly_latency = !loaded_lead && rules.clock_slack && latencies == 0 && first && place == 0 && is_nearly_latency(channel, result);
@@ -263,7 +264,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       --step;
       continue;
     }
-    const std::string why = leads && is_late(family.kind->name) ? kLeads
+    const std::string why = plain_lead || (leads && is_late(family.kind->name)) ? kLeads
                             : objection(channel, result, family, chosen, out.chosen, largest_removed, rules);
     if (!why.empty()) {
       out.refused.push_back({family.kind->name, why, family.gain, is_suspicion(why)});

@@ -94,5 +94,48 @@ TEST(RawHealth, AFewZerosInSeveralRecordsAreDropouts) {
   for (const Finding& f : two.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
 }
 
+TEST(RawHealth, APeakThatItsNeighboursClimbToIsNoSpike) {
+  Campaign c = make_campaign(27, straight);
+  auto& U = c.records[3].trace.find("U")->value;
+  constexpr double kPeak[] = {0.1, 0.35, 0.7, 0.35, 0.1};
+  for (std::size_t i = 500; i + 10 < U.size(); i += 700)
+    for (std::size_t k = 0; k < 5; ++k) U[i + k] += kPeak[k];
+  EXPECT_EQ(check_raw_health(c.records[3], health_scales(c), c.bench).outliers, 0u);
+}
+
+TEST(RawHealth, MainsAtHalfTheRateIsHum) {
+  Campaign c = make_campaign(28, straight);
+  for (Record& r : c.records) {
+    auto& clock = r.trace.time_bases[0].t_s;
+    auto& U = r.trace.find("U")->value;
+    for (std::size_t i = 0; i < clock.size(); ++i) {
+      clock[i] *= 2.0;  // 100 Hz
+      U[i] += i % 2 == 0 ? 0.05 : -0.05;
+    }
+  }
+  std::vector<RecordHealth> health;
+  for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
+  const std::vector<HealthClaim> claims = health_claims(health, health_scales(c), c.bench);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "hum");
+  EXPECT_NEAR(claims[0].value, 0.05, 0.005);
+}
+
+TEST(RawHealth, AReferenceInStepsFarAboveTheDeclaredOnesIsNoisy) {
+  Campaign c = make_campaign(29, straight);
+  const auto claims = [&] {
+    std::vector<RecordHealth> health;
+    for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
+    return health_claims(health, health_scales(c), c.bench);
+  };
+  EXPECT_TRUE(claims().empty());
+  for (Record& r : c.records)
+    for (double& F : r.trace.find("F_ref")->value) F = 0.3 * std::round(F / 0.3);
+  const std::vector<HealthClaim> coarse = claims();
+  ASSERT_EQ(coarse.size(), 1u);
+  EXPECT_EQ(coarse[0].effect, "reference_noise");
+  EXPECT_NEAR(coarse[0].value, 0.3 / std::sqrt(12.0), 0.02);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -1,0 +1,58 @@
+#include <algorithm>
+
+#include "tests/unit/diagnose/made_campaign.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+std::string told(const Diagnosis& d) {
+  std::string out;
+  for (const Finding& f : d.findings) out += f.effect + " " + std::to_string(f.probability) + ": " + f.evidence + "\n";
+  for (const RefusedEffect& r : d.refused) out += "refused " + r.effect + ": " + r.reason + "\n";
+  for (const std::string& note : d.notes) out += "\n" + note;
+  return out;
+}
+
+// Edges of 50 ms once a second between levels that climb and fall: the output leads by `lead_s(F)`.
+Campaign edges(std::uint64_t seed, const std::function<double(double F)>& lead_s) {
+  Campaign c = make_campaign(seed, straight);
+  Rng rng(seed, "edges");
+  for (Record& r : c.records) {
+    auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    const double high = rng.uniform(2.0, 4.0), low = rng.uniform(0.3, 1.5);
+    const auto force = [&](double t) {
+      const double x = t - std::floor(t);
+      const double mean = low + 0.5 * std::abs(std::fmod(t / 20.0, 2.0) - 1.0);
+      return mean + (high - mean) * std::clamp(std::min(x, 0.5 + 0.05 - x) / 0.05, 0.0, 1.0);
+    };
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double t = static_cast<double>(i) / 200.0;
+      const double f = force(t), rate = (force(t + 1e-3) - force(t - 1e-3)) / 2e-3;
+      F[i] = std::round((f + 0.006 * rng.normal()) / 0.025) * 0.025;
+      U[i] = std::clamp(2.0 * (f + lead_s(f) * rate) + 0.2 + 0.004 * rng.normal(), 0.0, 10.0);
+    }
+    r.kind = "steps";
+  }
+  return c;
+}
+
+TEST(ReferenceLatency, ALeadThatIsTheSameAtEveryLoadIsTheReferences) {
+  const Diagnosis d = answer(edges(61, [](double) { return 0.005; }));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+}
+
+TEST(ReferenceLatency, ALeadThatFadesWithTheLoadIsTheSensors) {
+  const Diagnosis d = answer(edges(61, [](double F) { return 0.012 * std::exp(-F / 1.5); }));
+  ASSERT_FALSE(d.findings.empty()) << told(d);
+  EXPECT_EQ(d.findings.front().effect, "piezocapacitance") << told(d);
+  EXPECT_GE(d.findings.front().probability, 0.5) << told(d);
+}
+
+TEST(ReferenceLatency, ALeadThatGrowsWithTheLoadIsNoDisplacementCurrent) {
+  const Diagnosis d = answer(edges(61, [](double F) { return 0.0015 * F; }));
+  for (const Finding& f : d.findings) EXPECT_TRUE(f.effect != "piezocapacitance" || f.probability < 0.5) << told(d);
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
