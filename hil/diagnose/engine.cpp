@@ -150,7 +150,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   };
 
   Selection rig, drive;
-  bool reference_moves = false, wheel_lets_go = false;
+  bool reference_moves = false;
   // the rig's own law is only nearly linear and its guide only nearly free: a finding must explain most of the misfit
   SelectionRules rig_rules = rules;
   rig_rules.first_gain = 20.0;
@@ -174,16 +174,11 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules,
                          options.threads);
     measure_left_out(w, w.rig, rig);
-    for (const ChosenEffect& c : rig.chosen) {
-      reference_moves |= c.kind->name == "reference_drift";
-      wheel_lets_go |= c.kind->name == "contact_loss";
-    }
+    for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
   }
   std::vector<std::string> skip = options.in_model;
   std::vector<int> always = model_columns(w.output, options.in_model);
   if (w.has_rig && w.rig_sees_zero) skip.push_back("reference_drift");
-  // a wheel that does not touch pushes from no side
-  if (wheel_lets_go) skip.push_back("off_axis");
   if (reference_moves)
     for (int j : bank_columns(w.output, *EffectRegistry::instance().find("reference_drift")))
       always.push_back(j);

@@ -227,7 +227,7 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
 void withdraw_what_explains_little(const Workspace& w, const Selection& selection,
                                    std::vector<Finding>& findings) {
   constexpr double kMost = 0.75, kFarAbove = 8.0;  // of the RMS error; of the instruments' noise
-  constexpr double kFarAboveExact = 12.0;          // the steps of a converter have no form that could be a little wrong
+  constexpr double kFarAboveExact = 30.0;          // the steps of a converter have no form that could be a little wrong
   const ResidualChannel& channel = w.output;
   const auto rms = [&](const MixedFit& fit) {
     return std::sqrt(judged(channel, judge(channel, fit, selection.base, w.all_fit).adapted, w.all_fit));
