@@ -139,7 +139,9 @@ std::string league_text(const LeagueResult& result) {
                          bin.stated / static_cast<double>(bin.truth.n), share(bin.truth));
 
   out += effect_rows(t);
-  out += "\nmisses (id, seed of `forcegate mystery`, size, answer; where it was lost)\n";
+  out += "\nmisses (id, seed, size, answer; where it was lost)\n";
+  if (!result.matches.empty())
+    out += fmt::format("the campaign of one: forcegate mystery DIR --effect EFFECT --strength TIER --minutes {:g} --seed SEED\n", result.matches.front().minutes);
   for (const LeagueMatch& m : result.matches)
     if (is_miss(m)) out += miss_line(m) + '\n';
   out += fmt::format(

@@ -10,57 +10,13 @@
 #include "hil/diagnose/null_calibration.h"
 #include "hil/diagnose/pictures.h"
 #include "hil/diagnose/ranking.h"
+#include "hil/diagnose/record_errors.h"
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/verdict.h"
 
 namespace forcegate::diagnose {
 
 namespace {
-
-void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
-  const ResidualChannel& channel = w.output;
-  Judged before = judge(channel, base, base, w.all_fit), after = judge(channel, final, base, w.all_fit);
-  // what a claim changes between the records, their own gains and zeros would hide
-  out.levels = std::any_of(out.findings.begin(), out.findings.end(),
-                           [](const Finding& f) { return f.probability >= 0.5 && f.form != "raw" && is_between_records(f.effect); });
-  if (out.levels) {
-    before.adapted = judge_levels(channel, base, base, w.all_fit);
-    after.adapted = judge_levels(channel, final, base, w.all_fit);
-  }
-  const double s = channel.scale;
-  for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
-    const RecordGram& g = channel.problem.records[i];
-    const double bad = i < w.health.size() ? w.health[i].bad_mean_square_V2 : 0.0;
-    RecordError e;
-    e.record = g.name;
-    e.kind = w.input.records[i].kind;
-    e.heldout = g.heldout;
-    e.before = std::sqrt(before.adapted[i] * s * s + bad);
-    e.after = s * std::sqrt(after.adapted[i]);
-    e.plain_before = std::sqrt(before.plain[i] * s * s + bad);
-    e.plain_after = s * std::sqrt(after.plain[i]);
-    e.floor = std::min(w.noise_V[i], e.after);
-    e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
-    out.records.push_back(e);
-  }
-  double n = 0.0, a = 0.0, b = 0.0, pa = 0.0, pb = 0.0, f = 0.0;
-  for (const RecordError& e : out.records)
-    if (w.all_fit || e.heldout) {
-      n += 1.0;
-      b += e.before * e.before;
-      a += e.after * e.after;
-      pb += e.plain_before * e.plain_before;
-      pa += e.plain_after * e.plain_after;
-      f += e.floor * e.floor;
-    }
-  n = std::max(n, 1.0);
-  out.error_before = std::sqrt(b / n);
-  out.error_after = std::sqrt(a / n);
-  out.plain_before = std::sqrt(pb / n);
-  out.plain_after = std::sqrt(pa / n);
-  out.floor = std::sqrt(f / n);
-  out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
-}
 
 // Structure counts when it is visible beside the noise, large enough to matter, and not one record's whim.
 bool is_structure(const Structure& s, double noise_rms) {
@@ -218,11 +174,12 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     const double rig_explained = rig.excess_before > 0.0 ? 1.0 - rig.excess_after / rig.excess_before : 1.0;
     add_findings(w, w.rig, rig, std::max(rig_explained, 0.51), out);
     if (!rig.chosen.empty()) {
-      const double scale = w.rig.scale;
-      out.errors["F"] = {
-          scale * std::sqrt(judged(w.rig, judge(w.rig, rig.base, rig.base, w.all_fit).adapted, w.all_fit)),
-          scale * std::sqrt(judged(w.rig, judge(w.rig, rig.final, rig.base, w.all_fit).adapted, w.all_fit)),
-          "N"};
+      const bool levels = std::any_of(rig.chosen.begin(), rig.chosen.end(), [](const ChosenEffect& c) { return c.between; });
+      const auto error = [&](const MixedFit& fit) {
+        const auto square = levels ? judge_levels(w.rig, fit, rig.base, w.all_fit) : judge(w.rig, fit, rig.base, w.all_fit).adapted;
+        return w.rig.scale * std::sqrt(judged(w.rig, square, w.all_fit));
+      };
+      out.errors["F"] = {error(rig.base), error(rig.final), "N"};
     }
   }
 

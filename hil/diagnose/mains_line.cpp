@@ -137,7 +137,8 @@ MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double
       amplitude.push_back(line.halves * std::sqrt(at_line));
     }
     const double r = quantile(ratio, 0.5);
-    if (r > best.ratio) best = {quantile(amplitude, 0.5), line.frequency_Hz, r};
+    const double a = quantile(amplitude, 0.5);
+    if (r > best.ratio) best = {a, line.frequency_Hz, line.halves == 1.0 ? a * a : 0.5 * a * a, r};
   }
   return best;
 }

@@ -7,6 +7,7 @@ namespace forcegate::diagnose {
 
 struct MainsLine {
   double amplitude_V = 0.0, frequency_Hz = 0.0;
+  double mean_square_V2 = 0.0;  ///< of the line
   double ratio = 0.0;  ///< median over segments of the line's power over the larger of neighbours and force
 };
 

@@ -25,6 +25,7 @@ struct RecordHealth {
   double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some
   double hum_V = 0.0, hum_Hz = 0.0,
          hum_ratio = 0.0;           ///< strongest mains line and its power over its neighbours
+  double hum_mean_square_V2 = 0.0;  ///< what it adds to the mean squared error of the samples
   double bad_mean_square_V2 = 0.0;  ///< what the bad samples add to the mean squared error
 };
 
@@ -37,6 +38,9 @@ struct HealthScales {
 HealthScales health_scales(const Campaign& campaign);
 
 RecordHealth check_raw_health(const Record& record, const HealthScales& scales, const BenchFacts& bench);
+
+/// A line far above its neighbours and of a size that matters.
+bool shows_hum(const RecordHealth& health, const HealthScales& scales);
 
 /// A detector's claim over the whole campaign.
 struct HealthClaim {

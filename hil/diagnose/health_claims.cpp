@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/raw_health.h"
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+bool shows_hum(const RecordHealth& h, const HealthScales& scales) { return h.hum_ratio > 25.0 && h.hum_V > 4e-4 * scales.U_range_V; }
+
+std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
+                                       const BenchFacts& bench) {
+  std::vector<HealthClaim> out;
+  // where spikes stand elsewhere too, a single sample at the low end is one of them
+  std::size_t spikes = 0;
+  for (const RecordHealth& h : health) spikes += h.outliers;
+  constexpr std::size_t kFewestSpikes = 12;
+  const bool lone_are_spikes = spikes >= kFewestSpikes;
+  double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, rail = 0.0, missing = 0.0;
+  std::vector<double> noise_F, hum;
+  std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
+  double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
+  std::size_t with_bit_errors = 0;
+  std::vector<double> bit_V;
+  for (const RecordHealth& h : health) {
+    samples += static_cast<double>(h.samples);
+    outliers += static_cast<double>(h.outliers);
+    held += static_cast<double>(h.held);
+    zeros += static_cast<double>(h.zeros);
+    (lone_are_spikes ? outliers : zeros) += static_cast<double>(h.lone_zeros);
+    missing += static_cast<double>(h.missing);
+    rail += static_cast<double>(h.at_rail);
+    zero_runs += h.zero_runs;
+    with_zeros += h.zero_runs > 0 ? 1 : 0;
+    with_outliers += h.outliers >= 2 ? 1 : 0;
+    with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
+    bit_errors += static_cast<double>(h.bit_errors);
+    if (h.bit_errors > 0) {
+      ++with_bit_errors;
+      bit_V.push_back(h.bit_V);
+    }
+    if (h.at_rail > 0) rail_V = h.rail_V;
+    noise_F.push_back(std::max({h.noise_F_N, h.scatter_F_N, h.lsb_F_N / std::sqrt(12.0)}));
+    lsb_F = std::max(lsb_F, h.lsb_F_N);
+    could_show_hum += h.hum_ratio > 0.0 ? 1 : 0;  // where the rate folds the line to zero nothing can
+    if (shows_hum(h, scales)) {
+      ++with_hum;
+      hum.push_back(h.hum_V);
+      hum_Hz = h.hum_Hz;
+    }
+  }
+  if (samples < 1.0) return out;
+  const auto percent = [](double share) { return std::to_string(100.0 * share).substr(0, 6) + " %"; };
+  const std::size_t n = health.size();
+  const bool many_records = n >= 3;
+  if (bit_errors / samples > 1.5e-4 && with_bit_errors >= 2)
+    out.push_back(
+        {"adc_codes", 0.95,
+         percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
+         "bit_V", "V", quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
+  if (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records))
+    out.push_back({"outliers", 0.95,
+                   percent(outliers / samples) +
+                       " of the samples stand far off their neighbours while the force is smooth",
+                   "share", "1", outliers / samples, std::sqrt(outliers) / samples});
+  // the output cannot be at its low end there: a few are enough
+  constexpr std::size_t kFewestZeros = 5, kFewestLong = 3;
+  const bool plain_zeros = !lone_are_spikes && with_zeros >= 2 &&
+                           zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros);
+  if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
+    out.push_back(
+        {"dropouts", 0.95,
+         percent((held + zeros) / samples) + " of the samples are held or zero while the force moves",
+         "share", "1", (held + zeros) / samples, std::sqrt(held + zeros) / samples});
+  if (rail / samples > 1e-3)
+    out.push_back({"clipping", 0.95,
+                   "the output stays at exactly one value at its top while the force moves on", "rail_V", "V",
+                   rail_V, scales.U_range_V * 1e-4});
+  if (with_hum >= 2 && with_hum * 2 >= could_show_hum)
+    out.push_back(
+        {"hum", 0.95,
+         "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
+         "amplitude_V", "V", quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
+  // declared noise, or else the declared resolution taken as one standard deviation, or what a ladder of values explains
+  const double resolution =
+      std::isfinite(bench.reference_resolution_N) ? bench.reference_resolution_N : lsb_F;
+  const double allowed = std::isfinite(bench.reference_noise_N) && bench.reference_noise_N > 0.0
+                             ? std::hypot(bench.reference_noise_N, resolution / std::sqrt(12.0))
+                             : resolution;
+  const double found = quantile(noise_F, 0.5);
+  const bool declared = std::isfinite(bench.reference_noise_N) || std::isfinite(bench.reference_resolution_N);
+  if (declared && allowed > 0.0 && found > (std::isfinite(bench.reference_noise_N) ? 2.0 : 1.3) * allowed &&
+      found > 0.0025 * scales.range_N)
+    out.push_back({"reference_noise", 0.93,
+                   "the reference scatters by " + std::to_string(found).substr(0, 6) + " N where " +
+                       std::to_string(allowed).substr(0, 6) + " N are allowed",
+                   "noise_N", "N", found, 0.05 * found});
+  (void)missing;
+  return out;
+}
+
+}  // namespace forcegate::diagnose

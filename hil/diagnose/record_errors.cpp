@@ -1,0 +1,76 @@
+#include "hil/diagnose/record_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hil/diagnose/findings.h"
+#include "hil/diagnose/select.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// A line in the samples: what it adds to their mean square, and what is left of that in means over a row.
+struct Line {
+  double samples = 0.0, rows = 0.0;
+};
+
+Line line_of(const Workspace& w, std::size_t record) {
+  if (record >= w.health.size() || !shows_hum(w.health[record], w.scales)) return {};
+  const RecordHealth& h = w.health[record];
+  const double x = std::numbers::pi * h.hum_Hz * w.input.records[record].row_step_s, kept = x > 0.0 ? std::sin(x) / x : 1.0;
+  return {h.hum_mean_square_V2, kept * kept * h.hum_mean_square_V2};
+}
+
+}  // namespace
+
+void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
+  const ResidualChannel& channel = w.output;
+  Judged before = judge(channel, base, base, w.all_fit), after = judge(channel, final, base, w.all_fit);
+  // what a claim changes between the records, their own gains and zeros would hide
+  out.levels = std::any_of(out.findings.begin(), out.findings.end(),
+                           [](const Finding& f) { return f.probability >= 0.5 && f.form != "raw" && is_between_records(f.effect); });
+  if (out.levels) {
+    before.adapted = judge_levels(channel, base, base, w.all_fit);
+    after.adapted = judge_levels(channel, final, base, w.all_fit);
+  }
+  const bool hum = std::any_of(out.findings.begin(), out.findings.end(), [](const Finding& f) { return f.effect == "hum" && f.probability >= 0.5; });
+  const double s = channel.scale;
+  for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
+    const RecordGram& g = channel.problem.records[i];
+    const Line line = hum ? line_of(w, i) : Line{};
+    const double bad = (i < w.health.size() ? w.health[i].bad_mean_square_V2 : 0.0) + line.samples - line.rows;
+    const auto without = [&](double square) { return std::sqrt(std::max(square * s * s - line.rows, 0.0)); };
+    RecordError e;
+    e.record = g.name;
+    e.kind = w.input.records[i].kind;
+    e.heldout = g.heldout;
+    e.before = std::sqrt(before.adapted[i] * s * s + bad);
+    e.after = without(after.adapted[i]);
+    e.plain_before = std::sqrt(before.plain[i] * s * s + bad);
+    e.plain_after = without(after.plain[i]);
+    e.floor = std::min(w.noise_V[i], e.after);
+    e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
+    out.records.push_back(e);
+  }
+  double n = 0.0, a = 0.0, b = 0.0, pa = 0.0, pb = 0.0, f = 0.0;
+  for (const RecordError& e : out.records)
+    if (w.all_fit || e.heldout) {
+      n += 1.0;
+      b += e.before * e.before;
+      a += e.after * e.after;
+      pb += e.plain_before * e.plain_before;
+      pa += e.plain_after * e.plain_after;
+      f += e.floor * e.floor;
+    }
+  n = std::max(n, 1.0);
+  out.error_before = std::sqrt(b / n);
+  out.error_after = std::sqrt(a / n);
+  out.plain_before = std::sqrt(pb / n);
+  out.plain_after = std::sqrt(pa / n);
+  out.floor = std::sqrt(f / n);
+  out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
+}
+
+}  // namespace forcegate::diagnose
