@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/physical_parameters.h"
@@ -87,15 +88,32 @@ Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit
   return {std::move(out.adapted), std::move(out.plain)};
 }
 
-std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit) {
+namespace {
+
+// The records follow their own decay alone.
+MixedFit without_levels(const ResidualChannel& channel, MixedFit freedom) {
   constexpr double kHeld = 1e-14;
-  MixedFit held = freedom;
-  for (int j = 0; j < 2; ++j) held.variance[channel.problem.component_of_z[static_cast<std::size_t>(j)]] = kHeld;
-  return judge(channel, fit, held, all_fit).adapted;
+  for (std::size_t j = 0; j < 2; ++j) freedom.variance[channel.problem.component_of_z[j]] = kHeld;
+  return freedom;
+}
+
+// Every record predicted from all others, held-out ones too. NaN where the columns cannot be fitted.
+double left_out_of_all(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom) {
+  const MixedFit of_all = fit_mixed(channel.problem, fit.columns, &fit, 12, RecordUse::all_records);
+  if (!of_all.valid) return std::numeric_limits<double>::quiet_NaN();
+  const MixedFit held = without_levels(channel, freedom);
+  return channel.scale * std::sqrt(judged(channel, leave_one_out(channel.problem, of_all, &held).adapted, true));
+}
+
+}  // namespace
+
+std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit) {
+  return judge(channel, fit, without_levels(channel, freedom), all_fit).adapted;
 }
 
 void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection) {
   constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
+  constexpr double kPlainly = 0.7;
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
     const auto error = [&](const MixedFit& fit) {
@@ -106,6 +124,15 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     chosen.error_after = error(chosen.fit);
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
     chosen.borne_out = chosen.error_after <= (chosen.between && !chosen.by_records() ? kLeast : 1.02) * chosen.error_before;
+    // a handful of fit records does not reach to the held-out ones: a course over the campaign is asked from all others
+    if (!chosen.borne_out && chosen.by_records()) {
+      const double all_before = left_out_of_all(channel, *before, selection.base), all_after = left_out_of_all(channel, chosen.fit, selection.base);
+      if (all_after <= kPlainly * all_before) {
+        chosen.error_before = all_before;
+        chosen.error_after = all_after;
+        chosen.borne_out = true;
+      }
+    }
     if (chosen.borne_out) before = &chosen.fit;
   }
 }
