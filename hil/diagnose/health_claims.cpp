@@ -17,7 +17,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   constexpr std::size_t kFewestSpikes = 12;
   const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, rail = 0.0, missing = 0.0;
-  std::vector<double> noise_F, hum;
+  std::vector<double> noise_F, ladder_F, hum;
   std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
   double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
@@ -40,8 +40,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
       bit_V.push_back(h.bit_V);
     }
     if (h.at_rail > 0) rail_V = h.rail_V;
-    noise_F.push_back(std::max({h.noise_F_N, h.scatter_F_N, h.lsb_F_N / std::sqrt(12.0)}));
+    noise_F.push_back(std::max(h.noise_F_N, h.scatter_F_N));
     lsb_F = std::max(lsb_F, h.lsb_F_N);
+    if (h.lsb_F_N > 0.0) ladder_F.push_back(h.lsb_F_N);
     could_show_hum += h.hum_ratio > 0.0 ? 1 : 0;  // where the rate folds the line to zero nothing can
     if (shows_hum(h, scales)) {
       ++with_hum;
@@ -87,7 +88,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const double allowed = std::isfinite(bench.reference_noise_N) && bench.reference_noise_N > 0.0
                              ? std::hypot(bench.reference_noise_N, resolution / std::sqrt(12.0))
                              : resolution;
-  const double found = quantile(noise_F, 0.5);
+  // a force that moves fast is scatter too: the quieter records tell. A ladder of values in several records is exact
+  const double ladder = ladder_F.size() >= 2 ? quantile(ladder_F, 0.5) / std::sqrt(12.0) : 0.0;
+  const double found = std::max(quantile(noise_F, 0.25), ladder);
   const bool declared = std::isfinite(bench.reference_noise_N) || std::isfinite(bench.reference_resolution_N);
   if (declared && allowed > 0.0 && found > (std::isfinite(bench.reference_noise_N) ? 2.0 : 1.3) * allowed &&
       found > 0.0025 * scales.range_N)

@@ -59,6 +59,19 @@ double alias(double frequency_Hz, double rate_Hz) {
   return std::min(folded, rate_Hz - folded);
 }
 
+// A gap takes time and no samples: the line would be looked for beside its place.
+double rate_between_gaps(const std::vector<double>& t) {
+  const double mean = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+  double time = 0.0, steps = 0.0;
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    const double step = t[i] - t[i - 1];
+    if (!(step < 1.6 * mean)) continue;
+    time += step;
+    steps += 1.0;
+  }
+  return time > 0.0 ? steps / time : 1.0 / mean;
+}
+
 // Those that can be told from the slow force and have neighbours to be compared with.
 std::vector<Line> mains_lines(double rate_Hz) {
   std::vector<Line> out;
@@ -86,7 +99,7 @@ MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double
   MainsLine best;
   const std::size_t n = t.size();
   if (n < 512 || !(t[n - 1] > t[0])) return best;
-  const double rate = static_cast<double>(n - 1) / (t[n - 1] - t[0]);
+  const double rate = rate_between_gaps(t);
   const auto length = static_cast<std::size_t>(4.0 * rate);
   if (length < 128 || n < 2 * length) return best;
   const std::size_t segments = std::min(kMostSegments, n / length);

@@ -9,6 +9,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
   const double top = chosen.gain;
   // evidence between records counts records; evidence within them counts rows that hang together and needs a scale
   const double temperature = chosen.by_records() ? 1.0 : chosen.between ? 1.5 : 0.03 * std::max(0.0, top) + 6.0;
+  constexpr double kOfWhatIsLeft = 3.0;
   double sum = 0.0;
   std::vector<double> weight(result.families.size(), 0.0);
   for (std::size_t k = place; k < result.families.size(); ++k) {
@@ -19,7 +20,9 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
     if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
       const double cosine = signature_cosine(channel, result.base, chosen.fit, chosen.columns, family.best.fit,
                                              channel.variants[static_cast<std::size_t>(family.best.variant)].columns);
-      if (std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) < rules.form_error) weight[k] = 1.0;
+      const double apart = std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), left = std::sqrt(std::max(0.0, 1.0 - chosen.fall));
+      // a form that leaves nothing is no rough one
+      if (apart < std::min(rules.form_error, kOfWhatIsLeft * left)) weight[k] = 1.0;
     }
     sum += weight[k];
   }

@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {
@@ -135,6 +137,34 @@ TEST(RawHealth, AReferenceInStepsFarAboveTheDeclaredOnesIsNoisy) {
   ASSERT_EQ(coarse.size(), 1u);
   EXPECT_EQ(coarse[0].effect, "reference_noise");
   EXPECT_NEAR(coarse[0].value, 0.3 / std::sqrt(12.0), 0.02);
+}
+
+TEST(RawHealth, AGapInTheClockDoesNotMoveTheMains) {
+  Campaign c = make_campaign(30, straight);
+  for (Record& r : c.records) {
+    auto& clock = r.trace.time_bases[0].t_s;
+    auto& U = r.trace.find("U")->value;
+    for (std::size_t i = 0; i < clock.size(); ++i) {
+      clock[i] += i > clock.size() / 2 ? 4.0 : 0.0;
+      U[i] += 0.05 * std::sin(2.0 * std::numbers::pi * 50.0 * clock[i]);
+    }
+  }
+  const RecordHealth h = check_raw_health(c.records[0], health_scales(c), c.bench);
+  EXPECT_TRUE(shows_hum(h, health_scales(c)));
+  EXPECT_NEAR(h.hum_V, 0.05, 0.005);
+}
+
+TEST(RawHealth, AForceThatMovesFastInMostRecordsIsNoNoiseOfTheReference) {
+  Campaign c = make_campaign(31, straight);
+  c.bench.reference_resolution_N = 0.005;
+  c.bench.reference_noise_N = 0.008;
+  for (std::size_t k = 0; k < 5; ++k) {
+    auto& F = c.records[k].trace.find("F_ref")->value;
+    for (std::size_t i = 0; i < F.size(); ++i) F[i] += 0.3 * std::sin(2.0 * std::numbers::pi * 4.0 * c.records[k].trace.time_bases[0].t_s[i]);
+  }
+  std::vector<RecordHealth> health;
+  for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
+  for (const HealthClaim& claim : health_claims(health, health_scales(c), c.bench)) EXPECT_NE(claim.effect, "reference_noise") << claim.evidence;
 }
 
 }  // namespace
