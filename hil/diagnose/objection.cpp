@@ -16,9 +16,9 @@ constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
 // what smoothing leaves of a reference that is late and noisy is a shift of a shift: of the span, and of what the instruments may leave
 constexpr double kLeastOfTime = 1e-3, kOfNoise = 0.4;
 // a law has one strength: scatter between records, relative to it. A loop or a growth has no form that is right everywhere; a push from
-// the side and a displacement current are one product of known courses
+// the side, a displacement current, a threshold, a shift in time are known courses, and so is a temperature within a record
 constexpr double kSameStrength = 1.0, kSameOfKnownForm = 0.35;
-bool has_known_form(const std::string& name) { return name == "off_axis" || name == "piezocapacitance"; }
+bool has_known_form(const std::string& name) { return name == "off_axis" || name == "piezocapacitance" || name == "dead_zone" || name == "delay"; }
 
 double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
   double sum = 0.0, n = 0.0;
@@ -97,7 +97,8 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   if (is_timing(name) && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
   // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
   const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited;
-  if (has_known_form(name) ? chosen.strength_scatter > kSameOfKnownForm : chosen.strength_scatter > kSameStrength && !helps_all)
+  const bool known_form = has_known_form(name) || (chosen.between && !chosen.by_records());
+  if (known_form ? chosen.strength_scatter > kSameOfKnownForm : chosen.strength_scatter > kSameStrength && !helps_all)
     return "its strength differs too much between records";
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *
