@@ -16,7 +16,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   for (const RecordHealth& h : health) spikes += h.outliers;
   constexpr std::size_t kFewestSpikes = 12;
   const bool lone_are_spikes = spikes >= kFewestSpikes;
-  double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, rail = 0.0, missing = 0.0;
+  double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0, missing = 0.0;
   std::vector<double> noise_F, ladder_F, hum;
   std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
   double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
@@ -31,6 +31,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     missing += static_cast<double>(h.missing);
     rail += static_cast<double>(h.at_rail);
     zero_runs += h.zero_runs;
+    fallen += h.zero_runs > 0 ? static_cast<double>(h.zeros) : 0.0;
     with_zeros += h.zero_runs > 0 ? 1 : 0;
     with_outliers += h.outliers >= 2 ? 1 : 0;
     with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
@@ -64,10 +65,10 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                    percent(outliers / samples) +
                        " of the samples stand far off their neighbours while the force is smooth",
                    "share", "1", outliers / samples, std::sqrt(outliers) / samples});
-  // the output cannot be at its low end there: a few are enough
+  // the output cannot be at its low end there: a few are enough, and so is one long loss
   constexpr std::size_t kFewestZeros = 5, kFewestLong = 3;
-  const bool plain_zeros = !lone_are_spikes && with_zeros >= 2 &&
-                           zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros);
+  constexpr double kLongLoss = 20.0;  // samples
+  const bool plain_zeros = !lone_are_spikes && ((with_zeros >= 2 && zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
   if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
     out.push_back(
         {"dropouts", 0.95,

@@ -270,9 +270,14 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       const bool at_end = U[i] >= top - 1e-12 || std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
       const bool allowed = (ends.holds(U[i]) && !falls_there(i)) || (late && !at_end);
       const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
-      // down and up again though the force stays where it is
-      const bool falls = at_bottom && !ends.holds(U[i]) && i > 0 && end < n &&
-                         std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (high - low);
+      // down and up again though the force stays where it is, before and after too: an output at the end of its range glides there
+      double around_low = low, around_high = high;
+      for (std::size_t k = i >= 2 ? i - 2 : 0; k < std::min(n, end + 2); ++k) {
+        around_low = std::min(around_low, F[k]);
+        around_high = std::max(around_high, F[k]);
+      }
+      const bool falls = at_bottom && i > 0 && end < n &&
+                         std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
       out.zero_runs += falls ? 1 : 0;
       if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
         for (std::size_t k = i; k < end; ++k) mark(k, 0.5 * gain * (high - low));

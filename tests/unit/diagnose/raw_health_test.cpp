@@ -167,5 +167,19 @@ TEST(RawHealth, AForceThatMovesFastInMostRecordsIsNoNoiseOfTheReference) {
   for (const HealthClaim& claim : health_claims(health, health_scales(c), c.bench)) EXPECT_NE(claim.effect, "reference_noise") << claim.evidence;
 }
 
+TEST(RawHealth, OneLongLossWhileTheForceHardlyMovesIsADropout) {
+  Campaign c = make_campaign(32, straight);
+  const auto claims = [&] {
+    std::vector<RecordHealth> health;
+    for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
+    return health_claims(health, health_scales(c), c.bench);
+  };
+  auto& U = c.records[2].trace.find("U")->value;
+  for (std::size_t i = 6000; i < 6200; ++i) U[i] = 0.0;
+  const std::vector<HealthClaim> lost = claims();
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].effect, "dropouts");
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
