@@ -254,18 +254,15 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
 void withdraw_what_explains_little(const Workspace& w, const Selection& selection,
                                    std::vector<Finding>& findings) {
   constexpr double kMost = 0.75, kFarAbove = 8.0;  // of the RMS error; of the instruments' noise
-  constexpr double kFarAboveExact = 30.0;          // the steps of a converter have no form that could be a little wrong
   const ResidualChannel& channel = w.output;
   const auto rms = [&](const MixedFit& fit) {
     return std::sqrt(judged(channel, judge(channel, fit, selection.base, w.all_fit).adapted, w.all_fit));
   };
   const double before = rms(selection.base), after = rms(selection.claimed);
-  const double noise = allowed_rms(channel);
-  const bool little = after > kMost * before && after > kFarAbove * noise;
+  if (!(after > kMost * before && after > kFarAbove * allowed_rms(channel))) return;
   for (const ChosenEffect& c : selection.chosen)
     for (Finding& f : findings)
-      if ((little || (f.effect == "adc_codes" && after > kFarAboveExact * noise)) && f.effect == c.kind->name && f.form != "raw" && !c.between &&
-          f.probability > kNoClaim) {
+      if (f.effect == c.kind->name && f.form != "raw" && !c.between && f.probability > kNoClaim) {
         f.probability = kNoClaim;
         f.evidence += "; not claimed: most of the error is left, far above the noise";
       }

@@ -1,7 +1,10 @@
 // Converter bit errors: a wrong weight of a high bit makes jumps at 1/2, 1/4, 3/4 of the range; follows U, not F.
-//   dU = g sum_b c_b (bit_b(U) - 1/2), bits of U over the declared voltage range, or over one that converters usually have.
+//   dU = g sum_b c_b (bit_b(U) - s_b x - mean), x = (U - low) / range
+// bits of U over the declared voltage range, or over one that converters usually have. s_b: the straight line through the steps over all
+// readings of the campaign. It belongs to the gain: left in, bits in the ratio 8 : 4 : 2 : 1 are U itself, and U explains its own noise.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "hil/model/effect.h"
@@ -31,11 +34,62 @@ std::vector<std::vector<double>> ranges_V(const CampaignInput& c) {
   return out;
 }
 
+constexpr std::size_t kBits = 4;
+
+// Of the range, 0 to just below 1.
+double share(const CampaignInput& c, double U_V, double range_V) {
+  return std::isfinite(U_V) ? std::clamp((U_V - lowest_V(c)) / range_V, 0.0, 0.999999) : U_V;
+}
+
+std::array<double, kBits> bits(double x) {
+  std::array<double, kBits> out{};
+  for (double& bit : out) {
+    x *= 2.0;
+    bit = x >= 1.0 ? 1.0 : 0.0;
+    x -= bit;
+  }
+  return out;
+}
+
+// Straight lines through the steps, least squares over readings of all records.
+struct Lines {
+  double middle = 0.0;
+  std::array<double, kBits> mean{}, slope{};
+};
+
+Lines lines_of(const CampaignInput& c, double range_V) {
+  constexpr std::size_t kReadings = 500;  // of a record
+  Lines out;
+  std::array<double, kBits> product{};
+  double n = 0.0, square = 0.0;
+  for (const RecordInput& r : c.records)
+    for (std::size_t i = 0; i < r.rows(); i += 1 + r.rows() / kReadings) {
+      const double x = share(c, r.U_V[i], range_V);
+      if (!std::isfinite(x)) continue;
+      const auto bit = bits(x);
+      n += 1.0;
+      out.middle += x;
+      square += x * x;
+      for (std::size_t b = 0; b < kBits; ++b) {
+        out.mean[b] += bit[b];
+        product[b] += bit[b] * x;
+      }
+    }
+  if (n < 2.0) return out;
+  out.middle /= n;
+  const double variance = square / n - out.middle * out.middle;
+  for (std::size_t b = 0; b < kBits; ++b) {
+    out.mean[b] /= n;
+    out.slope[b] = variance > 1e-12 ? (product[b] / n - out.mean[b] * out.middle) / variance : 0.0;
+  }
+  return out;
+}
+
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "adc_codes",
     .side = "instrument",
     .summary = "the output jumps at fixed codes of the converter",
-    .equation = "dU = g sum_b c_b (bit_b(U) - 1/2)",
+    .equation = "dU = g sum_b c_b (bit_b(U) less its straight line in U)",
     .source = "bit weight error of successive approximation converters",
     .look_alikes = {"static_nonlinearity"},
     .separates = "a slow ramp: histogram of codes has gaps or piles at binary fractions",
@@ -52,15 +106,13 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .grid = ranges_V,
          .columns =
              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-               const double low = lowest_V(c);
+               const Lines lines = lines_of(c, shape[0]);
                for (std::size_t i = 0; i < r.rows(); ++i) {
-                 double rest = std::clamp((r.U_V[i] - low) / shape[0], 0.0, 0.999999);
-                 for (int b = 0; b < 4; ++b) {
-                   rest *= 2.0;
-                   const double bit = rest >= 1.0 ? 1.0 : 0.0;
-                   rest -= bit;
-                   out(static_cast<Eigen::Index>(i), b) = std::isfinite(rest) ? bit - 0.5 : 0.0;
-                 }
+                 const double x = share(c, r.U_V[i], shape[0]);
+                 const auto bit = bits(x);
+                 for (std::size_t b = 0; b < kBits; ++b)
+                   out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(b)) =
+                       std::isfinite(x) ? bit[b] - lines.mean[b] - lines.slope[b] * (x - lines.middle) : 0.0;
                }
              },
          .refine = false,
