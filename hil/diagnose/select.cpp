@@ -291,7 +291,9 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     if (!screen_again(&family.best.fit)) break;
   }
 
-  reconsider(input, channel, carried, skip, rules, threads, out);
+  std::vector<std::string> not_asked = skip;
+  if (leads) not_asked.insert(not_asked.end(), {"delay", "lag"});
+  reconsider(input, channel, carried, not_asked, rules, threads, out);
   drop_needless(channel, carried, rules, out);
   fit_claimed(channel, out);
   // what is reported comes from the fit records alone
