@@ -126,6 +126,12 @@ struct Repeatability {  ///< spread between records, estimated from the campaign
   double gain = 0.0, offset_V = 0.0, log_b = 0.0, log_q = 0.0;
 };
 
+/// The model with the effects up to this one; the first step, without a name, is the base law with bad samples and mains set aside.
+struct ModelStep {
+  std::string effect;
+  double error = 0.0;  ///< held out, as error_after
+};
+
 struct Diagnosis {
   std::string campaign;
   std::string model;
@@ -136,6 +142,7 @@ struct Diagnosis {
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< adapted, V
   bool levels = false;  ///< a claim acts between records: adapted then means the decay alone, gain and zero are those of all records
   double plain_before = 0.0, plain_after = 0.0;
+  std::vector<ModelStep> steps;  ///< of a diagnosis, in the order in which effects were taken in
   std::string unit = "V";
   std::map<std::string, ErrorPair> errors;  ///< "F" when the rig side is at fault, "U_plain" always
   std::vector<RecordError> records;

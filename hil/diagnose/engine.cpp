@@ -232,6 +232,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
     out.depends_on = depends_on(out.maps_after);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection.base, selection.claimed, out);
+  add_steps(w, selection, out);
   for (Finding& f : out.findings)
     if (f.form == "raw") {
       f.error_before = out.error_before;

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "hil/diagnose/findings.h"
-#include "hil/diagnose/select.h"
 
 namespace forcegate::diagnose {
 
@@ -71,6 +70,16 @@ void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final
   out.plain_after = std::sqrt(pa / n);
   out.floor = std::sqrt(f / n);
   out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
+}
+
+void add_steps(const Workspace& w, const Selection& selection, Diagnosis& out) {
+  const ResidualChannel& channel = w.output;
+  const auto error = [&](const MixedFit& fit) {
+    const auto square = out.levels ? judge_levels(channel, fit, selection.base, w.all_fit) : judge(channel, fit, selection.base, w.all_fit).adapted;
+    return channel.scale * std::sqrt(judged(channel, square, w.all_fit));
+  };
+  out.steps = {{"", error(selection.base)}};
+  for (const ChosenEffect& chosen : selection.chosen) out.steps.push_back({chosen.kind->name, error(chosen.fit)});
 }
 
 }  // namespace forcegate::diagnose

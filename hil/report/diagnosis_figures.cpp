@@ -50,11 +50,17 @@ std::vector<double> scaled(const std::vector<double>& values, double factor) {
 Figure diagnosis_waterfall(const Diagnosis& d) {
   std::vector<WaterfallStep> steps;
   double error = d.error_before;
-  for (const Finding& f : d.findings) {
-    if (f.probability < kClaim || f.unit != d.unit || f.form == "raw") continue;
-    // each finding's own pair is the step that it made; the last one ends at the error of the whole model
-    steps.push_back({f.effect, error, f.error_after, 0.0, true});
-    error = f.error_after;
+  const auto claims = [&](const std::string& effect) {
+    return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.form != "raw" && f.probability >= kClaim; });
+  };
+  std::vector<std::string> raw;
+  for (const Finding& f : d.findings)
+    if (f.form == "raw" && f.probability >= kClaim) raw.push_back(f.effect);
+  for (const ModelStep& step : d.steps) {
+    const std::string name = step.effect.empty() ? join(raw, ", ") : step.effect;
+    if (name.empty()) continue;
+    steps.push_back({name, error, step.error, 0.0, step.effect.empty() || claims(step.effect)});
+    error = step.error;
   }
   if (steps.empty())
     steps.push_back({d.not_separable.empty() ? "no effect added" : join(d.not_separable.front(), " or "),

@@ -88,6 +88,23 @@ TEST(Waterfall, draws_a_step_hollow_when_its_interval_holds_zero) {
   EXPECT_EQ(hollow(0.1, false), 1u);
 }
 
+TEST(Waterfall, of_a_diagnosis_is_one_chain_in_one_measure) {
+  Diagnosis d = sample::diagnosis();
+  d.findings.resize(1);
+  d.findings[0].effect = "thermal";
+  d.findings.push_back(d.findings[0]);
+  d.findings[1].effect = "delay";
+  d.error_before = 0.052;
+  d.error_after = 0.008;
+  d.steps = {{"", 0.052}, {"delay", 0.037}, {"thermal", 0.008}};
+  const std::string svg = diagnosis_waterfall(d).svg(figures::Figure::Target::embedded);
+  EXPECT_THAT(svg, HasSubstr("\u221215<"));
+  EXPECT_THAT(svg, HasSubstr("\u221229<"));
+  EXPECT_EQ(count(svg, "class=\"h "), 0u);
+  d.findings.pop_back();  // what is not claimed is hollow
+  EXPECT_EQ(count(diagnosis_waterfall(d).svg(figures::Figure::Target::embedded), "class=\"h "), 1u);
+}
+
 TEST(ReadableUnit, picks_the_prefix_that_leaves_few_digits) {
   EXPECT_EQ(figures::readable_unit(0.0123, "V").unit, "mV");
   EXPECT_EQ(figures::readable_unit(3e-6, "V").unit, "\u00b5V");
