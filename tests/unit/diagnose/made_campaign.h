@@ -10,6 +10,7 @@
 
 #include "hil/base/rng.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/raw_health.h"
 
 namespace forcegate::diagnose {
 
@@ -73,6 +74,22 @@ inline Diagnosis answer(Campaign campaign, unsigned threads = 1) {
   auto out = diagnose_campaign(std::move(campaign), options);
   EXPECT_TRUE(out.has_value()) << (out ? "" : out.error().to_text());
   return out ? *out : Diagnosis{};
+}
+
+/// What a diagnosis says, for the message of a test that fails.
+inline std::string told(const Diagnosis& d) {
+  std::string out;
+  for (const Finding& f : d.findings) out += f.effect + " " + std::to_string(f.probability) + ": " + f.evidence + "\n";
+  for (const RefusedEffect& r : d.refused) out += "refused " + r.effect + ": " + r.reason + "\n";
+  for (const std::string& note : d.notes) out += "\n" + note;
+  return out;
+}
+
+/// What the raw samples of all records say.
+inline std::vector<HealthClaim> claims_of_samples(const Campaign& c) {
+  std::vector<RecordHealth> health;
+  for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
+  return health_claims(health, health_scales(c), c.bench);
 }
 
 }  // namespace forcegate::diagnose

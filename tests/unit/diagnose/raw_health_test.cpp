@@ -115,9 +115,7 @@ TEST(RawHealth, MainsAtHalfTheRateIsHum) {
       U[i] += i % 2 == 0 ? 0.05 : -0.05;
     }
   }
-  std::vector<RecordHealth> health;
-  for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
-  const std::vector<HealthClaim> claims = health_claims(health, health_scales(c), c.bench);
+  const std::vector<HealthClaim> claims = claims_of_samples(c);
   ASSERT_EQ(claims.size(), 1u);
   EXPECT_EQ(claims[0].effect, "hum");
   EXPECT_NEAR(claims[0].value, 0.05, 0.005);
@@ -125,15 +123,10 @@ TEST(RawHealth, MainsAtHalfTheRateIsHum) {
 
 TEST(RawHealth, AReferenceInStepsFarAboveTheDeclaredOnesIsNoisy) {
   Campaign c = make_campaign(29, straight);
-  const auto claims = [&] {
-    std::vector<RecordHealth> health;
-    for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
-    return health_claims(health, health_scales(c), c.bench);
-  };
-  EXPECT_TRUE(claims().empty());
+  EXPECT_TRUE(claims_of_samples(c).empty());
   for (Record& r : c.records)
     for (double& F : r.trace.find("F_ref")->value) F = 0.3 * std::round(F / 0.3);
-  const std::vector<HealthClaim> coarse = claims();
+  const std::vector<HealthClaim> coarse = claims_of_samples(c);
   ASSERT_EQ(coarse.size(), 1u);
   EXPECT_EQ(coarse[0].effect, "reference_noise");
   EXPECT_NEAR(coarse[0].value, 0.3 / std::sqrt(12.0), 0.02);
@@ -162,21 +155,14 @@ TEST(RawHealth, AForceThatMovesFastInMostRecordsIsNoNoiseOfTheReference) {
     auto& F = c.records[k].trace.find("F_ref")->value;
     for (std::size_t i = 0; i < F.size(); ++i) F[i] += 0.3 * std::sin(2.0 * std::numbers::pi * 4.0 * c.records[k].trace.time_bases[0].t_s[i]);
   }
-  std::vector<RecordHealth> health;
-  for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
-  for (const HealthClaim& claim : health_claims(health, health_scales(c), c.bench)) EXPECT_NE(claim.effect, "reference_noise") << claim.evidence;
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "reference_noise") << claim.evidence;
 }
 
 TEST(RawHealth, OneLongLossWhileTheForceHardlyMovesIsADropout) {
   Campaign c = make_campaign(32, straight);
-  const auto claims = [&] {
-    std::vector<RecordHealth> health;
-    for (const Record& r : c.records) health.push_back(check_raw_health(r, health_scales(c), c.bench));
-    return health_claims(health, health_scales(c), c.bench);
-  };
   auto& U = c.records[2].trace.find("U")->value;
   for (std::size_t i = 6000; i < 6200; ++i) U[i] = 0.0;
-  const std::vector<HealthClaim> lost = claims();
+  const std::vector<HealthClaim> lost = claims_of_samples(c);
   ASSERT_EQ(lost.size(), 1u);
   EXPECT_EQ(lost[0].effect, "dropouts");
 }

@@ -5,14 +5,6 @@
 namespace forcegate::diagnose {
 namespace {
 
-std::string told(const Diagnosis& d) {
-  std::string out;
-  for (const Finding& f : d.findings) out += f.effect + " " + std::to_string(f.probability) + ": " + f.evidence + "\n";
-  for (const RefusedEffect& r : d.refused) out += "refused " + r.effect + ": " + r.reason + "\n";
-  for (const std::string& note : d.notes) out += "\n" + note;
-  return out;
-}
-
 // Edges of 50 ms once a second between levels that climb and fall: the output leads by `lead_s(F)`.
 Campaign edges(std::uint64_t seed, const std::function<double(double F)>& lead_s) {
   Campaign c = make_campaign(seed, straight);

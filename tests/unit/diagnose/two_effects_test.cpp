@@ -10,14 +10,6 @@ bool claims(const Diagnosis& d, const std::string& effect) {
                      [&](const Finding& f) { return f.effect == effect && f.probability >= 0.5; });
 }
 
-std::string told(const Diagnosis& d) {
-  std::string out;
-  for (const Finding& f : d.findings) out += f.effect + " " + std::to_string(f.probability) + ": " + f.evidence + "\n";
-  for (const RefusedEffect& r : d.refused) out += "refused " + r.effect + ": " + r.reason + "\n";
-  for (const std::string& note : d.notes) out += "\n" + note;
-  return out;
-}
-
 // A curve that saturates, and a slow growth of two time constants: neither is an error of the other's form.
 TEST(TwoEffects, ACurveAndAGrowthOfTheSameSizeAreBothNamed) {
   const Diagnosis d =
