@@ -16,7 +16,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   for (const RecordHealth& h : health) spikes += h.outliers;
   constexpr std::size_t kFewestSpikes = 12;
   const bool lone_are_spikes = spikes >= kFewestSpikes;
-  double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0, missing = 0.0;
+  double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
   std::vector<double> noise_F, ladder_F, hum;
   std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
   double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
@@ -28,7 +28,6 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     held += static_cast<double>(h.held);
     zeros += static_cast<double>(h.zeros);
     (lone_are_spikes ? outliers : zeros) += static_cast<double>(h.lone_zeros);
-    missing += static_cast<double>(h.missing);
     rail += static_cast<double>(h.at_rail);
     zero_runs += h.zero_runs;
     fallen += h.zero_runs > 0 ? static_cast<double>(h.zeros) : 0.0;
@@ -72,7 +71,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
     out.push_back(
         {"dropouts", 0.95,
-         percent((held + zeros) / samples) + " of the samples are held or zero while the force moves",
+         percent((held + zeros) / samples) + " of the samples are held or zero where the force says otherwise",
          "share", "1", (held + zeros) / samples, std::sqrt(held + zeros) / samples});
   if (rail / samples > 1e-3)
     out.push_back({"clipping", 0.95,
@@ -99,7 +98,6 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                    "the reference scatters by " + std::to_string(found).substr(0, 6) + " N where " +
                        std::to_string(allowed).substr(0, 6) + " N are allowed",
                    "noise_N", "N", found, 0.05 * found});
-  (void)missing;
   return out;
 }
 
