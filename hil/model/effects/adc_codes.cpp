@@ -30,7 +30,10 @@ std::vector<std::vector<double>> ranges_V(const CampaignInput& c) {
     }
   std::vector<std::vector<double>> out;
   for (const double range : kUsualRanges_V)
-    if (low > -0.01 * range && high < range && out.size() < 2) out.push_back({range});
+    // a range of twice, four times the size has the same bits, the highest of them never set
+    if (low > -0.01 * range && high < range && out.size() < 2 &&
+        std::ranges::none_of(out, [&](const auto& taken) { return std::exp2(std::round(std::log2(range / taken[0]))) * taken[0] == range; }))
+      out.push_back({range});
   return out;
 }
 
