@@ -10,6 +10,7 @@
 #include "hil/app/mystery.h"
 #include "hil/app/write_file.h"
 #include "hil/base/plain_number.h"
+#include "hil/diagnose/rival_odds.h"
 #include "hil/trace/csv.h"
 
 namespace forcegate {
@@ -158,15 +159,6 @@ Result<void> append_recording(const fs::path& source, const fs::path& folder, co
   return write_file_atomically(folder / "campaign.json", json.dump(1) + "\n");
 }
 
-double log_odds(const Diagnosis& d, const std::string& first, const std::string& second) {
-  double a = 0.0, b = 0.0;
-  for (const RankedEffect& r : d.ranking) {
-    if (r.effect == first) a = r.score;
-    if (r.effect == second) b = r.score;
-  }
-  return std::clamp(a - b, -20.0, 20.0);
-}
-
 }  // namespace
 
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress,
@@ -253,9 +245,11 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
                       second = at == std::string::npos ? "" : odds.rivals.substr(at + 3);
     for (const ExperimentSegment& s : out.planned.segments)
       if (s.name == odds.segment) odds.expected = s.odds_after;
-    odds.before = log_odds(out.before, first, second);
-    odds.after = log_odds(out.after, first, second);
-    odds.leads = odds.after >= 0.0 ? first : second;
+    if (const auto before = diagnose::rival_odds(out.before, first, second)) odds.log_before = before->log_odds;
+    const auto after = diagnose::rival_odds(out.after, first, second);
+    if (!after) continue;
+    odds.log_after = after->log_odds;
+    odds.leads = after->log_odds >= 0.0 ? first : second;
   }
   return out;
 }
@@ -263,9 +257,10 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
 std::string next_run_text(const NextRunResult& r) {
   std::string out;
   for (const SegmentOdds& s : r.segments)
-    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {} to 1 expected, {} to 1 now for {}\n",
-                       s.segment, s.file, s.rivals, odds_text(std::exp(std::fabs(s.before))),
-                       odds_text(s.expected), odds_text(std::exp(std::fabs(s.after))), s.leads);
+    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {} to 1 expected, {}\n", s.segment, s.file, s.rivals,
+                       odds_text(std::exp(std::fabs(s.log_before))), odds_text(s.expected),
+                       s.log_after ? fmt::format("{} to 1 now for {}", odds_text(std::exp(std::fabs(*s.log_after))), s.leads)
+                                   : "both are found now");
   for (const std::string& s : r.skipped) out += "left out " + s + "\n";
   const auto claims = [](const Diagnosis& d) {
     std::string text = to_string(d.verdict);
@@ -283,9 +278,9 @@ std::string next_run_json(const NextRunResult& r) {
     segments.push_back({{"segment", s.segment},
                         {"file", s.file},
                         {"rivals", s.rivals},
-                        {"log_odds_before", s.before},
+                        {"log_odds_before", s.log_before},
                         {"odds_expected", s.expected},
-                        {"log_odds_after", s.after},
+                        {"log_odds_after", s.log_after ? Json(*s.log_after) : Json(nullptr)},
                         {"leads", s.leads}});
   const Json out = {{"format", 1},
                     {"folder", r.folder.string()},

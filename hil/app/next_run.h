@@ -16,11 +16,13 @@ struct NextRunRequest {
   std::filesystem::path output;  ///< new campaign; empty: beside the old one with "-next" behind its name
 };
 
-/// Odds of the first rival against the second.
+/// How far a segment parted its rivals; logarithms are natural, of the first rival against the second.
 struct SegmentOdds {
   std::string segment, rivals, file;
-  double before = 1.0, expected = 1.0, after = 1.0;
-  std::string leads;  ///< the rival that the new data favour
+  double log_before = 0.0;
+  double expected = 1.0;            ///< odds of the better rival
+  std::optional<double> log_after;  ///< nothing: both are found
+  std::string leads;                ///< the rival that the new data favour
 };
 
 struct NextRunResult {

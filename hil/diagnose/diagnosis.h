@@ -48,6 +48,7 @@ struct Finding {
   std::string unit = "V";
   std::vector<LookAlike> confounded_with;
   std::string evidence;     ///< one sentence a person understands
+  std::string rival_of;     ///< the effect that it fits nearly as well as, and shares the probability with; else empty
   std::string form;         ///< which form of the effect was fitted
   double effect_rms = 0.0;  ///< RMS of what the effect adds, same unit
   int records_improved = 0, records_excited = 0;
@@ -112,7 +113,8 @@ struct ExperimentSegment {
   double minutes = 0.0;
   std::string separates;  ///< "hysteresis / lag"
   double cosine_before = 0.0, cosine_after = 0.0;
-  double odds_before = 1.0, odds_after = 1.0;  ///< expected odds of the better rival
+  double odds_before = 1.0, odds_after = 1.0;  ///< expected odds of the better rival; the first segment starts from what is known
+  bool odds_stated = false;                    ///< known from the findings' probabilities; else from the evidence
   std::vector<double> t_s, force_N;            ///< the force that was simulated: what a rig has to play
   bool heats = false;                          ///< the temperature must rise meanwhile
 };

@@ -210,6 +210,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
       weak.effect = name;
       weak.side = kind->side;
       weak.unit = channel.unit;
+      weak.rival_of = chosen.kind->name;
       weak.probability = std::clamp(share * real * whole, 0.0, kNoClaim);
       weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
       out.findings.push_back(std::move(weak));

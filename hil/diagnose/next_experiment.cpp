@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "hil/base/plain_number.h"
+#include "hil/diagnose/rival_odds.h"
 #include "hil/diagnose/select.h"
 
 namespace forcegate::diagnose {
@@ -13,6 +15,9 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+constexpr std::size_t kMostRivals = 4;
+const double kSettled = std::log(1000.0);
 
 struct Segment {
   const char* name;
@@ -156,19 +161,40 @@ VectorXd signature(const Workspace& w, const RecordInput& r, const Rival& rival)
   return columns * rival.strength;
 }
 
+// Findings that the diagnosis could not part, each group in the order of the findings.
+std::vector<std::string> sharing_a_place(const Diagnosis& d) {
+  std::vector<std::string> out;
+  for (const Finding& f : d.findings) {
+    const EffectKind* kind = EffectRegistry::instance().find(f.effect);
+    if (kind == nullptr || kind->channel != EffectChannel::output || out.size() == kMostRivals) continue;
+    if (std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& o) { return compete_for_one_place(d, f.effect, o.effect); }))
+      out.push_back(f.effect);
+  }
+  return out;
+}
+
+// What stands among the findings for other reasons is a rival only where the evidence leaves the two open as well.
+std::optional<RivalOdds> odds_now(const Diagnosis& d, const Rival& a, const Rival& b) {
+  const std::string &first = a.kind->name, &second = b.kind->name;
+  const std::optional<RivalOdds> now = rival_odds(d, first, second);
+  if (!now || !now->stated || compete_for_one_place(d, first, second)) return now;
+  return std::abs(evidence_between(d, first, second)) <= kSettled ? now : std::nullopt;
+}
+
 }  // namespace
 
 NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
   NextExperiment out;
   if (w.output.problem.records.empty()) return out;
-  // rivals: the best of the ranking that these data leave open, at least the first two
+  // rivals: those that share a place among the findings, and the best of the ranking that these data leave open, at least two
   std::vector<Rival> rivals;
-  std::vector<std::string> open;
+  std::vector<std::string> open = sharing_a_place(d);
   const double top = d.ranking.empty() ? 0.0 : d.ranking.front().score;
   for (const RankedEffect& r : d.ranking) {
     const EffectKind* kind = EffectRegistry::instance().find(r.effect);
     if (kind == nullptr || kind->channel != EffectChannel::output || !r.note.empty()) continue;
-    if (open.size() < 2 || (open.size() < 4 && r.score > 0.6 * top && r.score > 3.0)) open.push_back(r.effect);
+    if (std::find(open.begin(), open.end(), r.effect) != open.end()) continue;
+    if (open.size() < 2 || (open.size() < kMostRivals && r.score > 0.6 * top && r.score > 3.0)) open.push_back(r.effect);
   }
   const ScreenResult screened = screen(w.output, {}, {}, nullptr, 1);
   for (const std::string& name : open)
@@ -197,14 +223,6 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
       for (std::size_t b = a + 1; b < rivals.size(); ++b) pairs.push_back(project(sign[a], sign[b], r, noise));
     of_segment.push_back(std::move(pairs));
   }
-  const auto evidence_now = [&](std::size_t a, std::size_t b) {
-    double sa = 0.0, sb = 0.0;
-    for (const FamilyScore& f : screened.families) {
-      if (f.kind == rivals[a].kind) sa = f.gain;
-      if (f.kind == rivals[b].kind) sb = f.gain;
-    }
-    return std::abs(sa - sb);
-  };
   std::vector<Pair> have(n_pairs);
   std::vector<char> used(of_segment.size(), 0);
   std::size_t pair_of[2] = {0, 1};
@@ -214,7 +232,9 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
     double least = 1e300;
     for (std::size_t a = 0; a < rivals.size(); ++a)
       for (std::size_t b = a + 1; b < rivals.size(); ++b, ++index) {
-        const double known = evidence_now(a, b) + 0.5 * have[index].separation();
+        const std::optional<RivalOdds> now = odds_now(d, rivals[a], rivals[b]);
+        if (!now) continue;
+        const double known = std::abs(now->log_odds) + 0.5 * have[index].separation();
         if (known < least) {
           least = known;
           worst = index;
@@ -222,7 +242,7 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
           pair_of[1] = b;
         }
       }
-    if (least > std::log(1000.0)) break;
+    if (least > kSettled) break;
     std::size_t best = of_segment.size();
     double rate = 0.0;
     for (std::size_t s = 0; s < of_segment.size(); ++s) {
@@ -247,10 +267,12 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
     chosen.minutes = s.minutes;
     chosen.separates = rivals[pair_of[0]].kind->name + " / " + rivals[pair_of[1]].kind->name;
     chosen.cosine_before = step == 0 || have[worst].aa == 0.0 ? 1.0 : have[worst].cosine();
+    const RivalOdds now = *odds_now(d, rivals[pair_of[0]], rivals[pair_of[1]]);
+    chosen.odds_stated = now.stated;
     chosen.odds_before = std::exp(std::min(20.0, least));
     for (std::size_t p = 0; p < n_pairs; ++p) have[p].add(of_segment[best][p]);
     chosen.cosine_after = have[worst].cosine();
-    chosen.odds_after = std::exp(std::min(20.0, evidence_now(pair_of[0], pair_of[1]) + 0.5 * have[worst].separation()));
+    chosen.odds_after = std::exp(std::min(20.0, std::abs(now.log_odds) + 0.5 * have[worst].separation()));
     const RecordInput played = simulate(w, s);
     chosen.t_s = played.fast_t_s;
     chosen.force_N = played.fast_F_N;

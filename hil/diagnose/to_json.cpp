@@ -39,6 +39,7 @@ Json finding_json(const Finding& f) {
   for (const LookAlike& a : f.confounded_with)
     others.push_back({{"effect", a.effect}, {"cos", number(a.cosine)}, {"separates", a.separates}});
   out["confounded_with"] = others;
+  out["rival_of"] = f.rival_of;
   out["evidence"] = f.evidence;
   out["records_improved"] = f.records_improved;
   out["records_excited"] = f.records_excited;
@@ -120,7 +121,8 @@ std::string to_json(const Diagnosis& d) {
                         {"cos_before", number(s.cosine_before)},
                         {"cos_after", number(s.cosine_after)},
                         {"odds_before", number(s.odds_before)},
-                        {"odds_after", number(s.odds_after)}});
+                        {"odds_after", number(s.odds_after)},
+                        {"odds_from", s.odds_stated ? "probability" : "evidence"}});
   }
   out["next_experiment"] = {{"segments", segments},
                             {"minutes", number(d.next_experiment.minutes)},

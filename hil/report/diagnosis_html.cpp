@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/report/diagnosis_figures.h"
 #include "hil/report/figures/plots.h"
@@ -239,7 +240,7 @@ std::string next(const Diagnosis& d) {
     out += "<tr>" + cell(escape(s.name)) + cell("<code>" + escape(words) + "</code>") +
            cell(display(s.minutes, 3), true) + cell(escape(s.separates)) +
            cell(fmt::format("{:.2f} \u2192 {:.2f}", s.cosine_before, s.cosine_after)) +
-           cell(escape(display(s.odds_before, 2) + " \u2192 " + display(s.odds_after, 2))) + "</tr>\n";
+           cell(escape(odds_text(s.odds_before) + " \u2192 " + odds_text(s.odds_after))) + "</tr>\n";
   }
   return out + std::string(kTableEnd) + "</section>\n";
 }

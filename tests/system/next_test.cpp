@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -72,6 +73,20 @@ TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
   const ProcessResult asked = forcegate({"next", sine});
   EXPECT_EQ(asked.exit_code, 0) << asked.err;
   EXPECT_THAT(asked.out, AllOf(HasSubstr("delay / lag"), ContainsRegex("next: forcegate next [^\n]*--run")));
+
+  // the plan starts from what the diagnosis says of the two
+  const auto said = nlohmann::json::parse(forcegate({"diagnose", sine, "--json"}).out),
+             plan = nlohmann::json::parse(forcegate({"next", sine, "--json"}).out);
+  std::map<std::string, double> probability;
+  for (const auto& f : said["findings"]) probability[f["effect"]] = f["probability"];
+  const auto& segment = plan["segments"][0];
+  const std::string rivals = segment["separates"];
+  const std::size_t at = rivals.find(" / ");
+  const double a = probability[rivals.substr(0, at)], b = probability[rivals.substr(at + 3)];
+  ASSERT_GT(std::min(a, b), 0.0) << rivals;
+  EXPECT_EQ(segment["odds_from"], "probability");
+  EXPECT_NEAR(segment["odds_before"].get<double>(), std::max(a, b) / std::min(a, b), 1e-6);
+  EXPECT_EQ(said["next_experiment"]["segments"], plan["segments"]);
 
   const ProcessResult unlike = forcegate({"next", sine, "--run", "--record", still, "-o", out});
   EXPECT_EQ(unlike.exit_code, 2);
