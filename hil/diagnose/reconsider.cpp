@@ -13,11 +13,6 @@ namespace {
 
 constexpr double kAlone = 0.95;  // share that leaves no rival worth asking again
 
-void add(std::vector<int>& to, const std::vector<int>& columns) {
-  for (int j : columns)
-    if (std::find(to.begin(), to.end(), j) == to.end()) to.push_back(j);
-}
-
 double removed_rms(const ChosenEffect& e) { return std::sqrt(std::max(1e-18, e.fall * e.excess)); }
 
 }  // namespace
@@ -32,8 +27,8 @@ void reconsider(const CampaignInput& input, ResidualChannel& channel, const std:
     double removed = 0.0;
     for (std::size_t j = 0; j < out.chosen.size(); ++j) {
       if (j == k) continue;
-      add(present, out.chosen[j].columns);
-      add(present, bank_columns(channel, *out.chosen[j].kind));
+      add_columns(present, out.chosen[j].columns);
+      add_columns(present, bank_columns(channel, *out.chosen[j].kind));
       others.push_back(out.chosen[j]);
       if (!out.chosen[j].between) removed = std::max(removed, removed_rms(out.chosen[j]));
     }

@@ -6,6 +6,7 @@
 #include "hil/diagnose/between_records.h"
 #include "hil/diagnose/further_forms.h"
 #include "hil/diagnose/left_out.h"
+#include "hil/diagnose/needless.h"
 #include "hil/diagnose/objection.h"
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/reconsider.h"
@@ -29,68 +30,12 @@ VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const
 
 bool is_late(const std::string& name) { return name == "delay" || name == "lag"; }
 
-// Backward: an earlier effect may have been a compromise that the later ones make needless. A look-alike gets all forms of
-// its family before it is said that it cannot do without the other.
-void drop_needless(const ResidualChannel& channel, const std::vector<int>& carried, const SelectionRules& rules, Selection& out) {
-  const auto add = [](std::vector<int>& to, const std::vector<int>& columns) {
-    for (int j : columns)
-      if (std::find(to.begin(), to.end(), j) == to.end()) to.push_back(j);
-  };
-  bool dropped = false;
-  for (std::size_t k = 0; out.chosen.size() >= 2 && k < out.chosen.size();) {
-    std::vector<int> without = carried;
-    for (std::size_t j = 0; j < out.chosen.size(); ++j)
-      // what changes from record to record takes the place of nothing that happens within one
-      if (j != k && (out.chosen[k].between || !out.chosen[j].between)) {
-        // own columns only for others: a bank is there to soak up remains, not to take the place of another effect
-        add(without, out.chosen[j].columns);
-        if (look_alike(*out.chosen[j].kind, *out.chosen[k].kind)) add(without, family_columns(channel, *out.chosen[j].kind));
-      }
-    std::vector<int> with = without;
-    add(with, out.chosen[k].columns);
-    const MixedFit reduced = fit_mixed(channel.problem, without, &out.final, 12, RecordUse::all_records);
-    const MixedFit full = fit_mixed(channel.problem, with, &out.final, 12, RecordUse::all_records);
-    if (!reduced.valid || !full.valid) return;
-    const double left = excess_mean_square(channel, reduced), kept = excess_mean_square(channel, full);
-    // what another effect's form leaves is no measure of this one
-    const double its_own = std::min(left, out.chosen[k].fall * out.chosen[k].excess);
-    const double lost = full.log_evidence - reduced.log_evidence;
-    // so much evidence is that of no other effect, though its strength, beside others that are as large, may be that of some records
-    constexpr double kPlain = 100.0;
-    if (!out.chosen[k].by_records() &&
-        (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
-         !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps()))) {
-      out.refused.push_back({out.chosen[k].kind->name, "needless beside the others", lost, true});
-      out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
-      dropped = true;
-      k = 0;
-    } else {
-      out.chosen[k].unique = full.log_evidence - reduced.log_evidence;
-      ++k;
-    }
-  }
-  if (!dropped) return;
-  std::vector<int> present = carried;
-  for (ChosenEffect& chosen : out.chosen) {
-    add(present, chosen.columns);
-    const MixedFit fit = fit_mixed(channel.problem, present, &out.final, 12, RecordUse::all_records);
-    if (!fit.valid) return;
-    chosen.fit = fit;
-    add(present, family_columns(channel, *chosen.kind));
-  }
-  const MixedFit final = fit_mixed(channel.problem, present, &out.final, 12, RecordUse::all_records);
-  if (!final.valid) return;
-  out.final = final;
-  out.excess_after = excess_mean_square(channel, final);
-}
-
 // The model that the findings describe, effect by effect.
 void fit_claimed(const ResidualChannel& channel, Selection& out) {
   std::vector<int> present = out.base.columns;
   out.claimed = out.base;
   for (ChosenEffect& chosen : out.chosen) {
-    for (int j : chosen.columns)
-      if (std::find(present.begin(), present.end(), j) == present.end()) present.push_back(j);
+    add_columns(present, chosen.columns);
     MixedFit fit = fit_mixed(channel.problem, present, &out.claimed, 12, RecordUse::all_records);
     if (!fit.valid) return;
     if (!chosen.between) chosen.further = further_forms(channel, *chosen.kind, present, fit);
@@ -122,6 +67,11 @@ bool look_alike(const EffectKind& a, const EffectKind& b) {
 
 double threshold_of(const std::string& effect, const SelectionRules& rules) {
   return is_between_records(effect) ? rules.between_gain : rules.first_gain;
+}
+
+void add_columns(std::vector<int>& to, const std::vector<int>& columns) {
+  for (int j : columns)
+    if (std::find(to.begin(), to.end(), j) == to.end()) to.push_back(j);
 }
 
 std::vector<int> bank_columns(const ResidualChannel& channel, const EffectKind& kind) {
@@ -286,8 +236,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
     out.chosen.push_back(chosen);
     taken.push_back(family.kind->name);
     for (int j : variant.columns) present.push_back(j);
-    for (int j : family_columns(channel, *family.kind))
-      if (std::find(present.begin(), present.end(), j) == present.end()) present.push_back(j);
+    add_columns(present, family_columns(channel, *family.kind));
     if (!screen_again(&family.best.fit)) break;
   }
 

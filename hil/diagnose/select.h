@@ -97,6 +97,9 @@ double signature_cosine(const ResidualChannel& channel, const MixedFit& base, co
                         const std::vector<int>& columns_a, const MixedFit& b,
                         const std::vector<int>& columns_b);
 
+/// Appends the columns that are not there yet.
+void add_columns(std::vector<int>& to, const std::vector<int>& columns);
+
 /// All columns of the screening grid of a family: what a form that is not quite right leaves behind must not be named.
 std::vector<int> family_columns(const ResidualChannel& channel, const EffectKind& kind);
 

@@ -76,6 +76,12 @@ inline Diagnosis answer(Campaign campaign, unsigned threads = 1) {
   return out ? *out : Diagnosis{};
 }
 
+/// 0 for what is no finding.
+inline double probability(const Diagnosis& d, const std::string& effect) {
+  const auto at = std::find_if(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == effect; });
+  return at == d.findings.end() ? 0.0 : at->probability;
+}
+
 /// What a diagnosis says, for the message of a test that fails.
 inline std::string told(const Diagnosis& d) {
   std::string out;
