@@ -12,7 +12,7 @@
 
 #include "hil/base/text.h"
 #include "hil/base/units.h"
-#include "hil/trace/date_time.h"
+#include "hil/trace/csv_cells.h"
 #include "hil/trace/decimal.h"
 
 namespace forcegate {
@@ -23,42 +23,9 @@ constexpr std::size_t kChunk = std::size_t{1} << 20;
 constexpr std::size_t kLongestLine = std::size_t{64} << 20;
 constexpr std::size_t kMostColumns = 4096;
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
-
 std::string in_quotes(std::string_view text) {
   std::string shown = printable_utf8(text.substr(0, 40));
   return "\"" + shown + (text.size() > 40 ? "...\"" : "\"");
-}
-
-enum class Cell { number, missing, text };
-
-Cell read_cell(std::string_view text, char point, double& out) {
-  text = trim(text);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = trim(text.substr(1, text.size() - 2));
-  out = kNan;
-  if (text.empty()) return Cell::missing;
-  std::string plain(text.front() == '+' ? text.substr(1) : text);
-  if (point != '.') std::replace(plain.begin(), plain.end(), point, '.');
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), value);
-  if (end == plain.data() + plain.size() && error == std::errc()) {
-    if (!std::isfinite(value)) return Cell::missing;
-    out = value;
-    return Cell::number;
-  }
-  if (end == plain.data() + plain.size() && error == std::errc::result_out_of_range) return Cell::missing;
-  const std::string word = lower(text);
-  for (const char* missing : {"na", "n/a", "null", "none", "nan", "-nan", "-", "--", "#n/a"})
-    if (word == missing) return Cell::missing;
-  if (const auto stamp_s = seconds_of_stamp(text)) {
-    out = *stamp_s;
-    return Cell::number;
-  }
-  return Cell::text;
 }
 
 /// Eats whole lines; a chunk always ends with '\n'.
@@ -142,47 +109,16 @@ class Parser {
     return {};
   }
 
-  char choose_separator(std::string_view line) const {
-    std::size_t count[4] = {};
-    constexpr char kCandidates[] = {',', ';', '\t', '|'};
-    bool inside = false;
-    for (const char c : line) {
-      if (c == '"') inside = !inside;
-      for (std::size_t k = 0; k < 4 && !inside; ++k) count[k] += c == kCandidates[k];
-    }
-    const auto best = static_cast<std::size_t>(std::max_element(count, count + 4) - count);
-    if (count[best] > 0) return kCandidates[best];
-    return trim(line).find(' ') != std::string_view::npos && line.find('"') == std::string_view::npos ? ' ' : ',';
-  }
-
-  /// Cells of a line with the byte at which each begins; quotes protect separators.
-  void cut(std::string_view line, std::vector<std::string_view>& cells) const {
-    cells.clear();
-    if (separator_ == ' ') line = trim(line);
-    std::size_t start = 0;
-    bool inside = false;
-    for (std::size_t i = 0; i <= line.size(); ++i) {
-      if (i < line.size() && line[i] == '"') inside = !inside;
-      if (i < line.size() && (inside || line[i] != separator_)) continue;
-      if (separator_ == ' ' && i == start) {
-        ++start;
-        continue;
-      }
-      cells.push_back(line.substr(start, i - start));
-      start = i + 1;
-    }
-  }
-
   Result<void> header(std::string_view line) {
     separator_ = choose_separator(line);
-    cut(line, cells_);
+    cut_cells(line, separator_, cells_);
     if (cells_.size() > kMostColumns)
       return error("the header has " + std::to_string(cells_.size()) + " columns", 1, "at most 4096 can be read");
     while (cells_.size() > 1 && trim(cells_.back()).empty()) cells_.pop_back(), ++trailing_;
     bool all_numbers = true;
     for (const std::string_view cell : cells_) {
       double value;
-      all_numbers = all_numbers && read_cell(cell, '.', value) != Cell::text;
+      all_numbers = all_numbers && read_cell(cell, '.', value) != CsvCell::text;
     }
     if (all_numbers)
       return error("the first line holds numbers, not column names", 1,
@@ -227,7 +163,7 @@ class Parser {
   }
 
   Result<void> slow_row(std::string_view line, bool cut_short) {
-    cut(line, cells_);
+    cut_cells(line, separator_, cells_);
     for (std::size_t k = 0; k < trailing_ && cells_.size() > row_.size() && trim(cells_.back()).empty(); ++k)
       cells_.pop_back();
     if (cells_.size() == row_.size() + 1 && trim(cells_.back()).empty()) cells_.pop_back();
@@ -251,18 +187,18 @@ class Parser {
                            : "every line needs one cell for each column; leave a missing value empty");
     }
     for (std::size_t c = 0; c < row_.size(); ++c) {
-      const Cell kind = read_cell(cells_[c], point_, row_[c]);
-      if (kind == Cell::number || is_text_[c]) continue;
-      if (kind == Cell::text && cut_short && c + 1 == row_.size()) {
+      const CsvCell kind = read_cell(cells_[c], point_, row_[c]);
+      if (kind == CsvCell::number || is_text_[c]) continue;
+      if (kind == CsvCell::text && cut_short && c + 1 == row_.size()) {
         table_.notes.push_back("the last line is cut short and was dropped");
         return {};
       }
-      if (kind == Cell::text && !seen_data_) {
+      if (kind == CsvCell::text && !seen_data_) {
         is_text_[c] = 1;
         row_[c] = kNan;
         continue;
       }
-      if (kind == Cell::text)
+      if (kind == CsvCell::text)
         return error(in_quotes(trim(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number",
                      static_cast<std::size_t>(cells_[c].data() - line.data()) + 1,
                      "leave the cell empty when the value is missing");
@@ -292,16 +228,10 @@ class Parser {
     return true;
   }
 
-  static std::string_view strip_brackets(std::string_view symbol) {
-    if (symbol.size() > 2 && (symbol.front() == '[' || symbol.front() == '(' || symbol.front() == '"'))
-      return symbol.substr(1, symbol.size() - 2);
-    return symbol;
-  }
-
   bool has_decimal_commas() const {
     return std::any_of(cells_.begin(), cells_.end(), [](std::string_view cell) {
       double value;
-      return cell.find(',') != std::string_view::npos && read_cell(cell, ',', value) == Cell::number;
+      return cell.find(',') != std::string_view::npos && read_cell(cell, ',', value) == CsvCell::number;
     });
   }
 

@@ -1,0 +1,91 @@
+#include "hil/gate/judge_accuracy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hil/gate/judged_extrema.h"
+#include "hil/gate/statistics.h"
+#include "hil/trace/extrema.h"
+
+namespace forcegate {
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFewMissing = 0.02;
+constexpr std::size_t kExtremaNeeded = 4;  // two of each kind: one has no spread
+constexpr double kExtremumFloor_N = 0.1;   // below, a relative error says nothing
+
+Limit limit_of(const std::string& id, const std::optional<double>& given, const PlanCase& planned,
+               const DerivedLimits& limits) {
+  if (given) return {Limit::Kind::upper, *given, planned.limit_source};
+  return limits.find(planned.name, id);
+}
+
+}  // namespace
+
+void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord& record,
+                    const DerivedLimits& limits, CaseChecks& checks, JudgedCase& out) {
+  if (const std::size_t n = record.pairs.size(); planned.checks & kCheckAccuracy && n < kExtremaNeeded)
+    checks.final_check("accuracy", "Extrema to judge the accuracy on", Verdict::not_run, Blame::user,
+                       fmt::format("the record holds {} extrema, an accuracy needs {}", n, kExtremaNeeded));
+  if (!record.facts.dynamic && record.pairs.empty()) return;
+  const bool closed = planned.loop == LoopMode::closed;
+  const char* against = closed ? "ATI against set-point" : "firmware against ATI";
+  // A recording's own force channel begins with the loading: its bounds say nothing about the settled
+  // minima.
+  const double low_N = record.rig.can_move ? record.facts.mean_N - record.facts.amplitude_N
+                                           : moments(judged_extrema(planned, record, false).expected).mean;
+  for (const bool maximum : {true, false}) {
+    const JudgedExtrema s = judged_extrema(planned, record, maximum);
+    const char* which = maximum ? "maxima" : "minima";
+    const RelativeError e = mean_relative_error(s.actual, s.expected, kExtremumFloor_N);
+    const double typical_N = std::fabs(moments(s.expected).mean);
+    const std::size_t items = e.n + e.left_out;
+    const Budget relative =
+        mre_budget(plan.uncertainty, record, typical_N, e.standard_error, e.n, planned.half_width_s);
+    const Budget absolute = mae_budget(plan.uncertainty, record, typical_N, items, planned.half_width_s);
+    const bool judge_relative = maximum || low_N >= plan.limits.minima_floor_N;
+    const std::string mre_id = fmt::format("mre_{}", which), mae_id = fmt::format("mae_{}", which);
+    const std::string tail =
+        planned.tail_s > 0.0 ? fmt::format(" over the last {:.0f} s", planned.tail_s) : "";
+    const std::string mre_title = fmt::format("Mean relative error of the {}, {}{}", which, against, tail);
+    const std::string mae_title = fmt::format("Mean absolute error of the {}, {}{}", which, against, tail);
+    const std::string evidence =
+        fmt::format("{} {}, largest {:.2f} %; u from {}", e.n, which, 100.0 * e.largest, relative.to_text());
+    // A few extrema may fall into a gap of the reference; more, and their mean is not that of the record.
+    const bool whole =
+        static_cast<double>(e.not_finite) <= kFewMissing * static_cast<double>(s.expected.size());
+    const double mre = whole ? 100.0 * e.mean : kNan, mae = whole ? e.mean_absolute : kNan;
+    if (closed) {
+      PanelValue& panel = maximum ? out.maxima : out.minima;
+      panel.usable = checks.rig_sound && checks.complete && e.not_finite == 0 && e.n > 0;
+      panel.value = judge_relative ? mre : mae;
+      panel.unit = judge_relative ? "%" : "N";
+      panel.u_systematic = judge_relative ? relative.u_systematic() : absolute.u_systematic();
+    }
+    const bool wanted = planned.checks & kCheckAccuracy && !closed;
+    const Limit none{};
+    const std::string judged_id = judge_relative ? mre_id : mae_id;
+    const std::optional<double> given = maximum ? planned.maxima_pct : planned.minima_pct;
+    const Limit limit =
+        wanted ? limit_of(judged_id, judge_relative ? given : std::nullopt, planned, limits) : none;
+    const bool derived = wanted && !(judge_relative && given);
+    checks.value_check(mre_id, mre_title, mre, "%", derived ? relative.u_random() : relative.u(), e.n,
+                       judge_relative ? limit : none, evidence);
+    checks.repeatable(derived ? 0.0 : relative.u_systematic());
+    checks.value_check(mae_id, mae_title, mae, "N", derived ? absolute.u_random() : absolute.u(), items,
+                       judge_relative ? none : limit, fmt::format("{} {}", items, which));
+    checks.repeatable(derived ? 0.0 : absolute.u_systematic());
+    if (wanted && limit.kind == Limit::Kind::none)
+      checks.final_check("accuracy_" + std::string(which), judge_relative ? mre_title : mae_title,
+                         Verdict::not_run, Blame::user,
+                         fmt::format("there is no limit for {} of {}: derive limits first (forcegate limits)",
+                                     judged_id, planned.name));
+  }
+}
+
+}  // namespace forcegate

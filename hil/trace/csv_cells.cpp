@@ -1,0 +1,84 @@
+#include "hil/trace/csv_cells.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "hil/base/text.h"
+#include "hil/trace/date_time.h"
+
+namespace forcegate {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+}  // namespace
+
+CsvCell read_cell(std::string_view text, char point, double& out) {
+  text = trim(text);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = trim(text.substr(1, text.size() - 2));
+  out = std::numeric_limits<double>::quiet_NaN();
+  if (text.empty()) return CsvCell::missing;
+  std::string plain(text.front() == '+' ? text.substr(1) : text);
+  if (point != '.') std::replace(plain.begin(), plain.end(), point, '.');
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), value);
+  if (end == plain.data() + plain.size() && error == std::errc()) {
+    if (!std::isfinite(value)) return CsvCell::missing;
+    out = value;
+    return CsvCell::number;
+  }
+  if (end == plain.data() + plain.size() && error == std::errc::result_out_of_range) return CsvCell::missing;
+  const std::string word = lower(text);
+  for (const char* missing : {"na", "n/a", "null", "none", "nan", "-nan", "-", "--", "#n/a"})
+    if (word == missing) return CsvCell::missing;
+  if (const auto stamp_s = seconds_of_stamp(text)) {
+    out = *stamp_s;
+    return CsvCell::number;
+  }
+  return CsvCell::text;
+}
+
+char choose_separator(std::string_view line) {
+  std::size_t count[4] = {};
+  constexpr char kCandidates[] = {',', ';', '\t', '|'};
+  bool inside = false;
+  for (const char c : line) {
+    if (c == '"') inside = !inside;
+    for (std::size_t k = 0; k < 4 && !inside; ++k) count[k] += c == kCandidates[k];
+  }
+  const auto best = static_cast<std::size_t>(std::max_element(count, count + 4) - count);
+  if (count[best] > 0) return kCandidates[best];
+  return trim(line).find(' ') != std::string_view::npos && line.find('"') == std::string_view::npos ? ' ' : ',';
+}
+
+void cut_cells(std::string_view line, char separator, std::vector<std::string_view>& cells) {
+  cells.clear();
+  if (separator == ' ') line = trim(line);
+  std::size_t start = 0;
+  bool inside = false;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size() && line[i] == '"') inside = !inside;
+    if (i < line.size() && (inside || line[i] != separator)) continue;
+    if (separator == ' ' && i == start) {
+      ++start;
+      continue;
+    }
+    cells.push_back(line.substr(start, i - start));
+    start = i + 1;
+  }
+}
+
+std::string_view strip_brackets(std::string_view symbol) {
+  if (symbol.size() > 2 && (symbol.front() == '[' || symbol.front() == '(' || symbol.front() == '"'))
+    return symbol.substr(1, symbol.size() - 2);
+  return symbol;
+}
+
+}  // namespace forcegate
