@@ -35,9 +35,22 @@ std::vector<std::string> draw_pair(Rng& rng, const std::vector<std::string>& nam
   }
 }
 
+hidden::CampaignRequest request_of(const LeagueMatch& match) {
+  return {match.seed, "campaign", match.effects, match.tier, match.minutes};
+}
+
+// Only the starting model sees the twin: it is not diagnosed.
+void ask_twin(LeagueMatch& match, const LeagueEngine& engine, const LeagueReply& reply) {
+  if (!engine.base || !reply.base || match.kind != LeagueClass::single || !match.truth.effects.front().reducible) return;
+  auto made = hidden::make_twin(request_of(match));
+  if (!made) return;
+  auto base = engine.base(std::move(*made), match.truth.effects.front().measure == "force");
+  if (base) match.twin = TwinErrors{*reply.base, *base};
+}
+
 void play(LeagueMatch& match, const LeagueEngine& engine, LeagueReply& kept) {
   auto start = std::chrono::steady_clock::now();
-  auto made = hidden::make_campaign({match.seed, "campaign", match.effects, match.tier, match.minutes});
+  auto made = hidden::make_campaign(request_of(match));
   match.generation_s = seconds_since(start);
   if (!made) {
     match.error = made.error().text;
@@ -51,6 +64,7 @@ void play(LeagueMatch& match, const LeagueEngine& engine, LeagueReply& kept) {
     match.error = reply.error().to_text();
     return;
   }
+  ask_twin(match, engine, *reply);
   take_reply(match, *reply);
   kept = std::move(*reply);
 }
@@ -62,7 +76,7 @@ void take_reply(LeagueMatch& match, const LeagueReply& reply) {
   auto answer = answer_from_json(reply.json);
   if (answer) {
     match.answer = std::move(*answer);
-    match.score = score(match.truth, match.answer);
+    match.score = score(match.truth, match.answer, match.twin ? &*match.twin : nullptr);
   } else {
     match.error = answer.error().to_text();
   }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,7 @@ struct LeagueReply {
   std::string json;  ///< the JSON of `forcegate diagnose`
   std::string
       naive;  ///< what the largest residual correlation would have named (league_baseline.h); "" not asked
+  std::optional<diagnose::BaseErrors> base = {};  ///< of the engine's starting model; none: not told
 };
 
 /// Anything that answers a campaign. An engine sees the records and what the lab wrote down, never the truth: the
@@ -28,13 +30,16 @@ struct LeagueReply {
 struct LeagueEngine {
   std::string name;
   std::function<Result<LeagueReply>(hidden::MadeCampaign&&)> answer;
+  /// Errors of its starting model alone, of the force too where asked: what it is given is the twin of a campaign. None: the share of
+  /// the reducible error is not told.
+  std::function<Result<diagnose::BaseErrors>(hidden::MadeCampaign&&, bool with_force)> base = {};
 };
 
 /// The built-in diagnosis in this process, one thread a campaign, with the model that is used when none is given.
 LeagueEngine built_in_engine();
 
 /// An external engine: `command` with a campaign folder appended, answer on its stdout. Folders are made
-/// below the system's temporary folder and removed.
+/// below the system's temporary folder and removed. It tells nothing of a starting model.
 LeagueEngine command_engine(std::string command);
 
 struct LeagueRequest {
@@ -61,6 +66,7 @@ struct LeagueMatch {
   hidden::Truth truth;
   Answer answer;
   Score score;
+  std::optional<TwinErrors> twin;  ///< of one effect that a model can predict, by an engine that tells its starting model's errors
   std::string naive;  ///< of LeagueReply
   std::string error;  ///< the engine's, when it gave no answer; counts as a miss
   double engine_s = 0.0, generation_s = 0.0;

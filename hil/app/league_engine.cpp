@@ -57,7 +57,8 @@ Result<std::string> output_of(const std::string& command) {
 }  // namespace
 
 LeagueEngine built_in_engine() {
-  return {"built-in", [](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
+  return {"built-in",
+          [](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
             FORCEGATE_TRY(const Model model, library_model("flexiforce"));
             diagnose::EngineOptions options = engine_options(model, 1);
             options.pictures = false;
@@ -65,21 +66,32 @@ LeagueEngine built_in_engine() {
                           diagnose::prepare(hidden::to_campaign(std::move(made)), options));
             LeagueReply reply;
             reply.naive = largest_correlation(*workspace);
+            if (auto base = diagnose::base_errors(*workspace, options)) reply.base = *base;
             Diagnosis diagnosis = diagnose::diagnose_workspace(*workspace, options);
             diagnosis.maps.clear();  // a quarter of the text, and no judge reads them
             reply.json = to_json(diagnosis);
             return reply;
+          },
+          [](hidden::MadeCampaign&& made, bool with_force) -> Result<diagnose::BaseErrors> {
+            FORCEGATE_TRY(const Model model, library_model("flexiforce"));
+            diagnose::EngineOptions options = engine_options(model, 1);
+            options.search = with_force;  // the rig's law belongs to the search
+            FORCEGATE_TRY(const auto workspace,
+                          diagnose::prepare(hidden::to_campaign(std::move(made)), options));
+            return diagnose::base_errors(*workspace, options);
           }};
 }
 
 LeagueEngine command_engine(std::string command) {
-  return {command, [command](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
+  return {command,
+          [command](hidden::MadeCampaign&& made) -> Result<LeagueReply> {
             const TemporaryFolder folder;
             FORCEGATE_CHECK_OK(hidden::write_campaign(made, folder.path() / "campaign", true));
             FORCEGATE_TRY(std::string json,
                           output_of(command + " '" + (folder.path() / "campaign").string() + "'"));
-            return LeagueReply{std::move(json), ""};
-          }};
+            return LeagueReply{std::move(json), "", std::nullopt};
+          },
+          {}};
 }
 
 }  // namespace forcegate

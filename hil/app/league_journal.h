@@ -9,7 +9,7 @@
 
 namespace forcegate {
 
-/// Scores `reply` against the truth that the match has already; an answer that cannot be read becomes its error.
+/// Scores `reply` against the truth and the twin that the match has already; an answer that cannot be read becomes its error.
 void take_reply(LeagueMatch& match, const LeagueReply& reply);
 
 class LeagueJournal {

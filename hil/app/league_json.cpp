@@ -32,7 +32,10 @@ Json to_json(const TierTally& tier) {
           {"side_right", to_json(tier.side)},
           {"with_false_claim", to_json(tier.false_claims)},
           {"removed_median", number(score_quantile(tier.removed, 0.5))},
-          {"removed_lower_quartile", number(score_quantile(tier.removed, 0.25))}};
+          {"removed_lower_quartile", number(score_quantile(tier.removed, 0.25))},
+          {"removed_n", tier.removed.size()},
+          {"removed_median_named", number(score_quantile(tier.removed_named, 0.5))},
+          {"removed_n_named", tier.removed_named.size()}};
 }
 
 Json to_json(const LeagueMatch& m) {
@@ -62,7 +65,10 @@ Json to_json(const LeagueMatch& m) {
             {"side_right", m.score.side_right},
             {"false_claims", m.score.false_claims},
             {"reason", m.answer.reason}};
-  if (m.score.removed) j["reducible_error_removed"] = *m.score.removed;
+  if (const auto& r = m.score.reduction) {
+    j["held_out_error"] = {{"before", r->before}, {"after", r->after}, {"twin", r->twin}, {"unit", r->unit}};
+    j["reducible_error_removed"] = r->share();
+  }
   if (!m.error.empty()) j["error"] = m.error;
   if (const Miss miss = miss_of(m); miss.stage != MissStage::none)
     j["lost"] = {{"stage", to_string(miss.stage)},

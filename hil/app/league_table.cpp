@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "hil/app/league.h"
@@ -20,7 +19,14 @@ std::string share(const Count& count) {
                      100.0 * i.high);
 }
 
-std::string percent(double value) { return std::isnan(value) ? "-" : fmt::format("{:.0f} %", 100.0 * value); }
+std::string median(const std::vector<double>& shares) {
+  return shares.empty() ? "-" : fmt::format("{:.0f} % of {}", 100.0 * score_quantile(shares, 0.5), shares.size());
+}
+
+/// Not where the engine says nothing of its starting model.
+bool tells_reduction(const LeagueTally& t) {
+  return std::any_of(t.tiers.begin(), t.tiers.end(), [](const TierTally& tier) { return !tier.removed.empty(); });
+}
 
 std::string first_answer(const LeagueMatch& m) {
   if (!m.error.empty()) return "no answer: " + m.error.substr(0, m.error.find('\n'));
@@ -100,10 +106,16 @@ std::string league_text(const LeagueResult& result) {
   row("  named first, where excited", &TierTally::named_excited, "");
   row("  side right, of those listed", &TierTally::side, "97 %");
   row("  with a false claim beside", &TierTally::false_claims, "");
-  out += fmt::format("{:<34}", "  reducible error removed, median");
-  for (const TierTally& tier : t.tiers)
-    out += fmt::format("{:<28}", percent(score_quantile(tier.removed, 0.5)));
-  out += "85 %\n\n";
+  const auto medians = [&](const char* label, auto member, const char* target) {
+    out += fmt::format("{:<34}", label);
+    for (const TierTally& tier : t.tiers) out += fmt::format("{:<28}", median(tier.*member));
+    out += fmt::format("{}\n", target);
+  };
+  if (tells_reduction(t)) {
+    medians("  reducible error removed, median", &TierTally::removed, "85 %");
+    medians("    of those named first", &TierTally::removed_named, "");
+  }
+  out += '\n';
   out += fmt::format("{:<34}{:<28}{}\n", "clean campaigns, false discovery", exact(t.control_false),
                      "<= 3 %, interval of Clopper and Pearson");
   out += fmt::format("{:<34}{:<28}{}\n", "  of these a false claim", exact(t.control_claims), "0");

@@ -40,9 +40,9 @@ void count_single(const LeagueMatch& m, LeagueTally& t) {
   if (!m.truth.effects.empty() && m.truth.effects[0].excited) tier.named_excited.add(s.named);
   if (s.rank > 0) tier.side.add(s.side_right);
   tier.false_claims.add(s.false_claims > 0);
-  if (!m.truth.effects.empty() && m.truth.effects[0].reducible) {
-    if (s.named && s.removed) tier.removed.push_back(*s.removed);
-    if (!s.named) tier.removed.push_back(0.0);
+  if (s.reduction) {
+    tier.removed.push_back(s.reduction->share());
+    if (s.named) tier.removed_named.push_back(s.reduction->share());
   }
   EffectTally& e = t.by_effect[m.effects[0]];
   e.named[index].add(s.named);

@@ -18,7 +18,8 @@ struct Count {
 /// Matches with one effect of the catalogue, of one strength.
 struct TierTally {
   Count named, top2, top3, look_alike, named_excited, side, false_claims;
-  std::vector<double> removed;
+  std::vector<double> removed;        ///< share of the reducible error, 0 of a miss, where there is any
+  std::vector<double> removed_named;  ///< the same of those named first
 };
 
 struct CalibrationBin {

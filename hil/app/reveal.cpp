@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "hil/app/mystery.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "rigs/emulated/hidden/seal.h"
@@ -40,6 +41,22 @@ std::string names_of(const hidden::Truth& truth) {
   return names;
 }
 
+// What of the error could be reduced at all is not told: that takes the starting model's error on records without the effect.
+std::string error_sentence(const hidden::Truth& truth, const Answer& answer) {
+  if (truth.effects.size() != 1 || !truth.effects[0].reducible) return "";
+  const hidden::TruthEffect& effect = truth.effects[0];
+  const bool in_force = effect.measure == "force", force = in_force && answer.force_error_before && answer.force_error_after;
+  const auto before = force ? answer.force_error_before : answer.error_before, after = force ? answer.force_error_after : answer.error_after;
+  if (!before || !after) return "";
+  const auto text = [](double value, const char* unit_name) {
+    const PrintedUnit unit = printed_unit(unit_name);
+    return plain_number(unit.factor * value) + " " + unit.name;
+  };
+  const char* unit = force ? "N" : "V";
+  return fmt::format(" The held-out error goes from {} to {}; the effect itself, less one gain and zero, is {} in the records held out.",
+                     text(*before, unit), text(*after, unit), text(effect.heldout_rms, in_force ? "N" : "V"));
+}
+
 std::string sentence_of(const hidden::Truth& truth, const Answer& answer, const Score& s, bool right) {
   const std::string first = answer.findings.empty() ? answer.verdict : answer.findings.front().effect;
   if (right && truth.effects.empty()) return "Right: nothing was hidden.";
@@ -49,8 +66,7 @@ std::string sentence_of(const hidden::Truth& truth, const Answer& answer, const 
   if (!right && s.rank > 1) text += fmt::format(" It stands at place {} of the findings.", s.rank);
   if (!right && s.look_alike) text += " The answer says that the two cannot be told apart here.";
   if (s.rank > 0 && !s.side_right) text += " The side is wrong.";
-  if (s.removed)
-    text += fmt::format(" {:.0f} % of the reducible held-out error is removed.", 100.0 * *s.removed);
+  if (s.named) text += error_sentence(truth, answer);
   if (!right && !truth.effects.empty() && !truth.effects[0].excited)
     text += " The records did not excite it: nobody could have known.";
   return text;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "hil/diagnose/select.h"
+
 namespace forcegate {
 namespace {
 
@@ -27,16 +29,34 @@ bool accepts_side(const hidden::TruthEffect& effect, const std::string& side) {
          std::find(effect.also_side.begin(), effect.also_side.end(), side) != effect.also_side.end();
 }
 
-std::optional<double> removed_share(const hidden::Truth& truth, const Answer& answer) {
-  if (truth.effects.size() != 1 || !truth.effects[0].reducible) return std::nullopt;
+// "adapted" lists what a record may have of its own.
+bool keeps_common_levels(const Json& object) {
+  const auto at = object.find("adapted");
+  return at != object.end() && at->is_array() && std::find(at->begin(), at->end(), "gain") == at->end();
+}
+
+std::optional<Reduction> reduction_of(const hidden::Truth& truth, const Answer& answer, bool named, const TwinErrors* twin) {
+  constexpr double kLeast = 0.1;  // of the error before
+  if (!twin || truth.effects.size() != 1 || truth.foreign() || !truth.effects[0].reducible) return std::nullopt;
   const hidden::TruthEffect& effect = truth.effects[0];
-  const bool force = effect.measure == "force";
-  const auto before = force && answer.force_error_before ? answer.force_error_before : answer.error_before;
-  const auto after = force && answer.force_error_after ? answer.force_error_after : answer.error_after;
-  if (!before || !after || (force && !answer.force_error_before)) return std::nullopt;
-  const double rms = effect.heldout_rms, best = std::sqrt(std::max(0.0, *before * *before - rms * rms));
-  if (*before - best < 0.1 * *before) return std::nullopt;
-  return std::clamp((*before - *after) / (*before - best), -1.0, 1.0);
+  const bool between = diagnose::is_between_records(effect.name);
+  const auto counted = [&](const std::string& unit, const diagnose::BaseError& campaign, const diagnose::BaseError& of_twin,
+                           std::optional<double> before, std::optional<double> after, bool common) -> std::optional<Reduction> {
+    if (!named) {
+      if (!before || common != between) before = campaign.of(between);
+      after = before, common = between;
+    }
+    if (!before || !after) return std::nullopt;
+    const Reduction r{unit, *before, *after, of_twin.of(common)};
+    return r.before > 0.0 && r.before - r.twin >= kLeast * r.before ? std::optional(r) : std::nullopt;
+  };
+  if (effect.measure == "force" && twin->campaign.force && twin->twin.force)
+    if (auto force = counted("N", *twin->campaign.force, *twin->twin.force, answer.force_error_before, answer.force_error_after,
+                             answer.force_common_levels))
+      return force;
+  // a rig that moves otherwise is no error of the output: the twin's force took another course
+  if (effect.measure == "force" && effect.side == "rig") return std::nullopt;
+  return counted("V", twin->campaign.output, twin->twin.output, answer.error_before, answer.error_after, answer.common_levels);
 }
 
 }  // namespace
@@ -59,9 +79,11 @@ Result<Answer> answer_from_json(const std::string& text) {
     for (const Json& name : j.value("depends_on", Json::array())) answer.depends_on.push_back(name);
     answer.error_before = number(j, "error_before");
     answer.error_after = number(j, "error_after");
+    answer.common_levels = keeps_common_levels(j);
     if (j.contains("errors") && j["errors"].contains("F")) {
       answer.force_error_before = number(j["errors"]["F"], "before");
       answer.force_error_after = number(j["errors"]["F"], "after");
+      answer.force_common_levels = keeps_common_levels(j["errors"]["F"]);
     }
     for (const Json& row : j.value("ranking", Json::array()))
       answer.ranking.push_back({row.value("effect", ""), number(row, "score").value_or(0.0)});
@@ -84,7 +106,9 @@ Answer answer_of(const std::string& effect) {
   return answer;
 }
 
-Score score(const hidden::Truth& truth, const Answer& answer) {
+double Reduction::share() const { return std::clamp((before - after) / (before - twin), -1.0, 1.0); }
+
+Score score(const hidden::Truth& truth, const Answer& answer, const TwinErrors* twin) {
   Score s;
   const bool foreign = truth.foreign(), clean = truth.effects.empty();
   const bool elsewhere = std::none_of(truth.effects.begin(), truth.effects.end(),
@@ -113,7 +137,7 @@ Score score(const hidden::Truth& truth, const Answer& answer) {
   s.pair_in_three = truth.effects.size() == 2 && in_three == 2;
   s.honest = foreign && answer.verdict == "unknown" && s.false_claims == 0;
   s.clean = clean && answer.verdict == "none" && s.false_claims == 0;
-  s.removed = removed_share(truth, answer);
+  s.reduction = reduction_of(truth, answer, s.named, twin);
   return s;
 }
 

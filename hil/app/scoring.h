@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hil/base/result.h"
+#include "hil/diagnose/base_errors.h"
 #include "rigs/emulated/hidden/truth.h"
 
 namespace forcegate {
@@ -31,6 +32,7 @@ struct Answer {
   std::vector<std::string> depends_on;
   std::optional<double> error_before, error_after;              ///< V, over the held-out records
   std::optional<double> force_error_before, force_error_after;  ///< N, when the rig side is at fault
+  bool common_levels = false, force_common_levels = false;  ///< these errors keep the gain and zero of all records
   std::string reason;                                           ///< free text of the engine, may be empty
   std::vector<AnswerRank> ranking;                              ///< best first
   std::map<std::string, std::string> refused;  ///< effect that came up and was not taken, reason
@@ -41,6 +43,21 @@ Result<Answer> answer_from_json(const std::string& text);
 
 /// The answer of a person who names one effect, "none" or "unknown".
 Answer answer_of(const std::string& effect);
+
+/// Held-out errors of the engine's starting model, without any effect: on the campaign, and on its twin, which has the same
+/// records and random numbers and nothing hidden. The second is what the best model of the hidden effect would leave.
+struct TwinErrors {
+  diagnose::BaseErrors campaign, twin;
+};
+
+/// How much of what the hidden effect adds to the held-out error an answer takes away.
+struct Reduction {
+  std::string unit = "V";
+  double before = 0.0, after = 0.0, twin = 0.0;
+
+  /// (before - after) / (before - twin), clipped to [-1, 1]: 1 where the error falls to that of the twin.
+  double share() const;
+};
 
 /// A finding of probability 0.5 or more is a claim.
 inline constexpr double kClaim = 0.5;
@@ -56,13 +73,15 @@ struct Score {
   bool clean = false;          ///< nothing hidden: the verdict is "none" and there is no claim
   bool sensor_blamed = false;  ///< the fault is elsewhere and an absent sensor effect is claimed
   int false_claims = 0;        ///< claims of effects that are not there
-  std::optional<double> removed;  ///< share of the reducible held-out error that the answer removes
+  std::optional<Reduction> reduction;  ///< where something was reducible
 };
 
-/// The reducible part is what the hidden effect adds: best = sqrt(max(0, before^2 - effect^2)),
-/// removed = (before - after) / (before - best), clipped to [-1, 1]; only where a model can predict the
-/// effect and it makes up at least a tenth of the error.
-Score score(const hidden::Truth& truth, const Answer& answer);
+/// A reduction is counted where one effect is hidden that a model can predict and the error is at least a tenth above the twin's:
+/// else the effect is lost in the noise, or gain, zero and decay of the single records absorb it. Of the rig it is that of the force, of
+/// the reference that of the force where it is told, else of the output. An answer that does not name the effect first
+/// takes nothing away, of the error at the gain and zero of all records where the effect acts between them. Without `twin` none is
+/// counted.
+Score score(const hidden::Truth& truth, const Answer& answer, const TwinErrors* twin = nullptr);
 
 struct Interval {
   double low = 0.0, high = 1.0;

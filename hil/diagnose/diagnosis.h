@@ -80,6 +80,7 @@ struct RefusedEffect {
 struct ErrorPair {
   double before = 0.0, after = 0.0;
   std::string unit;
+  bool levels = false;  ///< as Diagnosis::levels
 };
 
 struct RecordError {

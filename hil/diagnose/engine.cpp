@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/capacitance_witness.h"
 #include "hil/diagnose/coloured_noise.h"
 #include "hil/diagnose/findings.h"
@@ -11,7 +12,6 @@
 #include "hil/diagnose/pictures.h"
 #include "hil/diagnose/ranking.h"
 #include "hil/diagnose/record_errors.h"
-#include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/verdict.h"
 
 namespace forcegate::diagnose {
@@ -78,11 +78,8 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
   Selection nothing;
-  nothing.base = nothing.final =
-      fit_mixed(w.output.problem, model_columns(w.output, options.in_model), nullptr, 20);
+  nothing.base = nothing.final = base_model(w, options, out.notes);
   if (!nothing.base.valid) return out;
-  const bool in_step = w.input.generic && w.input.records.front().row_step_s > 0.05;
-  if (!in_step) nothing.base = nothing.final = forgive_late_reference(w, nothing.base, out.notes);
   const auto residual = residual_rows(w.output, nothing.base);
   out.maps = residual_maps(w, w.output, residual, options.threads);
   add_records(w, nothing.base, nothing.base, out);
@@ -179,7 +176,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
         const auto square = levels ? judge_levels(w.rig, fit, rig.base, w.all_fit) : judge(w.rig, fit, rig.base, w.all_fit).adapted;
         return w.rig.scale * std::sqrt(judged(w.rig, square, w.all_fit));
       };
-      out.errors["F"] = {error(rig.base), error(rig.final), "N"};
+      out.errors["F"] = {error(rig.base), error(rig.final), "N", levels};
     }
   }
 

@@ -47,6 +47,8 @@ Json finding_json(const Finding& f) {
   return out;
 }
 
+Json adapted_json(bool levels) { return levels ? Json{"decay"} : Json{"gain", "zero", "decay"}; }
+
 Json map_json(const ResidualMap& m) {
   Json cells = Json::array();
   for (const MapCell& c : m.cells)
@@ -72,11 +74,13 @@ std::string to_json(const Diagnosis& d) {
   out["error_after"] = number(d.error_after);
   out["unit"] = d.unit;
   Json errors = Json::object();
-  for (const auto& [name, pair] : d.errors)
+  for (const auto& [name, pair] : d.errors) {
     errors[name] = {{"before", number(pair.before)}, {"after", number(pair.after)}, {"unit", pair.unit}};
+    if (name != "U_plain") errors[name]["adapted"] = adapted_json(pair.levels);
+  }
   out["errors"] = errors;
   out["floor"] = number(d.floor);
-  out["adapted"] = d.levels ? nlohmann::ordered_json{"decay"} : nlohmann::ordered_json{"gain", "zero", "decay"};
+  out["adapted"] = adapted_json(d.levels);
   out["plain"] = {{"before", number(d.plain_before)}, {"after", number(d.plain_after)}};
   out["records"] = Json::array();
   for (const RecordError& r : d.records)

@@ -47,7 +47,10 @@ const Registration<Command> kRow{Command{
         "intervals are Wilson's, 95 % (on clean campaigns the exact ones of Clopper and Pearson). Beside it stand two "
         "rules that need no engine: always \"none\", and the largest residual correlation. Every miss is listed with the "
         "step at which it was lost and the seed that makes the same campaign with `forcegate "
-        "mystery`.\n\nThe table does "
+        "mystery`.\n\nThe reducible error removed is (before - after) / (before - twin): held-out errors of the answer, and of the "
+        "model that it began with on the campaign's twin, the same records and random numbers with nothing hidden. It is counted where "
+        "the twin's error is at least a tenth below; a miss removes 0. An external engine does not see the twin and has no such "
+        "line.\n\nThe table does "
         "not depend on the number of threads. Use a seed that nobody has tuned on.",
     .options = {{.name = "seed", .value_name = "N", .doc = "Seed of the corpus.", .fallback = "1"},
                 {.name = "size",
@@ -76,7 +79,8 @@ const Registration<Command> kRow{Command{
                  .doc = "Effects to play, or none, pairs, foreign; separated by commas."},
                 {.name = "engine",
                  .value_name = "COMMAND",
-                 .doc = "Score another engine: COMMAND FOLDER prints the JSON of diagnose."},
+                 .doc = "Score another engine: COMMAND FOLDER prints the JSON of diagnose. It is not given the "
+                        "twins: no line of the reducible error removed."},
                 {.name = "journal",
                  .value_name = "FILE",
                  .doc = "Keep finished campaigns here; the same command goes on after an interrupt."},

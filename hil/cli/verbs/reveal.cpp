@@ -20,7 +20,11 @@ Json score_json(const RevealResult& result) {
             {"look_alike", s.look_alike},
             {"side_right", s.side_right},
             {"false_claims", s.false_claims}};
-  if (s.removed) j["reducible_error_removed"] = *s.removed;
+  const Answer& answer = *result.answer;
+  if (answer.error_before) j["error_before_V"] = *answer.error_before;
+  if (answer.error_after) j["error_after_V"] = *answer.error_after;
+  if (answer.force_error_before) j["force_error_before_N"] = *answer.force_error_before;
+  if (answer.force_error_after) j["force_error_after_N"] = *answer.force_error_after;
   return j;
 }
 
@@ -54,7 +58,9 @@ const Registration<Command> kRow{Command{
                    "printed, says what "
                    "was hidden and how large it was in the recorded channels, and scores an answer: a name, "
                    "or the JSON of "
-                   "`forcegate diagnose`.",
+                   "`forcegate diagnose`. Of such an answer it says how far the held-out error fell; which share of what "
+                   "could be reduced that is, only `forcegate league` knows, for it makes the same records without the "
+                   "effect.",
     .positionals = {{.name = "DIR", .doc = "Folder of the mystery."}},
     .options = {{.name = "answer", .value_name = "FILE", .doc = "Answer of `forcegate diagnose DIR --json`."},
                 {.name = "effect",

@@ -245,6 +245,12 @@ Result<MadeCampaign> make_campaign_at(const CampaignRequest& request, const std:
   return perform(request, stage, strengths);
 }
 
+Result<MadeCampaign> make_twin(const CampaignRequest& request) {
+  FORCEGATE_TRY(Stage stage, set_stage(request));
+  stage.kinds.clear();
+  return perform(request, stage, {});
+}
+
 Result<MadeCampaign> continue_campaign(const Truth& truth, std::size_t before,
                                        const std::vector<AskedForce>& asked) {
   CampaignRequest request;

@@ -40,6 +40,10 @@ Result<MadeCampaign> make_campaign(const CampaignRequest& request);
 /// Strength as given instead of a tier; for tests and sensor decorators. One strength per effect.
 Result<MadeCampaign> make_campaign_at(const CampaignRequest& request, const std::vector<double>& strengths);
 
+/// The twin: the same bench, records and random numbers with nothing hidden. What a model with the right effect could reach is
+/// what a model without any leaves of the twin. Error: as make_campaign.
+Result<MadeCampaign> make_twin(const CampaignRequest& request);
+
 /// A force that somebody asks to be played on the sensor of a campaign.
 struct AskedForce {
   std::string kind;  ///< of stimuli/: "ramp", "sine", ...

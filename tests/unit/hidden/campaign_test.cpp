@@ -99,6 +99,21 @@ TEST(HiddenCampaign, APairHoldsBothEffectsWithTheirOwnSizes) {
   EXPECT_TRUE(m.truth.effects[1].excited);
 }
 
+TEST(HiddenCampaign, TheTwinIsTheSameBenchWithNothingHidden) {
+  const CampaignRequest request{21, "t", {"thermal"}, Tier::strong, 1.0};
+  auto twin = make_twin(request), zero = make_campaign_at(request, {0.0});
+  ASSERT_TRUE(twin && zero);
+  EXPECT_TRUE(twin->truth.effects.empty());
+  EXPECT_EQ(twin->truth.conditions, made(21, {"thermal"}, Tier::strong).truth.conditions);
+  ASSERT_EQ(twin->records.size(), zero->records.size());
+  for (std::size_t r = 0; r < zero->records.size(); ++r) {
+    EXPECT_EQ(twin->records[r].voltage_V, zero->records[r].voltage_V);
+    EXPECT_EQ(twin->records[r].force_ref_N, zero->records[r].force_ref_N);
+    EXPECT_EQ(twin->records[r].temperature_C, zero->records[r].temperature_C);
+    EXPECT_EQ(twin->records[r].plan.heldout, zero->records[r].plan.heldout);
+  }
+}
+
 TEST(HiddenCampaign, AnUnknownNameIsAUsageErrorWithASuggestion) {
   const auto result = make_campaign({1, "t", {"hysteresys"}, Tier::weak, 1.0});
   ASSERT_FALSE(result);

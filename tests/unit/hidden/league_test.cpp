@@ -9,6 +9,7 @@
 #include "hil/app/diagnose.h"
 #include "hil/app/league_stage.h"
 #include "hil/app/league_tally.h"
+#include "hil/app/model_input.h"
 #include "rigs/emulated/hidden/campaign_writer.h"
 
 namespace forcegate {
@@ -157,6 +158,76 @@ TEST(League, AnInterruptedLeagueGoesOnFromItsJournal) {
   ASSERT_FALSE(other);
   EXPECT_NE(other.error().text.find("another job"), std::string::npos) << other.error().to_text();
   std::filesystem::remove(journal);
+}
+
+TEST(BuiltInEngine, MeasuresItsStartingModelOnTheTwinAsAComparisonDoes) {
+  const hidden::CampaignRequest request{61, "campaign", {"hysteresis"}, hidden::Tier::strong, 2.0};
+  auto twin = hidden::make_twin(request), same = hidden::make_twin(request);
+  ASSERT_TRUE(twin && same);
+  diagnose::EngineOptions options = engine_options(*library_model("flexiforce"), 1);
+  options.search = false;
+  const auto workspace = diagnose::prepare(hidden::to_campaign(std::move(*same)), options);
+  ASSERT_TRUE(workspace) << workspace.error().to_text();
+  const LeagueEngine engine = built_in_engine();
+  const auto base = engine.base(std::move(*twin), false);
+  ASSERT_TRUE(base) << base.error().to_text();
+  EXPECT_NEAR(base->output.own_levels, diagnose::compare_workspace(**workspace, options).error_before, 1e-12);
+  EXPECT_GE(base->output.common_levels, base->output.own_levels);
+
+  auto made = hidden::make_campaign(request);
+  ASSERT_TRUE(made);
+  const auto reply = engine.answer(std::move(*made));
+  ASSERT_TRUE(reply && reply->base);
+  const double before = *answer_from_json(reply->json)->error_before;
+  EXPECT_NEAR(reply->base->output.own_levels, before, 0.05 * before);
+  EXPECT_LT(base->output.own_levels, 0.9 * before) << "a strong effect adds to the error";
+}
+
+TEST(League, TheReducibleErrorIsToldByAnEngineThatTellsItsStartingModelAloneAndKeptInTheJournal) {
+  const std::filesystem::path journal =
+      std::filesystem::path(::testing::TempDir()) / "forcegate_league_twin.jsonl";
+  std::filesystem::remove(journal);
+  LeagueRequest request;
+  request.seed = 4;
+  request.only = {"hysteresis", "outliers", "none"};
+  request.controls = 1;
+  request.threads = 1;
+  request.journal = journal;
+  int twins = 0;
+  LeagueEngine engine{
+      "fake",
+      [](hidden::MadeCampaign&&) -> Result<LeagueReply> {
+        return LeagueReply{
+            R"({"verdict":"known","findings":[{"effect":"hysteresis"}],"error_before":0.04,"error_after":0.025})",
+            "", diagnose::BaseErrors{{0.04, 0.04}, std::nullopt}};
+      },
+      [&twins](hidden::MadeCampaign&& twin, bool) -> Result<diagnose::BaseErrors> {
+        ++twins;
+        EXPECT_TRUE(twin.truth.effects.empty());
+        return diagnose::BaseErrors{{0.02, 0.02}, std::nullopt};
+      }};
+  const auto play = [&] {
+    auto result = play_league(request, engine, nullptr);
+    EXPECT_TRUE(result) << (result ? "" : result.error().to_text());
+    result->seconds = 0.0;
+    return *result;
+  };
+  const LeagueResult first = play();
+  EXPECT_EQ(twins, 3) << "not of clean campaigns, nor of what no model predicts";
+  for (const TierTally& tier : tally(first).tiers) {
+    ASSERT_EQ(tier.removed.size(), 1u);
+    EXPECT_DOUBLE_EQ(tier.removed.front(), 0.75);
+    EXPECT_EQ(tier.removed_named, tier.removed);
+  }
+  EXPECT_NE(league_text(first).find("reducible error removed"), std::string::npos);
+  const LeagueResult again = play();
+  EXPECT_EQ(twins, 3) << "nothing is asked twice";
+  EXPECT_EQ(league_text(again) + league_json(again), league_text(first) + league_json(first));
+  std::filesystem::remove(journal);
+
+  request.journal.clear();
+  engine.base = {};
+  EXPECT_EQ(league_text(play()).find("reducible error removed"), std::string::npos);
 }
 
 LeagueMatch single(const std::string& hidden_effect, const std::string& json, bool excited = true) {

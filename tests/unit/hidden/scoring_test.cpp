@@ -123,16 +123,88 @@ TEST(Score, BlamingTheSensorForTheRigIsNoticed) {
           .sensor_blamed);
 }
 
-TEST(Score, RemovedIsTheShareOfWhatTheEffectAdds) {
+/// Errors at the gain and zero of each record, and at those of all.
+TwinErrors output_errors(double campaign_V, double twin_V) {
+  return {{{campaign_V, 3.0 * campaign_V}, std::nullopt}, {{twin_V, 3.0 * twin_V}, std::nullopt}};
+}
+
+TEST(Reduction, APerfectAnswerRemovesAllAndOneThatChangesNothingNone) {
+  const TwinErrors twin = output_errors(0.05, 0.03);
   auto a =
-      answer(R"({"verdict":"known","findings":[{"effect":"creep"}],"error_before":0.05,"error_after":0.04})");
-  EXPECT_NEAR(*score(truth_of({"creep"}), a).removed, 1.0, 1e-12) << "sqrt(0.05^2 - 0.03^2) = 0.04";
+      answer(R"({"verdict":"known","findings":[{"effect":"creep"}],"error_before":0.05,"error_after":0.03})");
+  EXPECT_DOUBLE_EQ(score(truth_of({"creep"}), a, &twin).reduction->share(), 1.0);
   a.error_after = 0.05;
-  EXPECT_NEAR(*score(truth_of({"creep"}), a).removed, 0.0, 1e-12);
-  a.error_after = 0.045;
-  EXPECT_NEAR(*score(truth_of({"creep"}), a).removed, 0.5, 1e-12);
-  a.error_before = 0.5;
-  EXPECT_FALSE(score(truth_of({"creep"}), a).removed) << "the effect is lost in the error: nothing to remove";
+  EXPECT_DOUBLE_EQ(score(truth_of({"creep"}), a, &twin).reduction->share(), 0.0);
+  a.error_after = 0.04;
+  EXPECT_DOUBLE_EQ(score(truth_of({"creep"}), a, &twin).reduction->share(), 0.5);
+  a.error_after = 0.2;
+  EXPECT_DOUBLE_EQ(score(truth_of({"creep"}), a, &twin).reduction->share(), -1.0) << "clipped";
+}
+
+TEST(Reduction, TheSizeOfTheEffectDoesNotMatterOnlyWhatItAddsToTheTwin) {
+  auto truth = truth_of({"creep"});
+  truth.effects[0].heldout_rms = 0.9;  // far above the error: gain, zero and decay take nearly all of it
+  const auto a =
+      answer(R"({"verdict":"known","findings":[{"effect":"creep"}],"error_before":0.05,"error_after":0.03})");
+  const TwinErrors reducible = output_errors(0.05, 0.03), absorbed = output_errors(0.05, 0.046);
+  EXPECT_DOUBLE_EQ(score(truth, a, &reducible).reduction->share(), 1.0);
+  EXPECT_FALSE(score(truth, a, &absorbed).reduction);
+  EXPECT_FALSE(score(truth, a).reduction) << "without the twin nobody knows";
+}
+
+TEST(Reduction, AMissRemovesNothingWhereThereWasSomethingToRemove) {
+  const auto miss = answer(R"({"verdict":"none","error_before":0.05,"error_after":0.01})");
+  const TwinErrors reducible = output_errors(0.05, 0.03), absorbed = output_errors(0.05, 0.05);
+  EXPECT_EQ(score(truth_of({"creep"}), miss, &reducible).reduction->share(), 0.0);
+  EXPECT_FALSE(score(truth_of({"creep"}), miss, &absorbed).reduction);
+}
+
+TEST(Reduction, WhatActsBetweenRecordsIsMeasuredAtTheGainAndZeroOfAll) {
+  const TwinErrors twin{{{0.03, 0.10}, std::nullopt}, {{0.03, 0.04}, std::nullopt}};
+  EXPECT_DOUBLE_EQ(score(truth_of({"thermal"}),
+                         answer(R"({"verdict":"known","findings":[{"effect":"thermal"}],"adapted":["decay"],
+                                    "error_before":0.10,"error_after":0.07})"),
+                         &twin)
+                       .reduction->share(),
+                   0.5);
+  EXPECT_EQ(score(truth_of({"thermal"}), answer(R"({"verdict":"none","error_before":0.03,"error_after":0.03})"), &twin)
+                .reduction->before,
+            0.10)
+      << "a miss is a miss of the same";
+  EXPECT_FALSE(score(truth_of({"thermal"}),
+                     answer(R"({"verdict":"known","findings":[{"effect":"thermal"}],"adapted":["gain","zero","decay"],
+                                "error_before":0.03,"error_after":0.03})"),
+                     &twin)
+                   .reduction)
+      << "nothing is added to what each record follows by itself";
+}
+
+TEST(Reduction, OfRigAndReferenceIsThatOfTheForce) {
+  auto truth = truth_of({"backlash"}, "rig");
+  truth.effects[0].measure = "force";
+  const TwinErrors twin{{{0.05, 0.05}, diagnose::BaseError{0.20, 0.20}}, {{0.04, 0.04}, diagnose::BaseError{0.10, 0.10}}};
+  auto a = answer(R"({"verdict":"known","findings":[{"effect":"backlash","side":"rig"}],"error_before":0.05,
+      "error_after":0.05,"errors":{"F":{"before":0.20,"after":0.12,"unit":"N","adapted":["gain","zero","decay"]}}})");
+  const Score of_force = score(truth, a, &twin);
+  EXPECT_EQ(of_force.reduction->unit, "N");
+  EXPECT_DOUBLE_EQ(of_force.reduction->share(), 0.8);
+  EXPECT_EQ(score(truth, answer(R"({"verdict":"none"})"), &twin).reduction->unit, "N");
+  a.force_error_before.reset();
+  EXPECT_FALSE(score(truth, a, &twin).reduction) << "what the rig moves otherwise is no error of the output";
+  truth.effects[0].side = "reference";
+  EXPECT_EQ(score(truth, a, &twin).reduction->unit, "V");
+}
+
+TEST(Reduction, IsNotCountedOfNoisePairsAndForeignEffects) {
+  const TwinErrors twin = output_errors(0.05, 0.03);
+  const auto a =
+      answer(R"({"verdict":"known","findings":[{"effect":"creep"}],"error_before":0.05,"error_after":0.03})");
+  auto noise = truth_of({"creep"}), foreign = truth_of({"foreign_telegraph"});
+  noise.effects[0].reducible = false;
+  foreign.effects[0].foreign = true;
+  EXPECT_FALSE(score(noise, a, &twin).reduction);
+  EXPECT_FALSE(score(foreign, a, &twin).reduction);
+  EXPECT_FALSE(score(truth_of({"creep", "lag"}), a, &twin).reduction);
 }
 
 TEST(AnswerFile, FaultsAreNamed) {
