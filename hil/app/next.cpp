@@ -56,11 +56,12 @@ std::string next_text(const Diagnosis& d) {
   if (n.segments.empty()) return without_segments(d);
   std::string out = fmt::format("measure next, {:.2g} minutes of rig time:\n", n.minutes);
   for (const ExperimentSegment& s : n.segments) {
-    out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1, likeness {:.2f} -> {:.2f}\n",
+    out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1{}, likeness {:.2f} -> {:.2f}\n",
                        s.name, s.minutes, s.separates, odds_text(s.odds_before), odds_text(s.odds_after),
-                       s.cosine_before, s.cosine_after);
+                       s.odds_stated ? "" : " by the evidence", s.cosine_before, s.cosine_after);
     for (const auto& [name, value] : s.numbers) out += fmt::format("      {} = {:g}\n", name, value);
   }
+  if (n.segments.size() > 1) out += "the first odds are those of the diagnosis; a later segment starts from what those above it leave\n";
   return out;
 }
 

@@ -282,8 +282,8 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
   }
   if (!out.segments.empty()) {
     const ExperimentSegment& s = out.segments.front();
-    out.sentence = fmt::format("{} ({:.2g} min) separates {}: odds {} to 1 now, {} to 1 expected", s.name, s.minutes, s.separates,
-                               odds_text(s.odds_before), odds_text(s.odds_after));
+    out.sentence = fmt::format("{} ({:.2g} min) separates {}: odds {} to 1 now{}, {} to 1 expected", s.name, s.minutes, s.separates,
+                               odds_text(s.odds_before), s.odds_stated ? "" : " by the evidence", odds_text(s.odds_after));
   }
   return out;
 }

@@ -231,7 +231,8 @@ std::string next(const Diagnosis& d) {
   std::string out =
       "<section id=\"next\"><h2>What to measure next</h2>\n<p>" + escape(d.next_experiment.sentence) +
       "</p>\n" +
-      table_start("Segments for the rig, " + display(d.next_experiment.minutes, 3) + " min in all",
+      table_start("Segments for the rig, " + display(d.next_experiment.minutes, 3) +
+                      " min in all; a later one starts from what those above it leave",
                   {"Segment", "Stimulus", "#Minutes", "Separates", "Likeness before \u2192 after",
                    "Odds before \u2192 after"});
   for (const ExperimentSegment& s : d.next_experiment.segments) {

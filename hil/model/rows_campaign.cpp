@@ -1,0 +1,165 @@
+// What records are to each other: their order, mountings, the force done before each, the range of all.
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "hil/base/largest_first.h"
+#include "hil/model/rows.h"
+
+namespace forcegate {
+
+namespace {
+
+// A record that does not say belongs to the mounting of its neighbours where they agree, or where there is only one.
+void number_mountings(CampaignInput& campaign) {
+  auto& records = campaign.records;
+  std::vector<std::string> names;
+  for (const RecordInput& r : records) names.push_back(r.mounting_name);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (!names[k].empty()) continue;
+    std::size_t next = k;
+    while (next < names.size() && records[next].mounting_name.empty()) ++next;
+    const std::string after = next < names.size() ? records[next].mounting_name : std::string(), before = k > 0 ? names[k - 1] : std::string();
+    if (!after.empty() && !before.empty() && after != before) return;
+    names[k] = before.empty() ? after : before;
+    if (names[k].empty()) return;
+  }
+  std::vector<std::string> distinct;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    auto found = std::find(distinct.begin(), distinct.end(), names[k]);
+    if (found == distinct.end()) found = distinct.insert(distinct.end(), names[k]);
+    records[k].mounting = static_cast<int>(found - distinct.begin());
+  }
+  campaign.mountings = static_cast<int>(distinct.size());
+}
+
+}  // namespace
+
+void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
+  auto& records = campaign.records;
+  bool starts_known = true;
+  for (const RecordInput& r : records) starts_known &= std::isfinite(r.start_s);
+  if (starts_known) {
+    std::stable_sort(records.begin(), records.end(),
+                     [](const RecordInput& a, const RecordInput& b) { return a.start_s < b.start_s; });
+  } else {
+    double clock_s = 0.0;
+    bool rests_known = true;
+    for (RecordInput& r : records) {
+      rests_known &= std::isfinite(r.rest_before_s);
+      if (std::isfinite(r.start_s) && r.start_s >= clock_s)
+        clock_s = r.start_s;
+      else
+        clock_s += std::isfinite(r.rest_before_s) ? r.rest_before_s : (clock_s > 0.0 ? 600.0 : 0.0);
+      r.start_s = clock_s;
+      clock_s += r.duration_s;
+    }
+    if (!rests_known && records.size() > 1)
+      campaign.notes.push_back(
+          "start times are not declared: records are taken in order with 10 min of rest between");
+  }
+
+  std::vector<double> F, U;
+  for (const RecordInput& r : records) {
+    const std::size_t stride = std::max<std::size_t>(1, r.rows() / 4000);
+    for (std::size_t i = 0; i < r.rows(); i += stride)
+      if (r.ok[i] != 0) {
+        F.push_back(r.F_N[i]);
+        U.push_back(r.U_V[i]);
+      }
+  }
+  if (!F.empty()) {
+    const auto [low_N, high_N] = quantiles(std::move(F), 0.001, 0.999);
+    const auto [low_V, high_V] = quantiles(std::move(U), 0.001, 0.999);
+    campaign.lowest_N = low_N;
+    campaign.range_N = std::max(1e-12, high_N - low_N);
+    campaign.U_range_V = std::max(1e-12, high_V - low_V);
+  }
+
+  // Where the force stands still its reading is resolution and noise only: as a regressor it would pull gains to zero.
+  parallel_for(records.size(), threads, [&](std::size_t k) {
+    RecordInput& r = records[k];
+    const auto [low_N, high_N] = quantiles(r.F_N, 0.005, 0.995);
+    if (!(high_N - low_N < 0.02 * campaign.range_N)) return;
+    const double middle =
+        std::accumulate(r.F_N.begin(), r.F_N.end(), 0.0) / static_cast<double>(r.F_N.size());
+    std::fill(r.F_N.begin(), r.F_N.end(), middle);
+    std::fill(r.fast_F_N.begin(), r.fast_F_N.end(), middle);
+    std::fill(r.rate_N_per_s.begin(), r.rate_N_per_s.end(), 0.0);
+  });
+
+  double travel = 0.0;
+  const auto every = [&](auto member) {
+    return !records.empty() && std::all_of(records.begin(), records.end(),
+                                           [&](const RecordInput& r) { return !(r.*member).empty(); });
+  };
+  const auto some = [&](auto member) {
+    return std::any_of(records.begin(), records.end(),
+                       [&](const RecordInput& r) { return !(r.*member).empty(); });
+  };
+  campaign.has_theta = some(&RecordInput::theta_rad);
+  campaign.has_temp = every(&RecordInput::temp_C);
+  campaign.has_humidity = every(&RecordInput::humidity);
+  campaign.has_command = some(&RecordInput::F_cmd_N);
+  campaign.has_capacitance = some(&RecordInput::C_F);
+  double drive_low = 1e300, drive_high = -1e300;
+  bool drive_known = !records.empty();
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    RecordInput& r = records[k];
+    r.index = r.recording = k;
+    drive_known &= std::isfinite(r.drive_mean_V);
+    drive_low = std::min(drive_low, r.drive_mean_V);
+    drive_high = std::max(drive_high, r.drive_mean_V);
+    if (!std::isfinite(r.rest_before_s))
+      r.rest_before_s =
+          k == 0 ? 1e5 : std::max(0.0, r.start_s - records[k - 1].start_s - records[k - 1].duration_s);
+    r.travel_before_N = travel;
+    r.travel_N.assign(r.rows(), 0.0);
+    // travel of the force behind a play of 2 % of the span: noise does not wear anything
+    double state = r.F_N.empty() ? 0.0 : r.F_N[0], sum = 0.0;
+    const double radius = 0.02 * campaign.range_N;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      const double next = std::clamp(state, r.F_N[i] - radius, r.F_N[i] + radius);
+      sum += std::abs(next - state);
+      state = next;
+      r.travel_N[i] = sum;
+    }
+    travel += sum;
+  }
+  number_mountings(campaign);
+  campaign.has_drive = drive_known && drive_high - drive_low > 0.02 * std::abs(drive_high);
+  campaign.travel_total_N = std::max(travel, 1e-9);
+}
+
+std::vector<std::size_t> sample_counts(const Campaign& campaign) {
+  std::vector<std::size_t> out;
+  for (const Record& record : campaign.records) out.push_back(record.trace.size());
+  return out;
+}
+
+Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads, const RowParts& parts) {
+  CampaignInput out;
+  out.name = campaign.name;
+  out.bench = campaign.bench;
+  std::vector<Result<RecordInput>> made(campaign.records.size());
+  parallel_for_largest_first(sample_counts(campaign), threads, [&](std::size_t k) {
+    made[k] = make_record_input(campaign.records[k], {}, kRowStep_s, parts);
+  });
+  for (Result<RecordInput>& one : made) {
+    FORCEGATE_TRY(RecordInput input, std::move(one));
+    out.records.push_back(std::move(input));
+  }
+  finish_campaign_input(out, threads);
+  parallel_for(out.records.size(), threads, [&](std::size_t k) {
+    RecordInput& input = out.records[k];
+    const Record* found = nullptr;
+    for (const Record& record : campaign.records)
+      if (record.name == input.name) found = &record;
+    estimate_excitation(input, found, out.range_N);
+    if (input.dynamic && input.dynamic_assumed && stands_mostly_still(input, out.range_N)) set_static(input);
+  });
+  return out;
+}
+
+}  // namespace forcegate
