@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "hil/base/plain_number.h"
+#include "hil/diagnose/objection.h"
 #include "hil/diagnose/physical_parameters.h"
 #include "hil/diagnose/record_regression.h"
 
@@ -219,7 +220,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
 }
 
 void suspect_refused(Diagnosis& out) {
-  constexpr double kOneInFive = 0.2, kLeastScore = 20.0;
+  constexpr double kLeastScore = 20.0;
   const RefusedEffect* strongest = nullptr;
   const std::vector<RefusedEffect> refused = refused_beside_findings(out);
   for (const RefusedEffect& r : refused)
@@ -230,9 +231,9 @@ void suspect_refused(Diagnosis& out) {
   f.effect = kind->name;
   f.side = kind->side;
   f.unit = out.unit;
-  f.probability = kOneInFive;
+  f.probability = suspicion_probability(strongest->reason);
   f.evidence = kind->summary + "; not claimed: " + strongest->reason;
-  const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [](const Finding& o) { return o.probability < kOneInFive; });
+  const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [&](const Finding& o) { return o.probability < f.probability; });
   out.findings.insert(weaker, std::move(f));
 }
 

@@ -35,7 +35,7 @@ std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selecti
 void add_findings(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out);
 
-/// The strongest of what was refused becomes a suspicion: about one in five of such was there. After everything else was found.
+/// The strongest of what was refused becomes a suspicion, with the share of such that was there. After everything else was found.
 void suspect_refused(Diagnosis& out);
 
 /// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.

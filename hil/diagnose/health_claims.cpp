@@ -17,7 +17,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   constexpr std::size_t kFewestSpikes = 12;
   const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
-  std::vector<double> noise_F, ladder_F, hum;
+  std::vector<double> noise_F, still_F, ladder_F, hum;
   std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
   double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
@@ -40,7 +40,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
       bit_V.push_back(h.bit_V);
     }
     if (h.at_rail > 0) rail_V = h.rail_V;
-    noise_F.push_back(std::max(h.noise_F_N, h.scatter_F_N));
+    noise_F.push_back(std::max(h.noise_F_N, h.scatter_F.quartile_N));
+    if (h.scatter_F.still_N > 0.0) still_F.push_back(h.scatter_F.still_N);
     lsb_F = std::max(lsb_F, h.lsb_F_N);
     if (h.lsb_F_N > 0.0) ladder_F.push_back(h.lsb_F_N);
     could_show_hum += h.hum_ratio > 0.0 ? 1 : 0;  // where the rate folds the line to zero nothing can
@@ -90,10 +91,15 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                              : resolution;
   // a force that moves fast is scatter too: the quieter records tell. A ladder of values in several records is exact
   const double ladder = ladder_F.size() >= 2 ? quantile(ladder_F, 0.5) / std::sqrt(12.0) : 0.0;
-  const double found = std::max(quantile(noise_F, 0.25), ladder);
-  const bool declared = std::isfinite(bench.reference_noise_N) || std::isfinite(bench.reference_resolution_N);
-  if (declared && allowed > 0.0 && found > (std::isfinite(bench.reference_noise_N) ? 2.0 : 1.3) * allowed &&
-      found > 0.0025 * scales.range_N)
+  const bool noise_declared = std::isfinite(bench.reference_noise_N);
+  // where the output stands still nothing else scatters, and the measure is exact: less above what is declared is enough
+  constexpr double kAbove = 2.0, kAboveSteps = 1.3, kAboveStill = 1.5;
+  const double still = still_F.size() * 2 >= std::min<std::size_t>(health.size(), 4) ? quantile(still_F, 0.25) : 0.0;
+  const double moving = std::max(quantile(noise_F, 0.25), ladder);
+  const bool scatters = noise_declared ? moving > kAbove * allowed || still > kAboveStill * allowed
+                                       : std::isfinite(bench.reference_resolution_N) && moving > kAboveSteps * allowed;
+  const double found = noise_declared ? std::max(moving, still) : moving;
+  if (allowed > 0.0 && scatters && found > 0.0025 * scales.range_N)
     out.push_back({"reference_noise", 0.93,
                    "the reference scatters by " + std::to_string(found).substr(0, 6) + " N where " +
                        std::to_string(allowed).substr(0, 6) + " N are allowed",

@@ -118,6 +118,11 @@ CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const
     const double ratio =
         std::log((parts.before[i] + 0.1 * parts.floor[i]) / (parts.after[i] + 0.1 * parts.floor[i]));
     out.improved += d > 0.0 ? 1 : 0;
+    (ratio > 0.0 ? out.fallen : out.risen) += std::abs(ratio);
+    if (std::max(parts.before[i], parts.after[i]) > parts.floor[i]) {
+      ++out.voting;
+      out.in_favour += d > 0.0 ? 1 : 0;
+    }
     logs += ratio;
     log_squares += ratio * ratio;
     removed += d;

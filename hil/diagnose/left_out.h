@@ -13,6 +13,7 @@ namespace forcegate::diagnose {
 /// the model without the effect, so that a model with a smaller spread is not blamed for it.
 struct CrossFit {
   int parts = 0, excited = 0, improved = 0;  ///< excited: the effect moves its residual
+  int voting = 0, in_favour = 0;  ///< excited parts that do not stay within what the instruments may leave; those that improve
   bool blocks = false;
   double before = 0.0, after = 0.0;  ///< mean squares over all parts
   double fall = 0.0,
@@ -21,10 +22,16 @@ struct CrossFit {
   double log_ratio_error = 0.0;  ///< standard error of that mean
   double share = 0.0;            ///< of what the noise does not explain in excited parts
 
-  /// Blocks of one or two records do not repeat a rare event in the same size: their error must fall, no more.
+  double risen = 0.0, fallen = 0.0;  ///< sums of |ln(before/after)| over excited parts that rise and that fall
+
+  /// Blocks of one or two records do not repeat a rare event in the same size: their error must fall, no more. Of records most must
+  /// improve, or some by so much that the others' rise is small beside it.
   bool helps() const {
-    return blocks ? fall > 0.0 && improved > 0
-                  : fall > standard_error && improved * 2 > excited && log_ratio > 0.0;
+    constexpr double kOutweighs = 4.0, kByMuch = 0.5;
+    if (blocks) return fall > 0.0 && improved > 0;
+    const bool most = in_favour * 2 > voting || (voting == 0 && improved * 2 > excited);
+    const bool by_much = in_favour > 1 && log_ratio > kByMuch && fallen > kOutweighs * risen;
+    return fall > standard_error && log_ratio > 0.0 && (most || by_much);
   }
 };
 CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);

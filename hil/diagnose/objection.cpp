@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hil/diagnose/instrument_error.h"
 #include "hil/diagnose/workspace.h"
@@ -47,14 +48,25 @@ bool stands_out(const ResidualChannel& channel, const ScreenResult& result, cons
   });
 }
 
+// A second effect takes nearly all that the first one left, in every record by that of the others and with one strength; the remains of a
+// wrong form do none of it.
+bool takes_the_rest(const FamilyScore& family, const ChosenEffect& chosen, const std::vector<ChosenEffect>& earlier) {
+  constexpr double kFall = 0.85, kLogRatio = 0.7, kErrors = 2.5, kOneStrength = 0.15;
+  const CrossFit& others = chosen.left_out;
+  return !chosen.between && !others.blocks && chosen.fall > kFall && others.improved == others.excited && others.log_ratio > kLogRatio &&
+         others.log_ratio > kErrors * others.log_ratio_error && chosen.strength_scatter < kOneStrength &&
+         std::none_of(earlier.begin(), earlier.end(), [&](const ChosenEffect& e) { return look_alike(*e.kind, *family.kind); });
+}
+
 // |cos| with the signatures of the earlier effects, summed: the errors of their forms add up, and none is wholly across.
-double resemblance(const ResidualChannel& channel, const MixedFit& base, const MixedFit& fit, const std::vector<int>& columns,
+double resemblance(const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family, const std::vector<int>& columns,
                    const std::vector<ChosenEffect>& earlier) {
-  constexpr double kLeast = 0.3;
+  constexpr double kLeast = 0.3, kLeastOfLookAlike = 0.7;
   double out = 0.0;
   for (const ChosenEffect& e : earlier)
     if (!e.between)
-      out += std::max(kLeast, std::abs(signature_cosine(channel, base, e.fit, e.columns, fit, columns)));
+      out += std::max(look_alike(*e.kind, *family.kind) ? kLeastOfLookAlike : kLeast,
+                      std::abs(signature_cosine(channel, base, e.fit, e.columns, family.best.fit, columns)));
   return std::min(1.0, out);
 }
 
@@ -62,6 +74,15 @@ double resemblance(const ResidualChannel& channel, const MixedFit& base, const M
 
 bool is_suspicion(const std::string& reason) {
   return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads;
+}
+
+double suspicion_probability(const std::string& reason) {
+  constexpr double kOrdinary = 0.2;
+  const std::pair<const char*, double> counted[] = {{kLeavesMost, 0.08}, {kWithinForm, 0.08}, {kHelpsNoRecords, 0.1}, {kHelpsNoParts, 0.1},
+                                                    {kDiffers, 0.25},    {kTooSmall, 0.35},   {kFewJumps, 0.4}};
+  for (const auto& [text, probability] : counted)
+    if (reason == text) return probability;
+  return kOrdinary;
 }
 
 std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, ChosenEffect& chosen,
@@ -85,28 +106,30 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
       family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);
   chosen.stands_out = leaves_most && stands_out(channel, result, family, chosen, earlier);
-  if (leaves_most && !chosen.stands_out) return "it leaves most of the residual";
-  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return "jumps at codes explain too little of it";
+  if (leaves_most && !chosen.stands_out) return kLeavesMost;
+  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return kFewJumps;
   const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
   // seen where it acts
   const double where = rules.where_it_acts && chosen.left_out.excited > 0 && !chosen.left_out.blocks
                            ? std::sqrt(static_cast<double>(chosen.left_out.parts) / chosen.left_out.excited)
                            : 1.0;
   const double seen_rms = where * std::max(removed_rms, total_rms);
+  if (getenv("DBG")) fprintf(stderr,"OBJ %s gain %.1f fall %.3f total %.3f share %.3f seen %.2e steps %.2e allowed %.2e excess %.2e smallest %.1e loo %g +- %g imp %d/%d blocks %d scat %g\n",name.c_str(),family.gain,chosen.fall,family.best.total_fall,chosen.left_out.share,seen_rms,steps_rms,allowed_rms(channel),excess,rules.smallest_rms,chosen.left_out.log_ratio,chosen.left_out.log_ratio_error,(int)chosen.left_out.improved,(int)chosen.left_out.excited,(int)chosen.left_out.blocks,chosen.strength_scatter);
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
   if (is_timing(name) && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
   // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
   const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited;
   const bool known_form = has_known_form(name) || (chosen.between && !chosen.by_records());
   if (known_form ? chosen.strength_scatter > kSameOfKnownForm : chosen.strength_scatter > kSameStrength && !helps_all)
-    return "its strength differs too much between records";
+    return kDiffers;
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *
-                        resemblance(channel, result.base, family.best.fit, variant.columns, earlier))
-    return "it is no more than the first one's form may be wrong by";
+                        resemblance(channel, result.base, family, variant.columns, earlier) &&
+      !takes_the_rest(family, chosen, earlier))
+    return kWithinForm;
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
   if (!chosen.left_out.helps() || chosen.left_out.share < 0.02)
-    return chosen.left_out.blocks ? "it does not help parts of records that were left out" : "it does not help records that were left out";
+    return chosen.left_out.blocks ? kHelpsNoParts : kHelpsNoRecords;
   return {};
 }
 

@@ -181,7 +181,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   if (n < 16) return out;
   out.noise_U_V = white_noise(U);
   out.noise_F_N = white_noise(F);
-  out.scatter_F_N = reference_scatter_N(t, F, U);
+  out.scatter_F = reference_scatter(t, F, U, scales.U_range_V);
   out.lsb_U_V = value_step(U);
   out.lsb_F_N = value_step(F);
   const double gain = std::abs(scales.gain_V_per_N);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/diagnose/reference_scatter.h"
 #include "hil/trace/campaign.h"
 
 namespace forcegate::diagnose {
@@ -20,7 +21,7 @@ struct RecordHealth {
   std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
   double bit_V = 0.0;                       ///< that size
   double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample, from fourth differences
-  double scatter_F_N = 0.0;                 ///< of the reference on quiet stretches, coloured noise included
+  ReferenceScatter scatter_F;               ///< of the reference beside the output, coloured noise included
   double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
   double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some
   double hum_V = 0.0, hum_Hz = 0.0,

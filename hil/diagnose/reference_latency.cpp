@@ -31,10 +31,12 @@ bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& fam
 }
 
 bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result) {
-  constexpr double kNearly = 0.8, kLeastGain = 40.0;
+  constexpr double kNearly = 0.8, kLeastGain = 40.0, kMost = 0.5, kLittle = 0.25;
+  const FamilyScore& best = result.families.front();
   for (const FamilyScore& family : result.families)
     if (family.kind->name == kLatencyEffect)
-      return family.gain > kLeastGain && family.gain > kNearly * result.families.front().gain && is_reference_latency(channel, family);
+      return family.gain > kLeastGain && is_reference_latency(channel, family) &&
+             (family.gain > kNearly * best.gain || (family.best.fall > kMost && best.best.fall < kLittle));
   return false;
 }
 

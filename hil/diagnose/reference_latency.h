@@ -23,7 +23,7 @@ double shift_s(const ResidualChannel& channel, const FamilyScore& family);
 /// The best variant is a lead that the reference may have of its own.
 bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family);
 
-/// Such a lead explains nearly all that the best family does.
+/// Such a lead explains nearly all that the best family does, or takes most of an error (a fast record's) of which that one takes little.
 bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result);
 
 /// Of the leads that may be forgiven, s.

@@ -7,15 +7,19 @@
 
 namespace forcegate::diagnose {
 
-double reference_scatter_N(std::span<const double> t_s, std::span<const double> F_N,
-                           std::span<const double> U_V) {
-  constexpr double kWindow_s = 0.25;
+namespace {
+
+struct Window {
+  double scatter_N, moves_V;  // standard deviations: of F beside U and a parabola, of U
+};
+
+std::vector<Window> windows_of(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double window_s) {
   constexpr std::size_t kFewestSamples = 24, kMostWindows = 400, kFewestWindows = 8;
+  std::vector<Window> out;
   const std::size_t n = std::min({t_s.size(), F_N.size(), U_V.size()});
-  if (n < kFewestSamples * kFewestWindows) return 0.0;
+  if (n < kFewestSamples * kFewestWindows) return out;
   const double step = (t_s[n - 1] - t_s[0]) / static_cast<double>(n - 1);
-  const std::size_t length =
-      std::max(kFewestSamples, static_cast<std::size_t>(std::max(0.0, kWindow_s / std::max(step, 1e-9))));
+  const std::size_t length = std::max(kFewestSamples, static_cast<std::size_t>(std::max(0.0, window_s / std::max(step, 1e-9))));
   const std::size_t windows = n / length, stride = std::max<std::size_t>(1, windows / kMostWindows);
   // the place in the window is the same in all of them
   Eigen::Matrix3d places = Eigen::Matrix3d::Zero();
@@ -27,7 +31,6 @@ double reference_scatter_N(std::span<const double> t_s, std::span<const double> 
     places += v * v.transpose();
     place.push_back(x);
   }
-  std::vector<double> scatter;
   for (std::size_t w = 0; w < windows; w += stride) {
     Eigen::Vector3d with_U = Eigen::Vector3d::Zero(), with_F = with_U;
     double UU = 0.0, UF = 0.0, FF = 0.0;
@@ -42,18 +45,41 @@ double reference_scatter_N(std::span<const double> t_s, std::span<const double> 
     }
     // a missing sample is missing in these sums
     if (!std::isfinite(UU) || !std::isfinite(FF)) continue;
+    const double samples = static_cast<double>(length), mean_U = with_U[0] / samples;
+    const double moves_V = std::sqrt(std::max(0.0, UU / samples - mean_U * mean_U));
     Eigen::Matrix<double, 5, 5> M;
     M << places, with_U, with_F, with_U.transpose(), UU, UF, with_F.transpose(), UF, FF;
     // U may stand still to the last code: its share is then nothing
     M(3, 3) += 1e-12 * (1.0 + M(3, 3));
     const Eigen::Vector4d c = M.topLeftCorner<4, 4>().ldlt().solve(M.topRightCorner<4, 1>());
-    scatter.push_back(std::sqrt(std::max(0.0, M(4, 4) - c.dot(M.topRightCorner<4, 1>())) /
-                                static_cast<double>(length - 4)));
+    const double left = std::max(0.0, M(4, 4) - c.dot(M.topRightCorner<4, 1>()));
+    out.push_back({std::sqrt(left / (samples - 4.0)), moves_V});
   }
-  if (scatter.size() < kFewestWindows) return 0.0;
-  const auto quarter = scatter.begin() + static_cast<std::ptrdiff_t>(scatter.size() / 4);
-  std::nth_element(scatter.begin(), quarter, scatter.end());
-  return *quarter;
+  return out;
+}
+
+}  // namespace
+
+ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double U_range_V) {
+  constexpr double kWindow_s = 0.25, kStillWindow_s = 0.5, kStill = 0.01, kKept = 0.95;
+  constexpr std::size_t kFewest = 8, kFewestStill = 10;
+  ReferenceScatter out;
+  std::vector<double> scatter;
+  for (const Window& w : windows_of(t_s, F_N, U_V, kWindow_s)) scatter.push_back(w.scatter_N);
+  if (scatter.size() >= kFewest) {
+    const auto quarter = scatter.begin() + static_cast<std::ptrdiff_t>(scatter.size() / 4);
+    std::nth_element(scatter.begin(), quarter, scatter.end());
+    out.quartile_N = *quarter;
+  }
+  scatter.clear();
+  for (const Window& w : windows_of(t_s, F_N, U_V, kStillWindow_s))
+    if (w.moves_V < kStill * U_range_V) scatter.push_back(w.scatter_N);
+  if (scatter.size() < kFewestStill) return out;
+  std::sort(scatter.begin(), scatter.end());
+  scatter.resize(static_cast<std::size_t>(kKept * static_cast<double>(scatter.size())));
+  for (const double s : scatter) out.still_N += s * s / static_cast<double>(scatter.size());
+  out.still_N = std::sqrt(out.still_N);
+  return out;
 }
 
 }  // namespace forcegate::diagnose

@@ -1,13 +1,17 @@
 #pragma once
-// Scatter of the reference on quiet stretches, coloured noise included, which differences of neighbours do not see.
+// Scatter of the reference beside the output, coloured noise included, which differences of neighbours do not see.
 
+#include <cstddef>
 #include <span>
 
 namespace forcegate::diagnose {
 
-/// Lower quartile over windows of 0.25 s of the standard deviation of F about a parabola, less what U shows too (a force
-/// that really moves moves the output). Newtons; 0 when there are fewer than eight windows.
-double reference_scatter_N(std::span<const double> t_s, std::span<const double> F_N,
-                           std::span<const double> U_V);
+/// Standard deviations of F about a parabola over short windows, less what U shows too (a force that really moves moves the output), N.
+struct ReferenceScatter {
+  double quartile_N = 0.0;  ///< lower quartile over windows of 0.25 s; 0: fewer than eight windows
+  double still_N = 0.0;  ///< RMS over the windows of 0.5 s in which U stands still, the highest 5 % left out: bursts count; 0: fewer than ten
+};
+/// `U_range_V`: span of U over the campaign. U stands still where its standard deviation is below 1 % of it.
+ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double U_range_V);
 
 }  // namespace forcegate::diagnose

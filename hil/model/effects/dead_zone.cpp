@@ -34,7 +34,10 @@ EffectForm form(const char* name, Gap gap, bool after, std::vector<double> share
                   return gap == Gap::hard ? -std::min(F, F0) : F0 * std::expm1(-F / F0);
                 };
                 after ? after_decay(r, h, out.col(0)) : through_decay(r, h, out.col(0));
-              }};
+              },
+          // more than all contacts cannot wait: what needs more is a bent curve
+          .least = 0.0,
+          .most = 2.0};
 }
 
 const Registration<EffectKind> kRegistered{

@@ -30,7 +30,7 @@ Made make(double noise_N, double keep, double shake_N) {
   return out;
 }
 
-double scatter(const Made& m) { return reference_scatter_N(m.t, m.F, m.U); }
+double scatter(const Made& m) { return reference_scatter(m.t, m.F, m.U, 4.0).quartile_N; }
 
 TEST(ReferenceScatter, SeesWhiteAndColouredNoiseAlike) {
   EXPECT_NEAR(scatter(make(0.03, 0.0, 0.0)), 0.03, 0.004);
@@ -45,6 +45,34 @@ TEST(ReferenceScatter, GivesNothingForAFewSamples) {
   Made m = make(0.03, 0.0, 0.0);
   m.t.resize(100);
   EXPECT_EQ(scatter(m), 0.0);
+}
+
+// 40 s of holds of 2 s with fast moves between; the noise comes in bursts of 50 ms that fill three tenths of the time.
+Made make_bursts(double quiet_N, double burst_N) {
+  Made out;
+  Rng rng(52, "bursts");
+  double level = 1.0;
+  for (int i = 0; i < 20000; ++i) {
+    const double t = i / 500.0;
+    if (i % 1000 == 0) level = rng.uniform(0.5, 4.0);
+    const double moving = i % 1000 < 400 ? std::sin(30.0 * t) : 0.0;
+    const double noise = i % 83 < 25 ? burst_N : quiet_N;
+    out.t.push_back(t);
+    out.F.push_back(level + moving + noise * rng.normal());
+    out.U.push_back(2.0 * level + 1.5 * moving + 0.001 * rng.normal());
+  }
+  return out;
+}
+
+TEST(ReferenceScatter, WhereTheOutputStandsStillBurstsCount) {
+  const Made m = make_bursts(0.005, 0.05);
+  const double power = std::sqrt(0.7 * 0.005 * 0.005 + 0.3 * 0.05 * 0.05);
+  EXPECT_NEAR(reference_scatter(m.t, m.F, m.U, 8.0).still_N, power, 0.15 * power);
+}
+
+TEST(ReferenceScatter, SaysNothingOfStillnessWhereTheOutputNeverStands) {
+  const Made m = make(0.03, 0.0, 0.0);
+  EXPECT_EQ(reference_scatter(m.t, m.F, m.U, 4.0).still_N, 0.0);
 }
 
 }  // namespace
