@@ -66,6 +66,33 @@ TEST(CrossFit, WhatEveryRecordHasInItsOwnSizeAndSignHelpsNoOther) {
                           << c.excited;
 }
 
+TEST(CrossFit, RecordsWithinWhatTheInstrumentsMayLeaveHaveNoVote) {
+  // three records show the effect far above the noise; the others stay below what is allowed, whatever the model does to them
+  ResidualChannel channel = make(0.02, 8, 3);
+  for (std::size_t k = 3; k < 8; ++k) channel.problem.records[k].allowed_variance = 1e-3;
+  const CrossFit c = of_column(channel, 0);
+  EXPECT_LE(c.voting, 3);
+  EXPECT_EQ(c.in_favour, c.voting);
+  EXPECT_TRUE(c.helps());
+}
+
+TEST(CrossFit, AFallByOrdersOfMagnitudeOutweighsASmallRiseElsewhere) {
+  CrossFit c;
+  c.excited = c.voting = 7;
+  c.improved = c.in_favour = 3;
+  c.fall = 2.0;
+  c.standard_error = 1.0;
+  c.log_ratio = 1.6;
+  c.fallen = 12.9;
+  c.risen = 1.6;
+  EXPECT_TRUE(c.helps());
+  c.risen = 4.0;
+  EXPECT_FALSE(c.helps()) << "what rises by a third of what falls is no small matter";
+  c.risen = 1.6;
+  c.in_favour = 1;
+  EXPECT_FALSE(c.helps()) << "one record alone repeats nothing";
+}
+
 TEST(CrossFit, AnEffectOfTwoRecordsIsJudgedOnTheirBlocks) {
   const CrossFit c = of_column(make(0.03, 8, 2), 0);
   EXPECT_EQ(c.parts, c.blocks ? 32 : 8);

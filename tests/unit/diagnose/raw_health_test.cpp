@@ -153,9 +153,38 @@ TEST(RawHealth, AForceThatMovesFastInMostRecordsIsNoNoiseOfTheReference) {
   c.bench.reference_noise_N = 0.008;
   for (std::size_t k = 0; k < 5; ++k) {
     auto& F = c.records[k].trace.find("F_ref")->value;
-    for (std::size_t i = 0; i < F.size(); ++i) F[i] += 0.3 * std::sin(2.0 * std::numbers::pi * 4.0 * c.records[k].trace.time_bases[0].t_s[i]);
+    auto& U = c.records[k].trace.find("U")->value;
+    const double late_s = 0.03;
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double t = c.records[k].trace.time_bases[0].t_s[i], w = 2.0 * std::numbers::pi * 4.0;
+      F[i] += 0.3 * std::sin(w * t);
+      U[i] += 0.6 * std::sin(w * (t - late_s));
+    }
   }
   for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "reference_noise") << claim.evidence;
+}
+
+TEST(RawHealth, AReferenceNoisierThanDeclaredIsSeenWhereTheOutputStandsStill) {
+  const auto with_noise = [](double noise_N) {
+    Campaign c = make_campaign(33, straight);
+    c.bench.reference_noise_N = 0.006;
+    Rng rng(34, "reference");
+    for (Record& r : c.records) {
+      double slow = 0.0;  // 20 ms long, in bursts that fill half the time
+      auto& F = r.trace.find("F_ref")->value;
+      for (std::size_t i = 0; i < F.size(); ++i) {
+        slow = 0.78 * slow + std::sqrt(1.0 - 0.78 * 0.78) * rng.normal();
+        F[i] += i % 60 < 30 ? noise_N * slow : 0.0;
+      }
+    }
+    return claims_of_samples(c);
+  };
+  EXPECT_TRUE(with_noise(0.0).empty());
+  EXPECT_TRUE(with_noise(0.006).empty());
+  const std::vector<HealthClaim> noisy = with_noise(0.03);
+  ASSERT_EQ(noisy.size(), 1u);
+  EXPECT_EQ(noisy[0].effect, "reference_noise");
+  EXPECT_NEAR(noisy[0].value, std::hypot(0.0094, 0.03 * std::sqrt(0.5)), 0.004);
 }
 
 TEST(RawHealth, OneLongLossWhileTheForceHardlyMovesIsADropout) {

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "hil/base/rng.h"
 #include "hil/diagnose/engine.h"
@@ -124,6 +127,43 @@ TEST(SingleRecording, AReferenceThatIsLateIsNoCreep) {
       },
       0.002));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << (d.findings.empty() ? "" : d.findings.front().effect);
+}
+
+// A force-sensing resistor in a divider of 5 V: bent by its power law, and by a loop of plays inside.
+Campaign divider(double play_share) {
+  const auto sweep = [](double t) { return 5.2 - 4.8 * std::cos(0.4 * t) * (0.35 + 0.65 * std::abs(std::cos(0.021 * t))); };
+  return recording(
+      50.0, 15000, sweep,
+      [play_share](const std::vector<double>&, const std::vector<double>& x) {
+        std::vector<double> y, play(3, x[0]);
+        for (const double F : x) {
+          double felt = (1.0 - play_share) * F;
+          for (std::size_t j = 0; j < play.size(); ++j) {
+            const double r = 0.4 * static_cast<double>(j + 1);
+            play[j] = std::clamp(play[j], F - r, F + r);
+            felt += play_share * play[j] / 3.0;
+          }
+          y.push_back(5.0 / (1.0 + std::pow(4.0 / std::max(felt, 0.01), 1.1)));
+        }
+        return y;
+      },
+      0.003);
+}
+
+std::vector<std::string> claims(const Diagnosis& d) {
+  std::vector<std::string> out;
+  for (const Finding& f : d.findings)
+    if (f.probability >= 0.5) out.push_back(f.effect);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+TEST(SingleRecording, TheCurveOfADividerIsNoThresholdOfItsContacts) {
+  EXPECT_EQ(claims(answer(divider(0.0))), std::vector<std::string>{"static_nonlinearity"});
+}
+
+TEST(SingleRecording, ALoopThatTakesAllThatTheCurveLeftIsASecondEffect) {
+  EXPECT_EQ(claims(answer(divider(0.25))), (std::vector<std::string>{"hysteresis", "static_nonlinearity"}));
 }
 
 }  // namespace
