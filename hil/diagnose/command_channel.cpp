@@ -1,28 +1,29 @@
 // What the drive makes of a command: the force that the wheel's angle gives (or F_ref, without an angle) against the commanded one.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
+#include "hil/model/states.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
 constexpr double kFollows = 0.8;  // least squared correlation of force and command
+constexpr std::array kSlowDrive_s = {0.1, 0.3};
 
 const std::vector<double>& reached_N(const RecordInput& r) {
   return r.cos_theta.empty() || r.rig_force_N.empty() ? r.F_N : r.rig_force_N;
 }
 
-bool follows_command(const RecordInput& r, double range_N) {
-  if (r.F_cmd_N.empty()) return false;
-  const std::vector<double>& y = reached_N(r);
+double squared_correlation(const RecordInput& r, const std::vector<double>& x, const std::vector<double>& y, double least_sd) {
   double n = 0.0, x1 = 0.0, y1 = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   for (std::size_t i = 0; i < r.rows(); ++i)
     if (r.ok[i] != 0) {
-      const double dx = r.F_cmd_N[i] - r.F_cmd_N[0], dy = y[i] - y[0];
+      const double dx = x[i] - x[0], dy = y[i] - y[0];
       n += 1.0;
       x1 += dx;
       y1 += dy;
@@ -30,11 +31,22 @@ bool follows_command(const RecordInput& r, double range_N) {
       xy += dx * dy;
       yy += dy * dy;
     }
-  if (n < 50.0) return false;
+  if (n < 50.0) return 0.0;
   xx -= x1 * x1 / n;
   xy -= x1 * y1 / n;
   yy -= y1 * y1 / n;
-  return xx > n * std::pow(0.01 * range_N, 2) && yy > 0.0 && xy * xy > kFollows * xx * yy;
+  return xx > n * least_sd * least_sd && yy > 0.0 ? xy * xy / (xx * yy) : 0.0;
+}
+
+bool follows_command(const RecordInput& r, double range_N) {
+  if (r.F_cmd_N.empty()) return false;
+  const double least_sd = 0.01 * range_N;
+  if (squared_correlation(r, r.F_cmd_N, reached_N(r), least_sd) > kFollows) return true;
+  // a drive so slow that its phase hides the command follows it all the same
+  const auto late = [&](double tau_s) {
+    return squared_correlation(r, low_pass_channel(r, r.F_cmd_N, tau_s, r.F_cmd_N[0]), reached_N(r), least_sd) > kFollows;
+  };
+  return std::ranges::any_of(kSlowDrive_s, late);
 }
 
 // White noise of a row of what the drive makes of its command: the angle does not move in steps of the reference.

@@ -231,7 +231,8 @@ void suspect_refused(Diagnosis& out) {
   f.effect = kind->name;
   f.side = kind->side;
   f.unit = out.unit;
-  f.probability = suspicion_probability(strongest->reason);
+  const bool any_claim = std::ranges::any_of(out.findings, [](const Finding& o) { return o.probability > kNoClaim; });
+  f.probability = suspicion_probability(strongest->reason, any_claim);
   f.evidence = kind->summary + "; not claimed: " + strongest->reason;
   const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [&](const Finding& o) { return o.probability < f.probability; });
   out.findings.insert(weaker, std::move(f));

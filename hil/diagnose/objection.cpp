@@ -76,8 +76,9 @@ bool is_suspicion(const std::string& reason) {
   return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads;
 }
 
-double suspicion_probability(const std::string& reason) {
-  constexpr double kOrdinary = 0.2;
+double suspicion_probability(const std::string& reason, bool beside_claim) {
+  constexpr double kOrdinary = 0.2, kRemains = 0.1;
+  if (beside_claim && reason == kTooSmall) return kRemains;
   const std::pair<const char*, double> counted[] = {{kLeavesMost, 0.08}, {kWithinForm, 0.08}, {kHelpsNoRecords, 0.1}, {kHelpsNoParts, 0.1},
                                                     {kDiffers, 0.25},    {kTooSmall, 0.35},   {kFewJumps, 0.4}};
   for (const auto& [text, probability] : counted)

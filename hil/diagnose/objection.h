@@ -23,7 +23,8 @@ inline constexpr const char* kHelpsNoParts = "it does not help parts of records 
 /// The effect may be there although it was refused for this reason.
 bool is_suspicion(const std::string& reason);
 /// How often it was, of those refused for this reason with a score of 20 and more: counted on some 170 campaigns of three generators.
-double suspicion_probability(const std::string& reason);
+/// `beside_claim`: something else is claimed, whose form leaves small remains.
+double suspicion_probability(const std::string& reason, bool beside_claim);
 
 /// Why an effect is not taken; empty when it is. Sets `stands_out`. `earlier`: what has been chosen before; `removed_before`: RMS that the largest of them removed.
 std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family,
