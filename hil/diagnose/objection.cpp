@@ -48,6 +48,14 @@ bool stands_out(const ResidualChannel& channel, const ScreenResult& result, cons
   });
 }
 
+// No other family within the records has a tenth of its evidence.
+bool is_alone(const ScreenResult& result, const FamilyScore& family) {
+  constexpr double kTimes = 10.0;
+  return std::ranges::none_of(result.families, [&](const FamilyScore& other) {
+    return other.kind != family.kind && !is_between_records(other.kind->name) && kTimes * other.gain > family.gain;
+  });
+}
+
 // A second effect takes nearly all that the first one left, in every record by that of the others and with one strength; the remains of a
 // wrong form do none of it.
 bool takes_the_rest(const FamilyScore& family, const ChosenEffect& chosen, const std::vector<ChosenEffect>& earlier) {
@@ -108,7 +116,9 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);
   chosen.stands_out = leaves_most && stands_out(channel, result, family, chosen, earlier);
   if (leaves_most && !chosen.stands_out) return kLeavesMost;
-  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < 0.5) return kFewJumps;
+  // bits soak up a little of many things, but then others soak it up as well
+  const double least_of_codes = first && is_alone(result, family) ? 0.3 : 0.5;
+  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < least_of_codes) return kFewJumps;
   const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
   // seen where it acts
   const double where = rules.where_it_acts && chosen.left_out.excited > 0 && !chosen.left_out.blocks

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "hil/base/portable_math.h"
 #include "hil/diagnose/mains_line.h"
@@ -52,6 +54,27 @@ double value_step(const std::vector<double>& x) {
     if (std::abs(k - std::round(k)) < 0.12) ++fit;
   }
   return static_cast<double>(fit) > 0.9 * static_cast<double>(gaps.size()) ? step : 0.0;
+}
+
+// Of the samples that are there; a lost one of the reference does not hide what the output does meanwhile.
+double mean_of_present(std::span<const double> x) {
+  double sum = 0.0, n = 0.0;
+  for (const double v : x)
+    if (std::isfinite(v)) {
+      sum += v;
+      n += 1.0;
+    }
+  return n > 0.0 ? sum / n : kMissing;
+}
+
+// Without bounds where nothing is there.
+std::pair<double, double> range_of_present(std::span<const double> x) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double v : x) {
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  return low <= high ? std::pair(low, high) : std::pair(high, low);
 }
 
 double middle_of_four(double a, double b, double c, double d) {
@@ -216,11 +239,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     const double middle = middle_of_four(U[i - 2], U[i - 1], U[i + 1], U[i + 2]);
     const double jump = std::abs(U[i] - middle);
     if (!(jump > quiet)) continue;
-    double low = F[i], high = F[i];
-    for (std::size_t k = i - 2; k <= i + 2; ++k) {
-      low = std::min(low, F[k]);
-      high = std::max(high, F[k]);
-    }
+    const auto [low, high] = range_of_present({&F[i - 2], 5});
     if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
     const auto at_low_end = [&](std::size_t k) { return std::abs(U[k] - low_rail) < 1e-9 + out.lsb_U_V; };
     if (at_low_end(i)) {
@@ -249,19 +268,11 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     while (end < n && U[end] == U[i]) ++end;
     const std::size_t length = end - i;
     if (length >= 4 && std::isfinite(U[i])) {
-      double low = F[i], high = F[i];
-      for (std::size_t k = i; k < end; ++k) {
-        low = std::min(low, F[k]);
-        high = std::max(high, F[k]);
-      }
+      const auto [low, high] = range_of_present({&F[i], length});
       const bool at_top = U[i] >= top - 1e-12;
       // ends against each other: the scatter of a noisy reference is no movement
-      double first = 0.0, second = 0.0;
-      for (std::size_t k = 0; k < length / 2; ++k) {
-        first += F[i + k];
-        second += F[end - 1 - k];
-      }
-      const double moved = 2.0 * std::abs(second - first) / static_cast<double>(length / 2);
+      const std::span<const double> held(&F[i], length);
+      const double moved = 2.0 * std::abs(mean_of_present(held.last(length / 2)) - mean_of_present(held.first(length / 2)));
       // held samples are let go with a jump to where the output has been meanwhile; an output that is merely late goes
       // on as the force went
       const double release = end < n ? std::abs(U[end] - U[i]) : 0.0;

@@ -81,6 +81,24 @@ TEST(RawHealth, AFallToZeroThatTheForceDoesNotExplainIsLostSamples) {
   EXPECT_GT(check_raw_health(c.records[3], health_scales(c), c.bench).zeros, 100u);
 }
 
+TEST(RawHealth, ALostSampleOfTheReferenceHidesNoHeldOutput) {
+  const auto held = [](bool one_lost) {
+    Campaign c = make_campaign(35, straight);
+    for (const std::size_t k : {0u, 3u, 4u}) {
+      auto& U = c.records[k].trace.find("U")->value;
+      for (std::size_t i = 5000; i < 5300; ++i) U[i] = U[5000];
+      if (one_lost) c.records[k].trace.find("F_ref")->value[5100] = kMissing;
+      if (one_lost) c.records[k].trace.find("F_ref")->value[5000] = kMissing;
+    }
+    return claims_of_samples(c);
+  };
+  for (const bool one_lost : {false, true}) {
+    const std::vector<HealthClaim> claims = held(one_lost);
+    ASSERT_EQ(claims.size(), 1u) << one_lost;
+    EXPECT_EQ(claims[0].effect, "dropouts");
+  }
+}
+
 TEST(RawHealth, AFewZerosInSeveralRecordsAreDropouts) {
   const auto lost = [](std::size_t each) {
     Campaign c = make_campaign(24, straight);
