@@ -108,7 +108,9 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     const Record* declared = nullptr;
     for (const Record& record : campaign.records)
       if (record.name == input.name) declared = &record;
-    estimate_excitation(input, declared, w->input.range_N);
+    // whether it decays is asked afterwards: two slow cycles are enough to ask
+    constexpr std::size_t kFewestTurns = 4;
+    estimate_excitation(input, declared, w->input.range_N, kFewestTurns);
     if (single && input.dynamic && input.dynamic_assumed) {
       input.dynamic_assumed = false;  // the blocks share the answer of the whole
       if (!w->law.decays || !decays_by_itself(input)) set_static(input);

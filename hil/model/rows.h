@@ -44,8 +44,10 @@ double quantile(std::vector<double> values, double q);
 /// Two of them, low_q <= high_q.
 std::array<double, 2> quantiles(std::vector<double> values, double low_q, double high_q);
 
+/// Turning points from which on a record that nobody declared counts as cycled.
+inline constexpr std::size_t kTurnsOfCycling = 8;
 /// Facts of the excitation of one record from its rows: dynamic, onset, f, A, F_min, frequency jumps.
-void estimate_excitation(RecordInput& record, const Record* declared, double range_N);
+void estimate_excitation(RecordInput& record, const Record* declared, double range_N, std::size_t fewest_turns = kTurnsOfCycling);
 
 /// Force that stands still most of the time: without knowledge of the output such a record is taken for a static one.
 bool stands_mostly_still(const RecordInput& record, double range_N);

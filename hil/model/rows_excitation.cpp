@@ -63,11 +63,11 @@ void find_jumps(RecordInput& record, const std::vector<double>& turn_s) {
 
 }  // namespace
 
-void estimate_excitation(RecordInput& record, const Record* declared, double range_N) {
+void estimate_excitation(RecordInput& record, const Record* declared, double range_N, std::size_t fewest_turns) {
   const Cycles cycles = find_cycles(record, 0.08 * range_N);
   const std::size_t turns = cycles.turn_s.size();
   record.dynamic_assumed = declared == nullptr || !declared->dynamic.has_value();
-  record.dynamic = record.dynamic_assumed ? turns >= 8 && !is_static_kind(record.kind) : *declared->dynamic;
+  record.dynamic = record.dynamic_assumed ? turns >= fewest_turns && !is_static_kind(record.kind) : *declared->dynamic;
 
   std::vector<double> half;
   for (std::size_t i = 1; i < turns; ++i) half.push_back(cycles.turn_s[i] - cycles.turn_s[i - 1]);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hil/base/rng.h"
 #include "tests/unit/diagnose/made_campaign.h"
@@ -192,6 +193,28 @@ TEST(Engine, ASensorOfAnotherRangeWithTheSameDecayIsNoFinding) {
   const Diagnosis d = answer(std::move(c));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << (d.findings.empty() ? "" : d.findings.front().effect);
   EXPECT_LT(d.error_before, 0.02);
+}
+
+TEST(Engine, TwoSlowCyclesThatNobodyDeclaredMayDecayAsTheLawSays) {
+  Campaign c = make_campaign(36, straight);
+  for (const std::size_t k : {3u, 7u}) {
+    Record& r = c.records[k];
+    r.kind.clear();
+    r.dynamic.reset();
+    auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    const auto& t = r.trace.time_bases[0].t_s;
+    Rng rng(36 + k, "slow");
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double low = 0.6, f = 0.025, force = low + 1.7 * (1.0 - std::cos(2.0 * std::numbers::pi * f * t[i]));
+      const double D = (std::exp(-(0.0019 * f + 0.0056) * t[i]) + 0.2) / 1.2;  // Lebosse 2011, eq. (5) and (6)
+      F[i] = std::round((force + 0.006 * rng.normal()) / 0.025) * 0.025;
+      U[i] = 2.0 * (low + D * (force - low)) + 0.2 + 0.004 * rng.normal();
+    }
+  }
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+  for (const RecordError& r : d.records) EXPECT_LT(r.before, 0.03) << r.record;
 }
 
 TEST(Engine, EffectsOfTimeShareOneProbability) {
