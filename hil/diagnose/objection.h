@@ -22,7 +22,7 @@ inline constexpr const char* kHelpsNoParts = "it does not help parts of records 
 
 /// The effect may be there although it was refused for this reason.
 bool is_suspicion(const std::string& reason);
-/// How often it was, of those refused for this reason with a score of 20 and more: counted on some 170 campaigns of three generators.
+/// How often it was, of those refused for this reason with a score of 20 and more: counted on some 150 of them from three generators.
 /// `beside_claim`: something else is claimed, whose form leaves small remains.
 double suspicion_probability(const std::string& reason, bool beside_claim);
 
