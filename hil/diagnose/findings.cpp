@@ -112,9 +112,24 @@ std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit&
   return judge(channel, fit, without_levels(channel, freedom), all_fit).adapted;
 }
 
+namespace {
+
+// Whether the records that `fit` was made from know any of the strengths.
+bool knows_strength(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+  constexpr double kErrors = 2.0;
+  for (std::size_t b = 0; b < fit.columns.size(); ++b) {
+    if (std::find(columns.begin(), columns.end(), fit.columns[b]) == columns.end()) continue;
+    const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
+    if (std::abs(fit.coefficient[at]) > kErrors * std::sqrt(std::max(0.0, fit.covariance(at, at)))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection) {
   constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
-  constexpr double kPlainly = 0.7;
+  constexpr double kPlainly = 0.7, kHardly = 0.995;
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
     const auto error = [&](const MixedFit& fit) {
@@ -125,6 +140,9 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     chosen.error_after = error(chosen.fit);
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
     chosen.borne_out = chosen.error_after <= (chosen.between && !chosen.by_records() ? kLeast : 1.02) * chosen.error_before;
+    // seen in held-out records alone: the fit records know nothing of it, and predict nothing
+    if (!chosen.between && !w.all_fit && chosen.error_after > kHardly * chosen.error_before)
+      chosen.borne_out = chosen.borne_out && knows_strength(channel, chosen.fit, chosen.columns);
     // a handful of fit records does not reach to the held-out ones: a course over the campaign is asked from all others
     if (!chosen.borne_out && chosen.by_records()) {
       const double all_before = left_out_of_all(channel, *before, selection.base), all_after = left_out_of_all(channel, chosen.fit, selection.base);
