@@ -217,6 +217,20 @@ TEST(Engine, TwoSlowCyclesThatNobodyDeclaredMayDecayAsTheLawSays) {
   for (const RecordError& r : d.records) EXPECT_LT(r.before, 0.03) << r.record;
 }
 
+TEST(Engine, WhatOnlyHeldOutRecordsShowIsASuspicion) {
+  // a growth under load in the two records that no strength may be fitted to
+  const Diagnosis d = answer(make_campaign(37, [](const std::vector<double>& t, const std::vector<double>& F, int record) {
+    std::vector<double> U;
+    double grown = 0.0;
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      grown += (F[i] - grown) * -std::expm1(-(i > 0 ? t[i] - t[i - 1] : 0.0) / 4.0);
+      U.push_back(2.0 * F[i] + 0.2 + (record == 3 || record == 6 ? 0.03 * grown : 0.0));
+    }
+    return U;
+  }));
+  for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << told(d);
+}
+
 TEST(Engine, EffectsOfTimeShareOneProbability) {
   const Diagnosis d =
       answer(make_campaign(32, [](const std::vector<double>& t, const std::vector<double>& F, int) {
