@@ -20,6 +20,8 @@ import tempfile
 import time
 
 LOST_MAX_S = 1.0
+INTERRUPTED = 130
+DECIDED = (0, 1, 3)  # accept, reject, no decision: the run had played all before the order came
 
 
 class Twins:
@@ -100,7 +102,7 @@ def one_kill(forcegate, bench, twins, environment, run):
 
 
 def one_order(forcegate, bench, served, twins, environment, run, how):
-    """Ends a run by a signal or by the emergency stop; text of what went wrong, or None."""
+    """Ends a run by a signal or by the emergency stop; text of what went wrong, True when all was well, None when the run was over first."""
     if how == "bench park":
         parked = subprocess.run([forcegate, "bench", "park", bench, "--attach", served], capture_output=True, text=True, env=environment)
         if parked.returncode != 0:
@@ -112,9 +114,10 @@ def one_order(forcegate, bench, served, twins, environment, run, how):
     except subprocess.TimeoutExpired:
         os.killpg(run.gate.pid, signal.SIGKILL)
         return f"{how}: the program does not end"
-    if code != 130:
-        return f"{how}: exit code {code}"
-    return wait_until_still(twins)
+    wrong = wait_until_still(twins)
+    if code in DECIDED:
+        return wrong
+    return wrong or code == INTERRUPTED or f"{how}: exit code {code}"
 
 
 def main(forcegate, firmware, bench, kills, seed="1"):
@@ -136,12 +139,14 @@ def main(forcegate, firmware, bench, kills, seed="1"):
                     if not run.over and len(lost) + len(failures) < int(kills):
                         told = one_kill(forcegate, patient, twins, environment, run)
                     elif not run.over:
-                        how = orders.pop(0)
-                        if wrong := one_order(forcegate, patient, served, twins, environment, run, how):
-                            failures.append(wrong)
-                        else:
-                            print(f"{how}: motor stopped, program ended")
-                        continue
+                        ended = one_order(forcegate, patient, served, twins, environment, run, orders[0])
+                        if isinstance(ended, str):
+                            failures.append(ended)
+                        elif ended:
+                            print(f"{orders[0]}: motor stopped, program ended")
+                        if ended:
+                            orders.pop(0)
+                            continue
                 if told is None:
                     missed += 1
                     longest_s = max(0.05, 0.8 * longest_s)  # the record was over: come earlier
