@@ -21,7 +21,7 @@ import time
 
 LOST_MAX_S = 1.0
 INTERRUPTED = 130
-DECIDED = (0, 1, 3)  # accept, reject, no decision: the run had played all before the order came
+LATE_ORDERS_MAX = 3
 
 
 class Twins:
@@ -114,15 +114,20 @@ def one_order(forcegate, bench, served, twins, environment, run, how):
     except subprocess.TimeoutExpired:
         os.killpg(run.gate.pid, signal.SIGKILL)
         return f"{how}: the program does not end"
-    wrong = wait_until_still(twins)
-    if code in DECIDED:
+    if wrong := wait_until_still(twins):
         return wrong
-    return wrong or code == INTERRUPTED or f"{how}: exit code {code}"
+    if code == INTERRUPTED:
+        return True
+    # an interrupted run writes no result: this one had played and judged everything before the order came
+    result = pathlib.Path(run.folder) / "run" / "result.json"
+    if result.exists() and json.loads(result.read_text(encoding="utf-8"))["decision"]["exit_code"] == code:
+        return None
+    return f"{how}: exit code {code}"
 
 
 def main(forcegate, firmware, bench, kills, seed="1"):
     rng = random.Random(int(seed))
-    lost, failures, missed = [], [], 0
+    lost, failures, missed, late = [], [], 0, 0
     with tempfile.TemporaryDirectory(prefix="twins") as served:
         environment = {**os.environ, "XDG_RUNTIME_DIR": served}
         patient = os.path.join(served, "bench.toml")
@@ -144,8 +149,14 @@ def main(forcegate, firmware, bench, kills, seed="1"):
                             failures.append(ended)
                         elif ended:
                             print(f"{orders[0]}: motor stopped, program ended")
+                        else:
+                            late += 1
+                            if late == LATE_ORDERS_MAX:
+                                ended = f"{orders[0]}: {late} runs were over before it"
+                                failures.append(ended)
                         if ended:
                             orders.pop(0)
+                            late = 0
                             continue
                 if told is None:
                     missed += 1
