@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import file_length
 import include_walls
 import markdown_paths
+import process_state
 import tests_run
 
 
@@ -115,6 +116,23 @@ class FileLength(unittest.TestCase):
         found = file_length.check(tree.root)
         self.assertEqual(len(found), 1)
         self.assertTrue(found[0].startswith("hil/a.cpp:"))
+
+
+class ProcessState(unittest.TestCase):
+    def refused(self, name, line):
+        return process_state.check(Tree().put(name, line + "\n").root)
+
+    def test_a_library_is_no_place_for_the_environment_or_the_console(self):
+        found = self.refused("hil/diagnose/fit.cpp", '  if (getenv("TRACE")) fprintf(stderr, "%g", gain);')
+        self.assertEqual(len(found), 1)
+        self.assertIn("fit.cpp:1: getenv", found[0])
+        self.assertTrue(self.refused("rigs/emulated/plant.cpp", '  std::cerr << gain;'))
+        self.assertTrue(self.refused("golden/compare/tube.cpp", '  std::printf("%g", gain);'))
+
+    def test_the_console_and_ordinary_text_are_left_alone(self):
+        self.assertFalse(self.refused("hil/cli/console.cpp", "  std::fputs(text, stderr);"))
+        self.assertFalse(self.refused("hil/gate/text.cpp", "  std::snprintf(text, sizeof text, format, gain);"))
+        self.assertFalse(self.refused("adapters/child.h", "/// stdout and stderr (both) go to the log"))
 
 
 if __name__ == "__main__":

@@ -125,7 +125,6 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
                            ? std::sqrt(static_cast<double>(chosen.left_out.parts) / chosen.left_out.excited)
                            : 1.0;
   const double seen_rms = where * std::max(removed_rms, total_rms);
-  if (getenv("DBG")) fprintf(stderr,"OBJ %s gain %.1f fall %.3f total %.3f share %.3f seen %.2e steps %.2e allowed %.2e excess %.2e smallest %.1e loo %g +- %g imp %d/%d blocks %d scat %g\n",name.c_str(),family.gain,chosen.fall,family.best.total_fall,chosen.left_out.share,seen_rms,steps_rms,allowed_rms(channel),excess,rules.smallest_rms,chosen.left_out.log_ratio,chosen.left_out.log_ratio_error,(int)chosen.left_out.improved,(int)chosen.left_out.excited,(int)chosen.left_out.blocks,chosen.strength_scatter);
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
   if (is_timing(name) && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
   // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
