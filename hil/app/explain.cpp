@@ -3,17 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
+#include "hil/base/text.h"
+
 namespace forcegate {
-namespace {
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-bool same_word(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](char x, char y) { return lower(x) == lower(y); });
-}
-
-}  // namespace
 
 const std::vector<Explanation>& explanations() {
   static const std::vector<Explanation> kAll = {
@@ -92,7 +84,7 @@ const std::vector<Explanation>& explanations() {
 std::vector<Explanation> find_explanations(std::string_view term) {
   std::vector<Explanation> out;
   std::ranges::copy_if(explanations(), std::back_inserter(out),
-                       [&](const Explanation& e) { return same_word(e.term, term); });
+                       [&](const Explanation& e) { return ascii_lower(e.term) == ascii_lower(term); });
   return out;
 }
 

@@ -27,6 +27,8 @@ std::string shortest(double value);
 
 std::vector<std::string> split(std::string_view text, char separator);
 std::string_view trim(std::string_view text);
+/// A to Z only, whatever the locale.
+std::string ascii_lower(std::string_view text);
 std::string join(std::span<const std::string> parts, std::string_view separator);
 
 }  // namespace forcegate

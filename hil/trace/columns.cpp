@@ -8,12 +8,6 @@
 namespace forcegate {
 namespace {
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
-
 std::string identifier(std::string_view text) {
   std::string out(trim(text));
   std::replace(out.begin(), out.end(), ' ', '_');
@@ -49,7 +43,7 @@ constexpr std::array kSynonyms = {
 };
 
 const Synonyms* synonym(std::string_view name) {
-  const std::string word = lower(name);
+  const std::string word = ascii_lower(name);
   for (const Synonyms& s : kSynonyms)
     for (const char* w : s.words)
       if (w && word == w) return &s;
@@ -69,7 +63,7 @@ bool names_a_clock(std::string_view name) {
   static constexpr std::array kClocks = {"t",     "time",  "timestamp", "time_stamp", "elapsed",
                                          "clock", "t_rel", "sec",       "seconds",    "zeit"};
   if (name == "T") return false;
-  const std::string word = lower(name);
+  const std::string word = ascii_lower(name);
   return std::any_of(kClocks.begin(), kClocks.end(), [&](const char* c) { return word == c; });
 }
 
@@ -116,7 +110,7 @@ ColumnMeaning meaning_of(std::string_view header) {
     return out;
   }
   out.name = identifier(header);
-  if (const std::string word = lower(out.name);
+  if (const std::string word = ascii_lower(out.name);
       word == "millis" || word == "micros") {  // as an Arduino prints them
     out.is_clock = true;
     out.unit = *find_unit(word == "millis" ? "ms" : "us");

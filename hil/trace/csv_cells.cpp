@@ -10,16 +10,6 @@
 #include "hil/trace/date_time.h"
 
 namespace forcegate {
-namespace {
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
-
-}  // namespace
-
 CsvCell read_cell(std::string_view text, char point, double& out) {
   text = trim(text);
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = trim(text.substr(1, text.size() - 2));
@@ -35,7 +25,7 @@ CsvCell read_cell(std::string_view text, char point, double& out) {
     return CsvCell::number;
   }
   if (end == plain.data() + plain.size() && error == std::errc::result_out_of_range) return CsvCell::missing;
-  const std::string word = lower(text);
+  const std::string word = ascii_lower(text);
   for (const char* missing : {"na", "n/a", "null", "none", "nan", "-nan", "-", "--", "#n/a"})
     if (word == missing) return CsvCell::missing;
   if (const auto stamp_s = seconds_of_stamp(text)) {

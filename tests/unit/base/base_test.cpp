@@ -74,6 +74,8 @@ TEST(Text, UncertaintyInParenthesesFollowsTheDigitRule) {
   EXPECT_EQ(with_uncertainty(1234.0, 30.0), "1230(30)");
 }
 
+TEST(Text, OnlyAToZBecomeSmall) { EXPECT_EQ(ascii_lower("t_MS (\xc3\x84 [Z])"), "t_ms (\xc3\x84 [z])"); }
+
 TEST(Text, ATypingMistakeIsSuggestedAndNonsenseIsNot) {
   const std::vector<std::string> names{"sine", "multisine", "chirp"};
   EXPECT_EQ(nearest_name("sien", names), "sine");
