@@ -57,6 +57,7 @@ double row_noise_of(const std::vector<double>& e) {
 void set_noise(Workspace& w, unsigned threads) {
   w.noise_V.assign(w.input.records.size(), 0.0);
   w.white_V.assign(w.input.records.size(), 0.0);
+  w.smoothed_V.assign(w.input.records.size(), 0.0);
   parallel_for(w.input.records.size(), threads, [&](std::size_t k) {
     const RecordInput& r = w.input.records[k];
     std::vector<double> e(r.rows());
@@ -71,6 +72,7 @@ void set_noise(Workspace& w, unsigned threads) {
     // steps are only averaged away when noise dithers them
     const double dithered =
         h != nullptr && step_F > 0.0 ? std::clamp(1.2 - 2.0 * h->noise_F_N / step_F, 0.3, 1.0) : 1.0;
+    w.smoothed_V[k] = h != nullptr ? w.gain_V_per_N * decay * h->smoothed_F_N : 0.0;
     w.white_V[k] = white + 1e-4 * w.input.U_range_V;
     w.noise_V[k] = std::hypot(white, dithered * quantised) + 1e-4 * w.input.U_range_V;
   });

@@ -229,7 +229,10 @@ RecordTest test_records(const CampaignInput& input, const ResidualChannel& chann
                         const SelectionRules& rules) {
   constexpr int kPermutations = 19999;
   RecordTest out;
-  out.objection = objection(family.records, only_goes_with_time(channel, family), rules);
+  const bool with_time = only_goes_with_time(channel, family);
+  out.objection = objection(family.records, with_time, rules);
+  if (out.objection.empty() && with_time && family.kind->name != "wear" && family.kind->name != "mounting" && !input.has_start_times)
+    out.objection = "nobody wrote down when the records were taken: a course over time cannot be told";
   if (!out.objection.empty()) return out;
   const RecordLevels levels = record_levels(input, channel, base);
   out.chance = chance(levels, ask(channel, levels, *family.kind), family.kind->name, kPermutations);

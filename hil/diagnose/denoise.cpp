@@ -51,11 +51,13 @@ void fit_parabolas(const Window& window, const double* x, std::size_t n, double*
 
 }  // namespace
 
-std::vector<double> smooth_within_noise(std::vector<double> x, double sigma) {
+std::vector<double> smooth_within_noise(std::vector<double> x, double sigma, double* left) {
   const std::size_t n = x.size();
+  if (left != nullptr) *left = std::max(0.0, sigma);
   if (!(sigma > 0.0) || n < 2 * kLongest + 1) return x;
   const auto window = windows();
-  std::array<double, kBlock> low, high, estimate;
+  std::array<double, kBlock> low, high, estimate, share;  // share of the variance of one sample
+  double shares = 2.0 * static_cast<double>(kReach[0]);
   std::array<char, kBlock> open;
   // the block as it was, from kLongest before it to kLongest behind it
   std::array<double, kLongest + kBlock + kLongest> seen{};
@@ -71,7 +73,9 @@ std::vector<double> smooth_within_noise(std::vector<double> x, double sigma) {
       low[j] = block[j] - kAgree * sigma;
       high[j] = block[j] + kAgree * sigma;
       open[j] = 1;
+      share[j] = 1.0;
     }
+    const std::size_t in_block = to;
     for (const Window& w : window) {
       from = std::max(from, std::max(w.reach, begin) - begin);
       to = std::min(to, std::max(n - w.reach, begin) - begin);
@@ -89,13 +93,16 @@ std::vector<double> smooth_within_noise(std::vector<double> x, double sigma) {
         low[j] = l;
         high[j] = h;
         x[begin + j] = estimate[j];
+        share[j] = w.weight[0];
         first_open = std::min(first_open, j);
         last_open = j + 1;
       }
       from = first_open;
       to = last_open;
     }
+    for (std::size_t j = 0; j < in_block; ++j) shares += share[j];
   }
+  if (left != nullptr) *left = sigma * std::sqrt(shares / static_cast<double>(n));
   return x;
 }
 

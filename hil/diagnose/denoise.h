@@ -11,7 +11,8 @@
 
 namespace forcegate::diagnose {
 
-/// sigma: standard deviation of the noise of one sample, steps included. Samples next to missing ones stay as they are.
-std::vector<double> smooth_within_noise(std::vector<double> x, double sigma);
+/// sigma: standard deviation of the noise of one sample, steps included. Samples next to missing ones stay as they are. `left`: RMS of the
+/// noise that the samples are left with, were it white; it hangs together over the windows.
+std::vector<double> smooth_within_noise(std::vector<double> x, double sigma, double* left = nullptr);
 
 }  // namespace forcegate::diagnose

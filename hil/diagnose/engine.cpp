@@ -12,6 +12,7 @@
 #include "hil/diagnose/pictures.h"
 #include "hil/diagnose/ranking.h"
 #include "hil/diagnose/record_errors.h"
+#include "hil/diagnose/unresolved_edges.h"
 #include "hil/diagnose/verdict.h"
 
 namespace forcegate::diagnose {
@@ -26,16 +27,20 @@ bool is_structure(const Structure& s, double noise_rms) {
 
 // Records that the model leaves far more of than their instruments may. A change of frequency is not counted: how the decay goes on
 // after it differs from law to law.
-int far_above_noise(const ResidualChannel& channel, const Workspace& w, const MixedFit& fit) {
+int far_above_noise(const ResidualChannel& channel, const Workspace& w, const std::vector<std::vector<double>>& residual) {
   constexpr double kFar = 2.5;
   int out = 0;
   double left = 0.0, noise = 0.0;
-  for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
-    if (!w.input.records[channel.record_of[i]].frequency_jumps_s.empty()) continue;
-    const double allowed = channel.problem.records[i].allowed_variance;
-    left += fit.adapted[i];
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    if (residual[i].empty() || !w.input.records[channel.record_of[i]].frequency_jumps_s.empty()) continue;
+    const RecordGram& record = channel.problem.records[i];
+    double square = 0.0;
+    for (const double e : residual[i]) square += e * e;
+    const double own = square / (static_cast<double>(residual[i].size()) * channel.scale * channel.scale),
+                 allowed = record.allowed_variance + record.smoothed_variance;
+    left += own;
     noise += allowed;
-    out += fit.adapted[i] > kFar * kFar * allowed ? 1 : 0;
+    out += own > kFar * kFar * allowed ? 1 : 0;
   }
   return left > kFar * kFar * noise ? out : 0;
 }
@@ -70,6 +75,16 @@ Selection select_borne_out(Workspace& w, const std::vector<int>& always, std::ve
     std::move(idle.begin(), idle.end(), std::back_inserter(suspicions));
   }
   return out;
+}
+
+// A curve that a calibration of the third degree does not follow comes again a few times over the range, as the pitch of a coarse screw would.
+void leave_coarse_pitch_to_spring(const ResidualChannel& command, const Selection& rig, Selection& drive) {
+  constexpr double kCoarse = 6.0;  // turns over the range of the force
+  if (std::ranges::none_of(rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "spring_nonlinearity"; })) return;
+  std::erase_if(drive.chosen, [&](const ChosenEffect& c) {
+    const Candidate& best = command.candidates[static_cast<std::size_t>(command.variants[static_cast<std::size_t>(c.variant)].candidate)];
+    return best.form->name == "pitch" && best.shape[0] < kCoarse;
+  });
 }
 
 }  // namespace
@@ -119,15 +134,16 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   drive_rules.first_fall = 0.2;
   drive_rules.where_it_acts = true;
   drive_rules.smallest_rms = 2.5e-4;
-  if (w.has_command) {
-    drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
-    measure_left_out(w, w.command, drive);
-  }
   if (w.has_rig) {
     rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, rig_rules,
                          options.threads);
     measure_left_out(w, w.rig, rig);
     for (const ChosenEffect& c : rig.chosen) reference_moves |= c.kind->name == "reference_drift";
+  }
+  if (w.has_command) {
+    drive = select_effects(w.input, w.command, {}, options.in_model, drive_rules, options.threads);
+    leave_coarse_pitch_to_spring(w.command, rig, drive);
+    measure_left_out(w, w.command, drive);
   }
   std::vector<std::string> skip = options.in_model;
   std::vector<int> always = model_columns(w.output, options.in_model);
@@ -145,12 +161,15 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
 
   const double explained =
       selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
-  const Structure left = structure_of(w.output, selection.final);
+  const auto resolved = resolved_residual(w.input, w.output, selection.final);
+  const Structure left = structure_of(w.output, resolved);
   const double noise = allowed_rms(w.output);
   const auto residual_after = residual_rows(w.output, selection.final);
   out.maps_after = residual_maps(w, w.output, residual_after, options.threads);
   const bool coloured = is_coloured_noise(w.input, w.output, residual_after, out.maps_after);
   const bool structured = is_structure(left, noise) && !coloured;
+  const bool remains = (structured && explained < 0.8) ||
+                       (!coloured && far_above_noise(w.output, w, resolved_residual(w.input, w.output, selection.claimed)) > 0);
   const bool named_enough = explained > 0.5 || !structured;
   add_findings(w, w.output, selection, named_enough ? std::max(explained, 0.6) : explained, out);
   std::move(suspicions.begin(), suspicions.end(), std::back_inserter(out.findings));
@@ -182,7 +201,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
 
   if (w.has_command && drive.base.valid) add_findings(w, w.command, drive, 0.6, out);
   share_among_timing(selection, out.findings);
-  withdraw_what_explains_little(w, selection, out.findings);
+  const bool withdrawn = withdraw_what_explains_little(w.output, selection, remains, out.findings);
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (raw_says("reference_noise"))
     for (Finding& f : out.findings)
@@ -218,10 +237,9 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   for (const std::vector<std::string>& set : out.not_separable)
     for (const Finding& f : out.findings)
       if (std::find(set.begin(), set.end(), f.effect) != set.end()) together += f.probability;
-  const bool open = structured || together >= 0.8 || (!coloured && far_above_noise(w.output, w, selection.final) >= 2);
+  const bool open = structured || withdrawn || together >= 0.8 || (!coloured && far_above_noise(w.output, w, resolved) >= 2);
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
-  out.residual_unknown =
-      claims && ((structured && explained < 0.8) || (!coloured && far_above_noise(w.output, w, selection.claimed) > 0));
+  out.residual_unknown = claims && remains;
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual, options.threads);

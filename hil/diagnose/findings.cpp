@@ -256,6 +256,15 @@ void suspect_refused(Diagnosis& out) {
   out.findings.insert(weaker, std::move(f));
 }
 
+namespace {
+
+// Any curve, any loop, any tail: the right one leaves little.
+bool has_free_form(const std::string& name) {
+  return name == "static_nonlinearity" || name == "hysteresis" || name == "clipping" || name == "lag";
+}
+
+}  // namespace
+
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings) {
   std::vector<const ChosenEffect*> timing;
   for (const ChosenEffect& c : selection.chosen)
@@ -272,21 +281,28 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
       }
 }
 
-void withdraw_what_explains_little(const Workspace& w, const Selection& selection,
-                                   std::vector<Finding>& findings) {
-  constexpr double kMost = 0.75, kFarAbove = 8.0;  // of the RMS error; of the instruments' noise
-  const ResidualChannel& channel = w.output;
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings) {
+  constexpr double kMost = 0.75, kMostOfFreeForm = 0.45;  // of the RMS error: over half of the mean square, a fifth
+  constexpr double kAbove = 2.5, kFarAbove = 8.0;         // of the instruments' noise
+  constexpr double kWithdrawn = 0.2;
+  // over all records: an effect may show in none of those that judge
   const auto rms = [&](const MixedFit& fit) {
-    return std::sqrt(judged(channel, judge(channel, fit, selection.base, w.all_fit).adapted, w.all_fit));
+    return std::sqrt(judged(channel, leave_one_out(channel.problem, fit, &selection.base).adapted, true));
   };
   const double before = rms(selection.base), after = rms(selection.claimed);
-  if (!(after > kMost * before && after > kFarAbove * allowed_rms(channel))) return;
+  if (!(after > (remains ? kAbove : kFarAbove) * allowed_rms(channel))) return false;
+  const bool leaves_most = after > kMost * before,
+             forms_leave_much = remains && selection.excess_after > kMostOfFreeForm * kMostOfFreeForm * selection.excess_before;
+  bool withdrawn = false;
   for (const ChosenEffect& c : selection.chosen)
     for (Finding& f : findings)
-      if (f.effect == c.kind->name && f.form != "raw" && !c.between && f.probability > kNoClaim) {
-        f.probability = kNoClaim;
-        f.evidence += "; not claimed: most of the error is left, far above the noise";
+      if (f.effect == c.kind->name && f.form != "raw" && !c.between && f.probability > kNoClaim &&
+          (has_free_form(f.effect) ? forms_leave_much : leaves_most)) {
+        f.probability = kWithdrawn;
+        f.evidence += "; not claimed: it leaves too much of the error, far above the noise";
+        withdrawn = true;
       }
+  return withdrawn;
 }
 
 void tell_not_separable(const Selection& selection, Diagnosis& out) {

@@ -41,9 +41,10 @@ void suspect_refused(Diagnosis& out);
 /// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings);
 
-/// Claims about the output that leave most of the error, far above what the instruments may, are suspicions: something else is at work.
-void withdraw_what_explains_little(const Workspace& workspace, const Selection& selection,
-                                   std::vector<Finding>& findings);
+/// Claims about the output are suspicions where they leave more than half of the mean square of all records and that is far above what the instruments
+/// may leave, or where structure `remains`: something else is at work. An effect whose forms fit any course that it can take (a curve, a
+/// loop, a lag) must, with all of them, leave less than a fifth of what the noise does not explain. True when one was withdrawn.
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings);
 
 /// Rivals that no more than odds of 4 : 1 part.
 void tell_not_separable(const Selection& selection, Diagnosis& out);

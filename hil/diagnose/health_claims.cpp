@@ -16,9 +16,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   for (const RecordHealth& h : health) spikes += h.outliers;
   constexpr std::size_t kFewestSpikes = 12;
   const bool lone_are_spikes = spikes >= kFewestSpikes;
-  double samples = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
+  double samples = 0.0, missing = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
   std::vector<double> noise_F, still_F, ladder_F, hum;
-  std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0;
+  std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
   double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
   std::vector<double> bit_V;
@@ -28,6 +28,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     held += static_cast<double>(h.held);
     zeros += static_cast<double>(h.zeros);
     (lone_are_spikes ? outliers : zeros) += static_cast<double>(h.lone_zeros);
+    missing += static_cast<double>(h.missing);
+    missing_runs += h.missing_runs;
+    with_missing += h.missing_runs > 0 ? 1 : 0;
     rail += static_cast<double>(h.at_rail);
     zero_runs += h.zero_runs;
     fallen += h.zero_runs > 0 ? static_cast<double>(h.zeros) : 0.0;
@@ -69,7 +72,14 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   constexpr std::size_t kFewestZeros = 5, kFewestLong = 3;
   constexpr double kLongLoss = 20.0;  // samples
   const bool plain_zeros = !lone_are_spikes && ((with_zeros >= 2 && zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
-  if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
+  // a sample that is missing here and there is noted; an output that goes missing again and again in most records loses samples
+  constexpr std::size_t kFewestRuns = 10;
+  constexpr double kManyMissing = 0.01;
+  const double missing_share = missing / samples;
+  if (missing_share > kManyMissing && with_missing * 2 > n && missing_runs >= kFewestRuns)
+    out.push_back({"dropouts", 0.95, percent(missing_share) + " of the samples of the output are missing while the reference goes on", "share", "1",
+                   missing_share, std::sqrt(missing) / samples});
+  else if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
     out.push_back(
         {"dropouts", 0.95,
          percent((held + zeros) / samples) + " of the samples are held or zero where the force says otherwise",

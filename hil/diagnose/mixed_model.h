@@ -35,6 +35,7 @@ struct RecordGram {
   double noise_variance = 0.0;  ///< white noise: s_i^2 is not estimated below this
   double allowed_variance =
       0.0;  ///< what the declared instruments may leave, steps of the reference included
+  double smoothed_variance = 0.0;  ///< the noise that smoothing leaves in the reference: it hangs together and is no structure
   bool heldout = false;
 };
 

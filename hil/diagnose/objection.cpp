@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hil/diagnose/instrument_error.h"
+#include "hil/diagnose/reference_jitter.h"
 #include "hil/diagnose/workspace.h"
 
 namespace forcegate::diagnose {
@@ -16,6 +17,8 @@ namespace {
 constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
 // what smoothing leaves of a reference that is late and noisy is a shift of a shift: of the span, and of what the instruments may leave
 constexpr double kLeastOfTime = 1e-3, kOfNoise = 0.4;
+// the fall of an effect of the load has next to nothing of it, that of a smoother two thirds and more
+constexpr double kOfJitter = 0.3;
 // a law has one strength: scatter between records, relative to it. A loop or a growth has no form that is right everywhere; a push from
 // the side, a displacement current, a threshold, a shift in time are known courses, and so is a temperature within a record
 constexpr double kSameStrength = 1.0, kSameOfKnownForm = 0.35;
@@ -56,6 +59,11 @@ bool is_alone(const ScreenResult& result, const FamilyScore& family) {
   });
 }
 
+// A loop that is wider at one end than at the other is a loop and a curve: the curve may be the loop's own.
+bool may_be_of_loop(const EffectKind& earlier, const EffectKind& later) {
+  return earlier.name == "hysteresis" && (later.name == "static_nonlinearity" || later.name == "dead_zone" || later.name == "clipping");
+}
+
 // A second effect takes nearly all that the first one left, in every record by that of the others and with one strength; the remains of a
 // wrong form do none of it.
 bool takes_the_rest(const FamilyScore& family, const ChosenEffect& chosen, const std::vector<ChosenEffect>& earlier) {
@@ -63,7 +71,8 @@ bool takes_the_rest(const FamilyScore& family, const ChosenEffect& chosen, const
   const CrossFit& others = chosen.left_out;
   return !chosen.between && !others.blocks && chosen.fall > kFall && others.improved == others.excited && others.log_ratio > kLogRatio &&
          others.log_ratio > kErrors * others.log_ratio_error && chosen.strength_scatter < kOneStrength &&
-         std::none_of(earlier.begin(), earlier.end(), [&](const ChosenEffect& e) { return look_alike(*e.kind, *family.kind); });
+         std::none_of(earlier.begin(), earlier.end(),
+                      [&](const ChosenEffect& e) { return look_alike(*e.kind, *family.kind) || may_be_of_loop(*e.kind, *family.kind); });
 }
 
 // |cos| with the signatures of the earlier effects, summed: the errors of their forms add up, and none is wholly across.
@@ -72,7 +81,8 @@ double resemblance(const ResidualChannel& channel, const MixedFit& base, const F
   constexpr double kLeast = 0.3, kLeastOfLookAlike = 0.7;
   double out = 0.0;
   for (const ChosenEffect& e : earlier)
-    if (!e.between)
+    if (may_be_of_loop(*e.kind, *family.kind)) out += 1.0;
+    else if (!e.between)
       out += std::max(look_alike(*e.kind, *family.kind) ? kLeastOfLookAlike : kLeast,
                       std::abs(signature_cosine(channel, base, e.fit, e.columns, family.best.fit, columns)));
   return std::min(1.0, out);
@@ -81,7 +91,7 @@ double resemblance(const ResidualChannel& channel, const MixedFit& base, const F
 }  // namespace
 
 bool is_suspicion(const std::string& reason) {
-  return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads;
+  return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads && reason != kJitter;
 }
 
 double suspicion_probability(const std::string& reason, bool beside_claim) {
@@ -128,7 +138,8 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
   if (is_timing(name) && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
   // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
-  const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited;
+  // (a play has one width)
+  const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited && name != "backlash";
   const bool known_form = has_known_form(name) || (chosen.between && !chosen.by_records());
   if (known_form ? chosen.strength_scatter > kSameOfKnownForm : chosen.strength_scatter > kSameStrength && !helps_all)
     return kDiffers;
@@ -140,6 +151,8 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
   if (!chosen.left_out.helps() || chosen.left_out.share < 0.02)
     return chosen.left_out.blocks ? kHelpsNoParts : kHelpsNoRecords;
+  // bits come and go with the noise of the output
+  if (!chosen.between && name != "adc_codes" && share_of_jitter(channel, result.base, family.best.fit) > kOfJitter) return kJitter;
   return {};
 }
 

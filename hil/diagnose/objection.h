@@ -10,6 +10,7 @@ namespace forcegate::diagnose {
 
 /// An effect that the instruments may feign is no answer: what fits worse may still be one.
 inline constexpr const char* kTooSmall = "too small for the declared instruments";
+inline constexpr const char* kJitter = "it flattens the noise of the reference where the force stands still";
 inline constexpr const char* kTooLittleEvidence = "too little evidence";
 inline constexpr const char* kUnphysical = "its sign is unphysical";
 inline constexpr const char* kLeads = "the output leads the reference";

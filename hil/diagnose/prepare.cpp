@@ -82,7 +82,7 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     if (reference_sd_N > 1e-4 * w->scales.range_N)
       for (Channel& channel : record.trace.channels)
         if (channel.name == "F_ref")
-          channel.value = smooth_within_noise(std::move(channel.value), reference_sd_N);
+          channel.value = smooth_within_noise(std::move(channel.value), reference_sd_N, &prepared[k].health.smoothed_F_N);
     double row_step_s = kRowStep_s;
     if (single) {
       // a short recording of something fast keeps its samples

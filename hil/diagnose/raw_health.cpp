@@ -83,6 +83,17 @@ double middle_of_four(double a, double b, double c, double d) {
   return 0.5 * (a + b + c + d - low - high);
 }
 
+// Scatter of one sample among the 24 on either side, those next to it left out: median of the second differences. Noise that grows with
+// the load and bursts make all of them jump.
+double scatter_around(const std::vector<double>& U, std::size_t at) {
+  constexpr std::size_t kAround = 24, kBeside = 3;
+  std::vector<double> second;
+  for (std::size_t k = std::max(at, kAround + 1) - kAround; k + 1 < std::min(U.size(), at + kAround); ++k)
+    if ((k + kBeside < at || k > at + kBeside) && std::isfinite(U[k - 1] + U[k] + U[k + 1])) second.push_back(std::abs(U[k - 1] - 2.0 * U[k] + U[k + 1]));
+  const double median = quantile(std::move(second), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
+}
+
 // Spikes come at any level of the output. Jumps that sit at a few levels only are steps of the converter's curve: the
 // levels that hold four fifths of them are hardly visited otherwise.
 bool sit_at_fixed_levels(const std::vector<double>& U, const std::vector<double>& level) {
@@ -222,6 +233,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = 1;
   };
+  constexpr double kAboveAround = 8.0;
   std::vector<std::size_t> spike;
   std::vector<double> spike_level;
   // a spike comes back, and its neighbours know nothing of it; what stays is an edge, or held samples that were let go, and what they
@@ -233,6 +245,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   for (std::size_t i = 2; i + 2 < n; ++i) {
     if (!std::isfinite(U[i])) {
       ++out.missing;
+      out.missing_runs += std::isfinite(F[i]) && std::isfinite(U[i - 1]) ? 1 : 0;
       out.bad[i] = 1;
       continue;
     }
@@ -246,7 +259,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       out.zero_runs += at_low_end(i - 1) ? 0 : 1;
       ++(at_low_end(i - 1) || at_low_end(i + 1) ? out.zeros : out.lone_zeros);
       mark(i, jump);
-    } else if (stands_alone(i, jump)) {
+    } else if (stands_alone(i, jump) && jump > kAboveAround * scatter_around(U, i)) {
       spike.push_back(i);
       spike_level.push_back(middle);
     }

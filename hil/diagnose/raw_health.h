@@ -16,11 +16,13 @@ struct RecordHealth {
   std::vector<std::uint8_t> bad;  ///< samples that no fit may use
   std::size_t samples = 0, missing = 0, outliers = 0, held = 0, zeros = 0, at_rail = 0, gaps = 0;
   std::size_t zero_runs = 0;  ///< at the low end where the force says otherwise
+  std::size_t missing_runs = 0;  ///< of the output alone: the reference went on
   std::size_t lone_zeros =
       0;  ///< single samples at the low end: a lost sample, or a spike that was cut off there
   std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
   double bit_V = 0.0;                       ///< that size
   double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample, from fourth differences
+  double smoothed_F_N = 0.0;                ///< noise of the reference that smoothing leaves; 0 where nothing was smoothed
   ReferenceScatter scatter_F;               ///< of the reference beside the output, coloured noise included
   double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
   double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some

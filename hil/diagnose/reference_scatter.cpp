@@ -10,7 +10,7 @@ namespace forcegate::diagnose {
 namespace {
 
 struct Window {
-  double scatter_N, moves_V;  // standard deviations: of F beside U and a parabola, of U
+  double scatter_N, moves_V;  // standard deviations: of F beside U, its slope and a parabola, of U
 };
 
 std::vector<Window> windows_of(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double window_s) {
@@ -32,28 +32,26 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
     place.push_back(x);
   }
   for (std::size_t w = 0; w < windows; w += stride) {
-    Eigen::Vector3d with_U = Eigen::Vector3d::Zero(), with_F = with_U;
-    double UU = 0.0, UF = 0.0, FF = 0.0;
+    // places, U, its slope (a late reference does not scatter), F
+    Eigen::Matrix3d with = Eigen::Matrix3d::Zero(), among = with;
     for (std::size_t k = 0; k < length; ++k) {
       const std::size_t i = w * length + k;
       const Eigen::Vector3d v(1.0, place[k], place[k] * place[k]);
-      with_U += v * U_V[i];
-      with_F += v * F_N[i];
-      UU += U_V[i] * U_V[i];
-      UF += U_V[i] * F_N[i];
-      FF += F_N[i] * F_N[i];
+      const Eigen::Vector3d x(U_V[i], 0.5 * (U_V[std::min(i + 1, n - 1)] - U_V[i > 0 ? i - 1 : 0]), F_N[i]);
+      with += v * x.transpose();
+      among += x * x.transpose();
     }
     // a missing sample is missing in these sums
-    if (!std::isfinite(UU) || !std::isfinite(FF)) continue;
-    const double samples = static_cast<double>(length), mean_U = with_U[0] / samples;
-    const double moves_V = std::sqrt(std::max(0.0, UU / samples - mean_U * mean_U));
-    Eigen::Matrix<double, 5, 5> M;
-    M << places, with_U, with_F, with_U.transpose(), UU, UF, with_F.transpose(), UF, FF;
+    if (!among.allFinite()) continue;
+    const double samples = static_cast<double>(length), mean_U = with(0, 0) / samples;
+    const double moves_V = std::sqrt(std::max(0.0, among(0, 0) / samples - mean_U * mean_U));
+    Eigen::Matrix<double, 6, 6> M;
+    M << places, with, with.transpose(), among;
     // U may stand still to the last code: its share is then nothing
-    M(3, 3) += 1e-12 * (1.0 + M(3, 3));
-    const Eigen::Vector4d c = M.topLeftCorner<4, 4>().ldlt().solve(M.topRightCorner<4, 1>());
-    const double left = std::max(0.0, M(4, 4) - c.dot(M.topRightCorner<4, 1>()));
-    out.push_back({std::sqrt(left / (samples - 4.0)), moves_V});
+    for (const int j : {3, 4}) M(j, j) += 1e-12 * (1.0 + M(j, j));
+    const Eigen::Matrix<double, 5, 1> c = M.topLeftCorner<5, 5>().ldlt().solve(M.topRightCorner<5, 1>());
+    const double left = std::max(0.0, M(5, 5) - c.dot(M.topRightCorner<5, 1>()));
+    out.push_back({std::sqrt(left / (samples - 5.0)), moves_V});
   }
   return out;
 }

@@ -220,7 +220,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
       out.refused.push_back({family.kind->name, why, family.gain, is_suspicion(why)});
       // the scatter within records and the spread between them are different questions: the next family may answer the
       // other. What fits worse than a refused family answers the same question no better
-      const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain || why == kTooSmall;
+      const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain || why == kTooSmall || why == kJitter;
       ++place;
       while (!unphysical && place < result.families.size() && is_between_records(result.families[place].kind->name) == chosen.between) ++place;
       const bool other_question = place < result.families.size() && is_between_records(result.families[place].kind->name) && !chosen.between;

@@ -5,9 +5,8 @@
 
 namespace forcegate::diagnose {
 
-Structure structure_of(const ResidualChannel& channel, const MixedFit& fit) {
+Structure structure_of(const ResidualChannel& channel, const std::vector<std::vector<double>>& residual) {
   Structure out;
-  const auto residual = residual_rows(channel, fit);
   double sum = 0.0, total = 0.0;
   for (std::size_t k = 0; k < residual.size(); ++k) {
     if (residual[k].size() < 100) continue;
@@ -15,8 +14,8 @@ Structure structure_of(const ResidualChannel& channel, const MixedFit& fit) {
     double square = 0.0;
     for (double e : residual[k]) square += e * e;
     square /= static_cast<double>(residual[k].size());
-    const double scale2 = channel.scale * channel.scale,
-                 noise2 = channel.problem.records[k].allowed_variance * scale2;
+    const RecordGram& record = channel.problem.records[k];
+    const double scale2 = channel.scale * channel.scale, noise2 = (record.allowed_variance + record.smoothed_variance) * scale2;
     // neighbours in time that agree, or more than the noise can make
     const double smooth = std::max(0.0, autocorrelated_share({residual[k]}, 5)) * square;
     const double excess = std::max(0.0, square - 1.3 * noise2);

@@ -13,8 +13,8 @@ struct Structure {
   std::size_t of_records = 0;
 };
 
-/// Structure left in the residual of a fit: mean squares above the known noise that hang together over rows.
-Structure structure_of(const ResidualChannel& channel, const MixedFit& fit);
+/// Structure left in a residual (rows of every record): mean squares above the known noise that hang together over rows.
+Structure structure_of(const ResidualChannel& channel, const std::vector<std::vector<double>>& residual);
 
 /// Groups of coordinates that the residual depends on, at most three; "time" when nothing else explains it.
 std::vector<std::string> depends_on(const std::vector<ResidualMap>& maps);

@@ -75,6 +75,7 @@ struct Workspace {
   std::vector<RecordShift> shifts;  ///< per record
   std::vector<double> noise_V;      ///< row noise of U at given F_ref, errors in variables included
   std::vector<double> white_V;      ///< its white part alone
+  std::vector<double> smoothed_V;   ///< what smoothing leaves of the noise of F
   ResidualChannel output, rig, command;
   bool has_command = false;
   bool has_rig = false;

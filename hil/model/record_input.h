@@ -83,6 +83,7 @@ struct CampaignInput {
   bool has_theta = false, has_temp = false, has_humidity = false, has_drive = false, has_command = false,
        has_capacitance = false;
   int mountings = 0;     ///< how many were declared; 0: some record does not say and its neighbours do not tell
+  bool has_start_times = true;  ///< false: nobody wrote down when the records were taken
   bool single = false;   ///< one recording, its records are blocks of it
   bool generic = false;  ///< not a force sensor's campaign: plain input and output columns
   std::vector<std::string> notes;

@@ -55,9 +55,11 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
       r.start_s = clock_s;
       clock_s += r.duration_s;
     }
-    if (!rests_known && records.size() > 1)
+    if (!rests_known && records.size() > 1) {
+      campaign.has_start_times = false;
       campaign.notes.push_back(
           "start times are not declared: records are taken in order with 10 min of rest between");
+    }
   }
 
   std::vector<double> F, U;

@@ -241,7 +241,7 @@ void parts() {
 
   const auto residual = diagnose::residual_rows(channel, base);
   row("residual tests, 200 lags", best_cpu_s(1, [&] { sink = bare_residual_tests(b); }),
-      best_cpu_s(3, [&] { sink = diagnose::structure_of(channel, base).rms; }),
+      best_cpu_s(3, [&] { sink = diagnose::structure_of(channel, diagnose::residual_rows(channel, base)).rms; }),
       "structure against noise, on rows");
   row("a map of 40 x 40", best_cpu_s(5, [&] { sink = bare_map(b); }),
       best_cpu_s(3, [&] { sink = diagnose::residual_maps(w, channel, residual).front().share; }),

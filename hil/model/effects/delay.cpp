@@ -23,9 +23,9 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .sign = StrengthSign::positive,
          .grid =
              [](const CampaignInput&) {
-               return std::vector<std::vector<double>>{{0.001},  {0.002},  {0.004},  {0.007},  {0.012},
-                                                       {0.02},   {0.035},  {0.06},   {0.1},    {-0.001},
-                                                       {-0.002}, {-0.004}, {-0.008}, {-0.016}, {-0.032}};
+               return std::vector<std::vector<double>>{{0.0004}, {0.001},  {0.002},  {0.004},  {0.007},  {0.012},
+                                                       {0.02},   {0.035},  {0.06},   {0.1},    {-0.0004},
+                                                       {-0.001}, {-0.002}, {-0.004}, {-0.008}, {-0.016}, {-0.032}};
              },
          .columns =
              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {

@@ -39,5 +39,28 @@ TEST(BetweenRecords, ATemperatureThatTheSensorDoesNotMindIsNoFinding) {
   }
 }
 
+// The zero creeps up over the campaign.
+Campaign with_a_course(bool times) {
+  Campaign c = make_campaign(74, [](const std::vector<double>&, const std::vector<double>& F, int record) {
+    std::vector<double> U;
+    for (const double f : F) U.push_back(2.0 * f + 0.2 + 0.3 * std::log1p(record));
+    return U;
+  });
+  if (!times)
+    for (Record& r : c.records) r.start_s = std::nullopt;
+  return c;
+}
+
+TEST(BetweenRecords, ACourseOverTimeNeedsTheTimes) {
+  const auto largest = [](const Diagnosis& d) {
+    double out = 0.0;
+    for (const Finding& f : d.findings) out = std::max(out, f.probability);
+    return out;
+  };
+  EXPECT_GE(largest(answer(with_a_course(true))), 0.5);
+  const Diagnosis d = answer(with_a_course(false));
+  EXPECT_LT(largest(d), 0.5) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

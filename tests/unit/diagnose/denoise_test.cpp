@@ -37,6 +37,15 @@ TEST(SmoothWithinNoise, TakesMostOfTheNoiseOffASlowRamp) {
   EXPECT_LT(rms(smooth_within_noise(n.seen, 0.01), n.truth, 100, 3900), 0.004);
 }
 
+TEST(SmoothWithinNoise, TellsTheNoiseThatIsLeft) {
+  const Noisy n = noisy([](double t) { return 0.1 * t; }, 0.01);
+  double left = 0.0;
+  const std::vector<double> out = smooth_within_noise(n.seen, 0.01, &left);
+  EXPECT_NEAR(left, rms(out, n.truth, 0, 4000), 0.15 * left);
+  smooth_within_noise(std::vector<double>(10, 1.0), 0.01, &left);  // too short to be smoothed
+  EXPECT_EQ(left, 0.01);
+}
+
 TEST(SmoothWithinNoise, KeepsAnEdgeWhereItIs) {
   const Noisy n = noisy([](double t) { return t < 10.0 ? 0.0 : 1.0; }, 0.01);
   const std::vector<double> out = smooth_within_noise(n.seen, 0.01);

@@ -103,6 +103,21 @@ TEST(Engine, NamesNothingThatLeavesMostOfAnErrorFarAboveTheNoise) {
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
 }
 
+TEST(Engine, AnAmplifierThatChangesItsRangeIsNoCurve) {
+  // 4 % more above 3 N, until it falls below 1.5 N: a curve takes half of it
+  const Diagnosis d = answer(make_campaign(17, [](const std::vector<double>&, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    bool high = false;
+    for (const double f : F) {
+      high = f > 3.0 || (high && f > 1.5);
+      U.push_back(2.0 * f * (high ? 1.04 : 1.0) + 0.2);
+    }
+    return U;
+  }));
+  for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << told(d);
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
+}
+
 TEST(Engine, StepsOfTheReferenceInAHandfulOfLevelsAreNoCurve) {
   for (std::uint64_t seed = 31; seed <= 33; ++seed) {
     Campaign c = make_campaign(seed, straight, 0.002);

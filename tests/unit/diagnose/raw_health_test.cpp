@@ -99,6 +99,36 @@ TEST(RawHealth, ALostSampleOfTheReferenceHidesNoHeldOutput) {
   }
 }
 
+TEST(RawHealth, AnOutputThatGoesMissingAgainAndAgainLosesSamples) {
+  const auto missing = [](std::size_t records, std::size_t each, std::size_t length, bool reference_too) {
+    Campaign c = make_campaign(36, straight);
+    for (std::size_t k = 0; k < records; ++k)
+      for (std::size_t j = 0; j < each; ++j)
+        for (std::size_t i = 0; i < length; ++i)
+          for (const char* name : {"U", "F_ref"})
+            if (reference_too || name[0] == 'U') c.records[k].trace.find(name)->value[1500 + 3001 * j + i] = kMissing;
+    return claims_of_samples(c);
+  };
+  const std::vector<HealthClaim> claims = missing(8, 6, 80, false);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+  EXPECT_NEAR(claims[0].value, 0.02, 1e-3);
+  EXPECT_TRUE(missing(8, 6, 20, false).empty()) << "half a percent is noted, no finding";
+  EXPECT_TRUE(missing(2, 7, 400, false).empty()) << "two records of eight";
+  EXPECT_TRUE(missing(8, 6, 80, true).empty()) << "rows that were lost, not samples of the output";
+}
+
+TEST(RawHealth, NoiseThatGrowsWithTheLoadIsNoSpike) {
+  Campaign c = make_campaign(37, straight);
+  Rng rng(37, "load noise");
+  for (Record& r : c.records) {
+    const auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    for (std::size_t i = 0; i < U.size(); ++i) U[i] += 0.08 * std::pow(F[i] / 4.0, 4) * rng.normal();
+  }
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "outliers") << claim.evidence;
+}
+
 TEST(RawHealth, AFewZerosInSeveralRecordsAreDropouts) {
   const auto lost = [](std::size_t each) {
     Campaign c = make_campaign(24, straight);

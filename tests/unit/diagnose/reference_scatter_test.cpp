@@ -41,6 +41,19 @@ TEST(ReferenceScatter, LeavesOutAForceThatReallyTrembles) {
   EXPECT_LT(scatter(make(0.005, 0.0, 0.05)), 0.008);
 }
 
+TEST(ReferenceScatter, AReferenceThatIsLateOnAFastSineDoesNotScatter) {
+  Made m;
+  Rng rng(53, "late");
+  for (int i = 0; i < 6000; ++i) {
+    const double t = i / 50.0;
+    const auto force = [](double at) { return 2.0 + 1.4 * std::sin(25.0 * at); };
+    m.t.push_back(t);
+    m.F.push_back(force(t - 0.001) + 0.005 * rng.normal());
+    m.U.push_back(2.0 * force(t) + 0.002 * rng.normal());
+  }
+  EXPECT_NEAR(scatter(m), 0.005, 0.0015);
+}
+
 TEST(ReferenceScatter, GivesNothingForAFewSamples) {
   Made m = make(0.03, 0.0, 0.0);
   m.t.resize(100);

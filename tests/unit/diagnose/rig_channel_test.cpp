@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -14,6 +15,7 @@ namespace {
 struct Bench {
   double reference_lag_s = 0.0;
   double resolution_N = 0.005;
+  std::array<double, 7> turns_Hz = {0.0, 0.4, 0.0, 1.5, 0.0, 3.0, 0.0};  // 0: slowly to and fro
   std::function<double(int)> eccentricity_mm = [](int) { return 6.0; };
   std::function<double(double, double, double)> push = [](double, double, double) { return 0.0; };  // N, seen by the sensor
   double lift_N = 0.0;                                                  // the wheel stands so far back
@@ -23,7 +25,7 @@ struct Bench {
   std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
 };
 
-// A wheel that turns in three records and goes slowly to and fro in four; the sensor is a straight line.
+// A wheel that turns in some records and goes slowly to and fro in the others; the sensor is a straight line.
 Campaign turning(const Bench& bench) {
   constexpr double kRate_Hz = 250.0, k = 0.25;
   Campaign c;
@@ -31,7 +33,7 @@ Campaign turning(const Bench& bench) {
   c.bench.reference_resolution_N = bench.resolution_N;
   c.bench.spring_N_per_mm = k;
   Rng rng(11, "wheel");
-  const double hertz[] = {0.0, 0.4, 0.0, 1.5, 0.0, 3.0, 0.0};
+  const auto& hertz = bench.turns_Hz;
   for (int n = 0; n < 7; ++n) {
     Record r;
     r.name = "r" + std::to_string(n);
@@ -93,6 +95,15 @@ std::string claims(const Diagnosis& d) {
 TEST(RigChannel, AReferenceThatReadsAFewMillisecondsLateIsNoBacklash) {
   Bench bench;
   bench.reference_lag_s = 0.004;
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "");
+  EXPECT_EQ(to_string(d.verdict), "none");
+}
+
+TEST(RigChannel, AReferenceThatIsHalfAMillisecondLateIsNoPushFromTheSide) {
+  Bench bench;
+  bench.reference_lag_s = 0.0004;
+  bench.turns_Hz.fill(2.0);  // at one speed the two are the same but for their size
   const Diagnosis d = diagnose(bench);
   EXPECT_EQ(claims(d), "");
   EXPECT_EQ(to_string(d.verdict), "none");

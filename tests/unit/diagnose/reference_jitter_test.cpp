@@ -1,0 +1,77 @@
+#include "hil/diagnose/reference_jitter.h"
+
+#include "tests/unit/diagnose/made_campaign.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+// Six records of ten levels each, U = F. The reference reads each with a noise that the output never sees (column 0 holds it); `loop` differs
+// between the levels that were loaded and unloaded, `noise` is the noise itself.
+enum Column { kLoop, kNoise };
+
+ResidualChannel levels(double loop) {
+  ResidualChannel channel;
+  MixedProblem& p = channel.problem;
+  p.nz = p.n_fixed = p.ns = 2;
+  p.component_of_z = {0, 1};
+  p.components = {{"gain", 0.02, 0.002, 0.5}, {"offset", 0.01, 0.001, 0.5}};
+  p.fixed_prior_sd = Eigen::Vector2d(10.0, 10.0);
+  p.column_prior_sd = Eigen::Vector2d(2.0, 2.0);
+  Rng rng(61, "jitter");
+  for (int k = 0; k < 6; ++k) {
+    RecordRows rows;
+    rows.matrix = Eigen::MatrixXd(500, 5);
+    for (int i = 0; i < 500; ++i) {
+      const int level = i / 50, step = level < 5 ? level : 9 - level;
+      const double F = 0.2 * step, noise = 0.001 * rng.normal(), side = level < 5 ? -0.001 : 0.001;
+      rows.row.push_back(static_cast<std::size_t>(i));
+      rows.matrix.row(i) << F + noise, 1.0, side, noise, F + loop * side + 1e-4 * rng.normal();
+    }
+    RecordGram g;
+    g.gram = (rows.matrix.transpose() * rows.matrix) / 500.0;
+    g.n_eff = 100.0;
+    g.noise_variance = g.allowed_variance = 1e-8;
+    p.records.push_back(g);
+    channel.rows.push_back(std::move(rows));
+    channel.record_of.push_back(static_cast<std::size_t>(k));
+  }
+  return channel;
+}
+
+double share_of(const ResidualChannel& channel, Column column) {
+  const MixedFit before = fit_mixed(channel.problem, {}, nullptr, 20, RecordUse::all_records);
+  const MixedFit after = fit_mixed(channel.problem, {column}, &before, 20, RecordUse::all_records);
+  EXPECT_TRUE(before.valid && after.valid);
+  return share_of_jitter(channel, before, after);
+}
+
+TEST(ReferenceJitter, WhatFlattensTheNoiseOfTheReferenceTakesNothingElse) { EXPECT_GT(share_of(levels(0.0), kNoise), 0.8); }
+
+TEST(ReferenceJitter, ALoopBetweenStandingLevelsTakesNoneOfIt) { EXPECT_NEAR(share_of(levels(1.0), kLoop), 0.0, 0.1); }
+
+// A reference whose noise hangs together over 30 ms: local parabolas leave part of it, and a play of its width would flatten it.
+TEST(ReferenceJitter, ARestlessReferenceOverStandingWeightsIsNoLoop) {
+  for (const std::uint64_t seed : {81u, 82u, 83u}) {
+    Campaign c = make_campaign(seed, straight, 0.001);
+    Rng rng(seed, "restless");
+    for (std::size_t k = 0; k < c.records.size(); ++k) {
+      auto& F = c.records[k].trace.find("F_ref")->value;
+      auto& U = c.records[k].trace.find("U")->value;
+      c.records[k].kind = "staircase";
+      double slow = 0.0;
+      for (std::size_t i = 0; i < F.size(); ++i) {
+        const double t = static_cast<double>(i) / 200.0, at = std::floor(t / 12.0), level = 0.5 + 0.7 * std::min(at, 9.0 - at) + 0.05 * static_cast<double>(k);
+        slow = 0.85 * slow + std::sqrt(1.0 - 0.85 * 0.85) * rng.normal();
+        F[i] = std::round((level + 0.010 * rng.normal() + 0.007 * slow) / 0.01) * 0.01;
+        U[i] = 2.0 * level + 0.2 + 0.002 * rng.normal();
+      }
+    }
+    c.bench.reference_resolution_N = 0.01;
+    c.bench.reference_noise_N = 0.0125;
+    const Diagnosis d = answer(std::move(c));
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << seed << "\n" << told(d);
+  }
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
