@@ -282,7 +282,7 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
 }
 
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings) {
-  constexpr double kMost = 0.75, kMostOfFreeForm = 0.45;  // of the RMS error: over half of the mean square, a fifth
+  constexpr double kMost = 0.75, kMostOfFamily = 0.45;  // of the RMS error: over half of the mean square, a fifth
   constexpr double kAbove = 2.5, kFarAbove = 8.0;         // of the instruments' noise
   constexpr double kWithdrawn = 0.2;
   // over all records: an effect may show in none of those that judge
@@ -291,13 +291,13 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   };
   const double before = rms(selection.base), after = rms(selection.claimed);
   if (!(after > (remains ? kAbove : kFarAbove) * allowed_rms(channel))) return false;
-  const bool leaves_most = after > kMost * before,
-             forms_leave_much = remains && selection.excess_after > kMostOfFreeForm * kMostOfFreeForm * selection.excess_before;
+  const bool leaves_most = after > kMost * before;
+  if (!(selection.excess_after > kMostOfFamily * kMostOfFamily * selection.excess_before)) return false;
   bool withdrawn = false;
   for (const ChosenEffect& c : selection.chosen)
     for (Finding& f : findings)
       if (f.effect == c.kind->name && f.form != "raw" && !c.between && f.probability > kNoClaim &&
-          (has_free_form(f.effect) ? forms_leave_much : leaves_most)) {
+          (leaves_most || (remains && has_free_form(f.effect)))) {
         f.probability = kWithdrawn;
         f.evidence += "; not claimed: it leaves too much of the error, far above the noise";
         withdrawn = true;

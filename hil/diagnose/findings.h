@@ -41,9 +41,9 @@ void suspect_refused(Diagnosis& out);
 /// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings);
 
-/// Claims about the output are suspicions where they leave more than half of the mean square of all records and that is far above what the instruments
-/// may leave, or where structure `remains`: something else is at work. An effect whose forms fit any course that it can take (a curve, a
-/// loop, a lag) must, with all of them, leave less than a fifth of what the noise does not explain. True when one was withdrawn.
+/// Claims about the output are suspicions where all forms of their families leave more than a fifth of the mean square that the noise does not
+/// explain, far above it or with structure that `remains`, and they themselves leave more than half of the mean square of all records, or
+/// could take any course of their kind (a curve, a loop, a lag): something else is at work. True when one was withdrawn.
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings);
 
 /// Rivals that no more than odds of 4 : 1 part.

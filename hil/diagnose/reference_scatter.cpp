@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace forcegate::diagnose {
@@ -10,7 +11,7 @@ namespace forcegate::diagnose {
 namespace {
 
 struct Window {
-  double scatter_N, moves_V;  // standard deviations: of F beside U, its slope and a parabola, of U
+  double scatter_N, moves_N, moves_V;  // standard deviations: of F beside U, its slope and a parabola, of F, of U
 };
 
 std::vector<Window> windows_of(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double window_s) {
@@ -43,15 +44,16 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
     }
     // a missing sample is missing in these sums
     if (!among.allFinite()) continue;
-    const double samples = static_cast<double>(length), mean_U = with(0, 0) / samples;
+    const double samples = static_cast<double>(length), mean_U = with(0, 0) / samples, mean_F = with(0, 2) / samples;
     const double moves_V = std::sqrt(std::max(0.0, among(0, 0) / samples - mean_U * mean_U));
+    const double moves_N = std::sqrt(std::max(0.0, among(2, 2) / samples - mean_F * mean_F));
     Eigen::Matrix<double, 6, 6> M;
     M << places, with, with.transpose(), among;
     // U may stand still to the last code: its share is then nothing
     for (const int j : {3, 4}) M(j, j) += 1e-12 * (1.0 + M(j, j));
     const Eigen::Matrix<double, 5, 1> c = M.topLeftCorner<5, 5>().ldlt().solve(M.topRightCorner<5, 1>());
     const double left = std::max(0.0, M(5, 5) - c.dot(M.topRightCorner<5, 1>()));
-    out.push_back({std::sqrt(left / (samples - 5.0)), moves_V});
+    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V});
   }
   return out;
 }
@@ -59,11 +61,18 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
 }  // namespace
 
 ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double U_range_V) {
-  constexpr double kWindow_s = 0.25, kStillWindow_s = 0.5, kStill = 0.01, kKept = 0.95;
+  // of the record's span; beyond kSlow what the output does besides following the force would be laid at the reference's door
+  constexpr double kWindow_s = 0.25, kSlow = 0.1, kStillWindow_s = 0.5, kStill = 0.01, kKept = 0.95;
   constexpr std::size_t kFewest = 8, kFewestStill = 10;
   ReferenceScatter out;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double F : F_N) {
+    low = std::min(low, F);
+    high = std::max(high, F);
+  }
   std::vector<double> scatter;
-  for (const Window& w : windows_of(t_s, F_N, U_V, kWindow_s)) scatter.push_back(w.scatter_N);
+  for (const Window& w : windows_of(t_s, F_N, U_V, kWindow_s))
+    if (w.moves_N < kSlow * (high - low)) scatter.push_back(w.scatter_N);
   if (scatter.size() >= kFewest) {
     const auto quarter = scatter.begin() + static_cast<std::ptrdiff_t>(scatter.size() / 4);
     std::nth_element(scatter.begin(), quarter, scatter.end());
