@@ -5,40 +5,25 @@
 #include <cmath>
 
 #include "hil/base/rng.h"
+#include "tests/unit/diagnose/made_channel.h"
 
 namespace forcegate::diagnose {
 namespace {
 
 // Records of a straight law; column 0 acts in all of them, column 1 is another noise in each.
 ResidualChannel make(double strength, int records, int with_effect) {
-  ResidualChannel channel;
-  MixedProblem& p = channel.problem;
-  p.nz = p.n_fixed = p.ns = 2;
-  p.component_of_z = {0, 1};
-  p.components = {{"gain", 0.02, 0.002, 0.5}, {"offset", 0.01, 0.001, 0.5}};
-  p.fixed_prior_sd = Eigen::Vector2d(10.0, 10.0);
-  p.column_prior_sd = Eigen::Vector2d(0.1, 0.1);
+  ResidualChannel channel = channel_of_lines(2, 0.1);
   Rng rng(31, "left out");
   for (int k = 0; k < records; ++k) {
-    RecordRows rows;
-    rows.matrix = Eigen::MatrixXd(400, 5);
+    Eigen::MatrixXd rows(400, 5);
     const double gain = 1.0 + 0.003 * rng.normal(), own = rng.normal();
     for (int i = 0; i < 400; ++i) {
       const double F = 0.5 + 0.5 * std::sin(0.05 * i + k), x = std::sin(0.21 * i), e = 0.002 * rng.normal();
-      rows.row.push_back(static_cast<std::size_t>(i));
       // the second column points up or down by the record's own whim
-      rows.matrix.row(i) << F, 1.0, x, std::sin(0.13 * i),
+      rows.row(i) << F, 1.0, x, std::sin(0.13 * i),
           gain * F + (k < with_effect ? strength * x : 0.0) + 0.01 * own * std::sin(0.13 * i) + e;
     }
-    RecordGram g;
-    g.name = "r" + std::to_string(k);
-    g.gram = (rows.matrix.transpose() * rows.matrix) / 400.0;
-    g.n_eff = 80.0;
-    g.noise_variance = 1e-6;
-    g.allowed_variance = 4e-6;
-    p.records.push_back(g);
-    channel.rows.push_back(std::move(rows));
-    channel.record_of.push_back(static_cast<std::size_t>(k));
+    add_record(channel, std::move(rows), 80.0, 1e-6, 4e-6);
   }
   return channel;
 }

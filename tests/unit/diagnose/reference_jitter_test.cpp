@@ -1,6 +1,7 @@
 #include "hil/diagnose/reference_jitter.h"
 
 #include "tests/unit/diagnose/made_campaign.h"
+#include "tests/unit/diagnose/made_channel.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -10,30 +11,16 @@ namespace {
 enum Column { kLoop, kNoise };
 
 ResidualChannel levels(double loop) {
-  ResidualChannel channel;
-  MixedProblem& p = channel.problem;
-  p.nz = p.n_fixed = p.ns = 2;
-  p.component_of_z = {0, 1};
-  p.components = {{"gain", 0.02, 0.002, 0.5}, {"offset", 0.01, 0.001, 0.5}};
-  p.fixed_prior_sd = Eigen::Vector2d(10.0, 10.0);
-  p.column_prior_sd = Eigen::Vector2d(2.0, 2.0);
+  ResidualChannel channel = channel_of_lines(2, 2.0);
   Rng rng(61, "jitter");
   for (int k = 0; k < 6; ++k) {
-    RecordRows rows;
-    rows.matrix = Eigen::MatrixXd(500, 5);
+    Eigen::MatrixXd rows(500, 5);
     for (int i = 0; i < 500; ++i) {
       const int level = i / 50, step = level < 5 ? level : 9 - level;
       const double F = 0.2 * step, noise = 0.001 * rng.normal(), side = level < 5 ? -0.001 : 0.001;
-      rows.row.push_back(static_cast<std::size_t>(i));
-      rows.matrix.row(i) << F + noise, 1.0, side, noise, F + loop * side + 1e-4 * rng.normal();
+      rows.row(i) << F + noise, 1.0, side, noise, F + loop * side + 1e-4 * rng.normal();
     }
-    RecordGram g;
-    g.gram = (rows.matrix.transpose() * rows.matrix) / 500.0;
-    g.n_eff = 100.0;
-    g.noise_variance = g.allowed_variance = 1e-8;
-    p.records.push_back(g);
-    channel.rows.push_back(std::move(rows));
-    channel.record_of.push_back(static_cast<std::size_t>(k));
+    add_record(channel, std::move(rows), 100.0, 1e-8, 1e-8);
   }
   return channel;
 }
