@@ -283,7 +283,7 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
 
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings) {
   constexpr double kMost = 0.75, kMostOfFamily = 0.45;  // of the RMS error: over half of the mean square, a fifth
-  constexpr double kAbove = 2.5, kFarAbove = 8.0;         // of the instruments' noise
+  constexpr double kAbove = 2.5, kFarAbove = 8.0;               // of the instruments' noise
   constexpr double kWithdrawn = 0.2;
   // over all records: an effect may show in none of those that judge
   const auto rms = [&](const MixedFit& fit) {

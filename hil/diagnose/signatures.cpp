@@ -308,7 +308,6 @@ void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads
     gram.allowed_variance =
         (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
     gram.noise_variance = 0.25 * gram.allowed_variance;
-    gram.smoothed_variance = std::pow(w.smoothed_V[k] / channel.scale, 2);
     gram.heldout = r.heldout && !w.all_fit;
     start_record(channel, k, Z, y);
   });

@@ -9,15 +9,15 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr double kFast = 0.05;           // of the force range, from the row before to the row behind
-constexpr double kMost = 0.4;            // of the rows: more of them are no edges
-constexpr double kSamplesOfARow = 1.5;   // below it a row is one sample
-constexpr std::ptrdiff_t kAround = 2;    // rows beside an edge
+constexpr double kFast = 0.05;          // of the force range, from the row before to the row behind
+constexpr double kMost = 0.4;           // of the rows: more of them are no edges
+constexpr double kSamplesOfARow = 1.5;  // below it a row is one sample
+constexpr std::ptrdiff_t kAround = 2;   // rows beside an edge
 
-std::vector<char> edges_of(const RecordInput& record, double range_N) {
+std::vector<char> edges_of(const RecordInput& record, std::size_t samples, double range_N) {
   const auto n = static_cast<std::ptrdiff_t>(record.rows());
   std::vector<char> out(record.rows(), 0);
-  if (static_cast<double>(record.fast_t_s.size()) > kSamplesOfARow * static_cast<double>(n)) return out;
+  if (static_cast<double>(samples) > kSamplesOfARow * static_cast<double>(n)) return out;
   for (std::ptrdiff_t i = 1; i + 1 < n; ++i) {
     const auto at = static_cast<std::size_t>(i);
     if (std::abs(record.F_N[at + 1] - record.F_N[at - 1]) > kFast * range_N)
@@ -32,7 +32,10 @@ std::vector<char> edges_of(const RecordInput& record, double range_N) {
 std::vector<std::vector<double>> resolved_residual(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& fit) {
   std::vector<std::vector<double>> out = residual_rows(channel, fit);
   for (std::size_t k = 0; k < out.size(); ++k) {
-    const std::vector<char> edge = edges_of(input.records[channel.record_of[k]], input.range_N);
+    const RecordInput& record = input.records[channel.record_of[k]];
+    // the blocks of one recording share the samples of the first
+    const std::size_t samples = input.single ? input.records.front().fast_t_s.size() : record.fast_t_s.size();
+    const std::vector<char> edge = edges_of(record, samples, input.range_N);
     std::size_t kept = 0;
     for (std::size_t j = 0; j < out[k].size(); ++j)
       if (edge[channel.rows[k].row[j]] == 0) out[k][kept++] = out[k][j];
