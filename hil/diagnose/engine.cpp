@@ -243,8 +243,9 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual, options.threads);
+  // where all claims were withdrawn, what they soak up is unknown too
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
-    out.depends_on = depends_on(out.maps_after);
+    out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection.base, selection.claimed, out);
   add_steps(w, selection, out);

@@ -34,6 +34,9 @@ Result<int> run(const Invocation& in) {
     console.next("forcegate next " + campaign);
   else if (in.text("html").empty())
     console.next("forcegate diagnose " + campaign + " --html diagnosis.html");
+  else
+    console.next("forcegate fit " + campaign + " -o model.toml" +
+                 (answer.verdict == DiagnosisVerdict::unknown ? ", then an [[effect]] of your own in it" : ""));
   return kExitSuccess;
 }
 
