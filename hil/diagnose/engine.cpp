@@ -161,15 +161,16 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
 
   const double explained =
       selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
-  const auto resolved = resolved_residual(w.input, w.output, selection.final);
+  const auto residual_after = residual_rows(w.output, selection.final);
+  const auto resolved = without_unresolved_edges(w.input, w.output, residual_after);
   const Structure left = structure_of(w.output, resolved);
   const double noise = allowed_rms(w.output);
-  const auto residual_after = residual_rows(w.output, selection.final);
   out.maps_after = residual_maps(w, w.output, residual_after, options.threads);
   const bool coloured = is_coloured_noise(w.input, w.output, residual_after, out.maps_after);
   const bool structured = is_structure(left, noise) && !coloured;
+  const auto residual_claimed = residual_rows(w.output, selection.claimed);
   const bool remains = (structured && explained < 0.8) ||
-                       (!coloured && far_above_noise(w.output, w, resolved_residual(w.input, w.output, selection.claimed)) > 0);
+                       (!coloured && far_above_noise(w.output, w, without_unresolved_edges(w.input, w.output, residual_claimed)) > 0);
   const bool named_enough = explained > 0.5 || !structured;
   add_findings(w, w.output, selection, named_enough ? std::max(explained, 0.6) : explained, out);
   std::move(suspicions.begin(), suspicions.end(), std::back_inserter(out.findings));
@@ -282,7 +283,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
                        [&](const RefusedEffect& o) { return o.effect == r.effect && o.reason == r.reason; }))
         out.refused.push_back(r);
   suspect_refused(out);
-  if (options.pictures) add_pictures(w, selection, residual, residual_rows(w.output, selection.claimed), out);
+  if (options.pictures) add_pictures(w, selection, residual, residual_claimed, out);
   return out;
 }
 

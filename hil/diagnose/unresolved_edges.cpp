@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/diagnose/residual_map.h"
-
 namespace forcegate::diagnose {
 
 namespace {
@@ -29,19 +27,19 @@ std::vector<char> edges_of(const RecordInput& record, std::size_t samples, doubl
 
 }  // namespace
 
-std::vector<std::vector<double>> resolved_residual(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& fit) {
-  std::vector<std::vector<double>> out = residual_rows(channel, fit);
-  for (std::size_t k = 0; k < out.size(); ++k) {
+std::vector<std::vector<double>> without_unresolved_edges(const CampaignInput& input, const ResidualChannel& channel,
+                                                          std::vector<std::vector<double>> residual) {
+  for (std::size_t k = 0; k < residual.size(); ++k) {
     const RecordInput& record = input.records[channel.record_of[k]];
     // the blocks of one recording share the samples of the first
     const std::size_t samples = input.single ? input.records.front().fast_t_s.size() : record.fast_t_s.size();
     const std::vector<char> edge = edges_of(record, samples, input.range_N);
     std::size_t kept = 0;
-    for (std::size_t j = 0; j < out[k].size(); ++j)
-      if (edge[channel.rows[k].row[j]] == 0) out[k][kept++] = out[k][j];
-    out[k].resize(kept);
+    for (std::size_t j = 0; j < residual[k].size(); ++j)
+      if (edge[channel.rows[k].row[j]] == 0) residual[k][kept++] = residual[k][j];
+    residual[k].resize(kept);
   }
-  return out;
+  return residual;
 }
 
 }  // namespace forcegate::diagnose

@@ -8,8 +8,8 @@
 
 namespace forcegate::diagnose {
 
-/// Residual of the chosen rows of every record, in the channel's unit, without the rows at such edges. A record that moves so fast most of
-/// the time keeps them all.
-std::vector<std::vector<double>> resolved_residual(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& fit);
+/// The residual of the chosen rows of every record without the rows at such edges. A record that moves so fast most of the time keeps them all.
+std::vector<std::vector<double>> without_unresolved_edges(const CampaignInput& input, const ResidualChannel& channel,
+                                                          std::vector<std::vector<double>> residual);
 
 }  // namespace forcegate::diagnose
