@@ -151,99 +151,153 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
   return chosen;
 }
 
-Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always, const std::vector<std::string>& skip,
-                         const SelectionRules& rules, unsigned threads) {
-  Selection out;
-  std::vector<int> present = always, carried = always;
-  std::vector<std::string> taken = skip;
-  ScreenResult result;
-  std::size_t place = 0;  // in the ranking
-  // what is carried along before anything is chosen belongs to the model that the first effect is judged against
-  const auto screen_again = [&](const MixedFit* warm) {
-    result = screen(channel, present, taken, warm, threads);
-    place = 0;
-    if (!result.base.valid) return false;
-    judge_between_records(input, channel, present, result);
-    out.final = result.base;
-    out.excess_after = excess_mean_square(channel, result.base);
-    if (out.chosen.empty()) {
-      out.first = result;
-      out.base = result.base;
-      out.excess_before = out.excess_after;
-    }
-    return true;
-  };
-  if (!screen_again(nullptr)) return out;
+namespace {
 
-  int latencies = 0;
-  bool leads = false;  // of the output over the reference, carried along: what is late beside them repairs the reference's smoothing
-  double largest_removed = 0.0;  // RMS
-  constexpr std::size_t kMostPlaces = 4;
-  for (int step = 0; step < rules.most; ++step) {
-    if (result.families.empty()) break;
-    if (place == 0) refine_leaders(input, channel, present, result, threads);
-    if (out.chosen.empty()) out.first = result;
-    const FamilyScore& family = result.families[place];
-    const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-    ChosenEffect chosen = as_chosen(input, channel, result.base, family, rules);
-    const bool first = out.chosen.empty();
-    // a lead of the output may be the lag of the reference, unless it depends on the load
-    const bool a_lead = rules.clock_slack && family.kind->name == "piezocapacitance" && family.gain > 4.0;
-    const bool loaded_lead = a_lead && depends_on_load(channel, present, result.base, family);
-    const bool plain_lead = a_lead && !loaded_lead;
-    if (plain_lead && latencies == 0) {
-      for (std::vector<int>* columns : {&present, &carried}) add_leads(channel, *columns, 0.006);
-      out.nuisance.push_back("a lead of the output of a few milliseconds is left to the reference");
-      if (!screen_again(&family.best.fit)) break;
-      ++latencies;
-      --step;
-      continue;
-    }
-    const bool slight_shift = !a_lead && rules.clock_slack && is_timing(family.kind->name) && family.gain > 4.0 && !family.best.wrong_sign &&
-                              shift_s(channel, family) <= kAllowedLatency_s && chosen.fall < (!first ? 0.6 : latencies > 0 ? 0.4 : 0.25);
-    // what a late reference explains nearly as well is its own, whatever else may fit
-    const bool nearly_latency = !loaded_lead && rules.clock_slack && latencies == 0 && first && place == 0 && is_nearly_latency(channel, result);
-    if ((rules.clock_slack && is_reference_latency(channel, family) && family.gain > 4.0) || slight_shift || nearly_latency) {
-      for (std::vector<int>* columns : {&present, &carried})
-        if (slight_shift) columns->insert(columns->end(), variant.columns.begin(), variant.columns.end());
-        else add_leads(channel, *columns);
-      out.nuisance.push_back(slight_shift ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
-                                          : kLatencyNote);
-      leads = leads || !slight_shift;
-      if (!screen_again(&family.best.fit) || ++latencies > 2) break;
-      --step;
-      continue;
-    }
-    const std::string why = plain_lead || (leads && is_late(family.kind->name)) ? kLeads
-                            : objection(channel, result, family, chosen, out.chosen, largest_removed, rules);
-    if (!why.empty()) {
-      out.refused.push_back({family.kind->name, why, family.gain, is_suspicion(why)});
-      // the scatter within records and the spread between them are different questions: the next family may answer the
-      // other. What fits worse than a refused family answers the same question no better
-      const bool unphysical = family.best.wrong_sign || family.gain < rules.first_gain || why == kTooSmall || why == kJitter;
-      ++place;
-      while (!unphysical && place < result.families.size() && is_between_records(result.families[place].kind->name) == chosen.between) ++place;
-      const bool other_question = place < result.families.size() && is_between_records(result.families[place].kind->name) && !chosen.between;
-      if ((first || other_question) && place < result.families.size() && (!unphysical || place < kMostPlaces)) {
-        --step;
+// Forward choice: one family after the other, each beside those that were taken.
+class ForwardChoice {
+ public:
+  ForwardChoice(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always, const std::vector<std::string>& skip,
+                const SelectionRules& rules, unsigned threads)
+      : input_(input), channel_(channel), rules_(rules), threads_(threads), present_(always), carried_(always), taken_(skip) {}
+
+  void run() {
+    if (!screen_again(nullptr)) return;
+    while (static_cast<int>(out_.chosen.size()) < rules_.most && !result_.families.empty()) {
+      if (place_ == 0) refine_leaders(input_, channel_, present_, result_, threads_);
+      if (out_.chosen.empty()) out_.first = result_;
+      const FamilyScore& family = result_.families[place_];
+      ChosenEffect chosen = as_chosen(input_, channel_, result_.base, family, rules_);
+      const Lead lead = lead_of(family);
+      if (const Clocks clocks = left_to_clocks(family, chosen, lead); clocks != Clocks::no) {
+        if (!carry_along(family, clocks)) return;
         continue;
       }
-      break;
+      const std::string why = lead.plain() || (leads_ && is_late(family.kind->name))
+                                  ? kLeads
+                                  : objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
+      if (!(why.empty() ? take(family, chosen) : turn_down(family, chosen, why))) return;
     }
-    set_shares(channel, result, place, rules, chosen);
-    if (!chosen.between)
-      largest_removed = std::max(largest_removed, std::sqrt(std::max(1e-18, chosen.fall * excess_mean_square(channel, result.base))));
-    out.chosen.push_back(chosen);
-    taken.push_back(family.kind->name);
-    for (int j : variant.columns) present.push_back(j);
-    add_columns(present, family_columns(channel, *family.kind));
-    if (!screen_again(&family.best.fit)) break;
   }
 
+  Selection& selection() { return out_; }
+  const std::vector<int>& carried() const { return carried_; }
+  bool leads() const { return leads_; }
+
+ private:
+  // Of the output over the reference: it may be the lag of the reference, unless it depends on the load.
+  struct Lead {
+    bool is = false, loaded = false;
+    bool plain() const { return is && !loaded; }
+  };
+  // What two clocks and a late reference may do, and what is not a finding therefore.
+  enum class Clocks { no, lead, slight_shift, late_reference };
+  static constexpr double kWorthCarrying = 4.0;  // nats
+
+  // What is carried along before anything is chosen belongs to the model that the first effect is judged against.
+  bool screen_again(const MixedFit* warm) {
+    result_ = screen(channel_, present_, taken_, warm, threads_);
+    place_ = 0;
+    if (!result_.base.valid) return false;
+    judge_between_records(input_, channel_, present_, result_);
+    out_.final = result_.base;
+    out_.excess_after = excess_mean_square(channel_, result_.base);
+    if (out_.chosen.empty()) {
+      out_.first = result_;
+      out_.base = result_.base;
+      out_.excess_before = out_.excess_after;
+    }
+    return true;
+  }
+
+  Lead lead_of(const FamilyScore& family) const {
+    Lead out;
+    out.is = rules_.clock_slack && family.kind->name == "piezocapacitance" && family.gain > kWorthCarrying;
+    out.loaded = out.is && depends_on_load(channel_, present_, result_.base, family);
+    return out;
+  }
+
+  Clocks left_to_clocks(const FamilyScore& family, const ChosenEffect& chosen, const Lead& lead) const {
+    if (!rules_.clock_slack) return Clocks::no;
+    if (lead.plain() && latencies_ == 0) return Clocks::lead;
+    const bool first = out_.chosen.empty(), worth = family.gain > kWorthCarrying;
+    const double least_fall = !first ? 0.6 : latencies_ > 0 ? 0.4 : 0.25;
+    if (!lead.is && is_timing(family.kind->name) && worth && !family.best.wrong_sign && shift_s(channel_, family) <= kAllowedLatency_s &&
+        chosen.fall < least_fall)
+      return Clocks::slight_shift;
+    // what a late reference explains nearly as well is its own, whatever else may fit
+    const bool nearly = !lead.loaded && latencies_ == 0 && first && place_ == 0 && is_nearly_latency(channel_, result_);
+    return nearly || (worth && is_reference_latency(channel_, family)) ? Clocks::late_reference : Clocks::no;
+  }
+
+  bool carry_along(const FamilyScore& family, Clocks clocks) {
+    constexpr double kLead_s = 0.006;
+    constexpr int kMostLatencies = 2;
+    for (std::vector<int>* columns : {&present_, &carried_}) {
+      const std::vector<int>& own = channel_.variants[static_cast<std::size_t>(family.best.variant)].columns;
+      if (clocks == Clocks::slight_shift) columns->insert(columns->end(), own.begin(), own.end());
+      else if (clocks == Clocks::lead) add_leads(channel_, *columns, kLead_s);
+      else add_leads(channel_, *columns);
+    }
+    out_.nuisance.push_back(clocks == Clocks::lead ? "a lead of the output of a few milliseconds is left to the reference"
+                            : clocks == Clocks::slight_shift
+                                ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
+                                : kLatencyNote);
+    leads_ = leads_ || clocks == Clocks::late_reference;
+    return screen_again(&family.best.fit) && ++latencies_ <= kMostLatencies;
+  }
+
+  // The scatter within records and the spread between them are different questions: the next family may answer the other. What fits worse
+  // than a refused family answers the same question no better.
+  bool turn_down(const FamilyScore& family, const ChosenEffect& chosen, const std::string& why) {
+    constexpr std::size_t kMostPlaces = 4;
+    out_.refused.push_back({family.kind->name, why, family.gain, is_suspicion(why)});
+    const bool unphysical = family.best.wrong_sign || family.gain < rules_.first_gain || why == kTooSmall || why == kJitter;
+    const auto& families = result_.families;
+    ++place_;
+    while (!unphysical && place_ < families.size() && is_between_records(families[place_].kind->name) == chosen.between) ++place_;
+    if (place_ >= families.size()) return false;
+    const bool other_question = is_between_records(families[place_].kind->name) && !chosen.between;
+    return (out_.chosen.empty() || other_question) && (!unphysical || place_ < kMostPlaces);
+  }
+
+  bool take(const FamilyScore& family, ChosenEffect& chosen) {
+    set_shares(channel_, result_, place_, rules_, chosen);
+    if (!chosen.between)
+      largest_removed_ = std::max(largest_removed_, std::sqrt(std::max(1e-18, chosen.fall * excess_mean_square(channel_, result_.base))));
+    out_.chosen.push_back(chosen);
+    taken_.push_back(family.kind->name);
+    add_columns(present_, chosen.columns);
+    add_columns(present_, family_columns(channel_, *family.kind));
+    return screen_again(&family.best.fit);
+  }
+
+  const CampaignInput& input_;
+  ResidualChannel& channel_;
+  const SelectionRules& rules_;
+  unsigned threads_;
+  std::vector<int> present_, carried_;
+  std::vector<std::string> taken_;
+  ScreenResult result_;
+  std::size_t place_ = 0;  // in the ranking
+  int latencies_ = 0;
+  bool leads_ = false;  // carried along: what is late beside them repairs the reference's smoothing
+  double largest_removed_ = 0.0;  // RMS
+  Selection out_;
+};
+
+}  // namespace
+
+Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always, const std::vector<std::string>& skip,
+                         const SelectionRules& rules, unsigned threads) {
+  ForwardChoice forward(input, channel, always, skip, rules, threads);
+  forward.run();
+  Selection out = std::move(forward.selection());
+  if (!out.base.valid) return out;
+
   std::vector<std::string> not_asked = skip;
-  if (leads) not_asked.insert(not_asked.end(), {"delay", "lag"});
-  reconsider(input, channel, carried, not_asked, rules, threads, out);
-  drop_needless(channel, carried, rules, out);
+  if (forward.leads()) not_asked.insert(not_asked.end(), {"delay", "lag"});
+  reconsider(input, channel, forward.carried(), not_asked, rules, threads, out);
+  drop_needless(channel, forward.carried(), rules, out);
   fit_claimed(channel, out);
   // what is reported comes from the fit records alone
   const auto report = [&](MixedFit& fit) {

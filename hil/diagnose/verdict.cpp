@@ -3,7 +3,40 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/coloured_noise.h"
+#include "hil/diagnose/unresolved_edges.h"
+
 namespace forcegate::diagnose {
+
+namespace {
+
+// Structure counts when it is visible beside the noise, large enough to matter, and not one record's whim.
+bool is_structure(const Structure& s, double noise_rms) {
+  return s.rms > 0.0015 && s.rms > 0.7 * noise_rms && s.share > 0.35 && s.records * 3 >= s.of_records &&
+         s.records >= 2;
+}
+
+// Records that the model leaves far more of than their instruments may. A change of frequency is not counted: how the decay goes on
+// after it differs from law to law.
+int far_above_noise(const ResidualChannel& channel, const Workspace& w, const std::vector<std::vector<double>>& residual) {
+  constexpr double kFar = 2.5;
+  int out = 0;
+  double left = 0.0, noise = 0.0;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    if (residual[i].empty() || !w.input.records[channel.record_of[i]].frequency_jumps_s.empty()) continue;
+    const RecordGram& record = channel.problem.records[i];
+    double square = 0.0;
+    for (const double e : residual[i]) square += e * e;
+    const double own = square / (static_cast<double>(residual[i].size()) * channel.scale * channel.scale),
+                 allowed = record.allowed_variance + record.smoothed_variance;
+    left += own;
+    noise += allowed;
+    out += own > kFar * kFar * allowed ? 1 : 0;
+  }
+  return left > kFar * kFar * noise ? out : 0;
+}
+
+}  // namespace
 
 Structure structure_of(const ResidualChannel& channel, const std::vector<std::vector<double>>& residual) {
   Structure out;
@@ -27,6 +60,26 @@ Structure structure_of(const ResidualChannel& channel, const std::vector<std::ve
   if (out.of_records == 0) return out;
   out.rms = std::sqrt(sum / static_cast<double>(out.of_records));
   out.share = total > 0.0 ? sum / total : 0.0;
+  return out;
+}
+
+Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned threads) {
+  constexpr double kNearlyAll = 0.8;
+  Remainder out;
+  out.noise_rms = allowed_rms(w.output);
+  out.explained = selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
+  const auto residual = residual_rows(w.output, selection.final);
+  const auto resolved = without_unresolved_edges(w.input, w.output, residual);
+  const Structure left = structure_of(w.output, resolved);
+  out.structure_rms = left.rms;
+  out.smooth = is_structure(left, out.noise_rms);
+  out.maps = residual_maps(w, w.output, residual, threads);
+  out.coloured = is_coloured_noise(w.input, w.output, residual, out.maps);
+  out.of_claimed = residual_rows(w.output, selection.claimed);
+  if (!out.coloured) out.records_far_above = far_above_noise(w.output, w, resolved);
+  const bool far_beside_claims =
+      !out.coloured && far_above_noise(w.output, w, without_unresolved_edges(w.input, w.output, out.of_claimed)) > 0;
+  out.beside_claims = (out.structured() && out.explained < kNearlyAll) || far_beside_claims;
   return out;
 }
 

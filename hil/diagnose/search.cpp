@@ -1,0 +1,97 @@
+#include "hil/diagnose/search.h"
+
+#include <algorithm>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+SelectionRules output_rules(const Workspace& w) {
+  SelectionRules out;
+  out.forms_are_rough = w.input.generic;
+  // milliseconds between two instruments are no matter in a recording of seconds
+  out.clock_slack = !w.input.generic || w.input.records.front().row_step_s <= 0.05;
+  return out;
+}
+
+// The rig's own law is only nearly linear and its guide only nearly free: a finding must explain most of the misfit.
+SelectionRules rules_of_rig(SelectionRules rules) {
+  rules.first_gain = 20.0;
+  rules.first_fall = 0.3;
+  rules.later_fall = 0.6;
+  rules.sure_gain = 1e9;
+  rules.first_total_fall = 0.3;
+  rules.later_total_fall = 0.6;
+  rules.smallest_rms = 4e-4;
+  return rules;
+}
+
+SelectionRules rules_of_drive(SelectionRules rules) {
+  rules.first_gain = 60.0;
+  rules.form_gain = {{"one_pole", 400.0}};  // a servo loop leaves the like
+  rules.first_fall = 0.2;
+  rules.where_it_acts = true;
+  rules.smallest_rms = 2.5e-4;
+  return rules;
+}
+
+// A candidate that left-out records do not bear out may have made others needless: the search begins anew without it.
+Selection select_borne_out(Workspace& w, const std::vector<int>& always, std::vector<std::string> skip, const SelectionRules& rules,
+                           unsigned threads, std::vector<Finding>& suspicions) {
+  const auto select = [&] {
+    Selection one = select_effects(w.input, w.output, always, skip, rules, threads);
+    measure_left_out(w, w.output, one);
+    return one;
+  };
+  Selection out = select();
+  constexpr int kMostTimes = 2;
+  for (int time = 0; time < kMostTimes && out.base.valid; ++time) {
+    std::vector<Finding> idle = not_borne_out(w.output, out);
+    if (idle.empty()) break;
+    for (const Finding& f : idle) skip.push_back(f.effect);
+    Selection without = select();
+    if (!without.base.valid) break;
+    without.first = std::move(out.first);  // the ranking is of all
+    out = std::move(without);
+    std::move(idle.begin(), idle.end(), std::back_inserter(suspicions));
+  }
+  return out;
+}
+
+// A curve that a calibration of the third degree does not follow comes again a few times over the range, as the pitch of a coarse screw would.
+void leave_coarse_pitch_to_spring(const ResidualChannel& command, const Selection& rig, Selection& drive) {
+  constexpr double kCoarse = 6.0;  // turns over the range of the force
+  if (std::ranges::none_of(rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "spring_nonlinearity"; })) return;
+  std::erase_if(drive.chosen, [&](const ChosenEffect& c) {
+    const Candidate& best = command.candidates[static_cast<std::size_t>(command.variants[static_cast<std::size_t>(c.variant)].candidate)];
+    return best.form->name == "pitch" && best.shape[0] < kCoarse;
+  });
+}
+
+}  // namespace
+
+Search search_channels(Workspace& w, const EngineOptions& options, const std::vector<HealthClaim>& raw) {
+  Search out;
+  out.rules = output_rules(w);
+  out.rig_rules = rules_of_rig(out.rules);
+  out.drive_rules = rules_of_drive(out.rig_rules);
+  if (w.has_rig) {
+    out.rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, out.rig_rules, options.threads);
+    measure_left_out(w, w.rig, out.rig);
+  }
+  if (w.has_command) {
+    out.drive = select_effects(w.input, w.command, {}, options.in_model, out.drive_rules, options.threads);
+    leave_coarse_pitch_to_spring(w.command, out.rig, out.drive);
+    measure_left_out(w, w.command, out.drive);
+  }
+  out.skip = options.in_model;
+  std::vector<int> always = model_columns(w.output, options.in_model);
+  if (w.has_rig && w.rig_sees_zero) out.skip.emplace_back("reference_drift");
+  if (std::ranges::any_of(out.rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "reference_drift"; }))
+    add_columns(always, bank_columns(w.output, *EffectRegistry::instance().find("reference_drift")));
+  if (std::ranges::any_of(raw, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
+  out.output = select_borne_out(w, always, out.skip, out.rules, options.threads, out.suspicions);
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,24 @@
+#pragma once
+// S4 and S5 in the three comparisons of a campaign: the output against the reference, the reference against the rig's own law, what the
+// drive makes of its command.
+
+#include <vector>
+
+#include "hil/diagnose/engine.h"
+#include "hil/diagnose/findings.h"
+#include "hil/diagnose/raw_health.h"
+#include "hil/diagnose/select.h"
+
+namespace forcegate::diagnose {
+
+struct Search {
+  SelectionRules rules, rig_rules, drive_rules;
+  Selection output, rig, drive;     ///< rig and drive: base not valid where the campaign has no such channel
+  std::vector<std::string> skip;    ///< families that the output was not asked for
+  std::vector<Finding> suspicions;  ///< chosen in the output once, and not borne out by left-out records
+};
+
+/// `raw`: what the raw samples have shown; it is not looked for again.
+Search search_channels(Workspace& workspace, const EngineOptions& options, const std::vector<HealthClaim>& raw);
+
+}  // namespace forcegate::diagnose
