@@ -50,11 +50,11 @@ ErrorPair errors_of_rig(const Workspace& w, const Selection& rig) {
 }
 
 // What every channel and the raw samples have to say, in no order yet.
-void collect_findings(const Workspace& w, Search& search, const std::vector<HealthClaim>& raw, const Remainder& rest, Diagnosis& out) {
+void collect_findings(const Workspace& w, const Search& search, const std::vector<HealthClaim>& raw, const Remainder& rest, Diagnosis& out) {
   constexpr double kHalf = 0.5, kNamedEnough = 0.6, kOfRig = 0.51;
   const bool named_enough = rest.explained > kHalf || !rest.structured();
   add_findings(w, w.output, search.output, named_enough ? std::max(rest.explained, kNamedEnough) : rest.explained, out);
-  std::move(search.suspicions.begin(), search.suspicions.end(), std::back_inserter(out.findings));
+  out.findings.insert(out.findings.end(), search.suspicions.begin(), search.suspicions.end());
   for (Finding& f : out.findings)
     if (f.effect == "reference_drift" && f.unit == w.output.unit) decide_by_capacitance(w.input, f);
   for (const HealthClaim& claim : raw) out.findings.push_back(of_raw_samples(claim));
@@ -83,9 +83,11 @@ void put_in_order(std::vector<Finding>& findings) {
   findings = std::move(unique);
 }
 
-// Rivals that hold half of the probability together are no "none": there is something, and its name is open.
-bool name_is_open(const Diagnosis& d) {
+// What passed every test within the records and was not borne out by left-out ones, or rivals that hold most of the probability together, are
+// no "none": there is something, and its name is open.
+bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out) {
   constexpr double kTogether = 0.8;
+  if (std::ranges::any_of(not_borne_out, [](const Finding& f) { return !is_between_records(f.effect); })) return true;
   double together = 0.0;
   for (const std::vector<std::string>& set : d.not_separable)
     for (const Finding& f : d.findings)
@@ -133,7 +135,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
   const std::vector<HealthClaim> raw = health_claims(w.health, w.scales, w.input.bench);
-  Search search = search_channels(w, options, raw);
+  const Search search = search_channels(w, options, raw);
   const Selection& selection = search.output;
   if (!selection.base.valid) {
     out.notes.push_back("the records do not determine the starting model: no verdict");
@@ -153,7 +155,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   if (w.has_rig && search.rig.base.valid) tell_not_separable(search.rig, out);
 
   const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.probability >= 0.5; });
-  const bool open = rest.structured() || withdrawn || name_is_open(out) || rest.records_far_above >= 2;
+  const bool open = rest.structured() || withdrawn || name_is_open(out, search.suspicions) || rest.records_far_above >= 2;
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
   out.residual_unknown = claims && rest.beside_claims;
 

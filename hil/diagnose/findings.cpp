@@ -14,6 +14,11 @@ namespace forcegate::diagnose {
 
 namespace {
 
+// Of a mounting that no record has, nothing is known.
+bool is_zero(const ResidualChannel& channel, int column) {
+  return std::ranges::all_of(channel.problem.records, [&](const RecordGram& r) { return r.gram(channel.problem.nz + column, channel.problem.nz + column) == 0.0; });
+}
+
 std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const ChosenEffect& chosen) {
   std::vector<FoundParameter> out;
   std::vector<int> variants = {chosen.variant};
@@ -30,7 +35,7 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
     }
     for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
       for (int column : variant.columns)
-        if (chosen.fit.columns[b] == column) {
+        if (chosen.fit.columns[b] == column && !is_zero(channel, column)) {
           const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
           const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
           out.push_back({of + spec.name, chosen.fit.coefficient[at],
@@ -102,8 +107,7 @@ MixedFit without_levels(const ResidualChannel& channel, MixedFit freedom) {
 double left_out_of_all(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom) {
   const MixedFit of_all = fit_mixed(channel.problem, fit.columns, &fit, 12, RecordUse::all_records);
   if (!of_all.valid) return std::numeric_limits<double>::quiet_NaN();
-  const MixedFit held = without_levels(channel, freedom);
-  return channel.scale * std::sqrt(judged(channel, leave_one_out(channel.problem, of_all, &held).adapted, true));
+  return channel.scale * std::sqrt(judged(channel, leave_one_out(channel.problem, of_all, &freedom).adapted, true));
 }
 
 }  // namespace
@@ -127,9 +131,9 @@ bool knows_strength(const ResidualChannel& channel, const MixedFit& fit, const s
 
 }  // namespace
 
-void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection) {
+void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection, bool stands_in) {
   constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
-  constexpr double kPlainly = 0.7, kHardly = 0.995;
+  constexpr double kPlainly = 0.7, kHardly = 0.995, kAboutTheSame = 1.02;
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
     const auto error = [&](const MixedFit& fit) {
@@ -139,13 +143,15 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     chosen.error_before = error(*before);
     chosen.error_after = error(chosen.fit);
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
-    chosen.borne_out = chosen.error_after <= (chosen.between && !chosen.by_records() ? kLeast : 1.02) * chosen.error_before;
+    const double keeps = chosen.between && !chosen.by_records() ? kLeast : stands_in ? kHardly : kAboutTheSame;
+    chosen.borne_out = chosen.error_after <= keeps * chosen.error_before;
     // seen in held-out records alone: the fit records know nothing of it, and predict nothing
     if (!chosen.between && !w.all_fit && chosen.error_after > kHardly * chosen.error_before)
       chosen.borne_out = chosen.borne_out && knows_strength(channel, chosen.fit, chosen.columns);
-    // a handful of fit records does not reach to the held-out ones: a course over the campaign is asked from all others
-    if (!chosen.borne_out && chosen.by_records()) {
-      const double all_before = left_out_of_all(channel, *before, selection.base), all_after = left_out_of_all(channel, chosen.fit, selection.base);
+    // a handful of fit records does not reach to the held-out ones: each record is asked from all others
+    if (!chosen.borne_out && (chosen.by_records() || !chosen.between)) {
+      const MixedFit freedom = chosen.between ? without_levels(channel, selection.base) : selection.base;
+      const double all_before = left_out_of_all(channel, *before, freedom), all_after = left_out_of_all(channel, chosen.fit, freedom);
       if (all_after <= kPlainly * all_before) {
         chosen.error_before = all_before;
         chosen.error_after = all_after;

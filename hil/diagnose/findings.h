@@ -25,8 +25,9 @@ std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit&
 /// Mean over the records that judge: held-out ones, or all.
 double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit);
 
-/// Sets error_before, error_after and borne_out of what was chosen.
-void measure_left_out(const Workspace& workspace, const ResidualChannel& channel, Selection& selection);
+/// Sets error_before, error_after and borne_out of what was chosen. What `stands_in` for something that was not borne out must itself lower
+/// the error.
+void measure_left_out(const Workspace& workspace, const ResidualChannel& channel, Selection& selection, bool stands_in = false);
 
 /// What was chosen and is not borne out, as suspicions. After measure_left_out().
 std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selection& selection);

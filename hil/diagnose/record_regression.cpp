@@ -93,6 +93,23 @@ VectorXd left_out_errors(const RecordSeries& series, const MatrixXd& C) {
   return (P * series.value).cwiseQuotient(P.diagonal());
 }
 
+// 1 for records of which the others say something under a predictor whose strengths are free: the only one of its mounting has a column, or the
+// mean, to itself (leverage 1). 0 for all where that leaves less than half of them.
+VectorXd told_by_others(const RecordPredictor& p) {
+  constexpr double kAlone = 0.999, kMost = 0.5;
+  const Index n = p.column.rows();
+  VectorXd out = VectorXd::Ones(n);
+  if (p.weight.maxCoeff() != p.weight.minCoeff()) return out;
+  MatrixXd X(n, p.column.cols() + 1);
+  X << VectorXd::Ones(n), p.column;
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(X);
+  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(n, qr.rank());
+  for (Index i = 0; i < n; ++i)
+    if (Q.row(i).squaredNorm() > kAlone) out[i] = 0.0;
+  if (out.sum() < kMost * static_cast<double>(n)) out.setZero();
+  return out;
+}
+
 // Series and predictors under one covariance, the mean projected out: cross products of [y, columns].
 struct Whitened {
   double log_null = 0.0;
@@ -195,7 +212,8 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
     const MatrixXd K = best[v].size * best[v].size * p.column * p.weight.asDiagonal() * p.column.transpose();
     const MatrixXd C = covariance(series, best[v].scatter, best[v].ratio);
     const VectorXd e1 = left_out_errors(series, C + K);
-    out[v].left_out = weight.dot(e1.cwiseAbs2()) / std::max(1e-300, weight.dot(e0.cwiseAbs2()));
+    const VectorXd told = weight.cwiseProduct(told_by_others(p));
+    out[v].left_out = told.sum() > 0.0 ? told.dot(e1.cwiseAbs2()) / std::max(1e-300, told.dot(e0.cwiseAbs2())) : 1.0;
     const VectorXd ones = VectorXd::Ones(n);
     const Eigen::LLT<MatrixXd> llt(C + K);
     const double mean = ones.dot(llt.solve(series.value)) / ones.dot(llt.solve(ones));
@@ -207,10 +225,10 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
 
 namespace {
 
-// One series at the weights of the model without predictors, ready to be permuted.
-class Permutable {
+// One series at the weights of the model without predictors, ready to be permuted and turned.
+class Exchangeable {
  public:
-  explicit Permutable(const RecordQuestion& question) {
+  explicit Exchangeable(const RecordQuestion& question) {
     const RecordSeries& series = question.series;
     const Index n = series.value.size();
     Best best;
@@ -235,11 +253,11 @@ class Permutable {
     }
   }
 
-  double gain(const std::vector<Index>& order) const {
+  const VectorXd& residual() const { return residual_; }
+
+  double gain(const VectorXd& residual) const {
     constexpr double kRatios[] = {1.0, 4.0, 16.0, 64.0};  // variance of the effect over that of the scatter
-    VectorXd r(residual_.size());
-    for (Index i = 0; i < r.size(); ++i) r[i] = residual_[order[static_cast<std::size_t>(i)]];
-    r = without_mean(r);
+    const VectorXd r = without_mean(residual);
     const double square = r.squaredNorm(), half = 0.5 * static_cast<double>(r.size() - 1);
     if (!(square > 0.0)) return -1e300;
     std::vector<double> all;
@@ -265,30 +283,60 @@ class Permutable {
   std::vector<VectorXd> lambda_;
 };
 
+constexpr int kHits = 40;  // enough to tell
+
+// Columns of random direction that stand to each other as those of E do.
+MatrixXd turned(const MatrixXd& E, Rng& rng) {
+  MatrixXd random(E.rows(), E.cols());
+  for (Index j = 0; j < random.cols(); ++j)
+    for (Index i = 0; i < random.rows(); ++i) random(i, j) = rng.normal();
+  const Index k = E.cols();
+  const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(random).householderQ() * MatrixXd::Identity(E.rows(), k);
+  const Eigen::HouseholderQR<MatrixXd> own(E);
+  return Q * MatrixXd(own.matrixQR().topRows(k).triangularView<Eigen::Upper>());
+}
+
 }  // namespace
 
-double permutation_chance(const std::vector<RecordQuestion>& questions, int permutations, std::uint64_t seed) {
-  if (questions.empty() || questions.front().series.value.size() < kFewest) return 1.0;
-  std::vector<Permutable> series;
+RecordChance chance_of_records(const std::vector<RecordQuestion>& questions, int draws, std::uint64_t seed) {
+  if (questions.empty() || questions.front().series.value.size() < kFewest) return {};
+  std::vector<Exchangeable> series;
   for (const RecordQuestion& q : questions)
     if (!q.predictors.empty()) series.emplace_back(q);
-  if (series.empty()) return 1.0;
-  std::vector<Index> order(static_cast<std::size_t>(questions.front().series.value.size()));
-  std::iota(order.begin(), order.end(), Index{0});
-  const auto gain = [&] {
+  if (series.empty()) return {};
+  const Index n = questions.front().series.value.size();
+  MatrixXd E(n, static_cast<Index>(series.size()));
+  for (std::size_t k = 0; k < series.size(); ++k) E.col(static_cast<Index>(k)) = series[k].residual();
+  const auto gain = [&](const MatrixXd& residuals) {
     std::vector<double> gains;
-    for (const Permutable& s : series) gains.push_back(s.gain(order));
+    for (std::size_t k = 0; k < series.size(); ++k) gains.push_back(series[k].gain(residuals.col(static_cast<Index>(k))));
     return joint_gain(gains);
   };
-  constexpr int kHits = 40;  // enough to tell
-  const double seen = gain();
+  constexpr double kSame = 1e-9, kClearly = 0.5;  // nats
+  const double seen = gain(E);
+  bool beaten = false;
+  const auto share = [&](const auto& draw) {
+    int hits = 0;
+    for (int k = 0; k < draws; ++k) {
+      const double g = gain(draw());
+      beaten = beaten || g > seen + kClearly;
+      if (g >= seen - kSame && ++hits == kHits) return hits / (1.0 + k);
+    }
+    return (1.0 + hits) / (1.0 + draws);
+  };
+  RecordChance out;
   Rng rng(seed, "records permuted");
-  int hits = 0;
-  for (int k = 0; k < permutations; ++k) {
+  std::vector<Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), Index{0});
+  out.of_orders = share([&] {
     for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[rng.below(i)]);
-    if (gain() >= seen - 1e-9 && ++hits == kHits) return hits / (1.0 + k);
-  }
-  return (1.0 + hits) / (1.0 + permutations);
+    return MatrixXd(E(order, Eigen::all));
+  });
+  out.of_directions = out.of_orders;
+  if (beaten) return out;
+  Rng directions(seed, "records turned");
+  out.of_directions = share([&] { return turned(E, directions); });
+  return out;
 }
 
 double bayes_factor_bound(double chance) {

@@ -8,7 +8,8 @@
 // specimens typically repeat to: few records that fit too well are chance, not evidence), k and t over a few values. The score is the logarithm of the Bayes factor against x = 0 (Kass and Raftery 1995).
 //
 // The chance is exact up to the estimated weights: whitened residuals of the model without x are permuted over the records (Freedman
-// and Lane 1983) and the whole search over predictors is repeated (Westfall and Young 1993).
+// and Lane 1983) and the whole search over predictors is repeated (Westfall and Young 1993). Few records have few orders: where none does
+// clearly better, they are turned in random directions instead (Langsrud 2005), which is exact where the scatter is normal.
 
 #include <Eigen/Dense>
 #include <cstdint>
@@ -34,7 +35,7 @@ double normalise(RecordPredictor& predictor);
 struct RecordScore {
   double gain = -1e300;    ///< ln Bayes factor
   double explained = 0.0;  ///< share of s^2 that goes away
-  double left_out = 1.0;   ///< mean square error of records predicted from the others, over the same without x
+  double left_out = 1.0;   ///< mean square error of records predicted from others that x links them to, over the same without x
   Eigen::VectorXd added;   ///< what the columns add to each record, mean 0
 };
 
@@ -48,9 +49,13 @@ struct RecordQuestion {
   std::vector<RecordPredictor> predictors;
 };
 
-/// Share of permutations of the records, the same for all series, under which the family does as well as it did: (1 + hits)/(1 + n),
-/// or hits/n as soon as enough hits tell (Besag and Clifford 1991).
-double permutation_chance(const std::vector<RecordQuestion>& questions, int permutations, std::uint64_t seed);
+struct RecordChance {
+  double of_orders = 1.0;      ///< share of orders of the records, the same for all series, under which the family does as well as it did
+  double of_directions = 1.0;  ///< the same of rotations where no order does clearly better (half a nat); else of_orders
+};
+
+/// Shares of `draws` orders and directions: (1 + hits)/(1 + n), or hits/n as soon as enough hits tell (Besag and Clifford 1991).
+RecordChance chance_of_records(const std::vector<RecordQuestion>& questions, int draws, std::uint64_t seed);
 
 /// Largest Bayes factor that a chance leaves room for, 1 from 1/e on (Sellke, Bayarri and Berger 2001).
 double bayes_factor_bound(double chance);

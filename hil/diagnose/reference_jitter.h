@@ -7,8 +7,9 @@
 
 namespace forcegate::diagnose {
 
-/// Share of the fall of the squares from `before` to `after`, over all rows, that is made of scatter within groups of five neighbouring rows
-/// over which the reference moves by less than 1 % of the span; beyond 1 where the rest grows. 0 without such groups or without a fall.
+/// Share of the fall of the squares from `before` to `after`, over all rows, that is made where the reference moves by less than 1 % of the
+/// span: of scatter within groups of five neighbouring rows, or of what goes with the reference in stretches of 20 to 100 (a long window
+/// smooths the noise over many rows), whichever is more. Beyond 1 where the rest grows; 0 without such rows or without a fall.
 double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);
 
 }  // namespace forcegate::diagnose

@@ -38,18 +38,18 @@ SelectionRules rules_of_drive(SelectionRules rules) {
 // A candidate that left-out records do not bear out may have made others needless: the search begins anew without it.
 Selection select_borne_out(Workspace& w, const std::vector<int>& always, std::vector<std::string> skip, const SelectionRules& rules,
                            unsigned threads, std::vector<Finding>& suspicions) {
-  const auto select = [&] {
+  const auto select = [&](bool again) {
     Selection one = select_effects(w.input, w.output, always, skip, rules, threads);
-    measure_left_out(w, w.output, one);
+    measure_left_out(w, w.output, one, again);
     return one;
   };
-  Selection out = select();
+  Selection out = select(false);
   constexpr int kMostTimes = 2;
   for (int time = 0; time < kMostTimes && out.base.valid; ++time) {
     std::vector<Finding> idle = not_borne_out(w.output, out);
     if (idle.empty()) break;
     for (const Finding& f : idle) skip.push_back(f.effect);
-    Selection without = select();
+    Selection without = select(true);
     if (!without.base.valid) break;
     without.first = std::move(out.first);  // the ranking is of all
     out = std::move(without);

@@ -175,7 +175,7 @@ class ForwardChoice {
       const std::string why = lead.plain() || (leads_ && is_late(family.kind->name))
                                   ? kLeads
                                   : objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
-      if (!(why.empty() ? take(family, chosen) : turn_down(family, chosen, why))) return;
+      if (!(why.empty() ? take(family, chosen) : turn_down(family, why))) return;
     }
   }
 
@@ -248,15 +248,16 @@ class ForwardChoice {
 
   // The scatter within records and the spread between them are different questions: the next family may answer the other. What fits worse
   // than a refused family answers the same question no better.
-  bool turn_down(const FamilyScore& family, const ChosenEffect& chosen, const std::string& why) {
+  bool turn_down(const FamilyScore& family, const std::string& why) {
     constexpr std::size_t kMostPlaces = 4;
     out_.refused.push_back({family.kind->name, why, family.gain, is_suspicion(why)});
     const bool unphysical = family.best.wrong_sign || family.gain < rules_.first_gain || why == kTooSmall || why == kJitter;
     const auto& families = result_.families;
+    const bool between = asks_between_records(family);
     ++place_;
-    while (!unphysical && place_ < families.size() && is_between_records(families[place_].kind->name) == chosen.between) ++place_;
+    while (!unphysical && place_ < families.size() && asks_between_records(families[place_]) == between) ++place_;
     if (place_ >= families.size()) return false;
-    const bool other_question = is_between_records(families[place_].kind->name) && !chosen.between;
+    const bool other_question = asks_between_records(families[place_]) && !between;
     return (out_.chosen.empty() || other_question) && (!unphysical || place_ < kMostPlaces);
   }
 

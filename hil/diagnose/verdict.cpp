@@ -21,7 +21,7 @@ bool is_structure(const Structure& s, double noise_rms) {
 int far_above_noise(const ResidualChannel& channel, const Workspace& w, const std::vector<std::vector<double>>& residual) {
   constexpr double kFar = 2.5;
   int out = 0;
-  double left = 0.0, noise = 0.0;
+  double left = 0.0, noise = 0.0, log_ratio = 0.0, records = 0.0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
     if (residual[i].empty() || !w.input.records[channel.record_of[i]].frequency_jumps_s.empty()) continue;
     const RecordGram& record = channel.problem.records[i];
@@ -31,9 +31,12 @@ int far_above_noise(const ResidualChannel& channel, const Workspace& w, const st
                  allowed = record.allowed_variance + record.smoothed_variance;
     left += own;
     noise += allowed;
+    log_ratio += std::log(std::max(1e-9, own / allowed));
+    records += 1.0;
     out += own > kFar * kFar * allowed ? 1 : 0;
   }
-  return left > kFar * kFar * noise ? out : 0;
+  // all together, or the typical one: a few fast records, whose noise is large, must not hide what the others show
+  return left > kFar * kFar * noise || log_ratio > records * std::log(kFar * kFar) ? out : 0;
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ TEST(RecordRegression, TheChanceIsUniformWhereNothingActs) {
   constexpr int kCampaigns = 400;
   for (int k = 0; k < kCampaigns; ++k) {
     const RecordSeries s = scatter(rng);
-    const double p = permutation_chance({{s, {one_column(rng), one_column(rng)}}}, 99, 5);
+    const double p = chance_of_records({{s, {one_column(rng), one_column(rng)}}}, 99, 5).of_orders;
     below_1 += p <= 0.01 ? 1 : 0;
     below_10 += p <= 0.10 ? 1 : 0;
     below_50 += p <= 0.50 ? 1 : 0;
@@ -50,6 +50,30 @@ TEST(RecordRegression, TheChanceIsUniformWhereNothingActs) {
   EXPECT_LE(below_1, 10);
   EXPECT_NEAR(below_10, 40, 18);
   EXPECT_NEAR(below_50, 200, 30);
+}
+
+TEST(RecordRegression, FiveRecordsHaveFewOrdersButManyDirections) {
+  Rng rng(15, "five");
+  for (int k = 0; k < 20; ++k) {
+    RecordSeries s = scatter(rng, 5);
+    const RecordPredictor p = one_column(rng, 5);
+    s.value += 0.3 * p.column.col(0);
+    const RecordChance chance = chance_of_records({{s, {p}}}, 1999, 3);
+    EXPECT_GT(chance.of_orders, 1.0 / 240.0);  // 5! orders
+    EXPECT_LT(chance.of_directions, 0.003);
+  }
+}
+
+TEST(RecordRegression, DirectionsTellChanceWhereNothingActs) {
+  Rng rng(17, "null of five");
+  int below_1 = 0;
+  constexpr int kCampaigns = 1000;
+  for (int k = 0; k < kCampaigns; ++k) {
+    RecordSeries s = scatter(rng, 5);
+    s.variance.setZero();
+    below_1 += chance_of_records({{s, {one_column(rng, 5)}}}, 499, 7).of_directions <= 0.01 ? 1 : 0;
+  }
+  EXPECT_LE(below_1, 20);
 }
 
 TEST(RecordRegression, TheScoreHardlyEverReachesFiveWhereNothingActs) {
@@ -69,7 +93,7 @@ TEST(RecordRegression, AnEffectOfFourTimesTheScatterIsSeenInTenRecords) {
     const RecordPredictor p = one_column(rng);
     s.value += 0.02 * p.column.col(0);
     const RecordScore score = score_predictors(s, {p}, kSizes).front();
-    seen += score.gain > 5.0 && score.explained > 0.75 && score.left_out < 0.5 && permutation_chance({{s, {p}}}, 499, 1) <= 0.01 ? 1 : 0;
+    seen += score.gain > 5.0 && score.explained > 0.75 && score.left_out < 0.5 && chance_of_records({{s, {p}}}, 499, 1).of_orders <= 0.01 ? 1 : 0;
     EXPECT_NEAR(std::sqrt(score.added.squaredNorm() / 10.0), 0.02, 0.007);
   }
   EXPECT_GE(seen, 38);
@@ -113,7 +137,7 @@ TEST(RecordRegression, ThreeRecordsHaveNoScore) {
   Rng rng(16, "few");
   const RecordScore score = score_predictors(scatter(rng, 3), {one_column(rng, 3)}, kSizes).front();
   EXPECT_LT(score.gain, -1e299);
-  EXPECT_EQ(permutation_chance({{scatter(rng, 3), {one_column(rng, 3)}}}, 99, 1), 1.0);
+  EXPECT_EQ(chance_of_records({{scatter(rng, 3), {one_column(rng, 3)}}}, 99, 1).of_orders, 1.0);
 }
 
 TEST(RecordRegression, TheBoundOfABayesFactorIsThatOfItsChance) {

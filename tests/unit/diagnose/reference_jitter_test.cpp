@@ -10,14 +10,16 @@ namespace {
 // between the levels that were loaded and unloaded, `noise` is the noise itself.
 enum Column { kLoop, kNoise };
 
-ResidualChannel levels(double loop) {
+ResidualChannel levels(double loop, double memory = 0.0) {
   ResidualChannel channel = channel_of_lines(2, 2.0);
   Rng rng(61, "jitter");
+  double noise = 0.0;
   for (int k = 0; k < 6; ++k) {
     Eigen::MatrixXd rows(500, 5);
     for (int i = 0; i < 500; ++i) {
       const int level = i / 50, step = level < 5 ? level : 9 - level;
-      const double F = 0.2 * step, noise = 0.001 * rng.normal(), side = level < 5 ? -0.001 : 0.001;
+      const double F = 0.2 * step, side = level < 5 ? -0.001 : 0.001;
+      noise = memory * noise + 0.001 * std::sqrt(1.0 - memory * memory) * rng.normal();
       rows.row(i) << F + noise, 1.0, side, noise, F + loop * side + 1e-4 * rng.normal();
     }
     add_record(channel, std::move(rows), 100.0, 1e-8, 1e-8);
@@ -34,7 +36,11 @@ double share_of(const ResidualChannel& channel, Column column) {
 
 TEST(ReferenceJitter, WhatFlattensTheNoiseOfTheReferenceTakesNothingElse) { EXPECT_GT(share_of(levels(0.0), kNoise), 0.8); }
 
+TEST(ReferenceJitter, NoiseThatAWideWindowSmoothedIsJitterToo) { EXPECT_GT(share_of(levels(0.0, 0.8), kNoise), 0.7); }
+
 TEST(ReferenceJitter, ALoopBetweenStandingLevelsTakesNoneOfIt) { EXPECT_NEAR(share_of(levels(1.0), kLoop), 0.0, 0.1); }
+
+TEST(ReferenceJitter, NorUnderARestlessOne) { EXPECT_NEAR(share_of(levels(1.0, 0.95), kLoop), 0.0, 0.1); }
 
 // A reference whose noise hangs together over 30 ms: local parabolas leave part of it, and a play of its width would flatten it.
 TEST(ReferenceJitter, ARestlessReferenceOverStandingWeightsIsNoLoop) {

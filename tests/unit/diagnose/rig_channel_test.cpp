@@ -22,6 +22,7 @@ struct Bench {
   std::function<double(double)> zero_N = [](double) { return 0.0; };    // of the reference, in campaign time
   bool angle = true;                                                    // recorded
   std::function<double(double)> machine_N = [](double) { return 0.0; };  // added to a commanded force
+  double friction_N = 0.0, elastic_N = 0.05;  // of the guide: it reaches its size within some newtons of movement, and stays over rests
   std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
 };
 
@@ -34,6 +35,7 @@ Campaign turning(const Bench& bench) {
   c.bench.spring_N_per_mm = k;
   Rng rng(11, "wheel");
   const auto& hertz = bench.turns_Hz;
+  double dragged_N = k, drag = 0.0;  // share of the friction
   for (int n = 0; n < 7; ++n) {
     Record r;
     r.name = "r" + std::to_string(n);
@@ -52,8 +54,12 @@ Campaign turning(const Bench& bench) {
           hertz[n] > 0.0 ? 2.0 * std::numbers::pi * hertz[n] * t
                          : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
       const double asked_N = k * (p + e * (1.0 - std::cos(wanted)));
-      const double th = wanted + bench.slip_rad(wanted),
-                   F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N + bench.machine_N(asked_N));
+      const double th = wanted + bench.slip_rad(wanted);
+      double F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N + bench.machine_N(asked_N));
+      const double spring_N = k * (p + e * (1.0 - std::cos(th)));
+      drag = std::clamp(drag + (spring_N - dragged_N) / bench.elastic_N, -1.0, 1.0);
+      dragged_N = spring_N;
+      F += bench.friction_N * drag;
       late = i == 0 ? F
                     : late + (bench.reference_lag_s > 0.0
                                   ? -std::expm1(-1.0 / (kRate_Hz * bench.reference_lag_s))
@@ -124,6 +130,17 @@ TEST(RigChannel, AWheelThatLeavesTheSensorIsContactLoss) {
   for (const std::string& note : d.notes) notes += note + "\n";
   ASSERT_FALSE(d.findings.empty()) << notes;
   EXPECT_EQ(d.findings.front().effect, "contact_loss");
+}
+
+TEST(RigChannel, FrictionOfTheGuideIsALoopOnEitherSideOfTheReference) {
+  for (const double friction_N : {-0.06, 0.06}) {
+    Bench bench;
+    bench.friction_N = friction_N;
+    const Diagnosis d = diagnose(bench);
+    EXPECT_EQ(claims(d), "backlash ") << friction_N;
+    ASSERT_FALSE(d.findings.empty());
+    EXPECT_LT(d.findings.front().error_after, 0.4 * d.findings.front().error_before) << friction_N;
+  }
 }
 
 TEST(RigChannel, AWheelThatTurnsUnevenlyIsTheMotor) {
