@@ -152,7 +152,9 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     if (!chosen.borne_out && (chosen.by_records() || !chosen.between)) {
       const MixedFit freedom = chosen.between ? without_levels(channel, selection.base) : selection.base;
       const double all_before = left_out_of_all(channel, *before, freedom), all_after = left_out_of_all(channel, chosen.fit, freedom);
-      if (all_after <= kPlainly * all_before) {
+      // of a mounting that has one record the others say nothing: those that have more must tell each other
+      const bool told = chosen.by_records() && chosen.records.left_out <= kPlainly * kPlainly && all_after < all_before;
+      if (told || all_after <= kPlainly * all_before) {
         chosen.error_before = all_before;
         chosen.error_after = all_after;
         chosen.borne_out = true;

@@ -47,7 +47,7 @@ void reconsider(const CampaignInput& input, ResidualChannel& channel, const std:
     if (better.kind != place.kind &&
         !objection(channel, again, again.families[at], better, others, removed, rules).empty())
       continue;
-    set_shares(channel, again, at, rules, better);
+    set_shares(channel, again, at, rules, !others.empty(), better);
     if (better.kind == place.kind) {
       // how it entered stays what it was judged by
       better.gain = place.gain;

@@ -262,7 +262,7 @@ class ForwardChoice {
   }
 
   bool take(const FamilyScore& family, ChosenEffect& chosen) {
-    set_shares(channel_, result_, place_, rules_, chosen);
+    set_shares(channel_, result_, place_, rules_, !out_.chosen.empty(), chosen);
     if (!chosen.between)
       largest_removed_ = std::max(largest_removed_, std::sqrt(std::max(1e-18, chosen.fall * excess_mean_square(channel_, result_.base))));
     out_.chosen.push_back(chosen);

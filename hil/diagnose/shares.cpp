@@ -5,7 +5,8 @@
 
 namespace forcegate::diagnose {
 
-void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, ChosenEffect& chosen) {
+void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, bool beside_another,
+                ChosenEffect& chosen) {
   const double top = chosen.gain;
   // evidence between records counts records; evidence within them counts rows that hang together and needs a scale
   const double temperature = chosen.by_records() ? 1.0 : chosen.between ? 1.5 : 0.03 * std::max(0.0, top) + 6.0;
@@ -31,6 +32,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
   for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
     if (is_between_records(family.kind->name) || !look_alike(*family.kind, *chosen.kind) || family.gain < std::max(kWithin, kNearly * top) || family.best.wrong_sign) continue;
+    if (beside_another && family.best.fall < rules.later_fall && family.best.total_fall < rules.later_total_fall) continue;  // remains of the other's form
     weight[k] = 1.0;
     sum += 1.0;
   }

@@ -6,7 +6,9 @@
 namespace forcegate::diagnose {
 
 /// Softmax of the evidence at the working temperature among the families from `place` on: what was turned down for its own reasons is no
-/// rival. Families whose signatures differ by less than a form is known to have equal shares. Sets share_of_family and rivals.
-void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, ChosenEffect& chosen);
+/// rival. Families whose signatures differ by less than a form is known to have equal shares. `beside_another`: something was taken before, and
+/// what explains less than half of its remains is none. Sets share_of_family and rivals.
+void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, bool beside_another,
+                ChosenEffect& chosen);
 
 }  // namespace forcegate::diagnose
