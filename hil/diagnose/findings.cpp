@@ -29,9 +29,9 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
     // a family with several forms has parameters of the same name
     const std::string of = v == chosen.variant ? "" : c.form->name + ".";
     for (std::size_t k = 0; k < c.shape.size(); ++k) {
-      // half the distance to the neighbours of the grid stands for the uncertainty of a shape
+      // half the distance to the neighbours of the grid stands for the uncertainty of a shape that lies between them
       const ParameterSpec& spec = c.form->shape[k];
-      out.push_back({of + spec.name, c.shape[k], 0.3 * std::abs(c.shape[k]), spec.unit});
+      out.push_back({of + spec.name, c.shape[k], c.form->refine ? 0.3 * std::abs(c.shape[k]) : 0.0, spec.unit});
     }
     for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
       for (int column : variant.columns)

@@ -4,35 +4,17 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "hil/model/record_input.h"
 
 namespace forcegate {
-
-/// Play (backlash) operator: p follows x only when |x - p| would exceed the radius.
-class Play {
- public:
-  Play(double radius, double state) : radius_(radius), state_(state) {}
-  double step(double x) {
-    state_ = std::clamp(state_, x - radius_, x + radius_);
-    return state_;
-  }
-
- private:
-  double radius_, state_;
-};
-
-/// Radii of the library's play banks, of the force span. Wider ones keep still after the first swing: what they add is a drift.
-inline constexpr std::array kPlayRadii = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.35};
-/// Those that a curved bank also applies to F^2: first and last index.
-inline constexpr std::size_t kFirstCurved = 1, kLastCurved = 4;
 
 /// (1 - e^-h) / h for h >= 0 to the last bit or two: a series below 1/8, brought there by quarters of h.
 inline double mean_of_decay(double h) {

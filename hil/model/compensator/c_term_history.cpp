@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/model/play.h"
 #include "hil/model/states.h"
 
 namespace forcegate {

@@ -4,7 +4,7 @@
 // About 10 % of full scale for FSR (Interlink 400 data sheet); Preisach models are used for the FlexiForce A201.
 
 #include "hil/model/effect.h"
-#include "hil/model/states.h"
+#include "hil/model/play.h"
 
 namespace forcegate {
 namespace {
@@ -16,12 +16,12 @@ ParameterSpec weight(const std::string& name, double radius) {
           2.0,  0.0, "weight of the play of radius " + std::to_string(radius) + " of the force span"};
 }
 
-void play_bank(const CampaignInput& campaign, const RecordInput& record, ColumnsRef out, bool decayed,
+void play_bank(const CampaignInput& campaign, const RecordInput& record, std::span<const double> shape, ColumnsRef out, bool decayed,
                bool curved) {
   const auto n = record.rows();
   for (int k = 0; k < kPlays; ++k) {
     const double radius = kPlayRadii[static_cast<std::size_t>(k)] * campaign.range_N;
-    Play play(radius, std::max(0.0, record.F_N[0] - radius));
+    Play play = play_at_start(campaign, record, &RecordInput::F_N, radius, 0.0, shape[0] != 0.0);
     for (std::size_t i = 0; i < n; ++i) {
       const double F = record.F_N[i], p = play.step(F), D = decayed ? record.decay[i] : 1.0;
       const auto row = static_cast<Eigen::Index>(i);
@@ -40,8 +40,6 @@ std::vector<ParameterSpec> bank_weights(bool curved) {
   return out;
 }
 
-const auto kNoShape = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; };
-
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "hysteresis",
     .side = "sensor",
@@ -53,28 +51,31 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .needs = {},
     .forms = {
         {.name = "play_bank",
-         .shape = {},
+         .shape = {kPlayKept},
          .strength = bank_weights(false),
          .sign = StrengthSign::positive,
-         .grid = kNoShape,
-         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>,
-                       ColumnsRef out) { play_bank(c, r, out, true, false); },
+         .grid = kept_or_not,
+         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
+                       ColumnsRef out) { play_bank(c, r, shape, out, true, false); },
+         .refine = false,
          .singles = true},
         {.name = "play_bank_undecayed",
-         .shape = {},
+         .shape = {kPlayKept},
          .strength = bank_weights(false),
          .sign = StrengthSign::positive,
-         .grid = kNoShape,
-         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>,
-                       ColumnsRef out) { play_bank(c, r, out, false, false); },
+         .grid = kept_or_not,
+         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
+                       ColumnsRef out) { play_bank(c, r, shape, out, false, false); },
+         .refine = false,
          .singles = true},
         {.name = "play_bank_curved",
-         .shape = {},
+         .shape = {kPlayKept},
          .strength = bank_weights(true),
          .sign = StrengthSign::either,
-         .grid = kNoShape,
-         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>,
-                       ColumnsRef out) { play_bank(c, r, out, true, true); },
+         .grid = kept_or_not,
+         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
+                       ColumnsRef out) { play_bank(c, r, shape, out, true, true); },
+         .refine = false,
          .bank = true},
         {.name = "bouc_wen",
          .shape = {{"z0_N", "N", 1e-3, 100.0, 0.2, "half width of the loop in force"}},

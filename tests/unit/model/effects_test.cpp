@@ -10,6 +10,7 @@
 #include "hil/model/effect.h"
 #include "hil/model/lagged_channel.h"
 #include "hil/model/model.h"
+#include "hil/model/play.h"
 #include "synthetic.h"
 #include "tests/support/campaign_effects.h"
 
@@ -183,6 +184,23 @@ TEST(Mounting, IsThatOfTheNeighboursWhereARecordDoesNotSay) {
   EXPECT_EQ(numbered({"", "a", "b"}), (std::vector<int>{2, 0, 0, 1}));
   EXPECT_EQ(numbered({"a", "", "b"}).front(), 0);
   EXPECT_EQ(numbered({"", "", ""}).front(), 0);
+}
+
+TEST(Play, BeginsARecordingAsTheOnesBeforeEndedOrAnew) {
+  CampaignInput campaign = input();
+  // two blocks of one recording hold all of its rows
+  campaign.records[2] = campaign.records[1];
+  campaign.records[2].index = 2;
+  for (const bool kept : {true, false})
+    for (const double radius : {0.05, 0.4, 1.5, 8.0}) {
+      Play all_along(radius, 0.0);
+      for (const RecordInput& r : campaign.records) {
+        Play found = play_at_start(campaign, r, &RecordInput::F_N, radius, 0.0, kept);
+        if (r.index == 2) continue;
+        if (r.index == 0 || !kept) all_along = Play(radius, std::max(0.0, r.F_N[0] - radius));
+        for (const double F : r.F_N) ASSERT_DOUBLE_EQ(found.step(F), all_along.step(F)) << r.name << ", " << radius << ", " << kept;
+      }
+    }
 }
 
 TEST(LaggedChannel, StaysBehindTheAirAcrossARestAndSettlesInALongOne) {
