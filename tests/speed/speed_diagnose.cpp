@@ -19,6 +19,7 @@
 #include "hil/diagnose/screen.h"
 #include "hil/diagnose/verdict.h"
 #include "hil/model/rows.h"
+#include "hil/model/play.h"
 #include "hil/model/states.h"
 #include "rigs/emulated/hidden/campaign_maker.h"
 #include "rigs/emulated/hidden/campaign_writer.h"
