@@ -1,5 +1,5 @@
 #pragma once
-// S4 and S5 in the three comparisons of a campaign: the output against the reference, the reference against the rig's own law, what the
+// Screening and choice in the three comparisons of a campaign: the output against the reference, the reference against the rig's own law, what the
 // drive makes of its command.
 
 #include <vector>
