@@ -46,7 +46,11 @@ DutSession session_of(const WeightGatePlan& plan, const WeightBenchInfo& bench, 
   return session;
 }
 
-RigInfo rig_of(const WeightBenchInfo& bench, const std::map<std::string, std::string>& options) {
+constexpr std::string_view kOption = "option ", kLaneOption = "lane option ";
+
+using Options = std::map<std::string, std::string>;
+
+RigInfo rig_of(const WeightBenchInfo& bench, const Options& options, const Options& lane_options) {
   RigInfo rig;
   rig.name = bench.name;
   rig.id = fmt::format("{} sensors under weights", bench.sensors);
@@ -61,11 +65,10 @@ RigInfo rig_of(const WeightBenchInfo& bench, const std::map<std::string, std::st
   rig.details["reference"] = "weights";
   rig.details["feedback resistor"] = shortest(bench.feedback_ohm) + " ohm";
   rig.details["amplifier saturates at"] = shortest(bench.rail_V) + " V";
-  for (const auto& [name, value] : options) rig.details["option " + name] = value;
+  for (const auto& [name, value] : options) rig.details[std::string(kOption) + name] = value;
+  for (const auto& [name, value] : lane_options) rig.details[std::string(kLaneOption) + name] = value;
   return rig;
 }
-
-constexpr std::string_view kOption = "option ";
 
 class WeightGateRun {
  public:
@@ -109,7 +112,7 @@ class WeightGateRun {
     h.plan_name = m_.plan.name;
     h.plan_sha256 = m_.plan.sha256;
     h.seed = m_.plan.study.seed;
-    h.rig = rig_of(pack_.bench, request_.rig_options);
+    h.rig = rig_of(pack_.bench, request_.rig_options, request_.lane_options);
     h.decision_rule = m_.plan.rule.to_text();
     h.notes.push_back(fmt::format(
         "eq. (11) compares with the conductance model of the same {} training loadings; the networks belong to pack {} of seed {}",
@@ -295,9 +298,11 @@ Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored
   if (!stored.head.rig.emulated)
     return fail(ErrorCode::usage, "only records of an emulated bench can be played again", image.string(),
                 "leave --replay out: what was measured is judged in any case");
-  std::map<std::string, std::string> options;
-  for (const auto& [name, value] : stored.head.rig.details)
+  Options options, lane_options;
+  for (const auto& [name, value] : stored.head.rig.details) {
     if (name.starts_with(kOption)) options[name.substr(kOption.size())] = value;
+    if (name.starts_with(kLaneOption)) lane_options[name.substr(kLaneOption.size())] = value;
+  }
   FORCEGATE_TRY(const PackFrames pack, frames_of(stored.plan, stored.head.rig.name, options));
   std::vector<WeightSession> sessions;
   std::vector<std::string> digests(stored.records.size());
@@ -308,7 +313,7 @@ Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored
                   stored.head.cases[i].id);
     sessions.push_back({stored.head.cases[i].id,
                         stored.head.cases[i].lane,
-                        {},
+                        lane_options,
                         session_of(stored.plan, pack.bench, s, image, stored.head.firmware_sha256),
                         &pack.sensors[s],
                         stored.plan.frame_samples()});

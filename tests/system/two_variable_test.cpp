@@ -41,6 +41,21 @@ TEST(TwoVariableFirmware, AStoredRunIsJudgedAgainByteForByteAndUnderOtherLimits)
   EXPECT_EQ(forcegate({"check", run}, kHere).exit_code, 2);
 }
 
+TEST(TwoVariableFirmware, IsPlayedAgainWithTheOptionsOfItsLane) {
+  const TemporaryFolder folder;
+  const std::string run = (folder.path() / "run").string(), own = (folder.path() / "own-qemu").string();
+  fs::create_symlink("/usr/bin/qemu-system-arm", own);
+  const ProcessResult gated = forcegate({"gate", (kFirmware / "two-variable.uart.elf").string(), "--plan", "capacitance-gate", "--case",
+                                         "pack0-sensor1", "--lane-option", "qemu=" + own, "-o", run},
+                                        kHere);
+  ASSERT_EQ(gated.exit_code, 0) << gated.out << gated.err;
+  EXPECT_EQ(forcegate({"check", run, "--replay"}, kHere).exit_code, 0);
+  fs::remove(own);
+  const ProcessResult without = forcegate({"check", run, "--replay"}, kHere);
+  EXPECT_NE(without.exit_code, 0);
+  EXPECT_THAT(without.out + without.err, HasSubstr("pack0-sensor1"));
+}
+
 TEST(TwoVariableFirmware, IsHeldAgainstGoldensAndAnAcceptedBuild) {
   const TemporaryFolder folder;
   const std::string image = (kFirmware / "two-variable.native.so").string(),
