@@ -136,15 +136,15 @@ Result<void> look_again(const CheckRequest& request, WeightMaterial& m, const Ga
                 request.limits.string(),
                 "its limits stand in its plan: --plan judges under those of another");
   if (request.replay) {
-    FORCEGATE_TRY(
-        const std::vector<std::string> digests,
-        play_weights_again(m, request.run / "bundle" / "firmware", request.threads, progress, cancelled));
+    FORCEGATE_TRY(const auto digests, play_weights_again(m, request.run / "bundle" / "firmware", request.threads, progress, cancelled));
     for (std::size_t i = 0; i < digests.size(); ++i) {
       if (m.records[i].failure) continue;
       ++answer.played_again;
-      if (digests[i] != m.head.cases[i].digest)
-        answer.differences.push_back(
-            fmt::format("{}: played again it gives other samples", m.head.cases[i].id));
+      const std::string& id = m.head.cases[i].id;
+      if (!digests[i])
+        answer.differences.push_back(fmt::format("{}: cannot be played again: {}", id, digests[i].error().to_text()));
+      else if (*digests[i] != m.head.cases[i].digest)
+        answer.differences.push_back(fmt::format("{}: played again it gives other samples", id));
     }
   }
   if (request.plan.empty()) return {};

@@ -291,7 +291,7 @@ Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& pr
   return WeightGateRun(request, std::move(plan), lane, cancelled).run(progress);
 }
 
-Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored,
+Result<std::vector<Result<std::string>>> play_weights_again(const WeightMaterial& stored,
                                                     const std::filesystem::path& image, unsigned threads,
                                                     const GateProgress& progress,
                                                     const std::atomic<bool>* cancelled) {
@@ -305,7 +305,7 @@ Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored
   }
   FORCEGATE_TRY(const PackFrames pack, frames_of(stored.plan, stored.head.rig.name, options));
   std::vector<WeightSession> sessions;
-  std::vector<std::string> digests(stored.records.size());
+  std::vector<Result<std::string>> digests;
   for (std::size_t i = 0; i < stored.records.size(); ++i) {
     const std::size_t s = stored.records[i].sensor;
     if (s >= pack.sensors.size())
@@ -328,11 +328,9 @@ Result<std::vector<std::string>> play_weights_again(const WeightMaterial& stored
                                 progress(done / static_cast<double>(sessions.size()), sessions[k].id);
                             }};
   auto answers = run_weight_sessions(sessions, worker, events);
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    if (answers[i])
-      digests[i] = std::move(answers[i]->digest);
-    else if (answers[i].error().code == ErrorCode::cancelled)
-      return Unexpected(answers[i].error());
+  for (auto& answer : answers) {
+    if (!answer && answer.error().code == ErrorCode::cancelled) return Unexpected(answer.error());
+    digests.push_back(answer ? Result<std::string>(std::move(answer->digest)) : Unexpected(answer.error()));
   }
   return digests;
 }

@@ -19,9 +19,9 @@ Result<bool> is_weight_plan(const std::string& plan);
 Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& progress = {},
                               const std::atomic<bool>* cancelled = nullptr);
 
-/// Plays the sessions of a stored run again, by its own recipe. Returns the digest of every record; "" where the image did
-/// not answer. Errors: of the bench.
-Result<std::vector<std::string>> play_weights_again(const characterize::WeightMaterial& stored,
+/// Plays the sessions of a stored run again, by its own recipe. Returns the digest of every record, or why there is none. Errors: of the
+/// bench.
+Result<std::vector<Result<std::string>>> play_weights_again(const characterize::WeightMaterial& stored,
                                                     const std::filesystem::path& image, unsigned threads,
                                                     const GateProgress& progress = {},
                                                     const std::atomic<bool>* cancelled = nullptr);
