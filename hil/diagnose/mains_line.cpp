@@ -13,6 +13,10 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr std::size_t kMostSegments = 12, kBlock = 256;
+constexpr double kSegment_s = 4.0;
+// Slower rates than 24 Hz would make these samples longer than 5.4 s, and the grid of a quarter of a hertz too coarse for them.
+constexpr std::size_t kFewestSamples = 128;
+constexpr double kSlowest_Hz = 24.0;
 
 // A unit vector that turns by the same angle at every sample.
 struct Rotation {
@@ -100,8 +104,8 @@ MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double
   const std::size_t n = t.size();
   if (n < 512 || !(t[n - 1] > t[0])) return best;
   const double rate = rate_between_gaps(t);
-  const auto length = static_cast<std::size_t>(4.0 * rate);
-  if (length < 128 || n < 2 * length) return best;
+  const std::size_t length = std::max(static_cast<std::size_t>(kSegment_s * rate), kFewestSamples);
+  if (rate < kSlowest_Hz || n < 2 * length) return best;
   const std::size_t segments = std::min(kMostSegments, n / length);
   std::vector<std::size_t> from;
   for (std::size_t k = 0; k < segments; ++k) {

@@ -180,6 +180,22 @@ TEST(RawHealth, AReferenceInStepsFarAboveTheDeclaredOnesIsNoisy) {
   EXPECT_NEAR(coarse[0].value, 0.3 / std::sqrt(12.0), 0.02);
 }
 
+TEST(RawHealth, MainsOfThirtySamplesASecondIsHumTenTimesASecond) {
+  Campaign c = make_campaign(29, straight);
+  for (Record& r : c.records) {
+    auto& clock = r.trace.time_bases[0].t_s;
+    auto& U = r.trace.find("U")->value;
+    for (std::size_t i = 0; i < clock.size(); ++i) {
+      clock[i] = std::round(1e4 * static_cast<double>(i) / 30.0) * 1e-4;
+      U[i] += 0.05 * std::sin(2.0 * std::numbers::pi * 50.0 * static_cast<double>(i) / 30.0);
+    }
+  }
+  const std::vector<HealthClaim> claims = claims_of_samples(c);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "hum");
+  EXPECT_NEAR(claims[0].value, 0.05, 0.005);
+}
+
 TEST(RawHealth, AGapInTheClockDoesNotMoveTheMains) {
   Campaign c = make_campaign(30, straight);
   for (Record& r : c.records) {
