@@ -109,15 +109,33 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
   const bool after = e.form.ends_with("_after_decay"), hard = e.form == "hard";
   t.title = fmt::format("dead_zone: {}, F0 {:g} N", e.form, F0);
   t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F0", F0);
-  t.constants += fmt::format(
-      "static inline float {0}_h(float F) {{\n  if (F <= 0.0f) return 0.0f;\n  return {1};\n}}\n", id,
-      hard ? fmt::format("-(k_{0}_c * (F < k_{0}_F0 ? F : k_{0}_F0))", id)
-           : fmt::format("k_{0}_c * k_{0}_F0 * (fg_exp(-(F / k_{0}_F0)) - 1.0f)", id));
+  std::string body = fmt::format("k_{0}_c * k_{0}_F0 * (fg_exp(-(F / k_{0}_F0)) - 1.0f)", id);
+  t.each = 64;
+  t.needs_exp = true;
+  if (hard || e.form == "closing") {
+    body = hard ? fmt::format("-(k_{0}_c * (F < k_{0}_F0 ? F : k_{0}_F0))", id)
+                : fmt::format("-(k_{0}_c * F * k_{0}_F0 * k_{0}_F0 / (F * F + k_{0}_F0 * k_{0}_F0))", id);
+    t.each = 8;
+    t.needs_exp = false;
+  } else if (e.form == "spread") {
+    // ln((1 + e^((F - F0)/w)) / (1 + e^(-F0/w))) without an overflow above F0
+    const double w = 0.25 * F0;
+    t.constants += constant("k_" + id + "_w", w) + constant("k_" + id + "_0", std::log1p(std::exp(-F0 / w)));
+    t.constants += fmt::format(
+        "static inline float {0}_closed(float F) {{\n"
+        "  const float z = (F - k_{0}_F0) / k_{0}_w;\n"
+        "  const float up = z > 0.0f ? z + fg_ln(1.0f + fg_exp(-z)) : fg_ln(1.0f + fg_exp(z));\n"
+        "  return k_{0}_w * (up - k_{0}_0);\n"
+        "}}\n",
+        id);
+    body = fmt::format("k_{0}_c * ({0}_closed(F) - F)", id);
+    t.each = 100;
+    t.needs_ln = true;
+  }
+  t.constants += fmt::format("static inline float {0}_h(float F) {{\n  if (F <= 0.0f) return 0.0f;\n  return {1};\n}}\n", id, body);
   t.value = after ? fmt::format("{}_h(W)", id)
                   : fmt::format("{0}_h(c->low_N) + c->shrink * ({0}_h(F) - {0}_h(c->low_N))", id);
   t.slope_min = std::min(0.0, -c);
-  t.each = hard ? 8 : 64;
-  t.needs_exp = !hard;
   return t;
 }
 

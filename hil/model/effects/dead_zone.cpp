@@ -1,6 +1,7 @@
 // Turn-on threshold: a spacer gap, contacts that close at distributed forces.
 //   share of closed contacts 1 - exp(-F/F0):  dU = -g c F0 (1 - exp(-F/F0));  hard gap: dU = -g c min(F, F0);
-//   share F^2/(F^2 + F0^2) of contacts closed by the force itself:  dU = -g c F F0^2/(F^2 + F0^2).
+//   share F^2/(F^2 + F0^2) of contacts closed by the force itself:  dU = -g c F F0^2/(F^2 + F0^2);
+//   thresholds spread about F0 (logistic, w = F0/4):  dU = -g c (F - softplus(F - F0) + softplus(-F0)), softplus(x) = w ln(1 + e^(x/w)).
 // Break force 0.2 to 1 N (Interlink integration guide), about 0.2 N (400 series data sheet).
 
 #include <cmath>
@@ -11,7 +12,9 @@
 namespace forcegate {
 namespace {
 
-enum class Gap { distributed, hard, closing };
+constexpr double kSpread = 0.25;  // of the thresholds, of F0
+
+enum class Gap { distributed, hard, closing, spread };
 
 EffectForm form(const char* name, Gap gap, bool after, std::vector<double> shares) {
   return {.name = name,
@@ -31,6 +34,7 @@ EffectForm form(const char* name, Gap gap, bool after, std::vector<double> share
                 const auto h = [gap, F0](double F) {
                   if (F <= 0.0) return 0.0;
                   if (gap == Gap::closing) return -F * F0 * F0 / (F * F + F0 * F0);
+                  if (gap == Gap::spread) return -F + soft_hinge(F - F0, kSpread * F0) - soft_hinge(-F0, kSpread * F0);
                   return gap == Gap::hard ? -std::min(F, F0) : F0 * std::expm1(-F / F0);
                 };
                 after ? after_decay(r, h, out.col(0)) : through_decay(r, h, out.col(0));
@@ -52,7 +56,8 @@ const Registration<EffectKind> kRegistered{
                .forms = {form("distributed", Gap::distributed, false, {0.01, 0.02, 0.04, 0.08}),
                          form("distributed_after_decay", Gap::distributed, true, {0.02, 0.05}),
                          form("hard", Gap::hard, false, {0.01, 0.02, 0.04, 0.08, 0.15}),
-                         form("closing", Gap::closing, false, {0.005, 0.015, 0.04, 0.1})}}};
+                         form("closing", Gap::closing, false, {0.005, 0.015, 0.04, 0.1}),
+                         form("spread", Gap::spread, false, {0.04, 0.1, 0.2, 0.3})}}};
 
 }  // namespace
 }  // namespace forcegate

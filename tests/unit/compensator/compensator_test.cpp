@@ -129,6 +129,28 @@ TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("static_nonlinearity", "saturation", {0.2}, {3.0, 0.5})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("thermal", "lagged", {0.003, 0.001}, {60.0})})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "distributed", {0.5}, {0.2})})), 0.3);
+  EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "closing", {0.5}, {0.2})})), 0.3);
+  EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "spread", {0.5}, {0.8})})), 0.3);
+  EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "hard", {0.5}, {0.2})})), 0.3);
+}
+
+// A form that is exported as another one would be found on the user's bench.
+TEST(Compensator, EveryFormOfTheLibraryIsUndoneOrRefused) {
+  int undone = 0;
+  for (const EffectKind& kind : EffectRegistry::instance().all())
+    for (const EffectForm& form : kind.forms) {
+      const double sign = form.sign == StrengthSign::negative ? -1.0 : 1.0;
+      std::vector<double> shape;
+      for (const ParameterSpec& p : form.shape) shape.push_back(p.neutral);
+      const Model model = model_with({effect(kind.name, form.name, std::vector<double>(form.strength.size(), 0.01 * sign), shape)});
+      if (const auto made = make_compensator(model, {}); !made) {
+        EXPECT_FALSE(made.error().hint.empty()) << kind.name << ", " << form.name;
+        continue;
+      }
+      ++undone;
+      EXPECT_LT(replay_LSB(model), 0.5) << kind.name << ", " << form.name;
+    }
+  EXPECT_GT(undone, 20);
 }
 
 TEST(Compensator, EffectsTogetherAreUndone) {
