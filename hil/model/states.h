@@ -85,20 +85,20 @@ std::vector<double> spectrum_response(const RecordInput& record, std::span<const
                                       std::span<const double> tau_s, std::span<const double> weight,
                                       double first_state);
 
-/// h(F) of a static curve that acts before the decay: h(F_min) + D (h(F) - h(F_min)).
-template <class Curve>
-void through_decay(const RecordInput& record, const Curve& h, Eigen::Ref<Eigen::VectorXd> out) {
-  const double low = h(record.F_min_N);
-  record.for_each_wanted([&](std::size_t i) {
-    out[static_cast<Eigen::Index>(i)] =
-        record.dynamic ? low + record.decay[i] * (h(record.F_N[i]) - low) : h(record.F_N[i]);
-  });
-}
+/// Where a static curve h stands to the decay of cyclic records.
+enum class CurveAt {
+  force,    ///< the film feels F + h(F), lowest force and all: h(F_min) + D (h(F) - h(F_min))
+  swing,    ///< the film's lowest force is that of the load: D h(F)
+  decayed,  ///< acts on the decayed base force W: h(W)
+};
 
-/// h(W) of a static curve that acts on the decayed base force W.
 template <class Curve>
-void after_decay(const RecordInput& record, const Curve& h, Eigen::Ref<Eigen::VectorXd> out) {
-  record.for_each_wanted([&](std::size_t i) { out[static_cast<Eigen::Index>(i)] = h(record.base_force_N(i)); });
+void add_curve(const RecordInput& record, CurveAt at, const Curve& h, Eigen::Ref<Eigen::VectorXd> out) {
+  const double low = at == CurveAt::force && record.dynamic ? h(record.F_min_N) : 0.0;
+  record.for_each_wanted([&](std::size_t i) {
+    const double D = record.dynamic ? record.decay[i] : 1.0;
+    out[static_cast<Eigen::Index>(i)] = at == CurveAt::decayed ? h(record.base_force_N(i)) : low + D * (h(record.F_N[i]) - low);
+  });
 }
 
 }  // namespace forcegate

@@ -43,7 +43,13 @@ Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
   return t;
 }
 
-// A curve h of the force: h(low) + D (h(F) - h(low)), or h(W) when it acts on the decayed force.
+// A curve h of the force: on the film's force, on the decayed one, or of the swing (CurveAt of hil/model/states.h).
+std::string curve_value(const std::string& form, const std::string& id) {
+  if (form.ends_with("_after_decay")) return id + "_h(W)";
+  if (form.ends_with("_of_swing")) return fmt::format("c->shrink * {}_h(F)", id);
+  return fmt::format("{0}_h(c->low_N) + c->shrink * ({0}_h(F) - {0}_h(c->low_N))", id);
+}
+
 Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
   CTerm t;
   const std::string& id = x.id;
@@ -88,8 +94,7 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
   }
   t.title = fmt::format("{}: {}", e.effect, e.form);
   t.constants += fmt::format("static inline float {}_h(float F) {{\n  {}\n}}\n", id, body);
-  t.value = after ? fmt::format("{}_h(W)", id)
-                  : fmt::format("{0}_h(c->low_N) + c->shrink * ({0}_h(F) - {0}_h(c->low_N))", id);
+  t.value = curve_value(e.form, id);
   t.each = after ? t.each : 2 * t.each + 3;
   for (int k = 0; k < 200; ++k) {
     const double F = x.lowest_N + 1.2 * R * (k + 0.5) / 200.0, step = 1e-4 * R;
@@ -106,7 +111,7 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
   CTerm t;
   const std::string& id = x.id;
   const double F0 = shape_of(e, 0), c = strength_of(e, 0);
-  const bool after = e.form.ends_with("_after_decay"), hard = e.form == "hard";
+  const bool hard = e.form == "hard";
   t.title = fmt::format("dead_zone: {}, F0 {:g} N", e.form, F0);
   t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F0", F0);
   std::string body = fmt::format("k_{0}_c * k_{0}_F0 * (fg_exp(-(F / k_{0}_F0)) - 1.0f)", id);
@@ -117,7 +122,7 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
                 : fmt::format("-(k_{0}_c * F * k_{0}_F0 * k_{0}_F0 / (F * F + k_{0}_F0 * k_{0}_F0))", id);
     t.each = 8;
     t.needs_exp = false;
-  } else if (e.form == "spread") {
+  } else if (e.form.starts_with("spread")) {
     // ln((1 + e^((F - F0)/w)) / (1 + e^(-F0/w))) without an overflow above F0
     const double w = 0.25 * F0;
     t.constants += constant("k_" + id + "_w", w) + constant("k_" + id + "_0", std::log1p(std::exp(-F0 / w)));
@@ -133,8 +138,7 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
     t.needs_ln = true;
   }
   t.constants += fmt::format("static inline float {0}_h(float F) {{\n  if (F <= 0.0f) return 0.0f;\n  return {1};\n}}\n", id, body);
-  t.value = after ? fmt::format("{}_h(W)", id)
-                  : fmt::format("{0}_h(c->low_N) + c->shrink * ({0}_h(F) - {0}_h(c->low_N))", id);
+  t.value = curve_value(e.form, id);
   t.slope_min = std::min(0.0, -c);
   return t;
 }

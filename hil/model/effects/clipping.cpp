@@ -31,8 +31,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .columns =
              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                const double rail = shape[0], width = 0.01 * c.range_N;
-               after_decay(
-                   r, [=](double W) { return -soft_hinge(W - rail, width); }, out.col(0));
+               add_curve(
+                   r, CurveAt::decayed, [=](double W) { return -soft_hinge(W - rail, width); }, out.col(0));
              },
          .least = 0.0,
          .most = 1.15}}}};

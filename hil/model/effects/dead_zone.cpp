@@ -2,6 +2,7 @@
 //   share of closed contacts 1 - exp(-F/F0):  dU = -g c F0 (1 - exp(-F/F0));  hard gap: dU = -g c min(F, F0);
 //   share F^2/(F^2 + F0^2) of contacts closed by the force itself:  dU = -g c F F0^2/(F^2 + F0^2);
 //   thresholds spread about F0 (logistic, w = F0/4):  dU = -g c (F - softplus(F - F0) + softplus(-F0)), softplus(x) = w ln(1 + e^(x/w)).
+// On the film's force, on the decayed one, or beside the load's own lowest force (D h(F)).
 // Break force 0.2 to 1 N (Interlink integration guide), about 0.2 N (400 series data sheet).
 
 #include <cmath>
@@ -16,7 +17,7 @@ constexpr double kSpread = 0.25;  // of the thresholds, of F0
 
 enum class Gap { distributed, hard, closing, spread };
 
-EffectForm form(const char* name, Gap gap, bool after, std::vector<double> shares) {
+EffectForm form(const char* name, Gap gap, CurveAt at, std::vector<double> shares) {
   return {.name = name,
           .shape = {{"F0_N", "N", 1e-4, 100.0, 0.2, "turn-on force"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the contacts that take part"}},
@@ -28,7 +29,7 @@ EffectForm form(const char* name, Gap gap, bool after, std::vector<double> share
                 return out;
               },
           .columns =
-              [gap, after](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
+              [gap, at](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
                            ColumnsRef out) {
                 const double F0 = shape[0];
                 const auto h = [gap, F0](double F) {
@@ -37,7 +38,7 @@ EffectForm form(const char* name, Gap gap, bool after, std::vector<double> share
                   if (gap == Gap::spread) return -F + soft_hinge(F - F0, kSpread * F0) - soft_hinge(-F0, kSpread * F0);
                   return gap == Gap::hard ? -std::min(F, F0) : F0 * std::expm1(-F / F0);
                 };
-                after ? after_decay(r, h, out.col(0)) : through_decay(r, h, out.col(0));
+                add_curve(r, at, h, out.col(0));
               },
           // more than all contacts cannot wait: what needs more is a bent curve
           .least = 0.0,
@@ -53,11 +54,13 @@ const Registration<EffectKind> kRegistered{
                .look_alikes = {"static_nonlinearity", "contact_loss"},
                .separates = "a slow ramp from true zero; small sines around the turn-on force",
                .needs = {},
-               .forms = {form("distributed", Gap::distributed, false, {0.01, 0.02, 0.04, 0.08}),
-                         form("distributed_after_decay", Gap::distributed, true, {0.02, 0.05}),
-                         form("hard", Gap::hard, false, {0.01, 0.02, 0.04, 0.08, 0.15}),
-                         form("closing", Gap::closing, false, {0.005, 0.015, 0.04, 0.1}),
-                         form("spread", Gap::spread, false, {0.04, 0.1, 0.2, 0.3})}}};
+               .forms = {form("distributed", Gap::distributed, CurveAt::force, {0.01, 0.02, 0.04, 0.08}),
+                         form("distributed_after_decay", Gap::distributed, CurveAt::decayed, {0.02, 0.05}),
+                         form("distributed_of_swing", Gap::distributed, CurveAt::swing, {0.02, 0.06}),
+                         form("hard", Gap::hard, CurveAt::force, {0.01, 0.02, 0.04, 0.08, 0.15}),
+                         form("closing", Gap::closing, CurveAt::force, {0.005, 0.015, 0.04, 0.1}),
+                         form("spread", Gap::spread, CurveAt::force, {0.04, 0.1, 0.2, 0.3}),
+                         form("spread_of_swing", Gap::spread, CurveAt::swing, {0.04, 0.1, 0.2, 0.3})}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -1,6 +1,7 @@
 // Static nonlinearity: conductance power law, saturation of the contact area.
 //   dU = g [h(Fmin) + D (h(F) - h(Fmin))], h = c2 F^2/R + c3 F^3/R^2 (polynomial), c F ln(F/R) (tangent of F^n),
-//   or -c softplus(F - F1) (saturation); R the force span. The same curves on the decayed force W are second forms.
+//   or -c softplus(F - F1) (saturation); R the force span. The same curves on the decayed force W, and beside the load's own lowest
+//   force (D h(F)), are further forms.
 // FlexiForce within +-3 % (Tekscan manual, rev. G); amplitude nonlinearity: Sensors 11 (2011) 8836.
 
 #include <cmath>
@@ -11,14 +12,9 @@
 namespace forcegate {
 namespace {
 
-template <class Curve>
-void apply(const RecordInput& r, const Curve& h, Eigen::Ref<Eigen::VectorXd> out, bool after) {
-  after ? after_decay(r, h, out) : through_decay(r, h, out);
-}
-
 const auto kNoShape = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; };
 
-EffectForm polynomial(const char* name, bool after, bool bank) {
+EffectForm polynomial(const char* name, CurveAt at) {
   return {.name = name,
           .shape = {},
           .strength = {{"c2", "1", -2.0, 2.0, 0.0, "quadratic part, F^2/R"},
@@ -26,33 +22,28 @@ EffectForm polynomial(const char* name, bool after, bool bank) {
           .sign = StrengthSign::either,
           .grid = kNoShape,
           .columns =
-              [after](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+              [at](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 const double R = c.range_N;
-                apply(
-                    r, [R](double F) { return F * F / R; }, out.col(0), after);
-                apply(
-                    r, [R](double F) { return F * F * F / (R * R); }, out.col(1), after);
+                add_curve(r, at, [R](double F) { return F * F / R; }, out.col(0));
+                add_curve(r, at, [R](double F) { return F * F * F / (R * R); }, out.col(1));
               },
-          .singles = true,
-          .bank = bank};
+          .singles = true};
 }
 
-EffectForm power(const char* name, bool after) {
+EffectForm power(const char* name, CurveAt at) {
   return {.name = name,
           .shape = {},
           .strength = {{"n_minus_1", "1", -0.9, 2.0, 0.0, "exponent of the power law minus one"}},
           .sign = StrengthSign::either,
           .grid = kNoShape,
-          .columns = [after](const CampaignInput& c, const RecordInput& r, std::span<const double>,
-                             ColumnsRef out) {
-            const double R = c.range_N;
-            apply(
-                r, [R](double F) { return F > 1e-3 * R ? F * std::log(F / R) : F * std::log(1e-3); },
-                out.col(0), after);
-          }};
+          .columns =
+              [at](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                const double R = c.range_N;
+                add_curve(r, at, [R](double F) { return F > 1e-3 * R ? F * std::log(F / R) : F * std::log(1e-3); }, out.col(0));
+              }};
 }
 
-EffectForm saturation(const char* name, bool after) {
+EffectForm saturation(const char* name, CurveAt at) {
   return {
       .name = name,
       .shape = {{"F1_N", "N", 0.0, 1000.0, 3.0, "force at which the bend sits"},
@@ -67,10 +58,9 @@ EffectForm saturation(const char* name, bool after) {
             return out;
           },
       .columns =
-          [after](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+          [at](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
             const double F1 = shape[0], width = shape[1];
-            apply(
-                r, [F1, width](double F) { return -soft_hinge(F - F1, width); }, out.col(0), after);
+            add_curve(r, at, [F1, width](double F) { return -soft_hinge(F - F1, width); }, out.col(0));
           }};
 }
 
@@ -88,18 +78,14 @@ EffectForm bank() {
           .columns =
               [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 const double R = c.range_N;
-                through_decay(
-                    r, [R](double F) { return F * F / R; }, out.col(0));
-                through_decay(
-                    r, [R](double F) { return F * F * F / (R * R); }, out.col(1));
-                through_decay(
-                    r, [R](double F) { return F * F * F * F / (R * R * R); }, out.col(2));
-                through_decay(
-                    r, [R](double F) { return std::sqrt(std::max(F, 0.0) * R); }, out.col(3));
-                after_decay(
-                    r, [R](double F) { return F * F / R; }, out.col(4));
-                after_decay(
-                    r, [R](double F) { return F * F * F / (R * R); }, out.col(5));
+                const auto square = [R](double F) { return F * F / R; };
+                const auto cube = [R](double F) { return F * F * F / (R * R); };
+                add_curve(r, CurveAt::force, square, out.col(0));
+                add_curve(r, CurveAt::force, cube, out.col(1));
+                add_curve(r, CurveAt::force, [R](double F) { return F * F * F * F / (R * R * R); }, out.col(2));
+                add_curve(r, CurveAt::force, [R](double F) { return std::sqrt(std::max(F, 0.0) * R); }, out.col(3));
+                add_curve(r, CurveAt::decayed, square, out.col(4));
+                add_curve(r, CurveAt::decayed, cube, out.col(5));
               },
           .bank = true};
 }
@@ -113,9 +99,10 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"clipping", "dead_zone", "spring_nonlinearity", "off_axis"},
     .separates = "slow ramps over the full range; sines of equal amplitude at two means",
     .needs = {},
-    .forms = {polynomial("polynomial", false, false), polynomial("polynomial_after_decay", true, false),
-              power("power_law", false), power("power_law_after_decay", true),
-              saturation("saturation", false), saturation("saturation_after_decay", true), bank()}}};
+    .forms = {polynomial("polynomial", CurveAt::force), polynomial("polynomial_after_decay", CurveAt::decayed),
+              polynomial("polynomial_of_swing", CurveAt::swing), power("power_law", CurveAt::force),
+              power("power_law_after_decay", CurveAt::decayed), saturation("saturation", CurveAt::force),
+              saturation("saturation_after_decay", CurveAt::decayed), bank()}}};
 
 }  // namespace
 }  // namespace forcegate
