@@ -24,7 +24,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .grid =
              [](const CampaignInput&) {
                std::vector<std::vector<double>> out;
-               for (double e : {1e-5, 2e-5, 4e-5, 8e-5, 1.4e-4, 2.4e-4, 4e-4, 7e-4, 1.2e-3, 2e-3}) {
+               for (double e : {1e-5, 2e-5, 4e-5, 8e-5, 1.4e-4, 2.4e-4, 4e-4, 7e-4, 1.2e-3, 2e-3, 4e-3, 8e-3}) {
                  out.push_back({e});
                  out.push_back({-e});
                }

@@ -56,7 +56,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
              [](const CampaignInput& c) {
                std::vector<std::vector<double>> out;
                if (c.mountings > 0) return out;
-               for (std::size_t k = 1; k < c.records.size(); ++k) out.push_back({static_cast<double>(k)});
+               // one record that stands apart is an odd record
+               for (std::size_t k = 2; k + 2 <= c.records.size(); ++k) out.push_back({static_cast<double>(k)});
                return out;
              },
          .columns =
