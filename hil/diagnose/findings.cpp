@@ -289,16 +289,30 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
       }
 }
 
+namespace {
+
+// A few records that are noisier than the others must not hide what those show.
+bool typical_is_above(const ResidualChannel& channel, const std::vector<double>& mean_square, double factor) {
+  double log_ratio = 0.0;
+  for (std::size_t i = 0; i < mean_square.size(); ++i)
+    log_ratio += std::log(std::max(1e-9, mean_square[i] / (channel.problem.records[i].allowed_variance + channel.problem.records[i].smoothed_variance)));
+  return log_ratio > 2.0 * std::log(factor) * static_cast<double>(mean_square.size());
+}
+
+}  // namespace
+
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings) {
   constexpr double kMost = 0.75, kMostOfFamily = 0.45;  // of the RMS error: over half of the mean square, a fifth
   constexpr double kAbove = 2.5, kFarAbove = 8.0;               // of the instruments' noise
   constexpr double kWithdrawn = 0.2;
   // over all records: an effect may show in none of those that judge
-  const auto rms = [&](const MixedFit& fit) {
-    return std::sqrt(judged(channel, leave_one_out(channel.problem, fit, &selection.base).adapted, true));
-  };
-  const double before = rms(selection.base), after = rms(selection.claimed);
-  if (!(after > (remains ? kAbove : kFarAbove) * allowed_rms(channel))) return false;
+  const auto left = [&](const MixedFit& fit) { return leave_one_out(channel.problem, fit, &selection.base).adapted; };
+  const std::vector<double> square = left(selection.claimed);
+  const double before = std::sqrt(judged(channel, left(selection.base), true)), after = std::sqrt(judged(channel, square, true));
+  const double above = remains ? kAbove : kFarAbove;
+  // what the samples themselves have named, such as hum, is left here too
+  const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.form == "raw" && f.probability > kNoClaim; });
+  if (!(after > above * allowed_rms(channel)) && (named || !typical_is_above(channel, square, above))) return false;
   const bool leaves_most = after > kMost * before;
   if (!(selection.excess_after > kMostOfFamily * kMostOfFamily * selection.excess_before)) return false;
   bool withdrawn = false;
