@@ -292,9 +292,9 @@ Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& pr
 }
 
 Result<std::vector<Result<std::string>>> play_weights_again(const WeightMaterial& stored,
-                                                    const std::filesystem::path& image, unsigned threads,
-                                                    const GateProgress& progress,
-                                                    const std::atomic<bool>* cancelled) {
+                                                            const std::filesystem::path& image, unsigned threads,
+                                                            const GateProgress& progress,
+                                                            const std::atomic<bool>* cancelled) {
   if (!stored.head.rig.emulated)
     return fail(ErrorCode::usage, "only records of an emulated bench can be played again", image.string(),
                 "leave --replay out: what was measured is judged in any case");

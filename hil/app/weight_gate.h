@@ -22,8 +22,8 @@ Result<RunResult> weight_gate(const GateRequest& request, const GateProgress& pr
 /// Plays the sessions of a stored run again, by its own recipe. Returns the digest of every record, or why there is none. Errors: of the
 /// bench.
 Result<std::vector<Result<std::string>>> play_weights_again(const characterize::WeightMaterial& stored,
-                                                    const std::filesystem::path& image, unsigned threads,
-                                                    const GateProgress& progress = {},
-                                                    const std::atomic<bool>* cancelled = nullptr);
+                                                            const std::filesystem::path& image, unsigned threads,
+                                                            const GateProgress& progress = {},
+                                                            const std::atomic<bool>* cancelled = nullptr);
 
 }  // namespace forcegate

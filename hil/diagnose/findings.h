@@ -43,8 +43,9 @@ void suspect_refused(Diagnosis& out);
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings);
 
 /// Claims about the output are suspicions where all forms of their families leave more than a fifth of the mean square that the noise does not
-/// explain, far above it or with structure that `remains`, and they themselves leave more than half of the mean square of all records, or
-/// could take any course of their kind (a curve, a loop, a lag): something else is at work. True when one was withdrawn.
+/// explain, far above it (all records, or the typical one) or with structure that `remains`, and they themselves leave more than half of the
+/// mean square of all records, or could take any course of their kind (a curve, a loop, a lag): something else is at work. True when one was
+/// withdrawn.
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings);
 
 /// Rivals that no more than odds of 4 : 1 part.

@@ -15,7 +15,7 @@ RecordInput trial(std::vector<double> t_s, std::vector<double> F_N) {
   RecordInput r;
   const std::size_t n = t_s.size();
   r.t_s = r.fast_t_s = std::move(t_s);
-  r.F_N = r.fast_F_N = std::move(F_N);
+  r.F_N = r.fast_F_N = r.rig_force_N = std::move(F_N);
   r.U_V.assign(n, 0.0);
   r.rate_N_per_s.assign(n, 0.0);
   r.travel_N.assign(n, 0.0);
@@ -94,7 +94,7 @@ std::vector<FoundParameter> physical_parameters(const CampaignInput& campaign, c
                                                 const ChosenEffect& chosen) {
   if (EffectRegistry::instance().find(chosen.kind->name) != chosen.kind) return {};
   if (chosen.kind->name == "creep") return growth(campaign, channel, chosen);
-  if (chosen.kind->name == "hysteresis") return width(campaign, channel, chosen);
+  if (chosen.kind->name == "hysteresis" || chosen.kind->name == "backlash") return width(campaign, channel, chosen);
   return {};
 }
 

@@ -10,8 +10,8 @@
 namespace forcegate::diagnose {
 
 /// All forms of the finding together, with standard uncertainties. creep: growth under constant load, share of the load per decade of time
-/// between 1 s and 100 s (or the longest record), and in all by then. hysteresis: width of the loop at mid force, N and % of the span, the
-/// force going once over it. Empty for other effects.
+/// between 1 s and 100 s (or the longest record), and in all by then. hysteresis, backlash: width of the loop at mid force, N and % of the
+/// span, the force going once over it; negative where the way up lies higher. Empty for other effects.
 std::vector<FoundParameter> physical_parameters(const CampaignInput& campaign, const ResidualChannel& channel,
                                                 const ChosenEffect& chosen);
 

@@ -140,6 +140,9 @@ TEST(RigChannel, FrictionOfTheGuideIsALoopOnEitherSideOfTheReference) {
     EXPECT_EQ(claims(d), "backlash ") << friction_N;
     ASSERT_FALSE(d.findings.empty());
     EXPECT_LT(d.findings.front().error_after, 0.4 * d.findings.front().error_before) << friction_N;
+    ASSERT_FALSE(d.findings.front().parameters.empty());
+    EXPECT_EQ(d.findings.front().parameters.front().name, "loop_width_N");
+    EXPECT_NEAR(d.findings.front().parameters.front().value, -2.0 * friction_N, 0.02) << "of the way down over the way up";
   }
 }
 
