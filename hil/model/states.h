@@ -85,6 +85,9 @@ std::vector<double> spectrum_response(const RecordInput& record, std::span<const
                                       std::span<const double> tau_s, std::span<const double> weight,
                                       double first_state);
 
+/// Spread (logistic) of the forces at which contacts close, over their middle.
+inline constexpr double kThresholdSpread = 0.25;
+
 /// Where a static curve h stands to the decay of cyclic records.
 enum class CurveAt {
   force,    ///< the film feels F + h(F), lowest force and all: h(F_min) + D (h(F) - h(F_min))

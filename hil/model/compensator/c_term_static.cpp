@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "hil/model/states.h"
+
 namespace forcegate::c_terms {
 
 Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
@@ -124,7 +126,7 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
     t.needs_exp = false;
   } else if (e.form.starts_with("spread")) {
     // ln((1 + e^((F - F0)/w)) / (1 + e^(-F0/w))) without an overflow above F0
-    const double w = 0.25 * F0;
+    const double w = kThresholdSpread * F0;
     t.constants += constant("k_" + id + "_w", w) + constant("k_" + id + "_0", std::log1p(std::exp(-F0 / w)));
     t.constants += fmt::format(
         "static inline float {0}_closed(float F) {{\n"

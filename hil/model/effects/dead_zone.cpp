@@ -13,8 +13,6 @@
 namespace forcegate {
 namespace {
 
-constexpr double kSpread = 0.25;  // of the thresholds, of F0
-
 enum class Gap { distributed, hard, closing, spread };
 
 EffectForm form(const char* name, Gap gap, CurveAt at, std::vector<double> shares) {
@@ -35,7 +33,7 @@ EffectForm form(const char* name, Gap gap, CurveAt at, std::vector<double> share
                 const auto h = [gap, F0](double F) {
                   if (F <= 0.0) return 0.0;
                   if (gap == Gap::closing) return -F * F0 * F0 / (F * F + F0 * F0);
-                  if (gap == Gap::spread) return -F + soft_hinge(F - F0, kSpread * F0) - soft_hinge(-F0, kSpread * F0);
+                  if (gap == Gap::spread) return -F + soft_hinge(F - F0, kThresholdSpread * F0) - soft_hinge(-F0, kThresholdSpread * F0);
                   return gap == Gap::hard ? -std::min(F, F0) : F0 * std::expm1(-F / F0);
                 };
                 add_curve(r, at, h, out.col(0));
