@@ -8,6 +8,7 @@
 #include "hil/diagnose/capacitance_witness.h"
 #include "hil/diagnose/findings.h"
 #include "hil/diagnose/null_calibration.h"
+#include "hil/diagnose/outdone.h"
 #include "hil/diagnose/pictures.h"
 #include "hil/diagnose/ranking.h"
 #include "hil/diagnose/record_errors.h"
@@ -95,6 +96,15 @@ bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out)
   return together >= kTogether;
 }
 
+void put_first(const std::vector<Outdone>& outdone, std::vector<std::string>& depends_on) {
+  constexpr std::size_t kMost = 3;
+  for (const Outdone& o : outdone) {
+    std::erase(depends_on, o.group);
+    depends_on.insert(depends_on.begin(), o.group);
+  }
+  if (depends_on.size() > kMost) depends_on.resize(kMost);
+}
+
 void add_null_scores(const Workspace& w, const Search& search, unsigned threads, Diagnosis& out) {
   constexpr int kFlips = 6;
   const NullCalibration null = calibrate_null(
@@ -145,7 +155,12 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   out.maps_after = rest.maps;
 
   collect_findings(w, search, raw, rest, out);
-  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest.beside_claims, out.findings);
+  // another machine's loops and lags are those of the library in the rough
+  std::vector<Outdone> outdone;
+  if (!w.input.generic) outdone = outdone_by_unnamed(w.input, w.output, selection, rest.structured(), options.threads);
+  withdraw_outdone(outdone, out);
+  const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effect.empty(); });
+  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest.beside_claims, out.findings) || some_outdone;
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (std::ranges::any_of(raw, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
     for (Finding& f : out.findings)
@@ -157,13 +172,14 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.probability >= 0.5; });
   const bool open = rest.structured() || withdrawn || name_is_open(out, search.suspicions) || rest.records_far_above >= 2;
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
-  out.residual_unknown = claims && rest.beside_claims;
+  out.residual_unknown = claims && (rest.beside_claims || some_outdone);
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual, options.threads);
   // where all claims were withdrawn, what they soak up is unknown too
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);
+  if (!out.depends_on.empty()) put_first(outdone, out.depends_on);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection.base, selection.claimed, out);
   add_steps(w, selection, out);

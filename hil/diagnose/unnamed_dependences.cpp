@@ -1,0 +1,139 @@
+#include "hil/diagnose/unnamed_dependences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+using Grid = std::vector<std::vector<double>>;
+
+using Fill = std::function<void(const CampaignInput&, const RecordInput&, std::span<const double>, ColumnsRef)>;
+
+UnnamedDependence dependence(const char* name, const char* on, const char* group, std::vector<ParameterSpec> shape, std::size_t columns, Grid grid,
+                             Fill fill, bool refine = false) {
+  EffectForm form;
+  form.name = name;
+  form.shape = std::move(shape);
+  for (std::size_t k = 0; k < columns; ++k) form.strength.push_back({"c" + std::to_string(k + 1), "1", -10.0, 10.0, 0.0, ""});
+  form.grid = [grid = std::move(grid)](const CampaignInput&) { return grid; };
+  form.columns = std::move(fill);
+  form.refine = refine;
+  UnnamedDependence out;
+  out.kind.name = name;
+  out.kind.summary = on;
+  out.kind.forms.push_back(std::move(form));
+  out.group = group;
+  return out;
+}
+
+// Largest force of the records before, as far as it is not forgotten; the lowest of the campaign where there is none.
+double largest_before(const CampaignInput& c, const RecordInput& r, double tau_s) {
+  double out = c.lowest_N;
+  for (const RecordInput& earlier : c.records) {
+    if (earlier.start_s >= r.start_s || earlier.recording == r.recording) continue;
+    const double ago_s = r.start_s - earlier.start_s - earlier.duration_s;
+    const double largest = *std::ranges::max_element(earlier.F_N);
+    out = std::max(out, c.lowest_N + (largest - c.lowest_N) * std::exp(-std::max(0.0, ago_s) / tau_s));
+  }
+  return out;
+}
+
+// Softening of filled rubber (Mullins 1969): unloading runs below the first loading, and so does every loading up to the largest force so far.
+// dU = g (c1 (M - W) + c2 (M - W) W/R), M the largest base force, forgotten with tau; kept: of the records before as well.
+UnnamedDependence largest_force() {
+  return dependence("largest_force", "the largest force so far", "history",
+                    {{"tau_s", "s", 1.0, 1e9, 1e9, "time in which the largest force is forgotten"}, {"kept", "1", 0.0, 1.0, 0.0, "1: over the rests between records"}}, 2,
+                    {{1e9, 0.0}, {300.0, 0.0}, {3600.0, 1.0}, {600.0, 1.0}, {1e9, 1.0}},
+                    [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                      double largest = shape[1] > 0.5 ? largest_before(c, r, shape[0]) : c.lowest_N;
+                      for (std::size_t i = 0; i < r.rows(); ++i) {
+                        const double W = r.base_force_N(i), dt = i == 0 ? 0.0 : r.t_s[i] - r.t_s[i - 1];
+                        largest = std::max(W, W + (largest - W) * std::exp(-dt / shape[0]));
+                        out(static_cast<Eigen::Index>(i), 0) = largest - W;
+                        out(static_cast<Eigen::Index>(i), 1) = (largest - W) * W / c.range_N;
+                      }
+                    });
+}
+
+// dU = g (c1 v + c2 v W/R), v = R (|F'| s / R)^power: up and down alike.
+UnnamedDependence size_of_rate() {
+  return dependence("size_of_rate", "the size of the rate, up and down alike,", "rate", {{"power", "1", 0.1, 2.0, 1.0, "of the rate"}}, 2,
+                    {{1.0}, {0.5}, {0.25}}, [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                      r.for_each_wanted([&](std::size_t i) {
+                        const double size = c.range_N * std::pow(std::abs(r.rate_N_per_s[i]) / c.range_N, shape[0]);
+                        out(static_cast<Eigen::Index>(i), 0) = size;
+                        out(static_cast<Eigen::Index>(i), 1) = size * r.base_force_N(i) / c.range_N;
+                      });
+                    });
+}
+
+// A mass on a spring between the reference and the film: y'' + 2 z w y' + w^2 y = w^2 F, dU = g D c (y - F); far below its resonance c F''/w^2.
+// One complex pole, exact for a force that is linear between samples.
+void ring(const RecordInput& r, double f_Hz, double damping, ColumnsRef out) {
+  using C = std::complex<double>;
+  out.setZero();
+  if (r.fast_F_N.empty()) return;
+  const double w = 2.0 * std::numbers::pi * f_Hz, wd = w * std::sqrt(1.0 - damping * damping);
+  const C pole{-damping * w, wd};
+  C state = -r.fast_F_N[0] / pole;  // as after a long rest
+  double dt_of = -1.0;
+  C keep, to_old, to_new;
+  std::uint32_t k = 0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    double sum = 0.0;
+    for (; k < r.row_begin[i + 1]; ++k) {
+      if (k > 0) {
+        const double dt = r.fast_t_s[k] - r.fast_t_s[k - 1];
+        if (dt != dt_of) {
+          const C h = pole * dt;
+          keep = std::exp(h);
+          const C slope = (keep - 1.0 - h) / (h * pole);  // of the newer end
+          to_new = slope;
+          to_old = (keep - 1.0) / pole - slope;
+          dt_of = dt;
+        }
+        state = keep * state + to_old * r.fast_F_N[k - 1] + to_new * r.fast_F_N[k];
+      }
+      sum += w * w / wd * state.imag() - r.fast_F_N[k];
+    }
+    out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * sum / static_cast<double>(r.row_begin[i + 1] - r.row_begin[i]);
+  }
+}
+
+UnnamedDependence mass_on_spring() {
+  Grid grid;
+  for (const double f_Hz : {2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 18.0, 25.0, 50.0}) grid.push_back({f_Hz, 0.1});
+  return dependence("mass_on_spring", "a resonance, as of a mass on a spring,", "rate",
+                    {{"f_Hz", "Hz", 0.5, 200.0, 10.0, "resonance"}, {"damping", "1", 0.01, 0.35, 0.1, "of the critical one: more of it is a lag"}}, 1, std::move(grid),
+                    [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) { ring(r, shape[0], shape[1], out); }, true);
+}
+
+// dU = g D (c1 sin n th + c2 cos n th), n = 2, 3: an eccentric that is not round, a gear.
+UnnamedDependence harmonics_of_wheel() {
+  return dependence("harmonics_of_wheel", "harmonics of the wheel's angle", "angle", {{"n", "1", 2.0, 12.0, 2.0, "harmonic"}}, 2, {{2.0}, {3.0}},
+                    [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                      for (std::size_t i = 0; i < r.rows(); ++i) {
+                        const double at = shape[0] * r.theta_rad[i];
+                        out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * std::sin(at);
+                        out(static_cast<Eigen::Index>(i), 1) = r.decay[i] * std::cos(at);
+                      }
+                    });
+}
+
+}  // namespace
+
+std::vector<UnnamedDependence> unnamed_dependences(const CampaignInput& campaign) {
+  std::vector<UnnamedDependence> out;
+  out.push_back(largest_force());
+  out.push_back(size_of_rate());
+  out.push_back(mass_on_spring());
+  if (campaign.has_theta && std::ranges::all_of(campaign.records, [](const RecordInput& r) { return r.theta_rad.size() == r.rows(); }))
+    out.push_back(harmonics_of_wheel());
+  return out;
+}
+
+}  // namespace forcegate::diagnose
