@@ -1,5 +1,6 @@
 // Parasitic RC: the sensor's own resistance R(F) ~ 1/F with a capacitance makes a pole that is slower at low load.
-//   y' = (F - y) / (tau R(F) C / (Rm Cm)),  R(F) ~ 1/(F + Fe),  dU = g D c (y - F);  m: at mid force, Fe 2 % of the span.
+//   y' = (F - y) / (tau R(F) C / (Rm Cm)),  R(F) ~ 1/(F + Fe),  dU = g D c (y - F);  m: at mid force.
+// Fe, in shares of the span, is what conducts without a load: next to nothing of the film alone, the other resistor of a divider beside it.
 // load_dependent_pole: C of cable or filter, the same at every force. measured_capacitance: C(F) as recorded (C_F); since it
 // grows with the force, the tail shortens less with the load.
 // Paredes-Madrid et al. 2010: sensor = R(F) parallel C(F).
@@ -13,11 +14,13 @@
 namespace forcegate {
 namespace {
 
+constexpr double kFilmAlone = 0.02, kOnDivider = 0.3;  // shares of the span
+
 // `factor(F)`: C(F) / C(Fm).
 template <class Factor>
-void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, ColumnsRef out,
+void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, double unloaded, ColumnsRef out,
                   const Factor& factor) {
-  const double middle = c.lowest_N + 0.5 * c.range_N, floor = 0.02 * c.range_N;
+  const double floor = unloaded * c.range_N, middle = c.lowest_N + 0.5 * c.range_N + floor;
   double y = r.fast_F_N[0];
   for (std::size_t i = 0; i < r.rows(); ++i) {
     double sum = 0.0;
@@ -38,23 +41,29 @@ void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, Co
 
 EffectForm form(const char* name, bool measured) {
   return {.name = name,
-          .shape = {{"tau_s", "s", 1e-4, 10.0, 0.02, "time constant at mid force"}},
+          .shape = {{"tau_s", "s", 1e-4, 10.0, 0.02, "time constant at mid force"},
+                    {"unloaded", "1", 0.005, 0.3, kFilmAlone, "what conducts without a load, share of the span: more of it is a lag"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal behind the pole"}},
           .sign = StrengthSign::positive,
           .grid = [measured](const CampaignInput& c) -> std::vector<std::vector<double>> {
             if (measured && !capacitance_curve(c)) return {};
-            return {{0.003}, {0.008}, {0.02}, {0.05}, {0.12}};
+            std::vector<std::vector<double>> out;
+            for (const double tau_s : {0.003, 0.008, 0.02, 0.05, 0.12}) {
+              out.push_back({tau_s, kFilmAlone});
+              if (!measured) out.push_back({tau_s, kOnDivider});
+            }
+            return out;
           },
           .columns =
               [measured](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
                          ColumnsRef out) {
                 out.setZero();
                 if (r.fast_F_N.empty()) return;
-                if (!measured) return pole_columns(c, r, shape[0], out, [](double) { return 1.0; });
+                if (!measured) return pole_columns(c, r, shape[0], shape[1], out, [](double) { return 1.0; });
                 const auto curve = capacitance_curve(c);
                 if (!curve) return;
                 const double middle_F = curve->at_F(c.lowest_N + 0.5 * c.range_N), least = 0.1;
-                pole_columns(c, r, shape[0], out,
+                pole_columns(c, r, shape[0], shape[1], out,
                              [&](double F) { return std::max(least, curve->at_F(F) / middle_F); });
               },
           .least = 0.0,
