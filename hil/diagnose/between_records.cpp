@@ -145,7 +145,9 @@ RecordChance chance(const RecordLevels& levels, const Family& asked, const std::
 // What nobody measured, a step, a smooth course, the loading done: sessions of a bench can look like it.
 bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& family) {
   const Variant& variant = channel.variants[static_cast<std::size_t>(family.records.variant)];
-  const std::string& form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
+  const EffectForm& of = *channel.candidates[static_cast<std::size_t>(variant.candidate)].form;
+  if (of.from_rig) return false;
+  const std::string& form = of.name;
   return form == "unrecorded" || form == "step" || family.kind->name == "wear" || family.kind->name == "reference_drift";
 }
 

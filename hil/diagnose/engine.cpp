@@ -57,7 +57,7 @@ void collect_findings(const Workspace& w, const Search& search, const std::vecto
   add_findings(w, w.output, search.output, named_enough ? std::max(rest.explained, kNamedEnough) : rest.explained, out);
   out.findings.insert(out.findings.end(), search.suspicions.begin(), search.suspicions.end());
   for (Finding& f : out.findings)
-    if (f.effect == "reference_drift" && f.unit == w.output.unit) decide_by_capacitance(w.input, f);
+    if (f.effect == "reference_drift" && f.unit == w.output.unit && !w.rig_sees_zero) decide_by_capacitance(w.input, f);
   for (const HealthClaim& claim : raw) out.findings.push_back(of_raw_samples(claim));
   if (w.has_rig && search.rig.base.valid) {
     const Selection& rig = search.rig;

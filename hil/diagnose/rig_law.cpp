@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/diagnose/workspace.h"
+#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
@@ -63,6 +64,41 @@ double stiffness_N_per_mm(const CampaignInput& input) {
   return xy / xx;
 }
 
+// A straight line over the record's time through F_ref less the rig's law; what goes with the angle is none of it.
+std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
+  constexpr double kFewest = 50.0, kShortest_s = 60.0;
+  double n = 0.0, t1 = 0.0, d1 = 0.0, tt = 0.0, td = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    if (r.ok[i] == 0 || !(r.F_N[i] > least_N)) continue;
+    const double t = r.t_s[i], d = r.F_N[i] - r.rig_force_N[i];
+    n += 1.0;
+    t1 += t;
+    d1 += d;
+    tt += t * t;
+    td += t * d;
+  }
+  if (n < kFewest) return {};
+  const double spread = tt - t1 * t1 / n;
+  const double slope = r.duration_s > kShortest_s && spread > 0.0 ? (td - t1 * d1 / n) / spread : 0.0;
+  std::vector<double> out;
+  for (const double t : r.t_s) out.push_back(d1 / n + slope * (t - t1 / n));
+  return out;
+}
+
+// Against the middle one of all records: what all have in common is nobody's drift.
+void find_zeros(CampaignInput& input) {
+  std::vector<double> middle;
+  for (RecordInput& r : input.records) {
+    r.rig_zero_N.clear();
+    if (r.rig_force_N.empty()) continue;
+    r.rig_zero_N = zero_over_rig_N(r, kOpen * input.range_N);
+    if (!r.rig_zero_N.empty()) middle.push_back(r.rig_zero_N[r.rows() / 2]);
+  }
+  const double common = middle.empty() ? 0.0 : quantile(std::move(middle), 0.5);
+  for (RecordInput& r : input.records)
+    for (double& zero : r.rig_zero_N) zero -= common;
+}
+
 }  // namespace
 
 void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
@@ -98,6 +134,7 @@ void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
     if (!r.cos_theta.empty()) w.rig_slope_N[k] = line.xy / line.xx;
     records.push_back(k);
   }
+  if (w.rig_sees_zero) find_zeros(w.input);
 }
 
 }  // namespace forcegate::diagnose

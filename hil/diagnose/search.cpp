@@ -68,6 +68,15 @@ void leave_coarse_pitch_to_spring(const ResidualChannel& command, const Selectio
   });
 }
 
+// Of a drift that the rig has shown.
+std::vector<int> drift_columns(const ResidualChannel& channel) {
+  const EffectKind& kind = *EffectRegistry::instance().find("reference_drift");
+  std::vector<int> out = bank_columns(channel, kind);
+  for (const Candidate& c : channel.candidates)
+    if (c.kind == &kind && c.form->from_rig) out.push_back(c.first);
+  return out;
+}
+
 }  // namespace
 
 Search search_channels(Workspace& w, const EngineOptions& options, const std::vector<HealthClaim>& raw) {
@@ -86,9 +95,10 @@ Search search_channels(Workspace& w, const EngineOptions& options, const std::ve
   }
   out.skip = options.in_model;
   std::vector<int> always = model_columns(w.output, options.in_model);
-  if (w.has_rig && w.rig_sees_zero) out.skip.emplace_back("reference_drift");
-  if (std::ranges::any_of(out.rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "reference_drift"; }))
-    add_columns(always, bank_columns(w.output, *EffectRegistry::instance().find("reference_drift")));
+  if (std::ranges::any_of(out.rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "reference_drift"; })) {
+    add_columns(always, drift_columns(w.output));
+    out.skip.emplace_back("reference_drift");
+  }
   if (std::ranges::any_of(raw, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
   out.output = select_borne_out(w, always, out.skip, out.rules, options.threads, out.suspicions);
   return out;

@@ -170,18 +170,24 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
     if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) return;
     // the drive has a channel of its own
     if (only == nullptr && kind.name == "motor") return;
-    for (const EffectForm& form : kind.forms)
+    const bool rig_tells = which == EffectChannel::output && w.rig_sees_zero && kind.name == "reference_drift";
+    for (const EffectForm& form : kind.forms) {
+      if (form.from_rig && !rig_tells) continue;
       for (const std::vector<double>& shape : form.grid(w.input)) {
         Candidate c{&kind, &form, shape, out.problem.ns, static_cast<int>(form.strength.size())};
         const int index = static_cast<int>(out.candidates.size());
         std::vector<int> all;
         for (int j = 0; j < c.count; ++j) all.push_back(c.first + j);
-        out.variants.push_back({index, all});
-        if (form.singles && c.count > 1)
-          for (int j : all) out.variants.push_back({index, {j}});
+        // courses that the rig would show better are there to be carried along, and do not compete
+        if (!rig_tells || form.from_rig) {
+          out.variants.push_back({index, all});
+          if (form.singles && c.count > 1)
+            for (int j : all) out.variants.push_back({index, {j}});
+        }
         out.problem.ns += c.count;
         out.candidates.push_back(std::move(c));
       }
+    }
   };
   for (const EffectKind& kind : EffectRegistry::instance().all()) {
     const bool drift = drift_in_output && kind.name == "reference_drift";

@@ -54,6 +54,7 @@ struct EffectForm {
   bool refine = true;    ///< shapes are continuous: the screen may search between the points of the grid
   bool singles = false;  ///< screen each column alone too (banks)
   bool bank = false;     ///< the family's most flexible form, used to soak up a wrong form's remains
+  bool from_rig = false; ///< of the output, after what another channel has shown
 };
 
 struct EffectKind {

@@ -1,6 +1,7 @@
 // Zero drift of the reference cell: warm-up (log t) and wander, additive in newtons, continuous over records.
 //   F_ref = F + c d(t), so dU = -g D c d(t) at given F_ref; the same drift appears in F_ref minus the rig's law.
 //   d = t/T, (t/T)^2, log(1 + t/tau).  0.5 to 5 % of full scale over hours (own estimate).
+// as_rig_shows: d as F_ref minus the rig's law has it, c = -1: a zero that jumps at will is told from the sensor's by two witnesses that agree.
 
 #include <cmath>
 
@@ -74,6 +75,21 @@ EffectForm wander() {
           .bank = true};
 }
 
+EffectForm as_rig_shows() {
+  return {.name = "as_rig_shows",
+          .shape = {},
+          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the zero against the rig's law that the output does not follow"}},
+          .sign = StrengthSign::negative,
+          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+          .columns =
+              [](const CampaignInput&, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+                for (std::size_t i = 0; i < r.rig_zero_N.size(); ++i) out(static_cast<Eigen::Index>(i), 0) = r.rig_zero_N[i];
+              },
+          .least = -1.3,
+          .most = -0.7,
+          .from_rig = true};
+}
+
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "reference_drift",
     .side = "reference",
@@ -85,7 +101,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .separates =
         "an unloaded zero before and after every record; a third witness: the rig's own law, or the capacitance C_F",
     .needs = {"witness"},
-    .forms = {polynomial(), warm_up(), wander()}}};
+    .forms = {polynomial(), warm_up(), wander(), as_rig_shows()}}};
 
 }  // namespace
 }  // namespace forcegate

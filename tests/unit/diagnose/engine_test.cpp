@@ -311,5 +311,25 @@ TEST(MixedModel, RecoversFixedPartAndSpreadOfRecords) {
   EXPECT_NEAR(std::sqrt(fit.variance[1]), 0.05, 0.015);
 }
 
+// A cable at the middle of a divider sees film and resistor side by side: its time constant falls to a third over the range, and not to nothing. Euler
+// steps at a tenth of the sample.
+TEST(Engine, ACableOnADividerIsRcAndNoLag) {
+  const Diagnosis d = answer(make_campaign(31, [](const std::vector<double>& t, const std::vector<double>& F, int) {
+    constexpr double kFull_N = 4.4, kResistor = 0.35, kTau_s = 0.06;  // at no load and all of the resistor
+    std::vector<double> U;
+    double y = F[0];
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double dt = i == 0 ? 0.0 : (t[i] - t[i - 1]) / 10.0;
+      for (int step = 0; step < 10; ++step) y += dt * (F[i] - y) * (F[i] / kFull_N + kResistor) / (kTau_s * kResistor);
+      U.push_back(2.0 * y + 0.2);
+    }
+    return U;
+  }));
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().effect, "rc") << told(d);
+  EXPECT_GE(d.findings.front().probability, 0.5) << told(d);
+  EXPECT_LT(probability(d, "lag"), 0.5) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -20,6 +20,7 @@ struct Bench {
   std::function<double(double, double, double)> push = [](double, double, double) { return 0.0; };  // N, seen by the sensor
   double lift_N = 0.0;                                                  // the wheel stands so far back
   std::function<double(double)> zero_N = [](double) { return 0.0; };    // of the reference, in campaign time
+  std::function<double(int)> seat_N = [](int) { return 0.0; };          // a force beside the declared preload, by record
   bool angle = true;                                                    // recorded
   std::function<double(double)> machine_N = [](double) { return 0.0; };  // added to a commanded force
   double friction_N = 0.0, elastic_N = 0.05;  // of the guide: it reaches its size within some newtons of movement, and stays over rests
@@ -55,7 +56,7 @@ Campaign turning(const Bench& bench) {
                          : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
       const double asked_N = k * (p + e * (1.0 - std::cos(wanted)));
       const double th = wanted + bench.slip_rad(wanted);
-      double F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N + bench.machine_N(asked_N));
+      double F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N + bench.machine_N(asked_N) + bench.seat_N(n));
       const double spring_N = k * (p + e * (1.0 - std::cos(th)));
       drag = std::clamp(drag + (spring_N - dragged_N) / bench.elastic_N, -1.0, 1.0);
       dragged_N = spring_N;
@@ -113,6 +114,32 @@ TEST(RigChannel, AReferenceThatIsHalfAMillisecondLateIsNoPushFromTheSide) {
   const Diagnosis d = diagnose(bench);
   EXPECT_EQ(claims(d), "");
   EXPECT_EQ(to_string(d.verdict), "none");
+}
+
+// From record to record at will, as no smooth course over the campaign does.
+double jump_N(int record) {
+  constexpr std::array<double, 7> kJump_N = {0.12, -0.15, 0.05, 0.2, -0.1, -0.05, 0.15};
+  return kJump_N[static_cast<std::size_t>(record)];
+}
+
+TEST(RigChannel, AZeroThatJumpsAtWillIsTheReferencesWhereTheRigShowsTheSame) {
+  Bench bench;
+  bench.zero_N = [](double t_s) { return jump_N(static_cast<int>(t_s / 1500.0)); };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "reference_drift ");
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().form, "as_rig_shows");
+  EXPECT_EQ(d.findings.front().side, "reference");
+  ASSERT_EQ(d.findings.front().parameters.size(), 1u);
+  EXPECT_NEAR(d.findings.front().parameters.front().value, -1.0, 4.0 * d.findings.front().parameters.front().u + 0.01);
+  EXPECT_LT(d.error_after, 0.3 * d.error_before);
+}
+
+// The rig was set up anew for each record: the output follows what the reference reads, and nobody is to blame.
+TEST(RigChannel, AForceBesideTheDeclaredPreloadIsNoDriftOfTheReference) {
+  Bench bench;
+  bench.seat_N = jump_N;
+  EXPECT_EQ(claims(diagnose(bench)).find("reference_drift"), std::string::npos);
 }
 
 TEST(RigChannel, AZeroThatMovesIsSeenBesideALateReference) {
