@@ -118,7 +118,9 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     for (const auto& own : w.user_kinds)
       if (own->name == add) kind = own.get();
     if (kind == nullptr) {
-      const std::string near = nearest_name(add, EffectRegistry::instance().names());
+      std::vector<std::string> known = EffectRegistry::instance().names();
+      for (const UserEffect& own : start.user_effects) known.push_back(own.name);
+      const std::string near = nearest_name(add, known);
       return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add",
                   near.empty() ? "" : "did you mean \"" + near + "\"?");
     }

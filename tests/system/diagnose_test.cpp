@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
 #include "tests/support/process.h"
 
 namespace forcegate::test {
@@ -31,6 +36,65 @@ TEST_P(DiagnoseSaysWhatIsNext, with_and_without_a_page) {
 
 INSTANTIATE_TEST_SUITE_P(Answers, DiagnoseSaysWhatIsNext, ::testing::Values("none", "hysteresis", "foreign_telegraph"),
                          [](const auto& info) { return std::string(info.param); });
+
+// Triangles that grow and shrink, of a film on a rubber that is soft up to the largest force of its record.
+void write_softening(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  std::string records;
+  std::mt19937 random(7);
+  const auto noise = [&] { return 0.006 * (static_cast<double>(random()) / 4294967296.0 - 0.5); };
+  for (int k = 0; k < 6; ++k) {
+    std::string csv = "t_s,F_ref_N,U_V\n";
+    double largest = 0.0;
+    const double slow_s = k % 2 == 0 ? 20.0 : 8.0;
+    for (int i = 0; i < 6000; ++i) {
+      const double t = i / 100.0, phase = std::fmod(t / slow_s, 1.0);
+      const double F = 0.2 + (1.5 + 0.5 * ((k + static_cast<int>(t / slow_s)) % 5)) * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase);
+      largest = std::max(largest, F);
+      const double U = 2.0 * (F + 0.03 * (largest - F) * F) + 0.2;
+      char row[64];
+      std::snprintf(row, sizeof row, "%.2f,%.4f,%.4f\n", t, F + noise(), U + noise());
+      csv += row;
+    }
+    const std::string file = "r" + std::to_string(k) + ".csv";
+    write_text(folder / file, csv);
+    records += std::string(k == 0 ? "" : ", ") + R"({"file": ")" + file + R"(", "kind": "ramp", "dynamic": false, "start_s": )" +
+               std::to_string(600 * k) + R"(, "role": ")" + (k % 3 == 2 ? "heldout" : "fit") + "\"}";
+  }
+  write_text(folder / "campaign.json", R"({"campaign": "softening", "records": [)" + records + "]}");
+}
+
+TEST(Diagnose, WhatTheLibraryDoesNotHaveIsSaidAndAnEquationOfTheUsersOwnTakesIt) {
+  const TemporaryFolder folder;
+  const ProcessOptions there{.folder = folder.path()};
+  write_softening(std::filesystem::path(folder.path()) / "film");
+  const ProcessResult asked = forcegate({"diagnose", "film"}, there);
+  ASSERT_EQ(asked.exit_code, 0) << asked.err;
+  EXPECT_THAT(asked.out, ::testing::HasSubstr("structure remains that no effect of the library explains")) << asked.out;
+  EXPECT_THAT(asked.out, ::testing::HasSubstr("follows the largest force so far"));
+
+  write_text(folder / "mine.toml", R"(format = 1
+[law]
+kind = "static"
+gain_N_per_V = { value = 0.5, se = 0.05, unit = "N/V" }
+offset_N = { value = 0.0, se = 0.1, unit = "N" }
+[[effect]]
+name = "softening"
+output = "k * (M - F) * F"
+state.M = "F > M ? 50 * (F - M) : 0"
+parameter.k = { value = 0.01, unit = "1/N" }
+)");
+  const ProcessResult added = forcegate({"add", "softening", "--model", "mine.toml", "--fit", "film", "-o", "better.toml"}, there);
+  ASSERT_EQ(added.exit_code, 0) << added.err;
+  const ProcessResult after = forcegate({"diagnose", "film", "--model", "better.toml"}, there);
+  ASSERT_EQ(after.exit_code, 0) << after.err;
+  EXPECT_THAT(after.out, ::testing::StartsWith("verdict: nothing is missing")) << added.out << after.out;
+  EXPECT_EQ(forcegate({"history", "better.toml", "--on", "film"}, there).exit_code, 0);
+
+  const ProcessResult wrong = forcegate({"add", "softning", "--model", "mine.toml", "--fit", "film"}, there);
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, ::testing::HasSubstr("did you mean \"softening\"?"));
+}
 
 }  // namespace
 }  // namespace forcegate::test

@@ -33,17 +33,19 @@ const Registration<Command> kRow{Command{
     .group = "Diagnosis",
     .summary = "add a physical effect to a model and refit everything",
     .description =
-        "Adds one effect of the library, refits all parameters together, shows how much each old one moved "
+        "Adds one effect, of the library or an equation of your own, refits all parameters together, shows how much each old one moved "
         "and what the error on held-out records did, and keeps the step in the model's history.",
     .positionals = {{.name = "EFFECT",
-                     .doc = "Name of the effect.",
-                     .choices = [] { return EffectRegistry::instance().names(); }}},
+                     .doc = "Name of the effect: one of the library, or of an [[effect]] with equations in the model file.",
+                     .choices = [] { return EffectRegistry::instance().names(); },
+                     .only_choices = false}},
     .options =
         joined({{{.name = "fit", .value_name = "CAMPAIGN", .doc = "Campaign to fit on.", .required = true},
                  {.name = "output", .value_name = "FILE", .doc = "Model file to write.", .letter = 'o'},
                  model_row()},
                 campaign_rows()}),
-    .examples = {{"forcegate add hysteresis --fit m7 -o better.toml", "Add a loop and watch the error:"}},
+    .examples = {{"forcegate add hysteresis --fit m7 -o better.toml", "Add a loop and watch the error:"},
+                 {"forcegate add softening --model mine.toml --fit m7 -o better.toml", "Fit an equation of the model file:"}},
     .run = run,
 }};
 
