@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/held_codes.h"
 #include "hil/diagnose/raw_health.h"
 #include "hil/model/rows.h"
 
@@ -63,6 +64,17 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
         {"adc_codes", 0.95,
          percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
          "bit_V", "V", quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
+  const HeldCodes codes = find_held_codes(health, scales);
+  constexpr double kLeastHeld = 1e-3;
+  if (codes.found && codes.samples / samples > kLeastHeld) {
+    out.push_back({"adc_codes", 0.95,
+                   percent(codes.samples / samples) + " of the samples stand at " +
+                       (codes.value_V.size() == 1 ? std::string("one value") : std::to_string(codes.value_V.size()) + " values") +
+                       ", the same in several records, while the force moves on: codes beside them never come",
+                   "code_V", "V", codes.value_V.front(), scales.U_range_V * 1e-4});
+    held -= std::min(held, codes.samples);
+    rail = outliers = 0.0;  // a sample on the other side of a gap stands off its neighbours too
+  }
   if (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records))
     out.push_back({"outliers", 0.95,
                    percent(outliers / samples) +

@@ -275,6 +275,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {
     return (std::isfinite(a) ? a : -1e300) < (std::isfinite(b) ? b : -1e300);
   });
+  out.top_V = top;
   const double move_V = std::max({0.015 * scales.U_range_V, 4.0 * out.lsb_U_V, 6.0 * gain * out.noise_F_N});
   for (std::size_t i = 0; i < n;) {
     std::size_t end = i + 1;
@@ -305,6 +306,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       out.zero_runs += falls ? 1 : 0;
       if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
         for (std::size_t k = i; k < end; ++k) mark(k, 0.5 * gain * (high - low));
+        if (!at_bottom && i > 0) out.runs.push_back({U[i], U[i - 1], length});
         if (at_top && length >= 8) {
           out.at_rail += length;
           out.rail_V = U[i];

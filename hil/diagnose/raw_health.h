@@ -11,6 +11,12 @@
 
 namespace forcegate::diagnose {
 
+/// Samples of one value while the force moves on.
+struct HeldRun {
+  double value_V = 0.0, before_V = 0.0;  ///< before_V: the sample that came before
+  std::size_t samples = 0;
+};
+
 struct RecordHealth {
   std::string record;
   std::vector<std::uint8_t> bad;  ///< samples that no fit may use
@@ -26,6 +32,8 @@ struct RecordHealth {
   ReferenceScatter scatter_F;               ///< of the reference beside the output, coloured noise included
   double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
   double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some
+  std::vector<HeldRun> runs;                ///< those that `held` and `at_rail` count
+  double top_V = 0.0;                       ///< largest output
   double hum_V = 0.0, hum_Hz = 0.0,
          hum_ratio = 0.0;           ///< strongest mains line and its power over its neighbours
   double hum_mean_square_V2 = 0.0;  ///< what it adds to the mean squared error of the samples

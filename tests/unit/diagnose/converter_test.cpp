@@ -43,5 +43,41 @@ TEST(Converter, ACurveIsNone) {
   EXPECT_GT(probability(d, "static_nonlinearity"), 0.5) << told(d);
 }
 
+std::vector<std::string> named(const std::vector<HealthClaim>& claims) {
+  std::vector<std::string> out;
+  for (const HealthClaim& claim : claims) out.push_back(claim.effect);
+  return out;
+}
+
+std::vector<double>& output_of(Record& r) { return r.trace.channels[1].value; }
+
+// Every code within 0.2 V of a half and of a quarter of the range comes out as the one below the gap.
+TEST(Converter, CodesThatNeverComeAreNoLostSamplesAndNoRail) {
+  Campaign c = make_campaign(84, straight);
+  for (Record& r : c.records)
+    for (double& u : output_of(r))
+      for (const double middle : {5.0, 2.5})
+        if (std::abs(u - middle) < 0.2) u = middle - 0.2;
+  const std::vector<HealthClaim> claims = claims_of_samples(c);
+  ASSERT_EQ(named(claims), std::vector<std::string>{"adc_codes"});
+  EXPECT_EQ(claims[0].value, 2.3);
+}
+
+TEST(Converter, ALinkThatFallsToOneValueFromAnywhereLosesSamples) {
+  Campaign c = make_campaign(85, straight);
+  for (Record& r : c.records)
+    for (std::size_t from = 500; from + 60 < output_of(r).size(); from += 2500)
+      for (std::size_t i = from; i < from + 60; ++i) output_of(r)[i] = 6.0;
+  EXPECT_EQ(named(claims_of_samples(c)), std::vector<std::string>{"dropouts"});
+}
+
+// Reached from below and from above, in many records, and with nothing beyond: no code is missing there.
+TEST(Converter, ARailIsNoGapInTheCodes) {
+  Campaign c = make_campaign(86, straight);
+  for (Record& r : c.records)
+    for (double& u : output_of(r)) u = std::min(u, 7.0);
+  for (const std::string& effect : named(claims_of_samples(c))) EXPECT_NE(effect, "adc_codes");
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
