@@ -45,7 +45,8 @@ std::string diagnosis_text(const Diagnosis& d) {
            join(d.not_separable.front(), " or ") + "\n";
   } else if (d.verdict == DiagnosisVerdict::unknown) {
     out += "verdict: structure remains that no effect of the library explains" +
-           (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) + "\n";
+           (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) +
+           (d.follows.empty() ? "" : "; it follows " + join(d.follows, " and ")) + "\n";
   } else {
     out += "verdict: something is missing\n";
   }
@@ -64,7 +65,8 @@ std::string diagnosis_text(const Diagnosis& d) {
                              : fmt::format("      {} fits nearly as well; {}\n", a.effect, a.separates);
   }
   if (d.residual_unknown)
-    out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") + "\n";
+    out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") +
+           (d.follows.empty() ? "" : "; it follows " + join(d.follows, " and ")) + "\n";
   out += fmt::format(
       "held-out error{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
       d.levels ? ", one gain and offset for all" : "",

@@ -142,6 +142,7 @@ struct Diagnosis {
   bool residual_unknown = false;
   std::vector<Finding> findings;                              ///< claims first, then weaker ones
   std::vector<std::string> depends_on;                        ///< at most three groups
+  std::vector<std::string> follows;                           ///< what no effect covers and explains it best: "the largest force so far"
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< adapted, V
   bool levels = false;  ///< a claim acts between records: adapted then means the decay alone, gain and zero are those of all records
   double plain_before = 0.0, plain_after = 0.0;

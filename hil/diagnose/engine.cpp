@@ -96,13 +96,14 @@ bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out)
   return together >= kTogether;
 }
 
-void put_first(const std::vector<Outdone>& outdone, std::vector<std::string>& depends_on) {
+void put_first(const std::vector<Outdone>& outdone, Diagnosis& out) {
   constexpr std::size_t kMost = 3;
   for (const Outdone& o : outdone) {
-    std::erase(depends_on, o.group);
-    depends_on.insert(depends_on.begin(), o.group);
+    std::erase(out.depends_on, o.group);
+    out.depends_on.insert(out.depends_on.begin(), o.group);
+    if (std::ranges::find(out.follows, o.by) == out.follows.end()) out.follows.push_back(o.by);
   }
-  if (depends_on.size() > kMost) depends_on.resize(kMost);
+  if (out.depends_on.size() > kMost) out.depends_on.resize(kMost);
 }
 
 void add_null_scores(const Workspace& w, const Search& search, unsigned threads, Diagnosis& out) {
@@ -179,7 +180,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   // where all claims were withdrawn, what they soak up is unknown too
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);
-  if (!out.depends_on.empty()) put_first(outdone, out.depends_on);
+  if (!out.depends_on.empty()) put_first(outdone, out);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection.base, selection.claimed, out);
   add_steps(w, selection, out);

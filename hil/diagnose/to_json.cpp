@@ -70,6 +70,7 @@ std::string to_json(const Diagnosis& d) {
   out["findings"] = Json::array();
   for (const Finding& f : d.findings) out["findings"].push_back(finding_json(f));
   out["depends_on"] = d.depends_on;
+  out["follows"] = d.follows;
   out["error_before"] = number(d.error_before);
   out["error_after"] = number(d.error_after);
   out["unit"] = d.unit;

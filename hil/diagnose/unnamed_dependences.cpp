@@ -61,7 +61,7 @@ UnnamedDependence largest_force() {
 
 // dU = g (c1 v + c2 v W/R), v = R (|F'| s / R)^power: up and down alike.
 UnnamedDependence size_of_rate() {
-  return dependence("size_of_rate", "the size of the rate, up and down alike,", "rate", {{"power", "1", 0.1, 2.0, 1.0, "of the rate"}}, 2,
+  return dependence("size_of_rate", "the size of the rate", "rate", {{"power", "1", 0.1, 2.0, 1.0, "of the rate"}}, 2,
                     {{1.0}, {0.5}, {0.25}}, [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                       r.for_each_wanted([&](std::size_t i) {
                         const double size = c.range_N * std::pow(std::abs(r.rate_N_per_s[i]) / c.range_N, shape[0]);
@@ -107,14 +107,14 @@ void ring(const RecordInput& r, double f_Hz, double damping, ColumnsRef out) {
 UnnamedDependence mass_on_spring() {
   Grid grid;
   for (const double f_Hz : {2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 18.0, 25.0, 50.0}) grid.push_back({f_Hz, 0.1});
-  return dependence("mass_on_spring", "a resonance, as of a mass on a spring,", "rate",
+  return dependence("mass_on_spring", "a resonance", "rate",
                     {{"f_Hz", "Hz", 0.5, 200.0, 10.0, "resonance"}, {"damping", "1", 0.01, 0.35, 0.1, "of the critical one: more of it is a lag"}}, 1, std::move(grid),
                     [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) { ring(r, shape[0], shape[1], out); }, true);
 }
 
 // dU = g D (c1 sin n th + c2 cos n th), n = 2, 3: an eccentric that is not round, a gear.
 UnnamedDependence harmonics_of_wheel() {
-  return dependence("harmonics_of_wheel", "harmonics of the wheel's angle", "angle", {{"n", "1", 2.0, 12.0, 2.0, "harmonic"}}, 2, {{2.0}, {3.0}},
+  return dependence("harmonics_of_wheel", "harmonics of the wheel", "angle", {{"n", "1", 2.0, 12.0, 2.0, "harmonic"}}, 2, {{2.0}, {3.0}},
                     [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                       for (std::size_t i = 0; i < r.rows(); ++i) {
                         const double at = shape[0] * r.theta_rad[i];

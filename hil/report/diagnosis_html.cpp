@@ -85,6 +85,7 @@ std::string header(const Diagnosis& d, bool comparison) {
   fact("force range", display(d.force_range_N, 3) + " N");
   if (d.residual_unknown) fact("and", "structure remains that no listed effect explains");
   if (!d.depends_on.empty()) fact("it depends on", escape(join(d.depends_on, ", ")));
+  if (!d.follows.empty()) fact("it follows", escape(join(d.follows, " and ")));
   out += "</ul><nav aria-label=\"Sections\">";
   const auto section = [&](bool there, std::string_view id, std::string_view name) {
     if (there) out += "<a href=\"#" + std::string(id) + "\">" + std::string(name) + "</a>";
@@ -254,7 +255,9 @@ std::string diagnosis_headline(const Diagnosis& d) {
     return "Something is missing; these records cannot tell which: " + join(d.not_separable.front(), " or ");
   if (d.verdict == Answer::unknown)
     return "Something is missing that no listed effect explains" +
-           (d.depends_on.empty() ? std::string() : "; it depends on " + join(d.depends_on, ", "));
+           (!d.follows.empty()      ? "; it follows " + join(d.follows, " and ")
+            : d.depends_on.empty() ? std::string()
+                                   : "; it depends on " + join(d.depends_on, ", "));
   std::string out = "Missing: ", separator;
   for (const Finding& f : d.findings) {
     if (f.probability < kClaim) continue;

@@ -71,7 +71,7 @@ TEST(Diagnose, WhatTheLibraryDoesNotHaveIsSaidAndAnEquationOfTheUsersOwnTakesIt)
   const ProcessResult asked = forcegate({"diagnose", "film"}, there);
   ASSERT_EQ(asked.exit_code, 0) << asked.err;
   EXPECT_THAT(asked.out, ::testing::HasSubstr("structure remains that no effect of the library explains")) << asked.out;
-  EXPECT_THAT(asked.out, ::testing::HasSubstr("follows the largest force so far"));
+  EXPECT_THAT(asked.out, ::testing::HasSubstr("it follows the largest force so far"));
 
   write_text(folder / "mine.toml", R"(format = 1
 [law]

@@ -30,6 +30,7 @@ TEST(Outdone, SofteningByTheLargestForceIsNoHysteresis) {
   EXPECT_FALSE(claims_any(d)) << told(d);
   ASSERT_FALSE(d.depends_on.empty());
   EXPECT_EQ(d.depends_on.front(), "history");
+  EXPECT_EQ(d.follows, std::vector<std::string>{"the largest force so far"}) << told(d);
   EXPECT_TRUE(notes_say(d, "the output follows the largest force so far")) << told(d);
 }
 
@@ -54,7 +55,7 @@ TEST(Outdone, AResonanceIsNoLag) {
   }));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
   EXPECT_FALSE(claims_any(d)) << told(d);
-  EXPECT_TRUE(notes_say(d, "a resonance")) << told(d);
+  EXPECT_EQ(d.follows, std::vector<std::string>{"a resonance"}) << told(d);
   ASSERT_FALSE(d.depends_on.empty());
   EXPECT_EQ(d.depends_on.front(), "rate");
 }

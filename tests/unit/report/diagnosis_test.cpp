@@ -29,6 +29,8 @@ TEST(DiagnosisPage, says_when_nothing_is_missing_and_when_it_does_not_know) {
   d.verdict = Answer::unknown;
   d.depends_on = {"temperature", "time"};
   EXPECT_THAT(diagnosis_headline(d), HasSubstr("no listed effect explains; it depends on temperature, time"));
+  d.follows = {"the largest force so far"};
+  EXPECT_THAT(diagnosis_headline(d), HasSubstr("no listed effect explains; it follows the largest force so far"));
 }
 
 TEST(DiagnosisPage, holds_every_picture_of_the_chain) {
