@@ -41,7 +41,7 @@ class SpareRoom {
 
 FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const EffectKind& kind, const std::vector<int>& present, const MixedFit& base,
                     double to_beat, unsigned threads) {
-  constexpr double kWorthMoving = 0.2, kLeast = 10.0;
+  constexpr double kWorthMoving = 0.4, kLeast = 10.0;
   FamilyScore out;
   out.kind = &kind;
   out.best.gain = -1e300;
@@ -110,6 +110,7 @@ std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChan
   for (const Place& place : places_of(channel, selection, structured)) {
     Outdone best{place.effect, {}, {}, place.gain, 0.0};
     for (const UnnamedDependence& dependence : unnamed) {
+      if (dependence.is_late && !place.effect.empty() && !is_timing(place.effect)) continue;
       const SpareRoom room(channel);
       const FamilyScore score = best_of(input, channel, dependence.kind, place.others, place.without, place.gain, threads);
       if (!fills(place, score.best) || score.best.gain <= best.by_gain) continue;

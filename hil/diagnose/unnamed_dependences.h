@@ -12,6 +12,7 @@ namespace forcegate::diagnose {
 struct UnnamedDependence {
   EffectKind kind;    ///< not of the registry; summary: "the largest force so far"
   std::string group;  ///< of the residual maps' coordinates: history, rate, angle
+  bool is_late = false;  ///< it can be taken for effects of time alone, and is asked beside those
 };
 
 /// Those that the campaign's channels allow.
