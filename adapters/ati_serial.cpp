@@ -145,7 +145,9 @@ class AtiSerial final : public ReferenceSensor {
     return {};
   }
 
-  Result<std::string> until_prompt() {
+  /// What the controller says from `echo` on up to its prompt. A prompt before the echo answers something older, such as
+  /// the CR with which the line was closed the last time: it may come at any moment.
+  Result<std::string> until_prompt(std::string_view echo = {}) {
     std::string reply;
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kReply_s);
     while (std::chrono::steady_clock::now() < end && reply.size() < 100000) {
@@ -153,25 +155,25 @@ class AtiSerial final : public ReferenceSensor {
       const auto n = line_->read(bytes, 0.05);
       if (!n) return Unexpected(Error{ErrorCode::device, n.error().text, where(), "check cable and power"});
       reply.append(reinterpret_cast<const char*>(bytes), *n);
-      const std::string_view trimmed = trim(reply);
-      if (*n > 0 && !trimmed.empty() && trimmed.back() == '>') {
-        return std::string(trimmed.substr(0, trimmed.size() - 1));
-      }
+      const std::size_t begin = reply.find(echo);
+      if (*n == 0 || begin == std::string::npos) continue;
+      const std::string_view answer = trim(std::string_view(reply).substr(begin));
+      if (!answer.empty() && answer.back() == '>') return std::string(answer.substr(0, answer.size() - 1));
     }
+    if (!echo.empty() && !reply.empty()) return reply;
     return fail(ErrorCode::timeout, "the ATI controller does not answer", where(),
                 "check power, cable and baud rate (38400 or 9600 are usual)");
   }
 
   /// The echo must be there; a garbled exchange is tried again.
-  Result<std::string> command(const std::string& text) {
+  Result<void> command(const std::string& text) {
     std::string got;
     for (int attempt = 0; attempt < 3; ++attempt) {
       FORCEGATE_CHECK_OK(send(text + "\r"));
-      FORCEGATE_TRY(got, until_prompt());
-      const std::string_view body = trim(got);
-      if (body.substr(0, text.size()) == text) {
-        const std::string answer(trim(body.substr(text.size())));
-        if (answer.find('?') == std::string::npos && answer.find("rror") == std::string::npos) return answer;
+      FORCEGATE_TRY(got, until_prompt(text));
+      if (got.starts_with(text)) {
+        const std::string answer(trim(got.substr(text.size())));
+        if (answer.find('?') == std::string::npos && answer.find("rror") == std::string::npos) return {};
         return fail(ErrorCode::device, "the ATI controller refuses '" + text + "': " + printable_utf8(answer),
                     where());
       }

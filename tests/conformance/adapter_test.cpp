@@ -11,6 +11,7 @@
 #include "hil/base/rng.h"
 #include "hil/interface/device.h"
 #include "hil/rig/bench_file.h"
+#include "tests/support/line_world.h"
 
 namespace forcegate {
 namespace {
@@ -41,9 +42,9 @@ class BadLine final : public Transport {
   Rng rng_{7, "bad_line"};
 };
 
-class BadWorld final : public BenchWorld {
+class BadWorld final : public test::LineWorld {
  public:
-  explicit BadWorld(LineKind kind) : kind_(kind) {
+  explicit BadWorld(LineKind kind) : LineWorld([kind] { return std::make_unique<BadLine>(kind); }), kind_(kind) {
     auto made = open_pseudo_terminal();
     if (made) terminal_ = std::move(*made);
   }
@@ -51,30 +52,10 @@ class BadWorld final : public BenchWorld {
     if (kind_ == LineKind::dead) return fail(ErrorCode::device, "there is no such port");
     return terminal_.slave.string();
   }
-  Result<std::unique_ptr<Transport>> open_line(const std::string&, const LineSettings&) override {
-    return std::make_unique<BadLine>(kind_);
-  }
-  Result<std::unique_ptr<Transport>> open_hid(unsigned short, unsigned short, const std::string&) override {
-    return std::make_unique<BadLine>(kind_);
-  }
-  Result<std::unique_ptr<Transport>> open_datagrams(const std::string&, const std::string&, int) override {
-    return std::make_unique<BadLine>(kind_);
-  }
-  Result<int> tcp_port(const std::string&, int) override { return 1; }  // nobody listens there
-  double now_s() const override { return t_s_; }
-  Result<void> advance_to(double t_s) override {
-    t_s_ = t_s;
-    return {};
-  }
-  bool is_virtual() const override { return true; }
-  Result<void> mount(const RigRecordRequest&) override { return {}; }
-  bool flashes() const override { return false; }
-  Result<void> flash(const std::string&) override { return {}; }
 
  private:
   LineKind kind_;
   PseudoTerminal terminal_;
-  double t_s_ = 0.0;
 };
 
 std::vector<BenchFile> benches() {

@@ -49,15 +49,20 @@ class AtiSerial(ReferenceAdapter):
                 self.line.close()
                 self.line = None
 
-    def _until_prompt(self, patience_s=1.0):
+    def _until_prompt(self, echo=b"", patience_s=1.0):
+        """What comes from the echo on up to the prompt: a prompt before it answers something older, such as the CR with
+        which the line was closed the last time."""
         reply = b""
         end = time.monotonic() + patience_s
         while time.monotonic() < end:
             more = self.line.read(4096)
             reply += more
-            if more and reply.rstrip().endswith(b">"):
-                return reply.rstrip()[:-1]
+            answer = reply[reply.find(echo):].rstrip() if echo in reply else b""
+            if more and answer.endswith(b">"):
+                return answer[:-1]
             time.sleep(0.001)
+        if echo and reply:
+            return reply
         raise AdapterError("the ATI controller does not answer", "check power, cable and baud rate")
 
     def _rest(self):
@@ -73,7 +78,7 @@ class AtiSerial(ReferenceAdapter):
 
     def _command(self, text):
         self.line.write(text.encode() + b"\r")
-        echo = self._until_prompt().strip()
+        echo = self._until_prompt(text.encode()).strip()
         if not echo.startswith(text.encode()) or b"?" in echo:
             raise AdapterError(f"the ATI controller refuses '{text}': {echo!r}")
 

@@ -63,6 +63,29 @@ class Ati(Played):
         self.assertLess(errors[len(errors) // 2], 0.05)  # 3 N/s and some ms of a busy machine
         self.assertEqual([r.t_s for r in readings], sorted(r.t_s for r in readings))
 
+    def test_prompts_that_come_late_do_not_put_commands_and_answers_out_of_step(self):
+        line = serial.Serial(self.cable.ports[1], timeout=0.01)
+        self.addCleanup(line.close)
+        heard = []
+
+        def run(stop):
+            data = b""
+            while not stop():
+                data += line.read(64)
+                while b"\r" in data:
+                    text, data = data.split(b"\r", 1)
+                    if text and not heard:
+                        line.write(3 * b"\r\n\r\n>")
+                        time.sleep(0.02)
+                    heard.extend([text] if text else [])
+                    line.write(text + b"\r\n\r\n>")
+
+        self.play(run)
+        ati = AtiSerial()
+        self.addCleanup(ati.close)
+        ati.open(self.cable.ports[0], {"counts_per_force": 1000}, True)
+        self.assertEqual(heard, [b"CD B", b"CD R", b"CD E", b"SM 1"])
+
     def test_a_silent_line_is_an_error_not_a_hang(self):
         with self.assertRaises(AdapterError) as caught:
             AtiSerial().open(self.cable.ports[0], {"counts_per_force": 1000}, True)

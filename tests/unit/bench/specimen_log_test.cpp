@@ -66,6 +66,10 @@ class RestedSpecimen : public SpecimenLogTest {
     EXPECT_TRUE(made) << made.error().to_text();
     return std::move(*made);
   }
+  static void begins(Rig& bench, const RigRecordRequest& request) {
+    const auto begun = bench.begin(request);
+    EXPECT_TRUE(begun) << begun.error().to_text();
+  }
   static RigRecordRequest request() {
     RigRecordRequest q;
     q.specimen = "q50";
@@ -80,7 +84,7 @@ class RestedSpecimen : public SpecimenLogTest {
 
 TEST_F(RestedSpecimen, IsRefusedUntilItHasRested) {
   const auto bench = rig("");
-  ASSERT_TRUE(bench->begin(request()));  // never used before
+  begins(*bench, request());  // never used before
   bench->park();
   const auto again = bench->begin(request());
   ASSERT_FALSE(again);
@@ -88,21 +92,21 @@ TEST_F(RestedSpecimen, IsRefusedUntilItHasRested) {
   EXPECT_NE(again.error().text.find("of 2.00 h"), std::string::npos) << again.error().to_text();
   RigRecordRequest other = request();
   other.specimen = "q10";
-  EXPECT_TRUE(bench->begin(other));
+  begins(*bench, other);
   bench->park();
   RigRecordRequest patient = request();
   patient.rest_before_s = 0.0;  // a plan that asks for none
-  EXPECT_TRUE(bench->begin(patient));
+  begins(*bench, patient);
   bench->park();
   EXPECT_EQ(log_.read().value().at("q50").records, 2U);
 }
 
 TEST_F(RestedSpecimen, OrItsUncertaintyIsWidened) {
   const auto bench = rig("short_rest = \"widen\"\nshort_rest_u_rel = 0.02\n");
-  ASSERT_TRUE(bench->begin(request()));
+  begins(*bench, request());
   EXPECT_DOUBLE_EQ(bench->info().reference_u_rel, 0.005);
   bench->park();
-  ASSERT_TRUE(bench->begin(request()));
+  begins(*bench, request());
   EXPECT_DOUBLE_EQ(bench->info().reference_u_rel, std::hypot(0.005, 0.02));
   EXPECT_NE(bench->info().details.at("rest of q50").find("widened by 2 %"), std::string::npos);
   bench->park();
