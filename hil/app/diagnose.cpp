@@ -38,6 +38,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   std::string out;
   const PrintedUnit unit = printed_unit(d.unit);
   const auto number = [&](double v) { return plain_number(unit.factor * v); };
+  const std::string it_follows = d.follows.empty() ? "" : "; it follows " + join(d.follows, " and ");
   if (d.verdict == DiagnosisVerdict::none) {
     out += "verdict: nothing is missing that these records could show\n";
   } else if (d.verdict == DiagnosisVerdict::unknown && !d.not_separable.empty()) {
@@ -46,7 +47,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   } else if (d.verdict == DiagnosisVerdict::unknown) {
     out += "verdict: structure remains that no effect of the library explains" +
            (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) +
-           (d.follows.empty() ? "" : "; it follows " + join(d.follows, " and ")) + "\n";
+           it_follows + "\n";
   } else {
     out += "verdict: something is missing\n";
   }
@@ -66,7 +67,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   }
   if (d.residual_unknown)
     out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") +
-           (d.follows.empty() ? "" : "; it follows " + join(d.follows, " and ")) + "\n";
+           it_follows + "\n";
   out += fmt::format(
       "held-out error{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
       d.levels ? ", one gain and offset for all" : "",

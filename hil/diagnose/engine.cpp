@@ -96,7 +96,8 @@ bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out)
   return together >= kTogether;
 }
 
-void put_first(const std::vector<Outdone>& outdone, Diagnosis& out) {
+// In the words of what explains most of it, and its coordinate before those of the maps.
+void tell_what_it_follows(const std::vector<Outdone>& outdone, Diagnosis& out) {
   constexpr std::size_t kMost = 3;
   for (const Outdone& o : outdone) {
     std::erase(out.depends_on, o.group);
@@ -180,7 +181,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   // where all claims were withdrawn, what they soak up is unknown too
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);
-  if (!out.depends_on.empty()) put_first(outdone, out);
+  if (!out.depends_on.empty()) tell_what_it_follows(outdone, out);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection.base, selection.claimed, out);
   add_steps(w, selection, out);

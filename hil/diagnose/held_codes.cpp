@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "hil/model/rows.h"
 
@@ -20,10 +21,10 @@ HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthS
   double held = 0.0, top_V = 0.0;
   for (const RecordHealth& h : health) {
     top_V = std::max(top_V, h.top_V);
-    std::map<double, bool> here;
+    std::set<double> here;
     for (const HeldRun& run : h.runs) {
       Value& v = values[run.value_V];
-      v.records += here.emplace(run.value_V, true).second ? 1 : 0;
+      v.records += here.insert(run.value_V).second ? 1 : 0;
       ++v.runs;
       v.samples += static_cast<double>(run.samples);
       v.step_V.push_back(std::abs(run.value_V - run.before_V));

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numeric>
 
 #include "hil/diagnose/refine.h"
+#include "hil/diagnose/spare_room.h"
 #include "hil/diagnose/unnamed_dependences.h"
 
 namespace forcegate::diagnose {
@@ -20,25 +22,6 @@ MixedFit fit_all(const ResidualChannel& channel, const std::vector<int>& columns
   return fit_mixed(channel.problem, columns, &warm, 12, RecordUse::all_records);
 }
 
-// Candidates and columns that were added since are gone again in the end.
-class SpareRoom {
- public:
-  explicit SpareRoom(ResidualChannel& channel)
-      : channel_(channel), first_spare_(channel.first_spare), candidates_(channel.candidates.size()), variants_(channel.variants.size()) {}
-  ~SpareRoom() {
-    channel_.first_spare = first_spare_;
-    channel_.candidates.resize(candidates_);
-    channel_.variants.resize(variants_);
-  }
-  SpareRoom(const SpareRoom&) = delete;
-  SpareRoom& operator=(const SpareRoom&) = delete;
-
- private:
-  ResidualChannel& channel_;
-  int first_spare_;
-  std::size_t candidates_, variants_;
-};
-
 FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const EffectKind& kind, const std::vector<int>& present, const MixedFit& base,
                     double to_beat, unsigned threads) {
   constexpr double kWorthMoving = 0.4, kLeast = 10.0;
@@ -46,13 +29,11 @@ FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const 
   out.kind = &kind;
   out.best.gain = -1e300;
   const EffectForm& form = kind.forms.front();
-  Candidate c{&kind, &form, {}, channel.first_spare, static_cast<int>(form.strength.size())};
-  if (c.first + c.count > channel.problem.ns) return out;
-  channel.first_spare += c.count;
-  std::vector<int> columns;
-  for (int j = 0; j < c.count; ++j) columns.push_back(c.first + j);
-  channel.candidates.push_back(c);
-  channel.variants.push_back({static_cast<int>(channel.candidates.size()) - 1, columns});
+  const int candidate = place_candidate(channel, {&kind, &form, {}, 0, static_cast<int>(form.strength.size())});
+  if (candidate < 0) return out;
+  std::vector<int> columns(form.strength.size());
+  std::iota(columns.begin(), columns.end(), channel.candidates.back().first);
+  channel.variants.push_back({candidate, columns});
   const int variant = static_cast<int>(channel.variants.size()) - 1;
   std::vector<double> best_shape;
   for (const std::vector<double>& shape : form.grid(input)) {

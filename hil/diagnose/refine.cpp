@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/select.h"
+#include "hil/diagnose/spare_room.h"
 
 namespace forcegate::diagnose {
 
@@ -86,19 +87,16 @@ void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const 
     // a handful of records does not settle a shape: its evidence stays the mean over the grid
     if (is_between_records(family.kind->name)) continue;
     if (!own && (family.gain < reach || refined == kMostFamilies)) continue;
-    const int spare = channel.first_spare;
-    const std::size_t candidates = channel.candidates.size(), variants = channel.variants.size();
+    SpareRoom room(channel);
     const double before = family.gain;
     const FamilyScore coarse = family;
     if (refine_family(input, channel, present, result.base, family, threads) &&
         family.gain - before > kWorthMoving) {
       ++refined;
+      room.keep();
       continue;
     }
     family = coarse;
-    channel.first_spare = spare;
-    channel.candidates.resize(candidates);
-    channel.variants.resize(variants);
   }
   std::stable_sort(result.families.begin(), result.families.end(),
                    [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });

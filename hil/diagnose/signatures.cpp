@@ -152,14 +152,18 @@ void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const 
     channel.problem.column_prior_sd[c.first + j] = column_prior(channel.problem, c.first + j);
 }
 
-int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads) {
-  Candidate copy = channel.candidates[static_cast<std::size_t>(candidate)];
-  if (channel.first_spare + copy.count > channel.problem.ns) return -1;
-  copy.first = channel.first_spare;
-  channel.first_spare += copy.count;
-  channel.candidates.push_back(copy);
-  fill_candidate(input, channel, copy, threads);
+int place_candidate(ResidualChannel& channel, Candidate candidate) {
+  if (channel.first_spare + candidate.count > channel.problem.ns) return -1;
+  candidate.first = channel.first_spare;
+  channel.first_spare += candidate.count;
+  channel.candidates.push_back(std::move(candidate));
   return static_cast<int>(channel.candidates.size()) - 1;
+}
+
+int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads) {
+  const int copy = place_candidate(channel, channel.candidates[static_cast<std::size_t>(candidate)]);
+  if (copy >= 0) fill_candidate(input, channel, channel.candidates.back(), threads);
+  return copy;
 }
 
 void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_output, ResidualChannel& out,

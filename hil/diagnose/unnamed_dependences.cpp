@@ -10,18 +10,17 @@ namespace forcegate::diagnose {
 namespace {
 
 using Grid = std::vector<std::vector<double>>;
-
 using Fill = std::function<void(const CampaignInput&, const RecordInput&, std::span<const double>, ColumnsRef)>;
 
 UnnamedDependence dependence(const char* name, const char* on, const char* group, std::vector<ParameterSpec> shape, std::size_t columns, Grid grid,
-                             Fill fill, bool refine = false) {
+                             Fill fill) {
   EffectForm form;
   form.name = name;
   form.shape = std::move(shape);
   for (std::size_t k = 0; k < columns; ++k) form.strength.push_back({"c" + std::to_string(k + 1), "1", -10.0, 10.0, 0.0, ""});
   form.grid = [grid = std::move(grid)](const CampaignInput&) { return grid; };
   form.columns = std::move(fill);
-  form.refine = refine;
+  form.refine = false;
   UnnamedDependence out;
   out.kind.name = name;
   out.kind.summary = on;
@@ -110,9 +109,13 @@ void ring(const RecordInput& r, double f_Hz, double damping, ColumnsRef out) {
 UnnamedDependence mass_on_spring() {
   Grid grid;
   for (const double f_Hz : {2.5, 5.0, 10.0, 16.0, 25.0, 50.0}) grid.push_back({f_Hz, 0.15});
-  return dependence("mass_on_spring", "a resonance", "rate",
-                    {{"f_Hz", "Hz", 0.5, 200.0, 10.0, "resonance"}, {"damping", "1", 0.01, 0.35, 0.1, "of the critical one: more of it is a lag"}}, 1, std::move(grid),
-                    [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) { ring(r, shape[0], shape[1], out); }, true);
+  UnnamedDependence out = dependence(
+      "mass_on_spring", "a resonance", "rate",
+      {{"f_Hz", "Hz", 0.5, 200.0, 10.0, "resonance"}, {"damping", "1", 0.01, 0.35, 0.1, "of the critical one: more of it is a lag"}}, 1, std::move(grid),
+      [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef columns) { ring(r, shape[0], shape[1], columns); });
+  out.kind.forms.front().refine = true;
+  out.is_late = true;
+  return out;
 }
 
 // dU = g D (c1 sin n th + c2 cos n th), n = 2, 3: an eccentric that is not round, a gear.
@@ -134,7 +137,6 @@ std::vector<UnnamedDependence> unnamed_dependences(const CampaignInput& campaign
   out.push_back(largest_force());
   out.push_back(size_of_rate());
   out.push_back(mass_on_spring());
-  out.back().is_late = true;
   if (campaign.has_theta && std::ranges::all_of(campaign.records, [](const RecordInput& r) { return r.theta_rad.size() == r.rows(); }))
     out.push_back(harmonics_of_wheel());
   return out;

@@ -132,6 +132,9 @@ void find_rig_law(Workspace& workspace, std::vector<std::size_t>& records);
 void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& candidate,
                     unsigned threads);
 
+/// Gives the candidate spare columns, not filled yet; -1 when there is no room.
+int place_candidate(ResidualChannel& channel, Candidate candidate);
+
 /// A copy of the candidate in spare columns, to be moved to other shapes; -1 when there is no room.
 int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads);
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <complex>
 #include <numbers>
 
 #include "tests/unit/diagnose/made_campaign.h"
@@ -75,7 +74,7 @@ TEST(Outdone, AGainThatGrowsWithTheSizeOfTheRateIsNoCurve) {
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
 }
 
-// The same comparison must leave a true name where it is: a delay and a lag are followed nearly as well by a stiff spring, a loop by the largest force.
+// The same comparison must leave a true name where it is: a lag is followed nearly as well by a stiff spring, a loop in part by the largest force.
 TEST(Outdone, TrueNamesStay) {
   const auto lag = answer(make_campaign(14, [](const std::vector<double>& t, const std::vector<double>& F, int) {
     std::vector<double> U;
