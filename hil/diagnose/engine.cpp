@@ -162,7 +162,7 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   if (!w.input.generic) outdone = outdone_by_unnamed(w.input, w.output, selection, rest.structured(), options.threads);
   withdraw_outdone(outdone, out);
   const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effect.empty(); });
-  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest.beside_claims, out.findings) || some_outdone;
+  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, out.findings) || some_outdone;
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (std::ranges::any_of(raw, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
     for (Finding& f : out.findings)

@@ -291,29 +291,41 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
 
 namespace {
 
-// A few records that are noisier than the others must not hide what those show.
-bool typical_is_above(const ResidualChannel& channel, const std::vector<double>& mean_square, double factor) {
-  double log_ratio = 0.0;
-  for (std::size_t i = 0; i < mean_square.size(); ++i)
-    log_ratio += std::log(std::max(1e-9, mean_square[i] / (channel.problem.records[i].allowed_variance + channel.problem.records[i].smoothed_variance)));
-  return log_ratio > 2.0 * std::log(factor) * static_cast<double>(mean_square.size());
+struct LeftOver {
+  double rms = 0.0;         // of the channel's scale
+  double log_factor = 0.0;  // mean over records of log(rms / noise): a few noisy records must not hide what the others show
+};
+
+// Over all records, an effect may show in none of those that judge; but those where hum is left.
+LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& base, const std::vector<char>& of_hum) {
+  const std::vector<double> square = leave_one_out(channel.problem, fit, &base).adapted;
+  LeftOver out;
+  double n = 0.0;
+  for (std::size_t k = 0; k < square.size(); ++k) {
+    if (of_hum[k] != 0) continue;
+    const RecordGram& record = channel.problem.records[k];
+    out.rms += square[k];
+    out.log_factor += 0.5 * std::log(std::max(1e-9, square[k] / (record.allowed_variance + record.smoothed_variance)));
+    n += 1.0;
+  }
+  n = std::max(n, 1.0);
+  return {std::sqrt(out.rms / n), out.log_factor / n};
 }
 
 }  // namespace
 
-bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings) {
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, std::vector<Finding>& findings) {
   constexpr double kMost = 0.75, kMostOfFamily = 0.45;  // of the RMS error: over half of the mean square, a fifth
   constexpr double kAbove = 2.5, kFarAbove = 8.0;               // of the instruments' noise
   constexpr double kWithdrawn = 0.2;
-  // over all records: an effect may show in none of those that judge
-  const auto left = [&](const MixedFit& fit) { return leave_one_out(channel.problem, fit, &selection.base).adapted; };
-  const std::vector<double> square = left(selection.claimed);
-  const double before = std::sqrt(judged(channel, left(selection.base), true)), after = std::sqrt(judged(channel, square, true));
+  const bool remains = rest.beside_claims;
+  const LeftOver before = left_over(channel, selection.base, selection.base, rest.of_hum),
+                after = left_over(channel, selection.claimed, selection.base, rest.of_hum);
   const double above = remains ? kAbove : kFarAbove;
-  // what the samples themselves have named, such as hum, is left here too
+  // what the samples themselves have named, such as spikes, is left here too
   const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.form == "raw" && f.probability > kNoClaim; });
-  if (!(after > above * allowed_rms(channel)) && (named || !typical_is_above(channel, square, above))) return false;
-  const bool leaves_most = after > kMost * before;
+  if (!(after.rms > above * allowed_rms(channel)) && (named || !(after.log_factor > std::log(above)))) return false;
+  const bool leaves_most = after.rms > kMost * before.rms;
   if (!(selection.excess_after > kMostOfFamily * kMostOfFamily * selection.excess_before)) return false;
   bool withdrawn = false;
   for (const ChosenEffect& c : selection.chosen)

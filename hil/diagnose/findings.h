@@ -5,6 +5,7 @@
 
 #include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/select.h"
+#include "hil/diagnose/verdict.h"
 #include "hil/diagnose/workspace.h"
 
 namespace forcegate::diagnose {
@@ -46,7 +47,7 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
 /// explain, far above it (all records, or the typical one) or with structure that `remains`, and they themselves leave more than half of the
 /// mean square of all records, or could take any course of their kind (a curve, a loop, a lag): something else is at work. True when one was
 /// withdrawn.
-bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, bool remains, std::vector<Finding>& findings);
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, std::vector<Finding>& findings);
 
 /// Rivals that no more than odds of 4 : 1 part.
 void tell_not_separable(const Selection& selection, Diagnosis& out);

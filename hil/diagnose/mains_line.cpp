@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "hil/model/rows.h"
 
@@ -53,15 +54,10 @@ struct Spectrum {
 };
 
 struct Line {
-  double frequency_Hz;
+  double mains_Hz, frequency_Hz;  // the first harmonic before, the line itself after the sampling
   double halves;  // at half the rate the two halves of a line fall on each other
   std::vector<Spectrum> at, force, beside;
 };
-
-double alias(double frequency_Hz, double rate_Hz) {
-  const double folded = std::fmod(frequency_Hz, rate_Hz);
-  return std::min(folded, rate_Hz - folded);
-}
 
 // A gap takes time and no samples: the line would be looked for beside its place.
 double rate_between_gaps(const std::vector<double>& t) {
@@ -79,10 +75,10 @@ double rate_between_gaps(const std::vector<double>& t) {
 // Those that can be told from the slow force and have neighbours to be compared with.
 std::vector<Line> mains_lines(double rate_Hz) {
   std::vector<Line> out;
-  for (const double mains_Hz : {50.0, 60.0, 150.0, 180.0}) {
-    Line line{alias(mains_Hz, rate_Hz), 2.0, {}, {}, {}};
+  for (const auto& [mains_Hz, harmonic] : {std::pair{50.0, 1.0}, {60.0, 1.0}, {50.0, 3.0}, {60.0, 3.0}}) {
+    Line line{mains_Hz, folded_Hz(harmonic * mains_Hz, rate_Hz), 2.0, {}, {}, {}};
     const double f = line.frequency_Hz;
-    if (f < 4.0) continue;
+    if (f < kSlowestLine_Hz) continue;
     if (0.5 * rate_Hz - f < 0.5) line.halves = 1.0;
     const auto beside = [&](double by_Hz) {
       return Spectrum(2.0 * std::numbers::pi * (f + by_Hz) / rate_Hz);
@@ -98,12 +94,18 @@ std::vector<Line> mains_lines(double rate_Hz) {
 
 }  // namespace
 
+double folded_Hz(double line_Hz, double rate_Hz) {
+  const double folded = std::fmod(line_Hz, rate_Hz);
+  return std::min(folded, rate_Hz - folded);
+}
+
 MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double>& F,
                           const std::vector<double>& U, double gain) {
   MainsLine best;
   const std::size_t n = t.size();
   if (n < 512 || !(t[n - 1] > t[0])) return best;
   const double rate = rate_between_gaps(t);
+  best.rate_Hz = rate;
   const std::size_t length = std::max(static_cast<std::size_t>(kSegment_s * rate), kFewestSamples);
   if (rate < kSlowest_Hz || n < 2 * length) return best;
   const std::size_t segments = std::min(kMostSegments, n / length);
@@ -155,7 +157,7 @@ MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double
     }
     const double r = quantile(ratio, 0.5);
     const double a = quantile(amplitude, 0.5);
-    if (r > best.ratio) best = {a, line.frequency_Hz, line.halves == 1.0 ? a * a : 0.5 * a * a, r};
+    if (r > best.ratio) best = {a, line.frequency_Hz, line.mains_Hz, rate, r};
   }
   return best;
 }

@@ -5,10 +5,17 @@
 
 namespace forcegate::diagnose {
 
+/// Below it a line that the sampling has folded is not told from the slow force.
+inline constexpr double kSlowestLine_Hz = 4.0;
+
+/// Where sampling at rate_Hz puts a line: 0 to half the rate.
+double folded_Hz(double line_Hz, double rate_Hz);
+
 struct MainsLine {
-  double amplitude_V = 0.0, frequency_Hz = 0.0;
-  double mean_square_V2 = 0.0;  ///< of the line
-  double ratio = 0.0;  ///< median over segments of the line's power over the larger of neighbours and force
+  double amplitude_V = 0.0, frequency_Hz = 0.0;  ///< as sampled: folded to less than half the rate
+  double mains_Hz = 0.0;                         ///< first harmonic before, 50 or 60
+  double rate_Hz = 0.0;  ///< of the samples, gaps left out; 0: too few of them
+  double ratio = 0.0;    ///< median over segments of the line's power over the larger of neighbours and force
 };
 
 MainsLine find_mains_line(const std::vector<double>& t_s, const std::vector<double>& F_N,

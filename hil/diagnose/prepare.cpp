@@ -4,6 +4,7 @@
 #include "hil/base/largest_first.h"
 #include "hil/diagnose/denoise.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/mains_removal.h"
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/user_candidates.h"
 #include "hil/model/rows.h"
@@ -44,6 +45,15 @@ void cut_into_blocks(Workspace& w) {
       (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
 }
 
+// Only where force and output share a clock.
+void take_hum_off(Record& record, RecordHealth& health) {
+  const Channel* force = record.trace.find("F_ref");
+  const std::vector<double>& t_s = record.trace.time_bases[force->time_base].t_s;
+  for (Channel& channel : record.trace.channels)
+    if (channel.name == "U" && channel.value.size() == t_s.size() && force->value.size() == t_s.size())
+      health.bad_mean_square_V2 += remove_mains_line(t_s, force->value, health.bad, health.mains_Hz, health.rate_Hz, channel.value);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options) {
@@ -78,6 +88,7 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     Record& record = campaign.records[k];
     prepared[k].health = check_raw_health(record, w->scales, campaign.bench);
     const RecordHealth& h = prepared[k].health;
+    if (shows_hum(h, w->scales)) take_hum_off(record, prepared[k].health);
     const double reference_sd_N = std::hypot(h.noise_F_N, h.lsb_F_N / std::sqrt(12.0));
     if (reference_sd_N > 1e-4 * w->scales.range_N)
       for (Channel& channel : record.trace.channels)

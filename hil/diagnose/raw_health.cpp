@@ -330,7 +330,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   out.hum_V = line.amplitude_V;
   out.hum_Hz = line.frequency_Hz;
   out.hum_ratio = line.ratio;
-  out.hum_mean_square_V2 = line.mean_square_V2;
+  out.mains_Hz = line.mains_Hz;
+  out.rate_Hz = line.rate_Hz;
   return out;
 }
 

@@ -34,10 +34,9 @@ struct RecordHealth {
   double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some
   std::vector<HeldRun> runs;                ///< those that `held` and `at_rail` count
   double top_V = 0.0;                       ///< largest output
-  double hum_V = 0.0, hum_Hz = 0.0,
-         hum_ratio = 0.0;           ///< strongest mains line and its power over its neighbours
-  double hum_mean_square_V2 = 0.0;  ///< what it adds to the mean squared error of the samples
-  double bad_mean_square_V2 = 0.0;  ///< what the bad samples add to the mean squared error
+  double hum_V = 0.0, hum_Hz = 0.0, hum_ratio = 0.0;  ///< strongest mains line, as sampled, and its power over its neighbours
+  double mains_Hz = 0.0, rate_Hz = 0.0;               ///< 50 or 60, and the rate of sampling that folds it
+  double bad_mean_square_V2 = 0.0;  ///< what the bad samples, and hum that was taken off, add to the mean squared error
 };
 
 struct HealthScales {

@@ -2,27 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "hil/diagnose/findings.h"
 
 namespace forcegate::diagnose {
-
-namespace {
-
-// A line in the samples: what it adds to their mean square, and what is left of that in means over a row.
-struct Line {
-  double samples = 0.0, rows = 0.0;
-};
-
-Line line_of(const Workspace& w, std::size_t record) {
-  if (record >= w.health.size() || !shows_hum(w.health[record], w.scales)) return {};
-  const RecordHealth& h = w.health[record];
-  const double x = std::numbers::pi * h.hum_Hz * w.input.records[record].row_step_s, kept = x > 0.0 ? std::sin(x) / x : 1.0;
-  return {h.hum_mean_square_V2, kept * kept * h.hum_mean_square_V2};
-}
-
-}  // namespace
 
 void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
   const ResidualChannel& channel = w.output;
@@ -34,21 +17,18 @@ void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final
     before.adapted = judge_levels(channel, base, base, w.all_fit);
     after.adapted = judge_levels(channel, final, base, w.all_fit);
   }
-  const bool hum = std::any_of(out.findings.begin(), out.findings.end(), [](const Finding& f) { return f.effect == "hum" && f.probability >= 0.5; });
   const double s = channel.scale;
   for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
     const RecordGram& g = channel.problem.records[i];
-    const Line line = hum ? line_of(w, i) : Line{};
-    const double bad = (i < w.health.size() ? w.health[i].bad_mean_square_V2 : 0.0) + line.samples - line.rows;
-    const auto without = [&](double square) { return std::sqrt(std::max(square * s * s - line.rows, 0.0)); };
+    const double bad = i < w.health.size() ? w.health[i].bad_mean_square_V2 : 0.0;
     RecordError e;
     e.record = g.name;
     e.kind = w.input.records[i].kind;
     e.heldout = g.heldout;
     e.before = std::sqrt(before.adapted[i] * s * s + bad);
-    e.after = without(after.adapted[i]);
+    e.after = s * std::sqrt(std::max(after.adapted[i], 0.0));
     e.plain_before = std::sqrt(before.plain[i] * s * s + bad);
-    e.plain_after = without(after.plain[i]);
+    e.plain_after = s * std::sqrt(std::max(after.plain[i], 0.0));
     e.floor = std::min(w.noise_V[i], e.after);
     e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
     out.records.push_back(e);

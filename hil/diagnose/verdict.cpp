@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/coloured_noise.h"
+#include "hil/diagnose/folded_hum.h"
 #include "hil/diagnose/unresolved_edges.h"
 
 namespace forcegate::diagnose {
@@ -72,7 +73,14 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
   out.noise_rms = allowed_rms(w.output);
   out.explained = selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
   const auto residual = residual_rows(w.output, selection.final);
-  const auto resolved = without_unresolved_edges(w.input, w.output, residual);
+  out.of_hum = records_of_folded_hum(w, w.output);
+  const auto learnable = [&](const std::vector<std::vector<double>>& e) {
+    std::vector<std::vector<double>> kept = without_unresolved_edges(w.input, w.output, e);
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      if (out.of_hum[k] != 0) kept[k].clear();
+    return kept;
+  };
+  const auto resolved = learnable(residual);
   const Structure left = structure_of(w.output, resolved);
   out.structure_rms = left.rms;
   out.smooth = is_structure(left, out.noise_rms);
@@ -81,7 +89,7 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
   out.of_claimed = residual_rows(w.output, selection.claimed);
   if (!out.coloured) out.records_far_above = far_above_noise(w.output, w, resolved);
   const bool far_beside_claims =
-      !out.coloured && far_above_noise(w.output, w, without_unresolved_edges(w.input, w.output, out.of_claimed)) > 0;
+      !out.coloured && far_above_noise(w.output, w, learnable(out.of_claimed)) > 0;
   out.beside_claims = (out.structured() && out.explained < kNearlyAll) || far_beside_claims;
   return out;
 }

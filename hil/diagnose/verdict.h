@@ -21,6 +21,7 @@ Structure structure_of(const ResidualChannel& channel, const std::vector<std::ve
 struct Remainder {
   std::vector<std::vector<double>> of_claimed;  ///< residual of the chosen variants alone, per record, in the output's unit
   std::vector<ResidualMap> maps;                ///< of the residual of all forms of the chosen families
+  std::vector<char> of_hum;                     ///< 1: what is left in this record is hum (hil/diagnose/folded_hum.h)
   double noise_rms = 0.0;                       ///< what the instruments may leave, share of the span
   double structure_rms = 0.0;                   ///< smoother than noise, share of the span
   double explained = 1.0;     ///< share of what the noise does not explain that all forms of the chosen families take

@@ -1,12 +1,11 @@
 // Amplifier rail: U stops at a voltage, whatever the force.  dU = -g c softplus(W - Wr); follows U, so it vanishes once
 // the decay has lowered U (a static nonlinearity stays). Wr is where the mean sensor meets the voltage; a record whose zero
-// and gain differ meets it at its own force, (V(Wr) - zero_k) / gain_k. Runs of one value at the rail are seen by the raw
+// and gain differ meets it at its own force, (V(Wr) - zero_k) / gain_k, and falls off it with its own gain. Runs of one value at the rail are seen by the raw
 // checks; with a converter's noise on them no two samples are alike.
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
@@ -15,40 +14,55 @@ namespace forcegate {
 namespace {
 
 struct Line {
-  double zero_V, gain_V_per_N;
+  double zero_V = 0.0, gain_V_per_N = 0.0;
 };
 
-// U against the decayed force below `rail_N`. Nothing where the output is not known or the force hardly moves there.
-std::optional<Line> line_below(std::span<const RecordInput> records, double rail_N, double range_N) {
+// The record's output against the decayed force below `rail_N`. Nothing where the output is not known or the force hardly moves there.
+std::optional<Line> line_below(const RecordInput& r, double rail_N, double range_N) {
   constexpr double kBelow = 0.06, kMoves = 0.15;  // shares of the span
   constexpr std::size_t kRows = 1000, kFewest = 30;
+  if (r.U_V.size() != r.rows()) return std::nullopt;
   double n = 0.0, W = 0.0, U = 0.0, WW = 0.0, WU = 0.0, least_N = rail_N, most_N = -rail_N;
-  for (const RecordInput& r : records) {
-    if (r.U_V.size() != r.rows()) continue;
-    const std::size_t stride = std::max<std::size_t>(1, r.rows() / kRows);
-    for (std::size_t i = 0; i < r.rows(); i += stride) {
-      const double w = r.base_force_N(i);
-      if (r.ok[i] == 0 || !(w < rail_N - kBelow * range_N) || !std::isfinite(r.U_V[i])) continue;
-      n += 1.0;
-      W += w;
-      U += r.U_V[i];
-      WW += w * w;
-      WU += w * r.U_V[i];
-      least_N = std::min(least_N, w);
-      most_N = std::max(most_N, w);
-    }
+  const std::size_t stride = std::max<std::size_t>(1, r.rows() / kRows);
+  for (std::size_t i = 0; i < r.rows(); i += stride) {
+    const double w = r.base_force_N(i);
+    if (r.ok[i] == 0 || !(w < rail_N - kBelow * range_N) || !std::isfinite(r.U_V[i])) continue;
+    n += 1.0;
+    W += w;
+    U += r.U_V[i];
+    WW += w * w;
+    WU += w * r.U_V[i];
+    least_N = std::min(least_N, w);
+    most_N = std::max(most_N, w);
   }
   if (n < kFewest || most_N - least_N < kMoves * range_N) return std::nullopt;
   const double gain = (n * WU - W * U) / (n * WW - W * W);
   return Line{(U - gain * W) / n, gain};
 }
 
-double own_rail(const CampaignInput& c, const RecordInput& r, double rail_N) {
+struct Rail {
+  double at_N;        // decayed force at which the record meets it
+  double share = 1.0; // the record's gain, share of the mean sensor's
+};
+
+Rail own_rail(const CampaignInput& c, const RecordInput& r, double rail_N) {
   constexpr double kFurthest = 0.15, kLeastGain = 0.5;
-  const auto mean = line_below(c.records, rail_N, c.range_N), own = line_below({&r, 1}, rail_N, c.range_N);
-  if (!mean || !own || !(own->gain_V_per_N / mean->gain_V_per_N > kLeastGain)) return rail_N;
-  const double own_N = (mean->zero_V + mean->gain_V_per_N * rail_N - own->zero_V) / own->gain_V_per_N;
-  return std::clamp(own_N, rail_N - kFurthest * c.range_N, rail_N + kFurthest * c.range_N);
+  const auto own = line_below(r, rail_N, c.range_N);
+  if (!own) return {rail_N};
+  Line mean;
+  double n = 0.0;
+  for (const RecordInput& record : c.records)
+    if (const auto line = line_below(record, rail_N, c.range_N)) {
+      mean.zero_V += line->zero_V;
+      mean.gain_V_per_N += line->gain_V_per_N;
+      n += 1.0;
+    }
+  mean.zero_V /= n;
+  mean.gain_V_per_N /= n;
+  const double share = own->gain_V_per_N / mean.gain_V_per_N;
+  if (!(share > kLeastGain && share < 1.0 / kLeastGain)) return {rail_N};
+  const double own_N = (mean.zero_V + mean.gain_V_per_N * rail_N - own->zero_V) / own->gain_V_per_N;
+  return {std::clamp(own_N, rail_N - kFurthest * c.range_N, rail_N + kFurthest * c.range_N), share};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
@@ -74,12 +88,13 @@ const Registration<EffectKind> kRegistered{EffectKind{
              },
          .columns =
              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-               const double rail = own_rail(c, r, shape[0]), width = 0.01 * c.range_N;
+               const Rail rail = own_rail(c, r, shape[0]);
+               const double width = 0.01 * c.range_N;
                add_curve(
-                   r, CurveAt::decayed, [=](double W) { return -soft_hinge(W - rail, width); }, out.col(0));
+                   r, CurveAt::decayed, [=](double W) { return -rail.share * soft_hinge(W - rail.at_N, width); }, out.col(0));
              },
          .least = 0.0,
-         .most = 1.15}}}};
+         .most = 1.4}}}};  // on a grid: a hinge set too high falls off too steeply
 
 }  // namespace
 }  // namespace forcegate

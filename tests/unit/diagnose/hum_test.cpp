@@ -1,0 +1,103 @@
+// Hum beside something else: what a record of few samples a second shows once the line is taken off, and what it is left with where its rate
+// folds the line onto the slow.
+
+#include <numbers>
+
+#include "hil/diagnose/mains_removal.h"
+#include "tests/unit/diagnose/made_campaign.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+// Larger where the film conducts less, with a third harmonic, and a phase that wanders.
+double hum_V(double t_s, double F_N) {
+  const double phase = kTurn * 50.02 * t_s + 0.4 * std::sin(kTurn * t_s / 60.0);
+  return 0.2 * (0.4 + std::exp(-F_N / 2.0)) * (std::sin(phase) + 0.3 * std::sin(3.0 * phase + 1.0));
+}
+
+double rms(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double v : x) sum += v * v;
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+TEST(Hum, IsTakenOffWhateverTheClockAndTheLoadDo) {
+  constexpr double kRate_Hz = 80.0, kNoise_V = 0.002;
+  for (const double digit_s : {1e-6, 1e-3}) {
+    Rng rng(7, "hum");
+    std::vector<double> t_s, F_N, U_V, clean_V;
+    double taken_V2 = 0.0;
+    for (int i = 0; i < 8000; ++i) {
+      const double t = i / kRate_Hz + (i > 3000 && digit_s < 1e-4 ? 1.7 : 0.0);  // a gap
+      t_s.push_back(digit_s * std::round(t / digit_s));
+      F_N.push_back(2.0 + 1.8 * std::sin(kTurn * 0.3 * t));
+      clean_V.push_back(0.3 + 2.0 * F_N.back() + 0.05 * std::sin(kTurn * 0.05 * t) + kNoise_V * rng.normal());
+      U_V.push_back(clean_V.back() + hum_V(t, F_N.back()));
+      taken_V2 += std::pow(hum_V(t, F_N.back()), 2) / 8000.0;
+    }
+    U_V[4000] = kMissing;
+    const std::vector<std::uint8_t> bad(U_V.size(), 0);
+    const double mean_square = remove_mains_line(t_s, F_N, bad, 50.0, kRate_Hz, U_V);
+    EXPECT_NEAR(mean_square, taken_V2, 0.03 * taken_V2);
+    std::vector<double> left;
+    for (std::size_t i = 0; i < U_V.size(); ++i)
+      if (std::isfinite(U_V[i])) left.push_back(U_V[i] - clean_V[i]);
+    EXPECT_EQ(left.size(), U_V.size() - 1);
+    EXPECT_LT(rms(left), 0.15 * std::sqrt(taken_V2)) << digit_s;
+  }
+}
+
+TEST(Hum, OnAForceThatStandsStillLeavesTheLevelAlone) {
+  std::vector<double> t_s, F_N(4000, 1.5), U_V;
+  for (int i = 0; i < 4000; ++i) {
+    t_s.push_back(i / 80.0);
+    U_V.push_back(3.3 + 0.1 * std::sin(kTurn * 60.0 * t_s.back()));
+  }
+  const std::vector<std::uint8_t> bad(U_V.size(), 0);
+  EXPECT_NEAR(remove_mains_line(t_s, F_N, bad, 60.0, 80.0, U_V), 0.005, 1e-4);
+  for (const double u : U_V) EXPECT_NEAR(u, 3.3, 1e-3);
+}
+
+// The made campaign at a slower clock, a loop of friction and hum on its output. Every `folded`-th record is sampled at just the mains.
+Campaign slow_campaign(std::uint64_t seed, double loop_V, std::size_t folded) {
+  Campaign c = make_campaign(seed, straight);
+  for (std::size_t k = 0; k < c.records.size(); ++k) {
+    const double rate_Hz = folded > 0 && k % folded == 0 ? 49.98 : 40.0;
+    auto& clock = c.records[k].trace.time_bases[0].t_s;
+    auto& F = c.records[k].trace.find("F_ref")->value;
+    auto& U = c.records[k].trace.find("U")->value;
+    double play = F[0];
+    for (std::size_t i = 0; i < clock.size(); ++i) {
+      clock[i] = static_cast<double>(i) / rate_Hz;
+      play = std::clamp(play, F[i] - 0.3, F[i] + 0.3);
+      U[i] += loop_V * (play - F[i]) / 0.3 + hum_V(clock[i], F[i]);
+    }
+  }
+  return c;
+}
+
+TEST(Hum, DoesNotHideTheLoopBesideIt) {
+  int both = 0;
+  for (std::uint64_t seed = 61; seed <= 63; ++seed) {
+    const Diagnosis d = answer(slow_campaign(seed, 0.03, 0));
+    EXPECT_GE(probability(d, "hum"), 0.9) << told(d);
+    EXPECT_FALSE(d.residual_unknown) << told(d);
+    both += probability(d, "hysteresis") >= 0.5 ? 1 : 0;
+    EXPECT_LT(d.error_after, 0.2 * d.error_before);
+  }
+  EXPECT_EQ(both, 3);
+}
+
+TEST(Hum, FoldedOntoTheSlowIsNoStructureToLearnFrom) {
+  for (std::uint64_t seed = 64; seed <= 65; ++seed) {
+    const Diagnosis d = answer(slow_campaign(seed, 0.0, 2));
+    EXPECT_GE(probability(d, "hum"), 0.9) << told(d);
+    EXPECT_EQ(d.findings.size(), 1u) << told(d);
+    EXPECT_FALSE(d.residual_unknown) << told(d);
+  }
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
