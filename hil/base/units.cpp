@@ -27,6 +27,7 @@ constexpr std::array kTable = {
     Row{"kN", "N", "force", 1e3, 0},
     Row{"gf", "N", "force", 9.80665e-3, 0},
     Row{"kgf", "N", "force", 9.80665, 0},
+    Row{"kg", "N", "force", 9.80665, 0},  // what a weight or a cell of a balance is labelled with
     Row{"lbf", "N", "force", 4.4482216152605, 0},
     Row{"V", "V", "voltage", 1, 0},
     Row{"mV", "V", "voltage", 1e-3, 0},

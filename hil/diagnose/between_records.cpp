@@ -5,6 +5,7 @@
 
 #include "hil/base/rng.h"
 #include "hil/diagnose/objection.h"
+#include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
 
@@ -46,7 +47,7 @@ bool moves_gain(const ResidualChannel& channel, const RecordLevels& levels, cons
 std::vector<VectorXd> priors_of(const Candidate& candidate, std::size_t columns) {
   const auto k = static_cast<Index>(columns);
   if (columns == 1) return {VectorXd::Ones(1)};
-  if (candidate.form->name != "unrecorded" && !candidate.form->bank) return {VectorXd::Ones(k)};
+  if (candidate.form->name != kUnrecorded && !candidate.form->bank) return {VectorXd::Ones(k)};
   std::vector<VectorXd> out;
   for (const double power : {2.0, 4.0}) {
     VectorXd weight(k);
@@ -148,7 +149,7 @@ bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& fami
   const EffectForm& of = *channel.candidates[static_cast<std::size_t>(variant.candidate)].form;
   if (of.from_rig) return false;
   const std::string& form = of.name;
-  return form == "unrecorded" || form == "step" || family.kind->name == "wear" || family.kind->name == "reference_drift";
+  return form == kUnrecorded || form == "step" || family.kind->name == "wear" || family.kind->name == "reference_drift";
 }
 
 std::string objection(const RecordEvidence& records, bool with_time, const SelectionRules& rules) {

@@ -14,6 +14,7 @@
 #include "hil/diagnose/record_errors.h"
 #include "hil/diagnose/search.h"
 #include "hil/diagnose/verdict.h"
+#include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
 
@@ -84,11 +85,12 @@ void put_in_order(std::vector<Finding>& findings) {
   findings = std::move(unique);
 }
 
-// What passed every test within the records and was not borne out by left-out ones, or rivals that hold most of the probability together, are
-// no "none": there is something, and its name is open.
+// What passed every test within the records and was not borne out by left-out ones, a free course over the campaign that was, or rivals that
+// hold most of the probability together, are no "none": there is something, and its name is open.
 bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out) {
   constexpr double kTogether = 0.8;
   if (std::ranges::any_of(not_borne_out, [](const Finding& f) { return !is_between_records(f.effect); })) return true;
+  if (std::ranges::any_of(d.findings, [](const Finding& f) { return f.form == kUnrecorded && f.probability >= kNoClaim; })) return true;
   double together = 0.0;
   for (const std::vector<std::string>& set : d.not_separable)
     for (const Finding& f : d.findings)

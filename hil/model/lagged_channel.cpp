@@ -57,7 +57,7 @@ std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordIn
 }
 
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
-                       const std::string& unit) {
+                       const std::string& unit, std::vector<double> taus_s) {
   return {.name = "lagged",
           .shape = {{"tau_s", "s", 0.0, 1e5, 60.0,
                      "time constant of the sensor behind the instrument in the air"}},
@@ -66,10 +66,11 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
                         "change of offset, shares of the span"}},
           .sign = StrengthSign::either,
           .grid =
-              [recorded](const CampaignInput& c) {
-                return c.*recorded
-                           ? std::vector<std::vector<double>>{{0.0}, {60.0}, {240.0}, {800.0}, {2400.0}}
-                           : std::vector<std::vector<double>>{};
+              [recorded, taus_s = std::move(taus_s)](const CampaignInput& c) {
+                std::vector<std::vector<double>> out;
+                if (!(c.*recorded)) return out;
+                for (const double tau_s : taus_s) out.push_back({tau_s});
+                return out;
               },
           .columns =
               [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
@@ -88,7 +89,7 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
 }
 
 EffectForm unrecorded_form(std::function<bool(const CampaignInput&)> possible) {
-  return {.name = "unrecorded",
+  return {.name = kUnrecorded,
           .shape = {},
           .strength = {{"k1", "1", -1.0, 1.0, 0.0, "half wave of the gain over the campaign"},
                        {"k2", "1", -1.0, 1.0, 0.0, "one wave"},

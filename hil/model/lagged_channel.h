@@ -16,9 +16,11 @@ using AirChannel = std::vector<double> RecordInput::*;
 std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record,
                                    AirChannel channel, double tau_s);
 
-/// Form "lagged" with strengths c_gain_per_<unit>, c_offset_per_<unit>. `recorded`: whether a campaign has the channel.
+/// Form "lagged" with strengths c_gain_per_<unit>, c_offset_per_<unit>. `recorded`: whether a campaign has the channel. `taus_s`: lags tried.
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
-                       const std::string& unit);
+                       const std::string& unit, std::vector<double> taus_s);
+
+inline constexpr const char* kUnrecorded = "unrecorded";
 
 /// Nobody wrote the channel down: the gain moves smoothly over the campaign, whatever is done to the sensor; half waves of the
 /// campaign's time. `possible`: whether the campaign may be explained so.

@@ -189,8 +189,16 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   out.theta_rad = channel("theta");
   if (angle && !out.theta_rad.empty()) set_angle(on_clock(trace, *trace.find("theta"), clock, room), t, out);
   out.temp_C = channel("temp");
-  out.humidity = channel("RH");
-  if (out.humidity.empty()) out.humidity = channel("humidity");
+  for (const char* name : {"RH", "humidity"}) {
+    if (!out.humidity.empty()) continue;
+    out.humidity = channel(name);
+    const Channel* c = trace.find(name);
+    if (c != nullptr && c->unit == "1")  // a share; effects and records' own readings are in percent
+      for (double& h : out.humidity) h *= 100.0;
+  }
+  // one reading a record says less than a channel, and all about what happens between records
+  if (out.temp_C.empty() && record.temp_C) out.temp_C.assign(n_rows, *record.temp_C);
+  if (out.humidity.empty() && record.humidity_pct) out.humidity.assign(n_rows, *record.humidity_pct);
   out.C_F = channel("C");
   out.F_cmd_N = channel("F_cmd");
   out.drive_V = channel("drive");

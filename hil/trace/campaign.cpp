@@ -145,6 +145,8 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   FORCEGATE_CHECK_OK(m.number("drive_V", into(record.drive_V)));
   FORCEGATE_CHECK_OK(m.number("eccentricity_mm", into(record.eccentricity_mm)));
   FORCEGATE_CHECK_OK(m.number("preload_mm", into(record.preload_mm)));
+  for (const char* key : {"temperature_C", "temp_C"}) FORCEGATE_CHECK_OK(m.number(key, into(record.temp_C)));
+  for (const char* key : {"rh_pct", "RH_pct", "humidity_pct"}) FORCEGATE_CHECK_OK(m.number(key, into(record.humidity_pct)));
   FORCEGATE_CHECK_OK(m.flag("dynamic", record.dynamic));
   FORCEGATE_CHECK_OK(m.label("mounting", record.mounting));
   if (record.rate_Hz && !(*record.rate_Hz > 0.0)) return m.wrong("fs_Hz", "must be above 0");

@@ -35,7 +35,7 @@ struct Record {
   bool role_given = false;
   Trace trace;  ///< channels named F_ref, U, theta, temp, C, F_cmd, F_dut, drive, ... (canonical units)
   std::optional<double> rate_Hz, start_s, rest_before_s, excitation_start_s, f_min_Hz, A_N, m_N, drive_V,
-      eccentricity_mm, preload_mm;
+      eccentricity_mm, preload_mm, temp_C, humidity_pct;  ///< the last two of the air, where no channel records them
   std::string mounting;  ///< name or number of the mounting; records that share it were not taken apart in between; "" unknown
   std::optional<bool> dynamic;
 };

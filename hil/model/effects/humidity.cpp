@@ -1,5 +1,5 @@
 // Humidity: dU = g (c_gain W + c_offset R)(h_s - h_ref), h_s the measured humidity behind a slow lag. Where it was not recorded, a gain
-// that moves smoothly; the temperature does the same where that was not recorded either.
+// that moves smoothly; the temperature does the same where that was not recorded either. Water goes into a film within hours.
 // Hot and humid +10 % resistance, storage +30 % (Interlink FSR 400 data sheet).
 
 #include "hil/model/lagged_channel.h"
@@ -17,7 +17,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .separates = "one ramp repeated over hours with the humidity recorded",
     .needs = {},
     .forms = {unrecorded_form([](const CampaignInput& c) { return !c.has_humidity; }),
-              lagged_form(&RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%")}}};
+              lagged_form(&RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%", {0.0, 240.0, 800.0, 2400.0, 7200.0, 21600.0})}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -16,7 +16,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .separates = "one ramp repeated over hours with the temperature recorded; heating without loading",
     .needs = {},
     .forms = {unrecorded_form([](const CampaignInput& c) { return !c.has_temp; }),
-              lagged_form(&RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC")}}};
+              lagged_form(&RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 60.0, 240.0, 800.0, 2400.0})}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -5,18 +5,22 @@
 namespace forcegate::diagnose {
 namespace {
 
-// Temperature of a record, degC: ten degrees over the campaign, in no order.
-constexpr double kTemperature[] = {20.0, 26.0, 17.0, 23.0, 19.0, 27.0, 24.0, 18.0};
+// Of the air during a record: temperature in degC or humidity in %, ten of them over the campaign, in no order.
+constexpr double kAir[] = {20.0, 26.0, 17.0, 23.0, 19.0, 27.0, 24.0, 18.0};
 
-Campaign in_a_warm_room(std::uint64_t seed, double gain_per_C) {
-  Campaign c = make_campaign(seed, [&](const std::vector<double>&, const std::vector<double>& F, int record) {
+Campaign that_follows_the_air(std::uint64_t seed, double gain_per_unit) {
+  return make_campaign(seed, [&](const std::vector<double>&, const std::vector<double>& F, int record) {
     std::vector<double> U;
-    for (const double f : F) U.push_back(2.0 * f * (1.0 + gain_per_C * (kTemperature[record] - 22.0)) + 0.2);
+    for (const double f : F) U.push_back(2.0 * f * (1.0 + gain_per_unit * (kAir[record] - 22.0)) + 0.2);
     return U;
   });
+}
+
+Campaign in_a_warm_room(std::uint64_t seed, double gain_per_C) {
+  Campaign c = that_follows_the_air(seed, gain_per_C);
   for (std::size_t k = 0; k < c.records.size(); ++k) {
     Record& r = c.records[k];
-    r.trace.channels.push_back({"temp", "C", "temperature", 0, std::vector<double>(r.trace.time_bases[0].t_s.size(), kTemperature[k]), {}});
+    r.trace.channels.push_back({"temp", "C", "temperature", 0, std::vector<double>(r.trace.time_bases[0].t_s.size(), kAir[k]), {}});
   }
   return c;
 }
@@ -37,6 +41,37 @@ TEST(BetweenRecords, ATemperatureThatTheSensorDoesNotMindIsNoFinding) {
     EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << seed;
     EXPECT_FALSE(d.levels) << seed;
   }
+}
+
+TEST(BetweenRecords, OneReadingOfTheHumidityInEveryRecordNamesIt) {
+  for (std::uint64_t seed = 75; seed <= 77; ++seed) {
+    Campaign c = that_follows_the_air(seed, 0.01);
+    for (std::size_t k = 0; k < c.records.size(); ++k) c.records[k].humidity_pct = kAir[k] + 30.0;
+    const Diagnosis d = answer(std::move(c));
+    EXPECT_GE(probability(d, "humidity"), 0.5) << told(d);
+    EXPECT_LT(probability(d, "thermal"), 0.5) << told(d);
+  }
+}
+
+// One wave of the gain over sixteen records, and nobody wrote down what the air did.
+TEST(BetweenRecords, ACourseThatNothingRecordedExplainsIsSeenAndNotNamed) {
+  const auto half = [](int first) {
+    return make_campaign(78 + static_cast<std::uint64_t>(first), [first](const std::vector<double>&, const std::vector<double>& F, int record) {
+      std::vector<double> U;
+      for (const double f : F) U.push_back(2.0 * f * (1.0 + 0.05 * std::cos(0.4 * (first + record))) + 0.2);
+      return U;
+    });
+  };
+  Campaign c = half(0), later = half(8);
+  for (Record& r : later.records) {
+    r.name = "later_" + r.name;
+    r.start_s = *r.start_s + 8 * 900.0;
+    c.records.push_back(std::move(r));
+  }
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
+  EXPECT_GT(probability(d, "thermal") + probability(d, "humidity"), 0.45) << told(d);
+  for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << told(d);
 }
 
 // The zero creeps up over the campaign.

@@ -44,8 +44,9 @@ TEST_F(ReadCampaign, TakesEveryFactOfADescribedCampaign) {
               "reference_resolution_N": 0.025, "adc_bits": 12, "colour": "blue"},
     "records": [{"file": "r1.csv", "kind": "sine", "role": "fit", "fs_Hz": 10, "start_s": 1900, "rest_before_s": 677,
                  "excitation_start_s": 2, "dynamic": true, "f_min_Hz": 0.5, "A_N": 1.16, "m_N": 1.92, "drive_V": 5.0,
-                 "eccentricity_mm": 11, "preload_mm": 1.6, "mounting": 2, "stimulus": {"f": 0.5}},
-                {"file": "r2.csv", "role": "heldout", "mounting": "glued"}]})");
+                 "eccentricity_mm": 11, "preload_mm": 1.6, "mounting": 2, "temp_C": 21.5, "rh_pct": 40,
+                 "stimulus": {"f": 0.5}},
+                {"file": "r2.csv", "role": "heldout", "mounting": "glued", "humidity_pct": 55}]})");
   const auto c = read_campaign(folder_);
   ASSERT_TRUE(c) << c.error().to_text();
   EXPECT_EQ(c->name, "C01");
@@ -60,6 +61,10 @@ TEST_F(ReadCampaign, TakesEveryFactOfADescribedCampaign) {
   EXPECT_EQ(r.rest_before_s, 677.0);
   EXPECT_EQ(r.mounting, "2");
   EXPECT_EQ(c->records[1].mounting, "glued");
+  EXPECT_EQ(r.temp_C, 21.5);
+  EXPECT_EQ(r.humidity_pct, 40.0);
+  EXPECT_EQ(c->records[1].humidity_pct, 55.0);
+  EXPECT_FALSE(c->records[1].temp_C.has_value());
   EXPECT_EQ(r.dynamic, true);
   EXPECT_EQ(r.trace.find("U")->value[2], 4.0);
   EXPECT_NE(r.trace.find("level"), nullptr);
