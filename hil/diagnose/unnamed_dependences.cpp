@@ -41,20 +41,42 @@ double largest_before(const CampaignInput& c, const RecordInput& r, double tau_s
   return out;
 }
 
+const std::vector<ParameterSpec>& shape_of_largest() {
+  static const std::vector<ParameterSpec> shape = {{"tau_s", "s", 1.0, 1e9, 1e9, "time in which the largest force is forgotten"},
+                                                   {"kept", "1", 0.0, 1.0, 0.0, "1: over the rests between records"}};
+  return shape;
+}
+
+Grid grid_of_largest() { return {{1e9, 0.0}, {300.0, 0.0}, {3600.0, 1.0}, {600.0, 1.0}, {1e9, 1.0}}; }
+
+// `visit(row, W, M)`: the base force and the largest of those so far.
+template <class Visit>
+void with_largest(const CampaignInput& c, const RecordInput& r, std::span<const double> shape, const Visit& visit) {
+  double largest = shape[1] > 0.5 ? largest_before(c, r, shape[0]) : c.lowest_N;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const double W = r.base_force_N(i), dt = i == 0 ? 0.0 : r.t_s[i] - r.t_s[i - 1];
+    largest = std::max(W, W + (largest - W) * std::exp(-dt / shape[0]));
+    visit(static_cast<Eigen::Index>(i), W, largest);
+  }
+}
+
 // Softening of filled rubber (Mullins 1969): unloading runs below the first loading, and so does every loading up to the largest force so far.
 // dU = g (c1 (M - W) + c2 (M - W) W/R), M the largest base force, forgotten with tau; kept: of the records before as well.
 UnnamedDependence largest_force() {
-  return dependence("largest_force", "the largest force so far", "history",
-                    {{"tau_s", "s", 1.0, 1e9, 1e9, "time in which the largest force is forgotten"}, {"kept", "1", 0.0, 1.0, 0.0, "1: over the rests between records"}}, 2,
-                    {{1e9, 0.0}, {300.0, 0.0}, {3600.0, 1.0}, {600.0, 1.0}, {1e9, 1.0}},
+  return dependence("largest_force", "the largest force so far", "history", shape_of_largest(), 2, grid_of_largest(),
                     [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                      double largest = shape[1] > 0.5 ? largest_before(c, r, shape[0]) : c.lowest_N;
-                      for (std::size_t i = 0; i < r.rows(); ++i) {
-                        const double W = r.base_force_N(i), dt = i == 0 ? 0.0 : r.t_s[i] - r.t_s[i - 1];
-                        largest = std::max(W, W + (largest - W) * std::exp(-dt / shape[0]));
-                        out(static_cast<Eigen::Index>(i), 0) = largest - W;
-                        out(static_cast<Eigen::Index>(i), 1) = (largest - W) * W / c.range_N;
-                      }
+                      with_largest(c, r, shape, [&](Eigen::Index row, double W, double M) {
+                        out(row, 0) = M - W;
+                        out(row, 1) = (M - W) * W / c.range_N;
+                      });
+                    });
+}
+
+// Contact that stays where it was pressed: dU = g c W M/R. Its own dependence, for beside the softening it would make any curve, W^2.
+UnnamedDependence gain_by_largest_force() {
+  return dependence("gain_by_largest_force", "the largest force so far", "history", shape_of_largest(), 1, grid_of_largest(),
+                    [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                      with_largest(c, r, shape, [&](Eigen::Index row, double W, double M) { out(row, 0) = W * M / c.range_N; });
                     });
 }
 
@@ -135,6 +157,7 @@ UnnamedDependence harmonics_of_wheel() {
 std::vector<UnnamedDependence> unnamed_dependences(const CampaignInput& campaign) {
   std::vector<UnnamedDependence> out;
   out.push_back(largest_force());
+  out.push_back(gain_by_largest_force());
   out.push_back(size_of_rate());
   out.push_back(mass_on_spring());
   if (campaign.has_theta && std::ranges::all_of(campaign.records, [](const RecordInput& r) { return r.theta_rad.size() == r.rows(); }))

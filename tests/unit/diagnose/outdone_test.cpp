@@ -33,6 +33,22 @@ TEST(Outdone, SofteningByTheLargestForceIsNoHysteresis) {
   EXPECT_TRUE(notes_say(d, "the output follows the largest force so far")) << told(d);
 }
 
+// Contacts that stay where they were pressed: every load up to the largest so far finds a larger gain.
+TEST(Outdone, AGainThatTheLargestForceLeavesBehindIsNoLoop) {
+  const Diagnosis d = answer(make_campaign(15, [](const std::vector<double>&, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    double largest = F[0];
+    for (const double f : F) {
+      largest = std::max(largest, f);
+      U.push_back(1.6 * f * (1.0 + 0.3 * largest / (largest + 6.0)) + 0.2);
+    }
+    return U;
+  }));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
+  EXPECT_FALSE(claims_any(d)) << told(d);
+  EXPECT_EQ(d.follows, std::vector<std::string>{"the largest force so far"}) << told(d);
+}
+
 // Heun steps at a twentieth of the sample, so that nothing is shared with the column that is fitted.
 TEST(Outdone, AResonanceIsNoLag) {
   const Diagnosis d = answer(make_campaign(12, [](const std::vector<double>& t, const std::vector<double>& F, int) {
