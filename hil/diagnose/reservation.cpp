@@ -1,0 +1,48 @@
+#include "hil/diagnose/reservation.h"
+
+#include <cmath>
+#include <string>
+
+#include "hil/diagnose/findings.h"
+#include "hil/model/lagged_channel.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+struct Reservation {
+  double most = 1.0;
+  const char* why = "";
+};
+
+Reservation reservation(const Finding& f, const ResidualChannel& channel, const CampaignInput& campaign) {
+  constexpr double kOrdinaryCurve = 8e-4;      // of the span, RMS: amplifiers, converters and references are bent by as much
+  constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
+  constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
+  constexpr double kNothingToFind = 0.2;
+  if (f.form == kUnrecorded) return {kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"};
+  if (f.effect == "static_nonlinearity" && f.effect_rms < kOrdinaryCurve * channel.scale)
+    return {kNothingToFind, "honest amplifiers and references are as bent as that"};
+  if (f.effect == "clipping" && !f.parameters.empty()) {
+    double taken = 0.0;
+    for (const FoundParameter& p : f.parameters)
+      if (p.name == "c" || p.name.ends_with(".c")) taken += p.value;
+    if (taken < kStops) return {kNothingToFind, "a rail stops the output, and this hardly bends it"};
+  }
+  if (f.effect == "backlash" && !campaign.has_theta)
+    for (const FoundParameter& p : f.parameters)
+      if (p.name == "loop_width" && std::abs(p.value) < kOrdinaryServo_pct)
+        return {kNothingToFind, "nobody reads the angle, and a servo leaves as much between command and force"};
+  return {};
+}
+
+}  // namespace
+
+void reserve(const CampaignInput& campaign, const ResidualChannel& channel, Finding& f) {
+  const Reservation r = reservation(f, channel, campaign);
+  if (!(f.probability > r.most)) return;
+  f.probability = r.most;
+  f.evidence += std::string("; not claimed: ") + r.why;
+}
+
+}  // namespace forcegate::diagnose

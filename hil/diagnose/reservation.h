@@ -1,0 +1,14 @@
+#pragma once
+// What is borne out by the records and still no claim: imperfections that honest benches have, and causes that nobody recorded.
+
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// Lowers the probability of such a finding and says why in its evidence. A curve of less than 0.08 % of the channel's span (RMS), a loop of
+/// less than 0.5 % where nobody reads an angle, a rail that takes less than a tenth of the slope: 0.2. A free course over the campaign in
+/// the name of an unrecorded channel: kNoClaim.
+void reserve(const CampaignInput& campaign, const ResidualChannel& channel, Finding& finding);
+
+}  // namespace forcegate::diagnose
