@@ -57,6 +57,10 @@ std::vector<VectorXd> priors_of(const Candidate& candidate, std::size_t columns)
   return out;
 }
 
+bool is_unrecorded(const ResidualChannel& channel, int variant) {
+  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)].form->name == kUnrecorded;
+}
+
 Family ask(const ResidualChannel& channel, const RecordLevels& levels, const EffectKind& kind) {
   Family out;
   for (std::size_t v = 0; v < channel.variants.size(); ++v) {
@@ -220,9 +224,10 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
     const Answer answer = evidence(channel, levels, ask(channel, levels, *family.kind));
     family.records = answer.evidence;
     if (!answer.evidence.valid) continue;
-    const bool within = family.best.total_fall >= SelectionRules{}.first_total_fall;
-    if (within && family.gain >= answer.evidence.gain) continue;
-    family.gain = answer.evidence.gain;
+    // waves of the campaign's time say nothing of what happens within a record
+    const bool within = family.best.total_fall >= SelectionRules{}.first_total_fall && !is_unrecorded(channel, family.best.variant);
+    if (within && family.gain >= answer.evidence.gain && answer.evidence.gain < SelectionRules{}.between_gain) continue;
+    family.gain = within ? std::max(family.gain, answer.evidence.gain) : answer.evidence.gain;
     VariantScore best = score_variant(channel, present, result.base, answer.evidence.variant, nullptr);
     // of forms that the records hardly tell apart the one that the rows within them agree with
     constexpr double kNear = 2.0;  // nats

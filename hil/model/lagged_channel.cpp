@@ -56,14 +56,39 @@ std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordIn
   return low_pass_channel(record, x, tau_s, state_at_start(campaign, record, channel, tau_s));
 }
 
+namespace {
+
+std::vector<ParameterSpec> gain_and_offset(const std::string& suffix, const std::string& unit) {
+  return {{"c_gain_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0, "relative change of gain"},
+          {"c_offset_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0, "change of offset, shares of the span"}};
+}
+
+ParameterSpec lag_of_film() {
+  return {"tau_s", "s", 0.0, 1e5, 60.0, "time constant of the sensor behind the instrument in the air"};
+}
+
+// Columns of gain and zero, `phi` of the lagged channel's distance from its mean.
+template <class Phi>
+void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, double tau_s, ColumnsRef out, const Phi& phi) {
+  out.setZero();
+  if ((r.*channel).empty()) return;
+  const double reference = mean_of(c, channel);
+  const std::vector<double> x = lagged_channel(c, r, channel, tau_s);
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const double of_film = phi(x[i] - reference);
+    out(row, 0) = of_film * r.base_force_N(i);
+    out(row, 1) = of_film * c.range_N;
+  }
+}
+
+}  // namespace
+
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
                        const std::string& unit, std::vector<double> taus_s) {
   return {.name = "lagged",
-          .shape = {{"tau_s", "s", 0.0, 1e5, 60.0,
-                     "time constant of the sensor behind the instrument in the air"}},
-          .strength = {{"c_gain_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0, "relative change of gain"},
-                       {"c_offset_per_" + suffix, "1/" + unit, -0.1, 0.1, 0.0,
-                        "change of offset, shares of the span"}},
+          .shape = {lag_of_film()},
+          .strength = gain_and_offset(suffix, unit),
           .sign = StrengthSign::either,
           .grid =
               [recorded, taus_s = std::move(taus_s)](const CampaignInput& c) {
@@ -72,18 +97,31 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
                 for (const double tau_s : taus_s) out.push_back({tau_s});
                 return out;
               },
+          .columns = [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
+                               ColumnsRef out) { fill(channel, c, r, shape[0], out, [](double x) { return x; }); },
+          .singles = true};
+}
+
+EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
+                         const std::string& unit, std::vector<double> taus_s, double bend) {
+  return {.name = "isotherm",
+          .shape = {lag_of_film(), {"bend_per_" + suffix, "1/" + unit, -0.2, 0.2, bend, "k of the isotherm"}},
+          .strength = gain_and_offset(suffix, unit),
+          .sign = StrengthSign::either,
+          .grid =
+              [recorded, taus_s = std::move(taus_s), bend](const CampaignInput& c) {
+                std::vector<std::vector<double>> out;
+                if (!(c.*recorded)) return out;
+                for (const double tau_s : taus_s)
+                  for (const double k : {-bend, bend}) out.push_back({tau_s, k});
+                return out;
+              },
           .columns =
               [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
                         ColumnsRef out) {
-                out.setZero();
-                if ((r.*channel).empty()) return;
-                const double reference = mean_of(c, channel);
-                const std::vector<double> x = lagged_channel(c, r, channel, shape[0]);
-                for (std::size_t i = 0; i < r.rows(); ++i) {
-                  const auto row = static_cast<Eigen::Index>(i);
-                  out(row, 0) = (x[i] - reference) * r.base_force_N(i);
-                  out(row, 1) = (x[i] - reference) * c.range_N;
-                }
+                const double k = shape[1];
+                fill(channel, c, r, shape[0], out,
+                     [k](double x) { return std::abs(k) > 1e-9 ? std::expm1(std::clamp(k * x, -20.0, 20.0)) / k : x; });
               },
           .singles = true};
 }

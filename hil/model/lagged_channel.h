@@ -20,6 +20,12 @@ std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordIn
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
                        const std::string& unit, std::vector<double> taus_s);
 
+/// Form "isotherm", strengths as "lagged": what a film takes up is no straight line of the channel but bends up or down,
+///   dU = g (c_gain W + c_offset R)(phi(x_s) - phi(x_ref)),  phi(x) = (exp(k (x - x_ref)) - 1)/k,
+/// k of either sign, tried at +-`bend` (1/<unit>).
+EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
+                         const std::string& unit, std::vector<double> taus_s, double bend);
+
 inline constexpr const char* kUnrecorded = "unrecorded";
 
 /// Nobody wrote the channel down: the gain moves smoothly over the campaign, whatever is done to the sensor; half waves of the

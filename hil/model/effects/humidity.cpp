@@ -17,7 +17,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .separates = "one ramp repeated over hours with the humidity recorded",
     .needs = {},
     .forms = {unrecorded_form([](const CampaignInput& c) { return !c.has_humidity; }),
-              lagged_form(&RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%", {0.0, 240.0, 800.0, 2400.0, 7200.0, 21600.0})}}};
+              lagged_form(&RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%", {0.0, 240.0, 800.0, 2400.0, 7200.0, 21600.0}),
+              isotherm_form(&RecordInput::humidity, &CampaignInput::has_humidity, "pct", "%", {0.0, 1200.0}, 0.03)}}};
 
 }  // namespace
 }  // namespace forcegate
