@@ -15,11 +15,9 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request) {
   if (diagnose::is_drift_only(campaign)) return diagnose::diagnose_drift(campaign);
   FORCEGATE_CHECK_OK(check_channels(campaign));
   const diagnose::EngineOptions options = engine_options(model, request.threads);
-  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> workspace,
-                diagnose::prepare(std::move(campaign), options));
-  Diagnosis out = diagnose::diagnose_workspace(*workspace, options);
-  out.next_experiment = diagnose::propose_experiment(*workspace, out);
-  return out;
+  FORCEGATE_TRY(diagnose::Diagnosed found, diagnose::diagnose_campaign_in(std::move(campaign), options));
+  found.diagnosis.next_experiment = diagnose::propose_experiment(*found.workspace, found.diagnosis);
+  return std::move(found.diagnosis);
 }
 
 const Finding* worth_adding(const Diagnosis& d) {

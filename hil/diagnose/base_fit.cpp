@@ -111,7 +111,7 @@ void add_drive_lag(const RecordInput& r, const std::vector<double>& command_N, c
   }
 }
 
-void set_repeatability(MixedProblem& problem, bool one_recording) {
+void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders) {
   problem.nz = kColumns;
   // F_min, swing and shape of the decay too: a decay in volts, another lowest force than the one that was found, a stretched
   // exponential are the same in all records, and no spread between them
@@ -124,8 +124,12 @@ void set_repeatability(MixedProblem& problem, bool one_recording) {
   if (one_recording)
     for (const int k : {0, 1, 7}) {
       VarianceComponent& c = problem.components[static_cast<std::size_t>(k)];
-      c.start_sd = c.prior_sd;
       c.prior_weight = 50.0;
+      if (!zero_wanders) {
+        c.prior_sd = 1e-5;
+        c.prior_weight = 1e6;
+      }
+      c.start_sd = c.prior_sd;
     }
   problem.component_of_z = {0, 1, 2, 3, 4, 5};
   for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(6);
@@ -289,7 +293,7 @@ void fit_base(Workspace& w, unsigned threads) {
     MixedFit fit;
     for (int round = 0; round < rounds; ++round) {
       MixedProblem problem;
-      set_repeatability(problem, w.input.single);
+      set_repeatability(problem, w.input.single, w.zero_wanders);
       problem.column_prior_sd.resize(0);
       problem.records.resize(n);
       parallel_for(n, threads, [&](std::size_t k) {

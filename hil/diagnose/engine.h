@@ -23,6 +23,7 @@ struct EngineOptions {
       in_model;  ///< effects that the model has already: they are in the base, not candidates
   unsigned threads = 2;
   bool pictures = true;  ///< overlays and evidence series too
+  bool zero_wanders = true;  ///< one recording: its parts may differ a little in gain and zero (diagnose_campaign_in asks both ways)
   bool search = true;    ///< false: only what compare_workspace needs, no candidates and no rig channel
 };
 
@@ -35,6 +36,14 @@ Diagnosis diagnose_workspace(Workspace& workspace, const EngineOptions& options)
 /// Records, maps and overlays of the base law (with the effects that the model has), without any search.
 Diagnosis compare_workspace(Workspace& workspace, const EngineOptions& options);
 
+struct Diagnosed {
+  std::unique_ptr<Workspace> workspace;
+  Diagnosis diagnosis;
+};
+
+/// S0 to S9 of a campaign, with the workspace that the answer was found in. One recording is asked twice, with and without zeros of its
+/// parts.
+Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& options);
 Result<Diagnosis> diagnose_campaign(Campaign campaign, const EngineOptions& options);
 
 /// Columns that the effects already in the model put into the fit (their most flexible forms).

@@ -61,6 +61,7 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     return fail(ErrorCode::parse, "the campaign has no records", campaign.folder.string(), "");
   auto w = std::make_unique<Workspace>();
   w->law = options.law;
+  w->zero_wanders = options.zero_wanders;
   w->input.name = campaign.name;
   w->input.bench = campaign.bench;
   const bool single = campaign.records.size() == 1;
@@ -157,11 +158,6 @@ std::vector<int> model_columns(const ResidualChannel& channel, const std::vector
       if (c.kind->name == name && (c.form->bank || bank_columns(channel, *c.kind).empty()))
         for (int j = 0; j < c.count; ++j) out.push_back(c.first + j);
   return out;
-}
-
-Result<Diagnosis> diagnose_campaign(Campaign campaign, const EngineOptions& options) {
-  FORCEGATE_TRY(std::unique_ptr<Workspace> workspace, prepare(std::move(campaign), options));
-  return diagnose_workspace(*workspace, options);
 }
 
 }  // namespace forcegate::diagnose

@@ -1,5 +1,6 @@
 #include "hil/diagnose/reservation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -10,6 +11,12 @@ namespace forcegate::diagnose {
 
 namespace {
 
+// Whether the lab wrote down that the angle drives a spring.
+bool has_declared_law(const CampaignInput& c) {
+  return !c.bench.law.empty() || std::isfinite(c.bench.spring_N_per_mm) ||
+         std::any_of(c.records.begin(), c.records.end(), [](const RecordInput& r) { return std::isfinite(r.eccentricity_mm); });
+}
+
 struct Reservation {
   double most = 1.0;
   const char* why = "";
@@ -19,6 +26,7 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
   constexpr double kOrdinaryCurve = 8e-4;      // of the span, RMS: amplifiers, converters and references are bent by as much
   constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
   constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
+  constexpr double kOfNoSpring = 0.01;        // of the span, RMS: what a law of the rig leaves at most
   constexpr double kNothingToFind = 0.2;
   if (f.form == kUnrecorded) return {kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"};
   if (f.effect == "static_nonlinearity" && f.effect_rms < kOrdinaryCurve * channel.scale)
@@ -29,6 +37,8 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
       if (p.name == "c" || p.name.ends_with(".c")) taken += p.value;
     if (taken < kStops) return {kNothingToFind, "a rail stops the output, and this hardly bends it"};
   }
+  if (f.effect == "spring_nonlinearity" && !has_declared_law(campaign) && f.error_after > kOfNoSpring * campaign.range_N)
+    return {kNothingToFind, "nobody wrote down that the angle drives a spring, and a crank or a joint bends the force against its angle as well"};
   if (f.effect == "backlash" && !campaign.has_theta)
     for (const FoundParameter& p : f.parameters)
       if (p.name == "loop_width" && std::abs(p.value) < kOrdinaryServo_pct)

@@ -10,6 +10,8 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr double kOpen = 0.02;  // of the force span
+// Shares of the force's variance that the angle or the command explains where the rig makes the force of it.
+constexpr double kOfWheel = 0.9, kOfCommand = 0.5;
 
 // k (preload + eccentricity (1 - cos theta)) without k: the zero of the reference can be seen against it.
 std::vector<double> spring_travel_mm(const RecordInput& r) {
@@ -60,7 +62,7 @@ double stiffness_N_per_mm(const CampaignInput& input) {
     xy += line.xy / line.n;
     yy += line.yy / line.n;
   }
-  if (n < 3 || n < with_angle || !(xx > 0.0) || xy * xy < 0.9 * xx * yy || xy < 0.0) return 0.0;
+  if (n < 3 || n < with_angle || !(xx > 0.0) || xy * xy < kOfWheel * xx * yy || xy < 0.0) return 0.0;
   return xy / xx;
 }
 
@@ -126,8 +128,9 @@ void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
     else
       continue;
     const Line line = line_of(s, r, kOpen * w.input.range_N);
-    // without a clear linear relation the coordinate is not the rig's
-    if (line.n < 50.0 || !(line.xx > 0.0) || line.xy * line.xy < 0.5 * line.xx * line.yy ||
+    // without a clear linear relation the coordinate is not the rig's: a crank or a joint has an angle too, and a hand or a foot makes its force
+    const double least = r.cos_theta.empty() ? kOfCommand : kOfWheel;
+    if (line.n < 50.0 || !(line.xx > 0.0) || line.xy * line.xy < least * line.xx * line.yy ||
         std::sqrt(line.yy / line.n) < 0.01 * w.input.range_N)
       continue;
     for (double v : s) r.rig_force_N.push_back(line.mean_y + line.xy / line.xx * (v - line.mean_x));

@@ -207,7 +207,7 @@ void build_output_channel(Workspace& w, unsigned threads, const ListedOnly* only
   channel = ResidualChannel{};
   channel.scale = w.input.U_range_V;
   channel.unit = std::move(unit);
-  set_repeatability(channel.problem, w.input.single);
+  set_repeatability(channel.problem, w.input.single, w.zero_wanders);
   list_candidates(w, EffectChannel::output, true, channel, only != nullptr ? &only->families : nullptr);
   if (only != nullptr && only->is_read)
     for (Candidate& c : channel.candidates) c.is_read = only->is_read(c);

@@ -71,6 +71,7 @@ struct Workspace {
   HealthScales scales;
   std::vector<std::unique_ptr<EffectKind>> user_kinds;  ///< effects of the user's own, beside the registry
   BaseLaw law;
+  bool zero_wanders = true;         ///< EngineOptions
   double gain_V_per_N = 2.0;        ///< slope of the static law at the current fit
   std::vector<RecordShift> shifts;  ///< per record
   std::vector<double> noise_V;      ///< row noise of U at given F_ref, errors in variables included
@@ -104,7 +105,7 @@ void add_drive_lag(const RecordInput& record, const std::vector<double>& command
 /// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
 bool decays_by_itself(const RecordInput& record);
 /// Sets nz, components and priors of the output channel.
-void set_repeatability(MixedProblem& problem, bool one_recording);
+void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders);
 
 // S3 ------------------------------------------------------------------------------------------------------------
 /// Says which rows the Gram matrices will see, so that candidates need no others.

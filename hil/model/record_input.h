@@ -36,6 +36,7 @@ struct RecordInput {
   bool dynamic = false;          ///< cyclic loading, to which the decay applies
   bool dynamic_assumed = false;  ///< nobody declared it: the base fit decides from the output
   double onset_s = 0.0;          ///< start of the excitation
+  double clock_start_s = 0.0;    ///< what the record's clock showed at its first sample; t_s begins at 0
   double f_Hz = 0.0, A_N = 0.0;  ///< lowest frequency at the start; half the peak-to-peak force
   double F_min_N = 0.0;          ///< lowest settled force
   std::vector<double> frequency_jumps_s, jump_log_ratio;  ///< where the cycle frequency changes, ln(f2/f1)

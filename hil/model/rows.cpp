@@ -147,6 +147,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   std::vector<double> room;
   const std::vector<double>& output = on_clock(trace, *U, clock, room);
   const double t0 = t.front();
+  out.clock_start_s = t0;
 
   out.t_s.resize(n_rows);
   out.U_V.resize(n_rows);

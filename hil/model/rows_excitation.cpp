@@ -61,6 +61,15 @@ void find_jumps(RecordInput& record, const std::vector<double>& turn_s) {
   }
 }
 
+// A lab reads the instant off the record's own clock, which need not begin at 0, or counts from the first sample: what lies nearer to
+// where the force is seen to begin.
+double since_start_s(const RecordInput& record, double declared_s, double seen_s) {
+  const double by_clock = declared_s - record.clock_start_s;
+  if (by_clock < 0.0 || by_clock > record.duration_s) return declared_s;
+  if (declared_s > record.duration_s) return by_clock;
+  return std::abs(by_clock - seen_s) <= std::abs(declared_s - seen_s) ? by_clock : declared_s;
+}
+
 }  // namespace
 
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N, std::size_t fewest_turns) {
@@ -73,11 +82,8 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   for (std::size_t i = 1; i < turns; ++i) half.push_back(cycles.turn_s[i] - cycles.turn_s[i - 1]);
   const double typical_half_s = half.empty() ? record.duration_s : quantile(half, 0.5);
 
-  if (declared != nullptr && declared->excitation_start_s.has_value())
-    record.onset_s = *declared->excitation_start_s;
-  else
-    record.onset_s =
-        turns > 0 && record.dynamic ? std::max(0.0, cycles.turn_s.front() - typical_half_s) : 0.0;
+  const double seen_s = turns > 0 && record.dynamic ? std::max(0.0, cycles.turn_s.front() - typical_half_s) : 0.0;
+  record.onset_s = declared != nullptr && declared->excitation_start_s ? since_start_s(record, *declared->excitation_start_s, seen_s) : seen_s;
 
   std::vector<double> settled;
   const double from_s = std::min(record.onset_s + typical_half_s, 0.5 * record.duration_s);
