@@ -234,6 +234,7 @@ void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>
       w.shifts[k] = start_of(w, r, own);
     } else if (r.dynamic_assumed) {
       // a change of frequency is looked for where nothing decays too: D stays at 1
+      r.found_static = true;
       if (r.frequency_jumps_s.empty())
         set_static(r);
       else

@@ -125,7 +125,10 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     estimate_excitation(input, declared, w->input.range_N, kFewestTurns);
     if (single && input.dynamic && input.dynamic_assumed) {
       input.dynamic_assumed = false;  // the blocks share the answer of the whole
-      if (!w->law.decays || !decays_by_itself(input)) set_static(input);
+      if (!w->law.decays || !decays_by_itself(input)) {
+        set_static(input);
+        input.found_static = true;
+      }
     }
   });
   for (const RecordInput& input : w->input.records) w->health.push_back(health[input.name]);

@@ -163,6 +163,10 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   out.model.span_N = w.input.range_N;
   Model& m = out.model;
   m.law = w.law;
+  // a law of decay that no record shows and some contradict would bend every later record
+  const auto is = [&](auto which) { return std::any_of(w.input.records.begin(), w.input.records.end(), which); };
+  if (is([](const RecordInput& r) { return r.found_static; }) && !is([](const RecordInput& r) { return r.dynamic && !r.found_static; }))
+    m.law.decays = false;
   const double g = w.gain_V_per_N * now.coefficient[0];
   m.law.gain_N_per_V = 1.0 / g;
   m.law.offset_N = -now.coefficient[1] * w.output.scale / g;

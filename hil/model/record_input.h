@@ -35,6 +35,7 @@ struct RecordInput {
   // excitation
   bool dynamic = false;          ///< cyclic loading, to which the decay applies
   bool dynamic_assumed = false;  ///< nobody declared it: the base fit decides from the output
+  bool found_static = false;     ///< it moves to and fro, nobody declared it, and its swing does not decay
   double onset_s = 0.0;          ///< start of the excitation
   double clock_start_s = 0.0;    ///< what the record's clock showed at its first sample; t_s begins at 0
   double f_Hz = 0.0, A_N = 0.0;  ///< lowest frequency at the start; half the peak-to-peak force
