@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/drift.h"
@@ -9,9 +12,23 @@
 
 namespace forcegate {
 
+namespace {
+
+// A column that Forcegate knows nothing of may be the force: where nobody mapped it, only drift could be judged, and wrongly.
+bool has_unknown_column(const Campaign& campaign) {
+  constexpr std::array kKnown = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "RH", "humidity"};
+  for (const Record& record : campaign.records)
+    for (const Channel& channel : record.trace.channels)
+      if (std::ranges::find(kKnown, channel.name) == kKnown.end()) return true;
+  return false;
+}
+
+}  // namespace
+
 Result<Diagnosis> diagnose_request(const CampaignRequest& request) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_recordings(request));
+  if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
   if (diagnose::is_drift_only(campaign)) return diagnose::diagnose_drift(campaign);
   FORCEGATE_CHECK_OK(check_channels(campaign));
   const diagnose::EngineOptions options = engine_options(model, request.threads);

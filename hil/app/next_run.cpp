@@ -216,6 +216,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
     }
     out.segments.push_back(std::move(odds));
   }
+  out.on_stock_sensor = !profiles.empty() && request.bench.rig == "emulated";
   if (!profiles.empty()) {
     FORCEGATE_TRY(const std::vector<RecordedFile> files, record_profiles(
                                                              request.bench, profiles, out.folder,
@@ -256,6 +257,9 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
 
 std::string next_run_text(const NextRunResult& r) {
   std::string out;
+  if (r.on_stock_sensor)
+    out += "the emulated rig holds a sensor of its own: what follows means something only where the first records were played on it too;\n"
+           "for records of a bench give yours with --rig replay --record FILE\n";
   for (const SegmentOdds& s : r.segments)
     out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {} to 1 expected, {}\n", s.segment, s.file, s.rivals,
                        odds_text(std::exp(std::fabs(s.log_before))), odds_text(s.expected),
@@ -286,6 +290,7 @@ std::string next_run_json(const NextRunResult& r) {
                     {"folder", r.folder.string()},
                     {"segments", segments},
                     {"skipped", r.skipped},
+                    {"on_stock_sensor", r.on_stock_sensor},
                     {"before", Json::parse(to_json(r.before))},
                     {"after", Json::parse(to_json(r.after))}};
   return out.dump(2) + "\n";

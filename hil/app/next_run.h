@@ -30,6 +30,7 @@ struct NextRunResult {
   NextExperiment planned;
   std::vector<SegmentOdds> segments;
   std::vector<std::string> skipped;  ///< with the reason
+  bool on_stock_sensor = false;      ///< played on the emulated rig, whose sensor need not be that of the campaign
   Diagnosis before, after;
 };
 

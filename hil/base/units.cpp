@@ -25,6 +25,7 @@ constexpr std::array kTable = {
     Row{"N", "N", "force", 1, 0},
     Row{"mN", "N", "force", 1e-3, 0},
     Row{"kN", "N", "force", 1e3, 0},
+    Row{"daN", "N", "force", 10.0, 0},
     Row{"gf", "N", "force", 9.80665e-3, 0},
     Row{"kgf", "N", "force", 9.80665, 0},
     Row{"kg", "N", "force", 9.80665, 0},  // what a weight or a cell of a balance is labelled with
@@ -69,6 +70,9 @@ constexpr std::array kTable = {
 }  // namespace
 
 std::optional<Unit> find_unit(std::string_view symbol) {
+  // the sign for micro, of which Unicode has two
+  for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC"})
+    if (symbol.starts_with(micro)) return find_unit("u" + std::string(symbol.substr(micro.size())));
   for (const Row& row : kTable)
     if (symbol == row.symbol) return Unit{row.symbol, row.canonical, row.quantity, row.factor, row.offset};
   return std::nullopt;

@@ -140,6 +140,15 @@ double noise_of(const std::vector<double>& y) {
   return 1.4826 * quantile(std::move(d), 0.5) / std::sqrt(6.0);
 }
 
+// Standard error out of the values with each part left out (Efron and Tibshirani 1993, eq. 11.5).
+double jackknife(const std::vector<double>& left_out) {
+  const double n = static_cast<double>(left_out.size());
+  double mean = 0.0, square = 0.0;
+  for (const double v : left_out) mean += v / n;
+  for (const double v : left_out) square += (v - mean) * (v - mean);
+  return std::sqrt((n - 1.0) / n * square);
+}
+
 const Channel* output_of(const Record& record) {
   if (const Channel* U = record.trace.find("U")) return U;
   const Channel* only = nullptr;
@@ -208,13 +217,21 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
     DriftFit fit = best_fit(b, all, form);
     fit.rms = rms_over(b, fit, all);
     double sum = 0.0;
+    std::vector<double> sizes, shapes, onsets_s;
     for (std::size_t part = 0; part < kParts; ++part) {
       std::vector<char> kept(b.y.size(), 1), left(b.y.size(), 0);
       for (std::size_t i = part * b.y.size() / kParts; i < (part + 1) * b.y.size() / kParts; ++i)
         kept[i] = 0, left[i] = 1;
-      const double rms = rms_over(b, best_fit(b, kept, form), left);
+      const DriftFit without = best_fit(b, kept, form);
+      sizes.push_back(without.size);
+      shapes.push_back(without.shape);
+      onsets_s.push_back(without.onset_s);
+      const double rms = rms_over(b, without, left);
       sum += rms * rms;
     }
+    fit.u_size = jackknife(sizes);
+    fit.u_shape = jackknife(shapes);
+    fit.u_onset_s = jackknife(onsets_s);
     fit.left_out_rms = std::sqrt(sum / kParts);
     out.fits.push_back(fit);
   }
@@ -324,11 +341,11 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
                                         [&](const DriftFit& d) { return d.form == form; });
   f.evidence = sentence_of(first, out.unit, ratio, rival->second) +
                "; without an input the side cannot be told: sensor, chamber and instrument may drift";
-  f.parameters.push_back({"size", first.size, first.rms, form == "line" ? out.unit + "/s" : out.unit});
-  if (form == "exponential") f.parameters.push_back({"tau_s", first.shape, 0.0, "s"});
-  if (form == "logarithm") f.parameters.push_back({"t1_s", first.shape, 0.0, "s"});
-  if (form == "power") f.parameters.push_back({"exponent", first.shape, 0.0, "1"});
-  if (first.onset_s > 0.0) f.parameters.push_back({"onset_s", first.onset_s, 0.0, "s"});
+  f.parameters.push_back({"size", first.size, first.u_size, form == "line" ? out.unit + "/s" : out.unit});
+  if (form == "exponential") f.parameters.push_back({"tau_s", first.shape, first.u_shape, "s"});
+  if (form == "logarithm") f.parameters.push_back({"t1_s", first.shape, first.u_shape, "s"});
+  if (form == "power") f.parameters.push_back({"exponent", first.shape, first.u_shape, "1"});
+  if (first.onset_s > 0.0) f.parameters.push_back({"onset_s", first.onset_s, first.u_onset_s, "s"});
   f.effect_rms =
       std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
   out.findings.push_back(std::move(f));

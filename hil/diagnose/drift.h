@@ -21,6 +21,7 @@ struct DriftFit {
   std::string form;
   double onset_s = 0.0;
   double constant = 0.0, size = 0.0, shape = 0.0;  ///< c; k or a; tau, t1 or p
+  double u_size = 0.0, u_shape = 0.0, u_onset_s = 0.0;  ///< standard uncertainties: jackknife over tenths of the record
   double rms = 0.0;                                ///< of the residual of the block means
   double left_out_rms = 0.0;                       ///< of tenths of the record predicted from the other nine
 };

@@ -148,7 +148,10 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
 Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
-  const std::vector<HealthClaim> raw = health_claims(w.health, w.scales, w.input.bench);
+  // the parts of one recording share its raw samples
+  const std::size_t recordings = w.input.single ? 1 : w.health.size();
+  const std::vector<HealthClaim> raw =
+      health_claims({w.health.begin(), w.health.begin() + static_cast<std::ptrdiff_t>(recordings)}, w.scales, w.input.bench);
   const Search search = search_channels(w, options, raw);
   const Selection& selection = search.output;
   if (!selection.base.valid) {

@@ -57,7 +57,7 @@ class Fitter {
       FORCEGATE_TRY(const std::vector<double> added, user_effect_N(e, r));
       for (Index i = 0; i < n; ++i) X(i, 0) += added[static_cast<std::size_t>(i)];
     }
-    double used = 0.0;
+    double used = 0.0, known = 0.0;
     for (Index i = 0; i < n; ++i)
       if (r.ok[static_cast<std::size_t>(i)] == 0 || !std::isfinite(y[i]) || y[i] <= 0.0) {
         X.row(i).setZero();
@@ -65,6 +65,10 @@ class Fitter {
       } else {
         used += 1.0;
       }
+    for (Index i = 0; i < n; ++i) known += r.ok[static_cast<std::size_t>(i)] != 0 ? 1.0 : 0.0;
+    if (used < 0.5 * known)
+      return fail(ErrorCode::parse, "most of the output is not above 0", r.name,
+                  "a compensator divides by an output that grows from 0: turn the sign of an inverting amplifier");
     used = std::max(1.0, used);
     return Gram{X.transpose() * X / used, X.transpose() * y / used, y.squaredNorm() / used};
   }

@@ -226,6 +226,12 @@ Result<void> check(const ParameterQuestion& q) {
         return fail(ErrorCode::usage, "a covariate has a missing value", c.name,
                     "leave the record or the covariate out");
   }
+  for (std::size_t k = 0; k < q.u.size(); ++k)
+    if (!(q.u[k] > 0.0) || !std::isfinite(q.u[k]))
+      return fail(ErrorCode::usage, fmt::format("the uncertainty of {} in record {} is {}", q.name, k + 1, q.u[k]), q.name,
+                  "each must be a number above 0; leave the record or all uncertainties out");
+  if (q.permutations < 1 || !(q.alpha > 0.0 && q.alpha < 1.0))
+    return fail(ErrorCode::usage, "at least one permutation and an alpha between 0 and 1 are needed", q.name);
   for (double v : q.value)
     if (!std::isfinite(v)) return fail(ErrorCode::usage, "the parameter has a missing value", q.name);
   return {};

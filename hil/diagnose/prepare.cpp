@@ -54,6 +54,37 @@ void take_hum_off(Record& record, RecordHealth& health) {
       health.bad_mean_square_V2 += remove_mains_line(t_s, force->value, health.bad, health.mains_Hz, health.rate_Hz, channel.value);
 }
 
+// Records whose rows are all missing, at a rail or out of range say nothing; a sensor that was not plugged in must not end a campaign.
+Result<void> leave_out_unusable(Workspace& w, bool asks_one_recording) {
+  constexpr auto kFewestRows = 16, kFewestOfOne = 200;
+  auto& records = w.input.records;
+  const auto usable = [](const RecordInput& r) { return std::count_if(r.ok.begin(), r.ok.end(), [](char ok) { return ok != 0; }); };
+  double low = 1e300, high = -1e300, force_low = 1e300, force_high = -1e300;
+  for (const RecordInput& r : records)
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) {
+        low = std::min(low, r.U_V[i]), high = std::max(high, r.U_V[i]);
+        force_low = std::min(force_low, r.F_N[i]), force_high = std::max(force_high, r.F_N[i]);
+      }
+  std::vector<std::string> left_out;
+  std::erase_if(records, [&](const RecordInput& r) {
+    if (usable(r) >= kFewestRows) return false;
+    left_out.push_back(r.name);
+    return true;
+  });
+  if (records.empty())
+    return fail(ErrorCode::parse, "no record has rows with both force and output", w.input.name,
+                "are the sensor and the reference connected, and the columns mapped as you mean?");
+  for (const std::string& name : left_out) w.input.notes.push_back(name + ": left out, hardly a row has both force and output");
+  if (asks_one_recording && usable(records.front()) < kFewestOfOne)
+    return fail(ErrorCode::parse, "one recording of " + std::to_string(usable(records.front())) + " usable rows is too short for a verdict",
+                records.front().name, "record at least " + std::to_string(kFewestOfOne) + " samples, or several recordings");
+  if (force_high > force_low && !(high > low))
+    return fail(ErrorCode::parse, "the output never moves while the force does", w.input.name,
+                "is the sensor connected, and is this its column? --map NAME=U_V names another");
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options) {
@@ -114,6 +145,7 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     health.emplace(input.name, std::move(p.health));
     w->input.records.push_back(std::move(input));
   }
+  FORCEGATE_CHECK_OK(leave_out_unusable(*w, single && options.search));
   finish_campaign_input(w->input, options.threads);
   parallel_for(w->input.records.size(), options.threads, [&](std::size_t k) {
     RecordInput& input = w->input.records[k];

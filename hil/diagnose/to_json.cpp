@@ -137,7 +137,7 @@ std::string to_json(const Diagnosis& d) {
     refused.push_back({{"effect", r.effect}, {"reason", r.reason}, {"score", number(r.score)}, {"suspicion", r.suspicion}});
   out["refused"] = refused;
   out["notes"] = d.notes;
-  return out.dump(2) + "\n";
+  return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace forcegate

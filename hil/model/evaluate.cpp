@@ -7,14 +7,14 @@ namespace forcegate {
 ModelEffect model_effect(const EffectKind& kind, const EffectForm& form, std::span<const double> shape,
                          std::span<const Estimate> strength) {
   const auto parameter = [](const ParameterSpec& s, double value, double se) {
-    return ModelParameter{s.name, s.unit, value, se, s.minimum, s.maximum, s.neutral};
+    return ModelParameter{s.name, s.unit, value, se, std::min(s.minimum, value), std::max(s.maximum, value), s.neutral};
   };
   ModelEffect out{kind.name, form.name, {}, {}};
   for (std::size_t k = 0; k < form.shape.size(); ++k)
     out.shape.push_back(parameter(form.shape[k], shape[k], 0.0));
   for (std::size_t k = 0; k < form.strength.size(); ++k) {
     const ParameterSpec& s = form.strength[k];
-    out.strength.push_back(parameter(s, std::clamp(strength[k].value, s.minimum, s.maximum), strength[k].se));
+    out.strength.push_back(parameter(s, strength[k].value, strength[k].se));
   }
   return out;
 }

@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
 #include <fstream>
 #include <sstream>
 #include <toml++/toml.h>
@@ -15,21 +19,59 @@ std::string place(const std::string& where, const toml::node& node) {
   return fmt::format("{}:{}:{}", where, node.source().begin.line, node.source().begin.column);
 }
 
+// A key that is not read would be a wish that nobody hears.
+Result<void> known_keys(const toml::table& table, const std::vector<std::string>& known, const std::string& where) {
+  for (const auto& [key, node] : table)
+    if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
+      const std::string near = nearest_name(std::string(key.str()), known);
+      return fail(ErrorCode::config, fmt::format("\"{}\" means nothing here", std::string(key.str())), place(where, node),
+                  near.empty() ? "known are " + join(known, ", ") : "did you mean \"" + near + "\"?");
+    }
+  return {};
+}
+
+std::vector<std::string> names_of(const std::vector<ParameterSpec>& specs) {
+  std::vector<std::string> out;
+  for (const ParameterSpec& s : specs) out.push_back(s.name);
+  return out;
+}
+
+// A basic string of TOML.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      out += std::string("\\") + c;
+    else if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
 Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name,
                                       const std::string& where) {
   ModelParameter p;
   p.name = name;
   p.minimum = -1e300;
   p.maximum = 1e300;
+  const auto finite = [&]() -> Result<void> {
+    if (std::isfinite(p.value)) return {};
+    return fail(ErrorCode::config, fmt::format("{} = {} is no number", name, p.value), place(where, node), "write a finite value");
+  };
   if (const auto plain = node.value<double>()) {
     p.value = *plain;
+    FORCEGATE_CHECK_OK(finite());
     return p;
   }
   const toml::table* table = node.as_table();
   if (table == nullptr || !(*table)["value"].value<double>())
     return fail(ErrorCode::config, "parameter " + name + " has no value", place(where, node),
                 "write name = { value = 0.1, unit = \"N\" }");
+  FORCEGATE_CHECK_OK(known_keys(*table, {"value", "se", "unit", "min", "max", "neutral"}, where));
   p.value = *(*table)["value"].value<double>();
+  FORCEGATE_CHECK_OK(finite());
   p.se = (*table)["se"].value_or(0.0);
   p.unit = (*table)["unit"].value_or(std::string());
   p.minimum = (*table)["min"].value_or(-1e300);
@@ -44,6 +86,15 @@ Result<ModelParameter> read_parameter(const toml::node& node, const std::string&
 
 Result<UserEffect> read_user_effect(const toml::table& table, const std::string& name,
                                     const std::string& where) {
+  FORCEGATE_CHECK_OK(known_keys(table, {"name", "output", "state", "parameter"}, where));
+  const auto bad = [&](const std::string& what, const std::string& help) {
+    return fail(ErrorCode::config, what, place(where, table), help);
+  };
+  if (EffectRegistry::instance().find(name) != nullptr)
+    return bad("the library has an effect \"" + name + "\" of its own", "give yours another name");
+  const bool is_name = !name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) != 0 &&
+                       std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+  if (!is_name) return bad("\"" + name + "\" is no name for an effect", "a letter, then letters, digits and _");
   UserEffect out;
   out.name = name;
   out.output = table["output"].value_or(std::string());
@@ -69,6 +120,10 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
     return fail(ErrorCode::config, kind.name + " has no form \"" + out.form + "\"", place(where, table),
                 "its forms are " + join(names, ", "));
   }
+  FORCEGATE_CHECK_OK(known_keys(table, {"name", "form", "shape", "strength"}, where));
+  for (const auto& [section, specs] : {std::pair{"shape", &form->shape}, std::pair{"strength", &form->strength}})
+    if (const toml::table* given = table[section].as_table())
+      FORCEGATE_CHECK_OK(known_keys(*given, names_of(*specs), where));
   const auto fill = [&](const char* section, const std::vector<ParameterSpec>& specs,
                         std::vector<ModelParameter>& parameters) -> Result<bool> {
     for (const ParameterSpec& spec : specs) {
@@ -77,11 +132,13 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
         FORCEGATE_TRY(ModelParameter given, read_parameter(*node, spec.name, where));
         p.value = given.value;
         p.se = given.se;
-        if (p.value < spec.minimum || p.value > spec.maximum)
+        p.minimum = std::min(spec.minimum, given.minimum > -1e299 ? given.minimum : spec.minimum);
+        p.maximum = std::max(spec.maximum, given.maximum < 1e299 ? given.maximum : spec.maximum);
+        if (p.value < p.minimum || p.value > p.maximum)
           return fail(
               ErrorCode::config,
-              fmt::format("{} = {} lies outside [{}, {}]", spec.name, p.value, spec.minimum, spec.maximum),
-              place(where, *node), spec.doc);
+              fmt::format("{} = {} lies outside [{}, {}]", spec.name, p.value, p.minimum, p.maximum),
+              place(where, *node), spec.doc + "; min and max of the file may widen the bounds");
       }
       parameters.push_back(p);
     }
@@ -132,11 +189,24 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   const toml::table* law = root["law"].as_table();
   if (law == nullptr)
     return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
-  out.law.decays = (*law)["kind"].value_or(std::string("decaying")) != "static";
+  FORCEGATE_CHECK_OK(known_keys(*law, {"kind", "span_N", "gain_N_per_V", "offset_N", "b_scale", "q_scale", "b_slope_s_per_s",
+                                       "b_intercept_per_s", "q_curvature_per_N2"}, where));
+  const std::string kind_of_law = (*law)["kind"].value_or(std::string("decaying"));
+  if (kind_of_law != "static" && kind_of_law != "decaying")
+    return fail(ErrorCode::config, "there is no law of kind \"" + kind_of_law + "\"", place(where, *(*law)["kind"].node()),
+                "write \"decaying\" or \"static\"");
+  out.law.decays = kind_of_law == "decaying";
   out.span_N = (*law)["span_N"].value_or(5.0);
   const auto take = [&](const char* name, double& value, double* se) -> Result<bool> {
     if (const toml::node* node = (*law)[name].node()) {
       FORCEGATE_TRY(const ModelParameter p, read_parameter(*node, name, where));
+      const auto is = [&](std::string_view of) { return std::string_view(name) == of; };
+      const std::string_view wanted = is("gain_N_per_V") ? "N/V" : is("offset_N") ? "N" : "";
+      if (!wanted.empty() && !p.unit.empty() && p.unit != wanted)
+        return fail(ErrorCode::config, fmt::format("{} is in {}, not in \"{}\"", name, wanted, p.unit), place(where, *node),
+                    "convert the value");
+      if ((is("b_scale") || is("q_scale")) && !(p.value > 0.0))
+        return fail(ErrorCode::config, fmt::format("{} = {} is not above 0", name, p.value), place(where, *node), "1 is the paper's");
       value = p.value;
       if (se != nullptr) *se = p.se;
     }
@@ -156,6 +226,8 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
       const toml::table* table = node.as_table();
       if (table == nullptr) continue;
       const std::string name = (*table)["name"].value_or(std::string());
+      const bool twice = std::any_of(out.user_effects.begin(), out.user_effects.end(), [&](const UserEffect& e) { return e.name == name; });
+      if (twice) return fail(ErrorCode::config, "two effects are called \"" + name + "\"", place(where, node), "rename one of them");
       if (!(*table)["output"].value_or(std::string()).empty()) {
         FORCEGATE_TRY(UserEffect user, read_user_effect(*table, name, where));
         out.user_effects.push_back(std::move(user));
@@ -203,7 +275,7 @@ Result<Model> read_model(const std::filesystem::path& path) {
 std::string write_model(const Model& m) {
   std::string out = "format = 1\n";
   out +=
-      fmt::format("name = \"{}\"\nsensor = \"{}\"\nsource = \"{}\"\n\n[law]\n", m.name, m.sensor, m.source);
+      fmt::format("name = {}\nsensor = {}\nsource = {}\n\n[law]\n", quoted(m.name), quoted(m.sensor), quoted(m.source));
   out += fmt::format("kind = \"{}\"\nspan_N = {}\n", m.law.decays ? "decaying" : "static", number(m.span_N));
   const auto line = [&](const char* name, double value, double se, const char* unit) {
     out +=
@@ -224,17 +296,17 @@ std::string write_model(const Model& m) {
       out += fmt::format("strength.{} = {}\n", p.name, parameter_text(p));
   }
   for (const UserEffect& e : m.user_effects) {
-    out += fmt::format("\n[[effect]]\nname = \"{}\"\noutput = \"{}\"\n", e.name, e.output);
+    out += fmt::format("\n[[effect]]\nname = {}\noutput = {}\n", quoted(e.name), quoted(e.output));
     for (const auto& [name, derivative] : e.states)
-      out += fmt::format("state.{} = \"{}\"\n", name, derivative);
+      out += fmt::format("state.{} = {}\n", name, quoted(derivative));
     for (const ModelParameter& p : e.parameters)
       out += fmt::format("parameter.{} = {}\n", p.name, parameter_text(p));
   }
   for (const HistoryStep& s : m.history)
     out += fmt::format(
-        "\n[[history]]\neffect = \"{}\"\ncampaign = \"{}\"\nerror_before = {}\nerror_after = {}\nplain_before = {}\n"
+        "\n[[history]]\neffect = {}\ncampaign = {}\nerror_before = {}\nerror_after = {}\nplain_before = {}\n"
         "plain_after = {}\nfloor = {}\nunit = \"{}\"\naccepted = {}\n",
-        s.effect, s.campaign, number(s.error_before), number(s.error_after), number(s.plain_before),
+        quoted(s.effect), quoted(s.campaign), number(s.error_before), number(s.error_after), number(s.plain_before),
         number(s.plain_after), number(s.floor), s.unit, s.accepted);
   return out;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/text.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
@@ -138,7 +139,12 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   out.kind = record.kind;
   out.heldout = record.role == RecordRole::heldout;
   const double step = median_step(t);
-  const auto per_row = static_cast<std::uint32_t>(std::max(1.0, std::round(row_step_s / step)));
+  constexpr double kFewestRows = 16.0;
+  const double samples_of_row = std::max(1.0, std::round(row_step_s / step)), needed = kFewestRows * samples_of_row;
+  if (!(static_cast<double>(t.size()) >= needed))
+    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.name,
+                "at least " + shortest(needed) + " are needed at this rate; leave the record out");
+  const auto per_row = static_cast<std::uint32_t>(samples_of_row);
   out.row_step_s = step * per_row;
   const auto n_rows = static_cast<std::uint32_t>(t.size() / per_row);
   for (std::uint32_t r = 0; r <= n_rows; ++r) out.row_begin.push_back(r * per_row);

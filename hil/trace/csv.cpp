@@ -64,10 +64,26 @@ void make_names_unique(Trace& trace) {
   }
 }
 
+// A clock, force or output that holds text is no column to leave out.
+Result<void> check_text_columns(const CsvTable& table, const std::string& where, const CsvOptions& options) {
+  for (const TextColumn& column : table.text_columns) {
+    const auto mapped = options.column_map.find(column.header);
+    const ColumnMeaning meaning = meaning_of(mapped != options.column_map.end() ? mapped->second : column.header);
+    const std::string known = known_name(meaning.name);
+    if (!meaning.is_clock && known != "F_ref" && known != "U") continue;
+    return fail(ErrorCode::parse, "column \"" + column.header + "\" holds \"" + column.cell + "\", which is no number",
+                where + ":" + std::to_string(column.line),
+                meaning.is_clock ? "write seconds, 10:31:07.25 or 2024-05-31T10:31:07"
+                                 : "write plain numbers, 1234.5 and not 1,234.5; leave the cell empty when the value is missing");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const std::string& name,
                                  const CsvOptions& options) {
+  FORCEGATE_CHECK_OK(check_text_columns(table, where, options));
   TraceFile out;
   out.notes = std::move(table.notes);
   out.trace.name = name;

@@ -80,7 +80,10 @@ class Parser {
                   "the first line must name the columns, for instance t_s,F_ref_N,U_V");
     for (std::size_t c = 0; c < is_text_.size(); ++c)
       if (is_text_[c])
+{
         table_.notes.push_back("column " + in_quotes(table_.columns[c].header) + " holds text and was left out");
+        table_.text_columns.push_back({table_.columns[c].header, first_text_[c], text_line_});
+      }
     std::size_t at = 0;
     std::erase_if(table_.columns, [&](const CsvColumn&) { return is_text_[at++] != 0; });
     if (table_.rows() == 0)
@@ -131,7 +134,12 @@ class Parser {
       table_.columns.push_back(std::move(column));
     }
     if (separator_ != ',') table_.notes.push_back(std::string("the separator is ") + separator_name());
+    for (std::size_t a = 0; a < table_.columns.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        if (!table_.columns[a].header.empty() && table_.columns[a].header == table_.columns[b].header)
+          return error("two columns are called " + in_quotes(table_.columns[a].header), 1, "rename or remove one of them");
     is_text_.assign(table_.columns.size(), 0);
+    first_text_.resize(table_.columns.size());
     row_.resize(table_.columns.size());
     table_.header_line = line_;
     has_header_ = true;
@@ -195,6 +203,8 @@ class Parser {
       }
       if (kind == CsvCell::text && !seen_data_) {
         is_text_[c] = 1;
+        first_text_[c] = printable_utf8(trim(cells_[c]).substr(0, 40));
+        text_line_ = line_;
         row_[c] = kNan;
         continue;
       }
@@ -240,6 +250,8 @@ class Parser {
   std::vector<std::string_view> cells_;
   std::vector<double> row_;
   std::vector<char> is_text_;
+  std::vector<std::string> first_text_;
+  std::uint64_t text_line_ = 0;
   std::size_t trailing_ = 0;
   std::uint64_t line_ = 0;
   char separator_ = ',', point_ = '.';

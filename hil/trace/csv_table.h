@@ -17,8 +17,15 @@ struct CsvColumn {
   std::size_t missing = 0;    ///< empty cells, "nan", "NA", "null", infinities
 };
 
+/// A column that was left out because its first cell is no number.
+struct TextColumn {
+  std::string header, cell;  ///< cell: its first 40 bytes
+  std::uint64_t line = 0;
+};
+
 struct CsvTable {
   std::vector<CsvColumn> columns;
+  std::vector<TextColumn> text_columns;
   std::vector<std::string> notes;            ///< what was unusual about the file, one sentence each
   std::vector<std::uint64_t> skipped_lines;  ///< numbers of blank and comment lines after the header
   std::uint64_t header_line = 1;
@@ -31,7 +38,7 @@ struct CsvTable {
 /// uses); decimal point, or decimal comma where the separator is another one. Accepted: byte order mark, CR LF, lines
 /// that begin with '#', blank lines, quotes, a second line of units, empty cells, dates and
 /// times of day (as seconds, date_time.h). A column of text is left out and a
-/// last line cut short is dropped, both noted. Errors (parse) name file:line:column, column in bytes from 1.
+/// last line cut short is dropped, both noted. Two columns of one name are an error. Errors (parse) name file:line:column, column in bytes from 1.
 /// Reads about as fast as std::from_chars over the mapped file; memory is that of the columns and 1 MB.
 Result<CsvTable> read_csv_table(const std::filesystem::path& path);
 

@@ -325,6 +325,7 @@ Campaign to_campaign(MadeCampaign&& made) {
     record.A_N = said.A_N;
     record.m_N = said.m_N;
     record.drive_V = said.drive_V;
+    if (said.mounting) record.mounting = std::to_string(*said.mounting);
     record.eccentricity_mm = said.eccentricity_mm;
     record.preload_mm = said.preload_mm;
     record.dynamic = said.dynamic;

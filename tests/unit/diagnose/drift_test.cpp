@@ -103,5 +103,14 @@ TEST(Drift, TwoOutputsMustBeTold) {
   EXPECT_NE(d.error().text.find("a_V, b_V"), std::string::npos);
 }
 
+TEST(Drift, ItsUncertaintyIsThatOfTheSlopeAndNotOfTheNoise) {
+  const auto d = diagnose_drift(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.01 * t; }));
+  ASSERT_TRUE(d);
+  const FoundParameter& slope = d->findings.front().parameters.front();
+  EXPECT_NEAR(slope.value, 0.01, 4.0 * slope.u);
+  EXPECT_GT(slope.u, 1e-7);
+  EXPECT_LT(slope.u, 2e-5);  // 1.2e-6 of white noise by theory
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

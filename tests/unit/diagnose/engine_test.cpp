@@ -331,5 +331,14 @@ TEST(Engine, ACableOnADividerIsRcAndNoLag) {
   EXPECT_LT(probability(d, "lag"), 0.5) << told(d);
 }
 
+TEST(Engine, ARecordWithoutUsableRowsIsLeftOutWithANote) {
+  Campaign c = make_campaign(93, straight, 0.002);
+  for (double& u : c.records[2].trace.find("U")->value) u = std::nan("");
+  const std::string name = c.records[2].name;
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none);
+  EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [&](const std::string& n) { return n.starts_with(name + ": left out"); }));
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

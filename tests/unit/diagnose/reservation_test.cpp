@@ -30,5 +30,26 @@ TEST(Reservation, ACurveThatAnHonestAmplifierHasIsSeenAndNotClaimed) {
   EXPECT_GE(probability(plain, "static_nonlinearity"), 0.5) << told(plain);
 }
 
+// A foot presses a crank in one half of its turn: its angle is recorded, and nobody wrote of a spring.
+TEST(Reservation, AForceThatAnAngleOnlyAccompaniesIsNoBentSpring) {
+  Campaign c = make_campaign(92, straight, 0.002);
+  for (Record& r : c.records) {
+    Channel theta{"theta", "rad", "angle", 0, {}, {}};
+    Channel &F = *r.trace.find("F_ref"), &U = *r.trace.find("U");
+    const std::vector<double>& t = r.trace.time_bases[0].t_s;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      const double angle = 2.0 * 3.14159265358979 * 0.8 * t[i];
+      theta.value.push_back(angle);
+      const double turned = 0.5 * (1.0 - std::cos(angle));
+      F.value[i] = 0.3 + 4.0 * std::pow(turned, 1.6) * (1.0 + 0.08 * std::sin(0.37 * t[i]));
+      U.value[i] = 2.0 * F.value[i] + 0.2;
+    }
+    r.trace.channels.push_back(std::move(theta));
+  }
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_LT(probability(d, "spring_nonlinearity"), 0.5) << told(d);
+  EXPECT_NE(told(d).find("drives a spring"), std::string::npos) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

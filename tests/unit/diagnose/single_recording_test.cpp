@@ -166,5 +166,51 @@ TEST(SingleRecording, ALoopThatTakesAllThatTheCurveLeftIsASecondEffect) {
   EXPECT_EQ(claims(answer(divider(0.25))), (std::vector<std::string>{"hysteresis", "static_nonlinearity"}));
 }
 
+// Growth with three time constants under a hold of ten minutes.
+std::vector<double> creeping(const std::vector<double>& t, const std::vector<double>& F) {
+  std::vector<double> U(F.size());
+  double state[3] = {F[0], F[0], F[0]};
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    double grown = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      if (i > 0) state[k] += (F[i] - state[k]) * -std::expm1(-(t[i] - t[i - 1]) / std::pow(10.0, k));
+      grown += 0.03 * state[k];
+    }
+    U[i] = 2.0 * (F[i] + grown) + 0.2;
+  }
+  return U;
+}
+
+TEST(SingleRecording, WhatAHoldShowsOfCreepIsNotTakenForAZeroThatWanders) {
+  const auto load = [](double at_s) { return [at_s](double t) { return t < at_s ? 0.2 : 3.0; }; };
+  const Diagnosis early = answer(recording(100.0, 60000, load(5.0), creeping, 0.003));
+  EXPECT_NE(early.verdict, DiagnosisVerdict::none);
+  EXPECT_TRUE(std::any_of(early.findings.begin(), early.findings.end(),
+                          [](const Finding& f) { return f.effect == "creep" && f.probability > 0.4; }));
+  // its only step stands in one part: the others cannot foretell it, and that is no "nothing"
+  EXPECT_NE(answer(recording(100.0, 60000, load(120.0), creeping, 0.003)).verdict, DiagnosisVerdict::none);
+}
+
+TEST(SingleRecording, AStraightSensorUnderAHoldMissesNothing) {
+  const auto straight = [](const std::vector<double>&, const std::vector<double>& F) {
+    std::vector<double> U;
+    for (const double f : F) U.push_back(2.0 * f + 0.2);
+    return U;
+  };
+  EXPECT_EQ(answer(recording(100.0, 60000, [](double t) { return t < 5.0 ? 0.2 : 3.0; }, straight, 0.003)).verdict, DiagnosisVerdict::none);
+}
+
+std::string refusal(Campaign campaign) {
+  const auto out = diagnose_campaign(std::move(campaign), {});
+  return out ? "accepted" : out.error().to_text();
+}
+
+TEST(SingleRecording, ADeadOutputAndAFewRowsAreRefused) {
+  const auto dead = [](const std::vector<double>&, const std::vector<double>& F) { return std::vector<double>(F.size(), 2.5); };
+  const auto slope = [](double t) { return 1.0 + 0.5 * std::sin(t); };
+  EXPECT_NE(refusal(recording(100.0, 6000, slope, dead, 0.0)).find("never moves"), std::string::npos);
+  EXPECT_NE(refusal(recording(100.0, 60, slope, creeping, 0.003)).find("too short"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "synthetic.h"
 
@@ -111,6 +112,66 @@ TEST(Rows, AreBlockMeansOfAtMostFiftyASecond) {
   ASSERT_TRUE(made.has_value());
   EXPECT_NEAR(made->row_step_s, 0.02, 1e-9);
   for (std::size_t i = 0; i < made->rows(); ++i) EXPECT_NEAR(made->U_V[i], 2.0 * made->F_N[i], 1e-12);
+}
+
+TEST(ModelFile, WhatIsNotReadIsAnError) {
+  const auto text_of = [](const std::string& law, const std::string& rest = "") {
+    const auto model = parse_model("[law]\n" + law + "\n" + rest, "m.toml");
+    return model ? std::string("accepted") : model.error().to_text();
+  };
+  EXPECT_EQ(text_of("kind = \"static\"\ngain_N_per_V = 0.5"), "accepted");
+  EXPECT_NE(text_of("kind = \"quadratic\"").find("no law of kind \"quadratic\""), std::string::npos);
+  EXPECT_NE(text_of("gian_N_per_V = 0.5").find("did you mean \"gain_N_per_V\"?"), std::string::npos);
+  EXPECT_NE(text_of("gain_N_per_V = nan").find("no number"), std::string::npos);
+  EXPECT_NE(text_of("gain_N_per_V = { value = 0.5, unit = \"V/N\" }").find("N/V"), std::string::npos);
+  EXPECT_NE(text_of("q_scale = -1.0").find("not above 0"), std::string::npos);
+  EXPECT_NE(text_of("", "[[effect]]\nname = \"lag\"\nshap.tau_s = 0.1\n").find("did you mean \"shape\"?"), std::string::npos);
+  EXPECT_NE(text_of("", "[[effect]]\nname = \"lag\"\nshape.tau = 0.1\n").find("tau_s"), std::string::npos);
+  EXPECT_NE(text_of("", "[[effect]]\nname = \"creep\"\noutput = \"F\"\n").find("of its own"), std::string::npos);
+  const std::string mine = "[[effect]]\nname = \"mine\"\noutput = \"F*F\"\n";
+  EXPECT_NE(text_of("", mine + mine).find("two effects are called \"mine\""), std::string::npos);
+}
+
+TEST(ModelFile, AnyTextAndAnyFittedValueSurviveWriting) {
+  Model model = *library_model("fsr");
+  model.name = "q\"x\\y";
+  model.history.push_back({"lag", "a \"b\"\n", 0.02, 0.01, 0.005, 0.1, 0.09, "V", true});
+  const EffectKind& kind = *EffectRegistry::instance().find("dead_zone");
+  const EffectForm& form = *find_form(kind, "hard");
+  const std::vector<double> shape(form.shape.size(), 195.0);  // of a cell of 4 kN
+  model.effects.push_back(model_effect(kind, form, shape, std::vector<Estimate>(form.strength.size(), Estimate{1.0, 0.1})));
+  const auto again = parse_model(write_model(model), "test");
+  ASSERT_TRUE(again.has_value()) << again.error().to_text();
+  EXPECT_EQ(again->name, model.name);
+  EXPECT_EQ(again->history[0].campaign, model.history[0].campaign);
+  EXPECT_EQ(again->effects.back().shape[0].value, 195.0);
+}
+
+// A record whose clock shows 12 s at its first row, and a load that begins to swing 5 s later.
+TEST(Excitation, ItsStartIsReadByTheClockOfTheFileOrSinceItsFirstRow) {
+  for (const double written_s : {17.0, 5.0}) {
+    Record r = test::record(
+        "swing", "sine", 60, 0, [](double t) { return t < 5.0 ? 1.0 : 2.0 - std::cos(2.0 * std::numbers::pi * (t - 5.0)); },
+        [](double, double F) { return 2.0 * F; });
+    for (double& t : r.trace.time_bases[0].t_s) t += 12.0;
+    r.dynamic = true;
+    r.excitation_start_s = written_s;
+    Campaign c;
+    c.records.push_back(std::move(r));
+    const auto input = make_campaign_input(c);
+    ASSERT_TRUE(input) << input.error().to_text();
+    EXPECT_EQ(input->records[0].onset_s, 5.0) << written_s;
+  }
+}
+
+TEST(Rows, ARecordShorterThanItsRowsIsAnError) {
+  Record r = test::record("short", "ramp", 0.09, 0, [](double t) { return t; }, [](double, double F) { return F; });
+  for (std::size_t i = 0; i < r.trace.time_bases[0].t_s.size(); ++i) r.trace.time_bases[0].t_s[i] = 1e-3 * static_cast<double>(i);
+  Campaign c;
+  c.records.push_back(std::move(r));
+  const auto input = make_campaign_input(c);
+  ASSERT_FALSE(input);
+  EXPECT_NE(input.error().to_text().find("320 are needed"), std::string::npos) << input.error().to_text();
 }
 
 }  // namespace

@@ -240,5 +240,25 @@ TEST(ReadPlainDecimal, AgreesWithTheStandardLibraryToTheLastBit) {
   }
 }
 
+TEST(ReadCsv, AForceOrAClockOfTextIsAnErrorAndAnyOtherIsLeftOut) {
+  const auto force = refuse("t,F,U\n0,\"1,234.5\",1\n1,\"1,235.5\",2\n");
+  EXPECT_THAT(force.text, HasSubstr("\"F\""));
+  EXPECT_EQ(force.where, "x.csv:2");
+  EXPECT_THAT(force.hint, HasSubstr("1234.5"));
+  EXPECT_THAT(refuse("t,F,U\n01/02/2026 10:00:00,1,1\n01/02/2026 10:00:01,1,1\n").hint, HasSubstr("2024-05-31T10:31:07"));
+  EXPECT_THAT(read("t,F,U,who\n0,1,1,me\n1,2,2,me\n").notes, Contains(HasSubstr("\"who\" holds text")));
+}
+
+TEST(ReadCsv, TwoColumnsOfOneNameAreRefused) {
+  const auto e = refuse("t,F,F,U\n0,1,2,3\n1,1,2,3\n");
+  EXPECT_THAT(e.text, HasSubstr("two columns are called \"F\""));
+  EXPECT_EQ(e.where, "x.csv:1:1");
+}
+
+TEST(ReadCsv, KnowsBothSignsForMicro) {
+  EXPECT_DOUBLE_EQ(read("t,F [N],U [\xC2\xB5V]\n0,1,2000\n1,2,2000\n").trace.find("U")->value[0], 0.002);
+  EXPECT_DOUBLE_EQ(read("t,F [N],U [\xCE\xBCV]\n0,1,2000\n1,2,2000\n").trace.find("U")->value[0], 0.002);
+}
+
 }  // namespace
 }  // namespace forcegate
