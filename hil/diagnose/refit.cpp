@@ -18,11 +18,10 @@ double held_out_rms(const Workspace& w, const std::vector<double>& square) {
   return w.output.scale * std::sqrt(judged(w.output, square, w.all_fit));
 }
 
-// What an effect between records changes, a record's own gain and zero would hide.
+// As a diagnosis judges: both models follow a record by the spreads of the base. What an effect between records changes, a record's own
+// gain and zero would hide.
 double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& base, bool levels) {
-  return held_out_rms(w, levels      ? judge_levels(w.output, fit, base, w.all_fit)
-                         : w.all_fit ? leave_one_out(w.output.problem, fit).adapted
-                                     : fit.adapted);
+  return held_out_rms(w, levels ? judge_levels(w.output, fit, base, w.all_fit) : judge(w.output, fit, base, w.all_fit).adapted);
 }
 
 // Best variant of one family beside the columns that are in, its shape refined; fit records only.
@@ -134,7 +133,9 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
                   "forcegate fit refits it");
     names.push_back(add);
   }
-  const MixedFit base = fit_mixed(w.output.problem, {}, nullptr, 20);
+  // from where a diagnosis stands: all records, then those to be fitted
+  const MixedFit of_all = fit_to_the_end(w.output, {}, nullptr, 18, RecordUse::all_records);
+  const MixedFit base = of_all.valid ? fit_mixed(w.output.problem, {}, &of_all, 8) : of_all;
   if (!base.valid)
     return fail(ErrorCode::config, "the records do not determine the model", w.input.name,
                 "more records, or records with more force");
@@ -156,6 +157,9 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     effects.emplace_back(
         name, std::vector<int>(present.begin() + static_cast<std::ptrdiff_t>(first), present.end()));
   }
+  if (!now.valid)
+    return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,
+                "more records, or a model with fewer effects");
   if (add.empty()) before = base;
 
   Refit out;
@@ -221,8 +225,8 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   out.levels = std::any_of(names.begin(), names.end(), is_between_records);
   out.error_before = held_out_rms(w, before, base, out.levels);
   out.error_after = held_out_rms(w, now, base, out.levels);
-  out.plain_before = held_out_rms(w, before.plain);
-  out.plain_after = held_out_rms(w, now.plain);
+  out.plain_before = held_out_rms(w, judge(w.output, before, base, w.all_fit).plain);
+  out.plain_after = held_out_rms(w, judge(w.output, now, base, w.all_fit).plain);
   double floor = 0.0, n = 0.0;
   for (std::size_t i = 0; i < w.noise_V.size(); ++i)
     if (w.all_fit || w.output.problem.records[i].heldout) {

@@ -52,9 +52,6 @@ bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, c
 
 }  // namespace
 
-namespace {
-
-// A base that still climbs would lend its climb to every candidate.
 MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit* warm,
                         int iterations, RecordUse use) {
   constexpr int kRounds = 12;
@@ -69,8 +66,6 @@ MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& 
   }
   return fit;
 }
-
-}  // namespace
 
 std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel) {
   std::vector<const EffectKind*> out;

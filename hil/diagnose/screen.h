@@ -45,6 +45,10 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
                     const std::vector<std::string>& skip, const MixedFit* warm, unsigned threads,
                     int iterations = 9, RecordUse use = RecordUse::all_records);
 
+/// EM from `warm` (or from the components' starts) until the evidence stands still: a base that still climbs would lend its climb to every
+/// candidate.
+MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit* warm, int iterations, RecordUse use);
+
 /// The families that have candidates in a channel, in the order of the registry, the user's own last.
 std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel);
 
