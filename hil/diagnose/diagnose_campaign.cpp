@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "hil/diagnose/engine.h"
 
 namespace forcegate::diagnose {
@@ -12,17 +14,21 @@ Result<Diagnosed> diagnose_once(Campaign campaign, const EngineOptions& options)
 }
 
 // A zero that wanders by itself and what a hold shows of creep look alike within a fifth of a recording. It is asked with zeros of its
-// parts and with one zero for all. The second answer counts where it does far better for the whole recording; where the first finds
-// nothing and the whole is left far above its floor, that is no "none".
+// parts and with one zero for all. The second answer counts where it describes the whole recording down to its noise, which no course of
+// an effect does with a wander; where the first finds nothing and leaves the whole far above its floor, and above what a zero wanders by,
+// that is no "none".
 Result<Diagnosed> diagnose_one_recording(Campaign campaign, const EngineOptions& options) {
-  constexpr double kFarBetter = 0.6, kFarAbove = 5.0;
+  constexpr double kFarBetter = 0.6, kToItsNoise = 1.5, kFarAbove = 5.0;
+  constexpr double kLargestWander = 0.01;  // of the span
   EngineOptions standing = options;
   standing.zero_wanders = false;
   FORCEGATE_TRY(Diagnosed stands, diagnose_once(campaign, standing));
   FORCEGATE_TRY(Diagnosed wanders, diagnose_once(std::move(campaign), options));
   Diagnosis& answer = wanders.diagnosis;
-  if (stands.diagnosis.plain_after < kFarBetter * answer.plain_after) return stands;
-  if (answer.verdict != DiagnosisVerdict::none || answer.plain_after < kFarAbove * answer.floor) return wanders;
+  const Diagnosis& other = stands.diagnosis;
+  if (other.plain_after < kFarBetter * answer.plain_after && other.plain_after < kToItsNoise * other.floor) return stands;
+  const double plain = std::max(kFarAbove * answer.floor, kLargestWander * wanders.workspace->output.scale);
+  if (answer.verdict != DiagnosisVerdict::none || answer.plain_after < plain) return wanders;
   if (stands.diagnosis.verdict == DiagnosisVerdict::unknown) return stands;
   answer.verdict = DiagnosisVerdict::unknown;
   answer.depends_on = {"time"};

@@ -200,6 +200,26 @@ TEST(SingleRecording, AStraightSensorUnderAHoldMissesNothing) {
   EXPECT_EQ(answer(recording(100.0, 60000, [](double t) { return t < 5.0 ? 0.2 : 3.0; }, straight, 0.003)).verdict, DiagnosisVerdict::none);
 }
 
+TEST(SingleRecording, AZeroThatWandersIsNoCreep) {
+  for (const int seed : {1, 2, 3}) {
+    const auto wandering = [&](const std::vector<double>& t, const std::vector<double>& F) {
+      Rng rng(static_cast<std::uint64_t>(seed), "wander");
+      constexpr double kSize_V = 0.02, kTime_s = 400.0;
+      std::vector<double> U;
+      double zero = kSize_V * rng.normal();
+      for (std::size_t i = 0; i < F.size(); ++i) {
+        const double kept = i > 0 ? std::exp(-(t[i] - t[i - 1]) / kTime_s) : 1.0;
+        zero = kept * zero + kSize_V * std::sqrt(1.0 - kept * kept) * rng.normal();
+        U.push_back(2.0 * F[i] + 0.2 + zero);
+      }
+      return U;
+    };
+    const auto stairs = [](double t) { return 0.3 + 0.6 * std::min(std::floor(t / 60.0), std::floor((600.0 - t) / 60.0)); };
+    const Diagnosis d = answer(recording(100.0, 60000, stairs, wandering, 0.003));
+    for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << seed << ' ' << f.effect;
+  }
+}
+
 std::string refusal(Campaign campaign) {
   const auto out = diagnose_campaign(std::move(campaign), {});
   return out ? "accepted" : out.error().to_text();
