@@ -27,6 +27,7 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
   constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
   constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
   constexpr double kOfNoSpring = 0.01;        // of the span, RMS: what a law of the rig leaves at most
+  constexpr double kHardlyFalls = 0.95;
   constexpr double kNothingToFind = 0.2;
   if (f.form == kUnrecorded) return {kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"};
   if (f.effect == "static_nonlinearity" && f.effect_rms < kOrdinaryCurve * channel.scale)
@@ -37,8 +38,12 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
       if (p.name == "c" || p.name.ends_with(".c")) taken += p.value;
     if (taken < kStops) return {kNothingToFind, "a rail stops the output, and this hardly bends it"};
   }
-  if (f.effect == "spring_nonlinearity" && !has_declared_law(campaign) && f.error_after > kOfNoSpring * campaign.range_N)
+  // an error of 0: no record that is left out turns
+  const bool fits = f.error_after > 0.0 && f.error_after <= kOfNoSpring * campaign.range_N;
+  if (f.effect == "spring_nonlinearity" && !has_declared_law(campaign) && !fits)
     return {kNothingToFind, "nobody wrote down that the angle drives a spring, and a crank or a joint bends the force against its angle as well"};
+  if (f.effect == "off_axis" && !has_declared_law(campaign) && f.error_after > kHardlyFalls * f.error_before)
+    return {kNothingToFind, "nobody wrote down that the angle is that of a wheel, and left-out records hardly gain"};
   if (f.effect == "backlash" && !campaign.has_theta)
     for (const FoundParameter& p : f.parameters)
       if (p.name == "loop_width" && std::abs(p.value) < kOrdinaryServo_pct)
