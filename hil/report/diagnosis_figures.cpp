@@ -131,6 +131,12 @@ Figure residual_map_figure(const Diagnosis& d, bool after) {
     rows.push_back(&m);
     columns = std::max(columns, m.cells.size());
   }
+  // the rows of both pictures in one order, that of the first
+  const auto place = [&](const ResidualMap* m) {
+    return std::ranges::find(d.maps, m->coordinate, &ResidualMap::coordinate) - d.maps.begin();
+  };
+  const std::vector<const ResidualMap*> by_share = rows;
+  std::stable_sort(rows.begin(), rows.end(), [&](const ResidualMap* x, const ResidualMap* y) { return place(x) < place(y); });
   for (const std::vector<ResidualMap>* all : {&d.maps, &d.maps_after})
     for (const ResidualMap& m : *all)
       for (const MapCell& c : m.cells)
@@ -164,7 +170,7 @@ Figure residual_map_figure(const Diagnosis& d, bool after) {
   panel.no_grid = true;
   panel.heat(std::move(map));
   figure.summary = "Hatched: fewer than three blocks of data, no statement.";
-  for (const ResidualMap* m : rows)
+  for (const ResidualMap* m : by_share)
     if (m->share > 0.0 && !m->sentence.empty()) {
       figure.summary = m->sentence + ". " + figure.summary;
       break;
