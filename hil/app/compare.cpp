@@ -98,7 +98,6 @@ std::string comparison_text(const Comparison& c) {
                   100.0 * d.repeatability.gain, unit.factor * d.repeatability.offset_V, unit.name,
                   100.0 * d.repeatability.log_b,
                   100.0 * d.repeatability.log_q);
-  for (const std::string& note : d.notes) out += "note: " + note + "\n";
   return out;
 }
 

@@ -97,7 +97,6 @@ std::string diagnosis_text(const Diagnosis& d) {
   if (!d.next_experiment.sentence.empty()) out += "measure next: " + d.next_experiment.sentence + "\n";
   // what hardly shows is no doubt of the verdict: the page and the JSON list it
   for (const RefusedEffect& r : refused_beside_findings(d)) out += "not taken: " + r.effect + ": " + r.reason + "\n";
-  for (const std::string& note : d.notes) out += "note: " + note + "\n";
   return out;
 }
 

@@ -110,6 +110,11 @@ void Console::note(std::string_view text) {
   std::fputc('\n', err_);
 }
 
+void Console::notes(const std::vector<std::string>& notes) {
+  if (options_.quiet) return;
+  for (const std::string& text : notes) print("note: " + text);
+}
+
 void Console::next(std::string_view what) {
   if (options_.json || options_.quiet) return;
   print(paint(Paint::dim, "next: " + std::string(what)));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hil/base/result.h"
 
@@ -38,6 +39,8 @@ class Console {
   void print_json(std::string_view document);
   /// A note on stderr. Silent with --quiet or --json.
   void note(std::string_view text);
+  /// Notes of an answer, below it: "note: ...". Silent with --quiet or --json.
+  void notes(const std::vector<std::string>& notes);
   /// Last line: what to do next ("next: forcegate check build/run"). Silent with --quiet or --json.
   void next(std::string_view what);
   /// The error as text on stderr, or as {"error": {...}} on stdout with --json.

@@ -228,7 +228,7 @@ const std::vector<Option>& global_options() {
            [] {
              return std::vector<std::string>{"auto", "always", "never"};
            }},
-      {.name = "quiet", .value_name = "", .doc = "No progress and no \"next:\" line.", .letter = 'q'},
+      {.name = "quiet", .value_name = "", .doc = "No progress, no notes, no \"next:\" line.", .letter = 'q'},
       {.name = "help", .value_name = "", .doc = "Print this text.", .letter = 'h'},
       {.name = "version", .value_name = "", .doc = "Print the version."},
   };

@@ -29,7 +29,7 @@ Result<Diagnosed> diagnose_one_recording(Campaign campaign, const EngineOptions&
   if (other.plain_after < kFarBetter * answer.plain_after && other.plain_after < kToItsNoise * other.floor) return stands;
   const double plain = std::max(kFarAbove * answer.floor, kLargestWander * wanders.workspace->output.scale);
   if (answer.verdict != DiagnosisVerdict::none || answer.plain_after < plain) return wanders;
-  if (stands.diagnosis.verdict == DiagnosisVerdict::unknown) return stands;
+  if (other.verdict == DiagnosisVerdict::unknown) return stands;
   answer.verdict = DiagnosisVerdict::unknown;
   answer.depends_on = {"time"};
   answer.notes.push_back("parts of the recording differ in gain or zero by far more than its noise: something changes with time");

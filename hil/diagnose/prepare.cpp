@@ -102,12 +102,6 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   const Channel* output = campaign.records.front().trace.find("U");
   if (output != nullptr && !output->unit.empty() && output->unit != "1") w->output.unit = output->unit;
   w->scales = health_scales(campaign);
-  bool any_heldout = false;
-  for (const Record& r : campaign.records) any_heldout |= r.role == RecordRole::heldout;
-  std::size_t fit_records = 0;
-  for (const Record& r : campaign.records) fit_records += r.role != RecordRole::heldout ? 1 : 0;
-  if (any_heldout && fit_records == 0) any_heldout = false;
-  w->all_fit = !any_heldout;
 
   struct Prepared {
     RecordHealth health;
@@ -146,6 +140,9 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
     w->input.records.push_back(std::move(input));
   }
   FORCEGATE_CHECK_OK(leave_out_unusable(*w, single && options.search));
+  // with no record to judge by, or none to fit, every record is both
+  const auto heldout = std::ranges::count_if(w->input.records, &RecordInput::heldout);
+  w->all_fit = heldout == 0 || heldout == std::ssize(w->input.records);
   finish_campaign_input(w->input, options.threads);
   parallel_for(w->input.records.size(), options.threads, [&](std::size_t k) {
     RecordInput& input = w->input.records[k];

@@ -18,6 +18,7 @@ Result<int> run(const Invocation& in) {
     FORCEGATE_CHECK_OK(
         write_file_atomically(html, diagnosis_html(answer.view, {FORCEGATE_VERSION, in.command_line(), true})));
   in.console().print(comparison_text(answer));
+  in.console().notes(answer.view.notes);
   in.console().print_json(comparison_json(answer));
   in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in));
   return kExitSuccess;

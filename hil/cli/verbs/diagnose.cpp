@@ -26,6 +26,7 @@ Result<int> run(const Invocation& in) {
     console.note(fmt::format("wrote {} pictures into {}", files.size(), folder));
   }
   console.print(diagnosis_text(answer));
+  console.notes(answer.notes);
   console.print_json(to_json(answer));
   const std::string campaign = campaign_words(in, in.text("CAMPAIGN")) + model_words(in);
   if (const Finding* first = worth_adding(answer); first != nullptr)

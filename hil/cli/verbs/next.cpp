@@ -24,6 +24,7 @@ Result<int> play(const Invocation& in) {
   in.console().end_progress();
   if (!made) return Unexpected(made.error());
   in.console().print(next_run_text(*made));
+  in.console().notes(made->after.notes);
   in.console().print_json(next_run_json(*made));
   const std::string folder = shell_quoted(made->folder.string()) + model_words(in);
   if (const Finding* first = worth_adding(made->after); first != nullptr)
