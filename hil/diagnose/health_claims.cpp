@@ -59,7 +59,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const auto percent = [](double share) { return std::to_string(100.0 * share).substr(0, 6) + " %"; };
   const std::size_t n = health.size();
   const bool many_records = n >= 3;
-  if (bit_errors / samples > 1.5e-4 && with_bit_errors >= 2)
+  const std::size_t several = std::min<std::size_t>(2, n);  // one recording has no second to bear it out
+  if (bit_errors / samples > 1.5e-4 && with_bit_errors >= several)
     out.push_back(
         {"adc_codes", 0.95,
          percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
@@ -70,7 +71,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     out.push_back({"adc_codes", 0.95,
                    percent(codes.samples / samples) + " of the samples stand at " +
                        (codes.value_V.size() == 1 ? std::string("one value") : std::to_string(codes.value_V.size()) + " values") +
-                       ", the same in several records, while the force moves on: codes beside them never come",
+                       (n > 1 ? ", the same in several records," : ", the same again and again,") + " while the force moves on: codes beside them never come",
                    "code_V", "V", codes.value_V.front(), scales.U_range_V * 1e-4});
     held -= std::min(held, codes.samples);
     rail = outliers = 0.0;  // a sample on the other side of a gap stands off its neighbours too
@@ -83,7 +84,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   // the output cannot be at its low end there: a few are enough, and so is one long loss
   constexpr std::size_t kFewestZeros = 5, kFewestLong = 3;
   constexpr double kLongLoss = 20.0;  // samples
-  const bool plain_zeros = !lone_are_spikes && ((with_zeros >= 2 && zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
+  const bool plain_zeros = !lone_are_spikes && ((with_zeros >= several && zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
   // a sample that is missing here and there is noted; an output that goes missing again and again in most records loses samples
   constexpr std::size_t kFewestRuns = 10;
   constexpr double kManyMissing = 0.01;
@@ -100,7 +101,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     out.push_back({"clipping", 0.95,
                    "the output stays at exactly one value at its top while the force moves on", "rail_V", "V",
                    rail_V, scales.U_range_V * 1e-4});
-  if (with_hum >= 2 && with_hum * 2 >= could_show_hum)
+  if (with_hum >= several && with_hum * 2 >= could_show_hum)
     out.push_back(
         {"hum", 0.95,
          "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
@@ -112,7 +113,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                              ? std::hypot(bench.reference_noise_N, resolution / std::sqrt(12.0))
                              : resolution;
   // a force that moves fast is scatter too: the quieter records tell. A ladder of values in several records is exact
-  const double ladder = ladder_F.size() >= 2 ? quantile(ladder_F, 0.5) / std::sqrt(12.0) : 0.0;
+  const double ladder = ladder_F.size() >= several ? quantile(ladder_F, 0.5) / std::sqrt(12.0) : 0.0;
   const bool noise_declared = std::isfinite(bench.reference_noise_N);
   // where the output stands still nothing else scatters, and the measure is exact: less above what is declared is enough
   constexpr double kAbove = 2.0, kAboveSteps = 1.3, kAboveStill = 1.5;

@@ -33,7 +33,7 @@ HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthS
   }
   HeldCodes out;
   for (auto& [value_V, v] : values) {
-    const bool again = v.runs >= kFewestRuns && v.records >= 2;
+    const bool again = v.runs >= kFewestRuns && v.records >= std::min<std::size_t>(2, health.size());
     const double step_V = quantile(std::move(v.step_V), kNearlyAll);
     if (!again || !(step_V < kNearby * scales.U_range_V) || value_V > top_V - kBeyond * scales.U_range_V) continue;
     out.value_V.push_back(value_V);

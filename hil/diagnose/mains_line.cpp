@@ -14,7 +14,7 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr std::size_t kMostSegments = 12, kBlock = 256;
-constexpr double kSegment_s = 4.0;
+constexpr double kSegment_s = 4.0, kShortest_s = 2.0, kFewestSegments = 3.0;
 // Slower rates than 24 Hz would make these samples longer than 5.4 s, and the grid of a quarter of a hertz too coarse for them.
 constexpr std::size_t kFewestSamples = 128;
 constexpr double kSlowest_Hz = 24.0;
@@ -72,6 +72,33 @@ double rate_between_gaps(const std::vector<double>& t) {
   return time > 0.0 ? steps / time : 1.0 / mean;
 }
 
+// Samples that a short gap left out, put in on a straight line: without them the line's phase would jump there, and its parts cancel.
+// False where there are none.
+bool fill_short_gaps(const std::vector<double>& t, double rate_Hz, const std::vector<double>& F, const std::vector<double>& U, std::vector<double>& whole_F,
+                     std::vector<double>& whole_U) {
+  constexpr double kLongest_s = 0.25, kLeastSteps = 1.6;
+  const auto missing = [&](std::size_t i) -> std::size_t {
+    const double steps = (t[i] - t[i - 1]) * rate_Hz;
+    return steps > kLeastSteps && steps < kLongest_s * rate_Hz ? static_cast<std::size_t>(std::lround(steps)) - 1 : 0;
+  };
+  std::size_t all = 0;
+  for (std::size_t i = 1; i < t.size(); ++i) all += missing(i);
+  if (all == 0 || all > t.size()) return false;
+  whole_F.reserve(t.size() + all);
+  whole_U.reserve(t.size() + all);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const std::size_t between = i > 0 ? missing(i) : 0;
+    for (std::size_t k = 1; k <= between; ++k) {
+      const double x = static_cast<double>(k) / static_cast<double>(between + 1);
+      whole_F.push_back(F[i - 1] + x * (F[i] - F[i - 1]));
+      whole_U.push_back(U[i - 1] + x * (U[i] - U[i - 1]));
+    }
+    whole_F.push_back(F[i]);
+    whole_U.push_back(U[i]);
+  }
+  return true;
+}
+
 // Those that can be told from the slow force and have neighbours to be compared with.
 std::vector<Line> mains_lines(double rate_Hz) {
   std::vector<Line> out;
@@ -92,27 +119,19 @@ std::vector<Line> mains_lines(double rate_Hz) {
   return out;
 }
 
-}  // namespace
-
-double folded_Hz(double line_Hz, double rate_Hz) {
-  const double folded = std::fmod(line_Hz, rate_Hz);
-  return std::min(folded, rate_Hz - folded);
-}
-
-MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double>& F,
-                          const std::vector<double>& U, double gain) {
+// Of samples that follow each other at one rate.
+MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<double>& U, double gain) {
   MainsLine best;
-  const std::size_t n = t.size();
-  if (n < 512 || !(t[n - 1] > t[0])) return best;
-  const double rate = rate_between_gaps(t);
+  const std::size_t n = U.size();
   best.rate_Hz = rate;
-  const std::size_t length = std::max(static_cast<std::size_t>(kSegment_s * rate), kFewestSamples);
+  // a short record has shorter segments rather than fewer
+  const double segment_s = std::clamp(static_cast<double>(n) / rate / kFewestSegments, kShortest_s, kSegment_s);
+  const std::size_t length = std::max(static_cast<std::size_t>(segment_s * rate), kFewestSamples);
   if (rate < kSlowest_Hz || n < 2 * length) return best;
   const std::size_t segments = std::min(kMostSegments, n / length);
   std::vector<std::size_t> from;
   for (std::size_t k = 0; k < segments; ++k) {
-    const std::size_t begin = k * (n - length) / std::max<std::size_t>(1, segments - 1);
-    if (begin >= 1 && begin + length + 1 <= n) from.push_back(begin);
+    from.push_back(k * (n - length) / std::max<std::size_t>(1, segments - 1));
   }
   std::vector<Line> lines = mains_lines(rate);
 
@@ -160,6 +179,22 @@ MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double
     if (r > best.ratio) best = {a, line.frequency_Hz, line.mains_Hz, rate, r};
   }
   return best;
+}
+
+}  // namespace
+
+double folded_Hz(double line_Hz, double rate_Hz) {
+  const double folded = std::fmod(line_Hz, rate_Hz);
+  return std::min(folded, rate_Hz - folded);
+}
+
+MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double>& F,
+                          const std::vector<double>& U, double gain) {
+  MainsLine best;
+  if (t.size() < 512 || !(t.back() > t.front())) return best;
+  const double rate = rate_between_gaps(t);
+  if (std::vector<double> whole_F, whole_U; fill_short_gaps(t, rate, F, U, whole_F, whole_U)) return line_of(rate, whole_F, whole_U, gain);
+  return line_of(rate, F, U, gain);
 }
 
 }  // namespace forcegate::diagnose
