@@ -169,6 +169,41 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
   return t;
 }
 
+namespace {
+
+CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
+  const double tau_s = shape_of(e, 0), ratio = shape_of(e, 1), c = strength_of(e, 0);
+  const std::string& id = x.id;
+  const LowPassWeights up = low_pass_weights(tau_s, x.rate_Hz), down = low_pass_weights(tau_s * ratio, x.rate_Hz);
+  CTerm t;
+  t.title = fmt::format("lag: one pole of {:g} s up and {:g} s down, share {:g}", tau_s, tau_s * ratio, c);
+  t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_up_old", up.to_old) + constant("k_" + id + "_up_new", up.to_new) +
+                constant("k_" + id + "_down_old", down.to_old) + constant("k_" + id + "_down_new", down.to_new);
+  t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
+  t.prepare = fmt::format(
+      "  if (c->running) {{\n"
+      "    const int falls = c->{0}_x < c->{0}_y;\n"
+      "    c->{0}_b = falls ? k_{0}_down_new : k_{0}_up_new;\n"
+      "    c->{0}_a = c->{0}_y + ((falls ? k_{0}_down_old : k_{0}_up_old) * (c->{0}_x - c->{0}_y) - c->{0}_b * c->{0}_y);\n"
+      "  }} else {{\n"
+      "    c->{0}_a = 0.0f;\n"
+      "    c->{0}_b = 1.0f;\n"
+      "  }}\n",
+      id);
+  t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
+  t.commit = fmt::format(
+      "  c->{0}_y = c->{0}_a + c->{0}_b * F;\n"
+      "  c->{0}_x = F;\n",
+      id);
+  t.slope_min = -c * (1.0 - std::min(up.to_new, down.to_new));
+  t.once = 12;
+  t.each = 4;
+  t.bytes = 16;
+  return t;
+}
+
+}  // namespace
+
 Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
   const double tau = shape_of(e, 0), c = strength_of(e, 0);
   const std::string& id = x.id;
@@ -206,6 +241,7 @@ Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
     t.bytes = 20;
     return t;
   }
+  if (e.form == "two_speeds") return lag_of_two_speeds(e, x);
   std::vector<double> taus{tau}, weights{c};
   double through = 1.0;  // share of F that the modes carry
   if (e.form == "diffusive") {

@@ -1,8 +1,11 @@
 // Lag: the layers need time to seat, or an anti-alias filter stands in the chain.
 //   tau y' + y = F (one pole), the same twice (two poles), or a slab into which the load diffuses:
 //   modes tau / (2n+1)^2 with weights 8 / (pi^2 (2n+1)^2)                            dU = g D c (y - F)
+// two_speeds (ours): one pole that is slower or faster while y falls, tau_s up and tau_s * ratio down: a film is pushed together by the load
+// and parts by itself.
 // FlexiForce settles with the bench in 70 ms, the FSR needs 210 ms (Lebosse 2011, fig. 5).
 
+#include <cmath>
 #include <numbers>
 
 #include "hil/model/effect.h"
@@ -29,6 +32,63 @@ void fill(const RecordInput& r, double tau_s, Kind kind, ColumnsRef out) {
   }
   for (std::size_t i = 0; i < y.size(); ++i)
     out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
+}
+
+// Of one step of the clock: y += old (x_before - y) + now (x - y), exact for an input that is linear between samples.
+struct Pole {
+  Pole(double tau_s, double dt_s) {
+    const double h = dt_s / tau_s, mean = mean_of_decay(h);
+    old = mean - (1.0 - h * mean);
+    now = 1.0 - mean;
+  }
+  double old, now;
+};
+
+// Which way it goes is asked where the last sample stood: the firmware that undoes it must know before it has the force.
+void fill_two_speeds(const RecordInput& r, double tau_s, double ratio, ColumnsRef out) {
+  if (r.fast_F_N.empty()) return;
+  double y = r.fast_F_N[0], dt_s = -1.0;
+  Pole up(tau_s, 1.0), down(tau_s * ratio, 1.0);
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    double sum = 0.0;
+    const std::uint32_t begin = r.row_begin[i], end = r.row_begin[i + 1];
+    for (std::uint32_t k = begin; k < end; ++k) {
+      if (k > 0) {
+        const double before = r.fast_F_N[k - 1], step_s = r.fast_t_s[k] - r.fast_t_s[k - 1];
+        if (std::abs(step_s - dt_s) > 1e-9 * step_s) {
+          dt_s = step_s;
+          up = Pole(tau_s, dt_s);
+          down = Pole(tau_s * ratio, dt_s);
+        }
+        const Pole& pole = before < y ? down : up;
+        y += pole.old * (before - y) + pole.now * (r.fast_F_N[k] - y);
+      }
+      sum += y;
+    }
+    out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (sum / static_cast<double>(end - begin) - r.F_N[i]);
+  }
+}
+
+EffectForm two_speeds() {
+  return {.name = "two_speeds",
+          .shape = {{"tau_s", "s", 1e-4, 10.0, 0.05, "time constant while the output rises"},
+                    {"ratio", "1", 0.1, 10.0, 1.0, "time constant while it falls over that while it rises"}},
+          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that passes the lag"}},
+          .sign = StrengthSign::positive,
+          .grid =
+              [](const CampaignInput&) {
+                std::vector<std::vector<double>> out;
+                for (const double tau_s : {0.01, 0.04, 0.16})
+                  for (const double ratio : {0.4, 2.5}) out.push_back({tau_s, ratio});
+                return out;
+              },
+          .columns =
+              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                out.setZero();
+                fill_two_speeds(r, shape[0], shape[1], out);
+              },
+          .least = 0.0,
+          .most = 1.15};
 }
 
 EffectForm form(const char* name, Kind kind, std::vector<double> taus, bool bank = false) {
@@ -65,7 +125,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .needs = {},
     .forms = {form("one_pole", Kind::one_pole, {0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
               form("two_poles", Kind::two_poles, {0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
-              form("diffusive", Kind::diffusive, {0.016, 0.064, 0.256})}}};
+              form("diffusive", Kind::diffusive, {0.016, 0.064, 0.256}), two_speeds()}}};
 
 }  // namespace
 }  // namespace forcegate

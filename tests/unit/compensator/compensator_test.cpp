@@ -119,6 +119,7 @@ TEST(Compensator, EveryFormOfLagIsUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("lag", "one_pole", {0.6}, {0.05})})), 0.2);
   EXPECT_LT(replay_LSB(model_with({effect("lag", "two_poles", {0.6}, {0.05})})), 0.2);
   EXPECT_LT(replay_LSB(model_with({effect("lag", "diffusive", {0.6}, {0.064})})), 0.2);
+  EXPECT_LT(replay_LSB(model_with({effect("lag", "two_speeds", {0.6}, {0.05, 2.5})})), 0.2);
 }
 
 TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
