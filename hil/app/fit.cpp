@@ -13,9 +13,7 @@ namespace forcegate {
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
-  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w,
-                diagnose::prepare(std::move(campaign), engine_options(model, request.threads)));
-  return diagnose::refit_model(*w, model, add, request.threads);
+  return diagnose::refit_campaign(std::move(campaign), engine_options(model, request.threads), model, add);
 }
 
 std::string waterfall_text(const diagnose::Waterfall& w) {
@@ -84,6 +82,7 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
       {"adapted", r.levels ? nlohmann::ordered_json{"decay"} : nlohmann::ordered_json{"gain", "zero", "decay"}},
       {"plain_before", r.plain_before},
       {"plain_after", r.plain_after},
+      {"judged_by", to_string(r.judged_by)},
       {"unit", r.waterfall.unit},
       {"waterfall", nlohmann::ordered_json::parse(waterfall_json(r.waterfall))}};
   return out.dump(2) + "\n";

@@ -11,15 +11,15 @@ namespace {
 
 constexpr int kIterations = 20;
 
-BaseError error_of(const ResidualChannel& channel, const MixedFit& base, const std::vector<double>& bad, bool all_fit) {
+BaseError error_of(const ResidualChannel& channel, const MixedFit& base, const std::vector<double>& bad, JudgedBy by) {
   const auto rms = [&](std::vector<double> square) {
     for (std::size_t i = 0; i < square.size(); ++i) {
       square[i] *= channel.scale * channel.scale;
       if (i < bad.size()) square[i] += bad[i];
     }
-    return std::sqrt(judged(channel, square, all_fit));
+    return std::sqrt(judged(channel, square, by));
   };
-  return {rms(judge(channel, base, base, all_fit).adapted), rms(judge_levels(channel, base, base, all_fit))};
+  return {rms(judge(channel, base, base, by).adapted), rms(judge_levels(channel, base, base, by))};
 }
 
 }  // namespace
@@ -37,10 +37,10 @@ Result<BaseErrors> base_errors(const Workspace& w, const EngineOptions& options)
   if (!base.valid) return fail(ErrorCode::parse, "the records do not determine the starting model", w.input.name);
   std::vector<double> bad;
   for (const RecordHealth& health : w.health) bad.push_back(health.bad_mean_square_V2);
-  BaseErrors out{error_of(w.output, base, bad, w.all_fit), std::nullopt};
+  BaseErrors out{error_of(w.output, base, bad, w.judges), std::nullopt};
   if (!w.has_rig) return out;
   const MixedFit rig = fit_mixed(w.rig.problem, model_columns(w.rig, options.in_model), nullptr, kIterations);
-  if (rig.valid) out.force = error_of(w.rig, rig, {}, w.all_fit);
+  if (rig.valid) out.force = error_of(w.rig, rig, {}, w.judges);
   return out;
 }
 

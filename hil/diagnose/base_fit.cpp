@@ -122,13 +122,12 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
                         {"shape", 0.02, 0.003, 0.5}, {"wander", 0.002, 3e-4, 0.5}};
   // blocks of one recording are the same machine, not touched in between: what changes there is the residual's business
   if (one_recording)
-    for (const int k : {0, 1, 7}) {
-      VarianceComponent& c = problem.components[static_cast<std::size_t>(k)];
-      c.prior_weight = 50.0;
-      if (!zero_wanders) {
-        c.prior_sd = 1e-5;
-        c.prior_weight = 1e6;
-      }
+    for (std::size_t k = 0; k < problem.components.size(); ++k) {
+      VarianceComponent& c = problem.components[k];
+      const bool is_level = k == 0 || k == 1 || k == 7;
+      if (zero_wanders && !is_level) continue;
+      c.prior_weight = zero_wanders ? 50.0 : 1e6;
+      if (!zero_wanders) c.prior_sd = 1e-5;
       c.start_sd = c.prior_sd;
     }
   problem.component_of_z = {0, 1, 2, 3, 4, 5};
@@ -259,6 +258,10 @@ bool decays_by_itself(const RecordInput& record) {
   return is_decay(own_decay(record, choose_rows(record, 4000)));
 }
 
+double left_by_decay(const RecordInput& record) {
+  return own_decay(record, choose_rows(record, 4000)).mean_square;
+}
+
 void fit_base(Workspace& w, unsigned threads) {
   const std::size_t n = w.input.records.size();
   w.shifts.assign(n, {});
@@ -308,7 +311,7 @@ void fit_base(Workspace& w, unsigned threads) {
         gram.gram = (A.transpose() * A) / std::max<double>(1.0, static_cast<double>(A.rows()));
         gram.n_eff = std::min(150.0, static_cast<double>(A.rows()) / 5.0 + 1.0);
         gram.noise_variance = 1e-6;
-        gram.heldout = w.input.records[k].heldout && !w.all_fit;
+        gram.heldout = w.input.records[k].heldout && w.judges == JudgedBy::heldout;
       });
       fit = fit_mixed(problem, {}, nullptr, 15);
       if (!fit.valid) return fit;

@@ -36,6 +36,34 @@ Spread of_block_means(const std::vector<double>& e) {
   return {std::sqrt(square / n), fourth * n / (square * square)};
 }
 
+// RMS of the residual where the force of one recording moves most over that where it moves least; 1 where they are the same.
+double busy_over_quiet(const CampaignInput& input, const ResidualChannel& channel, const std::vector<std::vector<double>>& residual) {
+  constexpr double kBusy = 0.8, kQuiet = 0.5;  // quantiles of the rate
+  std::vector<std::pair<double, double>> blocks;  // rate and mean square
+  for (std::size_t k = 0; k < residual.size(); ++k) {
+    const RecordInput& r = input.records[channel.record_of[k]];
+    const std::vector<std::size_t>& row = channel.rows[k].row;
+    for (std::size_t i = 0; i + kBlock <= residual[k].size(); i += kBlock) {
+      double rate = 0.0, square = 0.0;
+      for (std::size_t j = i; j < i + kBlock; ++j) {
+        rate = std::max(rate, std::abs(r.rate_N_per_s[row[j]]));
+        square += residual[k][j] * residual[k][j];
+      }
+      blocks.emplace_back(rate, square);
+    }
+  }
+  std::ranges::sort(blocks);
+  const auto mean = [&](double from, double to) {
+    const double n = static_cast<double>(blocks.size());
+    const auto begin = static_cast<std::size_t>(from * n), end = static_cast<std::size_t>(to * n);
+    double sum = 0.0;
+    for (std::size_t k = begin; k < end; ++k) sum += blocks[k].second;
+    return end > begin ? sum / static_cast<double>(end - begin) : 0.0;
+  };
+  const double quiet = mean(0.0, kQuiet);
+  return quiet > 0.0 ? std::sqrt(mean(kBusy, 1.0) / quiet) : 0.0;
+}
+
 double rms_rate(const RecordInput& record) {
   double square = 0.0;
   for (const double v : record.rate_N_per_s) square += v * v;
@@ -61,7 +89,13 @@ bool is_coloured_noise(const CampaignInput& input, const ResidualChannel& channe
     slowest = std::min(slowest, rate);
     fastest = std::max(fastest, rate);
   }
-  if (rms.size() < kFewestRecords || fastest < kFaster * slowest) return false;
+  if (rms.size() < kFewestRecords) return false;
+  if (input.single) {
+    const double ratio = busy_over_quiet(input, channel, residual);
+    if (ratio > kHigh || ratio < kLow) return false;
+  } else if (fastest < kFaster * slowest) {
+    return false;
+  }
   const double typical = quantile(rms, 0.5), form = quantile(kurtosis, 0.5);
   return typical < kMost * channel.scale && *std::max_element(rms.begin(), rms.end()) < kHigh * typical &&
          *std::min_element(rms.begin(), rms.end()) > kLow * typical && form > kFlat && form < kPeaked &&

@@ -1,32 +1,60 @@
 #include <algorithm>
 
+#include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/refit.h"
+#include "hil/diagnose/whole_recording.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-Result<Diagnosed> diagnose_once(Campaign campaign, const EngineOptions& options) {
+Result<Diagnosed> diagnose_rows(CampaignRows rows, const EngineOptions& options) {
   Diagnosed out;
-  FORCEGATE_TRY(out.workspace, prepare(std::move(campaign), options));
+  FORCEGATE_TRY(out.workspace, prepare(std::move(rows), options));
   out.diagnosis = diagnose_workspace(*out.workspace, options);
   return out;
 }
 
-// A zero that wanders by itself and what a hold shows of creep look alike within a fifth of a recording. It is asked with zeros of its
-// parts and with one zero for all. The second answer counts where it describes the whole recording down to its noise, which no course of
-// an effect does with a wander; where the first finds nothing and leaves the whole far above its floor, and above what a zero wanders by,
-// that is no "none".
-Result<Diagnosed> diagnose_one_recording(Campaign campaign, const EngineOptions& options) {
-  constexpr double kFarBetter = 0.6, kToItsNoise = 1.5, kFarAbove = 5.0;
+Result<Refit> refit_rows(CampaignRows rows, const EngineOptions& options, const Model& start, const std::string& add) {
+  FORCEGATE_TRY(const std::unique_ptr<Workspace> w, prepare(std::move(rows), options));
+  return refit_model(*w, start, add, options.threads);
+}
+
+EngineOptions with_one_zero(EngineOptions options) {
+  options.zero_wanders = false;
+  return options;
+}
+
+// A zero that wanders by itself and what a hold shows of creep look alike within a fifth of a recording. One zero for all is believed
+// where it describes the whole recording down to its noise, which no course of an effect does with a wander.
+bool one_zero_is_enough(double plain_with_one, double plain_with_many, double floor) {
+  constexpr double kFarBetter = 0.6;
+  return plain_with_one < kFarBetter * plain_with_many && plain_with_one < kToItsNoise * floor;
+}
+
+// Nothing is unknown in what the law with one zero describes to its noise, though a part may tell little of the others, such as the decay of
+// the first cycles.
+bool law_describes(const Workspace& with_one_zero, const EngineOptions& options) {
+  std::vector<std::string> notes;
+  return is_down_to_noise(with_one_zero.output, base_model(with_one_zero, options, notes));
+}
+
+// Where zeros of its parts leave nothing to be found and the whole far above its floor, and above what a zero wanders by, that is no "none".
+Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions& options) {
+  constexpr double kFarAbove = 5.0;
   constexpr double kLargestWander = 0.01;  // of the span
-  EngineOptions standing = options;
-  standing.zero_wanders = false;
-  FORCEGATE_TRY(Diagnosed stands, diagnose_once(campaign, standing));
-  FORCEGATE_TRY(Diagnosed wanders, diagnose_once(std::move(campaign), options));
+  FORCEGATE_TRY(Diagnosed stands, diagnose_rows(rows, with_one_zero(options)));
+  FORCEGATE_TRY(Diagnosed wanders, diagnose_rows(std::move(rows), options));
   Diagnosis& answer = wanders.diagnosis;
   const Diagnosis& other = stands.diagnosis;
-  if (other.plain_after < kFarBetter * answer.plain_after && other.plain_after < kToItsNoise * other.floor) return stands;
+  if (one_zero_is_enough(other.plain_after, answer.plain_after, other.floor)) return stands;
+  if (answer.verdict != DiagnosisVerdict::known && law_describes(*stands.workspace, options)) {
+    answer.verdict = DiagnosisVerdict::none;
+    answer.depends_on.clear();
+    answer.follows.clear();
+    return wanders;
+  }
   const double plain = std::max(kFarAbove * answer.floor, kLargestWander * wanders.workspace->output.scale);
   if (answer.verdict != DiagnosisVerdict::none || answer.plain_after < plain) return wanders;
   if (other.verdict == DiagnosisVerdict::unknown) return stands;
@@ -39,13 +67,21 @@ Result<Diagnosed> diagnose_one_recording(Campaign campaign, const EngineOptions&
 }  // namespace
 
 Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& options) {
-  if (campaign.records.size() == 1) return diagnose_one_recording(std::move(campaign), options);
-  return diagnose_once(std::move(campaign), options);
+  FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
+  return rows.input.single ? diagnose_one_recording(std::move(rows), options) : diagnose_rows(std::move(rows), options);
 }
 
 Result<Diagnosis> diagnose_campaign(Campaign campaign, const EngineOptions& options) {
   FORCEGATE_TRY(Diagnosed out, diagnose_campaign_in(std::move(campaign), options));
   return std::move(out.diagnosis);
+}
+
+Result<Refit> refit_campaign(Campaign campaign, const EngineOptions& options, const Model& start, const std::string& add) {
+  FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
+  if (!rows.input.single) return refit_rows(std::move(rows), options, start, add);
+  FORCEGATE_TRY(Refit stands, refit_rows(rows, with_one_zero(options), start, add));
+  FORCEGATE_TRY(Refit wanders, refit_rows(std::move(rows), options, start, add));
+  return one_zero_is_enough(stands.plain_after, wanders.plain_after, stands.floor) ? std::move(stands) : std::move(wanders);
 }
 
 }  // namespace forcegate::diagnose

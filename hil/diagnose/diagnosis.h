@@ -77,6 +77,14 @@ struct RefusedEffect {
   bool suspicion = true;  ///< false: too little of it to begin with, or of the wrong sign
 };
 
+/// Which records tell the error of a model.
+enum class JudgedBy {
+  heldout,   ///< those that the campaign marks as held out
+  left_out,  ///< none is marked: each is left out in turn
+  whole,     ///< one recording whose parts do not repeat each other: all rows, which it was fitted to as well
+};
+std::string to_string(JudgedBy by);
+
 struct ErrorPair {
   double before = 0.0, after = 0.0;
   std::string unit;
@@ -146,6 +154,7 @@ struct Diagnosis {
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< adapted, V
   bool levels = false;  ///< a claim acts between records: adapted then means the decay alone, gain and zero are those of all records
   double plain_before = 0.0, plain_after = 0.0;
+  JudgedBy judged_by = JudgedBy::heldout;
   std::vector<ModelStep> steps;  ///< of a diagnosis, in the order in which effects were taken in
   std::string unit = "V";
   std::map<std::string, ErrorPair> errors;  ///< "F" when the rig side is at fault, "U_plain" always

@@ -45,21 +45,21 @@ Finding of_raw_samples(const HealthClaim& claim) {
 ErrorPair errors_of_rig(const Workspace& w, const Selection& rig) {
   const bool levels = std::ranges::any_of(rig.chosen, [](const ChosenEffect& c) { return c.between; });
   const auto error = [&](const MixedFit& fit) {
-    const auto square = levels ? judge_levels(w.rig, fit, rig.base, w.all_fit) : judge(w.rig, fit, rig.base, w.all_fit).adapted;
-    return w.rig.scale * std::sqrt(judged(w.rig, square, w.all_fit));
+    const auto square = levels ? judge_levels(w.rig, fit, rig.base, w.judges) : judge(w.rig, fit, rig.base, w.judges).adapted;
+    return w.rig.scale * std::sqrt(judged(w.rig, square, w.judges));
   };
   return {error(rig.base), error(rig.final), "N", levels};
 }
 
 // What every channel and the raw samples have to say, in no order yet.
-void collect_findings(const Workspace& w, const Search& search, const std::vector<HealthClaim>& raw, const Remainder& rest, Diagnosis& out) {
+void collect_findings(const Workspace& w, const Search& search, const Remainder& rest, Diagnosis& out) {
   constexpr double kHalf = 0.5, kNamedEnough = 0.6, kOfRig = 0.51;
   const bool named_enough = rest.explained > kHalf || !rest.structured();
   add_findings(w, w.output, search.output, named_enough ? std::max(rest.explained, kNamedEnough) : rest.explained, out);
   out.findings.insert(out.findings.end(), search.suspicions.begin(), search.suspicions.end());
   for (Finding& f : out.findings)
     if (f.effect == "reference_drift" && f.unit == w.output.unit && !w.rig_sees_zero) decide_by_capacitance(w.input, f);
-  for (const HealthClaim& claim : raw) out.findings.push_back(of_raw_samples(claim));
+  for (const HealthClaim& claim : w.raw_claims) out.findings.push_back(of_raw_samples(claim));
   if (w.has_rig && search.rig.base.valid) {
     const Selection& rig = search.rig;
     add_findings(w, w.rig, rig, std::max(rig.excess_before > 0.0 ? 1.0 - rig.excess_after / rig.excess_before : 1.0, kOfRig), out);
@@ -148,12 +148,11 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
 Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
-  // the parts of one recording share its raw samples
-  const std::size_t recordings = w.input.single ? 1 : w.health.size();
-  const std::vector<HealthClaim> raw =
-      health_claims({w.health.begin(), w.health.begin() + static_cast<std::ptrdiff_t>(recordings)}, w.scales, w.input.bench);
-  const Search search = search_channels(w, options, raw);
+  const Search search = search_channels(w, options);
   const Selection& selection = search.output;
+  out.judged_by = w.judges;
+  if (w.judges == JudgedBy::whole)
+    out.notes.emplace_back("its parts show different things, and some cannot be foretold from the others: errors are of the whole recording, which the model was fitted to");
   if (!selection.base.valid) {
     out.notes.push_back("the records do not determine the starting model: no verdict");
     return out;
@@ -161,15 +160,15 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   const Remainder rest = remainder_of(w, selection, options.threads);
   out.maps_after = rest.maps;
 
-  collect_findings(w, search, raw, rest, out);
+  collect_findings(w, search, rest, out);
   // another machine's loops and lags are those of the library in the rough
   std::vector<Outdone> outdone;
   if (!w.input.generic) outdone = outdone_by_unnamed(w.input, w.output, selection, rest.structured(), options.threads);
   withdraw_outdone(outdone, out);
   const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effect.empty(); });
-  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, out.findings) || some_outdone;
+  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, w.judges, out.findings) || some_outdone;
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
-  if (std::ranges::any_of(raw, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
+  if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
     for (Finding& f : out.findings)
       if (f.form != "raw") f.probability *= 0.5;
   put_in_order(out.findings);

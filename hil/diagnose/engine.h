@@ -27,7 +27,23 @@ struct EngineOptions {
   bool search = true;    ///< false: only what compare_workspace needs, no candidates and no rig channel
 };
 
-/// S0 to S3; the campaign's samples are freed record by record.
+/// What is made of the samples before any model: rows, raw health, excitation. One recording is cut into its parts.
+struct CampaignRows {
+  CampaignInput input;
+  std::vector<RecordHealth> health;  ///< per record; the parts of one recording share that of its samples
+  std::vector<HealthClaim> raw_claims;  ///< what the samples show before any fit
+  HealthScales scales;
+  std::string unit = "V";  ///< of the output's column
+  JudgedBy judges = JudgedBy::heldout;
+};
+
+/// S0 and S1; the campaign's samples are freed record by record.
+Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options);
+
+/// S2 and S3.
+Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOptions& options);
+
+/// S0 to S3.
 Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options);
 
 /// S4 to S9 on a prepared workspace.

@@ -79,18 +79,18 @@ constexpr const char* kDoesNotFall = "; not claimed: the error of records left o
 
 }  // namespace
 
-double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit) {
+double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, JudgedBy by) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < mean_square.size(); ++i)
-    if (all_fit || channel.problem.records[i].heldout) {
+    if (by != JudgedBy::heldout || channel.problem.records[i].heldout) {
       sum += mean_square[i];
       n += 1.0;
     }
   return n > 0.0 ? sum / n : 0.0;
 }
 
-Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit) {
-  if (!all_fit) return {adapted_errors(channel.problem, fit, freedom), fit.plain};
+Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by) {
+  if (by != JudgedBy::left_out) return {adapted_errors(channel.problem, fit, freedom), fit.plain};
   LeftOut out = leave_one_out(channel.problem, fit, &freedom);
   return {std::move(out.adapted), std::move(out.plain)};
 }
@@ -108,13 +108,13 @@ MixedFit without_levels(const ResidualChannel& channel, MixedFit freedom) {
 double left_out_of_all(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom) {
   const MixedFit of_all = fit_mixed(channel.problem, fit.columns, &fit, 12, RecordUse::all_records);
   if (!of_all.valid) return std::numeric_limits<double>::quiet_NaN();
-  return channel.scale * std::sqrt(judged(channel, leave_one_out(channel.problem, of_all, &freedom).adapted, true));
+  return channel.scale * std::sqrt(judged(channel, leave_one_out(channel.problem, of_all, &freedom).adapted, JudgedBy::left_out));
 }
 
 }  // namespace
 
-std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit) {
-  return judge(channel, fit, without_levels(channel, freedom), all_fit).adapted;
+std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by) {
+  return judge(channel, fit, without_levels(channel, freedom), by).adapted;
 }
 
 namespace {
@@ -138,16 +138,16 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
     const auto error = [&](const MixedFit& fit) {
-      const auto square = chosen.between ? judge_levels(channel, fit, selection.base, w.all_fit) : judge(channel, fit, selection.base, w.all_fit).adapted;
-      return channel.scale * std::sqrt(judged(channel, square, w.all_fit));
+      const auto square = chosen.between ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+      return channel.scale * std::sqrt(judged(channel, square, w.judges));
     };
     chosen.error_before = error(*before);
     chosen.error_after = error(chosen.fit);
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
     const double keeps = chosen.between && !chosen.by_records() ? kLeast : stands_in ? kHardly : kAboutTheSame;
-    chosen.borne_out = chosen.error_after <= keeps * chosen.error_before;
+    chosen.borne_out = chosen.describes_whole || chosen.error_after <= keeps * chosen.error_before;
     // seen in held-out records alone: the fit records know nothing of it, and predict nothing
-    if (!chosen.between && !w.all_fit && chosen.error_after > kHardly * chosen.error_before)
+    if (!chosen.between && w.judges == JudgedBy::heldout && chosen.error_after > kHardly * chosen.error_before)
       chosen.borne_out = chosen.borne_out && knows_strength(channel, chosen.fit, chosen.columns);
     // a handful of fit records does not reach to the held-out ones: each record is asked from all others
     if (!chosen.borne_out && (chosen.by_records() || !chosen.between)) {
@@ -299,8 +299,8 @@ struct LeftOver {
 };
 
 // Over all records, an effect may show in none of those that judge; but those where hum is left.
-LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& base, const std::vector<char>& of_hum) {
-  const std::vector<double> square = leave_one_out(channel.problem, fit, &base).adapted;
+LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& base, const std::vector<char>& of_hum, JudgedBy by) {
+  const std::vector<double> square = by == JudgedBy::whole ? fit.adapted : leave_one_out(channel.problem, fit, &base).adapted;
   LeftOver out;
   double n = 0.0;
   for (std::size_t k = 0; k < square.size(); ++k) {
@@ -316,13 +316,14 @@ LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const Mi
 
 }  // namespace
 
-bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, std::vector<Finding>& findings) {
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
+                                   std::vector<Finding>& findings) {
   constexpr double kMost = 0.75, kMostOfFamily = 0.45;  // of the RMS error: over half of the mean square, a fifth
   constexpr double kAbove = 2.5, kFarAbove = 8.0;               // of the instruments' noise
   constexpr double kWithdrawn = 0.2;
   const bool remains = rest.beside_claims;
-  const LeftOver before = left_over(channel, selection.base, selection.base, rest.of_hum),
-                after = left_over(channel, selection.claimed, selection.base, rest.of_hum);
+  const LeftOver before = left_over(channel, selection.base, selection.base, rest.of_hum, by),
+                after = left_over(channel, selection.claimed, selection.base, rest.of_hum, by);
   const double above = remains ? kAbove : kFarAbove;
   // what the samples themselves have named, such as spikes, is left here too
   const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.form == "raw" && f.probability > kNoClaim; });

@@ -18,13 +18,13 @@ constexpr double kNoClaim = 0.49;
 struct Judged {
   std::vector<double> adapted, plain;
 };
-Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit);
+Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by);
 
 /// The same where a record keeps the gain and the zero of all records, but may decay in its own way: what an effect between records changes.
-std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, bool all_fit);
+std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by);
 
 /// Mean over the records that judge: held-out ones, or all.
-double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, bool all_fit);
+double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, JudgedBy by);
 
 /// Sets error_before, error_after and borne_out of what was chosen. What `stands_in` for something that was not borne out must itself lower
 /// the error.
@@ -47,7 +47,8 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
 /// explain, far above it (all records, or the typical one) or with structure that `remains`, and they themselves leave more than half of the
 /// mean square of all records, or could take any course of their kind (a curve, a loop, a lag): something else is at work. True when one was
 /// withdrawn.
-bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, std::vector<Finding>& findings);
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
+                                   std::vector<Finding>& findings);
 
 /// Rivals that no more than odds of 4 : 1 part.
 void tell_not_separable(const Selection& selection, Diagnosis& out);

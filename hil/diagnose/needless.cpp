@@ -28,7 +28,7 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& carri
     const double lost = full.log_evidence - reduced.log_evidence;
     // so much evidence is that of no other effect, though its strength, beside others that are as large, may be that of some records
     constexpr double kPlain = 100.0;
-    if (!out.chosen[k].by_records() &&
+    if (!out.chosen[k].by_records() && !out.chosen[k].completes_whole &&
         (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
          !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps()))) {
       out.refused.push_back({out.chosen[k].kind->name, "needless beside the others", lost, true});

@@ -149,7 +149,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
       !takes_the_rest(family, chosen, earlier))
     return kWithinForm;
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
-  if (!chosen.left_out.helps() || chosen.left_out.share < 0.02)
+  if (!chosen.describes_whole && (!chosen.left_out.helps() || chosen.left_out.share < 0.02))
     return chosen.left_out.blocks ? kHelpsNoParts : kHelpsNoRecords;
   // bits come and go with the noise of the output
   if (!chosen.between && name != "adc_codes" && share_of_jitter(channel, result.base, family.best.fit) > kOfJitter) return kJitter;

@@ -16,7 +16,7 @@ namespace {
 // A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Every
 // block keeps the whole history, since what came before it is still in the states of the system. The states of the first rows are
 // not known. Columns are made once for all blocks, from the first: it alone has the full rate.
-void cut_into_blocks(Workspace& w) {
+void cut_into_blocks(CampaignRows& w) {
   constexpr std::size_t kBlocks = 5, kFewestRows = 200;
   const std::size_t n = w.input.records.front().rows();
   if (n < kFewestRows) return;
@@ -45,6 +45,16 @@ void cut_into_blocks(Workspace& w) {
       (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
 }
 
+// Nobody said when the cycling began: steps and ramps before it count as static where the decay then fits far better.
+void find_late_onset(RecordInput& input, double range_N) {
+  constexpr double kFarBetter = 0.5;  // mean square
+  const std::optional<double> begin_s = steady_cycles_begin_s(input, range_N);
+  if (!begin_s) return;
+  RecordInput late = input;
+  begin_cycles_at(late, *begin_s, range_N);
+  if (left_by_decay(late) < kFarBetter * left_by_decay(input)) input = std::move(late);
+}
+
 // Only where force and output share a clock.
 void take_hum_off(Record& record, RecordHealth& health) {
   const Channel* force = record.trace.find("F_ref");
@@ -55,7 +65,7 @@ void take_hum_off(Record& record, RecordHealth& health) {
 }
 
 // Records whose rows are all missing, at a rail or out of range say nothing; a sensor that was not plugged in must not end a campaign.
-Result<void> leave_out_unusable(Workspace& w, bool asks_one_recording) {
+Result<void> leave_out_unusable(CampaignRows& w, bool asks_one_recording) {
   constexpr auto kFewestRows = 16, kFewestOfOne = 200;
   auto& records = w.input.records;
   const auto usable = [](const RecordInput& r) { return std::count_if(r.ok.begin(), r.ok.end(), [](char ok) { return ok != 0; }); };
@@ -87,21 +97,19 @@ Result<void> leave_out_unusable(Workspace& w, bool asks_one_recording) {
 
 }  // namespace
 
-Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options) {
+Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) {
   if (campaign.records.empty())
     return fail(ErrorCode::parse, "the campaign has no records", campaign.folder.string(), "");
-  auto w = std::make_unique<Workspace>();
-  w->law = options.law;
-  w->zero_wanders = options.zero_wanders;
-  w->input.name = campaign.name;
-  w->input.bench = campaign.bench;
+  CampaignRows w;
+  w.input.name = campaign.name;
+  w.input.bench = campaign.bench;
   const bool single = campaign.records.size() == 1;
-  w->input.single = single;
-  w->input.generic = single && campaign.records.front().kind.empty();
-  w->input.notes = campaign.notes;
+  w.input.single = single;
+  w.input.generic = single && campaign.records.front().kind.empty();
+  w.input.notes = campaign.notes;
   const Channel* output = campaign.records.front().trace.find("U");
-  if (output != nullptr && !output->unit.empty() && output->unit != "1") w->output.unit = output->unit;
-  w->scales = health_scales(campaign);
+  if (output != nullptr && !output->unit.empty() && output->unit != "1") w.unit = output->unit;
+  w.scales = health_scales(campaign);
 
   struct Prepared {
     RecordHealth health;
@@ -112,11 +120,11 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
   parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
-    prepared[k].health = check_raw_health(record, w->scales, campaign.bench);
+    prepared[k].health = check_raw_health(record, w.scales, campaign.bench);
     const RecordHealth& h = prepared[k].health;
-    if (shows_hum(h, w->scales)) take_hum_off(record, prepared[k].health);
+    if (shows_hum(h, w.scales)) take_hum_off(record, prepared[k].health);
     const double reference_sd_N = std::hypot(h.noise_F_N, h.lsb_F_N / std::sqrt(12.0));
-    if (reference_sd_N > 1e-4 * w->scales.range_N)
+    if (reference_sd_N > 1e-4 * w.scales.range_N)
       for (Channel& channel : record.trace.channels)
         if (channel.name == "F_ref")
           channel.value = smooth_within_noise(std::move(channel.value), reference_sd_N, &prepared[k].health.smoothed_F_N);
@@ -137,31 +145,46 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   for (Prepared& p : prepared) {
     FORCEGATE_TRY(RecordInput input, std::move(p.input));
     health.emplace(input.name, std::move(p.health));
-    w->input.records.push_back(std::move(input));
+    w.input.records.push_back(std::move(input));
   }
-  FORCEGATE_CHECK_OK(leave_out_unusable(*w, single && options.search));
+  FORCEGATE_CHECK_OK(leave_out_unusable(w, single && options.search));
   // with no record to judge by, or none to fit, every record is both
-  const auto heldout = std::ranges::count_if(w->input.records, &RecordInput::heldout);
-  w->all_fit = heldout == 0 || heldout == std::ssize(w->input.records);
-  finish_campaign_input(w->input, options.threads);
-  parallel_for(w->input.records.size(), options.threads, [&](std::size_t k) {
-    RecordInput& input = w->input.records[k];
+  const auto heldout = std::ranges::count_if(w.input.records, &RecordInput::heldout);
+  if (heldout == 0 || heldout == std::ssize(w.input.records)) w.judges = JudgedBy::left_out;
+  finish_campaign_input(w.input, options.threads);
+  parallel_for(w.input.records.size(), options.threads, [&](std::size_t k) {
+    RecordInput& input = w.input.records[k];
     const Record* declared = nullptr;
     for (const Record& record : campaign.records)
       if (record.name == input.name) declared = &record;
     // whether it decays is asked afterwards: two slow cycles are enough to ask
     constexpr std::size_t kFewestTurns = 4;
-    estimate_excitation(input, declared, w->input.range_N, kFewestTurns);
+    estimate_excitation(input, declared, w.input.range_N, kFewestTurns);
+    if (options.law.decays && input.dynamic && input.dynamic_assumed) find_late_onset(input, w.input.range_N);
     if (single && input.dynamic && input.dynamic_assumed) {
       input.dynamic_assumed = false;  // the blocks share the answer of the whole
-      if (!w->law.decays || !decays_by_itself(input)) {
+      if (!options.law.decays || !decays_by_itself(input)) {
         set_static(input);
         input.found_static = true;
       }
     }
   });
-  for (const RecordInput& input : w->input.records) w->health.push_back(health[input.name]);
-  if (single) cut_into_blocks(*w);
+  for (const RecordInput& input : w.input.records) w.health.push_back(health[input.name]);
+  w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
+  if (single) cut_into_blocks(w);
+  return w;
+}
+
+Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOptions& options) {
+  auto w = std::make_unique<Workspace>();
+  w->law = options.law;
+  w->zero_wanders = options.zero_wanders;
+  w->input = std::move(rows.input);
+  w->health = std::move(rows.health);
+  w->raw_claims = std::move(rows.raw_claims);
+  w->scales = rows.scales;
+  w->output.unit = std::move(rows.unit);
+  w->judges = rows.judges;
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   choose_wanted_rows(w->input);
   fit_base(*w, options.threads);
@@ -181,6 +204,11 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
   }
   build_output_channel(*w, options.threads, &only);
   return w;
+}
+
+Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options) {
+  FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
+  return prepare(std::move(rows), options);
 }
 
 std::vector<int> model_columns(const ResidualChannel& channel, const std::vector<std::string>& in_model) {

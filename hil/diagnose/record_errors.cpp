@@ -9,13 +9,13 @@ namespace forcegate::diagnose {
 
 void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
   const ResidualChannel& channel = w.output;
-  Judged before = judge(channel, base, base, w.all_fit), after = judge(channel, final, base, w.all_fit);
+  Judged before = judge(channel, base, base, w.judges), after = judge(channel, final, base, w.judges);
   // what a claim changes between the records, their own gains and zeros would hide
   out.levels = std::any_of(out.findings.begin(), out.findings.end(),
                            [](const Finding& f) { return f.probability >= 0.5 && f.form != "raw" && is_between_records(f.effect); });
   if (out.levels) {
-    before.adapted = judge_levels(channel, base, base, w.all_fit);
-    after.adapted = judge_levels(channel, final, base, w.all_fit);
+    before.adapted = judge_levels(channel, base, base, w.judges);
+    after.adapted = judge_levels(channel, final, base, w.judges);
   }
   const double s = channel.scale;
   for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
@@ -35,7 +35,7 @@ void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final
   }
   double n = 0.0, a = 0.0, b = 0.0, pa = 0.0, pb = 0.0, f = 0.0;
   for (const RecordError& e : out.records)
-    if (w.all_fit || e.heldout) {
+    if (w.judges != JudgedBy::heldout || e.heldout) {
       n += 1.0;
       b += e.before * e.before;
       a += e.after * e.after;
@@ -55,8 +55,8 @@ void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final
 void add_steps(const Workspace& w, const Selection& selection, Diagnosis& out) {
   const ResidualChannel& channel = w.output;
   const auto error = [&](const MixedFit& fit) {
-    const auto square = out.levels ? judge_levels(channel, fit, selection.base, w.all_fit) : judge(channel, fit, selection.base, w.all_fit).adapted;
-    return channel.scale * std::sqrt(judged(channel, square, w.all_fit));
+    const auto square = out.levels ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+    return channel.scale * std::sqrt(judged(channel, square, w.judges));
   };
   out.steps = {{"", error(selection.base)}};
   for (const ChosenEffect& chosen : selection.chosen) out.steps.push_back({chosen.kind->name, error(chosen.fit)});

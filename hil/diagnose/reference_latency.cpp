@@ -78,7 +78,7 @@ MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<s
       if (c.first == columns[b]) lead_s -= c.shape[0] * with.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
   if (lead_s < 0.0 || lead_s > kAllowedLatency_s) return base;
   const auto left_out = [&](const MixedFit& fit) {
-    return judged(channel, judge(channel, fit, base, w.all_fit).adapted, w.all_fit);
+    return judged(channel, judge(channel, fit, base, w.judges).adapted, w.judges);
   };
   if (left_out(with) >= left_out(base)) return base;
   notes.emplace_back(kLatencyNote);

@@ -9,19 +9,20 @@
 #include "hil/diagnose/refine.h"
 #include "hil/diagnose/select.h"
 #include "hil/diagnose/user_candidates.h"
+#include "hil/diagnose/whole_recording.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
 double held_out_rms(const Workspace& w, const std::vector<double>& square) {
-  return w.output.scale * std::sqrt(judged(w.output, square, w.all_fit));
+  return w.output.scale * std::sqrt(judged(w.output, square, w.judges));
 }
 
 // As a diagnosis judges: both models follow a record by the spreads of the base. What an effect between records changes, a record's own
 // gain and zero would hide.
 double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& base, bool levels) {
-  return held_out_rms(w, levels ? judge_levels(w.output, fit, base, w.all_fit) : judge(w.output, fit, base, w.all_fit).adapted);
+  return held_out_rms(w, levels ? judge_levels(w.output, fit, base, w.judges) : judge(w.output, fit, base, w.judges).adapted);
 }
 
 // Best variant of one family beside the columns that are in, its shape refined; fit records only.
@@ -222,14 +223,16 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
                            old != nullptr ? old->strength[j].value : p.neutral, p.value, p.se});
     }
   }
+  if (!names.empty() && whole_must_judge(w, base, now)) w.judges = JudgedBy::whole;
+  out.judged_by = w.judges;
   out.levels = std::any_of(names.begin(), names.end(), is_between_records);
   out.error_before = held_out_rms(w, before, base, out.levels);
   out.error_after = held_out_rms(w, now, base, out.levels);
-  out.plain_before = held_out_rms(w, judge(w.output, before, base, w.all_fit).plain);
-  out.plain_after = held_out_rms(w, judge(w.output, now, base, w.all_fit).plain);
+  out.plain_before = held_out_rms(w, judge(w.output, before, base, w.judges).plain);
+  out.plain_after = held_out_rms(w, judge(w.output, now, base, w.judges).plain);
   double floor = 0.0, n = 0.0;
   for (std::size_t i = 0; i < w.noise_V.size(); ++i)
-    if (w.all_fit || w.output.problem.records[i].heldout) {
+    if (w.judges != JudgedBy::heldout || w.output.problem.records[i].heldout) {
       floor += w.noise_V[i] * w.noise_V[i];
       n += 1.0;
     }

@@ -29,6 +29,7 @@ struct Waterfall {
 struct Refit {
   Model model;
   std::vector<ParameterMove> moves;
+  JudgedBy judged_by = JudgedBy::heldout;
   bool levels = false;  ///< an effect acts between records: they keep the gain and the zero of all of them, else each its own
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< held-out, adapted, V
   double plain_before = 0.0, plain_after = 0.0;
@@ -37,5 +38,8 @@ struct Refit {
 
 /// `add` empty: refit only. Errors (config): effect unknown, not available with these channels, or not excited.
 Result<Refit> refit_model(Workspace& workspace, const Model& start, const std::string& add, unsigned threads);
+
+/// The same from a campaign's samples. One recording is fitted with and without zeros of its parts, as a diagnosis of it is.
+Result<Refit> refit_campaign(Campaign campaign, const EngineOptions& options, const Model& start, const std::string& add);
 
 }  // namespace forcegate::diagnose

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "hil/diagnose/whole_recording.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -9,6 +11,7 @@ namespace {
 SelectionRules output_rules(const Workspace& w) {
   SelectionRules out;
   out.forms_are_rough = w.input.generic;
+  out.one_zero = w.input.single && !w.zero_wanders;
   // milliseconds between two instruments are no matter in a recording of seconds
   out.clock_slack = !w.input.generic || w.input.records.front().row_step_s <= 0.05;
   return out;
@@ -79,7 +82,7 @@ std::vector<int> drift_columns(const ResidualChannel& channel) {
 
 }  // namespace
 
-Search search_channels(Workspace& w, const EngineOptions& options, const std::vector<HealthClaim>& raw) {
+Search search_channels(Workspace& w, const EngineOptions& options) {
   Search out;
   out.rules = output_rules(w);
   out.rig_rules = rules_of_rig(out.rules);
@@ -99,8 +102,12 @@ Search search_channels(Workspace& w, const EngineOptions& options, const std::ve
     add_columns(always, drift_columns(w.output));
     out.skip.emplace_back("reference_drift");
   }
-  if (std::ranges::any_of(raw, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
+  if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
   out.output = select_borne_out(w, always, out.skip, out.rules, options.threads, out.suspicions);
+  if (!out.output.chosen.empty() && whole_must_judge(w, out.output.base, out.output.claimed)) {
+    w.judges = JudgedBy::whole;
+    measure_left_out(w, w.output, out.output);
+  }
   return out;
 }
 

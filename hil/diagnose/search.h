@@ -18,7 +18,7 @@ struct Search {
   std::vector<Finding> suspicions;  ///< chosen in the output once, and not borne out by left-out records
 };
 
-/// `raw`: what the raw samples have shown; it is not looked for again.
-Search search_channels(Workspace& workspace, const EngineOptions& options, const std::vector<HealthClaim>& raw);
+/// What the raw samples have shown is not looked for again. May set `judges`.
+Search search_channels(Workspace& workspace, const EngineOptions& options);
 
 }  // namespace forcegate::diagnose

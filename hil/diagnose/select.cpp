@@ -12,6 +12,7 @@
 #include "hil/diagnose/reconsider.h"
 #include "hil/diagnose/refine.h"
 #include "hil/diagnose/shares.h"
+#include "hil/diagnose/whole_recording.h"
 
 namespace forcegate::diagnose {
 
@@ -40,6 +41,19 @@ void fit_claimed(const ResidualChannel& channel, Selection& out) {
     if (!fit.valid) return;
     if (!chosen.between) chosen.further = further_forms(channel, *chosen.kind, present, fit);
     chosen.fit = out.claimed = std::move(fit);
+  }
+}
+
+// Of one recording that all of them together describe.
+void find_what_completes_whole(const CampaignInput& input, const ResidualChannel& channel, Selection& out) {
+  if (out.chosen.size() < 2 || !describes_whole(input, channel, out.base, out.final)) return;
+  for (ChosenEffect& chosen : out.chosen) {
+    std::vector<int> own = chosen.columns, without;
+    add_columns(own, family_columns(channel, *chosen.kind));
+    for (const int j : out.final.columns)
+      if (std::ranges::find(own, j) == own.end()) without.push_back(j);
+    const MixedFit reduced = fit_mixed(channel.problem, without, &out.final, 12, RecordUse::all_records);
+    chosen.completes_whole = reduced.valid && !describes_whole(input, channel, out.base, reduced);
   }
 }
 
@@ -141,6 +155,7 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
   chosen.fit = family.best.fit;
   chosen.left_out = cross_fit(channel, base, family.best.fit);
   chosen.between = is_between_records(family.kind->name);
+  chosen.describes_whole = rules.one_zero && !chosen.between && describes_whole(input, channel, base, family.best.fit);
   chosen.records = family.records;
   if (chosen.between) {
     RecordTest test = test_records(input, channel, base, family, rules);
@@ -298,6 +313,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
   std::vector<std::string> not_asked = skip;
   if (forward.leads()) not_asked.insert(not_asked.end(), {"delay", "lag"});
   reconsider(input, channel, forward.carried(), not_asked, rules, threads, out);
+  if (rules.one_zero) find_what_completes_whole(input, channel, out);
   drop_needless(channel, forward.carried(), rules, out);
   fit_claimed(channel, out);
   // what is reported comes from the fit records alone

@@ -29,7 +29,9 @@ struct ChosenEffect {
   std::string not_by_records;     ///< why one number for each record does not bear it; empty: it does
   CrossFit left_out;              ///< against the model before it entered
   double error_before = 0.0, error_after = 0.0;  ///< RMS of records that were left out, channel's unit; plain where it acts between them
-  bool borne_out = true;          ///< that error falls
+  bool describes_whole = false;   ///< hil/diagnose/whole_recording.h
+  bool completes_whole = false;   ///< all that was chosen describes the whole, and without its family it does not
+  bool borne_out = true;          ///< that error falls, or it describes the whole
   bool stands_out = false;        ///< a later one that leaves much, but is far above what else would explain it
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share
   MixedFit fit;                                        ///< of the model with everything up to this effect
@@ -69,6 +71,7 @@ struct SelectionRules {
   double sure_gain = 40.0,
          sure_total_fall = 0.02;      ///< a small share is enough where the evidence is overwhelming
   double smallest_rms = 2.5e-4;       ///< of the span: less is below what the declared instruments can tell
+  bool one_zero = false;          ///< one recording, and its parts have no gain and zero of their own
   bool clock_slack = true;            ///< a few milliseconds between two instruments are nobody's fault
   int most = 3;
 };

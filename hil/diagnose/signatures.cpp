@@ -240,7 +240,7 @@ void build_output_channel(Workspace& w, unsigned threads, const ListedOnly* only
     gram.noise_variance = std::pow(w.white_V[k] / channel.scale, 2) + 1e-8;
     gram.allowed_variance = std::pow(w.noise_V[k] / channel.scale, 2) + 1e-8;
     gram.smoothed_variance = std::pow(w.smoothed_V[k] / channel.scale, 2);
-    gram.heldout = r.heldout && !w.all_fit;
+    gram.heldout = r.heldout && w.judges == JudgedBy::heldout;
     start_record(channel, k, Z, y);
   });
   finish_records(w.input, channel, threads);
@@ -318,7 +318,7 @@ void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads
     gram.allowed_variance =
         (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
     gram.noise_variance = 0.25 * gram.allowed_variance;
-    gram.heldout = r.heldout && !w.all_fit;
+    gram.heldout = r.heldout && w.judges == JudgedBy::heldout;
     start_record(channel, k, Z, y);
   });
   finish_records(w.input, channel, threads);

@@ -16,6 +16,15 @@ std::string to_string(DiagnosisVerdict verdict) {
   return "none";
 }
 
+std::string to_string(JudgedBy by) {
+  switch (by) {
+    case JudgedBy::heldout: return "heldout";
+    case JudgedBy::left_out: return "left_out";
+    case JudgedBy::whole: return "whole";
+  }
+  return "heldout";
+}
+
 namespace {
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
@@ -82,6 +91,7 @@ std::string to_json(const Diagnosis& d) {
   out["errors"] = errors;
   out["floor"] = number(d.floor);
   out["adapted"] = adapted_json(d.levels);
+  out["judged_by"] = to_string(d.judged_by);
   out["plain"] = {{"before", number(d.plain_before)}, {"after", number(d.plain_after)}};
   out["records"] = Json::array();
   for (const RecordError& r : d.records)

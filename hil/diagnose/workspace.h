@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/mixed_model.h"
 #include "hil/diagnose/raw_health.h"
 #include "hil/model/base_law.h"
@@ -67,7 +68,8 @@ double allowed_rms(const ResidualChannel& channel);
 
 struct Workspace {
   CampaignInput input;
-  std::vector<RecordHealth> health;
+  std::vector<RecordHealth> health;  ///< per record; the parts of one recording share that of its samples
+  std::vector<HealthClaim> raw_claims;  ///< what the samples show before any fit
   HealthScales scales;
   std::vector<std::unique_ptr<EffectKind>> user_kinds;  ///< effects of the user's own, beside the registry
   BaseLaw law;
@@ -83,7 +85,7 @@ struct Workspace {
   std::vector<double> rig_slope_N;  ///< per record: newtons a unit of 1 - cos th; 0 without an angle
   bool rig_sees_zero =
       false;  ///< the rig's own law has one zero for all records: a drift of the reference shows beside it
-  bool all_fit = false;  ///< no record is marked held out: records are left out in turn
+  JudgedBy judges = JudgedBy::heldout;
 };
 
 /// Rows of a record that a fit uses: at most `limit`, spread evenly with a fixed jitter.
@@ -104,6 +106,8 @@ void add_drive_lag(const RecordInput& record, const std::vector<double>& command
                    Eigen::Index first, Eigen::MatrixXd& Z);
 /// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
 bool decays_by_itself(const RecordInput& record);
+/// Mean square, V^2, that a straight line whose slope decays from the record's onset on leaves of it, at the best rate and depth.
+double left_by_decay(const RecordInput& record);
 /// Sets nz, components and priors of the output channel.
 void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders);
 

@@ -2,6 +2,7 @@
 // From recordings to what models see: block means at no more than 50 rows a second, excitation facts, travel.
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "hil/base/result.h"
@@ -48,6 +49,13 @@ std::array<double, 2> quantiles(std::vector<double> values, double low_q, double
 inline constexpr std::size_t kTurnsOfCycling = 8;
 /// Facts of the excitation of one record from its rows: dynamic, onset, f, A, F_min, frequency jumps.
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N, std::size_t fewest_turns = kTurnsOfCycling);
+
+/// Where a record that was moved in other ways before begins to be cycled: from there to its end the peaks, and the valleys, keep their
+/// height. None where they do so from the start, or fewer than ten do.
+std::optional<double> steady_cycles_begin_s(const RecordInput& record, double range_N);
+
+/// Takes what came before for static: onset, f, A, F_min and jumps from the cycles after it.
+void begin_cycles_at(RecordInput& record, double onset_s, double range_N);
 
 /// Force that stands still most of the time: without knowledge of the output such a record is taken for a static one.
 bool stands_mostly_still(const RecordInput& record, double range_N);

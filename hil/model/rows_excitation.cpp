@@ -9,17 +9,31 @@ namespace forcegate {
 
 namespace {
 
-struct Cycles {
-  std::vector<double> turn_s;
-  double first_s = 0.0;
-};
+constexpr double kProminence = 0.08;  // of the range
 
-Cycles find_cycles(const RecordInput& record, double prominence_N) {
-  Cycles out;
+std::vector<Extremum> turning_points(const RecordInput& record, double prominence_N) {
+  std::vector<Extremum> out;
   TurningPoints turning(prominence_N);
   for (std::size_t i = 0; i < record.rows(); ++i)
-    if (turning.push(record.t_s[i], record.F_N[i])) out.turn_s.push_back(turning.last().t_s);
+    if (turning.push(record.t_s[i], record.F_N[i])) out.push_back(turning.last());
   return out;
+}
+
+std::vector<double> half_periods(const std::vector<Extremum>& turns) {
+  std::vector<double> out;
+  for (std::size_t i = 1; i < turns.size(); ++i) out.push_back(turns[i].t_s - turns[i - 1].t_s);
+  return out;
+}
+
+// F_min and A from where the cycles are settled.
+void set_swing(RecordInput& record, double from_s) {
+  std::vector<double> settled;
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    if (record.t_s[i] >= from_s && record.ok[i] != 0) settled.push_back(record.F_N[i]);
+  if (settled.empty()) settled = record.F_N;
+  const auto [low, high] = quantiles(std::move(settled), 0.01, 0.99);
+  record.F_min_N = low;
+  record.A_N = 0.5 * (high - low);
 }
 
 bool is_static_kind(const std::string& kind) {
@@ -35,10 +49,9 @@ double share_moving(const RecordInput& record, double range_N) {
 }
 
 // A jump: the mean half period over three turns changes by more than 1.4 while both sides are steady within 25 %.
-void find_jumps(RecordInput& record, const std::vector<double>& turn_s) {
+void find_jumps(RecordInput& record, const std::vector<Extremum>& turns) {
   constexpr std::size_t kSide = 4;
-  std::vector<double> half;
-  for (std::size_t i = 1; i < turn_s.size(); ++i) half.push_back(turn_s[i] - turn_s[i - 1]);
+  const std::vector<double> half = half_periods(turns);
   double last_jump = -1e9;
   for (std::size_t i = kSide; i + kSide + 1 <= half.size(); ++i) {
     const auto stats = [&](std::size_t from) {
@@ -53,11 +66,11 @@ void find_jumps(RecordInput& record, const std::vector<double>& turn_s) {
     const auto before = stats(i - kSide), after = stats(i + 1);
     const double ratio = std::log(before[0] / after[0]);
     if (std::abs(ratio) < std::log(1.4) || before[1] > 0.25 || after[1] > 0.25) continue;
-    if (turn_s[i] - last_jump < 3.0 * std::max(before[0], after[0])) continue;
+    if (turns[i].t_s - last_jump < 3.0 * std::max(before[0], after[0])) continue;
     // the half period that holds the jump belongs to neither side
-    record.frequency_jumps_s.push_back(turn_s[i] + 0.5 * half[i]);
+    record.frequency_jumps_s.push_back(turns[i].t_s + 0.5 * half[i]);
     record.jump_log_ratio.push_back(ratio);
-    last_jump = turn_s[i];
+    last_jump = turns[i].t_s;
   }
 }
 
@@ -73,33 +86,57 @@ double since_start_s(const RecordInput& record, double declared_s, double seen_s
 }  // namespace
 
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N, std::size_t fewest_turns) {
-  const Cycles cycles = find_cycles(record, 0.08 * range_N);
-  const std::size_t turns = cycles.turn_s.size();
+  const std::vector<Extremum> turning = turning_points(record, kProminence * range_N);
+  const std::size_t turns = turning.size();
   record.dynamic_assumed = declared == nullptr || !declared->dynamic.has_value();
   record.dynamic = record.dynamic_assumed ? turns >= fewest_turns && !is_static_kind(record.kind) : *declared->dynamic;
 
-  std::vector<double> half;
-  for (std::size_t i = 1; i < turns; ++i) half.push_back(cycles.turn_s[i] - cycles.turn_s[i - 1]);
+  const std::vector<double> half = half_periods(turning);
   const double typical_half_s = half.empty() ? record.duration_s : quantile(half, 0.5);
 
-  const double seen_s = turns > 0 && record.dynamic ? std::max(0.0, cycles.turn_s.front() - typical_half_s) : 0.0;
+  const double seen_s = turns > 0 && record.dynamic ? std::max(0.0, turning.front().t_s - typical_half_s) : 0.0;
   record.onset_s = declared != nullptr && declared->excitation_start_s ? since_start_s(record, *declared->excitation_start_s, seen_s) : seen_s;
 
-  std::vector<double> settled;
-  const double from_s = std::min(record.onset_s + typical_half_s, 0.5 * record.duration_s);
-  for (std::size_t i = 0; i < record.rows(); ++i)
-    if (record.t_s[i] >= from_s && record.ok[i] != 0) settled.push_back(record.F_N[i]);
-  if (settled.empty()) settled = record.F_N;
-  const auto [low, high] = quantiles(std::move(settled), 0.01, 0.99);
-  record.F_min_N = low;
-  record.A_N = declared != nullptr && declared->A_N ? *declared->A_N : 0.5 * (high - low);
-  if (!(record.A_N > 0.0)) record.A_N = 0.5 * (high - low);
+  set_swing(record, std::min(record.onset_s + typical_half_s, 0.5 * record.duration_s));
+  if (declared != nullptr && declared->A_N && *declared->A_N > 0.0) record.A_N = *declared->A_N;
   record.f_Hz =
       declared != nullptr && declared->f_min_Hz ? *declared->f_min_Hz : 0.5 / std::max(typical_half_s, 1e-3);
   if (!record.dynamic)
     set_static(record);
   else
-    find_jumps(record, cycles.turn_s);
+    find_jumps(record, turning);
+}
+
+std::optional<double> steady_cycles_begin_s(const RecordInput& record, double range_N) {
+  constexpr std::size_t kFewest = 10, kLast = 8;  // turning points
+  constexpr double kSameHeight = 0.15;            // of the swing
+  const std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
+  if (turns.size() < kFewest + 2) return {};
+  std::vector<double> high, low;
+  for (std::size_t i = turns.size() - kLast; i < turns.size(); ++i) (turns[i].turn == Turn::maximum ? high : low).push_back(turns[i].value);
+  const double top = quantile(high, 0.5), bottom = quantile(low, 0.5);
+  std::size_t first = turns.size();
+  while (first > 0 && std::abs(turns[first - 1].value - (turns[first - 1].turn == Turn::maximum ? top : bottom)) < kSameHeight * (top - bottom)) --first;
+  // a step before it may have had the height of a peak, not its time
+  constexpr double kLonger = 1.5;
+  const auto half_s = [&](std::size_t i) { return turns[i + 1].t_s - turns[i].t_s; };
+  while (first + kFewest < turns.size() && half_s(first) > kLonger * half_s(first + 1)) ++first;
+  if (first < 2 || turns.size() - first < kFewest) return {};
+  return std::max(0.0, turns[first].t_s - half_s(first));
+}
+
+void begin_cycles_at(RecordInput& record, double onset_s, double range_N) {
+  std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
+  std::erase_if(turns, [&](const Extremum& turn) { return turn.t_s < onset_s; });
+  const std::vector<double> half = half_periods(turns);
+  if (half.empty()) return;
+  const double typical_half_s = quantile(half, 0.5);
+  record.onset_s = onset_s;
+  record.f_Hz = 0.5 / std::max(typical_half_s, 1e-3);
+  set_swing(record, onset_s + typical_half_s);
+  record.frequency_jumps_s.clear();
+  record.jump_log_ratio.clear();
+  find_jumps(record, turns);
 }
 
 bool stands_mostly_still(const RecordInput& record, double range_N) {
