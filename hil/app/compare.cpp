@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/record_pictures.h"
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/residual_map.h"
@@ -60,6 +61,7 @@ Result<Comparison> compare_request(const CampaignRequest& request) {
   options.search = false;
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), options));
   out.view = diagnose::compare_workspace(*w, options);
+  out.pictures = record_pictures(*w, model);
   return out;
 }
 

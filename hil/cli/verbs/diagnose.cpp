@@ -15,14 +15,16 @@ namespace {
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
   Console& console = in.console();
-  FORCEGATE_TRY(const Diagnosis answer, diagnose_request(request));
+  RecordPictures pictures;
+  const bool drawn = !in.text("html").empty() || !in.text("pictures").empty();
+  FORCEGATE_TRY(const Diagnosis answer, diagnose_request(request, drawn ? &pictures : nullptr));
   if (const std::string html = in.text("html"); !html.empty()) {
     FORCEGATE_CHECK_OK(
-        write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line()})));
+        write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line(), false, pictures})));
     console.note("wrote " + html);
   }
   if (const std::string folder = in.text("pictures"); !folder.empty()) {
-    FORCEGATE_TRY(const auto files, write_pictures(answer, folder));
+    FORCEGATE_TRY(const auto files, write_pictures(answer, pictures, folder));
     console.note(fmt::format("wrote {} pictures into {}", files.size(), folder));
   }
   console.print(diagnosis_text(answer));
