@@ -27,13 +27,14 @@ WhatNext after_diagnosis(const Diagnosis& d, const Standing& at) {
   const Finding* first = worth_adding(d);
   if (first != nullptr && std::ranges::find(at.in_model, first->effect) == at.in_model.end())
     return {Step::add, first->effect};
-  const bool competes = !d.next_experiment.segments.empty() || !d.not_separable.empty();
+  // where nothing is missing, what the evidence of the ranking leaves open is for who asks `next` for it
+  const bool competes = !d.not_separable.empty() || (d.verdict != DiagnosisVerdict::none && !d.next_experiment.segments.empty());
   if (competes) return {at.experiment ? Step::record : Step::experiment, ""};
   if (d.verdict == DiagnosisVerdict::none) {
     if (at.experiment) return {Step::record, ""};
     if (d.records.empty()) return {Step::explain, "none"};  // recordings without an input: there is no law to fit
-    if (!at.model_file) return {Step::fit, ""};
-    return at.is_exportable && at.is_exportable() ? WhatNext{Step::compensate, ""} : WhatNext{Step::explain, "none"};
+    if (at.is_exportable && at.is_exportable()) return {Step::compensate, ""};
+    return at.model_file ? WhatNext{Step::explain, "none"} : WhatNext{Step::fit, ""};
   }
   if (!at.page) return {Step::page, ""};
   return {Step::explain, word_of(d)};

@@ -5,7 +5,7 @@
 //   diagnose -> add -> history -> diagnose (the better model) -> ... -> export      while something is found
 //   diagnose -> next -> next --run -> diagnose                                      while effects compete
 //   diagnose -> diagnose --html -> explain                                          for what no command can mend
-//   diagnose -> fit -> export                                                       when nothing is missing
+//   diagnose -> export (several records), or fit -> export (one)                    when nothing is missing
 
 #include <functional>
 #include <optional>
@@ -38,7 +38,8 @@ struct Standing {
   bool model_file = false;  ///< the model is a file of the user's own
   bool experiment = false;  ///< what to measure next was asked for already
   std::vector<std::string> in_model{};   ///< effects that the model has
-  std::function<bool()> is_exportable{};  ///< asked only where it decides; empty: it is not
+  /// Whether export takes the model, of one that comes with the program: refitted on the campaign. Asked only where it decides; empty: no.
+  std::function<bool()> is_exportable{};
 };
 
 WhatNext after_diagnosis(const Diagnosis& diagnosis, const Standing& standing);

@@ -28,10 +28,12 @@ std::optional<std::string> export_line(const Invocation& in, const std::string& 
     records->campaign = campaign;
     records->maps = in.texts("map");
   }
+  const bool shipped = is_shipped_model(model);
   const std::optional<ExportOffer> offer = export_offer(model, records ? &*records : nullptr);
-  if (!offer) return std::nullopt;
-  std::string out = "forcegate export " + shell_quoted(model);
+  if (!offer || (shipped && !offer->refit)) return std::nullopt;
+  std::string out = "forcegate export " + (model.empty() ? "flexiforce" : shell_quoted(model));
   if (offer->refit) out += " --fit " + campaign_words(in, campaign);
+  if (shipped) out += " -o model.toml";
   if (!offer->plan) out += " --plan none";
   return out + " --c comp.h";
 }

@@ -19,7 +19,8 @@ struct AskedAbout {
 
 std::string line_after_diagnosis(const Invocation& in, const Diagnosis& diagnosis, const AskedAbout& about);
 
-/// "forcegate export MODEL ... --c comp.h" in the form that export takes; nullopt when it refuses the model.
+/// "forcegate export MODEL ... --c comp.h" in the form that export takes; nullopt when it refuses the model. A model that comes with the
+/// program is nobody's: it is refitted on the campaign and kept (-o model.toml), or there is no line.
 std::optional<std::string> export_line(const Invocation& in, const std::string& model, const std::string& campaign);
 
 /// After a model file was fitted on the campaign: into firmware when what is left is noise and export takes it, else the question what
