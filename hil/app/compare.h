@@ -16,7 +16,8 @@ struct Comparison {
   RecordPictures pictures;
 };
 
-Result<Comparison> compare_request(const CampaignRequest& request);
+/// `pictures`: those beside the view too.
+Result<Comparison> compare_request(const CampaignRequest& request, bool pictures = false);
 std::string comparison_text(const Comparison& comparison);
 std::string comparison_json(const Comparison& comparison);
 
