@@ -34,17 +34,18 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return out;
 }
 
-// A value over the median of the 16 around it.
+// A value over the larger one of the medians of up to 8 values on either side: a slope is no line. 0 within three values of an end.
 double above_neighbours(const std::vector<double>& y, std::size_t at) {
-  constexpr std::size_t kReach = 8;
-  if (at >= y.size()) return 0.0;
-  std::vector<double> around;
-  for (std::size_t i = at > kReach ? at - kReach : 0; i < std::min(y.size(), at + kReach + 1); ++i)
-    if (i != at) around.push_back(y[i]);
-  if (around.size() < kReach) return 0.0;
-  const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
-  std::nth_element(around.begin(), middle, around.end());
-  return *middle > 0.0 ? y[at] / *middle : 0.0;
+  constexpr std::size_t kReach = 8, kFewest = 3;
+  if (at < kFewest || at + kFewest >= y.size()) return 0.0;
+  const auto median = [&](std::size_t begin, std::size_t end) {
+    std::vector<double> side(y.begin() + static_cast<std::ptrdiff_t>(begin), y.begin() + static_cast<std::ptrdiff_t>(end));
+    const auto middle = side.begin() + static_cast<std::ptrdiff_t>(side.size() / 2);
+    std::nth_element(side.begin(), middle, side.end());
+    return *middle;
+  };
+  const double around = std::max(median(at > kReach ? at - kReach : 0, at), median(at + 1, std::min(y.size(), at + kReach + 1)));
+  return around > 0.0 ? y[at] / around : 0.0;
 }
 
 void add_line(Panel& panel, std::vector<double> x, std::vector<double> y, Style style, const std::string& label = {}) {
