@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/record_pictures.h"
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/residual_map.h"
@@ -51,7 +52,7 @@ Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, const 
 
 }  // namespace
 
-Result<Comparison> compare_request(const CampaignRequest& request) {
+Result<Comparison> compare_request(const CampaignRequest& request, bool pictures) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   Comparison out;
@@ -60,6 +61,7 @@ Result<Comparison> compare_request(const CampaignRequest& request) {
   options.search = false;
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), options));
   out.view = diagnose::compare_workspace(*w, options);
+  if (pictures) out.pictures = record_pictures(*w, model);
   return out;
 }
 

@@ -2,6 +2,7 @@
 // `forcegate compare`: how far is the model from the data, and where does it fail.
 
 #include "hil/app/model_input.h"
+#include "hil/report/record_pictures.h"
 
 namespace forcegate {
 
@@ -12,9 +13,11 @@ struct Comparison {
     double rmse_V = 0.0, relative = 0.0;  ///< eq. (8); RMS over the RMS swing of U
   };
   std::vector<AsWritten> as_written;
+  RecordPictures pictures;
 };
 
-Result<Comparison> compare_request(const CampaignRequest& request);
+/// `pictures`: those beside the view too.
+Result<Comparison> compare_request(const CampaignRequest& request, bool pictures = false);
 std::string comparison_text(const Comparison& comparison);
 std::string comparison_json(const Comparison& comparison);
 

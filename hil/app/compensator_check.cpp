@@ -130,6 +130,19 @@ std::vector<double> resample(const RecordInput& r, const std::vector<double>& x,
   return out;
 }
 
+// 1 where both rows around an instant hold samples and no gap lies between them; what bridges a gap is an input, no measurement.
+std::vector<std::uint8_t> judged_instants(const RecordInput& r, double rate_Hz, std::size_t n) {
+  constexpr double kGap = 4.0;  // rows
+  std::vector<std::uint8_t> out(n, 0);
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = r.t_s.front() + static_cast<double>(i) / rate_Hz;
+    while (j + 2 < r.rows() && r.t_s[j + 1] <= t) ++j;
+    out[i] = r.ok[j] != 0 && r.ok[j + 1] != 0 && r.t_s[j + 1] - r.t_s[j] <= kGap * r.row_step_s ? 1 : 0;
+  }
+  return out;
+}
+
 // The record at the rate of the compensator: rows and full rate are the same.
 RecordInput at_rate(const RecordInput& r, double rate_Hz, double most_s) {
   RecordInput out = r;
@@ -146,7 +159,7 @@ RecordInput at_rate(const RecordInput& r, double rate_Hz, double most_s) {
   out.C_F.clear();
   out.F_cmd_N.clear();
   out.rig_force_N.clear();
-  out.ok.assign(n, 1);
+  out.ok = judged_instants(r, rate_Hz, n);
   out.t_s.resize(n);
   out.rate_N_per_s.assign(n, 0.0);
   out.row_begin.resize(n + 1);
@@ -227,10 +240,12 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     }
     ReplayedRecord item;
     item.record = r.name;
-    item.seconds = static_cast<double>(n) / rate_Hz;
+    const auto judged = static_cast<std::size_t>(std::count(r.ok.begin(), r.ok.end(), std::uint8_t{1}));
+    item.seconds = static_cast<double>(judged) / rate_Hz;
+    item.left_out_s = static_cast<double>(n - judged) / rate_Hz;
     const std::vector<float> inverse = library->run(u, shrink, low, true, T);
     for (std::size_t i = 0; i < n; ++i)
-      item.largest_N = std::max(item.largest_N, std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]));
+      if (r.ok[i] != 0) item.largest_N = std::max(item.largest_N, std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]));
     if (!std::isfinite(item.largest_N))
       return fail(ErrorCode::config, "the compensator gives no number", r.name);
 
@@ -239,6 +254,7 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     Thinned t;
     const auto every = static_cast<std::size_t>(std::max(1.0, 0.05 * rate_Hz));
     for (std::size_t i = every; i < n; i += every) {
+      if (r.ok[i] == 0) continue;
       const double above = static_cast<double>(recorded[i] - floor[i]);
       t.F.push_back(static_cast<float>(r.F_N[i]));
       t.plain.push_back(above > 0.0 ? static_cast<float>(static_cast<double>(floor[i]) +
@@ -248,6 +264,7 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
       plain_line.add(static_cast<double>(t.plain.back()), r.F_N[i]);
       compensated_line.add(static_cast<double>(found[i]), r.F_N[i]);
     }
+    if (t.F.empty()) continue;  // no instant of it was measured
     kept.push_back(std::move(t));
     out.largest_N = std::max(out.largest_N, item.largest_N);
     out.records.push_back(item);

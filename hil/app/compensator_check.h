@@ -18,7 +18,8 @@ namespace forcegate {
 
 struct ReplayedRecord {
   std::string record;
-  double seconds = 0.0;
+  double seconds = 0.0;      ///< that were judged
+  double left_out_s = 0.0;   ///< without samples: bridged for the compensator's memory, not judged
   double largest_N = 0.0;    ///< |compensator - model's own inverse|
   double plain_rms_N = 0.0;  ///< recorded voltage through the law without the effects
   double compensated_rms_N = 0.0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "hil/app/record_pictures.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/drift.h"
@@ -25,15 +26,20 @@ bool has_unknown_column(const Campaign& campaign) {
 
 }  // namespace
 
-Result<Diagnosis> diagnose_request(const CampaignRequest& request) {
+Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPictures* pictures) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_recordings(request));
   if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
-  if (diagnose::is_drift_only(campaign)) return diagnose::diagnose_drift(campaign);
+  if (diagnose::is_drift_only(campaign)) {
+    FORCEGATE_TRY(Diagnosis drift, diagnose::diagnose_drift(campaign));
+    if (pictures != nullptr) *pictures = drift_pictures(campaign, drift.findings.empty() ? "" : drift.findings.front().form);
+    return drift;
+  }
   FORCEGATE_CHECK_OK(check_channels(campaign));
   const diagnose::EngineOptions options = engine_options(model, request.threads);
   FORCEGATE_TRY(diagnose::Diagnosed found, diagnose::diagnose_campaign_in(std::move(campaign), options));
   found.diagnosis.next_experiment = diagnose::propose_experiment(*found.workspace, found.diagnosis);
+  if (pictures != nullptr) *pictures = record_pictures(*found.workspace, model);
   return std::move(found.diagnosis);
 }
 

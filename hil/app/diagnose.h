@@ -2,10 +2,12 @@
 // `forcegate diagnose`: which physical effect is missing.
 
 #include "hil/app/model_input.h"
+#include "hil/report/record_pictures.h"
 
 namespace forcegate {
 
-Result<Diagnosis> diagnose_request(const CampaignRequest& request);
+/// `pictures`: filled for the page when it is wanted.
+Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPictures* pictures = nullptr);
 
 /// What a user would take into the model next: the first claim on the sensor's side of the model whose error on records left
 /// out falls with it. nullptr: none.

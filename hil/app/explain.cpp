@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "hil/base/text.h"
+#include "hil/model/effect.h"
 
 namespace forcegate {
 
@@ -37,17 +38,30 @@ const std::vector<Explanation>& explanations() {
        "Remove the waiver from the plan when its reason is gone."},
       {"known", "diagnosis",
        "An effect of the library explains what the model leaves, and records that were left out say so too.",
-       "forcegate add EFFECT --fit CAMPAIGN -o better.toml; forcegate history better.toml --on CAMPAIGN shows the fall."},
+       "Add it and see whether the error falls.\n  forcegate add EFFECT --fit CAMPAIGN -o better.toml\n  forcegate history better.toml --on CAMPAIGN"},
       {"unknown", "diagnosis",
        "Structure remains that no effect of the library explains; the answer names the quantities that it depends on.",
-       "Look at the map of that quantity (--html). An equation of your own can be a candidate: [[effect]] in the model file."},
+       "Look at the map of that quantity (--html). An equation of your own can be a candidate: make a model file, write an [[effect]] into it (docs/diagnosis.md), and add it.\n"
+       "  forcegate fit CAMPAIGN -o model.toml\n  forcegate add NAME --model model.toml --fit CAMPAIGN -o better.toml"},
       {"not separable", "diagnosis",
        "Several effects leave the same signature on these records; none of them is claimed.",
        "forcegate next CAMPAIGN says which record parts them."},
       {"none", "diagnosis",
        "What is left is what the declared instruments may leave. It says nothing about effects that the "
        "records do not excite.",
-       "The notes say from which size on an effect between records would show; forcegate next plans further records."},
+       "The notes say from which size on an effect between records would show. What the records did not play they cannot show: "
+       "forcegate plan campaign lists what a whole campaign plays."},
+      {"drift", "diagnosis",
+       "The output changes with time while no recorded input moves. Without an input nobody can tell sensor, chamber and instrument apart.",
+       "Record the force beside the output (columns t_s, F_ref_N, U_V), with a rest and a load in the same recording, and diagnose again."},
+      {"sensor", "side", "What was found is in the specimen: a model can take it, a compensator may undo it.",
+       "Take it into the model where that has a place for it; else exchange the sensor or let it rest.\n  forcegate add EFFECT --fit CAMPAIGN -o better.toml"},
+      {"rig", "side", "What was found is in the motor, wheel, trolley or spring: the sensor saw a force that differs from the command.",
+       "Mend the bench and record again: the model of the sensor must not learn it. forcegate bench selfcheck says whether it is fit."},
+      {"reference", "side", "What was found is in the reference force: it drifts, is late or scatters, and the sensor may be sound.",
+       "Unload and zero the reference, check its calibration date and filter, and record again."},
+      {"instrument", "side", "What was found is in converter, amplifier, clock or mains: raw samples show it whatever the sensor does.",
+       "Mend what the evidence names (range, earth, clock, cable) and record again; samples that it spoilt were set aside."},
       {"none", "who must act", "Nobody: the decision is ACCEPT.", "Nothing."},
       {"firmware", "who must act", "The author of the build.",
        "Mend the build; the report shows where it departs."},
@@ -81,10 +95,22 @@ const std::vector<Explanation>& explanations() {
   return kAll;
 }
 
+Explanation explanation_of(const EffectKind& effect) {
+  std::string meaning = effect.summary + ".";
+  if (!effect.equation.empty()) meaning += "\n" + effect.equation + (effect.source.empty() ? "" : "  (" + effect.source + ")");
+  std::string todo;
+  if (!effect.look_alikes.empty()) todo = "It can look like " + join(effect.look_alikes, ", ") + "; what parts them: ";
+  todo += effect.separates + ".";
+  if (effect.channel == EffectChannel::output) todo += " It is taken into a model by\n  forcegate add " + effect.name + " --fit CAMPAIGN -o better.toml";
+  return {effect.name, "effect", meaning, todo};
+}
+
 std::vector<Explanation> find_explanations(std::string_view term) {
   std::vector<Explanation> out;
   std::ranges::copy_if(explanations(), std::back_inserter(out),
                        [&](const Explanation& e) { return ascii_lower(e.term) == ascii_lower(term); });
+  for (const EffectKind& effect : EffectRegistry::instance().all())
+    if (effect.name == ascii_lower(term)) out.push_back(explanation_of(effect));
   return out;
 }
 

@@ -5,17 +5,22 @@
 #include <string_view>
 #include <vector>
 
+#include "hil/model/effect.h"
+
 namespace forcegate {
 
 struct Explanation {
   std::string term;  ///< "marginal", "NO-DECISION", "4"
-  std::string kind;  ///< "verdict", "decision", "who must act", "exit code", "diagnosis"
+  std::string kind;  ///< "verdict", "decision", "who must act", "exit code", "diagnosis", "side", "effect"
   std::string meaning;
   std::string what_to_do;
 };
 
 /// Sorted by kind as a report mentions them.
 const std::vector<Explanation>& explanations();
+
+/// Of an effect of the library: what it does, its equation, what it looks like and what parts it from that.
+Explanation explanation_of(const EffectKind& effect);
 
 /// Every meaning of a word, case-insensitive: "none" is said of a diagnosis and of who must act. Empty when there is none.
 std::vector<Explanation> find_explanations(std::string_view term);

@@ -112,9 +112,10 @@ std::string export_text(const ExportResult& r) {
       r.check->compiler, r.check->largest_N, r.check->largest_N / r.check->lsb_N);
   out += "  recorded voltages against recorded force, RMS in mN (the law alone -> with this header):\n";
   for (const ReplayedRecord& item : r.check->records)
-    out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {:.2g} LSB\n", item.record,
+    out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {:.2g} LSB{}\n", item.record,
                        item.seconds, 1e3 * item.plain_rms_N, 1e3 * item.compensated_rms_N,
-                       item.largest_N / r.check->lsb_N);
+                       item.largest_N / r.check->lsb_N,
+                       item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "");
   return out + fmt::format("    {:<28} {:>7} {:>8.1f} -> {:<8.1f}\n", "all records", "",
                            1e3 * r.check->plain_rms_N, 1e3 * r.check->compensated_rms_N);
 }
@@ -141,6 +142,7 @@ std::string export_json(const ExportResult& r) {
     for (const ReplayedRecord& item : r.check->records)
       records.push_back({{"record", item.record},
                          {"seconds", item.seconds},
+                         {"left_out_s", item.left_out_s},
                          {"largest_N", item.largest_N},
                          {"plain_rms_N", item.plain_rms_N},
                          {"compensated_rms_N", item.compensated_rms_N}});

@@ -161,6 +161,23 @@ Result<void> append_recording(const fs::path& source, const fs::path& folder, co
 
 }  // namespace
 
+fs::path next_folder(const fs::path& campaign) {
+  const fs::path from = campaign.filename().empty() ? campaign.parent_path() : campaign;
+  return from.parent_path() / (from.stem().string() + "-next");
+}
+
+Result<std::vector<fs::path>> write_profiles(const NextExperiment& planned, const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !holds_only_profiles(folder))
+    return fail(ErrorCode::usage, "the output exists already", folder.string(), "choose another folder with -o");
+  std::vector<fs::path> out;
+  for (std::size_t k = 0; k < planned.segments.size(); ++k) {
+    FORCEGATE_TRY(fs::path path, write_profile(planned.segments[k], folder, k + 1));
+    out.push_back(std::move(path));
+  }
+  return out;
+}
+
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress,
                                const std::atomic<bool>* cancelled) {
   NextRunResult out;
@@ -176,8 +193,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   }
   fs::path from = request.campaign.campaign;
   if (from.filename().empty()) from = from.parent_path();
-  out.folder =
-      !request.output.empty() ? request.output : from.parent_path() / (from.stem().string() + "-next");
+  out.folder = !request.output.empty() ? request.output : next_folder(from);
   FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
   FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
   std::vector<ProfileToRecord> profiles;

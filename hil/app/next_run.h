@@ -38,6 +38,13 @@ struct NextRunResult {
 /// output exists, or when nothing competes.
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress = {},
                                const std::atomic<bool>* cancelled = nullptr);
+
+/// Writes the forces of the planned segments into FOLDER/profiles as columns t_s, F_ref_N, for who records them by hand. The folder may
+/// then be the output of next_run. Errors: usage when the folder holds anything else; io.
+Result<std::vector<std::filesystem::path>> write_profiles(const NextExperiment& planned, const std::filesystem::path& folder);
+/// Where the new campaign goes when nobody says: "m7-next" beside "m7".
+std::filesystem::path next_folder(const std::filesystem::path& campaign);
+
 std::string next_run_text(const NextRunResult& result);
 std::string next_run_json(const NextRunResult& result);
 

@@ -7,7 +7,7 @@
 
 namespace forcegate {
 
-Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d,
+Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, const RecordPictures& pictures,
                                                           const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> out;
   const auto put = [&](const std::string& name, const figures::Figure& figure) -> Result<void> {
@@ -25,6 +25,14 @@ Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d,
     for (const EvidenceSeries& s : f.series)
       FORCEGATE_CHECK_OK(put(fmt::format("{}_{}", f.effect, ++number), evidence_figure(s)));
   }
+  int spectrum = 0, extrema = 0, drift = 0;
+  for (const ResidualSpectrum& s : pictures.spectra)
+    FORCEGATE_CHECK_OK(put(fmt::format("spectrum_{}", ++spectrum), spectrum_figure(s, pictures.unit)));
+  for (const ExtremaDecay& e : pictures.extrema)
+    FORCEGATE_CHECK_OK(put(fmt::format("extrema_{}", ++extrema), extrema_figure(e, pictures.unit)));
+  if (!pictures.levels.empty()) FORCEGATE_CHECK_OK(put("levels", levels_figure(pictures)));
+  for (const DriftCourse& c : pictures.drift)
+    FORCEGATE_CHECK_OK(put(fmt::format("drift_{}", ++drift), drift_figure(c, pictures.unit)));
   return out;
 }
 

@@ -6,12 +6,13 @@
 
 #include "hil/base/result.h"
 #include "hil/diagnose/diagnosis.h"
+#include "hil/report/record_pictures.h"
 
 namespace forcegate {
 
-/// Writes into `folder` (made if missing): ranking, waterfall, records, map_before, map_after, and for every claim its
-/// evidence, <effect>_1.svg and so on. Returns the files in that order.
-Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& diagnosis,
+/// Writes into `folder` (made if missing): ranking, waterfall, records, map_before, map_after, for every claim its evidence,
+/// <effect>_1.svg and so on, then spectrum_1, extrema_1, levels, drift_1. Returns the files in that order.
+Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& diagnosis, const RecordPictures& pictures,
                                                           const std::filesystem::path& folder);
 
 }  // namespace forcegate

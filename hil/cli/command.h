@@ -67,6 +67,7 @@ struct Positional {
   bool repeatable = false;  ///< only the last one may be
   Choices choices{};
   bool only_choices = true;
+  bool list_choices = true;  ///< false: --help shows them in another way (details)
 };
 
 struct Example {

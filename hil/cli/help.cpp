@@ -142,7 +142,7 @@ std::string command_text(const Command& command, const Console& console) {
   if (!command.positionals.empty()) {
     out += "\n" + console.paint(Paint::strong, "Arguments:") + "\n";
     for (const Positional& p : command.positionals)
-      out += row(p.name, p.choices ? fmt::format("{} [{}]", p.doc, join(p.choices(), ", ")) : p.doc, 32);
+      out += row(p.name, p.choices && p.list_choices ? fmt::format("{} [{}]", p.doc, join(p.choices(), ", ")) : p.doc, 32);
   }
   if (!command.options.empty())
     out += "\n" + console.paint(Paint::strong, "Options:") + "\n" + options_block(command.options);

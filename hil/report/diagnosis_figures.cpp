@@ -1,6 +1,7 @@
 #include "hil/report/diagnosis_figures.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "hil/base/text.h"
@@ -12,7 +13,7 @@ namespace {
 
 using namespace figures;
 
-constexpr double kWidth = 560.0, kClaim = 0.5;
+constexpr double kWidth = 560.0, kMapWidth = 640.0, kClaim = 0.5;
 constexpr int kBlocksNeeded = 3;
 
 bool spans_decades(const std::vector<double>& x) {
@@ -43,6 +44,26 @@ std::vector<double> scaled(const std::vector<double>& values, double factor) {
   std::vector<double> out = values;
   for (double& v : out) v *= factor;
   return out;
+}
+
+// The engine's words begin in lower case, an axis does not; a temperature is in degrees.
+std::string capitalised(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+std::string shown_unit(const std::string& unit) { return unit == "degC" ? "\u00b0C" : unit; }
+
+// "force while unloading, 0.5 to 4 N": a row of the map has a range and a unit of its own.
+std::string named_range(const ResidualMap& m) {
+  double low = INFINITY, high = -INFINITY;
+  for (const MapCell& c : m.cells)
+    if (c.n > 0) low = std::min(low, c.x), high = std::max(high, c.x);
+  if (!(high >= low)) return m.coordinate;
+  const bool logarithm = m.unit == "log10 s";
+  if (logarithm) low = std::pow(10.0, low), high = std::pow(10.0, high);
+  const std::string unit = logarithm ? "s" : shown_unit(m.unit);
+  return m.coordinate + ", " + typographic_minus(display(low, 2)) + " to " + typographic_minus(display(high, 2)) +
+         (unit.empty() ? "" : " " + unit);
 }
 
 }  // namespace
@@ -77,8 +98,8 @@ Figure ranking_figure(const Diagnosis& d) {
   if (n == 0) return figure;
   figure.columns = 2;
   const double height = 24.0 * static_cast<double>(n) + 6.0;
-  Panel& p = figure.panel({"Probability", ""}, {"", ""}, height);
-  Panel& share = figure.panel({"Share of the explainable residual", "%"}, {"", ""}, height);
+  Panel& p = figure.panel({"Probability", ""}, {"Effect", ""}, height);
+  Panel& share = figure.panel({"Share of the explainable residual", "%"}, {"Effect, as left", ""}, height);
   p.x_axis.low = 0.0;
   p.x_axis.high = 1.0;
   share.x_axis.include_zero = true;
@@ -122,7 +143,7 @@ Figure record_error_figure(const Diagnosis& d) {
 
 Figure residual_map_figure(const Diagnosis& d, bool after) {
   const std::vector<ResidualMap>& maps = after ? d.maps_after : d.maps;
-  Figure figure(after ? "Residual map after" : "Residual map before", kWidth);
+  Figure figure(after ? "Residual map after" : "Residual map before", kMapWidth);
   std::size_t columns = 0;
   double most = 0.0;
   std::vector<const ResidualMap*> rows;
@@ -150,12 +171,12 @@ Figure residual_map_figure(const Diagnosis& d, bool after) {
   map.label = "Residual";
   map.unit = scale.unit;
   for (std::size_t i = 0; i <= columns; ++i)
-    map.x_edges.push_back(static_cast<double>(i) / static_cast<double>(columns));
-  Panel& panel = figure.panel({"Position in the range of the coordinate, low to high", ""}, {"", ""},
+    map.x_edges.push_back(100.0 * static_cast<double>(i) / static_cast<double>(columns));
+  Panel& panel = figure.panel({"Position in the range that stands beside the coordinate", "%"}, {"Coordinate, lowest to highest", ""},
                               22.0 * static_cast<double>(rows.size()));
   for (std::size_t j = 0; j < rows.size(); ++j) {
     const ResidualMap& m = *rows[rows.size() - 1 - j];
-    panel.y_axis.categories.push_back(m.coordinate);
+    panel.y_axis.categories.push_back(named_range(m));
     map.y_edges.push_back(static_cast<double>(j) - 0.5);
     for (std::size_t i = 0; i < columns; ++i) {
       const std::size_t at = i * m.cells.size() / columns;
@@ -183,10 +204,10 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
   Figure figure("Residual against " + before.coordinate, 380.0);
   double most = 0.0;
   for (const MapCell& c : before.cells)
-    if (c.blocks >= kBlocksNeeded) most = std::max(most, std::abs(c.mean));
+    if (c.blocks >= kBlocksNeeded) most = std::max({most, std::abs(c.mean), 2.0 * c.standard_error});
   const Scaled scale = readable_unit(most, residual_unit);
   const bool logarithm = before.unit == "log10 s";  // of 1 + t
-  Axis x_axis{before.coordinate, before.unit == "degC" ? "\u00b0C" : before.unit};
+  Axis x_axis{capitalised(before.coordinate), shown_unit(before.unit)};
   if (logarithm) x_axis = {"1 s + " + before.coordinate, "s", kAuto, kAuto, Scale::logarithmic};
   Panel& panel = figure.panel(x_axis, {"Residual", scale.unit}, 150.0);
   panel.hline(0.0);
@@ -218,9 +239,9 @@ Figure evidence_figure(const EvidenceSeries& s) {
   for (const bool is_after : {false, true}) {
     const std::vector<double> y = scaled(is_after ? s.after : s.before, scale.factor);
     Panel& panel =
-        figure.panel({s.x_name, s.x_unit}, {frequency ? "Amplitude" : "Residual", scale.unit}, 190.0);
+        figure.panel({capitalised(s.x_name), shown_unit(s.x_unit)}, {frequency ? "Amplitude" : "Residual", scale.unit}, 190.0);
     panel.title = is_after ? "With the effect" : "Without the effect";
-    if (spans_decades(s.x)) panel.x_axis.scale = Scale::logarithmic;
+    if ((s.x_unit == "s" || s.x_unit == "Hz") && spans_decades(s.x)) panel.x_axis.scale = Scale::logarithmic;
     if (frequency) {
       if (spans_decades(s.before) && spans_decades(s.after)) panel.y_axis.scale = Scale::logarithmic;
       panel.line(s.x, y, {is_after ? Role::model : Role::firmware, Dash::solid, 1.1});
@@ -237,21 +258,22 @@ Figure evidence_figure(const EvidenceSeries& s) {
 Figure record_overlay_figure(const EvidenceSeries& s) {
   Figure figure("Measured and modelled output, record " + s.record, kWidth);
   figure.share_x = true;
-  Panel& panel = figure.panel({"", ""}, {"Output", s.y_unit}, 120.0);
+  const Axis along{s.x_name.empty() ? "Time" : capitalised(s.x_name), shown_unit(s.x_unit)};
+  Panel& panel = figure.panel(along, {"Output", s.y_unit}, 120.0);
   panel.show_x_labels = false;
-  panel.line(s.x, s.before, {Role::reference}, "measured")
-      .line(s.x, s.after, {Role::model, Dash::dashed, 1.4}, "model");
+  std::vector<double> x = s.x, measured = s.before, modelled = s.after;
+  break_at_gaps(x, {&measured, &modelled});
+  panel.line(x, measured, {Role::reference}, "measured").line(x, modelled, {Role::model, Dash::dashed, 1.4}, "model");
   std::vector<double> residual;
-  for (std::size_t i = 0; i < std::min(s.before.size(), s.after.size()); ++i)
-    residual.push_back(s.before[i] - s.after[i]);
+  for (std::size_t i = 0; i < std::min(measured.size(), modelled.size()); ++i)
+    residual.push_back(measured[i] - modelled[i]);
   double most = 0.0;
   for (const double r : residual)
     if (std::isfinite(r)) most = std::max(most, std::abs(r));
   const Scaled scale = readable_unit(most, s.y_unit);
-  Panel& below = figure.panel({s.x_name.empty() ? "time" : s.x_name, s.x_unit},
-                              {"Measured \u2212 model", scale.unit}, 70.0);
+  Panel& below = figure.panel(along, {"Measured \u2212 model", scale.unit}, 70.0);
   below.y_axis.symmetric = true;
-  below.line(s.x, scaled(residual, scale.factor), {Role::firmware, Dash::solid, 1.0}).hline(0.0);
+  below.line(x, scaled(residual, scale.factor), {Role::firmware, Dash::solid, 1.0}).hline(0.0);
   figure.summary = "Largest departure " + display(most * scale.factor, 3) + " " + scale.unit + ".";
   return figure;
 }

@@ -63,8 +63,10 @@ std::string chance_sentence(const Diagnosis& d) {
          " effects still pass the threshold. What ranks without a claim may be a leftover of something else.";
 }
 
-std::string header(const Diagnosis& d, bool comparison) {
-  const std::string colour = comparison || d.verdict == Answer::none ? "ok" : d.verdict == Answer::known ? "wa" : "no";
+std::string header(const Diagnosis& d, bool comparison, bool has_looks) {
+  constexpr double kToItsNoise = 1.5;
+  const bool fits = comparison ? d.error_before <= kToItsNoise * d.floor : d.verdict == Answer::none;
+  const std::string colour = fits ? "ok" : comparison || d.verdict == Answer::known ? "wa" : "no";
   std::string out = "<header class=\"" + colour + "\"><div><h1>" +
                     escape(comparison ? "How far " + d.model + " is from " + d.campaign : diagnosis_headline(d)) +
                     "</h1>\n<p class=\"why\">";
@@ -81,8 +83,8 @@ std::string header(const Diagnosis& d, bool comparison) {
   };
   fact("campaign", escape(d.campaign));
   fact("model", escape(d.model));
-  fact("records", std::to_string(d.records.size()));
-  fact("force range", display(d.force_range_N, 3) + " N");
+  if (!d.records.empty()) fact("records", std::to_string(d.records.size()));
+  if (d.force_range_N > 0.0) fact("force range", display(d.force_range_N, 3) + " N");
   if (d.residual_unknown) fact("and", "structure remains that no listed effect explains");
   if (!d.depends_on.empty()) fact("it depends on", escape(join(d.depends_on, ", ")));
   if (!d.follows.empty()) fact("it follows", escape(join(d.follows, " and ")));
@@ -92,13 +94,22 @@ std::string header(const Diagnosis& d, bool comparison) {
   };
   section(!comparison, "missing", "What is missing");
   section(!d.maps.empty(), "where", "Where it fails");
+  section(has_looks, "looks", "Spectrum, turning points and level");
   section(!d.ranking.empty(), "ranking", "Ranking");
   section(!d.records.empty(), "records", "Records");
   section(!d.next_experiment.segments.empty(), "next", "What to measure next");
   return out + "</nav></div></header>\n";
 }
 
-std::string finding(const Finding& f, bool open) {
+// Level of the records beside the first claim that acts between them, courses of an output without an input.
+std::string between_records(const RecordPictures& p) {
+  std::string out;
+  if (!p.levels.empty()) out += picture(levels_figure(p));
+  for (const DriftCourse& c : p.drift) out += picture(drift_figure(c, p.unit));
+  return out;
+}
+
+std::string finding(const Finding& f, bool open, const std::string& more) {
   const bool claim = f.probability >= kClaim;
   std::string out =
       "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") +
@@ -131,13 +142,16 @@ std::string finding(const Finding& f, bool open) {
              cell(escape(l.separates)) + "</tr>\n";
     out += kTableEnd;
   }
+  out += more;
   const std::size_t n = std::min(kMostPictures, f.series.size());
   for (std::size_t i = 0; i < n; ++i)
     out += picture(evidence_figure(f.series[i]), "Record " + f.series[i].record + ".");
   return out + "</div></details>\n";
 }
 
-std::string missing(const Diagnosis& d) {
+bool is_claimed_between_records(const Finding& f) { return f.probability >= kClaim && shows_between_records(f.effect); }
+
+std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
   std::string out = "<section id=\"missing\"><h2>What is missing</h2>\n";
   if (d.findings.empty()) {
     out += d.verdict == Answer::unknown
@@ -147,7 +161,12 @@ std::string missing(const Diagnosis& d) {
                  "about inputs that were not played.</p>\n";
   }
   std::size_t opened = 0;
-  for (const Finding& f : d.findings) out += finding(f, f.probability >= kClaim && opened++ < 3);
+  bool drawn = false;
+  for (const Finding& f : d.findings) {
+    const bool here = !drawn && is_claimed_between_records(f);
+    drawn |= here;
+    out += finding(f, f.probability >= kClaim && opened++ < 3, here ? between_records(pictures) : "");
+  }
   const bool moves = !d.not_separable.empty() ||
                      std::ranges::any_of(d.findings, [](const Finding& f) { return f.probability >= kClaim; });
   if (moves) out += "<h3>Error over the versions of the model</h3>\n" + picture(diagnosis_waterfall(d));
@@ -175,6 +194,18 @@ std::string where(const Diagnosis& d) {
                    "Whiskers are U, k = 2.");
   }
   return out + "</div></section>\n";
+}
+
+// What the residual looks like along time and over the records; a line where the records cannot show it.
+std::string looks(const Diagnosis& d, const RecordPictures& p) {
+  std::string out;
+  for (const ResidualSpectrum& s : p.spectra) out += picture(spectrum_figure(s, p.unit), "Record " + s.record + ".");
+  for (const ExtremaDecay& e : p.extrema) out += picture(extrema_figure(e, p.unit), "Record " + e.record + ".");
+  if (!out.empty()) out = "<div class=\"figs\">" + out + "</div>\n";
+  if (std::ranges::none_of(d.findings, is_claimed_between_records)) out += between_records(p);
+  for (const std::string& why : p.missing) out += "<p>" + escape(why) + "</p>\n";
+  if (out.empty()) return out;
+  return "<section id=\"looks\"><h2>Spectrum, turning points and level</h2>\n" + out + "</section>\n";
 }
 
 std::string whole_percent(double share) {
@@ -276,7 +307,9 @@ std::string diagnosis_html(const Diagnosis& diagnosis, const DiagnosisPage& page
       if (f.effect == r.effect) r.probability = f.probability;
   HtmlPage html;
   html.title = (page.comparison ? "Comparison with " : "Diagnosis of ") + d.campaign;
-  html.body = header(d, page.comparison) + "<main>\n" + (page.comparison ? "" : missing(d)) + where(d) + ranking(d) +
+  const std::string of_residual = looks(d, page.pictures);
+  html.body = header(d, page.comparison, !of_residual.empty()) + "<main>\n" + (page.comparison ? "" : missing(d, page.pictures)) + where(d) +
+              of_residual + ranking(d) +
               records(d) + next(d);
   const std::vector<RefusedEffect> refused = refused_beside_findings(d);
   if (!d.notes.empty() || !refused.empty()) {

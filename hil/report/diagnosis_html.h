@@ -5,6 +5,7 @@
 #include <string>
 
 #include "hil/diagnose/diagnosis.h"
+#include "hil/report/record_pictures.h"
 
 namespace forcegate {
 
@@ -12,6 +13,7 @@ struct DiagnosisPage {
   std::string tool_version;
   std::string command_line;  ///< that repeats it; "" = section left out
   bool comparison = false;   ///< of the model with records alone: no effect was searched, nothing is claimed
+  RecordPictures pictures{};  ///< beside those of the diagnosis; empty: none
 };
 
 /// Pure: equal diagnoses give equal bytes.

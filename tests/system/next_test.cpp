@@ -72,7 +72,13 @@ TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
 
   const ProcessResult asked = forcegate({"next", sine});
   EXPECT_EQ(asked.exit_code, 0) << asked.err;
-  EXPECT_THAT(asked.out, AllOf(HasSubstr("delay / lag"), ContainsRegex("next: forcegate next [^\n]*--run")));
+  EXPECT_THAT(asked.out, AllOf(HasSubstr("delay / lag"), ContainsRegex("next: forcegate next [^\n]*sine.csv -o [^\n]*sine-next\n")));
+  // no rig holds this sensor: the forces to record are written
+  const std::string forces = folder / "forces";
+  const ProcessResult written = forcegate({"next", sine, "-o", forces});
+  EXPECT_EQ(written.exit_code, 0) << written.err;
+  EXPECT_THAT(written.out, AllOf(HasSubstr("/profiles/1_"), HasSubstr("--run --record FILE"), ContainsRegex("next: forcegate stimulus replay path=")));
+  EXPECT_FALSE(fs::exists(fs::path(forces) / "campaign.json"));
 
   // the plan starts from what the diagnosis says of the two
   const auto said = nlohmann::json::parse(forcegate({"diagnose", sine, "--json"}).out),

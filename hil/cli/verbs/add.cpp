@@ -5,6 +5,7 @@
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/next_line.h"
 
 namespace forcegate {
 namespace {
@@ -17,11 +18,12 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const diagnose::Refit answer, add_request(request));
   in.console().print(refit_text(answer, request.effect));
   in.console().print_json(refit_json(answer, request.effect));
-  if (request.output.empty())
-    in.console().next("the same with -o better.toml, which keeps it");
-  else if (answer.error_after >= answer.error_before)
-    in.console().next("forcegate diagnose " + campaign_words(in, in.text("fit")) + model_words(in) +
-                      " says what else it may be");
+  const std::string model = named_model(in);
+  if (answer.error_after >= answer.error_before)  // it is not needed: what else is it?
+    in.console().next("forcegate diagnose " + campaign_words(in, in.text("fit")) + model_words(in));
+  else if (request.output.empty())
+    in.console().next("forcegate add " + shell_quoted(request.effect) + " --fit " + campaign_words(in, in.text("fit")) + model_words(in) +
+                      " -o " + shell_quoted(better_model_name(model)));
   else
     in.console().next("forcegate history " + shell_quoted(request.output.string()) + " --on " +
                       campaign_words(in, in.text("fit")));

@@ -39,6 +39,8 @@ std::string model_words(const Invocation& in) {
   return in.given("model") ? " --model " + shell_quoted(in.text("model")) : "";
 }
 
+std::string named_model(const Invocation& in) { return in.given("model") ? in.text("model") : ""; }
+
 Result<CampaignRequest> campaign_request(const Invocation& in, const std::string& campaign,
                                          const std::string& model) {
   CampaignRequest request;

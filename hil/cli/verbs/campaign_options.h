@@ -16,6 +16,8 @@ Positional campaign_positional();
 std::string campaign_words(const Invocation& in, const std::string& campaign);
 /// " --model MODEL" where one was given, for the next command; "" otherwise.
 std::string model_words(const Invocation& in);
+/// The model as it was given; "" when none was.
+std::string named_model(const Invocation& in);
 /// From the values of campaign_rows(). Errors: usage.
 Result<CampaignRequest> campaign_request(const Invocation& in, const std::string& campaign,
                                          const std::string& model);

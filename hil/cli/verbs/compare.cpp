@@ -13,10 +13,10 @@ namespace {
 
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
-  FORCEGATE_TRY(const Comparison answer, compare_request(request));
+  FORCEGATE_TRY(const Comparison answer, compare_request(request, !in.text("html").empty()));
   if (const std::string html = in.text("html"); !html.empty())
     FORCEGATE_CHECK_OK(
-        write_file_atomically(html, diagnosis_html(answer.view, {FORCEGATE_VERSION, in.command_line(), true})));
+        write_file_atomically(html, diagnosis_html(answer.view, {FORCEGATE_VERSION, in.command_line(), true, answer.pictures})));
   in.console().print(comparison_text(answer));
   in.console().notes(answer.view.notes);
   in.console().print_json(comparison_json(answer));

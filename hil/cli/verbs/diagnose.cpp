@@ -7,6 +7,7 @@
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/next_line.h"
 #include "hil/report/diagnosis_html.h"
 
 namespace forcegate {
@@ -15,29 +16,23 @@ namespace {
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
   Console& console = in.console();
-  FORCEGATE_TRY(const Diagnosis answer, diagnose_request(request));
+  RecordPictures pictures;
+  const bool drawn = !in.text("html").empty() || !in.text("pictures").empty();
+  FORCEGATE_TRY(const Diagnosis answer, diagnose_request(request, drawn ? &pictures : nullptr));
   if (const std::string html = in.text("html"); !html.empty()) {
     FORCEGATE_CHECK_OK(
-        write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line()})));
+        write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line(), false, pictures})));
     console.note("wrote " + html);
   }
   if (const std::string folder = in.text("pictures"); !folder.empty()) {
-    FORCEGATE_TRY(const auto files, write_pictures(answer, folder));
+    FORCEGATE_TRY(const auto files, write_pictures(answer, pictures, folder));
     console.note(fmt::format("wrote {} pictures into {}", files.size(), folder));
   }
   console.print(diagnosis_text(answer));
   console.notes(answer.notes);
   console.print_json(to_json(answer));
-  const std::string campaign = campaign_words(in, in.text("CAMPAIGN")) + model_words(in);
-  if (const Finding* first = worth_adding(answer); first != nullptr)
-    console.next("forcegate add " + first->effect + " --fit " + campaign + " -o better.toml");
-  else if (!answer.next_experiment.segments.empty())
-    console.next("forcegate next " + campaign);
-  else if (in.text("html").empty())
-    console.next("forcegate diagnose " + campaign + " --html diagnosis.html");
-  else
-    console.next("forcegate fit " + campaign + " -o model.toml" +
-                 (answer.verdict == DiagnosisVerdict::unknown ? ", then an [[effect]] of your own in it" : ""));
+  console.next(line_after_diagnosis(in, answer,
+                                    {.campaign = in.text("CAMPAIGN"), .model = named_model(in), .page = !in.text("html").empty()}));
   return kExitSuccess;
 }
 

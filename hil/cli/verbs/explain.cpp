@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/text.h"
@@ -13,8 +14,37 @@ namespace {
 
 std::vector<std::string> terms() {
   std::vector<std::string> out;
-  for (const Explanation& e : explanations()) out.push_back(e.term);
+  for (const Explanation& e : explanations())
+    if (std::ranges::find(out, e.term) == out.end()) out.push_back(e.term);
+  for (const std::string& effect : EffectRegistry::instance().names())
+    if (std::ranges::find(out, effect) == out.end()) out.push_back(effect);
   return out;
+}
+
+std::string row_of(const std::string& head, const std::string& words) {
+  return fmt::format("  {:<14}{}", head, wrapped(words, 16).substr(16));
+}
+
+std::string line_after(const std::string& kind) {
+  if (kind == "exit code") return "forcegate doctor";
+  return kind == "diagnosis" || kind == "side" || kind == "effect" ? "forcegate diagnose --help" : "forcegate report --help";
+}
+
+// The terms of each kind on one line.
+std::string topics() {
+  std::string out = "Terms:\n", kind;
+  std::vector<std::string> of_kind;
+  const auto put = [&] {
+    if (!of_kind.empty()) out += row_of(kind, join(of_kind, ", "));
+    of_kind.clear();
+  };
+  for (const Explanation& e : explanations()) {
+    if (e.kind != kind) put();
+    kind = e.kind;
+    of_kind.push_back(e.term);
+  }
+  put();
+  return out + row_of("effect", join(EffectRegistry::instance().names(), ", "));
 }
 
 Result<int> run(const Invocation& in) {
@@ -29,9 +59,10 @@ Result<int> run(const Invocation& in) {
     for (const Explanation& e : explanations()) {
       if (e.kind != kind) console.print((kind.empty() ? "" : "\n") + console.paint(Paint::strong, e.kind));
       kind = e.kind;
-      console.print(fmt::format("  {:<14}{}", e.term, wrapped(e.meaning, 16).substr(16)));
+      console.print(row_of(e.term, e.meaning));
       add(e);
     }
+    console.print("\n" + console.paint(Paint::strong, "effect") + "\n" + row_of("", join(EffectRegistry::instance().names(), ", ")));
     console.print_json(document.dump(2));
     console.next("forcegate explain NO-DECISION");
     return kExitSuccess;
@@ -51,24 +82,27 @@ Result<int> run(const Invocation& in) {
     add(e);
   }
   console.print_json(document.dump(2));
-  console.next("forcegate explain");
+  console.next(line_after(found.front().kind));
   return kExitSuccess;
 }
 
 const Registration<Command> kRow{Command{
     .name = "explain",
     .group = "House",
-    .summary = "what a verdict, a decision or an exit code means and what to do about it",
+    .summary = "what a verdict, a decision, an effect or an exit code means and what to do about it",
     .description =
-        "Every word that a report uses for a verdict, a decision or the one who must act, and every exit "
-        "code, in one sentence, with what to do next. Without TERM: all of them.",
+        "Every word that a report uses for a verdict, a decision, a side or the one who must act, every exit code and every effect of the "
+        "library, in one sentence, with what to do next. Without TERM: all of them.",
     .positionals = {{.name = "TERM",
-                     .doc = "Word of a report or exit code, in any case.",
+                     .doc = "One of the terms above, in any case.",
                      .required = false,
                      .choices = terms,
-                     .only_choices = false}},
+                     .only_choices = false,
+                     .list_choices = false}},
     .examples = {{"forcegate explain marginal", "Why a check that passed is not simply \"pass\":"},
+                 {"forcegate explain creep", "What an effect does and what parts it from its look-alikes:"},
                  {"forcegate explain 4", "What a continuous integration should do after exit code 4:"}},
+    .details = topics,
     .run = run,
 }};
 

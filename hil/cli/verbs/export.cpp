@@ -1,12 +1,20 @@
 #include "hil/app/export.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 
 namespace forcegate {
 namespace {
+
+// The firmware around the header is built by a script of the source tree.
+std::string line_that_builds(const std::filesystem::path& header) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file("ci/firmware", ignored)) return "forcegate gate --help";
+  return "ci/firmware " + shell_quoted(header.string()) + " mine";
+}
 
 Result<int> run(const Invocation& in) {
   ExportRequest request;
@@ -32,9 +40,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const ExportResult answer, export_model(request));
   in.console().print(export_text(answer));
   in.console().print_json(export_json(answer));
-  if (!answer.header.empty())
-    in.console().next("ci/firmware " + shell_quoted(answer.header.string()) +
-                      " mine, then: forcegate gate build/firmware-mine/mine.native.so");
+  in.console().next(answer.header.empty() ? in.command_line() + " --c comp.h" : line_that_builds(answer.header));
   return kExitSuccess;
 }
 

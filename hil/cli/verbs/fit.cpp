@@ -6,6 +6,7 @@
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/next_line.h"
 
 namespace forcegate {
 namespace {
@@ -17,8 +18,10 @@ Result<int> run(const Invocation& in) {
   if (!output.empty()) FORCEGATE_CHECK_OK(write_file_atomically(output, write_model(answer.model)));
   in.console().print(refit_text(answer, ""));
   in.console().print_json(refit_json(answer, ""));
-  in.console().next("forcegate diagnose " + campaign_words(in, in.text("CAMPAIGN")) +
-                    (output.empty() ? model_words(in) : " --model " + shell_quoted(output)));
+  if (output.empty())
+    in.console().next("forcegate fit " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in) + " -o model.toml");
+  else
+    in.console().next(line_after_fit(in, output, in.text("CAMPAIGN"), answer.error_after, answer.floor));
   return kExitSuccess;
 }
 

@@ -7,25 +7,31 @@
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/next_line.h"
 
 namespace forcegate {
 namespace {
+
+// The model file knows the name of the campaign that it was fitted on; its place only where it lies here.
+std::string campaign_beside(const Model& model) {
+  std::error_code ignored;
+  for (auto step = model.history.rbegin(); step != model.history.rend(); ++step)
+    for (const char* ending : {"", ".csv"})
+      if (!step->campaign.empty() && std::filesystem::exists(step->campaign + ending, ignored)) return step->campaign + ending;
+  return {};
+}
 
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("on"), in.text("MODEL")));
   FORCEGATE_TRY(const History answer, history_request(request));
   in.console().print(history_text(answer));
   in.console().print_json(history_json(answer));
-  const std::string model = shell_quoted(request.model);
-  // one recording cannot tell one law for all records from its own repeatability: the model is exported as it was fitted
-  const std::filesystem::path on = in.text("on");
-  const bool several = std::filesystem::is_directory(on) || on.extension() == ".json";
-  if (in.given("on"))
-    in.console().next("forcegate export " + model +
-                      (several ? " --fit " + campaign_words(in, on.string()) : "") +
-                      " --c comp.h puts it into firmware");
+  if (answer.waterfall)
+    in.console().next(line_after_fit(in, request.model, in.text("on"), answer.waterfall->end, answer.waterfall->floor));
+  else if (const std::string campaign = campaign_beside(answer.model); !campaign.empty())
+    in.console().next("forcegate history " + shell_quoted(request.model) + " --on " + shell_quoted(campaign));
   else
-    in.console().next("forcegate history " + model + " --on CAMPAIGN");
+    in.console().next(export_line(in, request.model, "").value_or("forcegate history --help"));
   return kExitSuccess;
 }
 

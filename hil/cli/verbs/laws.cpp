@@ -1,9 +1,29 @@
 #include "hil/app/laws.h"
 
+#include <algorithm>
+
+#include "hil/app/gate.h"
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
 
 namespace forcegate {
 namespace {
+
+// The law with the terms that were found, asked again; where nothing lacks, the records that a dependence would show on.
+std::string line_after(const Invocation& in, const std::vector<ParameterAnswer>& answers) {
+  const auto lacking = std::ranges::find_if(answers, [](const ParameterAnswer& a) { return !a.added.empty(); });
+  if (lacking == answers.end()) return find_plan("campaign") ? "forcegate plan campaign" : "forcegate record --help";
+  std::string out = "forcegate laws " + shell_quoted(in.text("TABLE")) + " --of " + shell_quoted(lacking->name);
+  const auto repeat = [&](const std::string& option) {
+    for (const std::string& word : in.texts(option)) out += " --" + option + " " + shell_quoted(word);
+  };
+  repeat("law");
+  for (const FoundTerm& term : lacking->added) out += " --law " + shell_quoted(to_string(term.found.term));
+  repeat("over");
+  for (const char* option : {"scale", "alpha", "seed"})
+    if (in.given(option)) repeat(option);
+  return out;
+}
 
 Result<int> run(const Invocation& in) {
   LawsRequest request;
@@ -17,13 +37,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::vector<ParameterAnswer> answers, laws(request));
   in.console().print(laws_text(answers));
   in.console().print_json(laws_json(answers));
-  for (const ParameterAnswer& a : answers)
-    if (a.added.empty()) {
-      in.console().next("record more, further apart in what you suspect, and ask again");
-      return kExitSuccess;
-    }
-  in.console().next(
-      "give the term to the law with --law and ask again, or record where the candidates differ");
+  in.console().next(line_after(in, answers));
   return kExitSuccess;
 }
 

@@ -40,6 +40,7 @@ Result<int> run(const Invocation& in) {
                 }));
   console.print(fmt::format("{}: {} records, {} samples, {:.0f} minutes of rig time", made.folder.string(),
                             made.records, made.rows, made.campaign_minutes));
+  console.print("with an answer: forcegate reveal " + shell_quoted(made.folder.string()) + " --effect NAME");
   console.print_json(nlohmann::ordered_json{{"format", 1},
                                             {"folder", made.folder.string()},
                                             {"seed", request.seed},
@@ -48,8 +49,7 @@ Result<int> run(const Invocation& in) {
                                             {"rows", made.rows},
                                             {"campaign_minutes", made.campaign_minutes}}
                          .dump(2));
-  console.next("forcegate diagnose " + shell_quoted(made.folder.string()) + ", then: forcegate reveal " +
-               shell_quoted(made.folder.string()) + " --effect NAME");
+  console.next("forcegate diagnose " + shell_quoted(made.folder.string()));
   return kExitSuccess;
 }
 

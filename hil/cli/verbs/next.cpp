@@ -1,11 +1,15 @@
+#include "hil/app/mystery.h"
 #include "hil/app/next_run.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/cli/verbs/next_line.h"
 #include "hil/cli/verbs/rig_choice.h"
 
 namespace forcegate {
 namespace {
+
+std::string given_words(const Invocation& in) { return campaign_words(in, in.text("CAMPAIGN")) + model_words(in); }
 
 Result<int> play(const Invocation& in) {
   NextRunRequest request;
@@ -26,13 +30,19 @@ Result<int> play(const Invocation& in) {
   in.console().print(next_run_text(*made));
   in.console().notes(made->after.notes);
   in.console().print_json(next_run_json(*made));
-  const std::string folder = shell_quoted(made->folder.string()) + model_words(in);
-  if (const Finding* first = worth_adding(made->after); first != nullptr)
-    in.console().next("forcegate add " + first->effect + " --fit " + folder + " -o better.toml");
-  else if (!made->after.next_experiment.segments.empty())
-    in.console().next("forcegate next " + folder);
-  else
-    in.console().next("forcegate diagnose " + folder + " --html diagnosis.html");
+  in.console().next(line_after_diagnosis(in, made->after, {.campaign = made->folder.string(), .model = named_model(in)}));
+  return kExitSuccess;
+}
+
+// Forces as files, for who records them by hand.
+Result<int> write(const Invocation& in, const NextExperiment& planned) {
+  FORCEGATE_TRY(const std::vector<std::filesystem::path> files, write_profiles(planned, in.text("output")));
+  std::string text;
+  for (const std::filesystem::path& file : files) text += "wrote " + file.string() + "\n";
+  in.console().print(text + "record each of them on your rig, then give the recordings: forcegate next " + given_words(in) +
+                     " --run --record FILE -o " + shell_quoted(in.text("output")));
+  in.console().next("forcegate stimulus replay path=" + shell_quoted(files.front().string()) + " --plot " +
+                    shell_quoted(std::filesystem::path(files.front()).replace_extension(".svg").string()));
   return kExitSuccess;
 }
 
@@ -43,14 +53,19 @@ Result<int> run(const Invocation& in) {
   const NextExperiment& answer = diagnosis.next_experiment;
   in.console().print(next_text(diagnosis));
   in.console().print_json(next_json(answer));
-  const std::string campaign = campaign_words(in, in.text("CAMPAIGN")) + model_words(in);
-  if (!answer.segments.empty())
-    in.console().next("forcegate next " + campaign +
-                      " --run on your rig, or record it yourself and add --record FILE");
-  else if (const Finding* first = worth_adding(diagnosis); first != nullptr)
-    in.console().next("forcegate add " + first->effect + " --fit " + campaign + " -o better.toml");
+  if (answer.segments.empty()) {
+    in.console().next(line_after_diagnosis(
+        in, diagnosis, {.campaign = in.text("CAMPAIGN"), .model = named_model(in), .experiment = true}));
+    return kExitSuccess;
+  }
+  if (in.given("output")) return write(in, answer);
+  // a rig that was named, or the sensor of a mystery, can play them; the emulated rig's own sensor is not that of the records
+  if (in.given("rig") || in.given("rig-option") || in.given("record"))
+    in.console().next(in.command_line() + " --run");
+  else if (is_mystery(in.text("CAMPAIGN")))
+    in.console().next("forcegate next " + given_words(in) + " --run");
   else
-    in.console().next("forcegate diagnose " + campaign + " --html diagnosis.html");
+    in.console().next("forcegate next " + given_words(in) + " -o " + shell_quoted(next_folder(in.text("CAMPAIGN")).string()));
   return kExitSuccess;
 }
 
@@ -63,7 +78,8 @@ const Registration<Command> kRow{Command{
         "for the explanation; each is simulated for all rivals and the rival is refitted inside.\n\n"
         "--run plays them on a rig, appends the records to a copy of the campaign (nothing is overwritten) "
         "and diagnoses again: "
-        "odds before, expected and now. With --record the segments are picked from files that you recorded. "
+        "odds before, expected and now. With --record the segments are picked from files that you recorded; -o FOLDER without "
+        "--run writes the forces to record. "
         "The sensor of a mystery is played on as long as its seal lies beside it; nothing is revealed.",
     .positionals = {campaign_positional()},
     .options = joined({{model_row()},
@@ -84,7 +100,7 @@ const Registration<Command> kRow{Command{
                          .fallback = "1"},
                         {.name = "output",
                          .value_name = "FOLDER",
-                         .doc = "New campaign; default: CAMPAIGN-next.",
+                         .doc = "New campaign, default: CAMPAIGN-next; without --run the forces to record are written there.",
                          .letter = 'o'}}}),
     .examples = {{"forcegate next m7", "Which records would settle it:"},
                  {"forcegate next m7 --run --rig-option hidden=creep:strong",

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
 
 namespace forcegate {
 namespace {
@@ -35,9 +36,11 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const PlanEstimate estimate, estimate_named_plan(in.text("PLAN")));
   in.console().print(plan_in_words(estimate, in.flag("estimate")));
   in.console().print_json(to_json(estimate).dump(2));
-  in.console().next(std::string("forcegate gate build/firmware/") +
-                    (estimate.weights ? "two-variable" : "reference") + ".native.so --plan " +
-                    in.text("PLAN"));
+  if (estimate.name == "campaign")  // it judges no firmware
+    in.console().next("forcegate record --help");
+  else
+    in.console().next(std::string("forcegate gate build/firmware/") + (estimate.weights ? "two-variable" : "reference") +
+                      ".native.so --plan " + shell_quoted(in.text("PLAN")));
   return kExitSuccess;
 }
 

@@ -43,10 +43,9 @@ Result<int> run(const Invocation& in) {
                           {"score", score_json(result)}}
                          .dump(2));
   if (!result.score)
-    console.next("forcegate diagnose " + shell_quoted(in.text("DIR")) +
-                 " --json > answer.json, then reveal with --answer");
+    console.next("forcegate diagnose " + shell_quoted(in.text("DIR")) + " --json > answer.json");
   else
-    console.next("forcegate mystery seals another one");
+    console.next("forcegate mystery --help");
   return kExitSuccess;
 }
 

@@ -13,7 +13,7 @@ Figure waterfall(const std::string& title, const std::string& start, const std::
   Figure figure(title, std::clamp(190.0 + 105.0 * static_cast<double>(steps.size()), 420.0, 900.0));
   const double first = steps.empty() ? kAuto : steps.front().before;
   const Scaled scale = readable_unit(first, unit);
-  Panel& panel = figure.panel({"", ""}, {"RMSE", scale.unit}, 190.0);
+  Panel& panel = figure.panel({"Version of the model", ""}, {"RMSE", scale.unit}, 190.0);
   panel.y_axis.include_zero = true;
   panel.x_axis.categories.push_back(shorten(start, 16));
   std::vector<Bar> bars{
@@ -56,7 +56,7 @@ Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter
       if (std::isfinite(v)) most = std::max(most, v);
   const Scaled scale = readable_unit(most, unit);
   Panel& panel =
-      figure.panel({quantity, scale.unit}, {"", ""}, 20.0 * static_cast<double>(rows.size()) + 10.0);
+      figure.panel({quantity, scale.unit}, {"Record", ""}, 20.0 * static_cast<double>(rows.size()) + 10.0);
   panel.x_axis.include_zero = true;
   std::vector<double> before, after, floors, y;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -130,6 +130,29 @@ void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<
   }
   panel.density(std::move(rising));
   if (split) panel.density(std::move(falling));
+}
+
+void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<double>*> y) {
+  constexpr double kUsualSteps = 4.0;
+  if (x.size() < 4) return;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < x.size(); ++i)
+    if (const double step = std::abs(x[i] - x[i - 1]); step > 0.0) steps.push_back(step);
+  if (steps.empty()) return;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double most = kUsualSteps * *middle;
+  const std::vector<double> old = x;
+  const auto rebuild = [&](std::vector<double>& values, bool of_x) {
+    std::vector<double> out;
+    for (std::size_t i = 0; i < std::min(values.size(), old.size()); ++i) {
+      if (i > 0 && std::abs(old[i] - old[i - 1]) > most) out.push_back(of_x ? 0.5 * (old[i] + old[i - 1]) : kAuto);
+      out.push_back(values[i]);
+    }
+    values = std::move(out);
+  };
+  rebuild(x, true);
+  for (std::vector<double>* values : y) rebuild(*values, false);
 }
 
 Scaled readable_unit(double magnitude, const std::string& unit) {

@@ -1,6 +1,7 @@
 #pragma once
 // Pictures that several reports share.
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,10 @@ Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter
 /// than 800 points, marks otherwise. `y_reach` > 0 sets the y range to +-y_reach.
 void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
                   const std::vector<double>& direction, double y_reach);
+
+/// Lines end where samples are missing: puts NaN into every y between two samples that lie more than four usual steps of x
+/// apart. x of one sign of step; fewer than four samples stay as they are.
+void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<double>*> y);
 
 /// Value with two or three digits and the SI prefix that makes it readable: 0.0123 V -> {12.3, "mV"}.
 struct Scaled {

@@ -1,9 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "hil/report/diagnosis_figures.h"
 #include "hil/report/diagnosis_html.h"
 #include "hil/report/figures/plots.h"
+#include "hil/report/record_pictures.h"
 #include "tests/support/sample_diagnosis.h"
 
 namespace forcegate {
@@ -77,6 +81,107 @@ TEST(ResidualMapPicture, hatches_cells_without_enough_blocks) {
   const std::string full = residual_map_figure(d, false).svg(figures::Figure::Target::embedded);
   EXPECT_EQ(count(hatched, "class=\"l mu\""), 1u);
   EXPECT_EQ(count(full, "class=\"l mu\""), 0u);
+}
+
+std::string drawn(const figures::Figure& figure) { return figure.svg(figures::Figure::Target::embedded); }
+
+TEST(ResidualMapPicture, says_the_range_and_the_unit_of_every_coordinate) {
+  const std::string svg = drawn(residual_map_figure(sample::diagnosis(), false));
+  for (const char* text : {"Position in the range that stands beside the coordinate / %", "Coordinate, lowest to highest",
+                           "force while unloading, 0.51 to 3.9 N", "temperature, 21 to 24 \u00b0C", "time since the last turn, 1.2 to 516 s"})
+    EXPECT_THAT(svg, HasSubstr(text));
+}
+
+TEST(Pictures, of_a_diagnosis_name_both_axes_of_every_panel) {
+  const Diagnosis d = sample::diagnosis();
+  std::vector<figures::Figure> all = {diagnosis_waterfall(d), ranking_figure(d), record_error_figure(d), residual_map_figure(d, false),
+                                      coordinate_figure(d.maps[0], nullptr, d.unit), evidence_figure(d.findings[0].series[0]),
+                                      record_overlay_figure(d.overlays[0])};
+  const std::vector<double> x = {1, 2, 3, 4, 5};
+  all.push_back(spectrum_figure({"r", x, x, x, 0.1}, "V"));
+  all.push_back(extrema_figure({"r", {x, x, x}, {x, x, x}}, "V"));
+  all.push_back(drift_figure({"r", "line", x, x, x, 0.1}, "V"));
+  RecordPictures levels;
+  for (const double at : x) levels.levels.push_back({"r", at, at, 0.1, at, 0.1, NAN, NAN});
+  all.push_back(levels_figure(levels));
+  EXPECT_EQ(all.back().panels().size(), 2u);  // no rig law: no panel of the reference
+  for (const figures::Figure& figure : all)
+    for (const figures::Panel& panel : figure.panels()) {
+      EXPECT_FALSE(panel.x_axis.quantity.empty()) << figure.title;
+      EXPECT_FALSE(panel.y_axis.quantity.empty()) << figure.title;
+    }
+}
+
+TEST(Pictures, of_a_record_leave_a_gap_where_the_clock_has_one) {
+  EvidenceSeries s{"r", "measured and modelled", "time", "s", "V", {}, {}, {}, {}};
+  for (int i = 0; i < 100; ++i) {
+    s.x.push_back(i < 50 ? 0.1 * i : 0.1 * i + 30.0);
+    s.before.push_back(1.0 + 0.01 * i);
+    s.after.push_back(1.0);
+  }
+  const figures::Figure figure = record_overlay_figure(s);
+  std::size_t lines = 0;
+  for (const figures::Panel& panel : figure.panels())
+    for (const figures::Series& series : panel.series)
+      if (const auto* line = std::get_if<figures::LineSeries>(&series)) {
+        ++lines;
+        EXPECT_EQ(std::ranges::count_if(line->y, [](double y) { return std::isnan(y); }), 1);
+      }
+  EXPECT_EQ(lines, 3u);  // measured, model, difference
+}
+
+TEST(Gaps, break_a_line_where_a_step_is_four_times_the_usual_one) {
+  std::vector<double> x = {0, 1, 2, 3, 7.5, 8, 9, 12.9}, y = x;
+  figures::break_at_gaps(x, {&y});
+  ASSERT_EQ(x.size(), 9u);
+  EXPECT_TRUE(std::isnan(y[4]));
+  EXPECT_DOUBLE_EQ(y[5], 7.5);
+  EXPECT_DOUBLE_EQ(y[8], 12.9);
+}
+
+RecordPictures some_pictures() {
+  RecordPictures p;
+  const std::vector<double> x = {1, 2, 3, 4, 5};
+  p.spectra.push_back({"C07_r05", x, x, x, 0.1});
+  for (const double at : x) p.levels.push_back({"r", at, at, 0.1, at, 0.1, NAN, NAN});
+  p.missing = {"No maxima and minima over time: nothing turns."};
+  return p;
+}
+
+TEST(SpectrumPicture, tells_a_line_of_the_load_from_one_of_its_own) {
+  ResidualSpectrum s{"r", {}, {}, {}, 0.0};
+  for (int i = 1; i <= 200; ++i) {
+    s.f_Hz.push_back(0.1 * i);
+    s.residual.push_back(i == 70 ? 1e-2 : 1e-3 + 0.5 / (i * i));  // what grows to low frequencies is no line
+    s.load.push_back(1e-2);
+  }
+  EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("a line at 7 Hz, where the load has none"));
+  s.load[69] = 1.0;
+  EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("a line at 7 Hz, where the load has one"));
+  s.residual[69] = s.residual[68];
+  EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("No line stands out"));
+}
+
+TEST(DiagnosisPage, a_comparison_far_above_its_noise_is_not_green) {
+  Diagnosis d = sample::diagnosis();
+  EXPECT_THAT(diagnosis_html(d, {"0.1.0", "", true}), HasSubstr("<header class=\"wa\">"));
+  d.error_before = d.floor;
+  EXPECT_THAT(diagnosis_html(d, {"0.1.0", "", true}), HasSubstr("<header class=\"ok\">"));
+}
+
+TEST(DiagnosisPage, draws_spectrum_and_level_or_says_why_not) {
+  const std::string page = diagnosis_html(sample::diagnosis(), {"0.1.0", "", false, some_pictures()});
+  EXPECT_THAT(page, HasSubstr("<title>Spectrum of the residual, record C07_r05</title>"));
+  EXPECT_THAT(page, HasSubstr("No maxima and minima over time: nothing turns."));
+  EXPECT_GT(page.find("<title>Level of every record in its order</title>"), page.find("id=\"looks\""));
+}
+
+TEST(DiagnosisPage, draws_the_level_of_the_records_beside_a_claim_that_acts_between_them) {
+  Diagnosis d = sample::diagnosis();
+  d.findings[0].effect = "wear";
+  const std::string page = diagnosis_html(d, {"0.1.0", "", false, some_pictures()});
+  EXPECT_EQ(count(page, "<title>Level of every record in its order</title>"), 1u);
+  EXPECT_LT(page.find("<title>Level of every record in its order</title>"), page.find("id=\"looks\""));
 }
 
 TEST(Waterfall, draws_a_step_hollow_when_its_interval_holds_zero) {

@@ -1,0 +1,18 @@
+#pragma once
+// The data of hil/report/record_pictures.h, from what a diagnosis leaves behind.
+
+#include "hil/diagnose/workspace.h"
+#include "hil/model/model.h"
+#include "hil/report/record_pictures.h"
+#include "hil/trace/campaign.h"
+
+namespace forcegate {
+
+/// Residual = output - (zero + gain * model), the model's decay as the diagnosis fitted it; gain and zero are the record's own where one
+/// record is looked at. The effects of the model file are in it, at the file's strengths; what a diagnosis finds is not.
+RecordPictures record_pictures(const diagnose::Workspace& workspace, const Model& model);
+
+/// Of recordings without an input. `form`: the law of time to draw; empty: the one that predicts left-out parts best.
+RecordPictures drift_pictures(const Campaign& campaign, const std::string& form);
+
+}  // namespace forcegate

@@ -1,0 +1,67 @@
+#include "hil/cli/verbs/next_line.h"
+
+#include "hil/app/diagnose.h"
+#include "hil/app/gate.h"
+#include "hil/cli/parse.h"
+#include "hil/cli/verbs/campaign_options.h"
+
+namespace forcegate {
+namespace {
+
+std::string with_model(const std::string& model) { return model.empty() ? "" : " --model " + shell_quoted(model); }
+
+std::vector<std::string> effects_of(const std::string& name) {
+  const auto model = load_model(name);
+  if (!model) return {};
+  std::vector<std::string> out = model->effect_names();
+  for (const UserEffect& e : model->user_effects) out.push_back(e.name);
+  return out;
+}
+
+}  // namespace
+
+std::optional<std::string> export_line(const Invocation& in, const std::string& model, const std::string& campaign) {
+  std::optional<CampaignRequest> records;
+  // --rate is the firmware's in export: a file without a clock cannot be named there
+  if (!campaign.empty() && !in.given("rate")) {
+    records.emplace();
+    records->campaign = campaign;
+    records->maps = in.texts("map");
+  }
+  const bool shipped = is_shipped_model(model);
+  const std::optional<ExportOffer> offer = export_offer(model, records ? &*records : nullptr);
+  if (!offer || (shipped && !offer->refit)) return std::nullopt;
+  std::string out = "forcegate export " + (model.empty() ? "flexiforce" : shell_quoted(model));
+  if (offer->refit) out += " --fit " + campaign_words(in, campaign);
+  if (shipped) out += " -o model.toml";
+  if (!offer->plan) out += " --plan none";
+  return out + " --c comp.h";
+}
+
+std::string line_after_diagnosis(const Invocation& in, const Diagnosis& d, const AskedAbout& about) {
+  const std::string words = campaign_words(in, about.campaign), both = words + with_model(about.model);
+  std::optional<std::string> exported;
+  Standing standing{.page = about.page, .model_file = !is_shipped_model(about.model), .experiment = about.experiment};
+  standing.in_model = effects_of(about.model);
+  standing.is_exportable = [&] { return (exported = export_line(in, about.model, about.campaign)).has_value(); };
+  const WhatNext what = after_diagnosis(d, standing);
+  switch (what.step) {
+    case Step::add:
+      return "forcegate add " + shell_quoted(what.word) + " --fit " + both + " -o " + shell_quoted(better_model_name(about.model));
+    case Step::experiment: return "forcegate next " + both;
+    case Step::page: return "forcegate diagnose " + both + " --html diagnosis.html";
+    case Step::fit: return "forcegate fit " + both + " -o model.toml";
+    case Step::compensate: return *exported;
+    case Step::record: return find_plan("campaign") ? "forcegate plan campaign" : "forcegate record --help";
+    case Step::explain: return "forcegate explain " + shell_quoted(what.word);
+  }
+  return {};
+}
+
+std::string line_after_fit(const Invocation& in, const std::string& model, const std::string& campaign, double error, double floor) {
+  if (is_noise(error, floor))
+    if (const std::optional<std::string> line = export_line(in, model, campaign)) return *line;
+  return "forcegate diagnose " + campaign_words(in, campaign) + " --model " + shell_quoted(model);
+}
+
+}  // namespace forcegate

@@ -1,0 +1,156 @@
+#include "hil/report/record_pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "hil/report/figures/plots.h"
+#include "hil/report/figures/text.h"
+
+namespace forcegate {
+namespace {
+
+using namespace figures;
+
+constexpr double kWidth = 560.0;
+constexpr std::size_t kMostRings = 60;
+
+double largest(const std::vector<double>& values) {
+  double most = 0.0;
+  for (const double v : values)
+    if (std::isfinite(v)) most = std::max(most, std::abs(v));
+  return most;
+}
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+  for (double& v : values) v *= factor;
+  return values;
+}
+
+std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) out.push_back(a[i] - b[i]);
+  return out;
+}
+
+// A value over the larger one of the medians of up to 8 values on either side: a slope is no line. 0 within three values of an end.
+double above_neighbours(const std::vector<double>& y, std::size_t at) {
+  constexpr std::size_t kReach = 8, kFewest = 3;
+  if (at < kFewest || at + kFewest >= y.size()) return 0.0;
+  const auto median = [&](std::size_t begin, std::size_t end) {
+    std::vector<double> side(y.begin() + static_cast<std::ptrdiff_t>(begin), y.begin() + static_cast<std::ptrdiff_t>(end));
+    const auto middle = side.begin() + static_cast<std::ptrdiff_t>(side.size() / 2);
+    std::nth_element(side.begin(), middle, side.end());
+    return *middle;
+  };
+  const double around = std::max(median(at > kReach ? at - kReach : 0, at), median(at + 1, std::min(y.size(), at + kReach + 1)));
+  return around > 0.0 ? y[at] / around : 0.0;
+}
+
+void add_line(Panel& panel, std::vector<double> x, std::vector<double> y, Style style, const std::string& label = {}) {
+  break_at_gaps(x, {&y});
+  panel.line(std::move(x), std::move(y), style, label);
+}
+
+}  // namespace
+
+bool shows_between_records(const std::string& effect) {
+  constexpr std::array<std::string_view, 8> kEffects = {"bias", "wear", "reference_drift", "mounting", "thermal", "humidity", "slow_recovery", "drift"};
+  return std::ranges::find(kEffects, effect) != kEffects.end();
+}
+
+Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
+  Figure figure("Spectrum of the residual, record " + s.record, kWidth);
+  const Scaled scale = readable_unit(largest(s.residual), unit);
+  Axis x{"Frequency", "Hz"}, y{"Amplitude density", scale.unit + "/\u221aHz"};
+  x.scale = y.scale = Scale::logarithmic;
+  Panel& panel = figure.panel(x, y, 150.0);
+  panel.line(s.f_Hz, scaled(s.load, scale.factor), {Role::muted, Dash::solid, 1.0}, "modelled output");
+  panel.line(s.f_Hz, scaled(s.residual, scale.factor), {Role::firmware, Dash::solid, 1.2}, "residual");
+  if (s.noise > 0.0) panel.hline(s.noise * scale.factor, "noise", Role::muted, Dash::dotted);
+  constexpr double kLine = 4.0, kOfTheLoad = 2.0;
+  std::size_t line = 0;
+  double most = 0.0;
+  for (std::size_t i = 1; i < std::min(s.f_Hz.size(), s.residual.size()); ++i)
+    if (const double ratio = above_neighbours(s.residual, i); ratio > most) most = ratio, line = i;
+  if (most < kLine)
+    figure.summary = "No line stands out of the residual.";
+  else
+    figure.summary = "The residual has a line at " + display(s.f_Hz[line], 3) + " Hz" +
+                     (above_neighbours(s.load, line) > kOfTheLoad ? ", where the load has one." : ", where the load has none: a harmonic that the model lacks, mains or a resonance.");
+  return figure;
+}
+
+Figure extrema_figure(const ExtremaDecay& e, const std::string& unit) {
+  Figure figure("Maxima and minima over time, record " + e.record, kWidth);
+  figure.share_x = true;
+  const Axis time{"Time in the record", "s"};
+  Panel& above = figure.panel(time, {"Output", unit}, 110.0);
+  above.show_x_labels = false;
+  const std::vector<double> high = difference(e.maxima.measured, e.maxima.modelled), low = difference(e.minima.measured, e.minima.modelled);
+  const Scaled scale = readable_unit(std::max(largest(high), largest(low)), unit);
+  Panel& below = figure.panel(time, {"Measured \u2212 model", scale.unit}, 90.0);
+  below.hline(0.0);
+  const auto add = [&](const TurningSeries& s, const std::vector<double>& error, Role role, Marker marker, const std::string& label) {
+    if (s.t_s.size() <= kMostRings)
+      above.points(s.t_s, s.modelled, {Role::model, Dash::solid, 1.0, Marker::ring, 6.0}, marker == Marker::up ? "model" : "");
+    else
+      add_line(above, s.t_s, s.modelled, {Role::model, Dash::dashed, 1.1}, marker == Marker::up ? "model" : "");
+    above.points(s.t_s, s.measured, {role, Dash::solid, 1.0, marker, 5.0, 0.8}, label);
+    below.points(s.t_s, scaled(error, scale.factor), {role, Dash::solid, 1.0, marker, 6.0, 0.8}, label);
+  };
+  add(e.maxima, high, Role::rising, Marker::up, "maxima");
+  add(e.minima, low, Role::falling, Marker::down, "minima");
+  figure.summary = "What the law of the decay leaves at the turning points of the force.";
+  return figure;
+}
+
+Figure levels_figure(const RecordPictures& p) {
+  Figure figure(p.levels_over_time ? "Level of every record over the campaign" : "Level of every record in its order", 760.0);
+  std::vector<double> x, zero, u_zero, gain, u_gain, reference, u_reference;
+  double last_s = 0.0;
+  for (const RecordLevel& level : p.levels) last_s = std::max(last_s, level.start_s);
+  const bool hours = last_s > 7200.0;
+  const Axis axis = p.levels_over_time ? Axis{"Start in campaign time", hours ? "h" : "min"} : Axis{"Record, in order", "1"};
+  for (std::size_t k = 0; k < p.levels.size(); ++k) {
+    const RecordLevel& level = p.levels[k];
+    x.push_back(p.levels_over_time ? level.start_s / (hours ? 3600.0 : 60.0) : static_cast<double>(k) + 1.0);
+    zero.push_back(level.zero), u_zero.push_back(2.0 * level.u_zero);
+    gain.push_back(level.gain_pct), u_gain.push_back(2.0 * level.u_gain_pct);
+    reference.push_back(level.reference_N), u_reference.push_back(2.0 * level.u_reference_N);
+  }
+  const auto known = [](const std::vector<double>& y) { return std::ranges::count_if(y, [](double v) { return std::isfinite(v); }) >= 3; };
+  const auto add = [&](std::vector<double> y, std::vector<double> U, const std::string& quantity, const std::string& unit) {
+    if (!known(y)) return;
+    const Scaled scale = readable_unit(largest(y), unit);
+    Panel& panel = figure.panel(axis, {quantity, scale.unit}, 120.0);
+    panel.hline(0.0).points(x, scaled(std::move(y), scale.factor), {Role::firmware, Dash::solid, 1.0, Marker::dot, 5.0}, "",
+                            scaled(std::move(U), scale.factor));
+  };
+  add(std::move(zero), std::move(u_zero), "Mean residual", p.unit);
+  add(std::move(gain), std::move(u_gain), "Departure of the gain", "%");
+  add(std::move(reference), std::move(u_reference), "Reference \u2212 rig law", "N");
+  figure.columns = static_cast<int>(std::clamp<std::size_t>(figure.panels().size(), 1, 2));
+  figure.summary = "One gain and zero for all records would put every point on the dashed line within its whisker (U, k = 2, from tenths of the record).";
+  return figure;
+}
+
+Figure drift_figure(const DriftCourse& c, const std::string& unit) {
+  Figure figure("Drift of the output, record " + c.record, kWidth);
+  figure.share_x = true;
+  const Axis time{"Time in the record", "s"};
+  Panel& above = figure.panel(time, {"Output", unit}, 120.0);
+  above.show_x_labels = false;
+  add_line(above, c.t_s, c.measured, {Role::reference}, "measured, means of blocks");
+  add_line(above, c.t_s, c.modelled, {Role::model, Dash::dashed, 1.4}, "law of time: " + c.form);
+  const std::vector<double> rest = difference(c.measured, c.modelled);
+  const Scaled scale = readable_unit(largest(rest), unit);
+  Panel& below = figure.panel(time, {"Measured \u2212 law", scale.unit}, 80.0);
+  below.hline(0.0).points(c.t_s, scaled(rest, scale.factor), {Role::firmware, Dash::solid, 0.8, Marker::dot, 3.0}, "",
+                          std::vector<double>(rest.size(), 2.0 * c.noise * scale.factor));
+  figure.summary = "Whiskers are U of a block mean, k = 2.";
+  return figure;
+}
+
+}  // namespace forcegate

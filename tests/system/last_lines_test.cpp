@@ -1,0 +1,190 @@
+// The last line of every answer is a command that works when it is pasted, and no chain of them comes back to where it was.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <set>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+std::string next_of(const ProcessResult& r) {
+  std::string text = r.out;
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  text = text.substr(text.rfind('\n') + 1);
+  return text.starts_with("next: ") ? text.substr(6) : "";
+}
+
+// As it stands, by a shell that finds the program.
+ProcessResult pasted(const std::string& command, const TemporaryFolder& folder) {
+  return run_process({"bash", "-c", "PATH=" FORCEGATE_BINARY_DIR ":$PATH; " + command}, {.folder = folder.path()});
+}
+
+bool is_an_end(const std::string& command) {
+  return command.starts_with("forcegate explain ") || command.starts_with("open ") || command.starts_with("ci/firmware ") ||
+         command.ends_with(" --help");
+}
+
+// All commands of the chain, the last one included; that one is run too.
+std::vector<std::string> chain(std::string command, const TemporaryFolder& folder) {
+  std::vector<std::string> out;
+  std::set<std::string> seen;
+  while (out.size() < 15) {
+    out.push_back(command);
+    EXPECT_TRUE(seen.insert(command).second) << "again: " << ::testing::PrintToString(out);
+    if (command.starts_with("open ")) break;
+    const ProcessResult r = pasted(command, folder);
+    EXPECT_EQ(r.exit_code, 0) << command << "\n" << r.out << r.err;
+    if (r.exit_code != 0 || is_an_end(command)) break;
+    command = next_of(r);
+    EXPECT_NE(command, "") << out.back() << "\n" << r.out;
+    if (command.empty()) break;
+  }
+  EXPECT_LT(out.size(), 15u) << ::testing::PrintToString(out);
+  return out;
+}
+
+struct Noise {
+  std::uint32_t state = 1;
+  double operator()() {
+    double sum = 0.0;
+    for (int k = 0; k < 12; ++k) sum += ((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0 - 0.5;
+    return sum;
+  }
+};
+
+// Slow triangles, a hold and sines at 100 Hz for 4 minutes; `output` sees time and force.
+void write_recording(const std::string& path, const std::function<double(double, double)>& output, bool held = false) {
+  Noise noise;
+  std::string csv = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 24000; ++i) {
+    const double t = 0.01 * i, phase = t / 40.0 - std::floor(t / 40.0);
+    const double F = held      ? 2.0
+                     : t < 120 ? 0.8 + 2.4 * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase)
+                     : t < 180 ? 0.8 + 2.2 * std::min(1.0, (t - 120.0) / 2.0)
+                               : 3.0 - 2.0 * std::min(1.0, (t - 180.0) / 2.0) + std::sin(3.14159265 * (t - 180.0));
+    char row[64];
+    std::snprintf(row, sizeof row, "%.2f,%.5f,%.5f\n", t, F + 0.004 * noise(), output(t, F) + 0.003 * noise());
+    csv += row;
+  }
+  write_text(path, csv);
+}
+
+TEST(LastLines, NothingMissingLeadsToFirmwareWithAndWithoutAPage) {
+  const TemporaryFolder folder;
+  write_recording(folder / "my film.csv", [](double, double F) { return 2.0 * F - 0.2; });
+  for (const char* page : {"", " --html film.html"}) {
+    const std::vector<std::string> steps = chain("forcegate diagnose 'my film.csv'" + std::string(page), folder);
+    ASSERT_GE(steps.size(), 3u) << ::testing::PrintToString(steps);
+    EXPECT_EQ(steps[1], "forcegate fit 'my film.csv' -o model.toml");
+    EXPECT_EQ(steps[2], "forcegate export model.toml --c comp.h");
+  }
+}
+
+TEST(LastLines, AnEffectThatIsFoundIsAddedAndAskedAboutUntilNothingIsLeft) {
+  const TemporaryFolder folder;
+  double play = 0.8;
+  write_recording(folder / "loop.csv", [&](double, double F) {
+    play = std::min(std::max(play, F - 0.3), F + 0.3);
+    return 2.0 * (0.9 * F + 0.1 * play) - 0.2;
+  });
+  const std::vector<std::string> steps = chain("forcegate diagnose loop.csv", folder);
+  EXPECT_THAT(steps, ::testing::Contains("forcegate add hysteresis --fit loop.csv -o better.toml"));
+  EXPECT_THAT(steps, ::testing::Contains("forcegate history better.toml --on loop.csv"));
+}
+
+TEST(LastLines, WhatIsNotSeparableLeadsToTheExperimentAndNotToAFit) {
+  const TemporaryFolder folder;
+  write_recording(folder / "hold.csv", [](double t, double F) { return 2.0 * F + 0.05 * std::log10(1.0 + t); }, true);
+  for (const char* page : {"", " --html hold.html"}) {
+    const ProcessResult asked = pasted("forcegate diagnose hold.csv" + std::string(page), folder);
+    ASSERT_THAT(asked.out, HasSubstr("cannot tell which")) << asked.out;
+    EXPECT_EQ(next_of(asked), "forcegate next hold.csv");
+  }
+  chain("forcegate diagnose hold.csv", folder);
+}
+
+TEST(LastLines, WhatExportRefusesIsNotSentToExport) {
+  const TemporaryFolder folder;
+  write_recording(folder / "hold.csv", [](double t, double F) { return 2.0 * F + 0.05 * std::log10(1.0 + t); }, true);
+  const ProcessResult added = pasted("forcegate add self_heating --fit hold.csv -o warm.toml", folder);
+  ASSERT_EQ(added.exit_code, 0) << added.err;
+  ASSERT_EQ(next_of(added), "forcegate history warm.toml --on hold.csv");
+  ASSERT_EQ(pasted("forcegate export warm.toml --c comp.h", folder).exit_code, 2);
+  for (const char* asked : {"forcegate history warm.toml --on hold.csv", "forcegate history warm.toml"}) {
+    const std::string next = next_of(pasted(asked, folder));
+    EXPECT_THAT(next, AllOf(StartsWith("forcegate "), Not(StartsWith("forcegate export")))) << asked;
+    EXPECT_EQ(pasted(next, folder).exit_code, 0) << next;
+  }
+}
+
+TEST(LastLines, ALawThatLacksATermIsAskedAgainWithIt) {
+  const TemporaryFolder folder;
+  Noise noise;
+  std::string csv = "f_Hz,A_N,b,u_b\n";
+  for (int k = 0; k < 14; ++k) {
+    char row[64];
+    const double f = 0.1 + 0.13 * k, A = 0.6 + 0.1 * ((5 * k) % 14);
+    std::snprintf(row, sizeof row, "%.3f,%.3f,%.6f,0.0001\n", f, A, 0.0056 + 0.0019 * f + 0.0001 * noise());
+    csv += row;
+  }
+  write_text(folder / "my table.csv", csv);
+  const std::vector<std::string> steps = chain("forcegate laws 'my table.csv' --of b", folder);
+  ASSERT_GE(steps.size(), 3u);
+  EXPECT_EQ(steps[1], "forcegate laws 'my table.csv' --of b --law f");
+  EXPECT_EQ(steps[2], "forcegate plan campaign");
+}
+
+TEST(LastLines, ExplainLeadsOutOfItself) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(chain("forcegate explain", folder).size(), 2u);
+  for (const char* term : {"known", "not separable", "4", "ACCEPT", "creep"})
+    EXPECT_THAT(next_of(forcegate({"explain", term})), Not(StartsWith("forcegate explain"))) << term;
+}
+
+TEST(Explain, HelpGroupsItsTermsAndKnowsTheEffects) {
+  const std::string help = forcegate({"explain", "--help"}).out;
+  EXPECT_THAT(help, HasSubstr("\n  decision      ACCEPT, REJECT, NO-DECISION\n"));
+  EXPECT_THAT(help, Not(HasSubstr("none, none")));
+  const ProcessResult creep = forcegate({"explain", "creep"});
+  EXPECT_EQ(creep.exit_code, 0);
+  EXPECT_THAT(creep.out, AllOf(HasSubstr("creep (effect)"), HasSubstr("what parts them: "), HasSubstr("\n  forcegate add creep --fit CAMPAIGN -o better.toml\n")));
+}
+
+TEST(ExportCheck, WhatHoldsNoSamplesIsNeitherCountedNorJudged) {
+  const TemporaryFolder folder;
+  Noise noise;
+  std::string csv = "t_s,F_ref_N,U_V\n", gaps = csv;
+  for (int i = 0; i < 12000; ++i) {
+    const double t = 0.01 * i, F = 2.0 + 1.2 * std::sin(0.3 * t), U = 2.0 * F - 0.2 + 0.003 * noise();
+    char row[64], empty[64];
+    std::snprintf(row, sizeof row, "%.2f,%.5f,%.5f\n", t, F, U);
+    std::snprintf(empty, sizeof empty, "%.2f,%.5f,\n", t, F);
+    csv += row;
+    if (t < 30.0 || t > 50.0) gaps += t > 80.0 && t < 90.0 ? empty : row;  // 20 s that the clock skips, 10 s without an output
+  }
+  write_text(folder / "whole.csv", csv);
+  write_text(folder / "gaps.csv", gaps);
+  ASSERT_EQ(pasted("forcegate fit whole.csv -o m.toml", folder).exit_code, 0);
+  const ProcessResult r = pasted("forcegate export m.toml --check gaps.csv --c comp.h", folder),
+                      all = pasted("forcegate export m.toml --check whole.csv --c comp.h", folder);
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr(" 90 s ")) << r.out;
+  EXPECT_THAT(r.out, ContainsRegex("30[.0-9]* s without samples not judged")) << r.out;
+  EXPECT_THAT(all.out, AllOf(HasSubstr(" 120 s "), Not(HasSubstr("not judged")))) << all.out;
+}
+
+}  // namespace
+}  // namespace forcegate::test

@@ -1,0 +1,104 @@
+#include "hil/app/record_pictures.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/rng.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Static records of a linear sensor: sine of 0.1 Hz, a line of `line_Hz` in the output alone, a zero that moves from record to record.
+diagnose::Workspace workspace(std::size_t records, double line_Hz, double zero_step_V) {
+  diagnose::Workspace w;
+  Rng rng(7, "record pictures");
+  for (std::size_t k = 0; k < records; ++k) {
+    RecordInput r;
+    r.name = "r" + std::to_string(k);
+    r.start_s = 600.0 * static_cast<double>(k);
+    for (int i = 0; i < 5000; ++i) {
+      const double t = 0.02 * i, F = 2.0 + std::sin(2.0 * kPi * 0.1 * t);
+      r.t_s.push_back(t);
+      r.F_N.push_back(F);
+      r.U_V.push_back(2.0 * F + 0.01 * std::sin(2.0 * kPi * line_Hz * t) + zero_step_V * static_cast<double>(k) + 0.001 * rng.normal());
+      r.ok.push_back(1);
+      r.decay.push_back(1.0);
+    }
+    w.input.records.push_back(std::move(r));
+    w.noise_V.push_back(0.001);
+  }
+  return w;
+}
+
+TEST(RecordPictures, TheSpectrumHasALineWhereTheOutputHasOneOfItsOwn) {
+  const RecordPictures p = record_pictures(workspace(1, 7.0, 0.0), Model{});
+  ASSERT_EQ(p.spectra.size(), 1u);
+  const ResidualSpectrum& s = p.spectra.front();
+  const auto peak = std::max_element(s.residual.begin(), s.residual.end()) - s.residual.begin();
+  EXPECT_NEAR(s.f_Hz[static_cast<std::size_t>(peak)], 7.0, 0.1);
+  std::vector<double> sorted = s.residual;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  EXPECT_NEAR(sorted[sorted.size() / 2] / s.noise, 1.0, 0.15);  // white noise elsewhere, in its own density
+}
+
+TEST(RecordPictures, TurningPointsAreThoseOfTheForce) {
+  const RecordPictures p = record_pictures(workspace(1, 7.0, 0.0), Model{});
+  ASSERT_EQ(p.extrema.size(), 1u);
+  EXPECT_EQ(p.extrema.front().maxima.t_s.size(), 10u);
+  EXPECT_NEAR(p.extrema.front().maxima.modelled.front(), 6.0, 0.01);
+}
+
+TEST(RecordPictures, ARigLawWithAZeroOfEachRecordsOwnTellsNothingOfTheReference) {
+  diagnose::Workspace w = workspace(3, 7.0, 0.0);
+  for (RecordInput& r : w.input.records) r.rig_force_N = r.F_N;
+  EXPECT_TRUE(std::isnan(record_pictures(w, Model{}).levels[0].reference_N));
+  w.rig_sees_zero = true;
+  EXPECT_NEAR(record_pictures(w, Model{}).levels[0].reference_N, 0.0, 1e-12);
+}
+
+TEST(RecordPictures, AZeroThatMovesStandsFarOutsideItsWhiskers) {
+  const RecordPictures p = record_pictures(workspace(5, 7.0, 0.02), Model{});
+  ASSERT_EQ(p.levels.size(), 5u);
+  EXPECT_NEAR(p.levels[4].zero - p.levels[0].zero, 0.08, 0.001);
+  EXPECT_LT(p.levels[4].u_zero, 0.002);
+  EXPECT_NEAR(p.levels[4].gain_pct, 0.0, 0.1);
+  EXPECT_TRUE(std::isnan(p.levels[4].reference_N));
+}
+
+TEST(RecordPictures, WhatTheRecordsCannotShowIsSaid) {
+  diagnose::Workspace w = workspace(1, 7.0, 0.0);
+  for (std::size_t i = 0; i < 5000; ++i) w.input.records[0].ok[i] = i % 100 < 60 ? 1 : 0;
+  const RecordPictures p = record_pictures(w, Model{});
+  EXPECT_TRUE(p.spectra.empty());
+  ASSERT_EQ(p.missing.size(), 3u);
+  EXPECT_NE(p.missing[0].find("No spectrum"), std::string::npos);
+  EXPECT_NE(p.missing[1].find("turns four times up"), std::string::npos);
+  EXPECT_NE(p.missing[2].find("three records"), std::string::npos);
+}
+
+TEST(RecordPictures, DriftWithoutAnInputIsDrawnWithItsLaw) {
+  Campaign campaign;
+  Record record;
+  record.name = "hold";
+  record.trace.time_bases.emplace_back();
+  Channel U;
+  U.name = "U";
+  U.unit = "V";
+  for (int i = 0; i < 2000; ++i) {
+    record.trace.time_bases[0].t_s.push_back(0.1 * i);
+    U.value.push_back(1.0 + 0.002 * 0.1 * i + (i % 2 == 0 ? 1e-4 : -1e-4));
+  }
+  record.trace.channels.push_back(U);
+  campaign.records.push_back(record);
+  const RecordPictures p = drift_pictures(campaign, "line");
+  ASSERT_EQ(p.drift.size(), 1u);
+  EXPECT_EQ(p.drift[0].form, "line");
+  EXPECT_NEAR(p.drift[0].modelled.back(), 1.4, 0.003);
+}
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,98 @@
+#include "hil/app/what_next.h"
+
+#include <gtest/gtest.h>
+
+namespace forcegate {
+namespace {
+
+Finding claim(const std::string& effect, const std::string& side) {
+  Finding f;
+  f.effect = effect;
+  f.side = side;
+  f.probability = 0.98;
+  f.error_before = 0.02;
+  f.error_after = 0.004;
+  return f;
+}
+
+Diagnosis with(DiagnosisVerdict verdict) {
+  Diagnosis d;
+  d.verdict = verdict;
+  d.error_before = 0.02;
+  d.error_after = 0.004;
+  d.records.resize(3);
+  return d;
+}
+
+constexpr DiagnosisVerdict kNone = DiagnosisVerdict::none, kKnown = DiagnosisVerdict::known, kUnknown = DiagnosisVerdict::unknown;
+
+TEST(WhatNext, TakesAFoundEffectIntoTheModelAndNeverTwice) {
+  Diagnosis d = with(kKnown);
+  d.findings = {claim("creep", "sensor")};
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::add);
+  EXPECT_EQ(after_diagnosis(d, {.page = true}).word, "creep");
+  EXPECT_NE(after_diagnosis(d, {.model_file = true, .in_model = {"creep"}}).step, Step::add);
+}
+
+TEST(WhatNext, WhatIsNotSeparableAsksForTheExperimentWhateverWasDrawn) {
+  Diagnosis d = with(kUnknown);
+  d.not_separable = {{"creep", "self_heating"}};
+  for (const bool page : {false, true}) EXPECT_EQ(after_diagnosis(d, {.page = page}).step, Step::experiment);
+  // no short segment parts them: the experiment is not asked for again
+  EXPECT_EQ(after_diagnosis(d, {.experiment = true}).step, Step::record);
+}
+
+TEST(WhatNext, NothingMissingEndsInAModelAndThatInFirmware) {
+  Diagnosis d = with(kNone);
+  d.next_experiment.segments.resize(1);  // the evidence of the ranking leaves rivals open that nobody claims
+  for (const bool page : {false, true}) {
+    EXPECT_EQ(after_diagnosis(d, {.page = page}).step, Step::fit);
+    EXPECT_EQ(after_diagnosis(d, {.page = page, .is_exportable = [] { return true; }}).step, Step::compensate);
+    EXPECT_EQ(after_diagnosis(d, {.page = page, .model_file = true, .is_exportable = [] { return true; }}).step, Step::compensate);
+    const WhatNext refused = after_diagnosis(d, {.page = page, .model_file = true, .is_exportable = [] { return false; }});
+    EXPECT_EQ(refused.step, Step::explain);
+    EXPECT_EQ(refused.word, "none");
+  }
+}
+
+TEST(WhatNext, WhatNoLibraryEffectExplainsIsLookedAtOnceAndThenExplained) {
+  const Diagnosis d = with(kUnknown);
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::page);
+  for (const bool own : {false, true}) {
+    const WhatNext seen = after_diagnosis(d, {.page = true, .model_file = own, .is_exportable = [] { return true; }});
+    EXPECT_EQ(seen.step, Step::explain);
+    EXPECT_EQ(seen.word, "unknown");
+  }
+}
+
+TEST(WhatNext, WhatTheModelHasNoPlaceForNamesTheSideThatIsToBeMended) {
+  Diagnosis d = with(kKnown);
+  d.findings = {claim("outliers", "instrument")};
+  d.findings[0].form = "raw";  // seen in the samples: no term of a model
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::page);
+  EXPECT_EQ(after_diagnosis(d, {.page = true}).word, "instrument");
+  d.findings = {claim("drift", "sensor")};
+  EXPECT_EQ(after_diagnosis(d, {.page = true}).word, "drift");
+}
+
+TEST(WhatNext, RecordingsWithoutAnInputAreNeverFitted) {
+  Diagnosis d = with(kNone);
+  d.records.clear();
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::explain);
+}
+
+TEST(WhatNext, AsksExportItselfWhetherAModelCanBecomeFirmware) {
+  EXPECT_TRUE(export_offer("flexiforce", nullptr).has_value());
+  EXPECT_FALSE(export_offer("no such file.toml", nullptr).has_value());
+}
+
+TEST(WhatNext, AStepIsNotWrittenOverTheOneBeforeIt) {
+  EXPECT_EQ(better_model_name(""), "better.toml");
+  EXPECT_EQ(better_model_name("fsr"), "better.toml");
+  EXPECT_EQ(better_model_name("better.toml"), "better2.toml");
+  EXPECT_EQ(better_model_name("out/better2.toml"), "out/better3.toml");
+  EXPECT_EQ(better_model_name("betterment.toml"), "better.toml");
+}
+
+}  // namespace
+}  // namespace forcegate
