@@ -40,16 +40,17 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
   const auto number = [&](double v) { return plain_number(unit.factor * v); };
   std::string out = add.empty() ? "refitted\n" : "added " + add + " and refitted everything\n";
   out += fmt::format(
-      "held-out error{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
-      r.levels ? ", one gain and offset for all" : "",
+      "{}{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
+      error_name(r.judged_by), r.levels ? ", one gain and offset for all" : "",
       number(r.error_before), number(r.error_after), unit.name, number(r.floor), unit.name, number(r.plain_before),
       number(r.plain_after), unit.name);
   if (!add.empty() && r.error_after >= r.error_before)
-    out += "the held-out error did not fall: this effect is not needed for these records\n";
+    out += "the error did not fall: this effect is not needed for these records\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)
     out += fmt::format("  {:<28} {:>12.5g} -> {} {}\n", m.name, m.before, with_uncertainty(m.after, m.u),
                        m.unit == "1" ? "" : m.unit);
+  for (const std::string& note : r.notes) out += "note: " + note + "\n";
   if (!r.waterfall.bars.empty()) out += "error by effect, held out:\n" + waterfall_text(r.waterfall);
   return out;
 }
@@ -76,6 +77,7 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
       {"added", add},
       {"model", r.model.name},
       {"parameters", moves},
+      {"notes", r.notes},
       {"error_before", r.error_before},
       {"error_after", r.error_after},
       {"floor", r.floor},

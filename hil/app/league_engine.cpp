@@ -67,7 +67,7 @@ LeagueEngine built_in_engine() {
             LeagueReply reply;
             reply.naive = largest_correlation(*workspace);
             if (auto base = diagnose::base_errors(*workspace, options)) reply.base = *base;
-            Diagnosis diagnosis = diagnose::diagnose_workspace(*workspace, options);
+            FORCEGATE_TRY(Diagnosis diagnosis, diagnose::diagnose_workspace(*workspace, options));
             diagnosis.maps.clear();  // a quarter of the text, and no judge reads them
             reply.json = to_json(diagnosis);
             return reply;

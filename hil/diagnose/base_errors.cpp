@@ -26,8 +26,7 @@ BaseError error_of(const ResidualChannel& channel, const MixedFit& base, const s
 
 MixedFit base_model(const Workspace& w, const EngineOptions& options, std::vector<std::string>& notes) {
   MixedFit base = fit_mixed(w.output.problem, model_columns(w.output, options.in_model), nullptr, kIterations);
-  // milliseconds between two instruments are no matter in a recording of seconds
-  const bool in_step = w.input.generic && w.input.records.front().row_step_s > 0.05;
+  const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
   return base.valid && !in_step ? forgive_late_reference(w, std::move(base), notes) : base;
 }
 

@@ -12,7 +12,7 @@ namespace {
 Result<Diagnosed> diagnose_rows(CampaignRows rows, const EngineOptions& options) {
   Diagnosed out;
   FORCEGATE_TRY(out.workspace, prepare(std::move(rows), options));
-  out.diagnosis = diagnose_workspace(*out.workspace, options);
+  FORCEGATE_TRY(out.diagnosis, diagnose_workspace(*out.workspace, options));
   return out;
 }
 

@@ -84,6 +84,8 @@ enum class JudgedBy {
   whole,     ///< one recording whose parts do not repeat each other: all rows, which it was fitted to as well
 };
 std::string to_string(JudgedBy by);
+/// "held-out error", or what it is where nothing could be held out.
+std::string error_name(JudgedBy by);
 
 struct ErrorPair {
   double before = 0.0, after = 0.0;

@@ -145,7 +145,7 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   return out;
 }
 
-Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
+Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
   const Search search = search_channels(w, options);
@@ -153,10 +153,8 @@ Diagnosis diagnose_workspace(Workspace& w, const EngineOptions& options) {
   out.judged_by = w.judges;
   if (w.judges == JudgedBy::whole)
     out.notes.emplace_back("its parts show different things, and some cannot be foretold from the others: errors are of the whole recording, which the model was fitted to");
-  if (!selection.base.valid) {
-    out.notes.push_back("the records do not determine the starting model: no verdict");
-    return out;
-  }
+  if (!selection.base.valid)
+    return fail(ErrorCode::parse, "the records do not determine the starting model", w.input.name, "more records, or records with more force");
   const Remainder rest = remainder_of(w, selection, options.threads);
   out.maps_after = rest.maps;
 

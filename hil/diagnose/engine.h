@@ -46,8 +46,8 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
 /// S0 to S3.
 Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options);
 
-/// S4 to S9 on a prepared workspace.
-Diagnosis diagnose_workspace(Workspace& workspace, const EngineOptions& options);
+/// S4 to S9 on a prepared workspace. Errors (parse): the records do not determine the starting model.
+Result<Diagnosis> diagnose_workspace(Workspace& workspace, const EngineOptions& options);
 
 /// Records, maps and overlays of the base law (with the effects that the model has), without any search.
 Diagnosis compare_workspace(Workspace& workspace, const EngineOptions& options);

@@ -46,14 +46,14 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
   return out;
 }
 
-std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, const Finding& f) {
+std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, JudgedBy by, const Finding& f) {
   char text[480];
   const PrintedUnit unit = printed_unit(channel.unit);
   std::snprintf(
       text, sizeof text,
-      "%s; it accounts for %.3g %s RMS (%.2g %% of the span): the error of records left out falls from %.3g to %.3g %s",
+      "%s; it accounts for %.3g %s RMS (%.2g %% of the span): the error of %s falls from %.3g to %.3g %s",
       chosen.kind->summary.c_str(), f.effect_rms * unit.factor, unit.name.c_str(),
-      100.0 * f.effect_rms / channel.scale, f.error_before * unit.factor, f.error_after * unit.factor,
+      100.0 * f.effect_rms / channel.scale, by == JudgedBy::whole ? "the whole recording" : "records left out", f.error_before * unit.factor, f.error_after * unit.factor,
       unit.name.c_str());
   std::string out = text;
   if (chosen.by_records()) {
@@ -65,7 +65,7 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
                   100.0 * chosen.records.explained, 100.0 * (1.0 - chosen.records.left_out));
     return text;
   }
-  if (chosen.left_out.excited > 0) {
+  if (by != JudgedBy::whole && chosen.left_out.excited > 0) {
     std::snprintf(text, sizeof text,
                   "; %d of %d %s that it touches improve, its strength differs by %.0f %% between records",
                   chosen.left_out.improved, chosen.left_out.excited,
@@ -210,7 +210,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
-    f.evidence = sentence(chosen, channel, f);
+    f.evidence = sentence(chosen, channel, w.judges, f);
     if (!chosen.borne_out) {
       f.probability = std::min(f.probability, kNoClaim);
       f.evidence += kDoesNotFall;

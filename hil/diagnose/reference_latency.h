@@ -13,6 +13,8 @@ namespace forcegate::diagnose {
 inline constexpr const char* kLatencyEffect = "delay";
 /// By which two instruments may be out of step, s.
 inline constexpr double kAllowedLatency_s = 0.012;
+/// Milliseconds between two instruments are no matter in a recording of another machine whose rows are further apart than this, s.
+inline constexpr double kStepsTellNoLag_s = 0.05;
 /// What is said where a lead is carried along.
 inline constexpr const char* kLatencyNote =
     "the output leads the reference by a few milliseconds, as a reference with its own lag does";

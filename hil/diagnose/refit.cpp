@@ -6,6 +6,7 @@
 #include "hil/base/text.h"
 #include "hil/diagnose/findings.h"
 #include "hil/diagnose/further_forms.h"
+#include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/refine.h"
 #include "hil/diagnose/select.h"
 #include "hil/diagnose/user_candidates.h"
@@ -60,7 +61,7 @@ Waterfall waterfall_of(const Workspace& w,
   Waterfall out;
   const std::size_t n = effects.size();
   const auto error_of = [&](unsigned mask) {
-    std::vector<int> columns;
+    std::vector<int> columns = base.columns;
     for (std::size_t k = 0; k < n; ++k)
       if ((mask >> k & 1u) != 0)
         columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
@@ -136,11 +137,15 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   }
   // from where a diagnosis stands: all records, then those to be fitted
   const MixedFit of_all = fit_to_the_end(w.output, {}, nullptr, 18, RecordUse::all_records);
-  const MixedFit base = of_all.valid ? fit_mixed(w.output.problem, {}, &of_all, 8) : of_all;
+  MixedFit base = of_all.valid ? fit_mixed(w.output.problem, {}, &of_all, 8) : of_all;
   if (!base.valid)
     return fail(ErrorCode::config, "the records do not determine the model", w.input.name,
                 "more records, or records with more force");
-  std::vector<int> present;
+  Refit out;
+  // what a diagnosis carries along is no error of the model here either
+  const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
+  if (!in_step && std::ranges::find(names, kLatencyEffect) == names.end()) base = forgive_late_reference(w, std::move(base), out.notes);
+  std::vector<int> present = base.columns;
   std::vector<std::pair<std::string, std::vector<int>>> effects;
   std::vector<int> variants;
   MixedFit now = base, before = base;
@@ -163,7 +168,6 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
                 "more records, or a model with fewer effects");
   if (add.empty()) before = base;
 
-  Refit out;
   out.model = start;
   out.model.span_N = w.input.range_N;
   Model& m = out.model;

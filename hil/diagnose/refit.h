@@ -29,6 +29,7 @@ struct Waterfall {
 struct Refit {
   Model model;
   std::vector<ParameterMove> moves;
+  std::vector<std::string> notes;
   JudgedBy judged_by = JudgedBy::heldout;
   bool levels = false;  ///< an effect acts between records: they keep the gain and the zero of all of them, else each its own
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< held-out, adapted, V

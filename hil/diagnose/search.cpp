@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/whole_recording.h"
 
 namespace forcegate::diagnose {
@@ -12,8 +13,7 @@ SelectionRules output_rules(const Workspace& w) {
   SelectionRules out;
   out.forms_are_rough = w.input.generic;
   out.one_zero = w.input.single && !w.zero_wanders;
-  // milliseconds between two instruments are no matter in a recording of seconds
-  out.clock_slack = !w.input.generic || w.input.records.front().row_step_s <= 0.05;
+  out.clock_slack = !w.input.generic || w.input.records.front().row_step_s <= kStepsTellNoLag_s;
   return out;
 }
 

@@ -25,6 +25,8 @@ std::string to_string(JudgedBy by) {
   return "heldout";
 }
 
+std::string error_name(JudgedBy by) { return by == JudgedBy::whole ? "error of the whole recording" : "held-out error"; }
+
 namespace {
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }

@@ -231,7 +231,7 @@ std::string ranking(const Diagnosis& d) {
 std::string records(const Diagnosis& d) {
   if (d.records.empty()) return {};
   const bool any_heldout = std::ranges::any_of(d.records, &RecordError::heldout);
-  const std::string role = any_heldout ? "fitted" : d.records.size() > 1 ? "left out in turn" : "in blocks";
+  const std::string role = any_heldout ? "fitted" : d.judged_by == JudgedBy::whole ? "fitted as a whole" : d.records.size() > 1 ? "left out in turn" : "in blocks";
   std::string out = "<section id=\"records\"><h2>Records</h2>\n" + picture(record_error_figure(d)) +
                     table_start("RMS error of each record in " + d.unit +
                                     (d.levels ? " (the decay of the record may follow the data, gain and offset are those of all)"
@@ -322,8 +322,9 @@ std::string diagnosis_html(const Diagnosis& diagnosis, const DiagnosisPage& page
     html.body += "<section><h2>Reproduce</h2><pre tabindex=\"0\" aria-label=\"Command\"><code>" +
                  escape(page.command_line) + "</code></pre></section>\n";
   html.body += "<footer>Forcegate " + escape(page.tool_version) +
-               ". Residual = measured \u2212 model. Errors are RMS over held-out records, each "
-               "record weighing the same. Values are value(standard uncertainty), k = 1.</footer></main>\n";
+               ". Residual = measured \u2212 model. Errors are RMS over " +
+               (d.judged_by == JudgedBy::whole ? "the whole recording, which the model was fitted to." : "held-out records, each record weighing the same.") +
+               " Values are value(standard uncertainty), k = 1.</footer></main>\n";
   return html_document(html);
 }
 

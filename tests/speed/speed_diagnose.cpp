@@ -232,7 +232,7 @@ void parts() {
     if (!input) std::exit(1);
     diagnose::Workspace fresh;
     fresh.input = std::move(*input);
-    fresh.judges = diagnose::JudgedBy::left_out;
+    fresh.judges = JudgedBy::left_out;
     diagnose::fit_base(fresh);
     sink = fresh.gain_V_per_N;
   });

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "hil/diagnose/mains_line.h"
 #include "hil/diagnose/mains_removal.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
@@ -58,6 +59,23 @@ TEST(Hum, OnAForceThatStandsStillLeavesTheLevelAlone) {
   const std::vector<std::uint8_t> bad(U_V.size(), 0);
   EXPECT_NEAR(remove_mains_line(t_s, F_N, bad, 60.0, 80.0, U_V), 0.005, 1e-4);
   for (const double u : U_V) EXPECT_NEAR(u, 3.3, 1e-3);
+}
+
+// Half a period of the mains goes missing again and again: a count of samples would lose its phase there.
+TEST(Hum, IsSeenAcrossShortGapsAndInShortRecords) {
+  for (const double duration_s : {7.0, 12.0}) {
+    std::vector<double> t_s, F_N, U_V;
+    for (int i = 0; i < 1000 * static_cast<int>(duration_s); ++i) {
+      if (i % 450 < 10) continue;
+      t_s.push_back(i / 1000.0);
+      F_N.push_back(2.0 + std::sin(kTurn * 0.3 * t_s.back()));
+      U_V.push_back(0.3 + 2.0 * F_N.back() + 0.06 * std::sin(kTurn * 50.0 * t_s.back()));
+    }
+    const MainsLine line = find_mains_line(t_s, F_N, U_V, 2.0);
+    EXPECT_NEAR(line.frequency_Hz, 50.0, 1e-6) << duration_s;
+    EXPECT_NEAR(line.amplitude_V, 0.06, 0.006) << duration_s;
+    EXPECT_GT(line.ratio, 100.0) << duration_s;
+  }
 }
 
 // The made campaign at a slower clock, a loop of friction and hum on its output. Every `folded`-th record is sampled at just the mains.

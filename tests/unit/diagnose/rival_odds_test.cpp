@@ -74,7 +74,9 @@ TEST(NextExperiment, StartsFromTheOddsThatTheFindingsState) {
   options.threads = 1;
   auto workspace = prepare(std::move(c), options);
   ASSERT_TRUE(workspace.has_value()) << workspace.error().to_text();
-  const Diagnosis d = diagnose_workspace(**workspace, options);
+  const Result<Diagnosis> answer = diagnose_workspace(**workspace, options);
+  ASSERT_TRUE(answer.has_value()) << answer.error().to_text();
+  const Diagnosis& d = *answer;
   const NextExperiment next = propose_experiment(**workspace, d);
   ASSERT_FALSE(next.segments.empty()) << told(d);
   const ExperimentSegment& s = next.segments.front();
