@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kMostRivals = 4;
-const double kSettled = std::log(1000.0);
+const double kSettled = std::log(1000.0), kNearly = std::log(2.0);
 
 struct Segment {
   const char* name;
@@ -227,7 +227,7 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
   std::vector<char> used(of_segment.size(), 0);
   std::size_t pair_of[2] = {0, 1};
   for (int step = 0; step < 4; ++step) {
-    // the pair that is least separated by what is known and planned
+    // the pair that is least separated by what is known and planned; of those nearly so, the one that the findings name first
     std::size_t worst = 0, index = 0;
     double least = 1e300;
     for (std::size_t a = 0; a < rivals.size(); ++a)
@@ -235,7 +235,7 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
         const std::optional<RivalOdds> now = odds_now(d, rivals[a], rivals[b]);
         if (!now) continue;
         const double known = std::abs(now->log_odds) + 0.5 * have[index].separation();
-        if (known < least) {
+        if (known < least - kNearly) {
           least = known;
           worst = index;
           pair_of[0] = a;
