@@ -173,7 +173,7 @@ bool as_good_by_chance(const RecordChance& chance, const SelectionRules& rules) 
 }  // namespace
 
 bool asks_between_records(const FamilyScore& family) {
-  return is_between_records(family.kind->name) && family.records.valid && family.gain <= family.records.gain;
+  return family.kind->traits.between_records && family.records.valid && family.gain <= family.records.gain;
 }
 
 RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& fit) {
@@ -220,7 +220,7 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
   if (input.single || !result.base.valid) return;
   const RecordLevels levels = record_levels(input, channel, result.base);
   for (FamilyScore& family : result.families) {
-    if (!is_between_records(family.kind->name)) continue;
+    if (!family.kind->traits.between_records) continue;
     const Answer answer = evidence(channel, levels, ask(channel, levels, *family.kind));
     family.records = answer.evidence;
     if (!answer.evidence.valid) continue;

@@ -266,19 +266,10 @@ void suspect_refused(Diagnosis& out) {
   out.findings.insert(weaker, std::move(f));
 }
 
-namespace {
-
-// Any curve, any loop, any tail: the right one leaves little.
-bool has_free_form(const std::string& name) {
-  return name == "static_nonlinearity" || name == "hysteresis" || name == "clipping" || name == "lag";
-}
-
-}  // namespace
-
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings) {
   std::vector<const ChosenEffect*> timing;
   for (const ChosenEffect& c : selection.chosen)
-    if (is_timing(c.kind->name)) timing.push_back(&c);
+    if (c.kind->traits.timing) timing.push_back(&c);
   if (timing.size() < 2) return;
   std::stable_sort(timing.begin(), timing.end(),
                    [](const ChosenEffect* a, const ChosenEffect* b) { return a->unique > b->unique; });
@@ -334,7 +325,7 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   for (const ChosenEffect& c : selection.chosen)
     for (Finding& f : findings)
       if (f.effect == c.kind->name && f.form != "raw" && !c.between && f.probability > kNoClaim &&
-          (leaves_most || (remains && has_free_form(f.effect)))) {
+          (leaves_most || (remains && c.kind->traits.any_course))) {
         f.probability = kWithdrawn;
         f.evidence += "; not claimed: it leaves too much of the error, far above the noise";
         withdrawn = true;

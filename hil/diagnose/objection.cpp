@@ -22,7 +22,6 @@ constexpr double kOfJitter = 0.3;
 // a law has one strength: scatter between records, relative to it. A loop or a growth has no form that is right everywhere; a push from
 // the side, a displacement current, a threshold, a shift in time are known courses, and so is a temperature within a record
 constexpr double kSameStrength = 1.0, kSameOfKnownForm = 0.35;
-bool has_known_form(const std::string& name) { return name == "off_axis" || name == "piezocapacitance" || name == "dead_zone" || name == "delay"; }
 
 double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
   double sum = 0.0, n = 0.0;
@@ -43,7 +42,7 @@ bool stands_out(const ResidualChannel& channel, const ScreenResult& result, cons
       chosen.strength_scatter > kOneStrength || chosen.left_out.log_ratio < kErrors * chosen.left_out.log_ratio_error)
     return false;
   for (const FamilyScore& other : result.families)
-    if (other.kind != family.kind && !look_alike(*other.kind, *family.kind) && !is_between_records(other.kind->name) && !other.best.wrong_sign &&
+    if (other.kind != family.kind && !look_alike(*other.kind, *family.kind) && !other.kind->traits.between_records && !other.best.wrong_sign &&
         kAboveOthers * other.gain > family.gain)
       return false;
   return std::all_of(earlier.begin(), earlier.end(), [&](const ChosenEffect& e) {
@@ -55,7 +54,7 @@ bool stands_out(const ResidualChannel& channel, const ScreenResult& result, cons
 bool is_alone(const ScreenResult& result, const FamilyScore& family) {
   constexpr double kTimes = 10.0;
   return std::ranges::none_of(result.families, [&](const FamilyScore& other) {
-    return other.kind != family.kind && !is_between_records(other.kind->name) && kTimes * other.gain > family.gain;
+    return other.kind != family.kind && !other.kind->traits.between_records && kTimes * other.gain > family.gain;
   });
 }
 
@@ -136,11 +135,11 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
                            : 1.0;
   const double seen_rms = where * std::max(removed_rms, total_rms);
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
-  if (is_timing(name) && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
+  if (family.kind->traits.timing && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
   // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
   // (a play has one width)
   const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited && name != "backlash";
-  const bool known_form = has_known_form(name) || (chosen.between && !chosen.by_records());
+  const bool known_form = family.kind->traits.known_form || (chosen.between && !chosen.by_records());
   if (known_form ? chosen.strength_scatter > kSameOfKnownForm : chosen.strength_scatter > kSameStrength && !helps_all)
     return kDiffers;
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect

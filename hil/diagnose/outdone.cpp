@@ -89,9 +89,11 @@ std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChan
   std::vector<Outdone> out;
   const std::vector<UnnamedDependence> unnamed = unnamed_dependences(input);
   for (const Place& place : places_of(channel, selection, structured)) {
+    const EffectKind* kind = EffectRegistry::instance().find(place.effect);
+    const bool is_timing = kind != nullptr && kind->traits.timing;
     Outdone best{place.effect, {}, {}, place.gain, 0.0};
     for (const UnnamedDependence& dependence : unnamed) {
-      if (dependence.is_late && !place.effect.empty() && !is_timing(place.effect)) continue;
+      if (dependence.is_late && !place.effect.empty() && !is_timing) continue;
       const SpareRoom room(channel);
       const FamilyScore score = best_of(input, channel, dependence.kind, place.others, place.without, place.gain, threads);
       if (!fills(place, score.best) || score.best.gain <= best.by_gain) continue;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "hil/base/largest_first.h"
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/denoise.h"
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/mains_removal.h"
@@ -43,6 +44,21 @@ void cut_into_blocks(CampaignRows& w) {
       std::string(
           "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn") +
       (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
+}
+
+// What happened in a long gap nobody saw: the states of loop and creep after it are not known before the force has moved for a while.
+void leave_out_after_gaps(RecordInput& input, std::vector<std::string>& notes) {
+  constexpr double kLong_s = 2.0, kMostOfRecord = 0.1, kSteps = 50.0;
+  double longest_s = 0.0;
+  for (std::size_t i = 1; i < input.rows(); ++i) {
+    const double gap_s = input.t_s[i] - input.t_s[i - 1];
+    if (gap_s < std::max(kLong_s, kSteps * input.row_step_s)) continue;
+    longest_s = std::max(longest_s, gap_s);
+    const double until_s = input.t_s[i] + std::min(gap_s, kMostOfRecord * input.duration_s);
+    for (std::size_t k = i; k < input.rows() && input.t_s[k] < until_s; ++k) input.ok[k] = 0;
+  }
+  if (longest_s > 0.0)
+    notes.push_back(input.name + ": rows after a gap (the longest " + plain_number(longest_s) + " s) are left out for as long as it was, at most a tenth of the record: the sensor's state is not known there");
 }
 
 // Nobody said when the cycling began: steps and ramps before it count as static where the decay then fits far better.
@@ -147,6 +163,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
     health.emplace(input.name, std::move(p.health));
     w.input.records.push_back(std::move(input));
   }
+  for (RecordInput& input : w.input.records) leave_out_after_gaps(input, w.input.notes);
   FORCEGATE_CHECK_OK(leave_out_unusable(w, single && options.search));
   // with no record to judge by, or none to fit, every record is both
   const auto heldout = std::ranges::count_if(w.input.records, &RecordInput::heldout);

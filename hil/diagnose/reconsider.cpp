@@ -41,7 +41,7 @@ void reconsider(const CampaignInput& input, ResidualChannel& channel, const std:
     if (!again.base.valid || again.families.empty()) continue;
     refine_leaders(input, channel, present, again, threads);
     std::size_t at = 0;
-    while (at < again.families.size() && (again.families[at].best.wrong_sign || is_between_records(again.families[at].kind->name))) ++at;
+    while (at < again.families.size() && (again.families[at].best.wrong_sign || again.families[at].kind->traits.between_records)) ++at;
     if (at == again.families.size()) continue;
     ChosenEffect better = as_chosen(input, channel, again.base, again.families[at], rules);
     if (better.kind != place.kind &&

@@ -85,7 +85,7 @@ void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const 
     // the user's own equation starts where the user guessed: it is always given its chance
     const bool own = EffectRegistry::instance().find(family.kind->name) != family.kind;
     // a handful of records does not settle a shape: its evidence stays the mean over the grid
-    if (is_between_records(family.kind->name)) continue;
+    if (family.kind->traits.between_records) continue;
     if (!own && (family.gain < reach || refined == kMostFamilies)) continue;
     SpareRoom room(channel);
     const double before = family.gain;

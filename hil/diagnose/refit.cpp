@@ -158,7 +158,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     now = fit_mixed(w.output.problem, present, &best.fit, 15);
     const EffectKind& kind = *w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
     const std::size_t first = present.size() - variant.columns.size();
-    if (!is_between_records(name))
+    if (!kind.traits.between_records)
       for (const int v : further_forms(w.output, kind, present, now)) variants.push_back(v);
     effects.emplace_back(
         name, std::vector<int>(present.begin() + static_cast<std::ptrdiff_t>(first), present.end()));

@@ -29,8 +29,6 @@ VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const
   return out;
 }
 
-bool is_late(const std::string& name) { return name == "delay" || name == "lag"; }
-
 // The model that the findings describe, effect by effect.
 void fit_claimed(const ResidualChannel& channel, Selection& out) {
   std::vector<int> present = out.base.columns;
@@ -59,24 +57,16 @@ void find_what_completes_whole(const CampaignInput& input, const ResidualChannel
 
 }  // namespace
 
-// Record-level effects change gains and offsets between records: the records' own freedom absorbs them, so that only
-// the prediction without that freedom can tell.
-bool is_between_records(const std::string& name) {
-  return name == "wear" || name == "thermal" || name == "humidity" || name == "bias" || name == "mounting" ||
-         name == "slow_recovery" || name == "reference_drift";
-}
-
-// Two instruments are never in step to the last milliseconds, so that a small shift which stays within what the declared
-// noise allows is nobody's fault.
-bool is_timing(const std::string& name) {
-  return name == "delay" || name == "lag" || name == "rc" || name == "clock_skew" || name == "piezocapacitance";
+bool is_between_records(const std::string& effect) {
+  const EffectKind* kind = EffectRegistry::instance().find(effect);
+  return kind != nullptr && kind->traits.between_records;
 }
 
 bool look_alike(const EffectKind& a, const EffectKind& b) {
   const auto lists = [](const EffectKind& x, const EffectKind& y) {
     return std::find(x.look_alikes.begin(), x.look_alikes.end(), y.name) != x.look_alikes.end();
   };
-  return (is_timing(a.name) && is_timing(b.name)) || lists(a, b) || lists(b, a);
+  return (a.traits.timing && b.traits.timing) || lists(a, b) || lists(b, a);
 }
 
 double threshold_of(const std::string& effect, const SelectionRules& rules) {
@@ -154,7 +144,7 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
   chosen.effect_rms = family.best.effect_rms;
   chosen.fit = family.best.fit;
   chosen.left_out = cross_fit(channel, base, family.best.fit);
-  chosen.between = is_between_records(family.kind->name);
+  chosen.between = family.kind->traits.between_records;
   chosen.describes_whole = rules.one_zero && !chosen.between && describes_whole(input, channel, base, family.best.fit);
   chosen.records = family.records;
   if (chosen.between) {
@@ -187,7 +177,7 @@ class ForwardChoice {
         if (!carry_along(family, clocks)) return;
         continue;
       }
-      const std::string why = lead.plain() || (leads_ && is_late(family.kind->name))
+      const std::string why = lead.plain() || (leads_ && family.kind->traits.late)
                                   ? kLeads
                                   : objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
       if (!(why.empty() ? take(family, chosen) : turn_down(family, why))) return;
@@ -236,7 +226,7 @@ class ForwardChoice {
     if (lead.plain() && latencies_ == 0) return Clocks::lead;
     const bool first = out_.chosen.empty(), worth = family.gain > kWorthCarrying;
     const double least_fall = !first ? 0.6 : latencies_ > 0 ? 0.4 : 0.25;
-    if (!lead.is && is_timing(family.kind->name) && worth && !family.best.wrong_sign && shift_s(channel_, family) <= kAllowedLatency_s &&
+    if (!lead.is && family.kind->traits.timing && worth && !family.best.wrong_sign && shift_s(channel_, family) <= kAllowedLatency_s &&
         chosen.fall < least_fall)
       return Clocks::slight_shift;
     // what a late reference explains nearly as well is its own, whatever else may fit

@@ -76,11 +76,8 @@ struct SelectionRules {
   int most = 3;
 };
 
-/// Effects that change gain or zero from record to record.
+/// EffectTraits::between_records by name; false where the registry has none of it.
 bool is_between_records(const std::string& effect);
-
-/// Effects of time alone: what one of them explains, the others nearly explain too.
-bool is_timing(const std::string& effect);
 
 /// Effects that the library knows to be mistaken for each other.
 bool look_alike(const EffectKind& a, const EffectKind& b);

@@ -15,7 +15,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
   std::vector<double> weight(result.families.size(), 0.0);
   for (std::size_t k = place; k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
-    if (chosen.by_records() && !is_between_records(family.kind->name)) continue;  // what acts within records answers another question
+    if (chosen.by_records() && !family.kind->traits.between_records) continue;  // what acts within records answers another question
     weight[k] = std::exp(std::max(-200.0, (family.gain - top) / temperature));
     // signatures that differ by less than a form is known to cannot be parted by how well they fit
     if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
@@ -31,7 +31,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
   constexpr double kWithin = 40.0, kNearly = 0.7;
   for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
-    if (is_between_records(family.kind->name) || !look_alike(*family.kind, *chosen.kind) || family.gain < std::max(kWithin, kNearly * top) || family.best.wrong_sign) continue;
+    if (family.kind->traits.between_records || !look_alike(*family.kind, *chosen.kind) || family.gain < std::max(kWithin, kNearly * top) || family.best.wrong_sign) continue;
     if (beside_another && family.best.fall < rules.later_fall && family.best.total_fall < rules.later_total_fall) continue;  // remains of the other's form
     weight[k] = 1.0;
     sum += 1.0;

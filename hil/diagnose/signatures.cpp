@@ -110,11 +110,6 @@ void set_column_priors(ResidualChannel& channel) {
   for (int j = 0; j < p.ns; ++j) p.column_prior_sd[j] = column_prior(p, j);
 }
 
-bool needs_records(const std::string& name) {
-  return name == "wear" || name == "bias" || name == "mounting" || name == "slow_recovery" ||
-         name == "reference_drift";
-}
-
 }  // namespace
 
 void choose_wanted_rows(CampaignInput& input) {
@@ -170,7 +165,7 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
                      const std::vector<std::string>* only) {
   const auto add = [&](const EffectKind& kind) {
     // one recording has no other to be compared with
-    if (w.input.single && needs_records(kind.name)) return;
+    if (w.input.single && kind.traits.needs_records) return;
     if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) return;
     // the drive has a channel of its own
     if (only == nullptr && kind.name == "motor") return;

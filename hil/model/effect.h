@@ -57,6 +57,16 @@ struct EffectForm {
   bool from_rig = false; ///< of the output, after what another channel has shown
 };
 
+/// What the judge must know of a family beside its columns.
+struct EffectTraits {
+  bool between_records = false;  ///< changes gain or zero from record to record, where their repeatability absorbs it
+  bool needs_records = false;    ///< and nothing else: one recording cannot show it
+  bool timing = false;           ///< of time alone: what one such family explains, the others nearly explain too
+  bool late = false;             ///< a plain shift or tail: beside a lead that is carried along, it only mends the lead
+  bool known_form = false;       ///< one course, known but for its strength, which is then the same in all records that show it
+  bool any_course = false;       ///< any curve, loop or tail of its kind: the right one leaves little
+};
+
 struct EffectKind {
   std::string name;  ///< "hysteresis", as CAMPAIGN names it
   std::string side;  ///< sensor, rig, reference, instrument
@@ -68,6 +78,7 @@ struct EffectKind {
   std::string separates;  ///< stimulus that settles it
   std::vector<std::string>
       needs;  ///< "theta", "temp", "drive", "humidity", "command", "range", "witness", "generic" (no force sensor's recording); empty: only F and U
+  EffectTraits traits;
   std::vector<EffectForm> forms;
 };
 

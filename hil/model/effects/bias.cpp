@@ -30,6 +30,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"wear", "thermal", "mounting"},
     .separates = "one ramp at several drive voltages in random order",
     .needs = {"drive"},
+    .traits = {.between_records = true, .needs_records = true},
     .forms = {
         {.name = "relative",
          .shape = {},

@@ -16,6 +16,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"delay", "lag"},
     .separates = "the same fast edge at the start and at the end of a long record",
     .needs = {},
+    .traits = {.timing = true},
     .forms = {
         {.name = "linear",
          .shape = {{"skew", "1", -0.05, 0.05, 1e-4, "relative rate difference"}},

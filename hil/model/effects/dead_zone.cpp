@@ -52,6 +52,7 @@ const Registration<EffectKind> kRegistered{
                .look_alikes = {"static_nonlinearity", "contact_loss"},
                .separates = "a slow ramp from true zero; small sines around the turn-on force",
                .needs = {},
+               .traits = {.known_form = true},
                .forms = {form("distributed", Gap::distributed, CurveAt::force, {0.01, 0.02, 0.04, 0.08}),
                          form("distributed_after_decay", Gap::distributed, CurveAt::decayed, {0.02, 0.05}),
                          form("distributed_of_swing", Gap::distributed, CurveAt::swing, {0.02, 0.06}),

@@ -49,6 +49,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"lag", "delay", "creep", "off_axis", "backlash"},
     .separates = "slow triangles at two speeds a decade apart: the loop keeps its width; nested minor loops",
     .needs = {},
+    .traits = {.any_course = true},
     .forms = {
         {.name = "play_bank",
          .shape = {kPlayKept},

@@ -46,6 +46,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"wear", "thermal", "bias", "slow_recovery"},
     .separates = "the same ramp before and after touching the mounting, and again without touching it",
     .needs = {},
+    .traits = {.between_records = true, .needs_records = true},
     .forms = {
         {.name = "step",
          .shape = {{"record", "1", 1.0, 1e6, 1.0, "first record of the new mounting"}},

@@ -77,6 +77,7 @@ const Registration<EffectKind> kRegistered{
                .look_alikes = {"hysteresis", "static_nonlinearity"},
                .separates = "the same cycle with the wheel turning the other way: the loop flips",
                .needs = {"theta"},
+               .traits = {.known_form = true},
                .forms = {form("sine", true), form("sine_undecayed", false), cam()}}};
 
 }  // namespace

@@ -99,6 +99,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"clipping", "dead_zone", "spring_nonlinearity", "off_axis"},
     .separates = "slow ramps over the full range; sines of equal amplitude at two means",
     .needs = {},
+    .traits = {.any_course = true},
     .forms = {polynomial("polynomial", CurveAt::force), polynomial("polynomial_after_decay", CurveAt::decayed),
               polynomial("polynomial_of_swing", CurveAt::swing), power("power_law", CurveAt::force),
               power("power_law_after_decay", CurveAt::decayed), saturation("saturation", CurveAt::force),

@@ -15,6 +15,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"creep", "wear", "reference_drift", "humidity", "self_heating"},
     .separates = "one ramp repeated over hours with the temperature recorded; heating without loading",
     .needs = {},
+    .traits = {.between_records = true},
     .forms = {unrecorded_form([](const CampaignInput& c) { return !c.has_temp; }),
               lagged_form(&RecordInput::temp_C, &CampaignInput::has_temp, "C", "degC", {0.0, 60.0, 240.0, 800.0, 2400.0})}}};
 

@@ -37,6 +37,7 @@ const Registration<EffectKind> kRegistered{
                .look_alikes = {"slow_recovery", "thermal", "bias", "mounting"},
                .separates = "the same ramp before and after cycling and again after 2 h of rest",
                .needs = {},
+               .traits = {.between_records = true, .needs_records = true},
                .forms = {form("linear", linear, true), form("square_root", root, true), form("saturating", saturating, true),
                          form("after_linear", linear, false), form("after_square_root", root, false),
                          form("after_saturating", saturating, false)}}};

@@ -263,7 +263,7 @@ TEST(Engine, EffectsOfTimeShareOneProbability) {
   EXPECT_EQ(d.findings.front().effect, "lag");
   double sum = 0.0;
   for (const Finding& f : d.findings)
-    if (is_timing(f.effect)) sum += f.probability;
+    if (EffectRegistry::instance().find(f.effect)->traits.timing) sum += f.probability;
   EXPECT_LE(sum, 1.0);
 }
 

@@ -286,6 +286,47 @@ TEST(SingleRecording, AZeroThatWandersIsNoCreep) {
   }
 }
 
+// What the recorder lost: the sensor was loaded meanwhile.
+Campaign without_rows(Campaign c, double from_s, double to_s) {
+  Record& r = c.records.front();
+  std::vector<double>& t = r.trace.time_bases.front().t_s;
+  const std::vector<double> all = t;
+  const auto keep = [&](std::vector<double>& values) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (all[i] < from_s || all[i] >= to_s) values[n++] = values[i];
+    values.resize(n);
+  };
+  keep(t);
+  for (Channel& channel : r.trace.channels) keep(channel.value);
+  return c;
+}
+
+TEST(SingleRecording, WhatHappenedInAGapIsNoErrorOfTheModel) {
+  // a loop of plays; during each gap the load stood high, which nobody saw
+  const auto load = [](double t) {
+    const bool unseen = (t > 120.0 && t < 150.0) || (t > 310.0 && t < 340.0);
+    return unseen ? 9.0 : 2.0 - 1.2 * std::cos(0.3 * t) + 0.7 * std::sin(0.11 * t);
+  };
+  const auto looping = [](const std::vector<double>&, const std::vector<double>& F) {
+    std::vector<double> U, play(4, F[0]);
+    for (const double f : F) {
+      double felt = 0.8 * f;
+      for (std::size_t j = 0; j < play.size(); ++j) {
+        const double r = 0.2 * static_cast<double>(j + 1);
+        play[j] = std::clamp(play[j], f - r, f + r);
+        felt += 0.05 * play[j];
+      }
+      U.push_back(2.0 * felt + 0.2);
+    }
+    return U;
+  };
+  const Diagnosis d = answer(without_rows(without_rows(recording(50.0, 30000, load, looping, 0.003), 120.0, 150.0), 310.0, 340.0));
+  EXPECT_EQ(claims(d), std::vector<std::string>{"hysteresis"});
+  EXPECT_LT(d.error_after, 0.006);
+  EXPECT_TRUE(std::ranges::any_of(d.notes, [](const std::string& n) { return n.find("rows after a gap (the longest 30") != std::string::npos; }));
+}
+
 std::string refusal(Campaign campaign) {
   const auto out = diagnose_campaign(std::move(campaign), {});
   return out ? "accepted" : out.error().to_text();
