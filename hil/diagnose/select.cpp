@@ -252,15 +252,18 @@ class ForwardChoice {
   }
 
   // The scatter within records and the spread between them are different questions: the next family may answer the other. What fits worse
-  // than a refused family answers the same question no better.
+  // than a refused family answers the same question no better; yet evidence from strengths that left-out records do not share is no fit.
   bool turn_down(const FamilyScore& family, const std::string& why) {
     constexpr std::size_t kMostPlaces = 4;
     out_.refused.push_back({family.kind->name, why, family.gain, is_suspicion(why)});
     const bool unphysical = family.best.wrong_sign || family.gain < rules_.first_gain || why == kTooSmall || why == kJitter;
     const auto& families = result_.families;
     const bool between = asks_between_records(family);
+    const auto fits_worse = [&](const FamilyScore& next) {
+      return asks_between_records(next) == between && (why != kHelpsNoRecords || next.best.fall <= family.best.fall);
+    };
     ++place_;
-    while (!unphysical && place_ < families.size() && asks_between_records(families[place_]) == between) ++place_;
+    while (!unphysical && place_ < families.size() && fits_worse(families[place_])) ++place_;
     if (place_ >= families.size()) return false;
     const bool other_question = asks_between_records(families[place_]) && !between;
     return (out_.chosen.empty() || other_question) && (!unphysical || place_ < kMostPlaces);

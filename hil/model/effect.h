@@ -78,7 +78,7 @@ struct EffectKind {
   std::string separates;  ///< stimulus that settles it
   std::vector<std::string>
       needs;  ///< "theta", "temp", "drive", "humidity", "command", "range", "witness", "generic" (no force sensor's recording); empty: only F and U
-  EffectTraits traits;
+  EffectTraits traits = {};
   std::vector<EffectForm> forms;
 };
 

@@ -117,12 +117,14 @@ std::optional<double> steady_cycles_begin_s(const RecordInput& record, double ra
   const double top = quantile(high, 0.5), bottom = quantile(low, 0.5);
   std::size_t first = turns.size();
   while (first > 0 && std::abs(turns[first - 1].value - (turns[first - 1].turn == Turn::maximum ? top : bottom)) < kSameHeight * (top - bottom)) --first;
-  // a step before it may have had the height of a peak, not its time
+  // steps before it may have had the height of a peak, not its time; what goes on for long is cycling at another frequency. A cycle may
+  // rise faster than it falls.
   constexpr double kLonger = 1.5;
-  const auto half_s = [&](std::size_t i) { return turns[i + 1].t_s - turns[i].t_s; };
-  while (first + kFewest < turns.size() && half_s(first) > kLonger * half_s(first + 1)) ++first;
+  const auto period_s = [&](std::size_t i) { return turns[i + 2].t_s - turns[i].t_s; };
+  for (std::size_t i = first; i < first + kFewest && i + 3 < turns.size(); ++i)
+    if (period_s(i) > kLonger * period_s(i + 1)) first = i + 1;
   if (first < 2 || turns.size() - first < kFewest) return {};
-  return std::max(0.0, turns[first].t_s - half_s(first));
+  return std::max(0.0, turns[first].t_s - (turns[first + 2].t_s - turns[first + 1].t_s));
 }
 
 void begin_cycles_at(RecordInput& record, double onset_s, double range_N) {

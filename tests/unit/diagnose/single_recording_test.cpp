@@ -228,12 +228,14 @@ TEST(SingleRecording, AZeroThatMovesBesideAStepIsNotDescribedByIt) {
 }
 
 TEST(SingleRecording, CyclesMayBeginAfterOtherMovements) {
-  // steps and a slow triangle, then a sine whose swing decays from its own start on (Lebosse 2011, eq. 3)
-  constexpr double kBegin_s = 150.0, kLowest_N = 1.1, kKept = 0.3, kRate_per_s = 0.009;
-  const auto load = [](double t) {
-    if (t < 60.0) return 0.4 + 0.9 * std::fmod(std::floor(t / 9.0) * 1.7, 3.1);
-    if (t < 130.0) return 3.4 - 0.09 * std::abs(t - 95.0);
-    return t < kBegin_s ? kLowest_N : kLowest_N + 1.05 * (1.0 - std::cos(3.14159265358979 * (t - kBegin_s)));
+  // other movements, then cycles whose swing decays from its own start on (Lebosse 2011, eq. 3)
+  constexpr double kBegin_s = 150.0, kLowest_N = 1.1, kSwing_N = 2.1, kKept = 0.3, kRate_per_s = 0.009;
+  using Load = std::function<double(double)>;
+  const Load steps_and_triangle = [](double t) {
+    return t < 60.0 ? 0.4 + 0.9 * std::fmod(std::floor(t / 9.0) * 1.7, 3.1) : t < 130.0 ? 3.4 - 0.09 * std::abs(t - 95.0) : kLowest_N;
+  };
+  const Load holds_of_the_same_height = [](double t) {
+    return t < 60.0 ? 0.3 + 0.04 * t : kLowest_N + (std::fmod(t - 60.0, 30.0) < 15.0 ? 0.0 : kSwing_N);
   };
   const auto sensor = [](const std::vector<double>& t, const std::vector<double>& F) {
     std::vector<double> U;
@@ -243,9 +245,17 @@ TEST(SingleRecording, CyclesMayBeginAfterOtherMovements) {
     }
     return U;
   };
-  const Diagnosis d = answer(recording(50.0, 25000, load, sensor, 0.004));
-  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << (d.findings.empty() ? "" : d.findings.front().effect);
-  EXPECT_LT(d.error_after, 0.008);
+  const Load sine = [](double since_s) { return 0.5 - 0.5 * std::cos(3.14159265358979 * since_s); };
+  const Load fast_rise = [](double since_s) {
+    const double phase = std::fmod(0.5 * since_s, 1.0);
+    return phase < 0.2 ? 5.0 * phase : 1.25 * (1.0 - phase);
+  };
+  for (const auto& [before, cycle] : {std::pair{steps_and_triangle, sine}, std::pair{holds_of_the_same_height, sine}, std::pair{steps_and_triangle, fast_rise}}) {
+    const auto load = [&](double t) { return t < kBegin_s ? before(t) : kLowest_N + kSwing_N * cycle(t - kBegin_s); };
+    const Diagnosis d = answer(recording(50.0, 25000, load, sensor, 0.004));
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << (d.findings.empty() ? "" : d.findings.front().effect);
+    EXPECT_LT(d.error_after, 0.008);
+  }
 }
 
 TEST(SingleRecording, ItsRawSamplesSpeakForThemselves) {
