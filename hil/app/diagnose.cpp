@@ -10,6 +10,7 @@
 #include "hil/base/text.h"
 #include "hil/diagnose/drift.h"
 #include "hil/diagnose/next_experiment.h"
+#include "hil/report/finding_side.h"
 
 namespace forcegate {
 
@@ -75,7 +76,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     if (f.probability < 0.05) continue;
     out += fmt::format("  {} {:<20} {:<11} probability {:.2f}\n", f.probability >= 0.5 ? "*" : " ", f.effect,
-                       f.side, f.probability);
+                       shown_side(f), f.probability);
     out += "      " + f.evidence + "\n";
     if (f.probability < 0.5) continue;
     for (const FoundParameter& p : f.parameters)

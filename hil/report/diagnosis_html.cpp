@@ -9,6 +9,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/report/diagnosis_figures.h"
+#include "hil/report/finding_side.h"
 #include "hil/report/figures/plots.h"
 #include "hil/report/figures/text.h"
 #include "hil/report/html_page.h"
@@ -113,8 +114,7 @@ std::string finding(const Finding& f, bool open, const std::string& more) {
   const bool claim = f.probability >= kClaim;
   std::string out =
       "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") +
-      "><summary><span class=\"id\">" + escape(f.effect) + "</span><span>" + escape(f.side) +
-      (f.side_witnessed ? "" : " (side not witnessed)") + "</span><span class=\"w " + (claim ? "wa" : "mu") +
+      "><summary><span class=\"id\">" + escape(f.effect) + "</span><span>" + escape(shown_side(f)) + "</span><span class=\"w " + (claim ? "wa" : "mu") +
       "\">" + (claim ? "claimed" : "not claimed") + ", probability " + fmt::format("{:.2f}", f.probability) +
       "</span></summary><div class=\"in\">\n<p>" + escape(f.evidence) + "</p>\n<dl>";
   const auto fact = [&](std::string_view name, const std::string& html) {
@@ -230,11 +230,12 @@ std::string ranking(const Diagnosis& d) {
 
 std::string records(const Diagnosis& d) {
   if (d.records.empty()) return {};
+  const bool no_input = !(d.force_range_N > 0.0);
   const bool any_heldout = std::ranges::any_of(d.records, &RecordError::heldout);
-  const std::string role = any_heldout ? "fitted" : d.judged_by == JudgedBy::whole ? "fitted as a whole" : d.records.size() > 1 ? "left out in turn" : "in blocks";
+  const std::string role = any_heldout ? "fitted" : d.judged_by == JudgedBy::whole ? "fitted as a whole" : d.records.size() > 1 ? "left out in turn" : no_input ? "in tenths" : "in blocks";
   std::string out = "<section id=\"records\"><h2>Records</h2>\n" + picture(record_error_figure(d)) +
                     table_start("RMS error of each record in " + d.unit +
-                                    (d.levels ? " (the decay of the record may follow the data, gain and offset are those of all)"
+                                    (no_input ? " on tenths of it that were left out" : d.levels ? " (the decay of the record may follow the data, gain and offset are those of all)"
                                               : " (gain, offset and decay of the record may follow the data)"),
                                 {"Record", "Kind", "Role", "#Before", "#After", "#Plain before",
                                  "#Plain after", "#Noise", "#Explainable / %"});
@@ -251,6 +252,7 @@ std::string records(const Diagnosis& d) {
       out += picture(record_overlay_figure(d.overlays[i]), "Record " + d.overlays[i].record + ".");
     out += "</div></details>\n";
   }
+  if (no_input) return out + "</section>\n";
   const Repeatability& s = d.repeatability;
   out += "<p class=\"q\">Spread from record to record: gain " + display(100.0 * s.gain, 2) + " %, offset " +
          escape(in_unit(s.offset_V, d.unit)) + ", decay rate " + display(100.0 * s.log_b, 2) +
@@ -293,7 +295,7 @@ std::string diagnosis_headline(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     if (f.probability < kClaim) continue;
     out +=
-        separator + f.effect + " (" + f.side + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
+        separator + f.effect + " (" + shown_side(f) + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
     separator = ", ";
   }
   return out;
