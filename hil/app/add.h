@@ -2,6 +2,7 @@
 // `forcegate add`: one effect more, everything refitted, the step kept in the model's history.
 
 #include "hil/app/fit.h"
+#include "hil/report/record_pictures.h"
 
 namespace forcegate {
 
@@ -12,5 +13,8 @@ struct AddRequest {
 };
 
 Result<diagnose::Refit> add_request(const AddRequest& request);
+
+/// The page: maps, spectra, turning points and records without and with the effect. Reads the campaign again.
+Result<std::string> added_page(const AddRequest& request, const diagnose::Refit& refit, const std::string& command_line);
 
 }  // namespace forcegate

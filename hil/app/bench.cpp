@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
 
+#include "hil/app/beside_program.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/rig/bench_session.h"
@@ -44,10 +44,7 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
   std::vector<fs::path> found = files;
   if (found.empty()) {
     std::vector<fs::path> folders{"rigs"};
-    char program[4096];
-    if (const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1); n > 0)
-      folders.push_back(
-          fs::path(std::string(program, static_cast<std::size_t>(n))).parent_path().parent_path() / "rigs");
+    if (const fs::path program = program_folder(); !program.empty()) folders.push_back(program.parent_path() / "rigs");
     for (const fs::path& folder : folders) {
       std::error_code ignored;
       for (const auto& entry : fs::directory_iterator(folder, ignored))
@@ -59,7 +56,7 @@ std::vector<BenchRow> list_benches(const std::vector<fs::path>& files) {
   std::vector<BenchRow> rows;
   for (const fs::path& file : found) {
     BenchRow row;
-    row.file = file.string();
+    row.file = files.empty() ? path_from_here(file) : file.string();
     auto bench = read_bench(file);
     if (bench)
       if (auto checked = check_devices(*bench); !checked) bench = Unexpected(checked.error());

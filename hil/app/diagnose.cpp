@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "hil/app/record_pictures.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/drift.h"
 #include "hil/diagnose/next_experiment.h"
+#include "hil/diagnose/refit.h"
+#include "hil/report/finding_side.h"
 
 namespace forcegate {
 
@@ -22,6 +25,17 @@ bool has_unknown_column(const Campaign& campaign) {
     for (const Channel& channel : record.trace.channels)
       if (std::ranges::find(kKnown, channel.name) == kKnown.end()) return true;
   return false;
+}
+
+// The model as it would be with every claim that it has a place for. nullopt: there is none.
+std::optional<Model> with_claims(diagnose::Workspace& w, const Model& model, const Diagnosis& d, unsigned threads) {
+  constexpr double kClaim = 0.5;
+  std::optional<Model> out;
+  for (const Finding& f : d.findings) {
+    if (f.probability < kClaim || f.form == "raw" || f.unit != d.unit) continue;
+    if (auto refit = diagnose::refit_model(w, out ? *out : model, f.effect, threads)) out = std::move(refit->model);
+  }
+  return out;
 }
 
 }  // namespace
@@ -39,7 +53,10 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPicture
   const diagnose::EngineOptions options = engine_options(model, request.threads);
   FORCEGATE_TRY(diagnose::Diagnosed found, diagnose::diagnose_campaign_in(std::move(campaign), options));
   found.diagnosis.next_experiment = diagnose::propose_experiment(*found.workspace, found.diagnosis);
-  if (pictures != nullptr) *pictures = record_pictures(*found.workspace, model);
+  if (pictures != nullptr) {
+    const std::optional<Model> after = with_claims(*found.workspace, model, found.diagnosis, request.threads);
+    *pictures = record_pictures(*found.workspace, model, after ? &*after : nullptr);
+  }
   return std::move(found.diagnosis);
 }
 
@@ -75,7 +92,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     if (f.probability < 0.05) continue;
     out += fmt::format("  {} {:<20} {:<11} probability {:.2f}\n", f.probability >= 0.5 ? "*" : " ", f.effect,
-                       f.side, f.probability);
+                       shown_side(f), f.probability);
     out += "      " + f.evidence + "\n";
     if (f.probability < 0.5) continue;
     for (const FoundParameter& p : f.parameters)

@@ -7,11 +7,24 @@
 
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
+#include "hil/diagnose/user_candidates.h"
 
 namespace forcegate {
+namespace {
+
+bool has_effect(const Model& model, const std::string& name) {
+  const std::vector<std::string> names = model.effect_names();
+  return std::ranges::find(names, name) != names.end() ||
+         std::ranges::any_of(model.user_effects, [&](const UserEffect& e) { return e.name == name && diagnose::is_fitted(e); });
+}
+
+}  // namespace
 
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
+  if (!add.empty() && has_effect(model, add))
+    return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
+                "forcegate fit refits it");
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   return diagnose::refit_campaign(std::move(campaign), engine_options(model, request.threads), model, add);
 }

@@ -1,10 +1,10 @@
 #include "hil/app/gate_jobs.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 
+#include "hil/app/beside_program.h"
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
@@ -91,9 +91,7 @@ Result<std::filesystem::path> find_plan(const std::string& name) {
   std::error_code ignored;
   if (fs::is_regular_file(name, ignored)) return fs::path(name);
   std::vector<fs::path> folders{fs::path("ci") / "plans"};
-  char program[4096];
-  if (const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1); n > 0) {
-    const fs::path folder = fs::path(std::string(program, static_cast<std::size_t>(n))).parent_path();
+  if (const fs::path folder = program_folder(); !folder.empty()) {
     folders.push_back(folder.parent_path() / "ci" / "plans");
     folders.push_back(folder.parent_path() / "share" / "forcegate" / "plans");
   }

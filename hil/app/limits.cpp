@@ -132,4 +132,11 @@ Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProg
   return derivation.limits();
 }
 
+bool takes_derived_limits(const std::string& name) {
+  const auto path = find_plan(name);
+  if (!path) return false;
+  const auto plan = read_plan(*path);
+  return plan && !plan->limits.derived.empty();
+}
+
 }  // namespace forcegate

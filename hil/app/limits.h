@@ -24,4 +24,7 @@ struct LimitsRequest {
 Result<DerivedLimits> derive_limits(const LimitsRequest& request, const GateProgress& progress = {},
                                     const std::atomic<bool>* cancelled = nullptr);
 
+/// Whether a plan of that name names a file of derived limits, which `forcegate bless` writes.
+bool takes_derived_limits(const std::string& plan);
+
 }  // namespace forcegate

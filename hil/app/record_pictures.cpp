@@ -172,10 +172,16 @@ std::optional<std::vector<double>> density(const std::vector<double>& y, const s
   return out;
 }
 
-std::optional<ResidualSpectrum> spectrum_of(const ModelledRecord& m) {
+std::vector<double> residual_of(const ModelledRecord& m) {
+  std::vector<double> out(m.input->rows());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = m.residual(i);
+  return out;
+}
+
+std::optional<ResidualSpectrum> spectrum_of(const ModelledRecord& m, const ModelledRecord* after) {
   constexpr std::size_t kShortest = 64, kLongest = 2048;
-  std::vector<double> residual(m.input->rows()), load(residual.size());
-  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = m.residual(i), load[i] = m.gain * m.model[i];
+  std::vector<double> residual = residual_of(m), load(residual.size());
+  for (std::size_t i = 0; i < residual.size(); ++i) load[i] = m.gain * m.model[i];
   const std::vector<Stretch> where = stretches(m.ok, residual);
   stretches(m.ok, load);
   std::size_t longest = 0, length = 1;
@@ -186,12 +192,17 @@ std::optional<ResidualSpectrum> spectrum_of(const ModelledRecord& m) {
   auto of_residual = density(residual, where, length, step_s), of_load = density(load, where, length, step_s);
   if (!of_residual || !of_load) return std::nullopt;
   ResidualSpectrum out{m.name, {}, std::move(*of_residual), std::move(*of_load), m.noise * std::sqrt(2.0 * step_s)};
+  if (after != nullptr) {
+    std::vector<double> left = residual_of(*after);
+    stretches(m.ok, left);
+    if (auto of_left = density(left, where, length, step_s)) out.after = std::move(*of_left);
+  }
   for (std::size_t k = 1; k <= out.residual.size(); ++k)
     out.f_Hz.push_back(static_cast<double>(k) / (static_cast<double>(length) * step_s));
   return out;
 }
 
-std::optional<ExtremaDecay> extrema_of(const ModelledRecord& m) {
+std::optional<ExtremaDecay> extrema_of(const ModelledRecord& m, const ModelledRecord* after) {
   constexpr double kProminence = 0.25, kFlat = 0.05;  // of the span
   constexpr std::size_t kFewest = 4;
   const RecordInput& r = *m.input;
@@ -213,6 +224,7 @@ std::optional<ExtremaDecay> extrema_of(const ModelledRecord& m) {
     side.t_s.push_back(r.t_s[at]);
     side.measured.push_back(r.U_V[at]);
     side.modelled.push_back(m.zero + m.gain * m.model[at]);
+    if (after != nullptr) side.after.push_back(after->zero + after->gain * after->model[at]);
   }
   if (out.maxima.t_s.size() < kFewest || out.minima.t_s.size() < kFewest) return std::nullopt;
   return out;
@@ -326,7 +338,7 @@ const Channel* output_of(const Record& record) {
 
 }  // namespace
 
-RecordPictures record_pictures(const diagnose::Workspace& w, const Model& model) {
+RecordPictures record_pictures(const diagnose::Workspace& w, const Model& model, const Model* after) {
   RecordPictures out;
   out.unit = w.output.unit;
   std::vector<ModelledRecord> parts = modelled(w, model);
@@ -334,11 +346,15 @@ RecordPictures record_pictures(const diagnose::Workspace& w, const Model& model)
   out.levels_over_time = w.input.has_start_times || w.input.single;
   std::vector<ModelledRecord> records = whole_records(w, std::move(parts));
   std::stable_sort(records.begin(), records.end(), [](const ModelledRecord& a, const ModelledRecord& b) { return a.rms > b.rms; });
+  std::vector<ModelledRecord> with_effects;
+  if (after != nullptr) with_effects = whole_records(w, modelled(w, *after));
   for (const ModelledRecord& m : records) {
+    const auto at = std::ranges::find(with_effects, m.name, &ModelledRecord::name);
+    const ModelledRecord* const same = at == with_effects.end() ? nullptr : &*at;
     if (out.spectra.size() < kMostPictures)
-      if (auto spectrum = spectrum_of(m)) out.spectra.push_back(std::move(*spectrum));
+      if (auto spectrum = spectrum_of(m, same)) out.spectra.push_back(std::move(*spectrum));
     if (out.extrema.size() < kMostPictures)
-      if (auto extrema = extrema_of(m)) out.extrema.push_back(std::move(*extrema));
+      if (auto extrema = extrema_of(m, same)) out.extrema.push_back(std::move(*extrema));
   }
   if (out.spectra.empty()) out.missing.emplace_back("No spectrum of the residual: no record has 128 rows (means of up to 20 ms) without a gap.");
   if (out.extrema.empty()) out.missing.emplace_back("No maxima and minima over time: no record turns four times up and four times down over a quarter of its span.");

@@ -9,8 +9,9 @@
 namespace forcegate {
 
 /// Residual = output - (zero + gain * model), the model's decay as the diagnosis fitted it; gain and zero are the record's own where one
-/// record is looked at. The effects of the model file are in it, at the file's strengths; what a diagnosis finds is not.
-RecordPictures record_pictures(const diagnose::Workspace& workspace, const Model& model);
+/// record is looked at. The effects of the model file are in it, at the file's strengths; what a diagnosis finds is in `after`, which stands
+/// beside it in spectrum and turning points; nullptr: nothing was found.
+RecordPictures record_pictures(const diagnose::Workspace& workspace, const Model& model, const Model* after = nullptr);
 
 /// Of recordings without an input. `form`: the law of time to draw; empty: the one that predicts left-out parts best.
 RecordPictures drift_pictures(const Campaign& campaign, const std::string& form);

@@ -32,7 +32,7 @@ WhatNext after_diagnosis(const Diagnosis& d, const Standing& at) {
   if (competes) return {at.experiment ? Step::record : Step::experiment, ""};
   if (d.verdict == DiagnosisVerdict::none) {
     if (at.experiment) return {Step::record, ""};
-    if (d.records.empty()) return {Step::explain, "none"};  // recordings without an input: there is no law to fit
+    if (!(d.force_range_N > 0.0)) return {Step::explain, "none"};  // recordings without an input: there is no law to fit
     if (at.is_exportable && at.is_exportable()) return {Step::compensate, ""};
     return at.model_file ? WhatNext{Step::explain, "none"} : WhatNext{Step::fit, ""};
   }

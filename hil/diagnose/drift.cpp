@@ -179,6 +179,24 @@ void tell_unused(const Record& record, const Channel& output, Diagnosis& out) {
   }
 }
 
+// Every record with the error of the constant and of the law that was taken, on its tenths that were left out.
+void add_records(const Campaign& campaign, const std::vector<RecordDrift>& drifts, const std::string& form, Diagnosis& out) {
+  for (std::size_t k = 0; k < drifts.size(); ++k) {
+    const auto left_out = [&](const std::string& name) {
+      return std::find_if(drifts[k].fits.begin(), drifts[k].fits.end(), [&](const DriftFit& f) { return f.form == name; })->left_out_rms;
+    };
+    RecordError e;
+    e.record = drifts[k].record;
+    e.kind = campaign.records[k].kind;
+    e.before = e.plain_before = left_out("constant");
+    e.after = e.plain_after = left_out(form);
+    e.floor = std::min(drifts[k].noise, e.after);
+    e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
+    out.records.push_back(std::move(e));
+  }
+  out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
+}
+
 std::string sentence_of(const DriftFit& f, const std::string& unit, double ratio, const std::string& second) {
   char text[300], from[40] = "";
   if (f.onset_s > 0.0) std::snprintf(from, sizeof from, " from %.3g s on", f.onset_s);
@@ -304,7 +322,8 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
     out.notes.push_back(text);
   }
   if (!moves || ranked.front().second == "constant") {
-    out.error_after = out.error_before;
+    out.error_after = out.plain_after = out.error_before;
+    add_records(campaign, drifts, "constant", out);
     if (wavers) {
       out.verdict = DiagnosisVerdict::unknown;
       out.depends_on = {"time"};
@@ -314,6 +333,7 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
     return out;
   }
   const std::string& form = ranked.front().second;
+  add_records(campaign, drifts, form, out);
   // a line is a limit of every curved law: it must beat the constant only
   const auto rival = form == "line" ? std::find_if(ranked.begin(), ranked.end(),
                                                    [](const auto& r) { return r.second == "constant"; })
@@ -329,7 +349,7 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   out.verdict = DiagnosisVerdict::known;
   Finding f;
   f.effect = "drift";
-  f.side = "sensor";
+  f.side = "unknown";
   f.side_witnessed = false;
   f.form = form;
   f.unit = out.unit;
@@ -349,6 +369,7 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   f.effect_rms =
       std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
   out.findings.push_back(std::move(f));
+  out.steps = {{"", out.error_before}, {"drift", out.error_after}};
   return out;
 }
 

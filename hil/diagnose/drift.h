@@ -41,7 +41,8 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
 bool is_drift_only(const Campaign& campaign);
 
 /// Verdict "none" when nothing drifts; "known", finding "drift" with its law, when one law predicts the parts that were
-/// left out clearly better than the others; else "unknown", depends on time. The side cannot be told.
+/// left out clearly better than the others; else "unknown", depends on time. The side cannot be told: it is "unknown". Each record has its error
+/// with the constant and with the law on tenths that were left out.
 /// Errors: a record has no output channel (its columns are listed).
 Result<Diagnosis> diagnose_drift(const Campaign& campaign);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Plot data of an answer: overlays of every record, evidence before and after.
+// Plot data of an answer: overlays of every record (`after`: the residual rows that the answer leaves), evidence of every claim.
 
 #include "hil/diagnose/residual_map.h"
 #include "hil/diagnose/select.h"

@@ -231,7 +231,7 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
 }
 
 Figure evidence_figure(const EvidenceSeries& s) {
-  Figure figure(s.title + ", record " + s.record, 760.0);
+  Figure figure(s.title + (s.record.empty() ? "" : ", record " + s.record), 760.0);
   const double reach = reach_of(s);
   const Scaled scale = readable_unit(reach, s.y_unit);
   figure.columns = 2;
@@ -251,7 +251,7 @@ Figure evidence_figure(const EvidenceSeries& s) {
       panel.hline(0.0);
     }
   }
-  figure.summary = s.title + ": residual without and with the effect, same scale.";
+  figure.summary = capitalised(s.title) + ": residual without and with the effect, same scale.";
   return figure;
 }
 

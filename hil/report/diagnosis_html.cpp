@@ -3,55 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/report/diagnosis_figures.h"
-#include "hil/report/figures/plots.h"
+#include "hil/report/diagnosis_parts.h"
+#include "hil/report/finding_side.h"
 #include "hil/report/figures/text.h"
 #include "hil/report/html_page.h"
 
 namespace forcegate {
 namespace {
 
+using namespace parts;
 using figures::display;
 using figures::escape;
-using figures::Figure;
 
 using Answer = decltype(Diagnosis::verdict);
 constexpr double kClaim = 0.5;
-constexpr std::size_t kMostPictures = 4, kMostOverlays = 12, kMostMaps = 6;
-
-std::string in_unit(double value, const std::string& unit) {
-  const figures::Scaled scale = figures::readable_unit(value, unit);
-  return display(value * scale.factor, 3) + " " + scale.unit;
-}
-
-std::string picture(const Figure& figure, std::string_view more = {}) {
-  if (figure.panels().empty()) return {};
-  std::string summary = figure.summary;
-  if (!more.empty() && !summary.empty())  // it begins a sentence
-    summary[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(summary[0])));
-  std::string caption = figures::typographic_minus(escape(summary));
-  if (!more.empty()) caption = escape(more) + (caption.empty() ? "" : " " + caption);
-  return html_figure(figure.svg(Figure::Target::embedded), figure.title, caption);
-}
-
-std::string table_start(const std::string& caption, std::initializer_list<std::string_view> heads) {
-  std::string out = "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"" + escape(caption) +
-                    "\"><table><caption>" + escape(caption) + "</caption><thead><tr>";
-  for (const std::string_view head : heads)  // "#" marks a column of numbers
-    out += head.starts_with('#') ? "<th scope=\"col\" class=\"n\">" + std::string(head.substr(1)) + "</th>"
-                                 : "<th scope=\"col\">" + std::string(head) + "</th>";
-  return out + "</tr></thead><tbody>\n";
-}
-constexpr std::string_view kTableEnd = "</tbody></table></div>\n";
-
-std::string cell(const std::string& html, bool number = false) {
-  return std::string(number ? "<td class=\"n\">" : "<td>") + html + "</td>";
-}
+constexpr std::size_t kMostOverlays = 12, kMostMaps = 6;
 
 // What the same search finds where there is nothing to find: chance when the residual is noise, leftovers when it is not.
 std::string chance_sentence(const Diagnosis& d) {
@@ -63,19 +34,22 @@ std::string chance_sentence(const Diagnosis& d) {
          " effects still pass the threshold. What ranks without a claim may be a leftover of something else.";
 }
 
-std::string header(const Diagnosis& d, bool comparison, bool has_looks) {
+std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks) {
   constexpr double kToItsNoise = 1.5;
+  const bool comparison = page.comparison;
   const bool fits = comparison ? d.error_before <= kToItsNoise * d.floor : d.verdict == Answer::none;
   const std::string colour = fits ? "ok" : comparison || d.verdict == Answer::known ? "wa" : "no";
-  std::string out = "<header class=\"" + colour + "\"><div><h1>" +
-                    escape(comparison ? "How far " + d.model + " is from " + d.campaign : diagnosis_headline(d)) +
+  std::string out = "<header class=\"" + (page.lead ? page.lead->colour : colour) + "\"><div><h1>" +
+                    escape(page.lead    ? page.lead->headline
+                           : comparison ? "How far " + d.model + " is from " + d.campaign
+                                        : diagnosis_headline(d)) +
                     "</h1>\n<p class=\"why\">";
   const bool rig = d.errors.contains("F");
   const double before = rig ? d.errors.at("F").before : d.error_before,
                after = rig ? d.errors.at("F").after : d.error_after;
   const std::string unit = rig ? d.errors.at("F").unit : d.unit;
-  out += "Held-out error " + escape(in_unit(before, unit));
-  if (d.verdict == Answer::known) out += " falls to " + escape(in_unit(after, unit));
+  out += page.lead ? escape(page.lead->why) : "Held-out error " + escape(in_unit(before, unit));
+  if (d.verdict == Answer::known && !page.lead) out += " falls to " + escape(in_unit(after, unit));
   if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(in_unit(d.floor, d.unit));
   out += ".</p>\n<ul class=\"facts\">";
   const auto fact = [&](std::string_view name, const std::string& html) {
@@ -92,7 +66,8 @@ std::string header(const Diagnosis& d, bool comparison, bool has_looks) {
   const auto section = [&](bool there, std::string_view id, std::string_view name) {
     if (there) out += "<a href=\"#" + std::string(id) + "\">" + std::string(name) + "</a>";
   };
-  section(!comparison, "missing", "What is missing");
+  if (page.lead) section(true, page.lead->id, page.lead->name);
+  section(!comparison && !page.lead, "missing", "What is missing");
   section(!d.maps.empty(), "where", "Where it fails");
   section(has_looks, "looks", "Spectrum, turning points and level");
   section(!d.ranking.empty(), "ranking", "Ranking");
@@ -101,20 +76,12 @@ std::string header(const Diagnosis& d, bool comparison, bool has_looks) {
   return out + "</nav></div></header>\n";
 }
 
-// Level of the records beside the first claim that acts between them, courses of an output without an input.
-std::string between_records(const RecordPictures& p) {
-  std::string out;
-  if (!p.levels.empty()) out += picture(levels_figure(p));
-  for (const DriftCourse& c : p.drift) out += picture(drift_figure(c, p.unit));
-  return out;
-}
-
-std::string finding(const Finding& f, bool open, const std::string& more) {
+// `more`: the level of the records beside the first claim that acts between them.
+std::string finding(const Finding& f, JudgedBy judged_by, bool open, const std::string& more) {
   const bool claim = f.probability >= kClaim;
   std::string out =
       "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") +
-      "><summary><span class=\"id\">" + escape(f.effect) + "</span><span>" + escape(f.side) +
-      (f.side_witnessed ? "" : " (side not witnessed)") + "</span><span class=\"w " + (claim ? "wa" : "mu") +
+      "><summary><span class=\"id\">" + escape(f.effect) + "</span><span>" + escape(shown_side(f)) + "</span><span class=\"w " + (claim ? "wa" : "mu") +
       "\">" + (claim ? "claimed" : "not claimed") + ", probability " + fmt::format("{:.2f}", f.probability) +
       "</span></summary><div class=\"in\">\n<p>" + escape(f.evidence) + "</p>\n<dl>";
   const auto fact = [&](std::string_view name, const std::string& html) {
@@ -142,10 +109,7 @@ std::string finding(const Finding& f, bool open, const std::string& more) {
              cell(escape(l.separates)) + "</tr>\n";
     out += kTableEnd;
   }
-  out += more;
-  const std::size_t n = std::min(kMostPictures, f.series.size());
-  for (std::size_t i = 0; i < n; ++i)
-    out += picture(evidence_figure(f.series[i]), "Record " + f.series[i].record + ".");
+  out += more + evidence(f, judged_by);
   return out + "</div></details>\n";
 }
 
@@ -165,7 +129,7 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
   for (const Finding& f : d.findings) {
     const bool here = !drawn && is_claimed_between_records(f);
     drawn |= here;
-    out += finding(f, f.probability >= kClaim && opened++ < 3, here ? between_records(pictures) : "");
+    out += finding(f, d.judged_by, f.probability >= kClaim && opened++ < 3, here ? between_records(pictures) : "");
   }
   const bool moves = !d.not_separable.empty() ||
                      std::ranges::any_of(d.findings, [](const Finding& f) { return f.probability >= kClaim; });
@@ -230,11 +194,12 @@ std::string ranking(const Diagnosis& d) {
 
 std::string records(const Diagnosis& d) {
   if (d.records.empty()) return {};
+  const bool no_input = !(d.force_range_N > 0.0);
   const bool any_heldout = std::ranges::any_of(d.records, &RecordError::heldout);
-  const std::string role = any_heldout ? "fitted" : d.judged_by == JudgedBy::whole ? "fitted as a whole" : d.records.size() > 1 ? "left out in turn" : "in blocks";
+  const std::string role = any_heldout ? "fitted" : d.judged_by == JudgedBy::whole ? "fitted as a whole" : d.records.size() > 1 ? "left out in turn" : no_input ? "in tenths" : "in blocks";
   std::string out = "<section id=\"records\"><h2>Records</h2>\n" + picture(record_error_figure(d)) +
                     table_start("RMS error of each record in " + d.unit +
-                                    (d.levels ? " (the decay of the record may follow the data, gain and offset are those of all)"
+                                    (no_input ? " on tenths of it that were left out" : d.levels ? " (the decay of the record may follow the data, gain and offset are those of all)"
                                               : " (gain, offset and decay of the record may follow the data)"),
                                 {"Record", "Kind", "Role", "#Before", "#After", "#Plain before",
                                  "#Plain after", "#Noise", "#Explainable / %"});
@@ -251,6 +216,7 @@ std::string records(const Diagnosis& d) {
       out += picture(record_overlay_figure(d.overlays[i]), "Record " + d.overlays[i].record + ".");
     out += "</div></details>\n";
   }
+  if (no_input) return out + "</section>\n";
   const Repeatability& s = d.repeatability;
   out += "<p class=\"q\">Spread from record to record: gain " + display(100.0 * s.gain, 2) + " %, offset " +
          escape(in_unit(s.offset_V, d.unit)) + ", decay rate " + display(100.0 * s.log_b, 2) +
@@ -293,7 +259,7 @@ std::string diagnosis_headline(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     if (f.probability < kClaim) continue;
     out +=
-        separator + f.effect + " (" + f.side + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
+        separator + f.effect + " (" + shown_side(f) + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
     separator = ", ";
   }
   return out;
@@ -306,9 +272,10 @@ std::string diagnosis_html(const Diagnosis& diagnosis, const DiagnosisPage& page
     for (const Finding& f : d.findings)
       if (f.effect == r.effect) r.probability = f.probability;
   HtmlPage html;
-  html.title = (page.comparison ? "Comparison with " : "Diagnosis of ") + d.campaign;
+  html.title = page.lead ? page.lead->headline : (page.comparison ? "Comparison with " : "Diagnosis of ") + d.campaign;
   const std::string of_residual = looks(d, page.pictures);
-  html.body = header(d, page.comparison, !of_residual.empty()) + "<main>\n" + (page.comparison ? "" : missing(d, page.pictures)) + where(d) +
+  html.body = header(d, page, !of_residual.empty()) + "<main>\n" +
+              (page.lead ? page.lead->section : page.comparison ? "" : missing(d, page.pictures)) + where(d) +
               of_residual + ranking(d) +
               records(d) + next(d);
   const std::vector<RefusedEffect> refused = refused_beside_findings(d);

@@ -67,7 +67,8 @@ Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
   x.scale = y.scale = Scale::logarithmic;
   Panel& panel = figure.panel(x, y, 150.0);
   panel.line(s.f_Hz, scaled(s.load, scale.factor), {Role::muted, Dash::solid, 1.0}, "modelled output");
-  panel.line(s.f_Hz, scaled(s.residual, scale.factor), {Role::firmware, Dash::solid, 1.2}, "residual");
+  panel.line(s.f_Hz, scaled(s.residual, scale.factor), {Role::firmware, Dash::solid, 1.2}, s.after.empty() ? "residual" : "residual before");
+  if (!s.after.empty()) panel.line(s.f_Hz, scaled(s.after, scale.factor), {Role::model, Dash::solid, 1.2}, "after");
   if (s.noise > 0.0) panel.hline(s.noise * scale.factor, "noise", Role::muted, Dash::dotted);
   constexpr double kLine = 4.0, kOfTheLoad = 2.0;
   std::size_t line = 0;
@@ -78,7 +79,8 @@ Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
     figure.summary = "No line stands out of the residual.";
   else
     figure.summary = "The residual has a line at " + display(s.f_Hz[line], 3) + " Hz" +
-                     (above_neighbours(s.load, line) > kOfTheLoad ? ", where the load has one." : ", where the load has none: a harmonic that the model lacks, mains or a resonance.");
+                     (above_neighbours(s.load, line) > kOfTheLoad ? ", where the load has one." : ", where the load has none: a harmonic that the model lacks, mains or a resonance.") +
+                     (s.after.empty() ? "" : above_neighbours(s.after, line) < kLine ? " Afterwards it is gone." : " Afterwards it is still there.");
   return figure;
 }
 
@@ -90,19 +92,28 @@ Figure extrema_figure(const ExtremaDecay& e, const std::string& unit) {
   above.show_x_labels = false;
   const std::vector<double> high = difference(e.maxima.measured, e.maxima.modelled), low = difference(e.minima.measured, e.minima.modelled);
   const Scaled scale = readable_unit(std::max(largest(high), largest(low)), unit);
+  const bool both = !e.maxima.after.empty();
   Panel& below = figure.panel(time, {"Measured \u2212 model", scale.unit}, 90.0);
   below.hline(0.0);
-  const auto add = [&](const TurningSeries& s, const std::vector<double>& error, Role role, Marker marker, const std::string& label) {
-    if (s.t_s.size() <= kMostRings)
-      above.points(s.t_s, s.modelled, {Role::model, Dash::solid, 1.0, Marker::ring, 6.0}, marker == Marker::up ? "model" : "");
+  const auto model = [&](const std::vector<double>& t_s, const std::vector<double>& y, Role role, const std::string& label) {
+    if (t_s.size() <= kMostRings)
+      above.points(t_s, y, {role, Dash::solid, 1.0, Marker::ring, 6.0}, label);
     else
-      add_line(above, s.t_s, s.modelled, {Role::model, Dash::dashed, 1.1}, marker == Marker::up ? "model" : "");
-    above.points(s.t_s, s.measured, {role, Dash::solid, 1.0, marker, 5.0, 0.8}, label);
-    below.points(s.t_s, scaled(error, scale.factor), {role, Dash::solid, 1.0, marker, 6.0, 0.8}, label);
+      add_line(above, t_s, y, {role, Dash::dashed, 1.1}, label);
+  };
+  const auto add = [&](const TurningSeries& s, const std::vector<double>& error, Role role, Marker marker, const std::string& label) {
+    const bool first = marker == Marker::up;
+    // two colours: before and after; the marks tell maxima from minima
+    model(s.t_s, s.modelled, both ? Role::firmware : Role::model, !first ? "" : both ? "model before" : "model");
+    if (both) model(s.t_s, s.after, Role::model, first ? "after" : "");
+    above.points(s.t_s, s.measured, {both ? Role::reference : role, Dash::solid, 1.0, marker, 5.0, 0.8}, label);
+    below.points(s.t_s, scaled(error, scale.factor), {both ? Role::firmware : role, Dash::solid, 1.0, marker, 6.0, 0.8}, label + (both ? " before" : ""));
+    if (both) below.points(s.t_s, scaled(difference(s.measured, s.after), scale.factor), {Role::model, Dash::solid, 1.0, marker, 6.0, 0.8}, label + " after");
   };
   add(e.maxima, high, Role::rising, Marker::up, "maxima");
   add(e.minima, low, Role::falling, Marker::down, "minima");
-  figure.summary = "What the law of the decay leaves at the turning points of the force.";
+  figure.summary = both ? "What the law of the decay leaves at the turning points of the force, before and after the effects were taken in."
+                        : "What the law of the decay leaves at the turning points of the force.";
   return figure;
 }
 

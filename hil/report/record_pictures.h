@@ -15,11 +15,13 @@ struct ResidualSpectrum {
   std::vector<double> f_Hz, residual;  ///< residual in unit/sqrt(Hz)
   std::vector<double> load;            ///< of the modelled output, same unit: what the load has
   double noise = 0.0;                  ///< what white noise of the row noise would give; 0: not known
+  std::vector<double> after{};         ///< residual of the model with what was found or added; empty: nothing was
 };
 
-/// Output at the turning points of the force; `modelled` with the record's own gain and zero.
+/// Output at the turning points of the force; modelled with the record's own gain and zero, `after` with what was found or added (empty:
+/// nothing was).
 struct TurningSeries {
-  std::vector<double> t_s, measured, modelled;
+  std::vector<double> t_s, measured, modelled, after;
 };
 struct ExtremaDecay {
   std::string record;

@@ -124,7 +124,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
 
   Clock clock;
   if (clock_column < table.columns.size()) {
-    auto made = make_clock(std::move(table.columns[clock_column].value), where);
+    auto made = make_clock(std::move(table.columns[clock_column].value), where, [&](std::size_t row) { return table.line_of_row(row); });
     if (!made) return tl::unexpected(made.error());
     clock = std::move(*made);
     out.notes.insert(out.notes.end(), clock.notes.begin(), clock.notes.end());

@@ -46,6 +46,22 @@ std::string times(std::size_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
+bool misses_stamp(const std::vector<double>& stamps_s, std::size_t behind, std::size_t before) {
+  for (std::size_t i = behind + 1; i < before; ++i)
+    if (!std::isfinite(stamps_s[i])) return true;
+  return false;
+}
+
+std::string without_stamp(const std::vector<double>& stamps_s, const LineOfRow& line_of_row) {
+  constexpr std::size_t kNamed = 3;
+  std::size_t n = 0;
+  std::string lines;
+  for (std::size_t i = 0; i < stamps_s.size(); ++i)
+    if (!std::isfinite(stamps_s[i]) && n++ < kNamed) lines += (n == 1 ? "" : ", ") + std::to_string(line_of_row(i));
+  const std::string more = n > kNamed ? " and " + std::to_string(n - kNamed) + " more" : "";
+  return times(n, "row has", "rows have") + " no time stamp (line" + (n == 1 ? " " : "s ") + lines + more + "); dropped";
+}
+
 }  // namespace
 
 TimeBase invented_clock(std::size_t rows, double rate_Hz) {
@@ -57,7 +73,7 @@ TimeBase invented_clock(std::size_t rows, double rate_Hz) {
   return base;
 }
 
-Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where) {
+Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where, const LineOfRow& line_of_row) {
   Clock clock;
   bool increasing = !stamps_s.empty() && std::isfinite(stamps_s.front());
   for (std::size_t i = 1; i < stamps_s.size() && increasing; ++i)
@@ -70,8 +86,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
       return fail(ErrorCode::parse, "no row has a time stamp", where,
                   "map another column, --map NAME=t_s, or leave the clock out: --map CLOCK=unused --rate HZ");
     if (rows.size() < stamps_s.size())
-      clock.notes.push_back(times(stamps_s.size() - rows.size(), "row has", "rows have") +
-                            " no time stamp; dropped");
+      clock.notes.push_back(without_stamp(stamps_s, line_of_row));
 
     std::vector<double> t;
     for (const std::size_t r : rows) t.push_back(stamps_s[r]);
@@ -91,7 +106,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
         if (latest - t[i] > 10.0 * step)
           return fail(ErrorCode::parse,
                       "the clock jumps back from " + shortest(latest) + " s to " + shortest(t[i]) +
-                          " s at row " + std::to_string(rows[i] + 1),
+                          " s in line " + std::to_string(line_of_row(rows[i])),
                       where, "split the file where a new recording begins");
       }
       latest = std::max(latest, t[i]);
@@ -121,13 +136,17 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where)
   }
 
   find_rate_and_gaps(clock.base);
-  if (!clock.base.gaps.empty()) {
-    double longest = 0.0;
-    for (const Gap& g : clock.base.gaps) longest = std::max(longest, g.to_s - g.from_s);
+  std::size_t gaps = 0;
+  double longest = 0.0;
+  for (const Gap& g : clock.base.gaps) {
+    if (!clock.rows.empty() && misses_stamp(stamps_s, clock.rows[g.index - 1], clock.rows[g.index])) continue;  // is told already
+    ++gaps;
+    longest = std::max(longest, g.to_s - g.from_s);
+  }
+  if (gaps > 0) {
     char shown[32];
     std::snprintf(shown, sizeof shown, "%.4g", longest);
-    clock.notes.push_back(times(clock.base.gaps.size(), "gap", "gaps") + " in the clock, the longest " +
-                          shown + " s");
+    clock.notes.push_back(times(gaps, "gap", "gaps") + " in the clock, the longest " + shown + " s");
   }
   if (clock.base.nominal_rate_Hz == 0.0 && clock.base.t_s.size() > 2)
     clock.notes.push_back("the clock is not uniform: there is no one sample rate");

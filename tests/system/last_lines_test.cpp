@@ -9,7 +9,7 @@
 #include <functional>
 #include <set>
 
-#include "tests/support/process.h"
+#include "tests/support/last_line.h"
 
 namespace forcegate::test {
 namespace {
@@ -19,18 +19,6 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-
-std::string next_of(const ProcessResult& r) {
-  std::string text = r.out;
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  text = text.substr(text.rfind('\n') + 1);
-  return text.starts_with("next: ") ? text.substr(6) : "";
-}
-
-// As it stands, by a shell that finds the program.
-ProcessResult pasted(const std::string& command, const TemporaryFolder& folder) {
-  return run_process({"bash", "-c", "PATH=" FORCEGATE_BINARY_DIR ":$PATH; " + command}, {.folder = folder.path()});
-}
 
 bool is_an_end(const std::string& command) {
   return command.starts_with("forcegate explain ") || command.starts_with("open ") || command.starts_with("ci/firmware ") ||

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/app/write_file.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
@@ -16,6 +17,11 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(request.campaign, campaign_request(in, in.text("fit"), in.text("model")));
   request.output = in.text("output");
   FORCEGATE_TRY(const diagnose::Refit answer, add_request(request));
+  if (const std::string html = in.text("html"); !html.empty()) {
+    FORCEGATE_TRY(const std::string page, added_page(request, answer, in.command_line()));
+    FORCEGATE_CHECK_OK(write_file_atomically(html, page));
+    in.console().note("wrote " + html);
+  }
   in.console().print(refit_text(answer, request.effect));
   in.console().print_json(refit_json(answer, request.effect));
   const std::string model = named_model(in);
@@ -44,9 +50,11 @@ const Registration<Command> kRow{Command{
     .options =
         joined({{{.name = "fit", .value_name = "CAMPAIGN", .doc = "Campaign to fit on.", .required = true},
                  {.name = "output", .value_name = "FILE", .doc = "Model file to write.", .letter = 'o'},
+                 {.name = "html", .value_name = "FILE", .doc = "Write the pictures, before and after."},
                  model_row()},
                 campaign_rows()}),
     .examples = {{"forcegate add hysteresis --fit m7 -o better.toml", "Add a loop and watch the error:"},
+                 {"forcegate add creep --fit m7 -o better.toml --html creep.html", "The same with pictures:"},
                  {"forcegate add softening --model mine.toml --fit m7 -o better.toml", "Fit an equation of the model file:"}},
     .run = run,
 }};

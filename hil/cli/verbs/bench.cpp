@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
+#include "hil/cli/verbs/bench_line.h"
 
 namespace forcegate {
 namespace {
@@ -21,7 +23,7 @@ std::map<std::string, std::string> options_of(const Invocation& in) {
 Result<std::string> file_of(const Invocation& in) {
   if (const auto files = in.texts("FILE"); !files.empty()) return files.front();
   return fail(ErrorCode::usage, "bench " + in.text("ACTION") + " needs a bench file", {},
-              "for example rigs/twin.toml");
+              "forcegate bench list shows those that there are");
 }
 
 Result<int> list(const Invocation& in) {
@@ -29,7 +31,8 @@ Result<int> list(const Invocation& in) {
   for (const std::string& f : in.texts("FILE")) files.emplace_back(f);
   Json document = Json::array();
   bool good = true;
-  for (const BenchRow& row : list_benches(files)) {
+  const std::vector<BenchRow> benches = list_benches(files);
+  for (const BenchRow& row : benches) {
     good = good && row.mistake.empty();
     in.console().print(
         row.mistake.empty()
@@ -47,7 +50,7 @@ Result<int> list(const Invocation& in) {
                         {"mistake", row.mistake}});
   }
   in.console().print_json(Json({{"format", 1}, {"benches", document}}).dump(2));
-  in.console().next("forcegate bench doctor rigs/twin.toml");
+  in.console().next(line_after_list(benches));
   return good ? kExitSuccess : kExitUsage;
 }
 
@@ -67,8 +70,8 @@ Result<int> doctor(const Invocation& in) {
         {{"name", item.name}, {"good", item.good}, {"found", item.found}, {"remedy", item.remedy}});
   }
   in.console().print_json(Json({{"format", 1}, {"ready", good}, {"items", document}}).dump(2));
-  in.console().next(good ? "forcegate gate build/firmware/reference.uart.elf --rig " + file + " --plan twin"
-                         : "mend what is BAD, then again: forcegate bench doctor " + file);
+  if (!good) in.console().print("mend what is BAD, then ask again");
+  in.console().next(good ? line_that_gates_on(in, file) : "forcegate bench doctor " + bench_words(in, file));
   return good ? kExitSuccess : kExitRigFault;
 }
 
@@ -81,7 +84,8 @@ Result<int> scan(const Invocation& in) {
   }
   if (ports.empty()) in.console().print("no serial or HID device is connected");
   in.console().print_json(Json({{"format", 1}, {"ports", document}}).dump(2));
-  in.console().next("write the stable names under [ports] of a bench file (docs/bench.md)");
+  if (!ports.empty()) in.console().print("the stable names belong under [ports] of a bench file (docs/bench.md)");
+  in.console().next("forcegate bench list");
   return kExitSuccess;
 }
 
@@ -90,8 +94,9 @@ Result<int> serve(const Invocation& in) {
   const std::string folder = in.text("folder");
   const auto ready = [&](const std::vector<std::string>& endpoints) {
     for (const std::string& e : endpoints) in.console().print(e);
+    in.console().print("Ctrl-C ends the twins; in another terminal:");
     in.console().print_json(Json({{"format", 1}, {"folder", folder}, {"endpoints", endpoints}}).dump(2));
-    in.console().next("forcegate bench doctor " + file + " --attach " + folder + "; Ctrl-C ends the twins");
+    in.console().next("forcegate bench doctor " + shell_quoted(file) + " --attach " + shell_quoted(folder));
     std::fflush(stdout);
   };
   FORCEGATE_CHECK_OK(serve_bench(file, folder, ready, in.interrupt_flag()));
@@ -104,7 +109,7 @@ Result<int> park(const Invocation& in) {
   in.console().print(holder > 0 ? fmt::format("the motor is stopped; process {} was told to end", holder)
                                 : "the motor is stopped");
   in.console().print_json(Json({{"format", 1}, {"stopped", true}, {"holder", holder}}).dump(2));
-  in.console().next("forcegate bench doctor " + file);
+  in.console().next("forcegate bench doctor " + bench_words(in, file));
   return kExitSuccess;
 }
 
@@ -117,7 +122,7 @@ Result<int> jog(const Invocation& in) {
                                  r.to_rad, r.force_N));
   in.console().print_json(
       Json({{"format", 1}, {"from_rad", r.from_rad}, {"to_rad", r.to_rad}, {"force_N", r.force_N}}).dump(2));
-  in.console().next("forcegate bench park " + file);
+  in.console().next(line_that_parks(in, file).value_or("forcegate bench doctor " + bench_words(in, file)));
   return kExitSuccess;
 }
 
@@ -127,7 +132,7 @@ Result<int> who(const Invocation& in) {
   if (!holder) {
     in.console().print("nobody holds the bench");
     in.console().print_json(Json({{"format", 1}, {"held", false}}).dump(2));
-    in.console().next("forcegate bench doctor " + file);
+    in.console().next("forcegate bench doctor " + bench_words(in, file));
     return kExitSuccess;
   }
   in.console().print(fmt::format("process {} since {:.0f} s, last sign of life {:.0f} s ago\n{}", holder->pid,
@@ -140,7 +145,9 @@ Result<int> who(const Invocation& in) {
                                 {"silent_s", holder->silent_s},
                                 {"purpose", holder->purpose}})
                               .dump(2));
-  in.console().next("forcegate bench park " + file + " stops the motor and the holder");
+  const std::optional<std::string> park = line_that_parks(in, file);
+  if (park) in.console().print("park stops the motor and ends that process");
+  in.console().next(park.value_or("forcegate bench who " + bench_words(in, file)));
   return kExitSuccess;
 }
 
@@ -160,7 +167,7 @@ Result<int> specimens(const Invocation& in) {
   }
   if (rows.empty()) in.console().print("no specimen has been used on this bench");
   in.console().print_json(Json({{"format", 1}, {"specimens", document}}).dump(2));
-  in.console().next("forcegate gate FIRMWARE --rig " + file);
+  in.console().next(line_that_gates_on(in, file));
   return kExitSuccess;
 }
 

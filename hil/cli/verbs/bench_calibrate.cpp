@@ -10,6 +10,8 @@
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
+#include "hil/cli/verbs/bench_line.h"
 
 namespace forcegate {
 namespace {
@@ -57,6 +59,17 @@ Result<Calibrated> calibrate(const Invocation& in) {
   });
 }
 
+// Reference, spring, sensor, then the gate with what was written.
+std::string line_after(const Invocation& in, const Calibrated& c) {
+  const std::string file = in.text("FILE");
+  if (c.what == "sensor" && in.given("output")) return line_that_gates_on(in, file, in.text("output"));
+  if (c.what == "sensor") return in.command_line() + " -o sensor.toml";
+  std::string then = bench_words(in, file) + (c.what == "spring" ? " sensor -o sensor.toml" : " spring");
+  if (in.given("specimen")) then += " --specimen " + shell_quoted(in.text("specimen"));
+  if (in.flag("arm")) then += " --arm";
+  return "forcegate bench calibrate " + then;
+}
+
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const Calibrated c, calibrate(in));
   if (c.line)
@@ -86,10 +99,7 @@ Result<int> run(const Invocation& in) {
                         {"residual", c.line->residual},
                         {"worst", c.line->worst}};
   in.console().print_json(document.dump(2));
-  in.console().next(c.what == "sensor"
-                        ? "forcegate gate FIRMWARE --rig " + file + " --cal " + (out.empty() ? "FILE" : out)
-                    : c.what == "spring" ? "forcegate bench calibrate " + file + " sensor"
-                                         : "forcegate bench calibrate " + file + " spring");
+  in.console().next(line_after(in, c));
   return kExitSuccess;
 }
 

@@ -1,5 +1,11 @@
 #include "hil/app/fault_matrix.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
 
 namespace forcegate {
 namespace {
@@ -9,6 +15,14 @@ std::vector<std::string> names() {
   for (const FaultScenario& s : fault_scenarios())
     if (out.empty() || out.back() != s.name) out.push_back(s.name);
   return out;
+}
+
+// The report of one row: one that is wrong, else the first.
+std::string line_that_shows(const Invocation& in, const FaultMatrix& matrix) {
+  auto row = std::ranges::find_if(matrix.rows, [](const FaultRow& r) { return !r.wrong.empty(); });
+  if (row == matrix.rows.end()) row = matrix.rows.begin();
+  return "forcegate gate " + shell_quoted(in.text("FIRMWARE")) + " --plan " + shell_quoted(in.text("plan")) + " --fault " +
+         shell_quoted(fmt::format("{}={}", row->scenario.name, row->scenario.magnitude)) + " -o faulty";
 }
 
 Result<int> run(const Invocation& in) {
@@ -25,8 +39,7 @@ Result<int> run(const Invocation& in) {
   if (!matrix) return Unexpected(matrix.error());
   in.console().print(fault_matrix_text(*matrix));
   in.console().print_json(fault_matrix_json(*matrix));
-  in.console().next("forcegate gate " + request.good.string() +
-                    " --fault NAME=VALUE -o faulty, then look at faulty/report.html");
+  if (!matrix->rows.empty()) in.console().next(line_that_shows(in, *matrix));
   return matrix->wrong() == 0 ? kExitSuccess : kExitInternal;
 }
 

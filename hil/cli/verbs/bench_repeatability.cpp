@@ -2,7 +2,7 @@
 #include "hil/app/write_file.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
-#include "hil/cli/parse.h"
+#include "hil/cli/verbs/limits_line.h"
 #include "hil/cli/verbs/rig_choice.h"
 
 namespace forcegate {
@@ -28,9 +28,8 @@ Result<int> run(const Invocation& in) {
     FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), write_limits(answer->limits)));
   in.console().print(repeatability_text(*answer));
   in.console().print_json(repeatability_json(*answer));
-  in.console().next(in.given("output")
-                        ? "forcegate bless " + shell_quoted(in.text("output")) + " --reason ... --who ..."
-                        : "add -o limits.toml to keep them as limits");
+  in.console().next(in.given("output") ? line_after_limits(in, answer->limits, in.text("output"), rig_words(in))
+                                       : in.command_line() + " -o limits.toml");
   const bool all = answer->limits.by_case_and_check.size() == answer->rows.size() && !answer->rows.empty();
   return all ? kExitSuccess : kExitNoDecision;
 }

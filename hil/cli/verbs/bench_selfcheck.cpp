@@ -1,10 +1,19 @@
 #include "hil/app/rig_check.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
 #include "hil/cli/verbs/rig_choice.h"
 
 namespace forcegate {
 namespace {
+
+// The same build on the rig that is fit, under the plan that judges.
+std::string line_that_gates(const Invocation& in) {
+  std::string out = "forcegate gate " + shell_quoted(in.text("FIRMWARE")) + rig_words(in);
+  for (const char* option : {"record", "cal"})
+    if (in.given(option)) out += std::string(" --") + option + " " + shell_quoted(in.text(option));
+  return out;
+}
 
 Result<int> run(const Invocation& in) {
   SelfcheckRequest request;
@@ -29,8 +38,8 @@ Result<int> run(const Invocation& in) {
   if (!answer) return Unexpected(answer.error());
   in.console().print(selfcheck_text(*answer));
   in.console().print_json(selfcheck_json(*answer));
-  in.console().next(answer->fit ? "forcegate gate NEW_BUILD"
-                                : "mend what is named, then run the self-check again");
+  if (!answer->fit) in.console().print("mend what is named, then check again");
+  in.console().next(answer->fit ? line_that_gates(in) : in.command_line());
   return answer->fit ? kExitSuccess : kExitRigFault;
 }
 

@@ -1,9 +1,20 @@
 #include "hil/app/bless.h"
 
+#include <algorithm>
+
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
+#include "hil/cli/verbs/limits_line.h"
 
 namespace forcegate {
 namespace {
+
+std::string line_after(const BlessRequest& asked, const BlessAnswer& answer) {
+  if (answer.written) return "commit what changed together with " + answer.governance.string();
+  if (std::ranges::none_of(answer.changes, &BlessChange::changed)) return "nothing has to be done: these are in force already";
+  return bless_line(asked.source.string(), shell_quoted(asked.reason), shell_quoted(asked.who)) +
+         (asked.goldens.empty() ? "" : " --goldens " + shell_quoted(asked.goldens.string()));
+}
 
 Result<int> run(const Invocation& in) {
   BlessRequest request;
@@ -15,8 +26,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const BlessAnswer answer, bless(request));
   in.console().print(bless_text(answer));
   in.console().print_json(bless_json(answer));
-  in.console().next(answer.written ? "commit the goldens together with " + answer.governance.string()
-                                   : "forcegate bless SOURCE --reason ... --who ...");
+  in.console().next(line_after(request, answer));
   return kExitSuccess;
 }
 

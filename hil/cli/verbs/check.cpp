@@ -8,6 +8,16 @@
 namespace forcegate {
 namespace {
 
+// What was judged anew is worth a page; the stored run has its own.
+std::string line_after(const Invocation& in, const CheckAnswer& answer) {
+  if (!answer.differences.empty()) return "forcegate explain " + std::to_string(kExitInternal);
+  if (answer.other_limits && !in.given("output")) return in.command_line() + " -o judged.json";
+  const std::string judged = in.given("output") ? in.text("output") : in.text("RUN");
+  const std::filesystem::path page = (std::filesystem::path(judged) / "").parent_path().stem();
+  return "forcegate report " + shell_quoted(judged) + " --format html -o " +
+         shell_quoted((page.string().find_first_not_of('.') == std::string::npos ? "report" : page.string()) + ".html");
+}
+
 Result<int> run(const Invocation& in) {
   CheckRequest request;
   request.run = in.text("RUN");
@@ -24,7 +34,7 @@ Result<int> run(const Invocation& in) {
     FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), to_json(answer->result)));
   in.console().print(check_text(*answer));
   in.console().print_json(check_json(*answer));
-  in.console().next("forcegate diff " + shell_quoted(in.text("RUN")) + " OTHER_RUN");
+  in.console().next(line_after(in, *answer));
   return answer->differences.empty() ? answer->result.decision.exit_code : kExitInternal;
 }
 

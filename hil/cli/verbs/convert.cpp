@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/text.h"
@@ -10,6 +11,15 @@
 
 namespace forcegate {
 namespace {
+
+// A diagnosis needs the force and the output, and enough of them.
+std::string line_after(const ConvertReport& report, const std::string& file) {
+  constexpr std::size_t kFewest = 1000;
+  const auto has = [&](const char* name) {
+    return std::ranges::any_of(report.channels, [&](const ConvertedChannel& c) { return c.name == name && c.samples - c.missing >= kFewest; });
+  };
+  return has("F_ref") && has("U") ? "forcegate diagnose " + shell_quoted(file) : "forcegate convert --help";
+}
 
 Result<int> run(const Invocation& in) {
   ConvertRequest request{.from = in.text("FROM"), .to = in.text("TO"), .column_map = {}};
@@ -46,7 +56,7 @@ Result<int> run(const Invocation& in) {
       {"duration_s", report.duration_s},
       {"channels", channels},
       {"notes", notes}}.dump(2));
-  console.next("forcegate gate FIRMWARE --rig replay --record " + shell_quoted(in.text("TO")));
+  console.next(line_after(report, in.text("TO")));
   return kExitSuccess;
 }
 

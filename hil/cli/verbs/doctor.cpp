@@ -4,7 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/app/beside_program.h"
 #include "hil/cli/command.h"
+#include "hil/cli/parse.h"
 
 namespace forcegate {
 namespace {
@@ -48,8 +50,8 @@ Result<int> run(const Invocation& in) {
                     ? console.paint(Paint::pass, "ready") + ": the gate on the emulated rig has all it needs"
                     : console.paint(Paint::fail, "not ready") + ": get what is MISSING above");
   console.print_json(document.dump(2));
-  console.next(ready ? "forcegate gate build/firmware/reference-m4f.block.elf --plan ci/plans/smoke.toml"
-                     : "./ci/build installs what is missing and builds the images");
+  const std::optional<std::string> image = shipped_image("reference-m4f.block.elf");
+  console.next(ready && image ? "forcegate gate " + shell_quoted(*image) : "./ci/build");
   return ready ? kExitSuccess : kExitNoDecision;
 }
 

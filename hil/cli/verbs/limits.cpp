@@ -4,6 +4,7 @@
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
+#include "hil/cli/verbs/limits_line.h"
 
 namespace forcegate {
 namespace {
@@ -27,12 +28,11 @@ Result<int> run(const Invocation& in) {
   if (in.given("output")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("output"), text));
   in.console().print(text);
   in.console().print_json(limits_json(*limits));
-  const std::string file = shell_quoted(in.text("output"));
-  in.console().next(!in.given("output") ? "add -o limits.toml to keep them"
-                    : request.records.empty()
-                        ? "write derived = " + file + " under [limits] of the plan; forcegate bless " + file +
-                              " puts it in force"
-                        : "forcegate gate NEW_BUILD --record NEW.csv --limits " + file);
+  std::string recorded;
+  if (!request.records.empty()) recorded = " --record " + shell_quoted(request.records.back().string());
+  if (in.given("cal")) recorded += " --cal " + shell_quoted(in.text("cal"));
+  in.console().next(in.given("output") ? line_after_limits(in, *limits, in.text("output"), recorded)
+                                       : in.command_line() + " -o limits.toml");
   return kExitSuccess;
 }
 

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/app/beside_program.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 
@@ -36,11 +37,12 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const PlanEstimate estimate, estimate_named_plan(in.text("PLAN")));
   in.console().print(plan_in_words(estimate, in.flag("estimate")));
   in.console().print_json(to_json(estimate).dump(2));
+  const std::optional<std::string> image = shipped_image(estimate.weights ? "two-variable.native.so" : "reference.native.so");
   if (estimate.name == "campaign")  // it judges no firmware
     in.console().next("forcegate record --help");
   else
-    in.console().next(std::string("forcegate gate build/firmware/") + (estimate.weights ? "two-variable" : "reference") +
-                      ".native.so --plan " + shell_quoted(in.text("PLAN")));
+    in.console().next(image ? "forcegate gate " + shell_quoted(*image) + " --plan " + shell_quoted(in.text("PLAN"))
+                            : "forcegate gate --help");
   return kExitSuccess;
 }
 

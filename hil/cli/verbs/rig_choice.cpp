@@ -4,6 +4,7 @@
 
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
+#include "hil/cli/parse.h"
 #include "hil/interface/rig.h"
 
 namespace forcegate {
@@ -28,6 +29,12 @@ std::vector<Option> rig_rows() {
            .only_choices = false},
           {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig.", .repeatable = true},
           {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."}};
+}
+
+std::string rig_words(const Invocation& in) {
+  std::string out = in.given("rig") ? " --rig " + shell_quoted(in.text("rig")) : "";
+  for (const std::string& option : in.texts("rig-option")) out += " --rig-option " + shell_quoted(option);
+  return out + (in.flag("arm") ? " --arm" : "");
 }
 
 Result<RigChoice> rig_choice(const Invocation& in) {

@@ -15,6 +15,9 @@ Result<std::map<std::string, std::string>> named_values(const Invocation& in, co
 /// --rig NAME|FILE, --rig-option NAME=VALUE, --arm.
 std::vector<Option> rig_rows();
 
+/// The same options as they were given, for the next command; "" where none was.
+std::string rig_words(const Invocation& in);
+
 struct RigChoice {
   std::string rig;
   std::map<std::string, std::string> options;

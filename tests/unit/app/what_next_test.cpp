@@ -21,6 +21,7 @@ Diagnosis with(DiagnosisVerdict verdict) {
   d.error_before = 0.02;
   d.error_after = 0.004;
   d.records.resize(3);
+  d.force_range_N = 4.0;
   return d;
 }
 
@@ -77,7 +78,7 @@ TEST(WhatNext, WhatTheModelHasNoPlaceForNamesTheSideThatIsToBeMended) {
 
 TEST(WhatNext, RecordingsWithoutAnInputAreNeverFitted) {
   Diagnosis d = with(kNone);
-  d.records.clear();
+  d.force_range_N = 0.0;
   EXPECT_EQ(after_diagnosis(d, {}).step, Step::explain);
 }
 

@@ -61,6 +61,10 @@ TEST(Drift, FindsTheTimeConstantAndWhereItSetsIn) {
   EXPECT_NEAR(tau_s, 22.0, 0.5);
   EXPECT_NEAR(onset_s, 8.0, 0.5);
   EXPECT_FALSE(d->findings[0].side_witnessed);
+  EXPECT_EQ(d->findings[0].side, "unknown");
+  ASSERT_EQ(d->records.size(), 1u);
+  EXPECT_EQ(d->records[0].record, "r1");
+  EXPECT_NEAR(d->records[0].after, d->error_after, 1e-12);
 }
 
 TEST(Drift, NoiseAloneIsNoDrift) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numeric>
 
 #include "tests/unit/diagnose/made_campaign.h"
 
@@ -26,6 +27,17 @@ TEST(TwoEffects, ACurveAndAGrowthOfTheSameSizeAreBothNamed) {
       }));
   EXPECT_TRUE(claims(d, "static_nonlinearity")) << told(d);
   EXPECT_TRUE(claims(d, "creep")) << told(d);
+  const auto square = [](const std::vector<double>& e) { return std::inner_product(e.begin(), e.end(), e.begin(), 0.0); };
+  for (const Finding& f : d.findings) {
+    if (f.probability < 0.5) continue;
+    ASSERT_FALSE(f.series.empty()) << f.effect << " has no picture of its own";
+    for (const EvidenceSeries& s : f.series) {
+      const auto of = std::find_if(d.records.begin(), d.records.end(), [&](const RecordError& r) { return r.record == s.record; });
+      ASSERT_NE(of, d.records.end());
+      EXPECT_TRUE(of->heldout) << s.record;
+      EXPECT_LT(square(s.after), square(s.before)) << f.effect << " against " << s.x_name;
+    }
+  }
 }
 
 // A loop of stick and slip whose form no family has, and a slow growth across it.
@@ -79,6 +91,12 @@ TEST(TwoEffects, WearBesideALoopIsNamedAsWell) {
   const Diagnosis d = loops_at(3, [&travel_N](double dF, int) { return 1.0 + 1.4e-4 * (travel_N += dF); });
   EXPECT_TRUE(claims(d, "hysteresis")) << told(d);
   EXPECT_TRUE(claims(d, "wear")) << told(d);
+  for (const Finding& f : d.findings)
+    if (f.effect == "wear") {
+      ASSERT_EQ(f.series.size(), 1u);
+      EXPECT_EQ(f.series[0].title, "mean residual of every record, each left out in turn");
+      EXPECT_EQ(f.series[0].x.size(), d.records.size());
+    }
 }
 
 // 1 % a record: the hours, an air that nobody recorded and the cycles all grow from record to record.

@@ -162,6 +162,21 @@ TEST(SpectrumPicture, tells_a_line_of_the_load_from_one_of_its_own) {
   EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("No line stands out"));
 }
 
+TEST(SpectrumPicture, shows_before_and_after_in_two_colours_with_a_legend) {
+  RecordPictures p = some_pictures();
+  p.spectra[0].after = {0.5, 0.4, 0.3, 0.2, 0.1};
+  const std::string svg = spectrum_figure(p.spectra[0], "V").svg(figures::Figure::Target::standalone);
+  EXPECT_THAT(svg, AllOf(HasSubstr("residual before"), HasSubstr(">after<")));
+  p.spectra[0].after.clear();
+  EXPECT_THAT(spectrum_figure(p.spectra[0], "V").svg(figures::Figure::Target::standalone), Not(HasSubstr("before")));
+}
+
+TEST(ExtremaPicture, shows_what_is_left_before_and_after) {
+  ExtremaDecay e{"r", {{0, 10, 20, 30}, {2, 2, 2, 2}, {1.9, 1.8, 1.7, 1.6}, {2, 2, 2, 2}}, {{5, 15, 25, 35}, {1, 1, 1, 1}, {1, 1, 1, 1}, {1, 1, 1, 1}}};
+  const std::string svg = extrema_figure(e, "V").svg(figures::Figure::Target::standalone);
+  for (const char* label : {"maxima before", "maxima after", "minima before", "minima after"}) EXPECT_THAT(svg, HasSubstr(label));
+}
+
 TEST(DiagnosisPage, a_comparison_far_above_its_noise_is_not_green) {
   Diagnosis d = sample::diagnosis();
   EXPECT_THAT(diagnosis_html(d, {"0.1.0", "", true}), HasSubstr("<header class=\"wa\">"));

@@ -173,11 +173,23 @@ TEST(ReadCsv, SortsRowsThatCameLateAndRefusesAClockThatRestarts) {
   const auto f = read("t_s,F_ref_N\n0,1\n2,3\n1,2\n3,4\n3,5\n,6\n");
   EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1, 2, 3, 4}));
   EXPECT_THAT(f.notes, Contains(HasSubstr("out of order")));
-  EXPECT_THAT(f.notes, Contains("1 row has no time stamp; dropped"));
+  EXPECT_THAT(f.notes, Contains("1 row has no time stamp (line 7); dropped"));
   std::string twice = "t_s,F_ref_N\n";
   for (int run = 0; run < 2; ++run)
     for (int i = 0; i < 100; ++i) twice += std::to_string(i) + ",1\n";
-  EXPECT_THAT(refuse(twice).text, HasSubstr("jumps back from 99 s to 0 s at row 101"));
+  EXPECT_THAT(refuse(twice).text, HasSubstr("jumps back from 99 s to 0 s in line 102"));
+}
+
+TEST(ReadCsv, NamesTheLinesOfRowsWithoutAStampAndCallsThemNoGaps) {
+  std::string text = "# a bench\nt_s,F_ref_N\n";
+  for (int i = 0; i < 200; ++i) {
+    if (i == 150) i += 30;  // this is one
+    text += (i % 20 == 7 ? "" : shortest(0.01 * i)) + ",1\n";
+  }
+  const auto f = read(text);
+  EXPECT_THAT(f.notes, Contains("9 rows have no time stamp (lines 10, 30, 50 and 6 more); dropped"));
+  EXPECT_THAT(f.notes, Contains("1 gap in the clock, the longest 0.31 s"));
+  EXPECT_EQ(f.trace.time_bases[0].gaps.size(), 10u);
 }
 
 TEST(ReadCsv, ReadsAFileLikeTheSameTextFromMemory) {

@@ -1,0 +1,27 @@
+#include "hil/cli/verbs/limits_line.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hil/cli/parse.h"
+
+namespace forcegate {
+
+std::string line_after_limits(const Invocation& in, const DerivedLimits& limits, const std::string& file, const std::string& on) {
+  if (limits.by_case_and_check.empty()) return "forcegate explain NO-DECISION";
+  if (takes_derived_limits(limits.plan)) {
+    std::size_t n = 0;
+    for (const auto& [key, limit] : limits.by_case_and_check) n = std::max(n, limit.n);
+    const std::string reason = fmt::format("derived for plan {} from {} values each", limits.plan, n);
+    return bless_line(file, shell_quoted(reason), "\"$(id -un)\"") + " --dry-run";
+  }
+  const std::string plan = limits.plan == "replay" ? "" : " --plan " + shell_quoted(in.text("plan"));  // recordings choose theirs
+  return "forcegate gate " + shell_quoted(in.text("FIRMWARE")) + on + plan + " --limits " + shell_quoted(file);
+}
+
+std::string bless_line(const std::string& source, const std::string& reason, const std::string& who) {
+  return "forcegate bless " + shell_quoted(source) + " --reason " + reason + " --who " + who;
+}
+
+}  // namespace forcegate

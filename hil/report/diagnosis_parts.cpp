@@ -1,0 +1,63 @@
+#include "hil/report/diagnosis_parts.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "hil/report/diagnosis_figures.h"
+#include "hil/report/figures/plots.h"
+#include "hil/report/figures/text.h"
+#include "hil/report/html_page.h"
+
+namespace forcegate::parts {
+
+using figures::display;
+using figures::escape;
+using figures::Figure;
+
+std::string in_unit(double value, const std::string& unit) {
+  const figures::Scaled scale = figures::readable_unit(value, unit);
+  return display(value * scale.factor, 3) + " " + scale.unit;
+}
+
+std::string picture(const Figure& figure, std::string_view more) {
+  if (figure.panels().empty()) return {};
+  std::string summary = figure.summary;
+  if (!more.empty() && !summary.empty())  // it begins a sentence
+    summary[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(summary[0])));
+  std::string caption = figures::typographic_minus(escape(summary));
+  if (!more.empty()) caption = escape(more) + (caption.empty() ? "" : " " + caption);
+  return html_figure(figure.svg(Figure::Target::embedded), figure.title, caption);
+}
+
+std::string table_start(const std::string& caption, std::initializer_list<std::string_view> heads) {
+  std::string out = "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"" + escape(caption) +
+                    "\"><table><caption>" + escape(caption) + "</caption><thead><tr>";
+  for (const std::string_view head : heads)
+    out += head.starts_with('#') ? "<th scope=\"col\" class=\"n\">" + std::string(head.substr(1)) + "</th>"
+                                 : "<th scope=\"col\">" + std::string(head) + "</th>";
+  return out + "</tr></thead><tbody>\n";
+}
+
+std::string cell(const std::string& html, bool number) {
+  return std::string(number ? "<td class=\"n\">" : "<td>") + html + "</td>";
+}
+
+std::string between_records(const RecordPictures& p) {
+  std::string out;
+  if (!p.levels.empty()) out += picture(levels_figure(p));
+  for (const DriftCourse& c : p.drift) out += picture(drift_figure(c, p.unit));
+  return out;
+}
+
+std::string evidence(const Finding& f, JudgedBy judged_by) {
+  constexpr std::size_t kMostPictures = 4;
+  std::string out;
+  for (std::size_t i = 0; i < std::min(kMostPictures, f.series.size()); ++i) {
+    const EvidenceSeries& s = f.series[i];
+    const std::string of = s.record.empty() ? "" : "Record " + s.record + (judged_by == JudgedBy::whole ? "." : ", which neither fit has seen.");
+    out += picture(evidence_figure(s), of);
+  }
+  return out;
+}
+
+}  // namespace forcegate::parts

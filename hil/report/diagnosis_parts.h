@@ -1,0 +1,31 @@
+#pragma once
+// Pieces of HTML that the pages of the diagnosis share.
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include "hil/diagnose/diagnosis.h"
+#include "hil/report/figures/figure.h"
+#include "hil/report/record_pictures.h"
+
+namespace forcegate::parts {
+
+/// Escaped by the caller where it is shown: "12.3 mV".
+std::string in_unit(double value, const std::string& unit);
+
+/// The figure with its summary as caption, after `more`; "" for a figure without a panel.
+std::string picture(const figures::Figure& figure, std::string_view more = {});
+
+/// Heads of columns of numbers begin with '#'.
+std::string table_start(const std::string& caption, std::initializer_list<std::string_view> heads);
+inline constexpr std::string_view kTableEnd = "</tbody></table></div>\n";
+std::string cell(const std::string& html, bool number = false);
+
+/// Level of the records, courses of an output without an input.
+std::string between_records(const RecordPictures& pictures);
+
+/// At most four pictures of what a claim does.
+std::string evidence(const Finding& finding, JudgedBy judged_by);
+
+}  // namespace forcegate::parts
