@@ -141,7 +141,7 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   add_records(w, nothing.base, nothing.base, out);
   const auto sd = [&](int k) { return std::sqrt(nothing.base.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  add_pictures(w, nothing, residual, residual, out);
+  add_pictures(w, nothing, residual, out);
   return out;
 }
 
@@ -207,7 +207,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_refused(search, out);
   suspect_refused(out);
-  if (options.pictures) add_pictures(w, selection, residual, rest.of_claimed, out);
+  if (options.pictures) add_pictures(w, selection, rest.of_claimed, out);
   return out;
 }
 

@@ -12,9 +12,7 @@ constexpr std::size_t kPoints = 700;
 
 }  // namespace
 
-void add_pictures(const Workspace& w, const Selection& selection,
-                  const std::vector<std::vector<double>>& /*before*/,
-                  const std::vector<std::vector<double>>& after, Diagnosis& out) {
+void add_pictures(const Workspace& w, const Selection& selection, const std::vector<std::vector<double>>& after, Diagnosis& out) {
   for (std::size_t k = 0; k < w.output.rows.size(); ++k) {
     const RecordInput& r = w.input.records[w.output.record_of[k]];
     const auto& rows = w.output.rows[k].row;

@@ -6,8 +6,6 @@
 
 namespace forcegate::diagnose {
 
-void add_pictures(const Workspace& workspace, const Selection& selection,
-                  const std::vector<std::vector<double>>& before,
-                  const std::vector<std::vector<double>>& after, Diagnosis& out);
+void add_pictures(const Workspace& workspace, const Selection& selection, const std::vector<std::vector<double>>& after, Diagnosis& out);
 
 }  // namespace forcegate::diagnose
