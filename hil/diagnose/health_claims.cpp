@@ -19,7 +19,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, missing = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
   std::vector<double> noise_F, still_F, ladder_F, hum;
-  std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
+  double outlier_square_V2 = 0.0;
+  std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
   double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
   std::vector<double> bit_V;
@@ -37,6 +38,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     fallen += h.zero_runs > 0 ? static_cast<double>(h.zeros) : 0.0;
     with_zeros += h.zero_runs > 0 ? 1 : 0;
     with_outliers += h.outliers >= 2 ? 1 : 0;
+    with_any_outlier += h.outliers > 0 ? 1 : 0;
+    outlier_square_V2 += h.outlier_square_V2;
     with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
     bit_errors += static_cast<double>(h.bit_errors);
     if (h.bit_errors > 0) {
@@ -76,7 +79,10 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     held -= std::min(held, codes.samples);
     rail = outliers = 0.0;  // a sample on the other side of a gap stands off its neighbours too
   }
-  if (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records))
+  // a few are somebody's hand on the cable, unless they make an error that matters, again and again
+  constexpr double kFew = 5.0, kLargeError = 0.01;  // RMS, of the span
+  const bool few_but_large = outliers >= kFew && with_any_outlier >= 3 && std::sqrt(outlier_square_V2 / samples) > kLargeError * scales.U_range_V;
+  if (few_but_large || (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records)))
     out.push_back({"outliers", 0.95,
                    percent(outliers / samples) +
                        " of the samples stand far off their neighbours while the force is smooth",

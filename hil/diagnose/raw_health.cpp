@@ -269,7 +269,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     for (std::size_t k = 0; k < spike.size(); ++k) size.push_back(std::abs(U[spike[k]] - spike_level[k]));
     out.bit_V = common_bit_V(size, bench.voltage_max_V - low_rail);
     (out.bit_V > 0.0 ? out.bit_errors : out.outliers) = spike.size();
-    for (std::size_t k = 0; k < spike.size(); ++k) mark(spike[k], std::abs(U[spike[k]] - spike_level[k]));
+    for (std::size_t k = 0; k < spike.size(); ++k) {
+      mark(spike[k], size[k]);
+      if (out.outliers > 0) out.outlier_square_V2 += size[k] * size[k];
+    }
   }
   // runs of one value: held while the force moves on, flat tops at the largest value of all
   const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {

@@ -25,6 +25,7 @@ struct RecordHealth {
   std::size_t missing_runs = 0;  ///< of the output alone: the reference went on
   std::size_t lone_zeros =
       0;  ///< single samples at the low end: a lost sample, or a spike that was cut off there
+  double outlier_square_V2 = 0.0;           ///< sum over the outliers of what they stand off by, squared
   std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
   double bit_V = 0.0;                       ///< that size
   double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample, from fourth differences

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/base/text.h"
+#include "hil/report/diagnosis_figures.h"
 #include "hil/report/diagnosis_parts.h"
 #include "hil/report/figures/text.h"
 
@@ -12,10 +13,6 @@ namespace {
 using namespace parts;
 using figures::display;
 using figures::escape;
-
-std::string error_of(const Diagnosis& view) {
-  return view.judged_by == JudgedBy::whole ? "Error of the whole recording" : "Held-out error";
-}
 
 std::string parameters(const AddedEffect& added) {
   std::string out = table_start("Parameters, all refitted together", {"Parameter", "#Before", "#After", "Unit"});
@@ -27,7 +24,7 @@ std::string parameters(const AddedEffect& added) {
 
 std::string section(const Diagnosis& view, const AddedEffect& added, const RecordPictures& pictures) {
   std::string out = "<section id=\"added\"><h2>What it does</h2>\n";
-  out += picture(figures::waterfall(error_of(view) + " over the model's effects", "base law", added.steps, "now", added.unit,
+  out += picture(figures::waterfall(error_title(view.judged_by) + " over the model's effects", "base law", added.steps, "now", added.unit,
                                     added.floor > 0.0 ? added.floor : NAN));
   if (!view.findings.empty()) {
     if (shows_between_records(added.effect)) out += between_records(pictures);
@@ -42,7 +39,7 @@ std::string added_html(const Diagnosis& view, const AddedEffect& added, Diagnosi
   const bool falls = added.error_after < added.error_before;
   page.lead = PageLead{
       .headline = falls ? added.effect + " added to the model of " + view.campaign : added.effect + " is not needed for " + view.campaign,
-      .why = error_of(view) + " " + in_unit(added.error_before, added.unit) + (falls ? " falls to " : " does not fall: ") +
+      .why = error_title(view.judged_by) + " " + in_unit(added.error_before, added.unit) + (falls ? " falls to " : " does not fall: ") +
              in_unit(added.error_after, added.unit),
       .colour = falls ? "ok" : "wa",
       .id = "added",

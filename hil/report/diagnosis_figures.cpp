@@ -88,9 +88,11 @@ Figure diagnosis_waterfall(const Diagnosis& d) {
                      d.error_before, d.error_after, 0.0, false});
   else
     steps.back().after = d.error_after;
-  return waterfall("Held-out error over the model's versions", "start", steps, "now", d.unit,
+  return waterfall(error_title(d.judged_by) + " over the model's versions", "start", steps, "now", d.unit,
                    d.floor > 0.0 ? d.floor : NAN);
 }
+
+std::string error_title(JudgedBy judged_by) { return judged_by == JudgedBy::whole ? "Error of the whole recording" : "Held-out error"; }
 
 Figure ranking_figure(const Diagnosis& d) {
   Figure figure("Ranking of the effects", 640.0);

@@ -15,6 +15,9 @@ figures::Figure diagnosis_waterfall(const Diagnosis& diagnosis);
 /// away.
 figures::Figure ranking_figure(const Diagnosis& diagnosis);
 
+/// "Held-out error", or of what it is where nothing could be held out.
+std::string error_title(JudgedBy judged_by);
+
 /// Held-out error of every record before and after, with its noise.
 figures::Figure record_error_figure(const Diagnosis& diagnosis);
 

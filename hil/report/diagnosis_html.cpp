@@ -48,7 +48,7 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   const double before = rig ? d.errors.at("F").before : d.error_before,
                after = rig ? d.errors.at("F").after : d.error_after;
   const std::string unit = rig ? d.errors.at("F").unit : d.unit;
-  out += page.lead ? escape(page.lead->why) : "Held-out error " + escape(in_unit(before, unit));
+  out += page.lead ? escape(page.lead->why) : error_title(d.judged_by) + " " + escape(in_unit(before, unit));
   if (d.verdict == Answer::known && !page.lead) out += " falls to " + escape(in_unit(after, unit));
   if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(in_unit(d.floor, d.unit));
   out += ".</p>\n<ul class=\"facts\">";
@@ -89,7 +89,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool open, const std::
   };
   // a fault that is seen in the raw samples is no term of the model: the fall of the error is not its doing. A rival was not taken in
   if (f.form != "raw" && f.error_before > 0.0) {
-    fact("Held-out error",
+    fact(error_title(judged_by),
          escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
     if (f.effect_rms > 0.0) fact("Effect", escape(in_unit(f.effect_rms, f.unit)) + " RMS");
   }

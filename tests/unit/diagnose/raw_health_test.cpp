@@ -38,6 +38,24 @@ TEST(RawHealth, ALateOutputIsNotTakenForHeldSamples) {
   }
 }
 
+// Six samples of `size_V` in the first `records` of some short ones.
+bool tells_of_outliers(double size_V, std::size_t records) {
+  constexpr std::size_t kShort = 2500, kSpikes = 6;
+  Campaign c = make_campaign(27, straight);
+  for (Record& r : c.records) {
+    r.trace.time_bases[0].t_s.resize(kShort);
+    for (Channel& channel : r.trace.channels) channel.value.resize(kShort);
+  }
+  for (std::size_t k = 0; k < kSpikes; ++k) c.records[k % records].trace.find("U")->value[700 + 211 * k] += k % 2 == 0 ? size_V : -size_V;
+  return std::ranges::any_of(claims_of_samples(c), [](const HealthClaim& claim) { return claim.effect == "outliers"; });
+}
+
+TEST(RawHealth, AFewSpikesAreOutliersWhereTheyMakeMostOfTheError) {
+  EXPECT_TRUE(tells_of_outliers(5.0, 3));
+  EXPECT_FALSE(tells_of_outliers(1.0, 3)) << "too small to matter";
+  EXPECT_FALSE(tells_of_outliers(5.0, 2)) << "somebody touched the cable twice";
+}
+
 TEST(RawHealth, TheEndOfAHoldIsNoSpike) {
   Campaign c = make_campaign(26, straight);
   auto& U = c.records[3].trace.find("U")->value;

@@ -51,6 +51,14 @@ TEST(DiagnosisPage, holds_every_picture_of_the_chain) {
     EXPECT_THAT(page, HasSubstr(text));
 }
 
+TEST(DiagnosisPage, names_no_error_held_out_where_the_whole_recording_judged) {
+  Diagnosis d = sample::diagnosis();
+  d.judged_by = JudgedBy::whole;
+  const std::string page = diagnosis_html(d, {});
+  EXPECT_THAT(page, HasSubstr("Error of the whole recording 21.3 mV falls to 6.8 mV"));
+  EXPECT_EQ(count(page, "Held-out error"), 0u);
+}
+
 TEST(DiagnosisPage, asks_for_nothing_and_runs_nothing) {
   Diagnosis d = sample::diagnosis();
   const std::string evil = "<script>alert(1)</script>\"'\x1b]]>";
