@@ -107,7 +107,7 @@ TEST(Pictures, of_a_diagnosis_name_both_axes_of_every_panel) {
                                       record_overlay_figure(d.overlays[0])};
   const std::vector<double> x = {1, 2, 3, 4, 5};
   all.push_back(spectrum_figure({"r", x, x, x, 0.1}, "V"));
-  all.push_back(extrema_figure({"r", {x, x, x}, {x, x, x}}, "V"));
+  all.push_back(extrema_figure({"r", {x, x, x, x}, {x, x, x, x}}, "V"));
   all.push_back(drift_figure({"r", "line", x, x, x, 0.1}, "V"));
   RecordPictures levels;
   for (const double at : x) levels.levels.push_back({"r", at, at, 0.1, at, 0.1, NAN, NAN});
