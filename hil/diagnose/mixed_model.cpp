@@ -209,6 +209,31 @@ std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& 
   return out;
 }
 
+namespace {
+
+// Of the fixed parts of nuisance columns, as the records other than each one leave them, at given strengths; 0 for other columns.
+std::vector<VectorXd> nuisance_variance(const MixedProblem& problem, std::vector<RecordPart>& parts, const MixedFit& fit,
+                                        const MixedFit& freedom) {
+  const Index n = problem.n_fixed;
+  VectorXd nuisance(n);
+  for (Index j = 0; j < n; ++j) nuisance[j] = problem.components[problem.component_of_z[j]].nuisance ? 1.0 : 0.0;
+  if (nuisance.isZero()) return std::vector<VectorXd>(parts.size(), nuisance);
+  const VectorXd sigma2 = expand_variance(problem, freedom.variance);
+  MatrixXd total = problem.fixed_prior_sd.cwiseAbs2().cwiseInverse().asDiagonal();
+  std::vector<MatrixXd> own;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].eliminate(sigma2, problem.records[i].n_eff / freedom.s2[i]);
+    own.push_back(fit.counts(problem.records[i]) ? MatrixXd(parts[i].marginal().topLeftCorner(n, n)) : MatrixXd::Zero(n, n));
+    total += own.back();
+  }
+  std::vector<VectorXd> out;
+  for (const MatrixXd& one : own)
+    out.push_back(MatrixXd(total - one).llt().solve(MatrixXd::Identity(n, n)).diagonal().cwiseProduct(nuisance));
+  return out;
+}
+
+}  // namespace
+
 LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const MixedFit* freedom) {
   const std::size_t n_records = problem.records.size();
   const Index d = fit.coefficient.size();
@@ -226,6 +251,8 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     if (fit.counts(problem.records[i])) total += single.back();
   }
   LeftOut out{std::vector<double>(n_records), std::vector<double>(n_records)};
+  std::vector<VectorXd> uncertain;
+  if (freedom != nullptr) uncertain = nuisance_variance(problem, parts, fit, *freedom);
   Conditional conditional;
   for (std::size_t i = 0; i < n_records; ++i) {
     const bool counts = fit.counts(problem.records[i]);
@@ -234,8 +261,11 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     P.diagonal() += prior;
     const VectorXd v = with_minus(P.llt().solve(others.row(d).head(d).transpose()));
     const double n_eff = problem.records[i].n_eff;
-    if (freedom != nullptr)
-      parts[i].eliminate(expand_variance(problem, freedom->variance), n_eff / freedom->s2[i]);
+    if (freedom != nullptr) {
+      VectorXd own = expand_variance(problem, freedom->variance);
+      own.head(problem.n_fixed) += uncertain[i];
+      parts[i].eliminate(own, n_eff / freedom->s2[i]);
+    }
     parts[i].condition(v, conditional);
     out.adapted[i] = conditional.mean_square;
     out.plain[i] = parts[i].plain(v);

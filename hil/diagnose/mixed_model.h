@@ -21,6 +21,7 @@ struct VarianceComponent {
       0.01;  ///< weak prior: as if `prior_weight` records had shown this spread. Small on purpose:
   double prior_weight =
       0.5;  ///< the records can raise it by any factor, but cannot talk down a prior that is wide
+  bool nuisance = false;  ///< a left-out record takes its fixed part as uncertain as the others leave it: no effect is judged by it
 };
 
 /// Which records enter the sums of a fit. Effects are chosen on all of them: by the chain rule that is the evidence of

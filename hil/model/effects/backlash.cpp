@@ -1,6 +1,7 @@
 // Backlash and guide friction: a play between wheel and trolley.  dF = sum_r c_r (P_r[L] - L), L the force of the
 // linear rig law. F_ref against the angle shows a loop, U against F_ref none. A play takes force away while the spring closes; so does
-// friction in front of the reference, and friction behind it adds to what it reads: strengths have either sign.
+// friction in front of the reference, and friction behind it adds to what it reads: strengths have either sign. A gear has one play:
+//   dF = c (P_r[L] - L), r told by the records.
 
 #include <limits>
 
@@ -11,6 +12,20 @@ namespace forcegate {
 namespace {
 
 constexpr double kRadii[] = {0.004, 0.01, 0.025, 0.06, 0.14};
+
+void fill_play(const CampaignInput& c, const RecordInput& r, double radius_N, bool kept, Eigen::Index column, ColumnsRef out) {
+  Play play = play_at_start(c, r, &RecordInput::rig_force_N, radius_N, -std::numeric_limits<double>::infinity(), kept);
+  for (std::size_t i = 0; i < r.rows(); ++i) out(static_cast<Eigen::Index>(i), column) = play.step(r.rig_force_N[i]) - r.rig_force_N[i];
+}
+
+// So narrow a grid that the right play fits better than a bank of wrong ones before it is refined.
+std::vector<std::vector<double>> grid_of_plays(const CampaignInput& c) {
+  constexpr double kLeast = 0.004, kMost = 0.2, kRatio = 1.15;  // of the span
+  std::vector<std::vector<double>> out;
+  for (double radius = kLeast; radius < kMost; radius *= kRatio)
+    for (const std::vector<double>& kept : kept_or_not(c)) out.push_back({radius * c.range_N, kept[0]});
+  return out;
+}
 
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "backlash",
@@ -36,18 +51,21 @@ const Registration<EffectKind> kRegistered{EffectKind{
                    [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                      out.setZero();
                      if (r.rig_force_N.empty()) return;
-                     for (int k = 0; k < 5; ++k) {
-                       const double radius = kRadii[k] * c.range_N;
-                       Play play = play_at_start(c, r, &RecordInput::rig_force_N, radius,
-                                                 -std::numeric_limits<double>::infinity(), shape[0] != 0.0);
-                       for (std::size_t i = 0; i < r.rows(); ++i)
-                         out(static_cast<Eigen::Index>(i), k) =
-                             play.step(r.rig_force_N[i]) - r.rig_force_N[i];
-                     }
+                     for (int k = 0; k < 5; ++k) fill_play(c, r, kRadii[k] * c.range_N, shape[0] != 0.0, k, out);
                    },
                .refine = false,
                .singles = true,
-               .bank = true}}}};
+               .bank = true},
+              {.name = "one_play",
+               .shape = {{"radius_N", "N", 1e-4, 1e3, 0.1, "half the width of the play, in force"}, kPlayKept},
+               .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that the play acts on"}},
+               .sign = StrengthSign::either,
+               .grid = grid_of_plays,
+               .columns =
+                   [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                     out.setZero();
+                     if (!r.rig_force_N.empty()) fill_play(c, r, shape[0], shape[1] != 0.0, 0, out);
+                   }}}}};
 
 }  // namespace
 }  // namespace forcegate
