@@ -12,6 +12,7 @@ namespace {
 
 struct Window {
   double scatter_N, moves_N, moves_V;  // standard deviations: of F beside U, its slope and a parabola, of F, of U
+  double step_N;                       // RMS from one sample of F to the next
 };
 
 std::vector<Window> windows_of(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double window_s) {
@@ -35,12 +36,14 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
   for (std::size_t w = 0; w < windows; w += stride) {
     // places, U, its slope (a late reference does not scatter), F
     Eigen::Matrix3d with = Eigen::Matrix3d::Zero(), among = with;
+    double steps = 0.0;
     for (std::size_t k = 0; k < length; ++k) {
       const std::size_t i = w * length + k;
       const Eigen::Vector3d v(1.0, place[k], place[k] * place[k]);
       const Eigen::Vector3d x(U_V[i], 0.5 * (U_V[std::min(i + 1, n - 1)] - U_V[i > 0 ? i - 1 : 0]), F_N[i]);
       with += v * x.transpose();
       among += x * x.transpose();
+      if (k > 0) steps += (F_N[i] - F_N[i - 1]) * (F_N[i] - F_N[i - 1]);
     }
     // a missing sample is missing in these sums
     if (!among.allFinite()) continue;
@@ -53,7 +56,7 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
     for (const int j : {3, 4}) M(j, j) += 1e-12 * (1.0 + M(j, j));
     const Eigen::Matrix<double, 5, 1> c = M.topLeftCorner<5, 5>().ldlt().solve(M.topRightCorner<5, 1>());
     const double left = std::max(0.0, M(5, 5) - c.dot(M.topRightCorner<5, 1>()));
-    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V});
+    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V, std::sqrt(steps / (samples - 1.0))});
   }
   return out;
 }
@@ -63,6 +66,8 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
 ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double U_range_V) {
   // of the record's span; beyond kSlow what the output does besides following the force would be laid at the reference's door
   constexpr double kWindow_s = 0.25, kSlow = 0.1, kStillWindow_s = 0.5, kStill = 0.01, kKept = 0.95;
+  // noise steps by 1.4 of itself, coloured noise by some less; a force that moves smoothly while the output stands still has met a rail
+  constexpr double kLeastStep = 0.3;
   constexpr std::size_t kFewest = 8, kFewestStill = 10;
   ReferenceScatter out;
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -80,7 +85,7 @@ ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const 
   }
   scatter.clear();
   for (const Window& w : windows_of(t_s, F_N, U_V, kStillWindow_s))
-    if (w.moves_V < kStill * U_range_V) scatter.push_back(w.scatter_N);
+    if (w.moves_V < kStill * U_range_V && w.step_N > kLeastStep * w.scatter_N) scatter.push_back(w.scatter_N);
   if (scatter.size() < kFewestStill) return out;
   std::sort(scatter.begin(), scatter.end());
   scatter.resize(static_cast<std::size_t>(kKept * static_cast<double>(scatter.size())));
