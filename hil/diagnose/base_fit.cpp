@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "hil/base/parallel.h"
@@ -55,6 +56,7 @@ double row_noise_of(const std::vector<double>& e) {
 
 // Errors in variables: what the instruments' steps leave in a row although they do as declared.
 void set_noise(Workspace& w, unsigned threads) {
+  constexpr double kMostOfSamples = 10.0;
   w.noise_V.assign(w.input.records.size(), 0.0);
   w.white_V.assign(w.input.records.size(), 0.0);
   w.smoothed_V.assign(w.input.records.size(), 0.0);
@@ -62,13 +64,16 @@ void set_noise(Workspace& w, unsigned threads) {
     const RecordInput& r = w.input.records[k];
     std::vector<double> e(r.rows());
     for (std::size_t i = 0; i < r.rows(); ++i) e[i] = r.U_V[i] - w.gain_V_per_N * r.base_force_N(i);
-    const double white = row_noise_of(e);
     double decay = 0.0;
     for (double D : r.decay) decay += D;
     decay /= static_cast<double>(std::max<std::size_t>(1, r.decay.size()));
     const RecordHealth* h = k < w.health.size() ? &w.health[k] : nullptr;
     const double step_F = h != nullptr ? h->lsb_F_N : 0.0, step_U = h != nullptr ? h->lsb_U_V : 0.0;
     const double quantised = std::hypot(w.gain_V_per_N * decay * step_F, step_U) / std::sqrt(12.0);
+    // in a force about as fast as the rows their differences are of the movement: the samples bound them, with room for coloured noise
+    const double of_samples =
+        h != nullptr ? std::hypot(h->noise_U_V, w.gain_V_per_N * decay * h->noise_F_N, quantised) : std::numeric_limits<double>::infinity();
+    const double white = std::min(row_noise_of(e), kMostOfSamples * of_samples);
     // steps are only averaged away when noise dithers them
     const double dithered =
         h != nullptr && step_F > 0.0 ? std::clamp(1.2 - 2.0 * h->noise_F_N / step_F, 0.3, 1.0) : 1.0;
