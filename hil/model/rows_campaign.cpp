@@ -34,33 +34,64 @@ void number_mountings(CampaignInput& campaign) {
   campaign.mountings = static_cast<int>(distinct.size());
 }
 
+void sort_by_start(std::vector<RecordInput>& records) {
+  std::stable_sort(records.begin(), records.end(), [](const RecordInput& a, const RecordInput& b) { return a.start_s < b.start_s; });
+}
+
+// A logger's clock goes on from file to file: where none begins before another has ended, it is the campaign's. Clocks that begin anew
+// in every file overlap.
+bool take_clocks_as_starts(CampaignInput& campaign) {
+  auto& records = campaign.records;
+  if (records.size() < 2 || std::ranges::any_of(records, [](const RecordInput& r) { return std::isfinite(r.start_s); })) return false;
+  std::vector<const RecordInput*> order;
+  for (const RecordInput& r : records) order.push_back(&r);
+  std::ranges::stable_sort(order, {}, &RecordInput::clock_start_s);
+  for (std::size_t k = 1; k < order.size(); ++k)
+    if (!(order[k]->clock_start_s >= order[k - 1]->clock_start_s + order[k - 1]->duration_s)) return false;
+  const double first_s = order.front()->clock_start_s;
+  for (RecordInput& r : records) r.start_s = r.clock_start_s - first_s;
+  sort_by_start(records);
+  campaign.notes.push_back("start times are not declared: the clocks of the records, which do not overlap, are taken for one");
+  return true;
+}
+
+// Declared starts, or rests, or ten minutes between.
+void lay_out_in_order(CampaignInput& campaign) {
+  constexpr double kRest_s = 600.0;
+  double clock_s = 0.0;
+  for (RecordInput& r : campaign.records) {
+    if (std::isfinite(r.start_s) && r.start_s >= clock_s)
+      clock_s = r.start_s;
+    else
+      clock_s += std::isfinite(r.rest_before_s) ? r.rest_before_s : (clock_s > 0.0 ? kRest_s : 0.0);
+    r.start_s = clock_s;
+    clock_s += r.duration_s;
+  }
+}
+
+void set_start_times(CampaignInput& campaign) {
+  auto& records = campaign.records;
+  const auto every = [&](double RecordInput::*known) {
+    return std::ranges::all_of(records, [&](const RecordInput& r) { return std::isfinite(r.*known); });
+  };
+  if (every(&RecordInput::start_s)) {
+    sort_by_start(records);
+    return;
+  }
+  const bool rests_known = every(&RecordInput::rest_before_s);
+  if (!rests_known && take_clocks_as_starts(campaign)) return;
+  lay_out_in_order(campaign);
+  if (!rests_known && records.size() > 1) {
+    campaign.has_start_times = false;
+    campaign.notes.push_back("start times are not declared: records are taken in order with 10 min of rest between");
+  }
+}
+
 }  // namespace
 
 void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
   auto& records = campaign.records;
-  bool starts_known = true;
-  for (const RecordInput& r : records) starts_known &= std::isfinite(r.start_s);
-  if (starts_known) {
-    std::stable_sort(records.begin(), records.end(),
-                     [](const RecordInput& a, const RecordInput& b) { return a.start_s < b.start_s; });
-  } else {
-    double clock_s = 0.0;
-    bool rests_known = true;
-    for (RecordInput& r : records) {
-      rests_known &= std::isfinite(r.rest_before_s);
-      if (std::isfinite(r.start_s) && r.start_s >= clock_s)
-        clock_s = r.start_s;
-      else
-        clock_s += std::isfinite(r.rest_before_s) ? r.rest_before_s : (clock_s > 0.0 ? 600.0 : 0.0);
-      r.start_s = clock_s;
-      clock_s += r.duration_s;
-    }
-    if (!rests_known && records.size() > 1) {
-      campaign.has_start_times = false;
-      campaign.notes.push_back(
-          "start times are not declared: records are taken in order with 10 min of rest between");
-    }
-  }
+  set_start_times(campaign);
 
   std::vector<double> F, U;
   for (const RecordInput& r : records) {
