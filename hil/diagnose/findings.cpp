@@ -32,6 +32,7 @@ std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const 
     for (std::size_t k = 0; k < c.shape.size(); ++k) {
       // half the distance to the neighbours of the grid stands for the uncertainty of a shape that lies between them
       const ParameterSpec& spec = c.form->shape[k];
+      if (spec.choice) continue;
       out.push_back({of + spec.name, c.shape[k], c.form->refine ? 0.3 * std::abs(c.shape[k]) : 0.0, spec.unit});
     }
     for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)

@@ -52,6 +52,7 @@ bool refine_family(const CampaignInput& input, ResidualChannel& channel, const s
   score_at(from.shape);
   for (std::size_t k = 0; k < from.shape.size(); ++k) {
     const ParameterSpec& spec = from.form->shape[k];
+    if (spec.choice) continue;
     double step = 0.35;  // of ln(shape): half the way to the next point of the grid
     for (int round = 0; round < kRounds; ++round, step *= 0.4) {
       const std::vector<double> centre = best_shape;

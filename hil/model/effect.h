@@ -26,6 +26,7 @@ struct ParameterSpec {
   double minimum = 0.0, maximum = 0.0;
   double neutral = 0.0;  ///< strength: 0. Shape: a typical value.
   std::string doc;
+  bool choice = false;  ///< of two values, 0 or else: belongs to the model, and is nothing that is measured
 };
 
 enum class EffectChannel {

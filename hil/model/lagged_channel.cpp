@@ -22,13 +22,13 @@ double mean_of(const CampaignInput& c, AirChannel channel) {
   return n > 0.0 ? sum / n : 0.0;
 }
 
-double state_at_start(const CampaignInput& c, const RecordInput& record, AirChannel channel, double tau_s) {
+double state_at_start(const CampaignInput& c, const RecordInput& record, AirChannel channel, double tau_s, FilmStart start) {
   LowPass film(tau_s, 0.0);
   double before = 0.0, at_s = 0.0;
   bool running = false;
   const auto to = [&](double x, double t_s) {
     if (!running)
-      film = LowPass(tau_s, x);
+      film = LowPass(tau_s, start == FilmStart::mean ? mean_of(c, channel) : x);
     else if (t_s > at_s)
       film.step(before, x, t_s - at_s);
     running = true;
@@ -50,10 +50,10 @@ double state_at_start(const CampaignInput& c, const RecordInput& record, AirChan
 }  // namespace
 
 std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record,
-                                   AirChannel channel, double tau_s) {
+                                   AirChannel channel, double tau_s, FilmStart start) {
   const std::vector<double>& x = record.*channel;
   if (x.empty() || !(tau_s > 0.0)) return x;
-  return low_pass_channel(record, x, tau_s, state_at_start(campaign, record, channel, tau_s));
+  return low_pass_channel(record, x, tau_s, state_at_start(campaign, record, channel, tau_s, start));
 }
 
 namespace {
@@ -69,11 +69,11 @@ ParameterSpec lag_of_film() {
 
 // Columns of gain and zero, `phi` of the lagged channel's distance from its mean.
 template <class Phi>
-void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, double tau_s, ColumnsRef out, const Phi& phi) {
+void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, double tau_s, FilmStart start, ColumnsRef out, const Phi& phi) {
   out.setZero();
   if ((r.*channel).empty()) return;
   const double reference = mean_of(c, channel);
-  const std::vector<double> x = lagged_channel(c, r, channel, tau_s);
+  const std::vector<double> x = lagged_channel(c, r, channel, tau_s, start);
   for (std::size_t i = 0; i < r.rows(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const double of_film = phi(x[i] - reference);
@@ -87,18 +87,23 @@ void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, doub
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
                        const std::string& unit, std::vector<double> taus_s) {
   return {.name = "lagged",
-          .shape = {lag_of_film()},
+          .shape = {lag_of_film(), {"from_mean", "1", 0.0, 1.0, 0.0, "1: the film begins at the mean of the channel; 0: in equilibrium with its first reading", true}},
           .strength = gain_and_offset(suffix, unit),
           .sign = StrengthSign::either,
           .grid =
               [recorded, taus_s = std::move(taus_s)](const CampaignInput& c) {
                 std::vector<std::vector<double>> out;
                 if (!(c.*recorded)) return out;
-                for (const double tau_s : taus_s) out.push_back({tau_s});
+                for (const double tau_s : taus_s) {
+                  out.push_back({tau_s, 0.0});
+                  if (tau_s > 0.0 && !c.single) out.push_back({tau_s, 1.0});
+                }
                 return out;
               },
           .columns = [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
-                               ColumnsRef out) { fill(channel, c, r, shape[0], out, [](double x) { return x; }); },
+                               ColumnsRef out) {
+            fill(channel, c, r, shape[0], shape[1] != 0.0 ? FilmStart::mean : FilmStart::equilibrium, out, [](double x) { return x; });
+          },
           .singles = true};
 }
 
@@ -120,7 +125,7 @@ EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, cons
               [channel](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
                         ColumnsRef out) {
                 const double k = shape[1];
-                fill(channel, c, r, shape[0], out,
+                fill(channel, c, r, shape[0], FilmStart::equilibrium, out,
                      [k](double x) { return std::abs(k) > 1e-9 ? std::expm1(std::clamp(k * x, -20.0, 20.0)) / k : x; });
               },
           .singles = true};

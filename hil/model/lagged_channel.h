@@ -12,9 +12,11 @@ namespace forcegate {
 
 using AirChannel = std::vector<double> RecordInput::*;
 
-/// x_s at every row of the record; `tau_s` 0: x itself. In equilibrium at the start of the first record.
+/// What nobody saw before the first record: a film that has come to its first reading, or one so slow that it knows the mean only.
+enum class FilmStart { equilibrium, mean };
+/// x_s at every row of the record; `tau_s` 0: x itself.
 std::vector<double> lagged_channel(const CampaignInput& campaign, const RecordInput& record,
-                                   AirChannel channel, double tau_s);
+                                   AirChannel channel, double tau_s, FilmStart start = FilmStart::equilibrium);
 
 /// Form "lagged" with strengths c_gain_per_<unit>, c_offset_per_<unit>. `recorded`: whether a campaign has the channel. `taus_s`: lags tried.
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,

@@ -30,7 +30,7 @@ inline constexpr std::array kPlayRadii = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.35};
 inline constexpr std::size_t kFirstCurved = 1, kLastCurved = 4;
 
 /// Whether a film or a rig kept its state from one recording to the next, nobody writes down: a shape of two values.
-inline const ParameterSpec kPlayKept{"kept", "1", 0.0, 1.0, 1.0, "1: a recording begins as the one before ended; 0: it begins anew"};
+inline const ParameterSpec kPlayKept{"kept", "1", 0.0, 1.0, 1.0, "1: a recording begins as the one before ended; 0: it begins anew", true};
 
 inline std::vector<std::vector<double>> kept_or_not(const CampaignInput& campaign) {
   const auto& records = campaign.records;
