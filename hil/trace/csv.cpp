@@ -64,6 +64,14 @@ void make_names_unique(Trace& trace) {
   }
 }
 
+// Who maps Sensor_mV to U_V gives the column a name, and knows that it is in millivolts: the name's unit counts where it is no plain SI
+// unit, or the header has none of the same quantity.
+ColumnMeaning renamed(const Unit& of_header, ColumnMeaning name) {
+  const bool plain = name.unit.symbol == name.unit.canonical;
+  if (plain && !of_header.symbol.empty() && of_header.quantity == name.unit.quantity) name.unit = of_header;
+  return name;
+}
+
 // A clock, force or output that holds text is no column to leave out.
 Result<void> check_text_columns(const CsvTable& table, const std::string& where, const CsvOptions& options) {
   for (const TextColumn& column : table.text_columns) {
@@ -102,7 +110,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
           std::ranges::find(table.columns, alias, &CsvColumn::header) == table.columns.end())
         mapped = options.column_map.find(alias);
     if (mapped != options.column_map.end()) {
-      meaning = meaning_of(mapped->second);
+      meaning = renamed(meaning.unit, meaning_of(mapped->second));
       out.mapped.push_back(mapped->first);
     }
     if (meaning.name.empty()) meaning.name = "column_" + std::to_string(c + 1);

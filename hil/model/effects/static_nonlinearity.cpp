@@ -53,8 +53,8 @@ EffectForm saturation(const char* name, CurveAt at) {
       .grid =
           [](const CampaignInput& c) {
             std::vector<std::vector<double>> out;
-            for (double at : {0.3, 0.5, 0.7, 0.85})
-              out.push_back({c.lowest_N + at * c.range_N, 0.12 * c.range_N});
+            for (double share : {0.3, 0.5, 0.7, 0.85})
+              out.push_back({c.lowest_N + share * c.range_N, 0.12 * c.range_N});
             return out;
           },
       .columns =

@@ -130,6 +130,17 @@ TEST(ReadCsv, FollowsTheColumnMap) {
   EXPECT_EQ(f.trace.find("U")->value[1], 4.0);
 }
 
+TEST(ReadCsv, AMappedColumnKeepsTheUnitOfItsHeader) {
+  const auto f = read("Time_ms,Cell_bar,Sensor_mV\n0,1,2\n1000,3,4\n",
+                      {.column_map = {{"Time_ms", "t_s"}, {"Cell_bar", "F_ref_N"}, {"Sensor_mV", "U_V"}}});
+  EXPECT_DOUBLE_EQ(f.trace.time_bases[0].t_s[1], 1.0);
+  EXPECT_DOUBLE_EQ(f.trace.find("F_ref")->value[1], 3.0) << "a pressure is no force: the name gives the unit";
+  EXPECT_DOUBLE_EQ(f.trace.find("U")->value[1], 4e-3);
+  EXPECT_THAT(f.notes, testing::Contains(HasSubstr("converted from mV to V")));
+  const auto g = read("t_s,F_ref_N,Sensor_mV\n0,1,2\n1,3,4\n", {.column_map = {{"Sensor_mV", "U_uV"}}});
+  EXPECT_DOUBLE_EQ(g.trace.find("U")->value[1], 4e-6) << "a unit that is not SI is meant";
+}
+
 TEST(ReadCsv, AVelocityIsNoClock) {
   const auto e = refuse("sample,velocity_cm_s,force_N\n0,1,2\n1,2,3\n");
   EXPECT_THAT(e.text, HasSubstr("no time column"));
