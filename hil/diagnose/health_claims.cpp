@@ -47,7 +47,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
       bit_V.push_back(h.bit_V);
     }
     if (h.at_rail > 0) rail_V = h.rail_V;
-    noise_F.push_back(std::max(h.restless_F_N, h.scatter_F.quartile_N));
+    noise_F.push_back(std::max(h.noise_F_N, h.scatter_F.quartile_N));
     if (h.scatter_F.still_N > 0.0) still_F.push_back(h.scatter_F.still_N);
     lsb_F = std::max(lsb_F, h.lsb_F_N);
     if (h.lsb_F_N > 0.0) ladder_F.push_back(h.lsb_F_N);

@@ -236,8 +236,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   out.gaps = record.trace.time_bases[f->time_base].gaps.size();
   if (n < 16) return out;
   out.noise_U_V = white_noise(U);
-  out.noise_F_N = white_noise(F);
-  out.restless_F_N = std::min(out.noise_F_N, restless_noise(t, F));
+  out.noise_F_N = std::min(white_noise(F), restless_noise(t, F));
   out.scatter_F = reference_scatter(t, F, U, scales.U_range_V);
   out.lsb_U_V = value_step(U);
   out.lsb_F_N = value_step(F);

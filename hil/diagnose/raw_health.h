@@ -28,8 +28,7 @@ struct RecordHealth {
   double outlier_square_V2 = 0.0;           ///< sum over the outliers of what they stand off by, squared
   std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
   double bit_V = 0.0;                       ///< that size
-  double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample, from fourth differences
-  double restless_F_N = 0.0;                ///< the same or less: what fast movement and a jittering clock add is taken off
+  double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample; of the force less what its movement and a jittering clock make of it
   double smoothed_F_N = 0.0;                ///< noise of the reference that smoothing leaves; 0 where nothing was smoothed
   ReferenceScatter scatter_F;               ///< of the reference beside the output, coloured noise included
   double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
