@@ -113,7 +113,11 @@ CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const
     const double d = parts.before[i] - parts.after[i];
     out.before += parts.before[i] / n;
     out.after += parts.after[i] / n;
-    squares += d * d;
+    // a restless record that the effect does not move must not outweigh those that it does
+    if (parts.excited[i] != 0 || out.blocks) {
+      out.fall += d / n;
+      squares += d * d;
+    }
     if (parts.excited[i] == 0) continue;
     const double ratio =
         std::log((parts.before[i] + 0.1 * parts.floor[i]) / (parts.after[i] + 0.1 * parts.floor[i]));
@@ -128,7 +132,6 @@ CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const
     removed += d;
     explainable += std::max(parts.before[i] - parts.floor[i], 0.0) + 1e-12;
   }
-  out.fall = out.before - out.after;
   out.standard_error = std::sqrt(std::max(0.0, squares / n - out.fall * out.fall) / std::max(1.0, n - 1.0));
   if (out.excited > 0) {
     const double m = out.excited;

@@ -17,7 +17,7 @@ struct CrossFit {
   bool blocks = false;
   double before = 0.0, after = 0.0;  ///< mean squares over all parts
   double fall = 0.0,
-         standard_error = 0.0;   ///< before - after, and its uncertainty from the scatter over parts
+         standard_error = 0.0;   ///< before - after, of whole records those excited alone, over all parts; its uncertainty from the scatter
   double log_ratio = 0.0;        ///< mean of ln(before/after) over excited parts
   double log_ratio_error = 0.0;  ///< standard error of that mean
   double share = 0.0;            ///< of what the noise does not explain in excited parts
