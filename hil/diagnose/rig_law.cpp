@@ -1,6 +1,9 @@
 // The third witness: the force that the rig's own law predicts from the wheel's angle or from the command.
 
+#include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
@@ -66,24 +69,49 @@ double stiffness_N_per_mm(const CampaignInput& input) {
   return xy / xx;
 }
 
-// A straight line over the record's time through F_ref less the rig's law; what goes with the angle is none of it.
+// F_ref less the rig's law over the record's time: its mean, and where it lasts long enough slow waves; what goes with the spring's
+// force is none of it.
 std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
-  constexpr double kFewest = 50.0, kShortest_s = 60.0;
-  double n = 0.0, t1 = 0.0, d1 = 0.0, tt = 0.0, td = 0.0;
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (r.ok[i] == 0 || !(r.F_N[i] > least_N)) continue;
-    const double t = r.t_s[i], d = r.F_N[i] - r.rig_force_N[i];
-    n += 1.0;
-    t1 += t;
-    d1 += d;
-    tt += t * t;
-    td += t * d;
-  }
+  constexpr double kFewest = 50.0, kShortest_s = 60.0, kWave_s = 40.0;
+  constexpr int kMostWaves = 8, kOfSpring = 2;
+  const int waves = r.duration_s > kShortest_s ? std::clamp(static_cast<int>(r.duration_s / kWave_s), 1, kMostWaves) : 0;
+  const auto wave = [&](int k, double t_s) { return std::cos(std::numbers::pi * (k + 1) * t_s / r.duration_s); };
+  double n = 0.0, mean_d = 0.0, mean_L = 0.0, widest = 0.0;
+  const auto counts = [&](std::size_t i) { return r.ok[i] != 0 && r.F_N[i] > least_N; };
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (counts(i)) {
+      n += 1.0;
+      mean_d += r.F_N[i] - r.rig_force_N[i];
+      mean_L += r.rig_force_N[i];
+    }
   if (n < kFewest) return {};
-  const double spread = tt - t1 * t1 / n;
-  const double slope = r.duration_s > kShortest_s && spread > 0.0 ? (td - t1 * d1 / n) / spread : 0.0;
-  std::vector<double> out;
-  for (const double t : r.t_s) out.push_back(d1 / n + slope * (t - t1 / n));
+  mean_d /= n;
+  mean_L /= n;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (counts(i)) widest = std::max(widest, std::abs(r.rig_force_N[i] - mean_L));
+  // 1, L, L^2, waves
+  const int columns = 1 + kOfSpring + waves;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(columns, columns);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(columns), x(columns);
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    if (!counts(i)) continue;
+    const double L = widest > 0.0 ? (r.rig_force_N[i] - mean_L) / widest : 0.0;
+    x[0] = 1.0;
+    x[1] = L;
+    x[2] = L * L;
+    for (int k = 0; k < waves; ++k) x[1 + kOfSpring + k] = wave(k, r.t_s[i]);
+    A += x * x.transpose();
+    y += (r.F_N[i] - r.rig_force_N[i] - mean_d) * x;
+  }
+  A.diagonal().array() += 1e-6 * n;
+  const Eigen::VectorXd c = A.ldlt().solve(y);
+  double mean_wave = 0.0;
+  std::vector<double> out(r.rows(), 0.0);
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    for (int k = 0; k < waves; ++k) out[i] += c[1 + kOfSpring + k] * wave(k, r.t_s[i]);
+    mean_wave += counts(i) ? out[i] / n : 0.0;
+  }
+  for (double& zero : out) zero += mean_d - mean_wave;
   return out;
 }
 

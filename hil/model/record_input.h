@@ -55,7 +55,7 @@ struct RecordInput {
 
   // rig channel: force that the linear rig law predicts from angle or command; empty without a witness
   std::vector<double> rig_force_N;
-  /// What the zero of the reference is above the rig's law, from a straight line through the record; empty where the rig does not tell
+  /// What the zero of the reference is above the rig's law, its mean over the record and slow waves; empty where the rig does not tell
   std::vector<double> rig_zero_N;
   double eccentricity_mm = kMissing, preload_mm = kMissing;
 
