@@ -120,5 +120,39 @@ TEST(FlipResiduals, IsTheGramMatrixOfTheTurnedRows) {
   }
 }
 
+// Slow records and one fast one, whose reference is late as a column says that the slow ones hardly excite.
+TEST(LeaveOneOut, AFastRecordIsNotBlamedForALagThatTheSlowOnesCannotTell) {
+  const auto error_of_fast = [](bool nuisance) {
+    MixedProblem p;
+    p.nz = p.n_fixed = 3;
+    p.component_of_z = {0, 1, 2};
+    p.components = {{"gain", 0.02, 0.002, 0.5}, {"offset", 0.01, 0.001, 0.5}, {"lag", 0.01, 0.01, 50.0, nuisance}};
+    p.fixed_prior_sd = Eigen::Vector3d(10.0, 10.0, 2.0);
+    p.column_prior_sd.resize(0);
+    Rng rng(12, "lag");
+    constexpr int kRows = 600, kRecords = 4;
+    for (int k = 0; k < kRecords; ++k) {
+      const double rate = k + 1 == kRecords ? 0.2 : 0.0;
+      Eigen::MatrixXd A(kRows, 4);
+      for (int i = 0; i < kRows; ++i) {
+        A(i, 0) = 0.5 + 0.5 * std::sin(0.05 * i + k);
+        A(i, 1) = 1.0;
+        A(i, 2) = rate * std::cos(0.05 * i + k);
+        A(i, 3) = A(i, 0) + 0.8 * A(i, 2) + 0.02 * rng.normal();
+      }
+      RecordGram g;
+      g.gram = (A.transpose() * A) / kRows;
+      g.n_eff = 10.0;
+      g.noise_variance = 1e-6;
+      p.records.push_back(g);
+    }
+    const MixedFit fit = fit_mixed(p, {}, nullptr, 20, RecordUse::all_records);
+    EXPECT_TRUE(fit.valid);
+    return std::sqrt(leave_one_out(p, fit, &fit).adapted.back());
+  };
+  EXPECT_GT(error_of_fast(false), 0.05);
+  EXPECT_LT(error_of_fast(true), 0.03);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -246,6 +246,32 @@ TEST(RawHealth, AForceThatMovesFastInMostRecordsIsNoNoiseOfTheReference) {
   for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "reference_noise") << claim.evidence;
 }
 
+TEST(RawHealth, AJitteringClockMakesNoNoiseOfAMovingForce) {
+  Campaign c = make_campaign(41, straight);
+  Rng rng(42, "clock");
+  for (Record& r : c.records) {
+    auto& t = r.trace.time_bases[0].t_s;
+    auto& F = r.trace.find("F_ref")->value;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      t[i] = 0.05 * static_cast<double>(i) + 0.003 * rng.normal();
+      F[i] = 2.0 + 1.5 * std::sin(2.0 * std::numbers::pi * 1.0 * t[i]) + 0.002 * rng.normal();
+    }
+  }
+  const RecordHealth h = check_raw_health(c.records[0], health_scales(c), c.bench);
+  EXPECT_NEAR(h.noise_F_N, 0.002, 0.0008);
+}
+
+TEST(RawHealth, ARailIsNoNoiseOfTheReference) {
+  Campaign c = make_campaign(43, straight);
+  c.bench.reference_resolution_N = 0.005;
+  c.bench.reference_noise_N = 0.008;
+  for (Record& r : c.records) {
+    auto& U = r.trace.find("U")->value;
+    for (double& u : U) u = std::min(u, 2.0);
+  }
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "reference_noise") << claim.evidence;
+}
+
 TEST(RawHealth, AReferenceNoisierThanDeclaredIsSeenWhereTheOutputStandsStill) {
   const auto with_noise = [](double noise_N) {
     Campaign c = make_campaign(33, straight);

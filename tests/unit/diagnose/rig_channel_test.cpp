@@ -224,5 +224,38 @@ TEST(RigChannel, AZeroErrorOfTheAngleIsNoFinding) {
   EXPECT_EQ(claims(diagnose(bench)), "");
 }
 
+TEST(RigChannel, AZeroThatWandersWithinItsRecordsIsTheReferencesWhereTheRigShowsTheSame) {
+  Bench bench;
+  bench.zero_N = [](double t) { return 0.1 * std::sin(t / 9.0) + 0.15 * std::sin(t / 23.0 + 1.0); };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "reference_drift ");
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_TRUE(d.findings.front().side_witnessed);
+}
+
+// One play, some records of each manner of moving: their angle is what the play acts on.
+TEST(RigChannel, AGearsPlayOfOneWidthIsFoundInThreeRecords) {
+  Bench bench;
+  Campaign c = turning(bench);
+  c.records.resize(4);
+  c.records.erase(c.records.begin());
+  for (Record& r : c.records) {
+    auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    double held = F[0];
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double free = F[i];
+      held = std::clamp(held, free - 0.1, free + 0.1);
+      F[i] = held;
+      U[i] += 2.0 * (held - free);
+    }
+  }
+  EngineOptions options;
+  options.pictures = false;
+  const auto d = diagnose_campaign(std::move(c), options);
+  ASSERT_TRUE(d.has_value());
+  EXPECT_EQ(claims(*d), "backlash ");
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

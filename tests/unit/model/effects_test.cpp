@@ -187,6 +187,27 @@ TEST(Mounting, IsThatOfTheNeighboursWhereARecordDoesNotSay) {
   EXPECT_EQ(numbered({"", "", ""}).front(), 0);
 }
 
+TEST(StartTimes, AreThoseOfAClockThatGoesOnFromRecordToRecord) {
+  CampaignInput campaign = input();
+  ASSERT_GE(campaign.records.size(), 3u);
+  campaign.records.resize(3);
+  const auto starts = [&](std::array<double, 3> clock_s) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      campaign.records[k].start_s = campaign.records[k].rest_before_s = kMissing;
+      campaign.records[k].clock_start_s = clock_s[k];
+    }
+    campaign.has_start_times = true;
+    finish_campaign_input(campaign);
+    std::vector<double> out = {campaign.has_start_times ? 1.0 : 0.0};
+    for (const RecordInput& r : campaign.records) out.push_back(r.start_s);
+    return out;
+  };
+  EXPECT_EQ(starts({1.7e9, 1.7e9 + 5000.0, 1.7e9 + 12000.0}), (std::vector<double>{1.0, 0.0, 5000.0, 12000.0}));
+  EXPECT_EQ(starts({9000.0, 1000.0, 5000.0}), (std::vector<double>{1.0, 0.0, 4000.0, 8000.0})) << "named in another order";
+  EXPECT_EQ(starts({0.0, 0.0, 0.0}).front(), 0.0) << "a clock of each record's own";
+  EXPECT_EQ(starts({2.0, 1.5, 3.0}).front(), 0.0) << "no record begins before another has ended";
+}
+
 TEST(Play, BeginsARecordingAsTheOnesBeforeEndedOrAnew) {
   CampaignInput campaign = input();
   // two blocks of one recording hold all of its rows
@@ -216,6 +237,14 @@ TEST(LaggedChannel, StaysBehindTheAirAcrossARestAndSettlesInALongOne) {
   EXPECT_LT(film.front(), film.back());
   EXPECT_NEAR(lagged_channel(campaign, campaign.records[1], &RecordInput::temp_C, 2.0).front(), 25.0, 0.05);
   EXPECT_EQ(lagged_channel(campaign, campaign.records[0], &RecordInput::temp_C, tau).back(), 20.0);
+  // a film slower than the campaign has not seen the first reading for long: it stands near the mean
+  const std::vector<double> slow = lagged_channel(campaign, campaign.records[0], &RecordInput::temp_C, 1e6, FilmStart::mean);
+  double mean = 0.0, rows = 0.0;
+  for (const RecordInput& r : campaign.records) {
+    mean += r.temp_C.front() * static_cast<double>(r.rows());
+    rows += static_cast<double>(r.rows());
+  }
+  EXPECT_NEAR(slow.back(), mean / rows, 0.01 * mean / rows);
 }
 
 // Recovered from data made by another form: columns of the effect against the other form's output by least squares.
