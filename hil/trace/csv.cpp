@@ -64,8 +64,8 @@ void make_names_unique(Trace& trace) {
   }
 }
 
-// Who maps Sensor_mV to U_V gives the column a name, and knows that it is in millivolts: the name's unit counts where it is no plain SI
-// unit, or the header has none of the same quantity.
+// Who maps Sensor_mV to U_V gives the column a name and means millivolts: a plain SI unit of the name gives way to the header's of the
+// same quantity.
 ColumnMeaning renamed(const Unit& of_header, ColumnMeaning name) {
   const bool plain = name.unit.symbol == name.unit.canonical;
   if (plain && !of_header.symbol.empty() && of_header.quantity == name.unit.quantity) name.unit = of_header;
