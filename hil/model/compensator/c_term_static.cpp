@@ -32,10 +32,10 @@ Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
       "    c->{0}_lo = step - (sum - y);\n"
       "    c->{0}_hi = sum;\n"
       "  }} else {{\n"
-      "    c->{0}_hi = c->temperature_C;\n"
+      "    c->{0}_hi = {1};\n"
       "  }}\n"
       "  c->{0}_x = c->temperature_C;\n",
-      id);
+      id, shape_of(e, 1) != 0.0 ? "k_" + id + "_T0" : "c->temperature_C");
   t.value = fmt::format("(c->{0}_hi - k_{0}_T0) * (k_{0}_gain * W + k_{0}_offset)", id);
   t.slope_min = -20.0 * std::fabs(gain);
   t.once = 10;
