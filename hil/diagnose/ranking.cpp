@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "hil/diagnose/between_records.h"
 
@@ -27,6 +30,10 @@ double visible_from(const ResidualChannel& channel, const FamilyScore& family, d
   return u > 0.0 ? u * rms * std::sqrt(2.0 * (threshold + std::log(std::max(1.0, prior / u)))) : 0.0;
 }
 
+bool is_claimed(const Diagnosis& d, const std::string& effect) {
+  return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.probability >= 0.5; });
+}
+
 }  // namespace
 
 void add_ranking(const CampaignInput& input, const ResidualChannel& channel, const Selection& selection, const SelectionRules& rules,
@@ -43,7 +50,7 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
                                           : visible_from(channel, family, threshold_of(family.kind->name, rules));
     if (family.best.wrong_sign)
       r.note = "wrong sign";
-    else if (family.records.valid && !(r.visible_from > 0.0))
+    else if (family.records.valid && !(r.visible_from > 0.0) && !is_claimed(out, r.effect))
       r.note = "these records would show it at no size";
     for (const ChosenEffect& c : selection.chosen)
       if (c.kind == family.kind) r.probability = c.share_of_family;
@@ -75,15 +82,18 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
 }
 
 void tell_visible_from(Diagnosis& out) {
-  std::string text;
+  // one that two channels ask about shows where the better of them sees it
+  std::vector<std::pair<std::string, double>> from;
   for (const RankedEffect& r : out.ranking) {
-    const bool found = std::any_of(out.findings.begin(), out.findings.end(), [&](const Finding& f) {
-      return f.effect == r.effect && f.probability >= 0.5;
-    });
-    if (!is_between_records(r.effect) || !(r.visible_from > 0.0) || found) continue;
+    if (!is_between_records(r.effect) || !(r.visible_from > 0.0) || is_claimed(out, r.effect)) continue;
+    const auto known = std::ranges::find(from, r.effect, &std::pair<std::string, double>::first);
+    if (known == from.end()) from.emplace_back(r.effect, r.visible_from);
+    else known->second = std::min(known->second, r.visible_from);
+  }
+  std::string text;
+  for (const auto& [effect, size] : from) {
     char part[80];
-    std::snprintf(part, sizeof part, "%s%s %.2g %%", text.empty() ? "" : ", ", r.effect.c_str(),
-                  100.0 * r.visible_from);
+    std::snprintf(part, sizeof part, "%s%s %.2g %%", text.empty() ? "" : ", ", effect.c_str(), 100.0 * size);
     text += part;
   }
   if (!text.empty())
