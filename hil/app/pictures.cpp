@@ -24,6 +24,7 @@ Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, co
     int number = 0;
     for (const EvidenceSeries& s : f.series)
       FORCEGATE_CHECK_OK(put(fmt::format("{}_{}", f.effect, ++number), evidence_figure(s)));
+    for (const SampleWindow& w : f.samples) FORCEGATE_CHECK_OK(put(fmt::format("{}_{}", f.effect, ++number), sample_figure(w)));
   }
   int spectrum = 0, extrema = 0, drift = 0;
   for (const ResidualSpectrum& s : pictures.spectra)

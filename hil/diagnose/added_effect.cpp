@@ -48,7 +48,8 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   out.voltage_range_V = w.input.U_range_V;
   out.judged_by = w.judges;
   out.verdict = DiagnosisVerdict::known;
-  Selection selection;
+  Search search;
+  Selection& selection = search.output;
   selection.base = base_model(w, before, out.notes);
   if (!selection.base.valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name);
   FORCEGATE_TRY(ChosenEffect chosen, choose(w, selection.base, effect, before.threads));
@@ -66,7 +67,7 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   out.maps_after = residual_maps(w, w.output, left, before.threads);
   const auto sd = [&](int k) { return std::sqrt(selection.claimed.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  add_pictures(w, selection, left, out);
+  add_pictures(w, search, left, out);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 
 #include "hil/diagnose/residual_map.h"
@@ -58,45 +59,78 @@ struct Pair {
 
 Pair fit_both(const ResidualChannel& channel, const Selection& selection, const ChosenEffect& effect, std::optional<std::size_t> left_out) {
   const std::vector<int>& all = selection.claimed.columns;
-  std::vector<int> others;
+  std::vector<int> own = effect.columns, others;
+  for (const int further : effect.further) add_columns(own, channel.variants[static_cast<std::size_t>(further)].columns);
   for (const int c : all)
-    if (std::ranges::find(effect.columns, c) == effect.columns.end()) others.push_back(c);
-  return {fit_without(channel, others, selection.claimed, left_out), fit_without(channel, all, selection.claimed, left_out)};
+    if (std::ranges::find(own, c) == own.end()) others.push_back(c);
+  // both may follow a record by the same spread: a late reference or an angle's zero that differs at will would take a loop for itself
+  const auto fitted = [&](const std::vector<int>& columns) {
+    MixedFit fit = fit_without(channel, columns, selection.claimed, left_out);
+    return fit.valid ? at_freedom_of(channel.problem, std::move(fit), selection.base) : fit;
+  };
+  return {fitted(others), fitted(all)};
 }
 
-const std::vector<double>& axis(const RecordInput& r, const std::string& name) {
-  return name == "force" ? r.F_N : name == "rate" ? r.rate_N_per_s : r.t_s;
+// A channel with one selection in it.
+struct Chosen {
+  const Workspace& w;
+  const ResidualChannel& channel;
+  const Selection& selection;
+  const EvidenceAxes& axes;
+
+  const RecordInput& record(std::size_t k) const { return w.input.records[channel.record_of[k]]; }
+};
+
+// Empty where the record has no such channel.
+std::vector<double> axis(const RecordInput& r, const std::vector<std::size_t>& rows, const std::string& name) {
+  std::vector<double> out;
+  if (name == "angle") {
+    if (r.cos_theta.empty()) return out;
+    for (const std::size_t i : rows) out.push_back(std::atan2(r.sin_theta[i], r.cos_theta[i]) * 180.0 / std::numbers::pi);
+    return out;
+  }
+  const std::vector<double>& x = name == "force" ? r.F_N : name == "rate" ? r.rate_N_per_s : name == "command" ? r.F_cmd_N : r.t_s;
+  if (x.empty()) return out;
+  for (const std::size_t i : rows) out.push_back(x[i]);
+  return out;
+}
+
+std::string unit_of(const std::string& axis) {
+  return axis == "force" || axis == "command" ? "N" : axis == "rate" ? "N/s" : axis == "angle" ? "deg" : "s";
 }
 
 // A hold says nothing against force, a staircase nothing against its rate: nearly all rows are at a few values.
-bool tells(const Workspace& w, std::size_t k, const std::string& x_name) {
+bool tells(const Chosen& c, std::size_t k, const std::string& x_name) {
   constexpr double kEnd = 0.1, kInside = 0.2;
   if (x_name == "time") return true;
-  const std::vector<double>& x = axis(w.input.records[w.output.record_of[k]], x_name);
-  double low = INFINITY, high = -INFINITY, inside = 0.0;
-  for (const std::size_t i : w.output.rows[k].row) low = std::min(low, x[i]), high = std::max(high, x[i]);
+  const std::vector<double> x = axis(c.record(k), c.channel.rows[k].row, x_name);
+  if (x.empty()) return false;
+  const auto [low, high] = std::ranges::minmax(x);
   const double margin = kEnd * (high - low), middle = 0.5 * (low + high);
-  for (const std::size_t i : w.output.rows[k].row)
-    inside += x[i] > low + margin && x[i] < high - margin && std::abs(x[i] - middle) > 0.5 * margin ? 1.0 : 0.0;
-  return inside > kInside * static_cast<double>(w.output.rows[k].row.size());
+  const auto inside = std::ranges::count_if(
+      x, [&, low = low, high = high](double v) { return v > low + margin && v < high - margin && std::abs(v - middle) > 0.5 * margin; });
+  return static_cast<double>(inside) > kInside * static_cast<double>(x.size());
 }
 
 // The records that a picture can be of, the ones that gain most first, with fits that have not seen them.
 class Unseen {
  public:
-  Unseen(const Workspace& w, const Selection& selection, const ChosenEffect& effect)
-      : w_(w), selection_(selection), effect_(effect), of_all_(fit_both(w.output, selection, effect, std::nullopt)) {
+  Unseen(const Chosen& chosen, const ChosenEffect& effect)
+      : chosen_(chosen), effect_(effect), of_all_(fit_both(chosen.channel, chosen.selection, effect, std::nullopt)) {
     if (!of_all_.valid()) return;
-    const auto& records = w.output.problem.records;
+    const auto& records = chosen.channel.problem.records;
+    const bool some_heldout = std::ranges::any_of(records, &RecordGram::heldout);
     for (std::size_t k = 0; k < records.size(); ++k)
-      if (w.judges != JudgedBy::heldout || records[k].heldout) order_.push_back(k);
+      if (!some_heldout || records[k].heldout) order_.push_back(k);
     std::ranges::stable_sort(order_, [&](std::size_t a, std::size_t b) { return of_all_.fall(a) > of_all_.fall(b); });
   }
 
   const Pair& fits(std::size_t record) {
-    if (w_.judges != JudgedBy::left_out || w_.output.problem.records.size() < 2) return of_all_;
+    const MixedProblem& p = chosen_.channel.problem;
+    if (chosen_.w.judges == JudgedBy::whole || p.records.size() < 2 || p.records[record].heldout) return of_all_;
     const auto at = left_out_.find(record);
-    return at != left_out_.end() ? at->second : left_out_.emplace(record, fit_both(w_.output, selection_, effect_, record)).first->second;
+    return at != left_out_.end() ? at->second
+                                 : left_out_.emplace(record, fit_both(chosen_.channel, chosen_.selection, effect_, record)).first->second;
   }
 
   std::optional<std::size_t> best(const std::string& x_name) {
@@ -104,7 +138,7 @@ class Unseen {
     std::size_t tried = 0;
     for (const std::size_t k : order_) {
       if (tried == kTried) break;
-      if (!tells(w_, k, x_name)) continue;
+      if (!tells(chosen_, k, x_name)) continue;
       ++tried;
       if (fits(k).valid() && (!out || fits(k).fall(k) > fits(*out).fall(*out))) out = k;
     }
@@ -112,8 +146,7 @@ class Unseen {
   }
 
  private:
-  const Workspace& w_;
-  const Selection& selection_;
+  const Chosen& chosen_;
   const ChosenEffect& effect_;
   Pair of_all_;
   std::vector<std::size_t> order_;
@@ -130,69 +163,72 @@ double mean_without_own(const ResidualChannel& channel, const MixedFit& fit, std
 }
 
 // Without the records' own gains and zeros, which would hide it.
-std::optional<EvidenceSeries> between_series(const Workspace& w, const Selection& selection, const ChosenEffect& effect) {
-  const std::size_t n = w.output.problem.records.size();
-  const bool can_leave_out = w.judges != JudgedBy::whole && n > 2 && n <= kMostRecords;
-  const Pair of_all = fit_both(w.output, selection, effect, std::nullopt);
+std::optional<EvidenceSeries> between_series(const Chosen& c, const ChosenEffect& effect) {
+  const CampaignInput& input = c.w.input;
+  const std::size_t n = c.channel.problem.records.size();
+  const bool can_leave_out = c.w.judges != JudgedBy::whole && n > 2 && n <= kMostRecords;
+  const Pair of_all = fit_both(c.channel, c.selection, effect, std::nullopt);
   EvidenceSeries s;
-  s.title = can_leave_out ? "mean residual of every record, each left out in turn" : "mean residual of every record";
-  s.x_name = w.input.has_start_times || w.input.single ? "start in campaign time" : "record, in order";
+  s.title = "mean " + c.axes.residual + " of every record" + (can_leave_out ? ", each left out in turn" : "");
+  s.x_name = input.has_start_times || input.single ? "start in campaign time" : "record, in order";
   s.x_unit = s.x_name == "record, in order" ? "1" : "min";
-  s.y_unit = w.output.unit;
+  s.y_unit = c.channel.unit;
   for (std::size_t k = 0; k < n; ++k) {
-    const Pair own = can_leave_out ? fit_both(w.output, selection, effect, k) : of_all;
-    const auto& rows = w.output.rows[k].row;
+    const Pair own = can_leave_out ? fit_both(c.channel, c.selection, effect, k) : of_all;
+    const auto& rows = c.channel.rows[k].row;
     if (!own.valid() || rows.empty()) continue;
-    const RecordInput& r = w.input.records[w.output.record_of[k]];
-    s.x.push_back(s.x_unit == "1" ? static_cast<double>(k) + 1.0 : (r.start_s + (w.input.single ? r.t_s[rows.front()] : 0.0)) / 60.0);
-    s.before.push_back(mean_without_own(w.output, own.without, k));
-    s.after.push_back(mean_without_own(w.output, own.with, k));
+    const RecordInput& r = c.record(k);
+    s.x.push_back(s.x_unit == "1" ? static_cast<double>(k) + 1.0 : (r.start_s + (input.single ? r.t_s[rows.front()] : 0.0)) / 60.0);
+    s.before.push_back(mean_without_own(c.channel, own.without, k));
+    s.after.push_back(mean_without_own(c.channel, own.with, k));
   }
   if (s.x.size() < 3) return std::nullopt;
   return s;
 }
 
-EvidenceSeries residual_series(const Workspace& w, std::size_t k, const std::string& x_name, const std::vector<double>& before,
-                               const std::vector<double>& after) {
-  const RecordInput& r = w.input.records[w.output.record_of[k]];
-  const auto& rows = w.output.rows[k].row;
+EvidenceSeries residual_series(const Chosen& c, std::size_t k, const std::string& x_name, const Pair& fits) {
+  const RecordInput& r = c.record(k);
+  const std::vector<std::size_t>& rows = c.channel.rows[k].row;
+  const std::vector<double> x = axis(r, rows, x_name), before = residual_rows(c.channel, fits.without)[k], after = residual_rows(c.channel, fits.with)[k];
   EvidenceSeries s;
   s.record = r.name;
   s.x_name = x_name;
-  s.y_unit = w.output.unit;
-  s.x_unit = x_name == "force" ? "N" : x_name == "rate" ? "N/s" : "s";
-  s.title = "residual against " + x_name + ", coloured by direction";
+  s.x_unit = unit_of(x_name);
+  s.y_unit = c.channel.unit;
+  s.title = c.axes.residual + " against " + x_name + ", coloured by direction";
   const std::size_t stride = std::max<std::size_t>(1, rows.size() / kPoints);
   for (std::size_t j = 0; j < rows.size(); j += stride) {
-    const std::size_t i = rows[j];
-    s.x.push_back(axis(r, x_name)[i]);
+    const double rate = r.rate_N_per_s[rows[j]];
+    s.x.push_back(x[j]);
     s.before.push_back(before[j]);
     s.after.push_back(after[j]);
-    s.colour.push_back(r.rate_N_per_s[i] > 0.0 ? 1.0 : r.rate_N_per_s[i] < 0.0 ? -1.0 : 0.0);
+    s.colour.push_back(rate > 0.0 ? 1.0 : rate < 0.0 ? -1.0 : 0.0);
   }
   return s;
 }
 
 }  // namespace
 
-void add_claim_evidence(const Workspace& w, const Selection& selection, std::vector<Finding>& findings) {
+void add_claim_evidence(const Workspace& w, const ResidualChannel& channel, const Selection& selection, const EvidenceAxes& axes,
+                        std::vector<Finding>& findings) {
   constexpr double kClaim = 0.5;
+  constexpr std::size_t kMostAxes = 3;
   if (!selection.claimed.valid) return;
+  const Chosen chosen{w, channel, selection, axes};
   for (const ChosenEffect& effect : selection.chosen) {
     const auto claim = std::ranges::find_if(findings, [&](const Finding& f) {
-      return f.effect == effect.kind->name && f.form != "raw" && f.probability >= kClaim && f.series.empty();
+      return f.effect == effect.kind->name && f.form != "raw" && f.unit == channel.unit && f.probability >= kClaim && f.series.empty();
     });
     if (claim == findings.end()) continue;
     if (effect.between) {
-      if (auto series = between_series(w, selection, effect)) claim->series.push_back(std::move(*series));
+      if (auto series = between_series(chosen, effect)) claim->series.push_back(std::move(*series));
       continue;
     }
-    Unseen unseen(w, selection, effect);
-    for (const char* x : {"force", "time", "rate"}) {
+    Unseen unseen(chosen, effect);
+    for (const std::string& x : axes.names) {
+      if (claim->series.size() == kMostAxes) break;
       const std::optional<std::size_t> k = unseen.best(x);
-      if (!k) continue;
-      const Pair& fits = unseen.fits(*k);
-      claim->series.push_back(residual_series(w, *k, x, residual_rows(w.output, fits.without)[*k], residual_rows(w.output, fits.with)[*k]));
+      if (k) claim->series.push_back(residual_series(chosen, *k, x, unseen.fits(*k)));
     }
   }
 }

@@ -5,9 +5,16 @@
 
 namespace forcegate::diagnose {
 
-/// Fills `series` of the claims that were chosen on the output. Each is of the record whose error falls most by the claim, of those that
+/// What the residual of a channel is drawn against, and what the residual is.
+struct EvidenceAxes {
+  std::vector<std::string> names;  ///< of "force", "rate", "time", "angle", "command"
+  std::string residual;            ///< "residual", "F_ref less the rig's law"
+};
+
+/// Fills `series` of the claims that were chosen in this channel. Each is of the record whose error falls most by the claim, of those that
 /// cover the axis: one that is held out, else one of the three that gain most, left out of both fits. What acts from record to record shows in the mean of every record,
 /// each left out in turn. A recording that is judged as a whole has no part that could be left out: it is fitted as a whole.
-void add_claim_evidence(const Workspace& workspace, const Selection& selection, std::vector<Finding>& findings);
+void add_claim_evidence(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection, const EvidenceAxes& axes,
+                        std::vector<Finding>& findings);
 
 }  // namespace forcegate::diagnose

@@ -39,6 +39,15 @@ struct EvidenceSeries {
   std::vector<double> x, before, after, colour;  ///< colour: sign of dF/dt, or empty
 };
 
+/// Samples that a claim about raw samples names, with those around them.
+struct SampleWindow {
+  std::string record;
+  std::string quantity, unit;                ///< "output", "V"
+  std::string beside_name;                   ///< what `beside` is: "as the force says"
+  std::vector<double> t_s, recorded, beside;
+  std::vector<double> named_t_s, named;      ///< where and what the named samples are; empty: all of them
+};
+
 struct Finding {
   std::string effect;
   std::string side;          ///< sensor, rig, reference, instrument
@@ -53,6 +62,7 @@ struct Finding {
   double effect_rms = 0.0;  ///< RMS of what the effect adds, same unit
   int records_improved = 0, records_excited = 0;
   std::vector<EvidenceSeries> series;
+  std::vector<SampleWindow> samples;  ///< of a claim about raw samples
   bool side_witnessed =
       true;  ///< false: no third channel could tell sensor from reference; said in `evidence`
 };

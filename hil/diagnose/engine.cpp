@@ -38,6 +38,7 @@ Finding of_raw_samples(const HealthClaim& claim) {
   out.evidence = claim.evidence;
   out.parameters.push_back({claim.parameter, claim.value, claim.u, claim.unit});
   out.form = "raw";
+  out.samples = claim.samples;
   return out;
 }
 
@@ -133,15 +134,14 @@ void add_refused(const Search& search, Diagnosis& out) {
 Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
-  Selection nothing;
-  nothing.base = nothing.final = base_model(w, options, out.notes);
-  if (!nothing.base.valid) return out;
-  const auto residual = residual_rows(w.output, nothing.base);
+  const MixedFit base = base_model(w, options, out.notes);
+  if (!base.valid) return out;
+  const auto residual = residual_rows(w.output, base);
   out.maps = residual_maps(w, w.output, residual, options.threads);
-  add_records(w, nothing.base, nothing.base, out);
-  const auto sd = [&](int k) { return std::sqrt(nothing.base.variance[k]); };
+  add_records(w, base, base, out);
+  const auto sd = [&](int k) { return std::sqrt(base.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  add_pictures(w, nothing, residual, out);
+  add_pictures(w, Search{}, residual, out);
   return out;
 }
 
@@ -207,7 +207,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_refused(search, out);
   suspect_refused(out);
-  if (options.pictures) add_pictures(w, selection, rest.of_claimed, out);
+  if (options.pictures) add_pictures(w, search, rest.of_claimed, out);
   return out;
 }
 

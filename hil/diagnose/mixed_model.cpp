@@ -195,18 +195,23 @@ double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const 
   return information > 0.0 ? std::sqrt(std::max(0.0, scatter - n) / information) : 0.0;
 }
 
-std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit,
-                                   const MixedFit& freedom) {
+MixedFit at_freedom_of(const MixedProblem& problem, MixedFit fit, const MixedFit& freedom) {
   const VectorXd sigma2 = expand_variance(problem, freedom.variance);
-  std::vector<double> out;
   Conditional conditional;
+  fit.zeta.resize(problem.records.size());
+  fit.adapted.resize(problem.records.size());
   for (std::size_t i = 0; i < problem.records.size(); ++i) {
     RecordPart part(problem, i, fit.columns);
     part.eliminate(sigma2, problem.records[i].n_eff / freedom.s2[i]);
     part.condition(with_minus(fit.coefficient), conditional);
-    out.push_back(conditional.mean_square);
+    fit.zeta[i] = conditional.zeta;
+    fit.adapted[i] = conditional.mean_square;
   }
-  return out;
+  return fit;
+}
+
+std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit, const MixedFit& freedom) {
+  return at_freedom_of(problem, fit, freedom).adapted;
 }
 
 namespace {

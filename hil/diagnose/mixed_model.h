@@ -92,6 +92,9 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
 /// h^2 = (sum w_i (lambda_i - 1)^2 - n) / sum w_i (Cochran 1954). A law has the same strength in every record.
 double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const std::vector<int>& columns);
 
+/// The fit with `zeta` and `adapted` of every record of the problem at the variances of `freedom`; its coefficients as they were.
+MixedFit at_freedom_of(const MixedProblem& problem, MixedFit fit, const MixedFit& freedom);
+
 /// Adapted mean square residual of every record at the coefficients of `fit` and the variances of `freedom`.
 std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit, const MixedFit& freedom);
 

@@ -12,7 +12,7 @@ constexpr std::size_t kPoints = 700;
 
 }  // namespace
 
-void add_pictures(const Workspace& w, const Selection& selection, const std::vector<std::vector<double>>& after, Diagnosis& out) {
+void add_pictures(const Workspace& w, const Search& search, const std::vector<std::vector<double>>& after, Diagnosis& out) {
   for (std::size_t k = 0; k < w.output.rows.size(); ++k) {
     const RecordInput& r = w.input.records[w.output.record_of[k]];
     const auto& rows = w.output.rows[k].row;
@@ -30,7 +30,9 @@ void add_pictures(const Workspace& w, const Selection& selection, const std::vec
     }
     out.overlays.push_back(std::move(s));
   }
-  add_claim_evidence(w, selection, out.findings);
+  add_claim_evidence(w, w.output, search.output, {{"force", "time", "rate"}, "residual"}, out.findings);
+  add_claim_evidence(w, w.rig, search.rig, {{"angle", "force", "time", "rate"}, "F_ref less the rig's law"}, out.findings);
+  add_claim_evidence(w, w.command, search.drive, {{"command", "time", "rate"}, "force less the command"}, out.findings);
 }
 
 }  // namespace forcegate::diagnose

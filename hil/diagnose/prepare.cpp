@@ -7,6 +7,7 @@
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/mains_removal.h"
 #include "hil/diagnose/reference_latency.h"
+#include "hil/diagnose/sample_windows.h"
 #include "hil/diagnose/user_candidates.h"
 #include "hil/model/rows.h"
 
@@ -80,6 +81,33 @@ void take_hum_off(Record& record, RecordHealth& health) {
       health.bad_mean_square_V2 += remove_mains_line(t_s, force->value, health.bad, health.mains_Hz, health.rate_Hz, channel.value);
 }
 
+void smooth_reference(Record& record, RecordHealth& health, const HealthScales& scales) {
+  const double sd_N = std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0));
+  if (!(sd_N > 1e-4 * scales.range_N)) return;
+  for (Channel& channel : record.trace.channels)
+    if (channel.name == "F_ref") channel.value = smooth_within_noise(std::move(channel.value), sd_N, &health.smoothed_F_N);
+}
+
+std::vector<double> values_of(const Record& record, std::string_view name) {
+  const Channel* channel = record.trace.find(name);
+  return channel != nullptr ? channel->value : std::vector<double>{};
+}
+
+// What the samples are like, and what no fit could be right with taken off them. Cuts for pictures where `draw`.
+RecordHealth clean_samples(Record& record, const HealthScales& scales, const BenchFacts& bench, bool draw, std::vector<CutOut>& cuts) {
+  RecordHealth health = check_raw_health(record, scales, bench);
+  if (draw) cuts = cut_out_bad_samples(record, health, scales);
+  if (shows_hum(health, scales)) {
+    const std::vector<double> before_V = draw ? values_of(record, "U") : std::vector<double>{};
+    take_hum_off(record, health);
+    if (draw) cuts.push_back(cut_out_hum(record, before_V, health.hum_Hz, health.hum_V));
+  }
+  const std::vector<double> before_N = draw ? values_of(record, "F_ref") : std::vector<double>{};
+  smooth_reference(record, health, scales);
+  if (draw) cuts.push_back(cut_out_reference_noise(record, before_N, std::max(health.noise_F_N, health.scatter_F.quartile_N)));
+  return health;
+}
+
 // Records whose rows are all missing, at a rail or out of range say nothing; a sensor that was not plugged in must not end a campaign.
 Result<void> leave_out_unusable(CampaignRows& w, bool asks_one_recording) {
   constexpr auto kFewestRows = 16, kFewestOfOne = 200;
@@ -130,20 +158,14 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   struct Prepared {
     RecordHealth health;
     Result<RecordInput> input;
+    std::vector<CutOut> cuts;
   };
   std::vector<Prepared> prepared(campaign.records.size());
   // without a search only effects of the model itself ask for the angle
   const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
   parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
-    prepared[k].health = check_raw_health(record, w.scales, campaign.bench);
-    const RecordHealth& h = prepared[k].health;
-    if (shows_hum(h, w.scales)) take_hum_off(record, prepared[k].health);
-    const double reference_sd_N = std::hypot(h.noise_F_N, h.lsb_F_N / std::sqrt(12.0));
-    if (reference_sd_N > 1e-4 * w.scales.range_N)
-      for (Channel& channel : record.trace.channels)
-        if (channel.name == "F_ref")
-          channel.value = smooth_within_noise(std::move(channel.value), reference_sd_N, &prepared[k].health.smoothed_F_N);
+    prepared[k].health = clean_samples(record, w.scales, campaign.bench, options.pictures, prepared[k].cuts);
     double row_step_s = kRowStep_s;
     if (single) {
       // a short recording of something fast keeps its samples
@@ -158,7 +180,9 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
     prepared[k].health.bad = {};
   });
   std::map<std::string, RecordHealth> health;
+  std::vector<CutOut> cuts;
   for (Prepared& p : prepared) {
+    std::ranges::move(p.cuts, std::back_inserter(cuts));
     FORCEGATE_TRY(RecordInput input, std::move(p.input));
     health.emplace(input.name, std::move(p.health));
     w.input.records.push_back(std::move(input));
@@ -188,6 +212,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   });
   for (const RecordInput& input : w.input.records) w.health.push_back(health[input.name]);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
+  add_sample_windows(cuts, w.raw_claims);
   if (single) cut_into_blocks(w);
   return w;
 }

@@ -251,9 +251,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     const auto [low, high] = std::minmax({F[i - 2], F[i - 1], F[i]});
     return std::abs(U[i - 1] - U[i]) > quiet + 1.5 * gain * (high - low);
   };
-  const auto mark = [&](std::size_t i, double error) {
+  const auto mark = [&](std::size_t i, BadSample why, double error) {
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
-    out.bad[i] = 1;
+    out.bad[i] = static_cast<std::uint8_t>(why);
   };
   constexpr double kAboveAround = 8.0;
   std::vector<std::size_t> spike;
@@ -268,7 +268,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (!std::isfinite(U[i])) {
       ++out.missing;
       out.missing_runs += std::isfinite(F[i]) && std::isfinite(U[i - 1]) ? 1 : 0;
-      out.bad[i] = 1;
+      out.bad[i] = static_cast<std::uint8_t>(BadSample::missing);
       continue;
     }
     const double middle = middle_of_four(U[i - 2], U[i - 1], U[i + 1], U[i + 2]);
@@ -280,7 +280,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (at_low_end(i)) {
       out.zero_runs += at_low_end(i - 1) ? 0 : 1;
       ++(at_low_end(i - 1) || at_low_end(i + 1) ? out.zeros : out.lone_zeros);
-      mark(i, jump);
+      mark(i, BadSample::zero, jump);
     } else if (stands_alone(i, jump) && jump > kAboveAround * scatter_around(U, i)) {
       spike.push_back(i);
       spike_level.push_back(middle);
@@ -292,7 +292,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     out.bit_V = common_bit_V(size, bench.voltage_max_V - low_rail);
     (out.bit_V > 0.0 ? out.bit_errors : out.outliers) = spike.size();
     for (std::size_t k = 0; k < spike.size(); ++k) {
-      mark(spike[k], size[k]);
+      mark(spike[k], out.bit_V > 0.0 ? BadSample::bit : BadSample::outlier, size[k]);
       if (out.outliers > 0) out.outlier_square_V2 += size[k] * size[k];
     }
   }
@@ -330,9 +330,11 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
                          std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
       out.zero_runs += falls ? 1 : 0;
       if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
-        for (std::size_t k = i; k < end; ++k) mark(k, 0.5 * gain * (high - low));
+        const bool rail = at_top && length >= 8;
+        const BadSample why = rail ? BadSample::rail : at_bottom ? BadSample::zero : BadSample::held;
+        for (std::size_t k = i; k < end; ++k) mark(k, why, 0.5 * gain * (high - low));
         if (!at_bottom && i > 0) out.runs.push_back({U[i], U[i - 1], length});
-        if (at_top && length >= 8) {
+        if (rail) {
           out.at_rail += length;
           out.rail_V = U[i];
         } else if (at_bottom) {
@@ -346,11 +348,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   }
   out.bad_mean_square_V2 /= static_cast<double>(n);
   // a rail cuts noise off: what comes near it is bent too
-  if (out.at_rail > 0)
-    for (std::size_t i = 0; i < n; ++i)
-      if (U[i] >= out.rail_V - std::max(1.5 * out.lsb_U_V, 3.0 * out.noise_U_V)) out.bad[i] = 1;
+  const double bent_V = out.at_rail > 0 ? out.rail_V - std::max(1.5 * out.lsb_U_V, 3.0 * out.noise_U_V) : std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i)
-    if (ends.holds(U[i])) out.bad[i] = 1;  // censored, no error of the instrument
+    if (out.bad[i] == 0 && (U[i] >= bent_V || ends.holds(U[i]))) out.bad[i] = static_cast<std::uint8_t>(BadSample::censored);
   const MainsLine line = find_mains_line(t, F, U, scales.gain_V_per_N);
   out.hum_V = line.amplitude_V;
   out.hum_Hz = line.frequency_Hz;

@@ -6,10 +6,23 @@
 #include <string>
 #include <vector>
 
+#include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/reference_scatter.h"
 #include "hil/trace/campaign.h"
 
 namespace forcegate::diagnose {
+
+/// Why no fit may use a sample.
+enum class BadSample : std::uint8_t {
+  none,
+  missing,
+  zero,      ///< at the low end where the force says otherwise
+  outlier,
+  bit,       ///< off by the weight of one bit of the converter
+  held,
+  rail,
+  censored,  ///< at a declared end of the range, or next to a rail: no fault
+};
 
 /// Samples of one value while the force moves on.
 struct HeldRun {
@@ -19,7 +32,7 @@ struct HeldRun {
 
 struct RecordHealth {
   std::string record;
-  std::vector<std::uint8_t> bad;  ///< samples that no fit may use
+  std::vector<std::uint8_t> bad;  ///< BadSample of every sample
   std::size_t samples = 0, missing = 0, outliers = 0, held = 0, zeros = 0, at_rail = 0, gaps = 0;
   std::size_t zero_runs = 0;  ///< at the low end where the force says otherwise
   std::size_t missing_runs = 0;  ///< of the output alone: the reference went on
@@ -60,6 +73,7 @@ struct HealthClaim {
   std::string evidence;
   std::string parameter, unit;
   double value = 0.0, u = 0.0;
+  std::vector<SampleWindow> samples;  ///< hil/diagnose/sample_windows.h
 };
 std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
                                        const BenchFacts& bench);

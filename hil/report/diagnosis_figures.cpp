@@ -257,6 +257,21 @@ Figure evidence_figure(const EvidenceSeries& s) {
   return figure;
 }
 
+Figure sample_figure(const SampleWindow& w) {
+  Figure figure(capitalised(w.quantity) + " as recorded, record " + w.record, 760.0);
+  double most = 0.0;
+  for (const double v : w.recorded)
+    if (std::isfinite(v)) most = std::max(most, std::abs(v));
+  const Scaled scale = readable_unit(most, w.unit);
+  Panel& panel = figure.panel({"Time", "s"}, {capitalised(w.quantity), scale.unit}, 190.0);
+  panel.line(w.t_s, scaled(w.beside, scale.factor), {Role::model, Dash::dashed, 1.4}, w.beside_name);
+  panel.line(w.t_s, scaled(w.recorded, scale.factor), {Role::reference, Dash::solid, 1.1}, "as recorded");
+  if (!w.named.empty()) panel.points(w.named_t_s, scaled(w.named, scale.factor), {Role::firmware, Dash::solid, 1.0, Marker::ring, 5.0}, "named");
+  figure.summary = w.named.empty() ? capitalised(w.quantity) + " as recorded and " + w.beside_name + "."
+                                   : std::to_string(w.named.size()) + " samples of this cut are named; the dashed line is the " + w.quantity + " " + w.beside_name + ".";
+  return figure;
+}
+
 Figure record_overlay_figure(const EvidenceSeries& s) {
   Figure figure("Measured and modelled output, record " + s.record, kWidth);
   figure.share_x = true;

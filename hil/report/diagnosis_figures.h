@@ -33,6 +33,9 @@ figures::Figure coordinate_figure(const ResidualMap& before, const ResidualMap* 
 /// Residual without and with the effect, side by side on one scale.
 figures::Figure evidence_figure(const EvidenceSeries& series);
 
+/// Samples as recorded beside what they should be, those that a claim names marked.
+figures::Figure sample_figure(const SampleWindow& window);
+
 /// Measured and modelled output of one record over time, residual below.
 figures::Figure record_overlay_figure(const EvidenceSeries& series);
 

@@ -57,6 +57,7 @@ std::string evidence(const Finding& f, JudgedBy judged_by) {
     const std::string of = s.record.empty() ? "" : "Record " + s.record + (judged_by == JudgedBy::whole ? "." : ", which neither fit has seen.");
     out += picture(evidence_figure(s), of);
   }
+  for (const SampleWindow& w : f.samples) out += picture(sample_figure(w), "Record " + w.record + ".");
   return out;
 }
 

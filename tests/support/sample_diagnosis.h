@@ -76,7 +76,23 @@ inline Diagnosis diagnosis() {
   c.evidence = "The residual drifts by 3 mV in a hold of 600 s, within the scatter of the records.";
   c.records_improved = 4;
   c.records_excited = 6;
-  d.findings = {h, c};
+  Finding lost;
+  lost.effect = "dropouts";
+  lost.side = "instrument";
+  lost.probability = 0.95;
+  lost.form = "raw";
+  lost.evidence = "0.4 % of the samples are held or zero where the force says otherwise";
+  SampleWindow window{"C07_r05", "output", "V", "as the force says", {}, {}, {}, {}, {}};
+  for (int i = 0; i < 160; ++i) {
+    const double said = 2.2 + 1.8 * std::sin(0.05 * i);
+    const bool held = i > 60 && i < 90;
+    window.t_s.push_back(0.005 * i);
+    window.beside.push_back(said);
+    window.recorded.push_back(held ? 2.2 + 1.8 * std::sin(3.0) : said + 0.004 * rng.normal());
+    if (held) window.named_t_s.push_back(window.t_s.back()), window.named.push_back(window.recorded.back());
+  }
+  lost.samples.push_back(std::move(window));
+  d.findings = {h, c, lost};
 
   const char* names[] = {"hysteresis",          "lag",           "backlash", "creep", "thermal",
                          "static_nonlinearity", "slow_recovery", "rc"};

@@ -81,7 +81,7 @@ TEST(RawHealth, DeclaredEndsOfTheRangeAreNoFinding) {
     EXPECT_EQ(h.zeros, 0u) << r.name;
     EXPECT_EQ(h.at_rail, 0u) << r.name;
     EXPECT_EQ(h.held, 0u) << r.name;
-    censored += static_cast<std::size_t>(std::count(h.bad.begin(), h.bad.end(), 1));
+    censored += static_cast<std::size_t>(std::ranges::count(h.bad, static_cast<std::uint8_t>(BadSample::censored)));
   }
   EXPECT_GT(censored, 1000u);
   for (std::uint64_t seed = 22; seed <= 24; ++seed) {

@@ -84,9 +84,9 @@ Campaign turning(const Bench& bench) {
   return c;
 }
 
-Diagnosis diagnose(const Bench& bench) {
+Diagnosis diagnose(const Bench& bench, bool pictures = false) {
   EngineOptions options;
-  options.pictures = false;
+  options.pictures = pictures;
   auto out = diagnose_campaign(turning(bench), options);
   EXPECT_TRUE(out.has_value());
   return out ? *out : Diagnosis{};
@@ -171,6 +171,43 @@ TEST(RigChannel, FrictionOfTheGuideIsALoopOnEitherSideOfTheReference) {
     EXPECT_EQ(d.findings.front().parameters.front().name, "loop_width_N");
     EXPECT_NEAR(d.findings.front().parameters.front().value, -2.0 * friction_N, 0.02) << "of the way down over the way up";
   }
+}
+
+double rms(const std::vector<double>& x) {
+  double square = 0.0;
+  for (const double v : x) square += v * v;
+  return std::sqrt(square / static_cast<double>(x.size()));
+}
+
+TEST(RigChannel, AClaimOnTheRigIsShownAgainstTheAngleOnARecordThatNoFitSaw) {
+  Bench bench;
+  bench.friction_N = 0.06;
+  const Diagnosis d = diagnose(bench, true);
+  ASSERT_FALSE(d.findings.empty());
+  const Finding& backlash = d.findings.front();
+  ASSERT_EQ(backlash.effect, "backlash");
+  ASSERT_FALSE(backlash.series.empty());
+  const EvidenceSeries& s = backlash.series.front();
+  EXPECT_EQ(s.x_name, "angle");
+  EXPECT_EQ(s.y_unit, "N");
+  EXPECT_FALSE(s.record.empty());
+  EXPECT_LT(rms(s.after), 0.5 * rms(s.before));
+  EXPECT_NEAR(rms(s.before), bench.friction_N, 0.5 * bench.friction_N) << "in newtons, not in shares of the span";
+  const auto [low, high] = std::ranges::minmax(s.x);
+  EXPECT_GE(low, -180.0);
+  EXPECT_LE(high, 180.0);
+  EXPECT_GT(high - low, 90.0);
+}
+
+TEST(RigChannel, AnUnevenDriveIsShownAgainstItsCommand) {
+  Bench bench;
+  bench.slip_rad = [](double th) { return 0.03 * std::sin(5.0 * th + 0.4) - 0.03 * std::sin(0.4); };
+  const Diagnosis d = diagnose(bench, true);
+  ASSERT_FALSE(d.findings.empty());
+  ASSERT_EQ(d.findings.front().effect, "motor");
+  ASSERT_FALSE(d.findings.front().series.empty());
+  EXPECT_EQ(d.findings.front().series.front().x_name, "command");
+  EXPECT_LT(rms(d.findings.front().series.front().after), 0.5 * rms(d.findings.front().series.front().before));
 }
 
 TEST(RigChannel, AWheelThatTurnsUnevenlyIsTheMotor) {

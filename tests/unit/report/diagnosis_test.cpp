@@ -24,7 +24,7 @@ std::size_t count(const std::string& text, const std::string& what) {
 }
 
 TEST(DiagnosisPage, names_the_claims_and_only_the_claims_first) {
-  EXPECT_EQ(diagnosis_headline(sample::diagnosis()), "Missing: hysteresis (sensor, probability 0.97)");
+  EXPECT_EQ(diagnosis_headline(sample::diagnosis()), "Missing: hysteresis (sensor, probability 0.97), dropouts (instrument, probability 0.95)");
 }
 
 TEST(DiagnosisPage, says_when_nothing_is_missing_and_when_it_does_not_know) {
@@ -43,7 +43,7 @@ TEST(DiagnosisPage, holds_every_picture_of_the_chain) {
        {"residual against force, coloured by direction, record C07_r05",
         "spectrum of the residual, record C07_r05", "Residual map before", "Residual map after",
         "Residual against rate", "Ranking of the effects", "Error of every record",
-        "Held-out error over the model&#39;s versions", "Measured and modelled output, record C07_r00"})
+        "Held-out error over the model&#39;s versions", "Measured and modelled output, record C07_r00", "Output as recorded, record C07_r05"})
     EXPECT_THAT(page, HasSubstr("<title>" + std::string(title) + "</title>"));
   for (const char* text :
        {"triangles at three rates", "0.142(6) N", "21.3 mV falls to 6.8 mV", "ramp A_N=1.8 rate_N_per_s=0.05",
@@ -67,6 +67,8 @@ TEST(DiagnosisPage, asks_for_nothing_and_runs_nothing) {
   d.maps[0].sentence = d.maps[0].coordinate = d.ranking[0].note = d.next_experiment.sentence = evil;
   d.notes = {evil};
   d.findings[0].series[0].title = d.findings[0].series[0].x_name = evil;
+  SampleWindow& window = d.findings[2].samples[0];
+  window.record = window.quantity = window.unit = window.beside_name = evil;
   const std::string page = diagnosis_html(d, {});
   EXPECT_EQ(count(page, "<script"), 0u);
   EXPECT_EQ(page.find('\x1b'), std::string::npos);
@@ -104,7 +106,7 @@ TEST(Pictures, of_a_diagnosis_name_both_axes_of_every_panel) {
   const Diagnosis d = sample::diagnosis();
   std::vector<figures::Figure> all = {diagnosis_waterfall(d), ranking_figure(d), record_error_figure(d), residual_map_figure(d, false),
                                       coordinate_figure(d.maps[0], nullptr, d.unit), evidence_figure(d.findings[0].series[0]),
-                                      record_overlay_figure(d.overlays[0])};
+                                      record_overlay_figure(d.overlays[0]), sample_figure(d.findings[2].samples[0])};
   const std::vector<double> x = {1, 2, 3, 4, 5};
   all.push_back(spectrum_figure({"r", x, x, x, 0.1}, "V"));
   all.push_back(extrema_figure({"r", {x, x, x, x}, {x, x, x, x}}, "V"));
@@ -118,6 +120,17 @@ TEST(Pictures, of_a_diagnosis_name_both_axes_of_every_panel) {
       EXPECT_FALSE(panel.x_axis.quantity.empty()) << figure.title;
       EXPECT_FALSE(panel.y_axis.quantity.empty()) << figure.title;
     }
+}
+
+TEST(Pictures, of_samples_mark_what_the_claim_names) {
+  Diagnosis d = sample::diagnosis();
+  SampleWindow& window = d.findings[2].samples[0];
+  const figures::Figure marked = sample_figure(window);
+  EXPECT_THAT(drawn(marked), HasSubstr("named"));
+  EXPECT_THAT(marked.summary, HasSubstr("29 samples of this cut are named"));
+  window.named.clear();
+  window.named_t_s.clear();
+  EXPECT_THAT(drawn(sample_figure(window)), Not(HasSubstr(">named<")));
 }
 
 TEST(Pictures, of_a_record_leave_a_gap_where_the_clock_has_one) {
