@@ -29,6 +29,8 @@ std::vector<std::string> split(std::string_view text, char separator);
 std::string_view trim(std::string_view text);
 /// A to Z only, whatever the locale.
 std::string ascii_lower(std::string_view text);
+/// Order of file names for people: "run2" before "run10". Runs of digits compare as numbers; equal ones by their bytes.
+bool natural_less(std::string_view a, std::string_view b);
 std::string join(std::span<const std::string> parts, std::string_view separator);
 
 }  // namespace forcegate

@@ -257,6 +257,33 @@ void start_blocks(Workspace& w, const std::vector<std::vector<std::size_t>>& row
     w.shifts.assign(w.shifts.size(), start_of(w, whole, own));
 }
 
+// Slope of U on F over the static records, since the decay flattens the dynamic ones; 0 where their force hardly moves: what is at rest
+// knows no slope.
+double slope_at_rest(const CampaignInput& input) {
+  constexpr double kMoves = 0.02;  // of the span, RMS
+  double FF = 0.0, FU = 0.0, all = 0.0;
+  for (const RecordInput& r : input.records) {
+    if (r.dynamic) continue;
+    double mean_F = 0.0, mean_U = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) {
+        mean_F += r.F_N[i];
+        mean_U += r.U_V[i];
+        count += 1.0;
+      }
+    mean_F /= std::max(count, 1.0);
+    mean_U /= std::max(count, 1.0);
+    all += count;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) {
+        FF += (r.F_N[i] - mean_F) * (r.F_N[i] - mean_F);
+        FU += (r.F_N[i] - mean_F) * (r.U_V[i] - mean_U);
+      }
+  }
+  const double least_N = kMoves * input.range_N;
+  return FF > all * least_N * least_N ? FU / FF : 0.0;
+}
+
 }  // namespace
 
 bool decays_by_itself(const RecordInput& record) {
@@ -277,26 +304,7 @@ void fit_base(Workspace& w, unsigned threads) {
     start_blocks(w, rows);
   else if (w.law.decays)
     choose_excitation(w, rows);
-  // start: slope of static records alone, since the decay flattens the dynamic ones
-  double FF = 0.0, FU = 0.0;
-  for (const RecordInput& r : w.input.records) {
-    if (r.dynamic) continue;
-    double mean_F = 0.0, mean_U = 0.0, count = 0.0;
-    for (std::size_t i = 0; i < r.rows(); ++i)
-      if (r.ok[i] != 0) {
-        mean_F += r.F_N[i];
-        mean_U += r.U_V[i];
-        count += 1.0;
-      }
-    mean_F /= std::max(count, 1.0);
-    mean_U /= std::max(count, 1.0);
-    for (std::size_t i = 0; i < r.rows(); ++i)
-      if (r.ok[i] != 0) {
-        FF += (r.F_N[i] - mean_F) * (r.F_N[i] - mean_F);
-        FU += (r.F_N[i] - mean_F) * (r.U_V[i] - mean_U);
-      }
-  }
-  if (FF > 0.0 && FU / FF != 0.0) w.gain_V_per_N = FU / FF;
+  if (const double slope = slope_at_rest(w.input); slope != 0.0) w.gain_V_per_N = slope;
 
   const auto run = [&](int rounds) {
     MixedFit fit;

@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kReach[] = {2, 4, 8, 16, 32};
 constexpr std::size_t kLongest = 32, kBlock = 128, kTogether = 4;
-constexpr double kAgree = 1.7;
 
 // Weight of a sample k away from the centre of a parabola over 2m+1 samples.
 double weight(std::size_t m_size, std::size_t k_size) {
@@ -51,7 +50,7 @@ void fit_parabolas(const Window& window, const double* x, std::size_t n, double*
 
 }  // namespace
 
-std::vector<double> smooth_within_noise(std::vector<double> x, double sigma, double* left) {
+std::vector<double> smooth_within_noise(std::vector<double> x, double sigma, double* left, double agree) {
   const std::size_t n = x.size();
   if (left != nullptr) *left = std::max(0.0, sigma);
   if (!(sigma > 0.0) || n < 2 * kLongest + 1) return x;
@@ -70,8 +69,8 @@ std::vector<double> smooth_within_noise(std::vector<double> x, double sigma, dou
     // from .. to: samples of the block among which some are open to a wider window yet
     std::size_t from = 0, to = std::min(kBlock, n - kReach[0] - begin);
     for (std::size_t j = from; j < to; ++j) {
-      low[j] = block[j] - kAgree * sigma;
-      high[j] = block[j] + kAgree * sigma;
+      low[j] = block[j] - agree * sigma;
+      high[j] = block[j] + agree * sigma;
       open[j] = 1;
       share[j] = 1.0;
     }
@@ -81,7 +80,7 @@ std::vector<double> smooth_within_noise(std::vector<double> x, double sigma, dou
       to = std::min(to, std::max(n - w.reach, begin) - begin);
       if (from >= to) break;
       fit_parabolas(w, block + from, to - from, estimate.data() + from);
-      const double spread = kAgree * sigma * std::sqrt(w.weight[0]);
+      const double spread = agree * sigma * std::sqrt(w.weight[0]);
       std::size_t first_open = to, last_open = from;
       for (std::size_t j = from; j < to; ++j) {
         if (open[j] == 0) continue;

@@ -8,6 +8,7 @@
 #include "hil/diagnose/mains_removal.h"
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/sample_windows.h"
+#include "hil/diagnose/smoothed_reference.h"
 #include "hil/diagnose/user_candidates.h"
 #include "hil/model/rows.h"
 
@@ -81,11 +82,25 @@ void take_hum_off(Record& record, RecordHealth& health) {
       health.bad_mean_square_V2 += remove_mains_line(t_s, force->value, health.bad, health.mains_Hz, health.rate_Hz, channel.value);
 }
 
+// Windows that agree better and better, until the output no longer follows what they take: a force that turns too quickly for them would
+// be flattened in the same way in every cycle.
 void smooth_reference(Record& record, RecordHealth& health, const HealthScales& scales) {
+  constexpr double kNoneShared = 0.05, kErrors = 2.0;
+  constexpr double kAgreements[] = {kAgree, 1.0, 0.6, 0.4};
   const double sd_N = std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0));
   if (!(sd_N > 1e-4 * scales.range_N)) return;
-  for (Channel& channel : record.trace.channels)
-    if (channel.name == "F_ref") channel.value = smooth_within_noise(std::move(channel.value), sd_N, &health.smoothed_F_N);
+  const Channel* output = record.trace.find("U");
+  for (Channel& channel : record.trace.channels) {
+    if (channel.name != "F_ref") continue;
+    const std::vector<double> recorded = std::move(channel.value);
+    const bool tells = output != nullptr && output->value.size() == recorded.size() && health.bad.size() == recorded.size();
+    for (const double agree : kAgreements) {
+      channel.value = smooth_within_noise(recorded, sd_N, &health.smoothed_F_N, agree);
+      if (!tells) break;
+      const SharedPart taken = shared_with_output(recorded, channel.value, output->value, health.bad);
+      if (taken.share <= std::max(kNoneShared, kErrors * taken.standard_error)) break;
+    }
+  }
 }
 
 std::vector<double> values_of(const Record& record, std::string_view name) {

@@ -249,6 +249,42 @@ Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptio
   return {};
 }
 
+/// Every record file of the folder, in the order of their names. What cannot be read is skipped and noted.
+Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, Campaign& campaign) {
+  std::vector<fs::path> files;
+  std::error_code failed;
+  for (const auto& entry : fs::directory_iterator(folder, failed))
+    if (is_record_file(entry.path()) && entry.path().filename().string().front() != '.')
+      files.push_back(entry.path());
+  if (failed) return fail(ErrorCode::io, "the folder cannot be listed: " + failed.message(), folder.string());
+  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  if (files.empty())
+    return fail(ErrorCode::io, "the folder holds no .csv, .h5 or .mat file", folder.string(), "name the folder of the recordings");
+
+  std::vector<Record> records(files.size());
+  std::vector<Reading> readings(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    records[i].name = files[i].stem().string();
+    readings[i].record = &records[i];
+    readings[i].file = files[i];
+  }
+  load_all(readings, options);
+  std::optional<Error> first_error;
+  std::erase_if(readings, [&](Reading& reading) {
+    if (reading.result) return false;
+    Error& error = reading.result.error();
+    campaign.notes.push_back("skipped " + reading.file.filename().string() + ": " + error.text +
+                             (error.where.empty() ? "" : " (" + error.where + ")"));
+    if (!first_error) first_error = std::move(error);
+    return true;
+  });
+  if (readings.empty()) return tl::unexpected(std::move(*first_error));
+  FORCEGATE_CHECK_OK(check_map(readings, options, folder));
+  add_notes(readings, campaign);
+  for (const Reading& reading : readings) campaign.records.push_back(std::move(*reading.record));
+  return {};
+}
+
 Result<Campaign> read_described(const fs::path& file, const CampaignOptions& options) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
@@ -285,7 +321,12 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
     FORCEGATE_TRY(campaign.bench, bench_of(*bench, source));
   }
   const auto records = json.find("records");
-  if (records == json.end() || !records->is_array() || records->empty())
+  if (records == json.end() || records->is_null()) {
+    campaign.notes.push_back("campaign.json lists no records; those of the folder are taken in the order of their names");
+    FORCEGATE_CHECK_OK(add_folder(campaign.folder, options, campaign));
+    return campaign;
+  }
+  if (!records->is_array() || records->empty())
     return m.wrong("records", "must be a list of at least one record",
                    "{\"file\": \"run1.csv\"} is enough for one");
 
@@ -317,42 +358,11 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
 }
 
 Result<Campaign> read_folder(const fs::path& folder, const CampaignOptions& options) {
-  std::vector<fs::path> files;
-  std::error_code failed;
-  for (const auto& entry : fs::directory_iterator(folder, failed))
-    if (is_record_file(entry.path()) && entry.path().filename().string().front() != '.')
-      files.push_back(entry.path());
-  if (failed) return fail(ErrorCode::io, "the folder cannot be listed: " + failed.message(), folder.string());
-  std::sort(files.begin(), files.end());
-  if (files.empty())
-    return fail(ErrorCode::io, "the folder holds neither campaign.json nor any .csv, .h5 or .mat file",
-                folder.string(), "name the folder of the recordings");
-
   Campaign campaign;
   campaign.folder = folder;
   campaign.name = fs::absolute(folder / ".").parent_path().filename().string();
   campaign.notes.push_back("there is no campaign.json; the records are taken in the order of their names");
-  std::vector<Record> records(files.size());
-  std::vector<Reading> readings(files.size());
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    records[i].name = files[i].stem().string();
-    readings[i].record = &records[i];
-    readings[i].file = files[i];
-  }
-  load_all(readings, options);
-  std::optional<Error> first_error;
-  std::erase_if(readings, [&](Reading& reading) {
-    if (reading.result) return false;
-    Error& error = reading.result.error();
-    campaign.notes.push_back("skipped " + reading.file.filename().string() + ": " + error.text +
-                             (error.where.empty() ? "" : " (" + error.where + ")"));
-    if (!first_error) first_error = std::move(error);
-    return true;
-  });
-  if (readings.empty()) return tl::unexpected(std::move(*first_error));
-  FORCEGATE_CHECK_OK(check_map(readings, options, folder));
-  add_notes(readings, campaign);
-  for (const Reading& reading : readings) campaign.records.push_back(std::move(*reading.record));
+  FORCEGATE_CHECK_OK(add_folder(folder, options, campaign));
   return campaign;
 }
 

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "hil/base/digest.h"
@@ -108,6 +110,32 @@ TEST(SampleDigest, DependsOnTheBytesAndNotOnHowTheyAreCut) {
 
 TEST(Digest, MatchesThePublishedTestVector) {
   EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Text, OrdersFileNamesAsPeopleDo) {
+  std::vector<std::string> names = {"run10.csv", "run2.csv", "run.csv", "a1b10", "a1b9", "a01b9", "r007", "r7", "r7a", "R7", "", "9", "10"};
+  std::ranges::sort(names, natural_less);
+  const std::vector<std::string> wanted = {"", "9", "10", "R7", "a01b9", "a1b9", "a1b10", "r007", "r7", "r7a", "run.csv", "run2.csv", "run10.csv"};
+  EXPECT_EQ(names, wanted);
+  EXPECT_TRUE(natural_less("r99999999999999999998", "r99999999999999999999")) << "numbers of any length";
+}
+
+TEST(Text, AnOrderOfNamesIsAnOrder) {
+  Rng rng(5, "names");
+  std::vector<std::string> names;
+  for (int i = 0; i < 60; ++i) {
+    std::string name;
+    for (int k = 0; k < 5; ++k) name += "01a9."[static_cast<std::size_t>(rng.uniform() * 5.0)];
+    names.push_back(name);
+  }
+  for (const std::string& a : names) {
+    EXPECT_FALSE(natural_less(a, a));
+    for (const std::string& b : names) {
+      if (a != b) EXPECT_NE(natural_less(a, b), natural_less(b, a)) << a << " " << b;
+      for (const std::string& c : names)
+        if (natural_less(a, b) && natural_less(b, c)) EXPECT_TRUE(natural_less(a, c)) << a << " " << b << " " << c;
+    }
+  }
 }
 
 }  // namespace

@@ -86,6 +86,23 @@ TEST_F(ReadCampaign, TakesAFolderWithoutDescriptionInTheOrderOfNames) {
   EXPECT_THAT(c->notes, Contains(HasSubstr("skipped notes.csv")));
 }
 
+TEST_F(ReadCampaign, TakesTheRecordsOfTheFolderWhereTheDescriptionListsNone) {
+  put("run10.csv", kCsv);
+  put("run2.csv", kCsv);
+  put("campaign.json", R"({"campaign": "K1", "bench": {"reference_resolution_N": 0.025}})");
+  const auto c = read_campaign(folder_);
+  ASSERT_TRUE(c) << c.error().to_text();
+  EXPECT_EQ(c->name, "K1");
+  EXPECT_EQ(c->bench.reference_resolution_N, 0.025);
+  ASSERT_EQ(c->records.size(), 2u);
+  EXPECT_EQ(c->records[0].name, "run2");
+  EXPECT_EQ(c->records[1].name, "run10");
+  EXPECT_THAT(c->notes, Contains(HasSubstr("lists no records")));
+  EXPECT_TRUE(read_campaign(folder_ / "campaign.json"));
+  put("campaign.json", R"({"records": "run2.csv"})");
+  EXPECT_THAT(refusal().text, HasSubstr("at least one record"));
+}
+
 TEST_F(ReadCampaign, TakesASingleCsv) {
   put("run.csv", kCsv);
   const auto c = read_campaign(folder_ / "run.csv");
@@ -130,7 +147,7 @@ TEST_F(ReadCampaign, PassesOnWhereACsvIsWrong) {
 }
 
 TEST_F(ReadCampaign, RefusesAnEmptyFolderAndAMissingPath) {
-  EXPECT_THAT(refusal().text, HasSubstr("neither"));
+  EXPECT_THAT(refusal().text, HasSubstr("holds no .csv"));
   EXPECT_EQ(read_campaign(folder_ / "nowhere").error().code, ErrorCode::io);
 }
 
