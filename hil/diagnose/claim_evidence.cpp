@@ -16,37 +16,14 @@ using Eigen::Index;
 
 constexpr std::size_t kPoints = 700, kTried = 3, kMostRecords = 60;
 
-// The problem with those columns alone and, where asked, one record more kept from the fit.
-MixedProblem reduced(const MixedProblem& p, const std::vector<int>& columns, std::optional<std::size_t> left_out) {
-  MixedProblem out;
-  out.nz = p.nz;
-  out.n_fixed = p.n_fixed;
-  out.ns = static_cast<int>(columns.size());
-  out.component_of_z = p.component_of_z;
-  out.components = p.components;
-  out.fixed_prior_sd = p.fixed_prior_sd;
-  out.column_prior_sd.resize(out.ns);
-  std::vector<int> at;
-  for (int j = 0; j < p.nz; ++j) at.push_back(j);
-  for (std::size_t a = 0; a < columns.size(); ++a) {
-    out.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
-    at.push_back(p.nz + columns[a]);
-  }
-  at.push_back(p.y_index());
-  for (std::size_t i = 0; i < p.records.size(); ++i) {
-    const RecordGram& from = p.records[i];
-    RecordGram g{from.name, from.gram(at, at), from.n_eff, from.noise_variance, from.allowed_variance, from.smoothed_variance, from.heldout};
-    if (left_out) g.heldout = i == *left_out;
-    out.records.push_back(std::move(g));
-  }
-  return out;
-}
-
 MixedFit fit_without(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& warm, std::optional<std::size_t> left_out) {
   constexpr int kIterations = 8;
   std::vector<int> all(columns.size());
   for (std::size_t a = 0; a < all.size(); ++a) all[a] = static_cast<int>(a);
-  MixedFit out = fit_mixed(reduced(channel.problem, columns, left_out), all, &warm, kIterations);
+  MixedProblem problem = with_columns(channel.problem, columns);
+  if (left_out)
+    for (std::size_t i = 0; i < problem.records.size(); ++i) problem.records[i].heldout = i == *left_out;
+  MixedFit out = fit_mixed(problem, all, &warm, kIterations);
   out.columns = columns;
   return out;
 }
@@ -59,8 +36,8 @@ struct Pair {
 
 Pair fit_both(const ResidualChannel& channel, const Selection& selection, const ChosenEffect& effect, std::optional<std::size_t> left_out) {
   const std::vector<int>& all = selection.claimed.columns;
-  std::vector<int> own = effect.columns, others;
-  for (const int further : effect.further) add_columns(own, channel.variants[static_cast<std::size_t>(further)].columns);
+  const std::vector<int> own = columns_of(channel, effect);
+  std::vector<int> others;
   for (const int c : all)
     if (std::ranges::find(own, c) == own.end()) others.push_back(c);
   // both may follow a record by the same spread: a late reference or an angle's zero that differs at will would take a loop for itself

@@ -195,6 +195,27 @@ double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const 
   return information > 0.0 ? std::sqrt(std::max(0.0, scatter - n) / information) : 0.0;
 }
 
+MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns) {
+  MixedProblem out;
+  out.nz = p.nz;
+  out.n_fixed = p.n_fixed;
+  out.ns = static_cast<int>(columns.size());
+  out.component_of_z = p.component_of_z;
+  out.components = p.components;
+  out.fixed_prior_sd = p.fixed_prior_sd;
+  out.column_prior_sd.resize(out.ns);
+  std::vector<int> at;
+  for (int j = 0; j < p.nz; ++j) at.push_back(j);
+  for (std::size_t a = 0; a < columns.size(); ++a) {
+    out.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
+    at.push_back(p.nz + columns[a]);
+  }
+  at.push_back(p.y_index());
+  for (const RecordGram& from : p.records)
+    out.records.push_back({from.name, from.gram(at, at), from.n_eff, from.noise_variance, from.allowed_variance, from.smoothed_variance, from.heldout});
+  return out;
+}
+
 MixedFit at_freedom_of(const MixedProblem& problem, MixedFit fit, const MixedFit& freedom) {
   const VectorXd sigma2 = expand_variance(problem, freedom.variance);
   Conditional conditional;

@@ -69,6 +69,9 @@ struct MixedFit {
   bool counts(const RecordGram& record) const { return use == RecordUse::all_records || !record.heldout; }
 };
 
+/// The problem with those columns of S alone.
+MixedProblem with_columns(const MixedProblem& problem, const std::vector<int>& columns);
+
 /// Fits the columns. `warm` gives the variances to start from; `iterations` of EM.
 MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
                    const MixedFit* warm = nullptr, int iterations = 12,

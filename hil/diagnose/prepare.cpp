@@ -3,12 +3,9 @@
 
 #include "hil/base/largest_first.h"
 #include "hil/base/plain_number.h"
-#include "hil/diagnose/denoise.h"
+#include "hil/diagnose/clean_samples.h"
 #include "hil/diagnose/engine.h"
-#include "hil/diagnose/mains_removal.h"
 #include "hil/diagnose/reference_latency.h"
-#include "hil/diagnose/sample_windows.h"
-#include "hil/diagnose/smoothed_reference.h"
 #include "hil/diagnose/user_candidates.h"
 #include "hil/model/rows.h"
 
@@ -73,56 +70,6 @@ void find_late_onset(RecordInput& input, double range_N) {
   if (left_by_decay(late) < kFarBetter * left_by_decay(input)) input = std::move(late);
 }
 
-// Only where force and output share a clock.
-void take_hum_off(Record& record, RecordHealth& health) {
-  const Channel* force = record.trace.find("F_ref");
-  const std::vector<double>& t_s = record.trace.time_bases[force->time_base].t_s;
-  for (Channel& channel : record.trace.channels)
-    if (channel.name == "U" && channel.value.size() == t_s.size() && force->value.size() == t_s.size())
-      health.bad_mean_square_V2 += remove_mains_line(t_s, force->value, health.bad, health.mains_Hz, health.rate_Hz, channel.value);
-}
-
-// Windows that agree better and better, until the output no longer follows what they take: a force that turns too quickly for them would
-// be flattened in the same way in every cycle.
-void smooth_reference(Record& record, RecordHealth& health, const HealthScales& scales) {
-  constexpr double kNoneShared = 0.05, kErrors = 2.0;
-  constexpr double kAgreements[] = {kAgree, 1.0, 0.6, 0.4};
-  const double sd_N = std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0));
-  if (!(sd_N > 1e-4 * scales.range_N)) return;
-  const Channel* output = record.trace.find("U");
-  for (Channel& channel : record.trace.channels) {
-    if (channel.name != "F_ref") continue;
-    const std::vector<double> recorded = std::move(channel.value);
-    const bool tells = output != nullptr && output->value.size() == recorded.size() && health.bad.size() == recorded.size();
-    for (const double agree : kAgreements) {
-      channel.value = smooth_within_noise(recorded, sd_N, &health.smoothed_F_N, agree);
-      if (!tells) break;
-      const SharedPart taken = shared_with_output(recorded, channel.value, output->value, health.bad);
-      if (taken.share <= std::max(kNoneShared, kErrors * taken.standard_error)) break;
-    }
-  }
-}
-
-std::vector<double> values_of(const Record& record, std::string_view name) {
-  const Channel* channel = record.trace.find(name);
-  return channel != nullptr ? channel->value : std::vector<double>{};
-}
-
-// What the samples are like, and what no fit could be right with taken off them. Cuts for pictures where `draw`.
-RecordHealth clean_samples(Record& record, const HealthScales& scales, const BenchFacts& bench, bool draw, std::vector<CutOut>& cuts) {
-  RecordHealth health = check_raw_health(record, scales, bench);
-  if (draw) cuts = cut_out_bad_samples(record, health, scales);
-  if (shows_hum(health, scales)) {
-    const std::vector<double> before_V = draw ? values_of(record, "U") : std::vector<double>{};
-    take_hum_off(record, health);
-    if (draw) cuts.push_back(cut_out_hum(record, before_V, health.hum_Hz, health.hum_V));
-  }
-  const std::vector<double> before_N = draw ? values_of(record, "F_ref") : std::vector<double>{};
-  smooth_reference(record, health, scales);
-  if (draw) cuts.push_back(cut_out_reference_noise(record, before_N, std::max(health.noise_F_N, health.scatter_F.quartile_N)));
-  return health;
-}
-
 // Records whose rows are all missing, at a rail or out of range say nothing; a sensor that was not plugged in must not end a campaign.
 Result<void> leave_out_unusable(CampaignRows& w, bool asks_one_recording) {
   constexpr auto kFewestRows = 16, kFewestOfOne = 200;
@@ -180,7 +127,9 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
   parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
     Record& record = campaign.records[k];
-    prepared[k].health = clean_samples(record, w.scales, campaign.bench, options.pictures, prepared[k].cuts);
+    CleanedSamples cleaned = clean_samples(record, w.scales, campaign.bench, options.pictures);
+    prepared[k].health = std::move(cleaned.health);
+    prepared[k].cuts = std::move(cleaned.cuts);
     double row_step_s = kRowStep_s;
     if (single) {
       // a short recording of something fast keeps its samples

@@ -73,7 +73,7 @@ struct HealthClaim {
   std::string evidence;
   std::string parameter, unit;
   double value = 0.0, u = 0.0;
-  std::vector<SampleWindow> samples;  ///< hil/diagnose/sample_windows.h
+  std::vector<SampleWindow> samples{};  ///< hil/diagnose/sample_windows.h
 };
 std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
                                        const BenchFacts& bench);

@@ -1,6 +1,7 @@
 #include "hil/diagnose/reference_jitter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "hil/diagnose/residual_map.h"
@@ -14,7 +15,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index kGroup = 5, kShortest = 20, kLongest = 100;  // rows
-constexpr double kStill = 0.01;
+constexpr double kStill = 0.01;     // of the span
+constexpr double kOfNoise = 5.0;    // what a stretch of noise spans, standard deviations
 
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -61,12 +63,12 @@ double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, c
   Range span;
   for (const RecordRows& rows : channel.rows)
     for (Index i = 0; i < rows.matrix.rows(); ++i) span.add(rows.matrix(i, 0));  // column 0 is the force
-  const double still = kStill * span.width();
   double all = 0.0, white = 0.0, smoothed = 0.0;
   for (std::size_t k = 0; k < without.size(); ++k) {
     const auto n = static_cast<Index>(without[k].size());
     const Eigen::Map<const VectorXd> b(without[k].data(), n), a(with[k].data(), n);
     const VectorXd force = channel.rows[k].matrix.col(0).head(n);
+    const double still = std::max(kStill * span.width(), kOfNoise * std::sqrt(channel.problem.records[k].smoothed_variance));
     all += b.squaredNorm() - a.squaredNorm();
     for (Index i = 0; i + kGroup <= n; i += kGroup)
       if (end_of_stretch(force, i, kGroup, still) == i + kGroup) white += scatter(b.segment(i, kGroup)) - scatter(a.segment(i, kGroup));

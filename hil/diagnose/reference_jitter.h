@@ -8,7 +8,7 @@
 namespace forcegate::diagnose {
 
 /// Share of the fall of the squares from `before` to `after`, over all rows, that is made where the reference moves by less than 1 % of the
-/// span: of scatter within groups of five neighbouring rows, or of what goes with the reference in stretches of 20 to 100 (a long window
+/// span, or than its own noise does: of scatter within groups of five neighbouring rows, or of what goes with the reference in stretches of 20 to 100 (a long window
 /// smooths the noise over many rows), whichever is more. Beyond 1 where the rest grows; 0 without such rows or without a fall.
 double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);
 

@@ -29,6 +29,16 @@ VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const
   return out;
 }
 
+}  // namespace
+
+std::vector<int> columns_of(const ResidualChannel& channel, const ChosenEffect& effect) {
+  std::vector<int> out = effect.columns;
+  for (const int further : effect.further) add_columns(out, channel.variants[static_cast<std::size_t>(further)].columns);
+  return out;
+}
+
+namespace {
+
 // The model that the findings describe, effect by effect.
 void fit_claimed(const ResidualChannel& channel, Selection& out) {
   std::vector<int> present = out.base.columns;

@@ -97,6 +97,9 @@ double signature_cosine(const ResidualChannel& channel, const MixedFit& base, co
                         const std::vector<int>& columns_a, const MixedFit& b,
                         const std::vector<int>& columns_b);
 
+/// All columns that an effect has in the model of the claims, its further forms included.
+std::vector<int> columns_of(const ResidualChannel& channel, const ChosenEffect& effect);
+
 /// Appends the columns that are not there yet.
 void add_columns(std::vector<int>& to, const std::vector<int>& columns);
 

@@ -9,50 +9,70 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr std::size_t kStretch = 96;
+constexpr double kFewest = 12.0;
 
-// Sums of products of x, y, z less a straight line over the stretch.
-struct Sums {
-  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0, n = 0.0;
-  void operator+=(const Sums& o) { xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz, n += o.n; }
+// Products of x = F', y = F - F' and z = U over a stretch, less straight lines.
+struct Stretch {
+  double n = 0.0, xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0, taken = 0.0;
 };
+
+Stretch sums(std::span<const double> F, std::span<const double> smooth, std::span<const double> U, std::span<const std::uint8_t> bad) {
+  Stretch out;
+  const auto counts = [&](std::size_t i) { return bad[i] == 0 && std::isfinite(F[i]) && std::isfinite(smooth[i]) && std::isfinite(U[i]); };
+  double n = 0.0, t = 0.0, tt = 0.0, x = 0.0, xt = 0.0, y = 0.0, yt = 0.0, z = 0.0, zt = 0.0;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (!counts(i)) continue;
+    const double at = static_cast<double>(i);
+    n += 1.0, t += at, tt += at * at;
+    x += smooth[i], xt += smooth[i] * at;
+    y += F[i] - smooth[i], yt += (F[i] - smooth[i]) * at;
+    z += U[i], zt += U[i] * at;
+  }
+  if (n < kFewest) return out;
+  const double variance = tt - t * t / n;
+  const auto slope = [&](double sum, double sum_t) { return (sum_t - sum * t / n) / variance; };
+  const double x1 = slope(x, xt), y1 = slope(y, yt), z1 = slope(z, zt);
+  out.n = n;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (!counts(i)) continue;
+    const double at = static_cast<double>(i) - t / n, taken = F[i] - smooth[i];
+    const double dx = smooth[i] - x / n - x1 * at, dy = taken - y / n - y1 * at, dz = U[i] - z / n - z1 * at;
+    out.xx += dx * dx, out.xy += dx * dy, out.xz += dx * dz, out.yy += dy * dy, out.yz += dy * dz, out.zz += dz * dz;
+    out.taken += taken * taken;
+  }
+  return out;
+}
 
 }  // namespace
 
 SharedPart shared_with_output(std::span<const double> F, std::span<const double> smooth, std::span<const double> U,
                               std::span<const std::uint8_t> bad) {
-  constexpr double kFewest = 12.0;
-  Sums all;
+  std::vector<Stretch> stretches;
+  Stretch all;
   for (std::size_t begin = 0; begin < F.size(); begin += kStretch) {
-    const std::size_t end = std::min(F.size(), begin + kStretch);
-    const auto counts = [&](std::size_t i) { return bad[i] == 0 && std::isfinite(F[i]) && std::isfinite(smooth[i]) && std::isfinite(U[i]); };
-    double n = 0.0, t = 0.0, tt = 0.0, s = 0.0, st = 0.0, d = 0.0, dt = 0.0, u = 0.0, ut = 0.0;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!counts(i)) continue;
-      const double at = static_cast<double>(i - begin);
-      n += 1.0, t += at, tt += at * at;
-      s += smooth[i], st += smooth[i] * at;
-      d += F[i] - smooth[i], dt += (F[i] - smooth[i]) * at;
-      u += U[i], ut += U[i] * at;
-    }
-    if (n < kFewest) continue;
-    const double variance = tt - t * t / n;
-    const auto slope = [&](double sum, double sum_t) { return (sum_t - sum * t / n) / variance; };
-    const double s1 = slope(s, st), d1 = slope(d, dt), u1 = slope(u, ut);
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!counts(i)) continue;
-      const double at = static_cast<double>(i - begin) - t / n;
-      const double x = smooth[i] - s / n - s1 * at, y = F[i] - smooth[i] - d / n - d1 * at, z = U[i] - u / n - u1 * at;
-      all += {x * x, x * y, x * z, y * y, y * z, z * z, 1.0};
-    }
+    const std::size_t n = std::min(kStretch, F.size() - begin);
+    stretches.push_back(sums(F.subspan(begin, n), smooth.subspan(begin, n), U.subspan(begin, n), bad.subspan(begin, n)));
+    const Stretch& s = stretches.back();
+    all.n += s.n, all.xx += s.xx, all.xz += s.xz, all.yy += s.yy, all.taken += s.taken;
   }
-  SharedPart out{0.0, std::numeric_limits<double>::infinity()};
-  const double determinant = all.xx * all.yy - all.xy * all.xy;
-  if (!(determinant > 0.0)) return out;
-  const double g = (all.xz * all.yy - all.yz * all.xy) / determinant, h = (all.yz * all.xx - all.xz * all.xy) / determinant;
-  if (g == 0.0) return out;
-  const double left = std::max(0.0, all.zz - g * all.xz - h * all.yz);
-  out.share = h / g;
-  out.standard_error = std::sqrt(left / all.n * all.xx / determinant) / std::abs(g);
+  SharedPart out{0.0, std::numeric_limits<double>::infinity(), 0.0};
+  if (!(all.n > 0.0) || !(all.xx > 0.0) || !(all.yy > 0.0)) return out;
+  out.taken_N2 = all.taken / all.n;
+  // where the force stands still its stretch has the gain of the record
+  const double gain = all.xz / all.xx, noise_N2 = all.yy / all.n;
+  double followed = 0.0, weight = 0.0, left = 0.0;
+  for (const Stretch& s : stretches) {
+    if (!(s.n > 0.0)) continue;
+    const double g = (s.xz + gain * noise_N2 * s.n) / (s.xx + noise_N2 * s.n);
+    // y and z less their parts along x
+    const double yy = s.xx > 0.0 ? s.yy - s.xy * s.xy / s.xx : s.yy, yz = s.xx > 0.0 ? s.yz - s.xy * s.xz / s.xx : s.yz;
+    followed += g * yz;
+    weight += g * g * yy;
+    left += s.xx > 0.0 ? s.zz - s.xz * s.xz / s.xx : s.zz;
+  }
+  if (!(weight > 0.0)) return out;
+  out.share = followed / weight;
+  out.standard_error = std::sqrt(std::max(0.0, left - out.share * followed) / all.n / weight);
   return out;
 }
 
