@@ -42,6 +42,19 @@ TEST(ReferenceJitter, ALoopBetweenStandingLevelsTakesNoneOfIt) { EXPECT_NEAR(sha
 
 TEST(ReferenceJitter, NorUnderARestlessOne) { EXPECT_NEAR(share_of(levels(1.0, 0.95), kLoop), 0.0, 0.1); }
 
+// Smoothing leaves more than a hundredth of the span: levels stand still within their noise all the same.
+TEST(ReferenceJitter, NoiseBeyondAHundredthOfTheSpanStandsStillToo) {
+  ResidualChannel channel = levels(0.0, 0.8);
+  constexpr double kLarger = 12.0;
+  for (std::size_t k = 0; k < channel.rows.size(); ++k) {
+    Eigen::MatrixXd& A = channel.rows[k].matrix;
+    A.col(0) += (kLarger - 1.0) * A.col(3);
+    channel.problem.records[k].gram = A.transpose() * A / static_cast<double>(A.rows());
+    channel.problem.records[k].smoothed_variance = std::pow(kLarger * 0.001, 2);
+  }
+  EXPECT_GT(share_of(channel, kNoise), 0.7);
+}
+
 // A reference whose noise hangs together over 30 ms: local parabolas leave part of it, and a play of its width would flatten it.
 TEST(ReferenceJitter, ARestlessReferenceOverStandingWeightsIsNoLoop) {
   for (const std::uint64_t seed : {81u, 82u, 83u}) {

@@ -44,7 +44,7 @@ TEST(SmoothedReference, NoiseMovesTheReferenceAloneAndAForceMovesTheOutputToo) {
     for (std::size_t k = i - 4; k <= i + 4; ++k) flattened[i] += F[k] / 9.0;
   }
   const SharedPart force = shared(F, flattened, U);
-  EXPECT_NEAR(force.share, 1.0, 4.0 * force.standard_error + 0.02);
+  EXPECT_NEAR(force.share, 1.0, 0.12) << "what is taken is large here: the gains of the stretches lean to that of the record";
 }
 
 TEST(SmoothedReference, MissingAndBadSamplesHaveNoSay) {
