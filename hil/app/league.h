@@ -89,5 +89,8 @@ Result<LeagueResult> play_league(const LeagueRequest& request, const LeagueEngin
 /// The table for a person. Two leagues of one seed differ in the line of seconds only.
 std::string league_text(const LeagueResult& result);
 std::string league_json(const LeagueResult& result);
+/// The command that makes the campaign of the gravest miss again: a clean one before the strongest effect; without a miss a league of the
+/// next seed.
+std::string league_next(const LeagueResult& result);
 
 }  // namespace forcegate

@@ -164,4 +164,22 @@ std::string league_text(const LeagueResult& result) {
   return out;
 }
 
+std::string league_next(const LeagueResult& result) {
+  const auto graver = [](const LeagueMatch& a, const LeagueMatch& b) {
+    const auto rank = [](const LeagueMatch& m) {
+      return m.kind == LeagueClass::control ? 100 : m.kind == LeagueClass::single ? 10 + static_cast<int>(m.tier) : static_cast<int>(m.tier);
+    };
+    return rank(a) > rank(b);
+  };
+  const LeagueMatch* gravest = nullptr;
+  for (const LeagueMatch& m : result.matches)
+    if (is_miss(m) && (gravest == nullptr || graver(m, *gravest))) gravest = &m;
+  if (gravest == nullptr) return fmt::format("forcegate league --seed {}", result.request.seed + 1);
+  const LeagueMatch& m = *gravest;
+  std::string command = fmt::format("forcegate mystery missed --seed {} --minutes {:g}", m.seed, m.minutes);
+  if (m.kind == LeagueClass::control) return command + " --effect none";
+  command += m.effects.size() == 2 ? " --pair " + m.effects[0] + "," + m.effects[1] : " --effect " + m.effects.front();
+  return m.tier == hidden::Tier::none ? command : command + " --strength " + std::string(to_string(m.tier));
+}
+
 }  // namespace forcegate

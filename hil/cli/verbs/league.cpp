@@ -31,8 +31,7 @@ Result<int> run(const Invocation& in) {
   if (in.given("out")) FORCEGATE_CHECK_OK(write_file_atomically(in.text("out"), json + "\n"));
   console.print(league_text(result));
   console.print_json(json);
-  console.next(
-      "forcegate mystery --seed SEED --effect NAME --strength TIER DIR makes a campaign of the list again");
+  console.next(league_next(result));
   return kExitSuccess;
 }
 

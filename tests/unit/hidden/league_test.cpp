@@ -68,6 +68,32 @@ TEST(League, TheTableDoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(text_of(1), text_of(3));
 }
 
+TEST(League, TheNextCommandMakesTheGravestMissAgain) {
+  LeagueRequest request;
+  request.seed = 4;
+  request.only = {"hum"};
+  request.per_effect = 1;
+  const LeagueEngine silent{"silent", [](hidden::MadeCampaign&&) -> Result<LeagueReply> { return LeagueReply{R"({"verdict":"none"})", "none"}; }};
+  const auto result = play_league(request, silent, nullptr);
+  ASSERT_TRUE(result);
+  const auto strong = std::ranges::find(result->matches, hidden::Tier::strong, &LeagueMatch::tier);
+  ASSERT_NE(strong, result->matches.end());
+  EXPECT_EQ(league_next(*result), "forcegate mystery missed --seed " + std::to_string(strong->seed) + " --minutes 5 --effect hum --strength strong");
+
+  LeagueRequest clean = request;
+  clean.only = {"none"};
+  clean.controls = 2;
+  const auto right = play_league(clean, silent, nullptr);
+  ASSERT_TRUE(right);
+  EXPECT_EQ(league_next(*right), "forcegate league --seed 5");
+  const LeagueEngine loud{"loud", [](hidden::MadeCampaign&&) -> Result<LeagueReply> {
+                            return LeagueReply{R"({"verdict":"known","findings":[{"effect":"hum","side":"instrument","probability":0.8}]})", "hum"};
+                          }};
+  const auto wrong = play_league(clean, loud, nullptr);
+  ASSERT_TRUE(wrong);
+  EXPECT_TRUE(league_next(*wrong).ends_with(" --minutes 5 --effect none")) << league_next(*wrong);
+}
+
 TEST(League, AnEngineThatGivesNoAnswerMisses) {
   LeagueRequest request;
   request.seed = 4;
