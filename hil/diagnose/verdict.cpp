@@ -20,8 +20,9 @@ bool is_structure(const Structure& s, double noise_rms) {
 // Records that the model leaves far more of than their instruments may. A change of frequency is not counted: how the decay goes on
 // after it differs from law to law.
 int far_above_noise(const ResidualChannel& channel, const Workspace& w, const std::vector<std::vector<double>>& residual) {
-  constexpr double kFar = 2.5;
-  int out = 0;
+  constexpr double kFar = 2.5, kVeryFar = 5.0;
+  constexpr int kSeveral = 2;
+  int out = 0, very_far = 0;
   double left = 0.0, noise = 0.0, log_ratio = 0.0, records = 0.0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
     if (residual[i].empty() || !w.input.records[channel.record_of[i]].frequency_jumps_s.empty()) continue;
@@ -35,9 +36,10 @@ int far_above_noise(const ResidualChannel& channel, const Workspace& w, const st
     log_ratio += std::log(std::max(1e-9, own / allowed));
     records += 1.0;
     out += own > kFar * kFar * allowed ? 1 : 0;
+    very_far += own > kVeryFar * kVeryFar * allowed ? 1 : 0;
   }
-  // all together, or the typical one: a few fast records, whose noise is large, must not hide what the others show
-  return left > kFar * kFar * noise || log_ratio > records * std::log(kFar * kFar) ? out : 0;
+  // all together, or the typical one, or several by themselves: records whose noise is large must not hide what the others show
+  return very_far >= kSeveral || left > kFar * kFar * noise || log_ratio > records * std::log(kFar * kFar) ? out : 0;
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct Remainder {
   double explained = 1.0;     ///< share of what the noise does not explain that all forms of the chosen families take
   bool smooth = false;        ///< visible beside the noise, large enough to matter and not one record's whim
   bool coloured = false;      ///< but noise that hangs together over time
-  int records_far_above = 0;  ///< left by all forms with more than 2.5 times what their instruments may leave; 0 where all together are not
+  int records_far_above = 0;  ///< left by all forms with more than 2.5 times what their instruments may leave; 0 where all together are not, nor two with 5 times
   bool beside_claims = false;  ///< structure remains beside what would be claimed
 
   bool structured() const { return smooth && !coloured; }

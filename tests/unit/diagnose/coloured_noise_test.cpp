@@ -36,7 +36,7 @@ TEST(ColouredNoise, OfOneSizeInEveryRecordIsNoEffectAndIsTold) {
 }
 
 TEST(ColouredNoise, ThatGrowsWithTheSpeedOfTheLoadIsStructure) {
-  const Diagnosis d = answer(with_wander(51, 0.07, [](double rate) { return std::min(2.0, std::abs(rate)); }));
+  const Diagnosis d = answer(with_wander(51, 0.05, [](double rate) { return std::min(2.0, std::abs(rate)); }));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
   EXPECT_FALSE(tells_of_noise(d));
 }
