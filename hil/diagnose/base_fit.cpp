@@ -8,6 +8,7 @@
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
+#include "hil/trace/static_line.h"
 
 namespace forcegate::diagnose {
 
@@ -264,21 +265,13 @@ double slope_at_rest(const CampaignInput& input) {
   double FF = 0.0, FU = 0.0, all = 0.0;
   for (const RecordInput& r : input.records) {
     if (r.dynamic) continue;
-    double mean_F = 0.0, mean_U = 0.0, count = 0.0;
+    StaticLine line;
     for (std::size_t i = 0; i < r.rows(); ++i)
-      if (r.ok[i] != 0) {
-        mean_F += r.F_N[i];
-        mean_U += r.U_V[i];
-        count += 1.0;
-      }
-    mean_F /= std::max(count, 1.0);
-    mean_U /= std::max(count, 1.0);
-    all += count;
-    for (std::size_t i = 0; i < r.rows(); ++i)
-      if (r.ok[i] != 0) {
-        FF += (r.F_N[i] - mean_F) * (r.F_N[i] - mean_F);
-        FU += (r.F_N[i] - mean_F) * (r.U_V[i] - mean_U);
-      }
+      if (r.ok[i] != 0) line.push(r.U_V[i], r.F_N[i]);
+    if (!(line.n() > 0.0)) continue;
+    all += line.n();
+    FF += line.n() * line.variance_N2();
+    FU += line.n() * line.covariance_VN();
   }
   const double least_N = kMoves * input.range_N;
   return FF > all * least_N * least_N ? FU / FF : 0.0;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+
+#include "hil/trace/static_line.h"
 
 namespace forcegate::diagnose {
 
@@ -27,29 +30,17 @@ std::string unit_of(const Record& record, std::string_view channel, const std::s
   return unit.empty() || unit == "1" ? otherwise : unit;
 }
 
-// U = g F + c over the good samples from first to end; the slope of all records where the force stands still.
-struct Line {
-  double slope = 0.0, mean_F = 0.0, mean_U = 0.0;
-  double at(double F_N) const { return mean_U + slope * (F_N - mean_F); }
-};
-
-Line line_of(const Samples& s, const std::vector<std::uint8_t>& bad, std::size_t first, std::size_t end, const HealthScales& scales) {
+// U at a force by the line through the good samples from first to end; with the slope of all records where the force stands still there.
+std::function<double(double)> line_through(const Samples& s, const std::vector<std::uint8_t>& bad, std::size_t first, std::size_t end,
+                                           const HealthScales& scales) {
   constexpr double kLeast = 0.02;  // of the span, RMS
-  const auto counts = [&](std::size_t i) { return bad[i] == 0 && std::isfinite(s.F_N[i]) && std::isfinite(s.U_V[i]); };
-  Line out{scales.gain_V_per_N, 0.0, 0.0};
-  double n = 0.0, FF = 0.0, FU = 0.0;
+  StaticLine line;
   for (std::size_t i = first; i < end; ++i)
-    if (counts(i)) n += 1.0, out.mean_F += s.F_N[i], out.mean_U += s.U_V[i];
-  if (n < 1.0) return out;
-  out.mean_F /= n;
-  out.mean_U /= n;
-  for (std::size_t i = first; i < end; ++i)
-    if (counts(i)) {
-      FF += (s.F_N[i] - out.mean_F) * (s.F_N[i] - out.mean_F);
-      FU += (s.F_N[i] - out.mean_F) * (s.U_V[i] - out.mean_U);
-    }
-  if (FF > n * kLeast * kLeast * scales.range_N * scales.range_N) out.slope = FU / FF;
-  return out;
+    if (bad[i] == 0 && std::isfinite(s.F_N[i]) && std::isfinite(s.U_V[i])) line.push(s.U_V[i], s.F_N[i]);
+  if (!(line.n() > 0.0)) return [](double) { return kMissing; };
+  const double least_N = kLeast * scales.range_N;
+  const double slope = line.variance_N2() > least_N * least_N ? line.covariance_VN() / line.variance_N2() : scales.gain_V_per_N;
+  return [slope, mean_N = line.mean_N(), mean_V = line.mean_V()](double F_N) { return mean_V + slope * (F_N - mean_N); };
 }
 
 // Start of the `width` samples that hold most of that kind, which are moved into their middle.
@@ -81,7 +72,7 @@ CutOut cut_out(const Record& record, const Samples& s, const RecordHealth& healt
   constexpr std::size_t kRuns = 5;  // as long as that many of the longest run
   const std::size_t n = s.size(), width = std::min(n, std::max(kFewest, kRuns * longest_run(health.bad, kind)));
   const std::size_t first = densest(health.bad, kind, width), stride = std::max<std::size_t>(1, width / kPoints);
-  const Line line = line_of(s, health.bad, first, first + width, scales);
+  const auto line = line_through(s, health.bad, first, first + width, scales);
   CutOut out;
   out.weight = static_cast<double>(count);
   SampleWindow& w = out.window;
@@ -91,7 +82,7 @@ CutOut cut_out(const Record& record, const Samples& s, const RecordHealth& healt
   w.beside_name = "as the force says";
   for (std::size_t i = first; i < first + width; ++i) {
     const bool named = health.bad[i] == static_cast<std::uint8_t>(kind);
-    const double said = line.at(s.F_N[i]);
+    const double said = line(s.F_N[i]);
     if (named) {
       w.named_t_s.push_back(s.t_s[i]);
       w.named.push_back(std::isfinite(s.U_V[i]) ? s.U_V[i] : said);

@@ -15,6 +15,7 @@ class StaticLine {
 
   double n() const { return n_; }
   double mean_V() const { return su_ / n_; }
+  double mean_N() const { return sf_ / n_; }
   /// Variance of U, V^2, and of F, N^2; covariance, V N. All with 1/n.
   double variance_V2() const { return suu_ / n_ - su_ * su_ / (n_ * n_); }
   double variance_N2() const { return sff_ / n_ - sf_ * sf_ / (n_ * n_); }
