@@ -6,46 +6,14 @@
 #include <limits>
 
 #include "hil/base/plain_number.h"
+#include "hil/diagnose/found_parameters.h"
 #include "hil/diagnose/objection.h"
-#include "hil/diagnose/physical_parameters.h"
 #include "hil/diagnose/record_regression.h"
 #include "hil/diagnose/reservation.h"
 
 namespace forcegate::diagnose {
 
 namespace {
-
-// Of a mounting that no record has, nothing is known.
-bool is_zero(const ResidualChannel& channel, int column) {
-  return std::ranges::all_of(channel.problem.records, [&](const RecordGram& r) { return r.gram(channel.problem.nz + column, channel.problem.nz + column) == 0.0; });
-}
-
-std::vector<FoundParameter> parameters_of(const ResidualChannel& channel, const ChosenEffect& chosen) {
-  std::vector<FoundParameter> out;
-  std::vector<int> variants = {chosen.variant};
-  variants.insert(variants.end(), chosen.further.begin(), chosen.further.end());
-  for (const int v : variants) {
-    const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
-    const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
-    // a family with several forms has parameters of the same name
-    const std::string of = v == chosen.variant ? "" : c.form->name + ".";
-    for (std::size_t k = 0; k < c.shape.size(); ++k) {
-      // half the distance to the neighbours of the grid stands for the uncertainty of a shape that lies between them
-      const ParameterSpec& spec = c.form->shape[k];
-      if (spec.choice) continue;
-      out.push_back({of + spec.name, c.shape[k], c.form->refine ? 0.3 * std::abs(c.shape[k]) : 0.0, spec.unit});
-    }
-    for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
-      for (int column : variant.columns)
-        if (chosen.fit.columns[b] == column && !is_zero(channel, column)) {
-          const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
-          const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-          out.push_back({of + spec.name, chosen.fit.coefficient[at],
-                         std::sqrt(std::max(0.0, chosen.fit.covariance(at, at))), spec.unit});
-        }
-  }
-  return out;
-}
 
 std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, JudgedBy by, const Finding& f) {
   char text[480];
@@ -203,8 +171,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
     const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
     f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
-    f.parameters = physical_parameters(w.input, channel, chosen);
-    if (f.parameters.empty()) f.parameters = parameters_of(channel, chosen);
+    f.parameters = found_parameters(w.input, channel, chosen);
     f.error_before = chosen.error_before;
     f.error_after = chosen.error_after;
     f.effect_rms = chosen.by_records() ? chosen.effect_rms * channel.scale

@@ -26,34 +26,43 @@ RecordInput trial(std::vector<double> t_s, std::vector<double> F_N) {
   return r;
 }
 
-// Newtons that the finding adds on the rows of a trial, as a linear function of the fit's coefficients.
-Eigen::MatrixXd response(const CampaignInput& campaign, const ResidualChannel& channel,
-                         const ChosenEffect& chosen, const RecordInput& r) {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Index>(r.rows()), chosen.fit.coefficient.size());
+// What the finding adds on the rows of a trial, newtons, and its derivatives with respect to coefficients and shapes.
+struct Response {
+  VectorXd added;
+  Eigen::MatrixXd derivative;
+  const ShapeCovariance& joint;
+
+  FoundParameter difference(Index row, Index less, double scale, std::string name, std::string unit) const {
+    const VectorXd of = derivative.row(row) - derivative.row(less);
+    return {std::move(name), scale * (added[row] - added[less]), std::abs(scale) * std::sqrt(std::max(0.0, of.dot(joint.covariance * of))),
+            std::move(unit)};
+  }
+};
+
+Response response(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen, const ShapeCovariance& joint,
+                  const RecordInput& r) {
+  const auto rows = static_cast<Index>(r.rows());
+  const Index n = chosen.fit.coefficient.size();
+  Response out{{}, Eigen::MatrixXd::Zero(rows, joint.covariance.rows()), joint};
   std::vector<int> variants = {chosen.variant};
   variants.insert(variants.end(), chosen.further.begin(), chosen.further.end());
   for (const int v : variants) {
     const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
     const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Index>(r.rows()), c.count);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, c.count);
     c.form->columns(campaign, r, c.shape, columns);
     for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
       for (const int j : variant.columns)
-        if (chosen.fit.columns[b] == j)
-          out.col(channel.problem.n_fixed + static_cast<Index>(b)) = columns.col(j - c.first);
+        if (chosen.fit.columns[b] == j) out.derivative.col(channel.problem.n_fixed + static_cast<Index>(b)) = columns.col(j - c.first);
   }
+  out.added = out.derivative.leftCols(n) * chosen.fit.coefficient;
+  for (std::size_t s = 0; s < joint.shapes.size(); ++s)
+    out.derivative.col(n + static_cast<Index>(s)) = shape_derivative(campaign, channel, chosen.fit, joint.shapes[s], r);
   return out;
 }
 
-FoundParameter estimate(const ChosenEffect& chosen, const VectorXd& of, double scale, std::string name,
-                        std::string unit) {
-  const double variance = of.dot(chosen.fit.covariance * of);
-  return {std::move(name), scale * of.dot(chosen.fit.coefficient),
-          std::abs(scale) * std::sqrt(std::max(0.0, variance)), std::move(unit)};
-}
-
-std::vector<FoundParameter> growth(const CampaignInput& campaign, const ResidualChannel& channel,
-                                   const ChosenEffect& chosen) {
+std::vector<FoundParameter> growth(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
+                                   const ShapeCovariance& joint) {
   double longest = 10.0;
   for (const RecordInput& r : campaign.records) longest = std::max(longest, r.duration_s);
   const double until = std::min(100.0, longest), load_N = campaign.range_N;
@@ -66,15 +75,14 @@ std::vector<FoundParameter> growth(const CampaignInput& campaign, const Residual
     if (t.back() <= 1.0) at_one_s = static_cast<Index>(t.size()) - 1;
   }
   const double decades = std::log10(until / t[static_cast<std::size_t>(at_one_s)]);
-  const Eigen::MatrixXd added = response(campaign, channel, chosen, trial(std::move(t), std::move(F)));
-  const VectorXd last = added.row(added.rows() - 1), first = added.row(at_one_s);
-  return {estimate(chosen, last - first, 1.0 / (load_N * decades), "growth_per_decade", "1/decade"),
-          estimate(chosen, last, 1.0 / load_N,
-                   "growth_in_" + std::to_string(static_cast<int>(std::lround(until))) + "s", "1")};
+  const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
+  const Index unloaded = 0, last = added.added.size() - 1;
+  return {added.difference(last, at_one_s, 1.0 / (load_N * decades), "growth_per_decade", "1/decade"),
+          added.difference(last, unloaded, 1.0 / load_N, "growth_in_" + std::to_string(static_cast<int>(std::lround(until))) + "s", "1")};
 }
 
-std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualChannel& channel,
-                                  const ChosenEffect& chosen) {
+std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
+                                  const ShapeCovariance& joint) {
   constexpr int kBranch = 400;
   std::vector<double> t, F;
   for (int k = 0; k <= 3 * kBranch; ++k) {  // up, down, up again
@@ -82,19 +90,36 @@ std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualC
     t.push_back(0.02 * k);
     F.push_back(campaign.lowest_N + campaign.range_N * (x <= 1.0 ? x : 2.0 - x));
   }
-  const Eigen::MatrixXd added = response(campaign, channel, chosen, trial(std::move(t), std::move(F)));
-  const VectorXd across = (added.row(kBranch + kBranch / 2) - added.row(2 * kBranch + kBranch / 2)).transpose();
-  return {estimate(chosen, across, 1.0, "loop_width_N", "N"),
-          estimate(chosen, across, 100.0 / campaign.range_N, "loop_width", "% of span")};
+  const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
+  const Index up = kBranch + kBranch / 2, down = 2 * kBranch + kBranch / 2;
+  return {added.difference(up, down, 1.0, "loop_width_N", "N"), added.difference(up, down, 100.0 / campaign.range_N, "loop_width", "% of span")};
+}
+
+// Behind a steady ramp; a loss of rate shows between its end and its middle.
+std::vector<FoundParameter> behind(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
+                                   const ShapeCovariance& joint) {
+  constexpr int kSteps = 4000;
+  constexpr double kStep_s = 0.01, kRate_N_per_s = 1.0;
+  std::vector<double> t, F;
+  for (int k = 0; k <= kSteps; ++k) {
+    t.push_back(kStep_s * k);
+    F.push_back(kRate_N_per_s * t.back());
+  }
+  const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
+  if (chosen.kind->name == "clock_skew")
+    return {added.difference(kSteps, kSteps / 2, -1.0 / (kRate_N_per_s * kStep_s * (kSteps - kSteps / 2)), "skew", "1")};
+  return {added.difference(kSteps, 0, -1.0 / kRate_N_per_s, chosen.kind->name + "_s", "s")};
 }
 
 }  // namespace
 
-std::vector<FoundParameter> physical_parameters(const CampaignInput& campaign, const ResidualChannel& channel,
-                                                const ChosenEffect& chosen) {
-  if (EffectRegistry::instance().find(chosen.kind->name) != chosen.kind) return {};
-  if (chosen.kind->name == "creep") return growth(campaign, channel, chosen);
-  if (chosen.kind->name == "hysteresis" || chosen.kind->name == "backlash") return width(campaign, channel, chosen);
+std::vector<FoundParameter> physical_parameters(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
+                                                const ShapeCovariance& joint) {
+  const std::string& name = chosen.kind->name;
+  if (EffectRegistry::instance().find(name) != chosen.kind) return {};
+  if (name == "creep") return growth(campaign, channel, chosen, joint);
+  if (name == "hysteresis" || name == "backlash") return width(campaign, channel, chosen, joint);
+  if (name == "delay" || name == "lag" || name == "clock_skew") return behind(campaign, channel, chosen, joint);
   return {};
 }
 

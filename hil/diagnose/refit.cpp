@@ -9,6 +9,7 @@
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/refine.h"
 #include "hil/diagnose/select.h"
+#include "hil/diagnose/shape_covariance.h"
 #include "hil/diagnose/user_candidates.h"
 #include "hil/diagnose/whole_recording.h"
 
@@ -41,7 +42,8 @@ Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::v
   return std::move(result.families.front().best);
 }
 
-ModelEffect effect_of(const Workspace& w, const Variant& variant, const MixedFit& fit) {
+ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const ShapeCovariance& joint) {
+  const Variant& variant = w.output.variants[static_cast<std::size_t>(index)];
   const Candidate& c = w.output.candidates[static_cast<std::size_t>(variant.candidate)];
   std::vector<Estimate> strength(static_cast<std::size_t>(c.count));
   for (int j = 0; j < c.count; ++j)
@@ -49,10 +51,11 @@ ModelEffect effect_of(const Workspace& w, const Variant& variant, const MixedFit
       if (fit.columns[b] == c.first + j) {
         const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
         // the strengths were fitted beside the working gain; the law carries its own
-        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / fit.coefficient[0],
-                                                 std::sqrt(std::max(0.0, fit.covariance(at, at)))};
+        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / fit.coefficient[0], joint.of_coefficient(at)};
       }
-  return model_effect(*c.kind, *c.form, c.shape, strength);
+  ModelEffect out = model_effect(*c.kind, *c.form, c.shape, strength);
+  for (std::size_t k = 0; k < out.shape.size(); ++k) out.shape[k].se = joint.of_shape(index, k);
+  return out;
 }
 
 Waterfall waterfall_of(const Workspace& w,
@@ -181,7 +184,8 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   m.law.offset_N = -now.coefficient[1] * w.output.scale / g;
   m.law.b_scale = w.law.b_scale * std::exp(now.coefficient[2]);
   m.law.q_scale = w.law.q_scale * std::exp(now.coefficient[3]);
-  const auto se = [&](int k) { return std::sqrt(std::max(0.0, now.covariance(k, k))); };
+  const ShapeCovariance joint = shape_covariance(w.input, w.output, now, variants);
+  const auto se = [&](int k) { return joint.of_coefficient(k); };
   m.se_gain = m.law.gain_N_per_V * se(0) / std::abs(now.coefficient[0]);
   m.se_offset = se(1) * w.output.scale / std::abs(g);
   m.se_b_scale = m.law.b_scale * se(2);
@@ -207,8 +211,8 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
         if (now.columns[b] == c.first) {
           const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
           const UserEffect before_fit = *own;
-          *own = with_parameters(before_fit, c.shape, now.coefficient[at] / now.coefficient[0],
-                                 std::sqrt(std::max(0.0, now.covariance(at, at))));
+          *own = with_parameters(before_fit, c.shape, now.coefficient[at] / now.coefficient[0], joint.of_coefficient(at));
+          for (std::size_t k = 0; k < c.shape.size(); ++k) own->parameters[k].se = joint.of_shape(v, k);
           for (const ModelParameter& p : own->parameters) {
             double old = p.value;
             for (const ModelParameter& q : before_fit.parameters) old = q.name == p.name ? q.value : old;
@@ -217,15 +221,20 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
         }
       continue;
     }
-    m.effects.push_back(effect_of(w, w.output.variants[static_cast<std::size_t>(v)], now));
+    m.effects.push_back(effect_of(w, v, now, joint));
+    const ModelEffect& fitted = m.effects.back();
     const ModelEffect* old = nullptr;
     for (const ModelEffect& e : start.effects)
-      if (e.effect == m.effects.back().effect && e.form == m.effects.back().form) old = &e;
-    for (std::size_t j = 0; j < m.effects.back().strength.size(); ++j) {
-      const ModelParameter& p = m.effects.back().strength[j];
-      out.moves.push_back({m.effects.back().effect + "." + p.name, p.unit,
-                           old != nullptr ? old->strength[j].value : p.neutral, p.value, p.se});
-    }
+      if (e.effect == fitted.effect && e.form == fitted.form) old = &e;
+    const auto moved = [&](const std::vector<ModelParameter>& now_at, const std::vector<ModelParameter>* was) {
+      for (std::size_t j = 0; j < now_at.size(); ++j) {
+        const ModelParameter& p = now_at[j];
+        out.moves.push_back({fitted.effect + "." + p.name, p.unit, was != nullptr ? (*was)[j].value : p.neutral, p.value, p.se});
+      }
+    };
+    moved(fitted.strength, old != nullptr ? &old->strength : nullptr);
+    // a shape without its strength has no value to begin with
+    if (old != nullptr) moved(fitted.shape, &old->shape);
   }
   if (!names.empty() && whole_must_judge(w, base, now)) w.judges = JudgedBy::whole;
   out.judged_by = w.judges;

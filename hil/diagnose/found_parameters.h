@@ -1,0 +1,15 @@
+#pragma once
+// What a finding's fit says in numbers with units.
+
+#include <vector>
+
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/select.h"
+
+namespace forcegate::diagnose {
+
+/// The physical ones where the family has them (hil/diagnose/physical_parameters.h); else shapes and strengths of all forms of the
+/// finding. The uncertainty of each includes that of the others (hil/diagnose/shape_covariance.h).
+std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen);
+
+}  // namespace forcegate::diagnose
