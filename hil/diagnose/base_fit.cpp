@@ -131,6 +131,7 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
     for (std::size_t k = 0; k < problem.components.size(); ++k) {
       VarianceComponent& c = problem.components[k];
       const bool is_level = k == 0 || k == 1 || k == 7;
+      c.nuisance = k == 0 || k == 1;  // the part that is left out may be the only one that tells of the gain
       if (zero_wanders && !is_level) continue;
       c.prior_weight = zero_wanders ? 50.0 : 1e6;
       if (!zero_wanders) c.prior_sd = 1e-5;

@@ -3,6 +3,7 @@
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/refit.h"
+#include "hil/diagnose/verdict.h"
 #include "hil/diagnose/whole_recording.h"
 
 namespace forcegate::diagnose {
@@ -37,7 +38,8 @@ bool one_zero_is_enough(double plain_with_one, double plain_with_many, double fl
 // the first cycles.
 bool law_describes(const Workspace& with_one_zero, const EngineOptions& options) {
   std::vector<std::string> notes;
-  return is_down_to_noise(with_one_zero.output, base_model(with_one_zero, options, notes));
+  const MixedFit base = base_model(with_one_zero, options, notes);
+  return is_down_to_noise(with_one_zero.output, base) && follows_force(with_one_zero.output, base);
 }
 
 // Where zeros of its parts leave nothing to be found and the whole far above its floor, and above what a zero wanders by, that is no "none".

@@ -174,7 +174,9 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (w.has_rig && search.rig.base.valid) tell_not_separable(search.rig, out);
 
   const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.probability >= 0.5; });
-  const bool open = rest.structured() || withdrawn || name_is_open(out, search.suspicions) || rest.records_far_above >= 2;
+  const bool follows = follows_force(w.output, selection.base);
+  if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
+  const bool open = !follows || rest.structured() || withdrawn || name_is_open(out, search.suspicions) || rest.records_far_above >= 2;
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
   out.residual_unknown = claims && (rest.beside_claims || some_outdone);
 

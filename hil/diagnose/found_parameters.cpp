@@ -17,11 +17,15 @@ bool is_zero(const ResidualChannel& channel, int column) {
 
 }  // namespace
 
-std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen) {
+std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen, double gain) {
   std::vector<int> variants = {chosen.variant};
   variants.insert(variants.end(), chosen.further.begin(), chosen.further.end());
   const ShapeCovariance joint = shape_covariance(campaign, channel, chosen.fit, variants);
   std::vector<FoundParameter> out = physical_parameters(campaign, channel, chosen, joint);
+  for (FoundParameter& p : out) {
+    p.value /= gain;
+    p.u /= std::abs(gain);
+  }
   if (!out.empty()) return out;
   for (const int v : variants) {
     const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
@@ -37,7 +41,7 @@ std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, cons
         if (chosen.fit.columns[b] == column && !is_zero(channel, column)) {
           const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
           const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-          out.push_back({of + spec.name, chosen.fit.coefficient[at], joint.of_coefficient(at), spec.unit});
+          out.push_back({of + spec.name, chosen.fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain), spec.unit});
         }
   }
   return out;

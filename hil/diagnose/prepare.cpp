@@ -5,6 +5,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/clean_samples.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/record_gains.h"
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/user_candidates.h"
 #include "hil/model/rows.h"
@@ -13,9 +14,24 @@ namespace forcegate::diagnose {
 
 namespace {
 
+// The states of the first rows are not known; yet a load that is put on there and stays is all that tells of the gain.
+std::size_t rows_that_settle(const RecordInput& whole) {
+  constexpr double kMostOfSpan = 0.3;
+  const std::size_t tenth = whole.rows() / 10;
+  const auto span_N = [&](std::size_t begin) {
+    std::vector<double> F;
+    for (std::size_t i = begin; i < whole.rows(); ++i)
+      if (whole.ok[i] != 0) F.push_back(whole.F_N[i]);
+    if (F.empty()) return 0.0;
+    const auto [low, high] = std::ranges::minmax_element(F);
+    return *high - *low;
+  };
+  return span_N(tenth) > kMostOfSpan * span_N(0) ? tenth : 0;
+}
+
 // A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Every
-// block keeps the whole history, since what came before it is still in the states of the system. The states of the first rows are
-// not known. Columns are made once for all blocks, from the first: it alone has the full rate.
+// block keeps the whole history, since what came before it is still in the states of the system. Columns are made once for all blocks,
+// from the first: it alone has the full rate.
 void cut_into_blocks(CampaignRows& w) {
   constexpr std::size_t kBlocks = 5, kFewestRows = 200;
   const std::size_t n = w.input.records.front().rows();
@@ -25,7 +41,7 @@ void cut_into_blocks(CampaignRows& w) {
   std::vector<double> fast_t_s = std::move(whole.fast_t_s), fast_F_N = std::move(whole.fast_F_N);
   w.input.records.clear();
   w.health.clear();
-  const std::size_t gap = n / 100, settled = n / 10, length = (n - settled) / kBlocks;
+  const std::size_t gap = n / 100, settled = rows_that_settle(whole), length = (n - settled) / kBlocks;
   for (std::size_t b = 0; b < kBlocks; ++b) {
     RecordInput block = whole;
     block.name = whole.name + "/" + std::to_string(b + 1);
@@ -40,8 +56,8 @@ void cut_into_blocks(CampaignRows& w) {
   w.input.records.front().fast_t_s = std::move(fast_t_s);
   w.input.records.front().fast_F_N = std::move(fast_F_N);
   w.input.notes.push_back(
-      std::string(
-          "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn") +
+      std::string(settled > 0 ? "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn"
+                              : "one recording only: it is judged in five blocks, each left out in turn; its force moves at its beginning alone, where the states are not known") +
       (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
 }
 
@@ -153,6 +169,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   }
   for (RecordInput& input : w.input.records) leave_out_after_gaps(input, w.input.notes);
   FORCEGATE_CHECK_OK(leave_out_unusable(w, single && options.search));
+  FORCEGATE_CHECK_OK(check_record_gains(w.input.records, w.input.notes));
   // with no record to judge by, or none to fit, every record is both
   const auto heldout = std::ranges::count_if(w.input.records, &RecordInput::heldout);
   if (heldout == 0 || heldout == std::ssize(w.input.records)) w.judges = JudgedBy::left_out;

@@ -51,7 +51,8 @@ ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const 
       if (fit.columns[b] == c.first + j) {
         const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
         // the strengths were fitted beside the working gain; the law carries its own
-        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / fit.coefficient[0], joint.of_coefficient(at)};
+        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / fit.coefficient[0],
+                                                 joint.of_coefficient(at) / std::abs(fit.coefficient[0])};
       }
   ModelEffect out = model_effect(*c.kind, *c.form, c.shape, strength);
   for (std::size_t k = 0; k < out.shape.size(); ++k) out.shape[k].se = joint.of_shape(index, k);
@@ -169,6 +170,12 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   if (!now.valid)
     return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,
                 "more records, or a model with fewer effects");
+  const ShapeCovariance joint = shape_covariance(w.input, w.output, now, variants);
+  const auto se = [&](int k) { return joint.of_coefficient(k); };
+  constexpr double kKnown = 2.0;  // of its standard error
+  if (!(std::abs(now.coefficient[0]) > kKnown * se(0)))
+    return fail(ErrorCode::config, "the records do not tell the gain of the sensor: the output does not follow the force beyond the noise", w.input.name,
+                "a record in which the force moves over a good part of its range");
   if (add.empty()) before = base;
 
   out.model = start;
@@ -184,9 +191,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   m.law.offset_N = -now.coefficient[1] * w.output.scale / g;
   m.law.b_scale = w.law.b_scale * std::exp(now.coefficient[2]);
   m.law.q_scale = w.law.q_scale * std::exp(now.coefficient[3]);
-  const ShapeCovariance joint = shape_covariance(w.input, w.output, now, variants);
-  const auto se = [&](int k) { return joint.of_coefficient(k); };
-  m.se_gain = m.law.gain_N_per_V * se(0) / std::abs(now.coefficient[0]);
+  m.se_gain = std::abs(m.law.gain_N_per_V * se(0) / now.coefficient[0]);
   m.se_offset = se(1) * w.output.scale / std::abs(g);
   m.se_b_scale = m.law.b_scale * se(2);
   m.se_q_scale = m.law.q_scale * se(3);
@@ -211,7 +216,8 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
         if (now.columns[b] == c.first) {
           const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
           const UserEffect before_fit = *own;
-          *own = with_parameters(before_fit, c.shape, now.coefficient[at] / now.coefficient[0], joint.of_coefficient(at));
+          *own = with_parameters(before_fit, c.shape, now.coefficient[at] / now.coefficient[0],
+                                 joint.of_coefficient(at) / std::abs(now.coefficient[0]));
           for (std::size_t k = 0; k < c.shape.size(); ++k) own->parameters[k].se = joint.of_shape(v, k);
           for (const ModelParameter& p : own->parameters) {
             double old = p.value;

@@ -96,6 +96,21 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
   return out;
 }
 
+bool follows_force(const ResidualChannel& output, const MixedFit& fit) {
+  constexpr double kLeast = 0.1;
+  constexpr Eigen::Index kZero = 1;  // column of Z
+  const MixedProblem& p = output.problem;
+  double left = 0.0, square = 0.0, mean = 0.0;
+  for (std::size_t k = 0; k < p.records.size(); ++k) {
+    left += fit.adapted[k];
+    square += p.records[k].gram(p.y_index(), p.y_index());
+    mean += p.records[k].gram(kZero, p.y_index());
+  }
+  const auto n = static_cast<double>(p.records.size());
+  const double variance = square - mean * mean / n;
+  return left <= (1.0 - kLeast) * variance || !(variance > 0.0);
+}
+
 std::vector<std::string> depends_on(const std::vector<ResidualMap>& maps) {
   std::vector<std::string> out;
   const double top = maps.empty() ? 0.0 : maps.front().share;

@@ -35,6 +35,10 @@ struct Remainder {
 
 Remainder remainder_of(const Workspace& workspace, const Selection& selection, unsigned threads);
 
+/// Whether the law of `fit`, each record with its own gain, zero and decay, explains a tenth of the output's variance about one zero, or the
+/// output does not move. Otherwise nothing can be said to be missing, nor that nothing is: noise about a zero is what its mean leaves.
+bool follows_force(const ResidualChannel& output, const MixedFit& fit);
+
 /// Groups of coordinates that the residual depends on, at most three; "time" when nothing else explains it.
 std::vector<std::string> depends_on(const std::vector<ResidualMap>& maps);
 

@@ -11,6 +11,36 @@ namespace forcegate {
 
 namespace {
 
+struct Extremes {
+  double low = 1e300, high = -1e300;
+  double span() const { return std::max(0.0, high - low); }
+};
+
+// Lowest and highest mean of usable rows that follow each other: what lasts, however short beside the record, and no single spike.
+Extremes lasting(const RecordInput& r, const std::vector<double>& x) {
+  constexpr std::size_t kRows = 4;
+  Extremes out;
+  std::vector<double> last;  // usable ones
+  double sum = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    if (r.ok[i] == 0) continue;
+    last.push_back(x[i]);
+    sum += x[i];
+    if (last.size() > kRows) sum -= last[last.size() - 1 - kRows];
+    if (last.size() < kRows) continue;
+    out.low = std::min(out.low, sum / kRows);
+    out.high = std::max(out.high, sum / kRows);
+  }
+  return out;
+}
+
+// Its reading is resolution and noise only.
+bool stands_still(const RecordInput& r, double range_N) {
+  constexpr double kNoise = 0.02, kLasting = 0.1;  // of the range
+  const auto [low_N, high_N] = quantiles(r.F_N, 0.005, 0.995);
+  return high_N - low_N < kNoise * range_N && lasting(r, r.F_N).span() < kLasting * range_N;
+}
+
 // A record that does not say belongs to the mounting of its neighbours where they agree, or where there is only one.
 void number_mountings(CampaignInput& campaign) {
   auto& records = campaign.records;
@@ -108,13 +138,25 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
     campaign.lowest_N = low_N;
     campaign.range_N = std::max(1e-12, high_N - low_N);
     campaign.U_range_V = std::max(1e-12, high_V - low_V);
+    // a load that stood elsewhere for a moment only is in no quantile
+    constexpr double kMostOfIt = 0.5;
+    Extremes force, output;
+    for (const RecordInput& r : records)
+      for (const auto& [all, one] : {std::pair{&force, lasting(r, r.F_N)}, std::pair{&output, lasting(r, r.U_V)}}) {
+        all->low = std::min(all->low, one.low);
+        all->high = std::max(all->high, one.high);
+      }
+    if (campaign.range_N < kMostOfIt * force.span()) {
+      campaign.lowest_N = force.low;
+      campaign.range_N = force.span();
+      campaign.U_range_V = std::max(campaign.U_range_V, output.span());
+    }
   }
 
-  // Where the force stands still its reading is resolution and noise only: as a regressor it would pull gains to zero.
+  // As a regressor such a reading would pull gains to zero.
   parallel_for(records.size(), threads, [&](std::size_t k) {
     RecordInput& r = records[k];
-    const auto [low_N, high_N] = quantiles(r.F_N, 0.005, 0.995);
-    if (!(high_N - low_N < 0.02 * campaign.range_N)) return;
+    if (!stands_still(r, campaign.range_N)) return;
     const double middle =
         std::accumulate(r.F_N.begin(), r.F_N.end(), 0.0) / static_cast<double>(r.F_N.size());
     std::fill(r.F_N.begin(), r.F_N.end(), middle);
