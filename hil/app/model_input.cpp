@@ -63,6 +63,7 @@ diagnose::EngineOptions engine_options(const Model& model, unsigned threads) {
   out.law = model.law;
   out.model_name = model.name;
   out.in_model = model.effect_names();
+  out.model_effects = model.effects;
   out.user_effects = model.user_effects;
   for (const UserEffect& effect : model.user_effects)
     if (diagnose::is_fitted(effect)) out.in_model.push_back(effect.name);

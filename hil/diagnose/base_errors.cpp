@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/diagnose/findings.h"
+#include "hil/diagnose/model_effects.h"
 #include "hil/diagnose/reference_latency.h"
 
 namespace forcegate::diagnose {
@@ -25,7 +26,7 @@ BaseError error_of(const ResidualChannel& channel, const MixedFit& base, const s
 }  // namespace
 
 MixedFit base_model(const Workspace& w, const EngineOptions& options, std::vector<std::string>& notes) {
-  MixedFit base = fit_mixed(w.output.problem, model_columns(w.output, options.in_model), nullptr, kIterations);
+  MixedFit base = fit_mixed(w.output.problem, model_columns(w.output, options), nullptr, kIterations);
   const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
   return base.valid && !in_step ? forgive_late_reference(w, std::move(base), notes) : base;
 }
@@ -38,7 +39,7 @@ Result<BaseErrors> base_errors(const Workspace& w, const EngineOptions& options)
   for (const RecordHealth& health : w.health) bad.push_back(health.bad_mean_square_V2);
   BaseErrors out{error_of(w.output, base, bad, w.judges), std::nullopt};
   if (!w.has_rig) return out;
-  const MixedFit rig = fit_mixed(w.rig.problem, model_columns(w.rig, options.in_model), nullptr, kIterations);
+  const MixedFit rig = fit_mixed(w.rig.problem, {}, nullptr, kIterations);
   if (rig.valid) out.force = error_of(w.rig, rig, {}, w.judges);
   return out;
 }

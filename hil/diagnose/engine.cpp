@@ -14,6 +14,7 @@
 #include "hil/diagnose/record_errors.h"
 #include "hil/diagnose/search.h"
 #include "hil/diagnose/verdict.h"
+#include "hil/diagnose/whole_recording.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
@@ -136,6 +137,8 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   set_scales(w, options, out);
   const MixedFit base = base_model(w, options, out.notes);
   if (!base.valid) return out;
+  if (!base.columns.empty() && whole_must_judge(w, fit_mixed(w.output.problem, {}, &base), base)) w.judges = JudgedBy::whole;
+  out.judged_by = w.judges;
   const auto residual = residual_rows(w.output, base);
   out.maps = residual_maps(w, w.output, residual, options.threads);
   add_records(w, base, base, out);

@@ -21,6 +21,7 @@ struct EngineOptions {
       user_effects;  ///< equations of the model file; those that were fitted are named in in_model
   std::vector<std::string>
       in_model;  ///< effects that the model has already: they are in the base, not candidates
+  std::vector<ModelEffect> model_effects;  ///< those of the library among them
   unsigned threads = 2;
   bool pictures = true;  ///< overlays and evidence series too
   bool zero_wanders = true;  ///< one recording: its parts may differ a little in gain and zero (diagnose_campaign_in asks both ways)
@@ -61,8 +62,5 @@ struct Diagnosed {
 /// parts.
 Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& options);
 Result<Diagnosis> diagnose_campaign(Campaign campaign, const EngineOptions& options);
-
-/// Columns that the effects already in the model put into the fit (their most flexible forms).
-std::vector<int> model_columns(const ResidualChannel& channel, const std::vector<std::string>& in_model);
 
 }  // namespace forcegate::diagnose

@@ -5,6 +5,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/clean_samples.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/model_effects.h"
 #include "hil/diagnose/record_gains.h"
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/user_candidates.h"
@@ -211,12 +212,13 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   choose_wanted_rows(w->input);
   fit_base(*w, options.threads);
+  const std::vector<Candidate> of_model = model_candidates(w->input, options.model_effects);
   if (options.search) {
     build_rig_channel(*w, options.threads);
     build_command_channel(*w, options.threads);
   }
   if (options.search) {
-    build_output_channel(*w, options.threads);
+    build_output_channel(*w, options.threads, of_model);
     return w;
   }
   ListedOnly only{options.in_model, {}};
@@ -225,22 +227,13 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
     only.families.push_back(kLatencyEffect);
     only.is_read = [](const Candidate& c) { return c.kind->name != kLatencyEffect || is_allowed_lead(c); };
   }
-  build_output_channel(*w, options.threads, &only);
+  build_output_channel(*w, options.threads, of_model, &only);
   return w;
 }
 
 Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options) {
   FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
   return prepare(std::move(rows), options);
-}
-
-std::vector<int> model_columns(const ResidualChannel& channel, const std::vector<std::string>& in_model) {
-  std::vector<int> out;
-  for (const std::string& name : in_model)
-    for (const Candidate& c : channel.candidates)
-      if (c.kind->name == name && (c.form->bank || bank_columns(channel, *c.kind).empty()))
-        for (int j = 0; j < c.count; ++j) out.push_back(c.first + j);
-  return out;
 }
 
 }  // namespace forcegate::diagnose

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hil/diagnose/model_effects.h"
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/whole_recording.h"
 
@@ -39,10 +40,10 @@ SelectionRules rules_of_drive(SelectionRules rules) {
 }
 
 // A candidate that left-out records do not bear out may have made others needless: the search begins anew without it.
-Selection select_borne_out(Workspace& w, const std::vector<int>& always, std::vector<std::string> skip, const SelectionRules& rules,
+Selection select_borne_out(Workspace& w, const Given& given, std::vector<std::string> skip, const SelectionRules& rules,
                            unsigned threads, std::vector<Finding>& suspicions) {
   const auto select = [&](bool again) {
-    Selection one = select_effects(w.input, w.output, always, skip, rules, threads);
+    Selection one = select_effects(w.input, w.output, given, skip, rules, threads);
     measure_left_out(w, w.output, one, again);
     return one;
   };
@@ -88,7 +89,7 @@ Search search_channels(Workspace& w, const EngineOptions& options) {
   out.rig_rules = rules_of_rig(out.rules);
   out.drive_rules = rules_of_drive(out.rig_rules);
   if (w.has_rig) {
-    out.rig = select_effects(w.input, w.rig, model_columns(w.rig, options.in_model), options.in_model, out.rig_rules, options.threads);
+    out.rig = select_effects(w.input, w.rig, {}, options.in_model, out.rig_rules, options.threads);
     measure_left_out(w, w.rig, out.rig);
   }
   if (w.has_command) {
@@ -97,14 +98,17 @@ Search search_channels(Workspace& w, const EngineOptions& options) {
     measure_left_out(w, w.command, out.drive);
   }
   out.skip = options.in_model;
-  std::vector<int> always = model_columns(w.output, options.in_model);
+  Given given{model_columns(w.output, options), model_families(w.output, options)};
   if (std::ranges::any_of(out.rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "reference_drift"; })) {
-    add_columns(always, drift_columns(w.output));
+    add_columns(given.base, drift_columns(w.output));
     out.skip.emplace_back("reference_drift");
   }
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
-  out.output = select_borne_out(w, always, out.skip, out.rules, options.threads, out.suspicions);
-  if (!out.output.chosen.empty() && whole_must_judge(w, out.output.base, out.output.claimed)) {
+  out.output = select_borne_out(w, given, out.skip, out.rules, options.threads, out.suspicions);
+  // against the law without the model's own effects: they describe the whole too
+  const bool has_effects = !given.base.empty();
+  const MixedFit law = has_effects ? fit_mixed(w.output.problem, {}, &out.output.base) : out.output.base;
+  if ((has_effects || !out.output.chosen.empty()) && whole_must_judge(w, law, out.output.claimed)) {
     w.judges = JudgedBy::whole;
     measure_left_out(w, w.output, out.output);
   }

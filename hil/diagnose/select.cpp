@@ -171,9 +171,12 @@ namespace {
 // Forward choice: one family after the other, each beside those that were taken.
 class ForwardChoice {
  public:
-  ForwardChoice(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always, const std::vector<std::string>& skip,
+  ForwardChoice(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
                 const SelectionRules& rules, unsigned threads)
-      : input_(input), channel_(channel), rules_(rules), threads_(threads), present_(always), carried_(always), taken_(skip) {}
+      : input_(input), channel_(channel), rules_(rules), threads_(threads), base_(given.base), carried_(given.base), taken_(skip) {
+    add_columns(carried_, given.soaking);
+    present_ = carried_;
+  }
 
   void run() {
     if (!screen_again(nullptr)) return;
@@ -218,8 +221,9 @@ class ForwardChoice {
     out_.excess_after = excess_mean_square(channel_, result_.base);
     if (out_.chosen.empty()) {
       out_.first = result_;
-      out_.base = result_.base;
-      out_.excess_before = out_.excess_after;
+      out_.base = base_.size() == present_.size() ? result_.base : fit_to_the_end(channel_, base_, &result_.base, 18, RecordUse::all_records);
+      out_.excess_before = excess_mean_square(channel_, out_.base);
+      if (!out_.base.valid) return false;
     }
     return true;
   }
@@ -247,7 +251,7 @@ class ForwardChoice {
   bool carry_along(const FamilyScore& family, Clocks clocks) {
     constexpr double kLead_s = 0.006;
     constexpr int kMostLatencies = 2;
-    for (std::vector<int>* columns : {&present_, &carried_}) {
+    for (std::vector<int>* columns : {&present_, &carried_, &base_}) {
       const std::vector<int>& own = channel_.variants[static_cast<std::size_t>(family.best.variant)].columns;
       if (clocks == Clocks::slight_shift) columns->insert(columns->end(), own.begin(), own.end());
       else if (clocks == Clocks::lead) add_leads(channel_, *columns, kLead_s);
@@ -294,7 +298,7 @@ class ForwardChoice {
   ResidualChannel& channel_;
   const SelectionRules& rules_;
   unsigned threads_;
-  std::vector<int> present_, carried_;
+  std::vector<int> base_, carried_, present_;  // of the model; with what its families soak up; with what was chosen too
   std::vector<std::string> taken_;
   ScreenResult result_;
   std::size_t place_ = 0;  // in the ranking
@@ -306,9 +310,9 @@ class ForwardChoice {
 
 }  // namespace
 
-Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always, const std::vector<std::string>& skip,
+Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
                          const SelectionRules& rules, unsigned threads) {
-  ForwardChoice forward(input, channel, always, skip, rules, threads);
+  ForwardChoice forward(input, channel, given, skip, rules, threads);
   forward.run();
   Selection out = std::move(forward.selection());
   if (!out.base.valid) return out;

@@ -85,8 +85,13 @@ bool look_alike(const EffectKind& a, const EffectKind& b);
 /// Score from which an effect is considered at all.
 double threshold_of(const std::string& effect, const SelectionRules& rules);
 
-Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& always,
-                         const std::vector<std::string>& skip, const SelectionRules& rules, unsigned threads);
+/// Columns that are in before anything is chosen: of the base, and of the families of its effects, which only soak up what their forms leave.
+struct Given {
+  std::vector<int> base, soaking;
+};
+
+Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
+                         const SelectionRules& rules, unsigned threads);
 
 /// A family's best variant as a choice over the base that it was scored against, with the tests that an objection reads.
 ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,

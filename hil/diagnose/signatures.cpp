@@ -196,7 +196,7 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
     for (const auto& kind : w.user_kinds) add(*kind);
 }
 
-void build_output_channel(Workspace& w, unsigned threads, const ListedOnly* only) {
+void build_output_channel(Workspace& w, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only) {
   ResidualChannel& channel = w.output;
   std::string unit = std::move(channel.unit);
   channel = ResidualChannel{};
@@ -206,6 +206,11 @@ void build_output_channel(Workspace& w, unsigned threads, const ListedOnly* only
   list_candidates(w, EffectChannel::output, true, channel, only != nullptr ? &only->families : nullptr);
   if (only != nullptr && only->is_read)
     for (Candidate& c : channel.candidates) c.is_read = only->is_read(c);
+  for (Candidate c : of_model) {
+    c.first = channel.problem.ns;
+    channel.problem.ns += c.count;
+    channel.candidates.push_back(std::move(c));
+  }
   reserve_spare(channel);
   channel.signs_known = !w.input.generic;
   // where the output hardly follows the input, its slope is no measure of an effect

@@ -115,7 +115,8 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
 /// Says which rows the Gram matrices will see, so that candidates need no others.
 void choose_wanted_rows(CampaignInput& input);
 /// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.
-void build_output_channel(Workspace& workspace, unsigned threads, const ListedOnly* only = nullptr);
+/// `of_model`: beside them, those that stand in the model.
+void build_output_channel(Workspace& workspace, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only = nullptr);
 /// The same for F_ref against angle or command; sets has_rig.
 void build_rig_channel(Workspace& workspace, unsigned threads);
 

@@ -37,6 +37,69 @@ TEST(Refit, StartsFromTheErrorsOfTheDiagnosisThatLedToIt) {
   EXPECT_LT(added->error_after, 1.1 * d.error_after);  // the forms are chosen anew
 }
 
+EngineOptions options_of(const Model& model) {
+  EngineOptions options;
+  options.threads = 1;
+  options.law = model.law;
+  options.in_model = model.effect_names();
+  options.model_effects = model.effects;
+  return options;
+}
+
+TEST(Refit, ADiagnosisWithTheModelBeginsWhereItsRefitEnded) {
+  const auto added = refit(make_campaign(71, looped, 0.002), "hysteresis");
+  ASSERT_TRUE(added) << added.error().to_text();
+  const auto d = diagnose_campaign(make_campaign(71, looped, 0.002), options_of(added->model));
+  ASSERT_TRUE(d) << d.error().to_text();
+  EXPECT_EQ(d->verdict, DiagnosisVerdict::none) << told(*d);
+  EXPECT_NEAR(d->error_before, added->error_after, 0.05 * added->error_after);
+}
+
+TEST(Refit, TheSecondEffectIsStillThereWhenTheFirstIsInTheModel) {
+  const Sensor both = [](const std::vector<double>& t, const std::vector<double>& F, int record) {
+    std::vector<double> U = looped(t, F, record);
+    double slow = F.front();
+    for (std::size_t i = 0; i < U.size(); ++i) {
+      slow += (F[i] - slow) * -std::expm1(-(i > 0 ? t[i] - t[i - 1] : 0.005) / 40.0);
+      U[i] += 0.12 * slow;
+    }
+    return U;
+  };
+  for (const auto& [first, second] : {std::pair{"hysteresis", "creep"}, std::pair{"creep", "hysteresis"}}) {
+    const auto added = refit(make_campaign(73, both, 0.002), first);
+    ASSERT_TRUE(added) << added.error().to_text();
+    const auto d = diagnose_campaign(make_campaign(73, both, 0.002), options_of(added->model));
+    ASSERT_TRUE(d) << d.error().to_text();
+    EXPECT_GE(probability(*d, second), 0.9) << told(*d);
+  }
+}
+
+TEST(Refit, OneRecordingThatItsModelDescribesIsJudgedAsAWhole) {
+  // the rail is met in one part only: from the others nobody can foretell it
+  const auto recording = [] {
+    Campaign c = make_campaign(74, straight, 0.002);
+    c.records.resize(1);
+    c.records.front().kind.clear();
+    c.records.front().dynamic.reset();
+    Trace& trace = c.records.front().trace;
+    Rng rng(74, "rail");
+    for (std::size_t i = 0; i < trace.channels[0].value.size(); ++i) {
+      const double t = trace.time_bases[0].t_s[i], f = (t < 60.0 ? 2.0 : 3.6) * (0.1 + 0.9 * std::abs(std::sin(0.11 * t)));
+      trace.channels[0].value[i] = f;
+      trace.channels[1].value[i] = std::min(2.0 * f + 0.2, 6.1) + 0.002 * rng.normal();
+    }
+    return c;
+  };
+  EngineOptions options;
+  options.threads = 1;
+  const auto added = refit_campaign(recording(), options, *library_model("flexiforce"), "clipping");
+  ASSERT_TRUE(added) << added.error().to_text();
+  const auto d = diagnose_campaign(recording(), options_of(added->model));
+  ASSERT_TRUE(d) << d.error().to_text();
+  EXPECT_LT(d->error_before, 2.0 * added->error_after);
+  EXPECT_NE(d->verdict, DiagnosisVerdict::known) << told(*d);
+}
+
 TEST(Refit, ASwingThatDoesNotDecayLeavesAStaticLaw) {
   Campaign c = make_campaign(72, straight, 0.002);
   for (Record& r : c.records) {

@@ -1,0 +1,20 @@
+#pragma once
+// Effects that the model has already, as its file writes them: their form at their shape, of which the strengths are fitted anew.
+
+#include <vector>
+
+#include "hil/diagnose/engine.h"
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// One candidate for each effect of the library that acts on the output and that the campaign's channels allow. No columns yet.
+std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std::vector<ModelEffect>& effects);
+
+/// Their columns, and those of the fitted equations of the user's own.
+std::vector<int> model_columns(const ResidualChannel& channel, const EngineOptions& options);
+
+/// All columns of their families, to soak up what their forms leave: that is no second effect.
+std::vector<int> model_families(const ResidualChannel& channel, const EngineOptions& options);
+
+}  // namespace forcegate::diagnose
