@@ -13,12 +13,21 @@ namespace forcegate::diagnose {
 
 namespace {
 
-// A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Every
+std::vector<std::size_t> usable_rows(const RecordInput& record) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    if (record.ok[i] != 0) out.push_back(i);
+  return out;
+}
+
+// A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Each has its share of the
+// usable rows: one that lies in a stretch of missing samples would have nothing to say. Every
 // block keeps the whole history, since what came before it is still in the states of the system. The states of the first rows are
 // not known. Columns are made once for all blocks, from the first: it alone has the full rate.
 void cut_into_blocks(CampaignRows& w) {
   constexpr std::size_t kBlocks = 5, kFewestRows = 200;
-  const std::size_t n = w.input.records.front().rows();
+  const std::vector<std::size_t> usable = usable_rows(w.input.records.front());
+  const std::size_t n = usable.size();
   if (n < kFewestRows) return;
   RecordInput whole = std::move(w.input.records.front());
   const RecordHealth health = std::move(w.health.front());
@@ -32,8 +41,8 @@ void cut_into_blocks(CampaignRows& w) {
     block.index = b;
     const std::size_t begin = settled + b * length + (b > 0 ? gap / 2 : 0),
                       end = b + 1 < kBlocks ? settled + (b + 1) * length - gap / 2 : n;
-    for (std::size_t i = 0; i < n; ++i)
-      if (i < begin || i >= end) block.ok[i] = 0;
+    block.ok.assign(whole.rows(), 0);
+    for (std::size_t i = begin; i < end; ++i) block.ok[usable[i]] = 1;
     w.input.records.push_back(std::move(block));
     w.health.push_back(health);
   }
@@ -51,7 +60,7 @@ void leave_out_after_gaps(RecordInput& input, std::vector<std::string>& notes) {
   double longest_s = 0.0;
   for (std::size_t i = 1; i < input.rows(); ++i) {
     const double gap_s = input.t_s[i] - input.t_s[i - 1];
-    if (gap_s < std::max(kLong_s, kSteps * input.row_step_s)) continue;
+    if (!follows_hole(input, i, std::max(kLong_s, kSteps * input.row_step_s))) continue;
     longest_s = std::max(longest_s, gap_s);
     const double until_s = input.t_s[i] + std::min(gap_s, kMostOfRecord * input.duration_s);
     for (std::size_t k = i; k < input.rows() && input.t_s[k] < until_s; ++k) input.ok[k] = 0;
