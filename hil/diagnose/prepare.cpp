@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "hil/base/largest_first.h"
@@ -79,8 +80,30 @@ void find_late_onset(RecordInput& input, double range_N) {
   if (left_by_decay(late) < kFarBetter * left_by_decay(input)) input = std::move(late);
 }
 
+// Why hardly a row of a record is usable: what befell most of its samples.
+std::string why_unusable(const Record& record, const RecordHealth& health) {
+  if (const Channel* U = record.trace.find("U")) {
+    double low = 1e300, high = -1e300;
+    for (const double v : U->value)
+      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+    if (low == high) return "its output stands at " + plain_number(low) + " " + U->unit + " throughout; was the sensor connected?";
+  }
+  std::array<std::size_t, static_cast<std::size_t>(BadSample::censored) + 1> n{};
+  for (const std::uint8_t bad : health.bad) ++n[bad];
+  const auto most = static_cast<BadSample>(std::ranges::max_element(n) - n.begin());
+  switch (most) {
+    case BadSample::zero: return "its output lies at its low end while the force stands elsewhere; was the sensor connected?";
+    case BadSample::held: return "its output holds one value while the force moves";
+    case BadSample::rail: return "its output lies at a rail";
+    case BadSample::censored: return "its output lies at or beyond an end of the range";
+    case BadSample::outlier:
+    case BadSample::bit: return "its output is spikes for the most part";
+    default: return "hardly a row has both force and output";
+  }
+}
+
 // Records whose rows are all missing, at a rail or out of range say nothing; a sensor that was not plugged in must not end a campaign.
-Result<void> leave_out_unusable(CampaignRows& w, bool asks_one_recording) {
+Result<void> leave_out_unusable(CampaignRows& w, const std::map<std::string, std::string>& why, bool asks_one_recording) {
   constexpr auto kFewestRows = 16, kFewestOfOne = 200;
   auto& records = w.input.records;
   const auto usable = [](const RecordInput& r) { return std::count_if(r.ok.begin(), r.ok.end(), [](char ok) { return ok != 0; }); };
@@ -98,9 +121,9 @@ Result<void> leave_out_unusable(CampaignRows& w, bool asks_one_recording) {
     return true;
   });
   if (records.empty())
-    return fail(ErrorCode::parse, "no record has rows with both force and output", w.input.name,
+    return fail(ErrorCode::parse, "no record has rows to judge by; " + left_out.front() + ": " + why.at(left_out.front()), w.input.name,
                 "are the sensor and the reference connected, and the columns mapped as you mean?");
-  for (const std::string& name : left_out) w.input.notes.push_back(name + ": left out, hardly a row has both force and output");
+  for (const std::string& name : left_out) w.input.notes.push_back(name + ": left out, " + why.at(name));
   if (asks_one_recording && usable(records.front()) < kFewestOfOne)
     return fail(ErrorCode::parse, "one recording of " + std::to_string(usable(records.front())) + " usable rows is too short for a verdict",
                 records.front().name, "record at least " + std::to_string(kFewestOfOne) + " samples, or several recordings");
@@ -130,6 +153,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
     RecordHealth health;
     Result<RecordInput> input;
     std::vector<CutOut> cuts;
+    std::string why_unusable;
   };
   std::vector<Prepared> prepared(campaign.records.size());
   // without a search only effects of the model itself ask for the angle
@@ -149,19 +173,22 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
       if (t != nullptr && t->size() > 1) row_step_s = std::min(row_step_s, (t->back() - t->front()) / kRows);
     }
     prepared[k].input = take_record_input(record, prepared[k].health.bad, row_step_s, parts);
+    prepared[k].why_unusable = why_unusable(record, prepared[k].health);
     record.trace = Trace{};
     prepared[k].health.bad = {};
   });
   std::map<std::string, RecordHealth> health;
+  std::map<std::string, std::string> why;
   std::vector<CutOut> cuts;
   for (Prepared& p : prepared) {
     std::ranges::move(p.cuts, std::back_inserter(cuts));
     FORCEGATE_TRY(RecordInput input, std::move(p.input));
     health.emplace(input.name, std::move(p.health));
+    why.emplace(input.name, std::move(p.why_unusable));
     w.input.records.push_back(std::move(input));
   }
   for (RecordInput& input : w.input.records) leave_out_after_gaps(input, w.input.notes);
-  FORCEGATE_CHECK_OK(leave_out_unusable(w, single && options.search));
+  FORCEGATE_CHECK_OK(leave_out_unusable(w, why, single && options.search));
   // with no record to judge by, or none to fit, every record is both
   const auto heldout = std::ranges::count_if(w.input.records, &RecordInput::heldout);
   if (heldout == 0 || heldout == std::ssize(w.input.records)) w.judges = JudgedBy::left_out;
