@@ -49,14 +49,15 @@ void hold(std::vector<double>& x, double last) {
   }
 }
 
-// First sample of each row, and the end of the last. Rows are cut by time, so that they are equally long where the rate changes within
-// the record, and none reaches over a hole; a sample belongs to the row that it is nearest to.
-std::vector<std::uint32_t> cut_rows(const std::vector<double>& t, double row_step_s) {
+// First sample of each row, and the end of the last. A row holds `samples` where the clock goes as it mostly does; where the rate is
+// another its length in time decides, so that rows stay about equally long, and none reaches over a hole.
+std::vector<std::uint32_t> cut_rows(const std::vector<double>& t, double row_step_s, std::size_t samples) {
+  constexpr double kLonger = 1.5;  // a jittering clock stays below
   std::vector<std::uint32_t> begin = {0};
   for (std::size_t k = 1; k <= t.size(); ++k) {
-    const bool end = k == t.size();
-    const double step_s = end ? t[k - 1] - t[k - 2] : t[k] - t[k - 1], since_s = (end ? t[k - 1] + step_s : t[k]) - t[begin.back()];
-    if (since_s > row_step_s - 0.5 * std::min(step_s, row_step_s)) begin.push_back(static_cast<std::uint32_t>(k));
+    const double next_s = k < t.size() ? t[k] : t[k - 1] + (t[k - 1] - t[k - 2]), length_s = next_s - t[begin.back()];
+    const bool full = k - begin.back() >= samples && length_s > row_step_s / kLonger;
+    if (full || length_s > kLonger * row_step_s) begin.push_back(static_cast<std::uint32_t>(k));
   }
   return begin;
 }
@@ -157,7 +158,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
     return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.name,
                 "at least " + shortest(needed) + " are needed at this rate; leave the record out");
   out.row_step_s = step * samples_of_row;
-  out.row_begin = cut_rows(t, out.row_step_s);
+  out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples_of_row));
   const auto n_rows = static_cast<std::uint32_t>(out.row_begin.size() - 1);
 
   const std::vector<double>& force = F->value;

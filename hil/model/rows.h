@@ -18,7 +18,7 @@ struct RowParts {
   bool angle = true;      ///< sin_theta, cos_theta, late_cos_theta
 };
 
-/// Rows of one record, cut by time: where the rate changes, rows hold as many samples as there are. `bad` (may be empty) marks full-rate samples that must not count. Channels are put on the
+/// Rows of one record, about equally long in time also where the rate of sampling changes. `bad` (may be empty) marks full-rate samples that must not count. Channels are put on the
 /// clock of F_ref. Missing forces are held for the state machines; their rows are not ok.
 /// Errors: no F_ref or no U channel, fewer than 16 samples.
 /// `row_step_s`: aimed at; never less than one sample.

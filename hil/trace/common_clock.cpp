@@ -59,7 +59,11 @@ std::size_t read_at(Channel& channel, const std::vector<double>& t_s, const std:
   return between;
 }
 
-std::string every_row(std::size_t n) { return n == 2 ? "every 2nd row" : n == 3 ? "every 3rd row" : "every " + std::to_string(n) + "th row"; }
+std::string every_row(std::size_t n) {
+  const bool teen = n % 100 / 10 == 1;
+  const char* const ending = teen ? "th" : n % 10 == 1 ? "st" : n % 10 == 2 ? "nd" : n % 10 == 3 ? "rd" : "th";
+  return "every " + std::to_string(n) + ending + " row";
+}
 
 }  // namespace
 
