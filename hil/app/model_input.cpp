@@ -43,9 +43,12 @@ Result<void> check_channels(const Campaign& campaign) {
          {std::tuple{"F_ref", "reference force", "N"}, std::tuple{"U", "output", "V"}}) {
       if (record.trace.find(name)) continue;
       std::vector<std::string> columns;
-      std::string likely = "NAME";
+      std::string likely = "NAME", in_grams;
       for (const Channel& c : record.trace.channels) {
         columns.push_back(header_of(c.name, c.unit));
+        // a weight in grams: "g" may also be an acceleration, and is no unit here
+        if (std::string_view(name) == "F_ref" && c.unit.empty() && (c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
+          in_grams = c.name;
         if (c.unit == unit && c.name != "F_ref" && c.name != "F_cmd" && c.name != "F_dut" &&
             c.name != "drive" && likely == "NAME")
           likely = columns.back();
@@ -53,7 +56,8 @@ Result<void> check_channels(const Campaign& campaign) {
       return fail(ErrorCode::parse,
                   std::string("no column is the ") + what + ": there are " + join(columns, ", "),
                   (campaign.folder / record.name).string(),
-                  std::string("name one, for instance --map ") + likely + "=" + name + "_" + unit);
+                  in_grams.empty() ? std::string("name one, for instance --map ") + likely + "=" + name + "_" + unit
+                                   : "if " + in_grams + " is a weight in grams: --map " + in_grams + "=F_ref_gf");
     }
   return {};
 }

@@ -182,8 +182,11 @@ std::optional<ResidualSpectrum> spectrum_of(const ModelledRecord& m, const Model
   constexpr std::size_t kShortest = 64, kLongest = 2048;
   std::vector<double> residual = residual_of(m), load(residual.size());
   for (std::size_t i = 0; i < residual.size(); ++i) load[i] = m.gain * m.model[i];
-  const std::vector<Stretch> where = stretches(m.ok, residual);
-  stretches(m.ok, load);
+  std::vector<std::uint8_t> ok = m.ok;  // equal steps alone: not where the record was sampled more slowly than its rows are long
+  for (std::size_t i = 1; i < ok.size(); ++i)
+    if (m.input->t_s[i] - m.input->t_s[i - 1] > 1.5 * m.input->row_step_s) ok[i] = 0;
+  const std::vector<Stretch> where = stretches(ok, residual);
+  stretches(ok, load);
   std::size_t longest = 0, length = 1;
   for (const Stretch& s : where) longest = std::max(longest, s.size());
   while (2 * length <= std::min(longest / 2, kLongest)) length *= 2;
@@ -194,7 +197,7 @@ std::optional<ResidualSpectrum> spectrum_of(const ModelledRecord& m, const Model
   ResidualSpectrum out{m.name, {}, std::move(*of_residual), std::move(*of_load), m.noise * std::sqrt(2.0 * step_s)};
   if (after != nullptr) {
     std::vector<double> left = residual_of(*after);
-    stretches(m.ok, left);
+    stretches(ok, left);
     if (auto of_left = density(left, where, length, step_s)) out.after = std::move(*of_left);
   }
   for (std::size_t k = 1; k <= out.residual.size(); ++k)

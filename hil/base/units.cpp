@@ -73,6 +73,12 @@ std::optional<Unit> find_unit(std::string_view symbol) {
   // the sign for micro, of which Unicode has two
   for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC"})
     if (symbol.starts_with(micro)) return find_unit("u" + std::string(symbol.substr(micro.size())));
+  // the degree sign, and the ordinal that passes for it
+  for (const std::string_view degree : {"\xC2\xB0", "\xC2\xBA"})
+    if (symbol.starts_with(degree)) return find_unit("deg" + std::string(symbol.substr(degree.size())));
+  // the letter and the sign for ohm, which Unicode parts, and the name itself
+  for (const std::string_view ohm : {"\xCE\xA9", "\xE2\x84\xA6", "Ohm"})
+    if (symbol.ends_with(ohm)) return find_unit(std::string(symbol.substr(0, symbol.size() - ohm.size())) + "ohm");
   for (const Row& row : kTable)
     if (symbol == row.symbol) return Unit{row.symbol, row.canonical, row.quantity, row.factor, row.offset};
   return std::nullopt;

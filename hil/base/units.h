@@ -16,7 +16,7 @@ struct Unit {
   double offset = 0.0;
 };
 
-/// Looks a symbol up ("mN", "degC", "kPa"); empty when unknown. Case matters: "mN" is not "MN".
+/// Looks a symbol up ("mN", "degC", "kPa"); the signs for micro, degree and ohm are known. Empty when unknown. Case matters: "mN" is not "MN".
 std::optional<Unit> find_unit(std::string_view symbol);
 
 struct NamedColumn {

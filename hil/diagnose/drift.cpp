@@ -274,7 +274,10 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   out.campaign = campaign.name;
   out.model = "law of time";
   out.notes = campaign.notes;
-  out.notes.push_back("no record has an input that moves: only the drift of the output can be judged");
+  const bool has_force = std::ranges::any_of(campaign.records, [](const Record& r) { return r.trace.find("F_ref") != nullptr; });
+  out.notes.push_back(has_force ? "no record has an input that moves: only the drift of the output can be judged"
+                                : "no column is the reference force, among " + listed(campaign.records.front()) +
+                                      ": only the drift of the output can be judged");
   std::map<std::string, double> left_out;
   std::vector<RecordDrift> drifts;
   double before = 0.0, noise = 0.0;
@@ -315,7 +318,12 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   out.error_after = ranked.front().first;
   out.plain_before = out.error_before;
   out.plain_after = out.error_after;
+  constexpr double kFails = 10.0;  // times the best: an exponential that is led beyond its part says nothing by its number
   for (const auto& [error, form] : ranked) {
+    if (error > kFails * ranked.front().first && ranked.front().first > 0.0) {
+      out.notes.push_back(form + ": fails on parts that were left out");
+      continue;
+    }
     char text[120];
     std::snprintf(text, sizeof text, "%s: %.4g %s on parts that were left out", form.c_str(), error,
                   out.unit.c_str());

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "hil/base/largest_first.h"
@@ -15,42 +16,48 @@ namespace forcegate::diagnose {
 
 namespace {
 
+std::vector<std::size_t> usable_rows(const RecordInput& record) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    if (record.ok[i] != 0) out.push_back(i);
+  return out;
+}
+
 // The states of the first rows are not known; yet a load that is put on there and stays is all that tells of the gain.
-std::size_t rows_that_settle(const RecordInput& whole) {
+std::size_t rows_that_settle(const RecordInput& whole, const std::vector<std::size_t>& usable) {
   constexpr double kMostOfSpan = 0.3;
-  const std::size_t tenth = whole.rows() / 10;
+  const std::size_t tenth = usable.size() / 10;
   const auto span_N = [&](std::size_t begin) {
-    std::vector<double> F;
-    for (std::size_t i = begin; i < whole.rows(); ++i)
-      if (whole.ok[i] != 0) F.push_back(whole.F_N[i]);
-    if (F.empty()) return 0.0;
-    const auto [low, high] = std::ranges::minmax_element(F);
-    return *high - *low;
+    const auto [low, high] = std::minmax_element(usable.begin() + static_cast<std::ptrdiff_t>(begin), usable.end(),
+                                                 [&](std::size_t a, std::size_t b) { return whole.F_N[a] < whole.F_N[b]; });
+    return whole.F_N[*high] - whole.F_N[*low];
   };
   return span_N(tenth) > kMostOfSpan * span_N(0) ? tenth : 0;
 }
 
-// A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Every
+// A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Each has its share of the
+// usable rows: one that lies in a stretch of missing samples would have nothing to say. Every
 // block keeps the whole history, since what came before it is still in the states of the system. Columns are made once for all blocks,
 // from the first: it alone has the full rate.
 void cut_into_blocks(CampaignRows& w) {
   constexpr std::size_t kBlocks = 5, kFewestRows = 200;
-  const std::size_t n = w.input.records.front().rows();
+  const std::vector<std::size_t> usable = usable_rows(w.input.records.front());
+  const std::size_t n = usable.size();
   if (n < kFewestRows) return;
   RecordInput whole = std::move(w.input.records.front());
   const RecordHealth health = std::move(w.health.front());
   std::vector<double> fast_t_s = std::move(whole.fast_t_s), fast_F_N = std::move(whole.fast_F_N);
   w.input.records.clear();
   w.health.clear();
-  const std::size_t gap = n / 100, settled = rows_that_settle(whole), length = (n - settled) / kBlocks;
+  const std::size_t gap = n / 100, settled = rows_that_settle(whole, usable), length = (n - settled) / kBlocks;
   for (std::size_t b = 0; b < kBlocks; ++b) {
     RecordInput block = whole;
     block.name = whole.name + "/" + std::to_string(b + 1);
     block.index = b;
     const std::size_t begin = settled + b * length + (b > 0 ? gap / 2 : 0),
                       end = b + 1 < kBlocks ? settled + (b + 1) * length - gap / 2 : n;
-    for (std::size_t i = 0; i < n; ++i)
-      if (i < begin || i >= end) block.ok[i] = 0;
+    block.ok.assign(whole.rows(), 0);
+    for (std::size_t i = begin; i < end; ++i) block.ok[usable[i]] = 1;
     w.input.records.push_back(std::move(block));
     w.health.push_back(health);
   }
@@ -68,7 +75,7 @@ void leave_out_after_gaps(RecordInput& input, std::vector<std::string>& notes) {
   double longest_s = 0.0;
   for (std::size_t i = 1; i < input.rows(); ++i) {
     const double gap_s = input.t_s[i] - input.t_s[i - 1];
-    if (gap_s < std::max(kLong_s, kSteps * input.row_step_s)) continue;
+    if (!follows_hole(input, i, std::max(kLong_s, kSteps * input.row_step_s))) continue;
     longest_s = std::max(longest_s, gap_s);
     const double until_s = input.t_s[i] + std::min(gap_s, kMostOfRecord * input.duration_s);
     for (std::size_t k = i; k < input.rows() && input.t_s[k] < until_s; ++k) input.ok[k] = 0;
@@ -87,8 +94,30 @@ void find_late_onset(RecordInput& input, double range_N) {
   if (left_by_decay(late) < kFarBetter * left_by_decay(input)) input = std::move(late);
 }
 
+// Why hardly a row of a record is usable: what befell most of its samples.
+std::string why_unusable(const Record& record, const RecordHealth& health) {
+  if (const Channel* U = record.trace.find("U")) {
+    double low = 1e300, high = -1e300;
+    for (const double v : U->value)
+      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+    if (low == high) return "its output stands at " + plain_number(low) + " " + U->unit + " throughout; was the sensor connected?";
+  }
+  std::array<std::size_t, static_cast<std::size_t>(BadSample::censored) + 1> n{};
+  for (const std::uint8_t bad : health.bad) ++n[bad];
+  const auto most = static_cast<BadSample>(std::ranges::max_element(n) - n.begin());
+  switch (most) {
+    case BadSample::zero: return "its output lies at its low end while the force stands elsewhere; was the sensor connected?";
+    case BadSample::held: return "its output holds one value while the force moves";
+    case BadSample::rail: return "its output lies at a rail";
+    case BadSample::censored: return "its output lies at or beyond an end of the range";
+    case BadSample::outlier:
+    case BadSample::bit: return "its output is spikes for the most part";
+    default: return "hardly a row has both force and output";
+  }
+}
+
 // Records whose rows are all missing, at a rail or out of range say nothing; a sensor that was not plugged in must not end a campaign.
-Result<void> leave_out_unusable(CampaignRows& w, bool asks_one_recording) {
+Result<void> leave_out_unusable(CampaignRows& w, const std::map<std::string, std::string>& why, bool asks_one_recording) {
   constexpr auto kFewestRows = 16, kFewestOfOne = 200;
   auto& records = w.input.records;
   const auto usable = [](const RecordInput& r) { return std::count_if(r.ok.begin(), r.ok.end(), [](char ok) { return ok != 0; }); };
@@ -106,9 +135,9 @@ Result<void> leave_out_unusable(CampaignRows& w, bool asks_one_recording) {
     return true;
   });
   if (records.empty())
-    return fail(ErrorCode::parse, "no record has rows with both force and output", w.input.name,
+    return fail(ErrorCode::parse, "no record has rows to judge by; " + left_out.front() + ": " + why.at(left_out.front()), w.input.name,
                 "are the sensor and the reference connected, and the columns mapped as you mean?");
-  for (const std::string& name : left_out) w.input.notes.push_back(name + ": left out, hardly a row has both force and output");
+  for (const std::string& name : left_out) w.input.notes.push_back(name + ": left out, " + why.at(name));
   if (asks_one_recording && usable(records.front()) < kFewestOfOne)
     return fail(ErrorCode::parse, "one recording of " + std::to_string(usable(records.front())) + " usable rows is too short for a verdict",
                 records.front().name, "record at least " + std::to_string(kFewestOfOne) + " samples, or several recordings");
@@ -138,6 +167,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
     RecordHealth health;
     Result<RecordInput> input;
     std::vector<CutOut> cuts;
+    std::string why_unusable;
   };
   std::vector<Prepared> prepared(campaign.records.size());
   // without a search only effects of the model itself ask for the angle
@@ -157,19 +187,22 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
       if (t != nullptr && t->size() > 1) row_step_s = std::min(row_step_s, (t->back() - t->front()) / kRows);
     }
     prepared[k].input = take_record_input(record, prepared[k].health.bad, row_step_s, parts);
+    prepared[k].why_unusable = why_unusable(record, prepared[k].health);
     record.trace = Trace{};
     prepared[k].health.bad = {};
   });
   std::map<std::string, RecordHealth> health;
+  std::map<std::string, std::string> why;
   std::vector<CutOut> cuts;
   for (Prepared& p : prepared) {
     std::ranges::move(p.cuts, std::back_inserter(cuts));
     FORCEGATE_TRY(RecordInput input, std::move(p.input));
     health.emplace(input.name, std::move(p.health));
+    why.emplace(input.name, std::move(p.why_unusable));
     w.input.records.push_back(std::move(input));
   }
   for (RecordInput& input : w.input.records) leave_out_after_gaps(input, w.input.notes);
-  FORCEGATE_CHECK_OK(leave_out_unusable(w, single && options.search));
+  FORCEGATE_CHECK_OK(leave_out_unusable(w, why, single && options.search));
   FORCEGATE_CHECK_OK(check_record_gains(w.input.records, w.input.notes));
   // with no record to judge by, or none to fit, every record is both
   const auto heldout = std::ranges::count_if(w.input.records, &RecordInput::heldout);

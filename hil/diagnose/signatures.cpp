@@ -89,6 +89,7 @@ void finish_record(ResidualChannel& channel, std::size_t k) {
   const Eigen::MatrixXd& A = channel.rows[k].matrix;
   Eigen::MatrixXd& G = channel.problem.records[k].gram;
   G = Eigen::MatrixXd::Zero(A.cols(), A.cols());
+  if (A.rows() == 0) return;  // Eigen divides by the number of rows
   G.selfadjointView<Eigen::Lower>().rankUpdate(A.transpose(),
                                                1.0 / std::max<double>(1.0, static_cast<double>(A.rows())));
   G.triangularView<Eigen::StrictlyUpper>() = G.transpose();

@@ -49,6 +49,19 @@ void hold(std::vector<double>& x, double last) {
   }
 }
 
+// First sample of each row, and the end of the last. A row holds `samples` where the clock goes as it mostly does; where the rate is
+// another its length in time decides, so that rows stay about equally long, and none reaches over a hole.
+std::vector<std::uint32_t> cut_rows(const std::vector<double>& t, double row_step_s, std::size_t samples) {
+  constexpr double kLonger = 1.5;  // a jittering clock stays below
+  std::vector<std::uint32_t> begin = {0};
+  for (std::size_t k = 1; k <= t.size(); ++k) {
+    const double next_s = k < t.size() ? t[k] : t[k - 1] + (t[k - 1] - t[k - 2]), length_s = next_s - t[begin.back()];
+    const bool full = k - begin.back() >= samples && length_s > row_step_s / kLonger;
+    if (full || length_s > kLonger * row_step_s) begin.push_back(static_cast<std::uint32_t>(k));
+  }
+  return begin;
+}
+
 struct RowMeans {
   const RecordInput& record;
   std::vector<double> operator()(const std::vector<double>& x) const {
@@ -144,10 +157,9 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   if (!(static_cast<double>(t.size()) >= needed))
     return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.name,
                 "at least " + shortest(needed) + " are needed at this rate; leave the record out");
-  const auto per_row = static_cast<std::uint32_t>(samples_of_row);
-  out.row_step_s = step * per_row;
-  const auto n_rows = static_cast<std::uint32_t>(t.size() / per_row);
-  for (std::uint32_t r = 0; r <= n_rows; ++r) out.row_begin.push_back(r * per_row);
+  out.row_step_s = step * samples_of_row;
+  out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples_of_row));
+  const auto n_rows = static_cast<std::uint32_t>(out.row_begin.size() - 1);
 
   const std::vector<double>& force = F->value;
   std::vector<double> room;
@@ -173,16 +185,15 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
       sum_U += output[k];
       if ((!bad.empty() && bad[k] != 0) || !std::isfinite(output[k])) out.ok[r] = 0;
     }
-    const double n = per_row;
+    const double n = end - begin;
     out.t_s[r] = sum_t / n;
     out.F_N[r] = sum_F / n;
     out.U_V[r] = sum_U / n;
-    if ((t[end - 1] - t0) - (t[begin] - t0) > 1.6 * out.row_step_s) out.ok[r] = 0;
     if (!std::isfinite(out.U_V[r])) out.U_V[r] = 0.0;
   }
   // a row next to a hole in the clock carries states of unknown age
   for (std::uint32_t r = 1; r < n_rows; ++r)
-    if (out.t_s[r] - out.t_s[r - 1] > 4.0 * out.row_step_s) out.ok[r] = 0;
+    if (follows_hole(out, r, 4.0 * out.row_step_s)) out.ok[r] = 0;
 
   const RowMeans mean{out};
   const auto channel = [&](const char* name) -> std::vector<double> {
@@ -226,6 +237,13 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
 }
 
 }  // namespace
+
+bool follows_hole(const RecordInput& record, std::size_t row, double longest_step_s) {
+  constexpr double kAlike = 1.5;
+  const auto step_s = [&](std::size_t i) { return i > 0 && i < record.rows() ? record.t_s[i] - record.t_s[i - 1] : 0.0; };
+  const double step = step_s(row);
+  return step > longest_step_s && step > kAlike * step_s(row - 1) && step > kAlike * step_s(row + 1);
+}
 
 Result<RecordInput> make_record_input(const Record& record, std::span<const std::uint8_t> bad,
                                       double row_step_s, const RowParts& parts) {

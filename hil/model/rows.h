@@ -18,7 +18,7 @@ struct RowParts {
   bool angle = true;      ///< sin_theta, cos_theta, late_cos_theta
 };
 
-/// Rows of one record. `bad` (may be empty) marks full-rate samples that must not count. Channels are put on the
+/// Rows of one record, about equally long in time also where the rate of sampling changes. `bad` (may be empty) marks full-rate samples that must not count. Channels are put on the
 /// clock of F_ref. Missing forces are held for the state machines; their rows are not ok.
 /// Errors: no F_ref or no U channel, fewer than 16 samples.
 /// `row_step_s`: aimed at; never less than one sample.
@@ -28,6 +28,9 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
 /// The same; the full-rate clock and force are taken out of the record's trace instead of copied.
 Result<RecordInput> take_record_input(Record& record, std::span<const std::uint8_t> bad, double row_step_s,
                                       const RowParts& parts);
+
+/// Whether there is a hole before this row: a step above `longest_step_s`, and not one of several alike, as where a logger goes on more slowly.
+bool follows_hole(const RecordInput& record, std::size_t row, double longest_step_s);
 
 /// Sorts by campaign time and fills in what depends on all records: ranges, travel, start times, excitation
 /// (declared values first, estimates otherwise, each estimate told in `notes`).

@@ -30,16 +30,16 @@ constexpr std::array kSynonyms = {
     Synonyms{"F_cmd",
              "force",
              "N",
-             {"f_cmd", "f_set", "setpoint", "set_point", "command", "target", "f_target", "f_sp"}},
+             {"f_cmd", "f_set", "setpoint", "set_point", "command", "target", "f_target", "f_sp", "soll", "sollwert", "sollkraft"}},
     Synonyms{"F_dut", "force", "N", {"f_dut", "dut", "f_est", "estimate", "firmware", "f_fw"}},
     Synonyms{"U",
              "voltage",
              "V",
              {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal", "spannung"}},
-    Synonyms{"drive", "voltage", "V", {"drive", "supply", "v_drive", "u_drive", "vcc", "v_supply"}},
-    Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel"}},
-    Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb"}},
-    Synonyms{"C", "capacitance", "F", {"c", "capacitance", "cap"}},
+    Synonyms{"drive", "voltage", "V", {"drive", "supply", "v_drive", "u_drive", "vcc", "v_supply", "versorgung"}},
+    Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel", "winkel"}},
+    Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb", "temperatur"}},
+    Synonyms{"C", "capacitance", "F", {"c", "capacitance", "cap", "kapazitaet", "kapazit\xC3\xA4t"}},
 };
 
 const Synonyms* synonym(std::string_view name) {
@@ -172,6 +172,14 @@ std::vector<std::string> use_canonical_names(Trace& trace) {
       break;
     }
   return notes;
+}
+
+std::vector<std::string> unused_columns(const Trace& trace) {
+  static constexpr std::array kRead = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "RH", "humidity", "unused"};
+  std::vector<std::string> out;
+  for (const Channel& channel : trace.channels)
+    if (std::ranges::find(kRead, channel.name) == kRead.end()) out.push_back(header_of(channel.name, channel.unit));
+  return out;
 }
 
 std::string header_of(std::string_view name, std::string_view unit) {

@@ -28,6 +28,9 @@ ColumnMeaning meaning_of(std::string_view header);
 /// Returns one note for each renamed channel.
 std::vector<std::string> use_canonical_names(Trace& trace);
 
+/// Headers of the channels that nothing reads: neither under a name of docs/campaign.md nor mapped to "unused".
+std::vector<std::string> unused_columns(const Trace& trace);
+
 /// The name under which Forcegate knows a common synonym: "F_ref" for "force", "U" for "voltage"; else the name itself.
 std::string known_name(std::string_view name);
 

@@ -139,13 +139,16 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   } else {
     if (!(options.assumed_rate_Hz > 0.0)) {
       std::vector<std::string> headers;
-      for (const CsvColumn& c : table.columns) headers.push_back(c.header);
+      std::string likely;  // not a column that is something else
+      for (std::size_t c = 0; c < table.columns.size(); ++c) {
+        headers.push_back(table.columns[c].header);
+        if (likely.empty() && meanings[c].unit.symbol.empty()) likely = headers.back();
+      }
       if (headers.size() > 8) headers.resize(8), headers.push_back("...");
       return fail(ErrorCode::parse, "there is no time column among: " + join(headers, ", "),
                   where + ":" + std::to_string(table.header_line),
-                  "say which is the clock, for instance --map " +
-                      (headers.empty() ? "NAME" : headers.front()) +
-                      "=t_s, or give --rate HZ for a file without one");
+                  likely.empty() ? "give --rate HZ, or \"fs_Hz\" in campaign.json, for a file without one"
+                                 : "say which is the clock, for instance --map " + likely + "=t_s, or give --rate HZ for a file without one");
     }
     clock.base = invented_clock(table.rows(), options.assumed_rate_Hz);
     out.notes.push_back("the file has no clock; " + shortest(options.assumed_rate_Hz) + " Hz was assumed");

@@ -10,15 +10,25 @@
 #include "hil/trace/date_time.h"
 
 namespace forcegate {
+namespace {
+
+constexpr std::size_t kLongestHeader = 200;
+constexpr std::string_view kReplaced = "\xEF\xBF\xBD";
+
+}  // namespace
+
 CsvCell read_cell(std::string_view text, char point, double& out) {
   text = trim(text);
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = trim(text.substr(1, text.size() - 2));
   out = std::numeric_limits<double>::quiet_NaN();
   if (text.empty()) return CsvCell::missing;
   std::string plain(text.front() == '+' ? text.substr(1) : text);
+  // beside decimal commas a point parts the thousands, or the file holds both: "1.007" is 1007 to one program and 1.007 to another
+  const bool reads_two_ways = point != '.' && text.find('.') != std::string_view::npos;
   if (point != '.') std::replace(plain.begin(), plain.end(), point, '.');
   double value = 0.0;
-  const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), value);
+  const auto [stop, error] = std::from_chars(plain.data(), plain.data() + plain.size(), value);
+  const char* const end = reads_two_ways ? plain.data() : stop;
   if (end == plain.data() + plain.size() && error == std::errc()) {
     if (!std::isfinite(value)) return CsvCell::missing;
     out = value;
@@ -63,6 +73,26 @@ void cut_cells(std::string_view line, char separator, std::vector<std::string_vi
     cells.push_back(line.substr(start, i - start));
     start = i + 1;
   }
+}
+
+std::string header_text(std::string_view cell) {
+  std::string_view text = trim(cell);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = trim(text.substr(1, text.size() - 2));
+  text = text.substr(0, kLongestHeader);
+  std::string shown = printable_utf8(text);
+  if (shown.find(kReplaced) == std::string::npos) return shown;
+  std::string recoded;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0xA0) {
+      recoded += static_cast<char>(0xC0 | (byte >> 6));
+      recoded += static_cast<char>(0x80 | (byte & 0x3F));
+    } else {
+      recoded += c;
+    }
+  }
+  recoded = printable_utf8(recoded);
+  return recoded.find(kReplaced) == std::string::npos ? recoded : shown;
 }
 
 std::string_view strip_brackets(std::string_view symbol) {

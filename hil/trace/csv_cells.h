@@ -1,6 +1,7 @@
 #pragma once
 // Where the cells of a line begin, and what one of them says.
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -8,8 +9,8 @@ namespace forcegate {
 
 enum class CsvCell { number, missing, text };
 
-/// Numbers with `point` as their decimal point, dates and times of day (as seconds, date_time.h). `out` is NaN for what is missing (empty,
-/// "nan", "NA", "null", beyond a double) or text.
+/// Numbers with `point` as their decimal point (beside a decimal comma, a point makes it text), dates and times of day (as seconds, date_time.h). `out` is NaN for what is missing (empty,
+/// "nan", "NA", "null", infinite or beyond a double) or text.
 CsvCell read_cell(std::string_view text, char point, double& out);
 
 /// The candidate that stands most often outside quotes: comma, semicolon, tab, bar; a blank where there is none of them.
@@ -17,6 +18,10 @@ char choose_separator(std::string_view line);
 
 /// Views into the line; quotes protect separators, blanks in a row are one.
 void cut_cells(std::string_view line, char separator, std::vector<std::string_view>& cells);
+
+/// The name of a column without quotes and outer blanks, its first 200 bytes. Bytes that are no UTF-8 are read as Latin-1 ("Winkel [\xB0]")
+/// where that gives letters and signs; else they are replaced.
+std::string header_text(std::string_view cell);
 
 /// "[mN]", "(mN)" and "mN" in quotes as "mN".
 std::string_view strip_brackets(std::string_view symbol);

@@ -13,6 +13,7 @@
 #include "hil/base/text.h"
 #include "hil/base/units.h"
 #include "hil/trace/csv_cells.h"
+#include "hil/trace/csv_preamble.h"
 #include "hil/trace/decimal.h"
 
 namespace forcegate {
@@ -40,6 +41,7 @@ class Parser {
       started_ = true;
       FORCEGATE_CHECK_OK(check_kind(chunk));
       if (chunk.starts_with("\xEF\xBB\xBF")) p += 3;
+      skip_preamble(p, end);
     }
     while (p < end) {
       ++line_;
@@ -98,6 +100,14 @@ class Parser {
                 name_ + ":" + std::to_string(line_) + ":" + std::to_string(column), std::move(hint));
   }
 
+  void skip_preamble(const char*& p, const char* end) {
+    const std::size_t above = lines_above_header({p, static_cast<std::size_t>(end - p)});
+    if (above == 0) return;
+    for (std::size_t i = 0; i < above; ++i) p = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p))) + 1;
+    line_ += above;
+    table_.notes.push_back("the names of the columns stand in line " + std::to_string(line_ + 1) + "; what is above was skipped");
+  }
+
   Result<void> check_kind(std::string_view chunk) const {
     const auto refuse = [&](const char* what, const char* hint) {
       return fail(ErrorCode::parse, std::string("the file is ") + what + ", not CSV", name_, hint);
@@ -127,10 +137,8 @@ class Parser {
       return error("the first line holds numbers, not column names", 1,
                    "put a line like t_s,F_ref_N,U_V before the first row");
     for (const std::string_view cell : cells_) {
-      std::string_view text = trim(cell);
-      if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = trim(text.substr(1, text.size() - 2));
       CsvColumn column;
-      column.header = printable_utf8(text.substr(0, 200));
+      column.header = header_text(cell);
       table_.columns.push_back(std::move(column));
     }
     if (separator_ != ',') table_.notes.push_back(std::string("the separator is ") + separator_name());
@@ -191,8 +199,9 @@ class Parser {
       return error("the line has " + std::to_string(cells_.size()) + " cells, the header has " +
                        std::to_string(row_.size()) + " columns",
                    line.size() + 1,
-                   doubled ? "these look like decimal commas; write decimal points, or separate the columns by semicolons"
-                           : "every line needs one cell for each column; leave a missing value empty");
+                   doubled       ? "these look like decimal commas; write decimal points, or separate the columns by semicolons"
+                   : !seen_data_ ? "the first line must name the columns: take out what stands above the line of names; leave a missing value empty"
+                                 : "every line needs one cell for each column; leave a missing value empty");
     }
     for (std::size_t c = 0; c < row_.size(); ++c) {
       const CsvCell kind = read_cell(cells_[c], point_, row_[c]);
@@ -211,7 +220,9 @@ class Parser {
       if (kind == CsvCell::text)
         return error(in_quotes(trim(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number",
                      static_cast<std::size_t>(cells_[c].data() - line.data()) + 1,
-                     "leave the cell empty when the value is missing");
+                     point_ == ',' && cells_[c].find('.') != std::string_view::npos
+                         ? "the decimals of this file are commas; write 1007 and not 1.007"
+                         : "leave the cell empty when the value is missing");
       ++table_.columns[c].missing;
     }
     seen_data_ = true;

@@ -62,7 +62,29 @@ std::string without_stamp(const std::vector<double>& stamps_s, const LineOfRow& 
   return times(n, "row has", "rows have") + " no time stamp (line" + (n == 1 ? " " : "s ") + lines + more + "); dropped";
 }
 
+// A clock of day begins anew at midnight: stamps within one day that fall from its end to its beginning. Days that were added.
+std::size_t unwrap_midnights(std::vector<double>& stamps_s) {
+  constexpr double kDay_s = 86400.0, kNear_s = 60.0;
+  for (const double t : stamps_s)
+    if (std::isfinite(t) && !(t >= 0.0 && t <= kDay_s)) return 0;
+  double added_s = 0.0, before = kMissing;
+  for (double& t : stamps_s) {
+    if (!std::isfinite(t)) continue;
+    if (before > kDay_s - kNear_s && t < kNear_s) added_s += kDay_s;
+    before = t;
+    t += added_s;
+  }
+  return static_cast<std::size_t>(added_s / kDay_s);
+}
+
 }  // namespace
+
+TimeBase with_rate_and_gaps(std::vector<double> t_s) {
+  TimeBase base;
+  base.t_s = std::move(t_s);
+  find_rate_and_gaps(base);
+  return base;
+}
 
 TimeBase invented_clock(std::size_t rows, double rate_Hz) {
   TimeBase base;
@@ -75,6 +97,8 @@ TimeBase invented_clock(std::size_t rows, double rate_Hz) {
 
 Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where, const LineOfRow& line_of_row) {
   Clock clock;
+  if (const std::size_t days = unwrap_midnights(stamps_s); days > 0)
+    clock.notes.push_back("the clock of day passes midnight" + (days == 1 ? std::string() : " " + std::to_string(days) + " times") + "; counted on");
   bool increasing = !stamps_s.empty() && std::isfinite(stamps_s.front());
   for (std::size_t i = 1; i < stamps_s.size() && increasing; ++i)
     increasing = stamps_s[i] > stamps_s[i - 1] && stamps_s[i] < HUGE_VAL;

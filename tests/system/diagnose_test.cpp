@@ -37,6 +37,16 @@ TEST_P(DiagnoseSaysWhatIsNext, with_and_without_a_page) {
 INSTANTIATE_TEST_SUITE_P(Answers, DiagnoseSaysWhatIsNext, ::testing::Values("none", "hysteresis", "foreign_telegraph"),
                          [](const auto& info) { return std::string(info.param); });
 
+TEST(Diagnose, AWeightInGramsIsAskedFor) {
+  const TemporaryFolder folder;
+  std::string csv = "t_s,load_g,U_V\n";
+  for (int i = 0; i < 400; ++i) csv += std::to_string(0.01 * i) + "," + std::to_string(200.0 + 100.0 * std::sin(0.05 * i)) + ",1\n";
+  write_text(folder.path() / "grams.csv", csv);
+  const ProcessResult r = forcegate({"diagnose", "grams.csv"}, {.folder = folder.path()});
+  EXPECT_NE(r.exit_code, 0);
+  EXPECT_THAT(r.err, ::testing::HasSubstr("--map load_g=F_ref_gf")) << "g alone may be an acceleration";
+}
+
 // Triangles that grow and shrink, of a film on a rubber that is soft up to the largest force of its record.
 void write_softening(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);

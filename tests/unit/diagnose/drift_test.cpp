@@ -116,5 +116,23 @@ TEST(Drift, ItsUncertaintyIsThatOfTheSlopeAndNotOfTheNoise) {
   EXPECT_LT(slope.u, 2e-5);  // 1.2e-6 of white noise by theory
 }
 
+TEST(Drift, SaysThatNoColumnIsAForceAndGivesNoNumberToALawThatFails) {
+  // waves without an input: an exponential fitted to a part of them runs away on the next
+  const auto d = diagnose_drift(recording(4000, 0.05, 0.002, [](double t) { return 2.0 + std::sin(0.5 * t) + 0.4 * std::sin(0.05 * t); }));
+  ASSERT_TRUE(d) << d.error().to_text();
+  EXPECT_EQ(d->notes.front(), "no column is the reference force, among U_V: only the drift of the output can be judged");
+  for (const std::string& note : d->notes) {
+    const std::size_t at = note.find(" V on parts");
+    if (at != std::string::npos) {
+      EXPECT_LT(std::stod(note.substr(note.find(": ") + 2)), 30.0) << note;
+    }
+  }
+  Campaign still = recording(400, 0.05, 0.002, [](double) { return 2.0; });
+  still.records.front().trace.channels.push_back({"F_ref", "N", "force", 0, std::vector<double>(400, 1.0), {}});
+  const auto of_still = diagnose_drift(still);
+  ASSERT_TRUE(of_still);
+  EXPECT_EQ(of_still->notes.front(), "no record has an input that moves: only the drift of the output can be judged");
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -340,5 +340,13 @@ TEST(Engine, ARecordWithoutUsableRowsIsLeftOutWithANote) {
   EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [&](const std::string& n) { return n.starts_with(name + ": left out"); }));
 }
 
+TEST(Engine, ARecordWhoseOutputStandsStillIsLeftOutForThatReason) {
+  Campaign c = make_campaign(93, straight, 0.002);
+  for (double& u : c.records[2].trace.find("U")->value) u = 0.0;
+  const std::string name = c.records[2].name;
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [&](const std::string& n) { return n.starts_with(name + ": left out, its output stands at 0 V"); }));
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -347,5 +347,39 @@ TEST(SingleRecording, ADeadOutputAndAFewRowsAreRefused) {
   EXPECT_NE(refusal(recording(100.0, 60, slope, creeping, 0.003)).find("too short"), std::string::npos);
 }
 
+double slow_waves(double t) { return 2.0 + 1.2 * std::sin(0.4 * t) + 0.6 * std::sin(1.3 * t); }
+std::vector<double> straight(const std::vector<double>&, const std::vector<double>& x) {
+  std::vector<double> y;
+  for (const double v : x) y.push_back(2.0 * v + 0.1);
+  return y;
+}
+
+TEST(SingleRecording, MayGoOnAtAnotherRate) {
+  Campaign c = recording(100.0, 20000, slow_waves, straight, 0.002);
+  Trace& trace = c.records.front().trace;
+  std::vector<std::size_t> kept;  // 25 Hz in the second half
+  for (std::size_t i = 0; i < 20000; ++i)
+    if (i < 10000 || i % 4 == 0) kept.push_back(i);
+  const auto keep = [&](std::vector<double>& x) {
+    std::vector<double> out;
+    for (const std::size_t i : kept) out.push_back(x[i]);
+    x = std::move(out);
+  };
+  keep(trace.time_bases.front().t_s);
+  for (Channel& channel : trace.channels) keep(channel.value);
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none);
+  ASSERT_EQ(d.records.size(), 5u);
+  EXPECT_LT(d.error_before, 0.004);
+}
+
+TEST(SingleRecording, MayMissItsOutputForAThirdOfItsTime) {
+  Campaign c = recording(100.0, 20000, slow_waves, straight, 0.002);
+  for (std::size_t i = 8000; i < 14600; ++i) c.records.front().trace.find("U")->value[i] = kMissing;
+  const Diagnosis d = answer(std::move(c));
+  ASSERT_EQ(d.records.size(), 5u) << "each block has rows to be judged by";
+  EXPECT_LT(d.error_before, 0.004);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

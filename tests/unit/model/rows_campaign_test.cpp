@@ -59,5 +59,44 @@ TEST(StartTimes, AreThoseOfAClockThatGoesOnFromRecordToRecord) {
   EXPECT_EQ(starts({2.0, 1.5, 3.0}).front(), 0.0) << "no record begins before another has ended";
 }
 
+Record sampled(const std::vector<double>& t_s) {
+  Record record;
+  record.name = "sampled";
+  Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}};
+  for (const double t : t_s) {
+    F.value.push_back(1.0 + t);
+    U.value.push_back(2.0 * t);
+  }
+  record.trace.time_bases.push_back({"rig", t_s, 0.0, {}, false});
+  record.trace.channels = {F, U};
+  return record;
+}
+
+TEST(Rows, AreEquallyLongWhereTheRateChanges) {
+  std::vector<double> t_s;
+  for (int i = 0; i < 1000; ++i) t_s.push_back(0.01 * i);       // 100 Hz
+  for (int i = 0; i < 500; ++i) t_s.push_back(10.0 + 0.1 * i);  // 10 Hz
+  const auto made = make_record_input(sampled(t_s));
+  ASSERT_TRUE(made.has_value());
+  ASSERT_EQ(made->rows(), 1000u) << "two samples a row at first, one afterwards";
+  for (std::size_t r = 0; r < made->rows(); ++r) {
+    EXPECT_EQ(made->ok[r], 1) << r;
+    EXPECT_NEAR(made->F_N[r], 1.0 + made->t_s[r], 1e-9) << r;
+  }
+}
+
+TEST(Rows, AfterAHoleAreNotOk) {
+  std::vector<double> t_s;
+  for (int i = 0; i < 1000; ++i) t_s.push_back(0.01 * i + (i >= 501 ? 3.0 : 0.0));
+  const auto made = make_record_input(sampled(t_s));
+  ASSERT_TRUE(made.has_value());
+  std::size_t bad = 0;
+  for (std::size_t r = 0; r < made->rows(); ++r) {
+    bad += made->ok[r] == 0;
+    EXPECT_NEAR(made->F_N[r], 1.0 + made->t_s[r], 1e-9) << "no row reaches over the hole";
+  }
+  EXPECT_EQ(bad, 1u);
+}
+
 }  // namespace
 }  // namespace forcegate

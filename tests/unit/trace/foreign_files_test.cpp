@@ -114,5 +114,51 @@ TEST(ForeignFiles, ANoteOfEveryRecordIsToldOnce) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(ForeignFiles, APointBesideDecimalCommasIsAnError) {
+  const auto f = parse_csv("t_s;F_ref_N;U_mV\n0,0;0,5;993\n0,1;0,5;1.007\n", "x.csv");
+  ASSERT_FALSE(f) << "1.007 is 1007 to one program and 1.007 to another";
+  EXPECT_EQ(f.error().where, "x.csv:3:9");
+  EXPECT_THAT(f.error().hint, HasSubstr("commas"));
+}
+
+TEST(ForeignFiles, TheHintForAClockNamesNoColumnThatIsSomethingElse) {
+  const auto f = parse_csv("F_ref_N,U_V\n0,1\n1,2\n", "x.csv");
+  ASSERT_FALSE(f);
+  EXPECT_THAT(f.error().hint, ::testing::Not(HasSubstr("F_ref_N=t_s")));
+  EXPECT_THAT(f.error().hint, HasSubstr("--rate HZ"));
+}
+
+TEST(ForeignFiles, SignsAndWordsOfUnitsAndColumnsAreKnown) {
+  const auto f = read("Zeit [s],Kraft [N],U_V,Winkel [\u00b0],Temperature (\u00b0C),R (k\u03a9)\n0,1,2,180,21,5\n1,1,2,90,22,6\n");
+  ASSERT_TRUE(f.trace.find("theta"));
+  EXPECT_NEAR(f.trace.find("theta")->value[0], 3.14159265, 1e-8);
+  ASSERT_TRUE(f.trace.find("temp"));
+  EXPECT_EQ(f.trace.find("temp")->value[1], 22.0);
+  ASSERT_TRUE(f.trace.find("R"));
+  EXPECT_EQ(f.trace.find("R")->value[0], 5000.0);
+  const auto latin = read("t_s,F_ref_N,U_V,Winkel [\xB0]\n0,1,2,180\n1,1,2,90\n");
+  EXPECT_TRUE(latin.trace.find("theta")) << "the degree sign as one byte";
+}
+
+TEST(ForeignFiles, LinesAboveTheHeaderAreSkippedWhereItIsUnmistakable) {
+  const auto f = read("LabVIEW Measurement\nOperator,John\nRate,100\n\nt_s,F_ref_mN,U_V\n0,1500,2\n1,2500,3\n");
+  ASSERT_TRUE(f.trace.find("F_ref"));
+  EXPECT_EQ(f.trace.find("F_ref")->value, (std::vector<double>{1.5, 2.5}));
+  EXPECT_THAT(f.notes, Contains(HasSubstr("stand in line 5")));
+  const auto after = parse_csv("Measurement\nt_s,F_ref_N,U_V\n0,1,2\n1,2,3\n2,x,3\n", "x.csv");
+  ASSERT_FALSE(after);
+  EXPECT_EQ(after.error().where, "x.csv:5:3") << "lines are counted from the top of the file";
+  EXPECT_TRUE(read("t_s,F_ref_N,U_V,remark\n0,1,2,first\n1,2,3,second\n2,3,4,\n").trace.find("F_ref")) << "a column of text is no preamble";
+}
+
+TEST(ForeignFiles, AClockOfDayGoesOnAfterMidnight) {
+  const auto f = read("Time,F,U\n23:59:59.0,1,2\n23:59:59.5,1,2\n00:00:00.0,2,3\n00:00:00.5,2,3\n");
+  const auto& t = f.trace.time_bases[0].t_s;
+  ASSERT_EQ(t.size(), 4u);
+  EXPECT_NEAR(t[3] - t[0], 1.5, 1e-9);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("midnight")));
+  EXPECT_FALSE(parse_csv("t_s,F,U\n500,1,2\n501,1,2\n0,2,3\n1,2,3\n", "x.csv")) << "two recordings in one file";
+}
+
 }  // namespace
 }  // namespace forcegate

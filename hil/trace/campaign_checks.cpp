@@ -1,0 +1,121 @@
+#include "hil/trace/campaign_checks.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "hil/base/plain_number.h"
+#include "hil/base/text.h"
+
+namespace forcegate {
+namespace {
+
+constexpr std::size_t kMostNames = 4;
+
+std::string some_of(std::vector<std::string> names) {
+  const std::size_t more = names.size() > kMostNames ? names.size() - kMostNames : 0;
+  names.resize(names.size() - more);
+  return join(names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
+}
+
+// NaN included, which stands for the same missing sample in both.
+bool same_values(const Channel* a, const Channel* b) {
+  if (a == nullptr || b == nullptr) return a == b;
+  return std::ranges::equal(a->value, b->value, [](double x, double y) { return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y); });
+}
+
+// An output that rests at one code, or that a loop of few codes repeats, is the same twice without being a copy.
+bool tells_copies(const Channel& output) {
+  constexpr std::size_t kFewestSteps = 50;
+  std::size_t steps = 0;
+  for (std::size_t i = 1; i < output.value.size() && steps < kFewestSteps; ++i) steps += output.value[i] != output.value[i - 1];
+  return steps >= kFewestSteps;
+}
+
+bool is_copy(const Record& record, const Record& of) {
+  const Channel* output = record.trace.find("U");
+  return output != nullptr && same_values(output, of.trace.find("U")) && same_values(record.trace.find("F_ref"), of.trace.find("F_ref")) &&
+         tells_copies(*output);
+}
+
+void note_beyond(Campaign& campaign, const char* name, const char* unit, const char* key, double low, double high) {
+  constexpr double kMargin = 0.02;  // of the range: noise, and a zero that is a little off
+  constexpr double kShare = 0.001;  // of the samples
+  if (!(low < high)) return;
+  const double margin = kMargin * (high - low);
+  std::vector<std::string> names;
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  for (const Record& record : campaign.records) {
+    const Channel* channel = record.trace.find(name);
+    if (channel == nullptr || channel->unit != unit) continue;
+    std::size_t beyond = 0;
+    for (const double v : channel->value) beyond += v < low - margin || v > high + margin;
+    if (static_cast<double>(beyond) <= kShare * static_cast<double>(channel->value.size())) continue;
+    names.push_back(record.name);
+    for (const double v : channel->value)
+      if (std::isfinite(v)) lowest = std::min(lowest, v), highest = std::max(highest, v);
+  }
+  if (names.empty()) return;
+  campaign.notes.push_back(some_of(names) + ": " + name + " runs from " + plain_number(lowest) + " to " + plain_number(highest) + " " + unit + ", beyond the declared " +
+                           key + " [" + shortest(low) + ", " + shortest(high) + "]: is it that of this instrument?");
+}
+
+void drop_overlapping_starts(Campaign& campaign) {
+  constexpr double kRounding_s = 60.0, kShare = 0.1;  // starts are written down to the minute
+  struct Span {
+    const Record* record;
+    double begin_s, end_s;
+  };
+  std::vector<Span> spans;
+  for (const Record& record : campaign.records)
+    if (record.start_s && record.trace.size() > 0) {
+      const std::vector<double>& t_s = record.trace.time_bases.front().t_s;
+      spans.push_back({&record, *record.start_s, *record.start_s + (t_s.back() - t_s.front())});
+    }
+  std::ranges::stable_sort(spans, {}, &Span::begin_s);
+  for (std::size_t k = 1; k < spans.size(); ++k) {
+    const Span &first = spans[k - 1], &second = spans[k];
+    const double shorter_s = std::min(first.end_s - first.begin_s, second.end_s - second.begin_s);
+    if (first.end_s - second.begin_s <= std::max(kRounding_s, kShare * shorter_s) && !(first.begin_s == second.begin_s && shorter_s > 0.0)) continue;
+    campaign.notes.push_back("start_s of " + second.record->name + " (" + shortest(second.begin_s) + ") lies before the end of " + first.record->name + " (" +
+                             plain_number(first.end_s) + "), and one sensor cannot be in two records: the start times are not used");
+    for (Record& record : campaign.records) record.start_s.reset();
+    return;
+  }
+}
+
+}  // namespace
+
+void drop_copies(Campaign& campaign) {
+  std::vector<Record> kept;
+  std::vector<std::vector<std::string>> copies;
+  bool other_role = false;
+  for (Record& record : campaign.records) {
+    const auto original = std::ranges::find_if(kept, [&](const Record& other) { return is_copy(record, other); });
+    if (original == kept.end()) {
+      kept.push_back(std::move(record));
+      copies.emplace_back();
+      continue;
+    }
+    other_role |= record.role != original->role;
+    copies[static_cast<std::size_t>(original - kept.begin())].push_back(record.name);
+  }
+  for (std::size_t k = 0; k < kept.size(); ++k)
+    if (!copies[k].empty())
+      campaign.notes.push_back(some_of(copies[k]) + (copies[k].size() > 1 ? " repeat " : " repeats ") + kept[k].name +
+                               " sample by sample; a copy is no second measurement, and it is used once");
+  if (other_role) campaign.notes.push_back("a record cannot be fitted and held out at once: of copies with two roles that of the first listed counts");
+  campaign.records = std::move(kept);
+}
+
+void note_contradictions(Campaign& campaign) {
+  const BenchFacts& bench = campaign.bench;
+  note_beyond(campaign, "U", "V", "voltage_range_V", bench.voltage_min_V, bench.voltage_max_V);
+  note_beyond(campaign, "F_ref", "N", "force_range_N", bench.force_min_N, bench.force_max_N);
+  drop_overlapping_starts(campaign);
+  if (!campaign.records.empty() && std::ranges::all_of(campaign.records, [](const Record& r) { return r.role == RecordRole::heldout; }))
+    campaign.notes.push_back("every record is held out, and none is left to be fitted: the roles are not used, records are fitted and left out in turn");
+}
+
+}  // namespace forcegate

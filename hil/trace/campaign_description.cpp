@@ -1,0 +1,220 @@
+#include "hil/trace/campaign_description.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+#include "hil/base/text.h"
+
+namespace forcegate {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+/// Text of campaign.json with what is needed to say where something stands in it.
+class Source {
+ public:
+  Source(fs::path path, std::string text) : path_(std::move(path)), text_(std::move(text)) {}
+
+  const std::string& text() const { return text_; }
+  std::string at(std::size_t byte) const {
+    byte = std::min(byte, text_.size());
+    const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(byte), '\n');
+    const std::size_t begin = byte == 0 ? std::string::npos : text_.rfind('\n', byte - 1);
+    const std::size_t column = begin == std::string::npos ? byte + 1 : byte - begin;
+    return path_.string() + ":" + std::to_string(line) + ":" + std::to_string(column);
+  }
+  /// Where `key` stands behind the first mention of `anchor` (both as JSON strings); the file when not found.
+  std::string find(const std::string& anchor, const std::string& key) const {
+    std::size_t from = anchor.empty() ? 0 : text_.find("\"" + anchor + "\"");
+    if (from == std::string::npos) return path_.string();
+    const std::size_t open = text_.rfind('{', from);
+    if (open != std::string::npos && !anchor.empty()) from = open;
+    const std::size_t found = text_.find("\"" + key + "\"", from);
+    return found == std::string::npos ? path_.string() : at(found);
+  }
+
+ private:
+  fs::path path_;
+  std::string text_;
+};
+
+/// One JSON object whose members are read by name and type.
+class Members {
+ public:
+  Members(const Json& object, const Source& source, std::string anchor)
+      : object_(object), source_(source), anchor_(std::move(anchor)) {}
+
+  template <class Store>
+  Result<void> number(const char* key, Store&& store) const {
+    const auto it = object_.find(key);
+    if (it == object_.end() || it->is_null()) return {};
+    if (!it->is_number()) return wrong(key, "must be a number");
+    store(it->template get<double>());
+    return {};
+  }
+  Result<void> text(const char* key, std::string& out) const {
+    const auto it = object_.find(key);
+    if (it == object_.end() || it->is_null()) return {};
+    if (!it->is_string()) return wrong(key, "must be a text");
+    out = printable_utf8(it->get_ref<const std::string&>());
+    return {};
+  }
+  /// A name or a whole number.
+  Result<void> label(const char* key, std::string& out) const {
+    const auto it = object_.find(key);
+    if (it == object_.end() || it->is_null()) return {};
+    if (it->is_number_integer()) {
+      out = it->dump();
+      return {};
+    }
+    if (!it->is_string()) return wrong(key, "must be a name or a whole number");
+    return text(key, out);
+  }
+  Result<void> flag(const char* key, std::optional<bool>& out) const {
+    const auto it = object_.find(key);
+    if (it == object_.end() || it->is_null()) return {};
+    if (!it->is_boolean()) return wrong(key, "must be true or false");
+    out = it->get<bool>();
+    return {};
+  }
+  Result<void> range(const char* key, double& low, double& high) const {
+    const auto it = object_.find(key);
+    if (it == object_.end() || it->is_null()) return {};
+    if (!it->is_array() || it->size() != 2 || !(*it)[0].is_number() || !(*it)[1].is_number())
+      return wrong(key, "must be two numbers, [lowest, highest]");
+    low = (*it)[0].get<double>();
+    high = (*it)[1].get<double>();
+    if (!(low < high)) return wrong(key, "must ascend");
+    return {};
+  }
+  Unexpected wrong(const char* key, const std::string& what, std::string hint = {}) const {
+    return fail(ErrorCode::parse, "\"" + std::string(key) + "\" " + what, source_.find(anchor_, key),
+                std::move(hint));
+  }
+
+ private:
+  const Json& object_;
+  const Source& source_;
+  std::string anchor_;
+};
+
+Result<BenchFacts> bench_of(const Json& object, const Source& source) {
+  BenchFacts bench;
+  const Members m(object, source, "bench");
+  const auto into = [](double& out) { return [&out](double v) { out = v; }; };
+  FORCEGATE_CHECK_OK(m.number("spring_N_per_mm", into(bench.spring_N_per_mm)));
+  FORCEGATE_CHECK_OK(m.number("reference_resolution_N", into(bench.reference_resolution_N)));
+  FORCEGATE_CHECK_OK(m.number("reference_noise_N", into(bench.reference_noise_N)));
+  FORCEGATE_CHECK_OK(m.range("voltage_range_V", bench.voltage_min_V, bench.voltage_max_V));
+  FORCEGATE_CHECK_OK(m.range("force_range_N", bench.force_min_N, bench.force_max_N));
+  FORCEGATE_CHECK_OK(m.text("law", bench.law));
+  std::optional<double> bits;
+  FORCEGATE_CHECK_OK(m.number("adc_bits", [&](double v) { bits = v; }));
+  if (bits && !(*bits >= 1 && *bits <= 32 && *bits == std::floor(*bits)))
+    return m.wrong("adc_bits", "must be a whole number between 1 and 32", "leave it out when it is not known");
+  bench.adc_bits = static_cast<int>(bits.value_or(0.0));
+  if (bench.reference_noise_N < 0.0) return m.wrong("reference_noise_N", "must not be negative", "it is a standard deviation; leave it out when it is not known");
+  if (bench.reference_resolution_N < 0.0) return m.wrong("reference_resolution_N", "must not be negative", "leave it out when it is not known");
+  if (bench.spring_N_per_mm <= 0.0) return m.wrong("spring_N_per_mm", "must be above 0", "leave it out when it is not known");
+  return bench;
+}
+
+Result<Record> facts_of(const Json& object, const Source& source, const std::string& file) {
+  Record record;
+  record.name = fs::path(file).stem().string();
+  const Members m(object, source, file);
+  const auto into = [](std::optional<double>& out) { return [&out](double v) { out = v; }; };
+  FORCEGATE_CHECK_OK(m.text("kind", record.kind));
+  FORCEGATE_CHECK_OK(m.number("fs_Hz", into(record.rate_Hz)));
+  FORCEGATE_CHECK_OK(m.number("start_s", into(record.start_s)));
+  FORCEGATE_CHECK_OK(m.number("rest_before_s", into(record.rest_before_s)));
+  FORCEGATE_CHECK_OK(m.number("excitation_start_s", into(record.excitation_start_s)));
+  FORCEGATE_CHECK_OK(m.number("f_min_Hz", into(record.f_min_Hz)));
+  FORCEGATE_CHECK_OK(m.number("A_N", into(record.A_N)));
+  FORCEGATE_CHECK_OK(m.number("m_N", into(record.m_N)));
+  FORCEGATE_CHECK_OK(m.number("drive_V", into(record.drive_V)));
+  FORCEGATE_CHECK_OK(m.number("eccentricity_mm", into(record.eccentricity_mm)));
+  FORCEGATE_CHECK_OK(m.number("preload_mm", into(record.preload_mm)));
+  for (const char* key : {"temperature_C", "temp_C"}) FORCEGATE_CHECK_OK(m.number(key, into(record.temp_C)));
+  for (const char* key : {"rh_pct", "RH_pct", "humidity_pct"}) FORCEGATE_CHECK_OK(m.number(key, into(record.humidity_pct)));
+  FORCEGATE_CHECK_OK(m.flag("dynamic", record.dynamic));
+  FORCEGATE_CHECK_OK(m.label("mounting", record.mounting));
+  for (const auto& [key, value] : {std::pair{"fs_Hz", record.rate_Hz}, std::pair{"f_min_Hz", record.f_min_Hz}})
+    if (value && !(*value > 0.0)) return m.wrong(key, "must be above 0");
+  for (const auto& [key, value] : {std::pair{"rest_before_s", record.rest_before_s}, std::pair{"A_N", record.A_N}})
+    if (value && *value < 0.0) return m.wrong(key, "must not be negative");
+  std::string role;
+  FORCEGATE_CHECK_OK(m.text("role", role));
+  if (!role.empty()) {
+    if (role != "fit" && role != "heldout")
+      return m.wrong("role", "is \"" + role + "\"", "say \"fit\" or \"heldout\"");
+    record.role = role == "heldout" ? RecordRole::heldout : RecordRole::fit;
+    record.role_given = true;
+  }
+  return record;
+}
+
+Result<DescribedRecord> record_of(const Json& object, const Source& source, const Members& campaign, std::size_t number) {
+  if (!object.is_object() || !object.contains("file") || !object["file"].is_string())
+    return campaign.wrong("records", "has no \"file\" in record " + std::to_string(number), "name the CSV or HDF5 file of the record");
+  DescribedRecord out;
+  out.file = object["file"].get<std::string>();
+  out.where = source.find(out.file, "file");
+  FORCEGATE_TRY(out.facts, facts_of(object, source, out.file));
+  return out;
+}
+
+}  // namespace
+
+Result<CampaignDescription> read_description(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream)
+    return fail(ErrorCode::io, "campaign.json cannot be opened", file.string(), "check its permissions");
+  std::ostringstream buffer;
+  buffer << stream.rdbuf();
+  const Source source(file, std::move(buffer).str());
+
+  Json json;
+  try {
+    json = Json::parse(source.text(), nullptr, true, true);
+  } catch (const Json::parse_error& e) {
+    const std::string what = e.what();
+    const std::size_t reason = what.find(": ", what.find("column"));
+    return fail(ErrorCode::parse,
+                "campaign.json is not valid JSON: " +
+                    printable_utf8(reason == std::string::npos ? what : what.substr(reason + 2)),
+                source.at(e.byte > 0 ? e.byte - 1 : 0), "mend the file at this place");
+  } catch (const Json::exception& e) {
+    return fail(ErrorCode::parse, "campaign.json cannot be read: " + printable_utf8(e.what()), file.string());
+  }
+  if (!json.is_object())
+    return fail(ErrorCode::parse, "campaign.json must be one object { ... }", source.at(0),
+                "see docs/campaign.md");
+
+  CampaignDescription out;
+  out.name = fs::absolute(file).parent_path().filename().string();
+  const Members m(json, source, "");
+  FORCEGATE_CHECK_OK(m.text("campaign", out.name));
+  FORCEGATE_CHECK_OK(m.text("sensor", out.sensor));
+  if (const auto bench = json.find("bench"); bench != json.end() && !bench->is_null()) {
+    if (!bench->is_object()) return m.wrong("bench", "must be an object");
+    FORCEGATE_TRY(out.bench, bench_of(*bench, source));
+  }
+  const auto records = json.find("records");
+  if (records == json.end() || records->is_null()) return out;
+  if (!records->is_array() || records->empty())
+    return m.wrong("records", "must be a list of at least one record", "{\"file\": \"run1.csv\"} is enough for one");
+  out.records.emplace();
+  for (std::size_t i = 0; i < records->size(); ++i) {
+    FORCEGATE_TRY(DescribedRecord record, record_of((*records)[i], source, m, i + 1));
+    out.records->push_back(std::move(record));
+  }
+  return out;
+}
+
+}  // namespace forcegate

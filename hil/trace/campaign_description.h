@@ -1,0 +1,29 @@
+#pragma once
+// campaign.json: what it says of the bench and of each record, before any sample is read.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/trace/campaign.h"
+
+namespace forcegate {
+
+struct DescribedRecord {
+  Record facts;       ///< without samples
+  std::string file;   ///< as written, relative to the folder of campaign.json
+  std::string where;  ///< place in campaign.json
+};
+
+struct CampaignDescription {
+  std::string name, sensor;
+  BenchFacts bench;
+  std::optional<std::vector<DescribedRecord>> records;  ///< nothing when campaign.json lists none
+};
+
+/// Errors name file, line and column. io: the file cannot be opened; parse: no JSON, a value of the wrong type, or one that no instrument
+/// has (a negative noise, a converter without bits).
+Result<CampaignDescription> read_description(const std::filesystem::path& file);
+
+}  // namespace forcegate

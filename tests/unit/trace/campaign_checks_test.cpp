@@ -1,0 +1,165 @@
+// What read_campaign does about records that cannot be what they are said to be, and about channels of two rates.
+
+#include "hil/trace/campaign_checks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+namespace forcegate {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+class CheckedCampaign : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) / ("forcegate_checks_" + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  void put(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name, std::ios::binary) << text; }
+  // 200 rows at 10 Hz; `row` writes what stands behind the time
+  void put_rows(const std::string& name, const std::string& header, const std::function<std::string(int)>& row) const {
+    std::string text = header + "\n";
+    for (int i = 0; i < 200; ++i) text += std::to_string(0.1 * i) + "," + row(i) + "\n";
+    put(name, text);
+  }
+  void put_wave(const std::string& name, double phase) const {
+    put_rows(name, "t_s,F_ref_N,U_V", [&](int i) { return std::to_string(force(i, phase)) + "," + std::to_string(2.0 * force(i, phase)); });
+  }
+  static double force(int i, double phase) { return 2.0 + std::sin(0.1 * i + phase); }
+  Campaign read(const CampaignOptions& options = {}) const {
+    auto campaign = read_campaign(folder_, options);
+    EXPECT_TRUE(campaign) << (campaign ? "" : campaign.error().to_text());
+    return campaign ? std::move(*campaign) : Campaign{};
+  }
+  std::string refusal() const {
+    const auto campaign = read_campaign(folder_);
+    EXPECT_FALSE(campaign);
+    return campaign ? "" : campaign.error().to_text();
+  }
+  fs::path folder_;
+};
+
+TEST_F(CheckedCampaign, TakesACopyOnce) {
+  put_wave("a.csv", 0.0);
+  put_wave("b.csv", 1.0);
+  put_wave("c.csv", 0.0);
+  const Campaign folder = read();
+  ASSERT_EQ(folder.records.size(), 2u);
+  EXPECT_THAT(folder.notes, Contains(HasSubstr("c repeats a sample by sample")));
+  put("campaign.json", R"({"records": [{"file": "a.csv"}, {"file": "b.csv"}, {"file": "a.csv", "role": "heldout"}]})");
+  const Campaign listed = read();
+  ASSERT_EQ(listed.records.size(), 2u);
+  EXPECT_EQ(listed.records[0].role, RecordRole::fit);
+  EXPECT_THAT(listed.notes, Contains(HasSubstr("cannot be fitted and held out at once")));
+}
+
+TEST_F(CheckedCampaign, KeepsRecordsThatRestAtTheSameCode) {
+  for (const char* name : {"a.csv", "b.csv"}) put_rows(name, "t_s,F_ref_N,U_V", [](int) { return "1,2"; });
+  EXPECT_EQ(read().records.size(), 2u);
+}
+
+TEST_F(CheckedCampaign, NotesThatEveryRecordIsHeldOut) {
+  put_wave("a.csv", 0.0);
+  put_wave("b.csv", 1.0);
+  put("campaign.json", R"({"records": [{"file": "a.csv", "role": "heldout"}, {"file": "b.csv", "role": "heldout"}]})");
+  EXPECT_THAT(read().notes, Contains(HasSubstr("every record is held out")));
+  put("campaign.json", R"({"records": [{"file": "a.csv"}, {"file": "b.csv", "role": "heldout"}]})");
+  EXPECT_THAT(read().notes, Not(Contains(HasSubstr("every record is held out"))));
+}
+
+TEST_F(CheckedCampaign, RefusesABenchThatCannotBe) {
+  put_wave("a.csv", 0.0);
+  for (const auto& [bench, says] : {std::pair{R"("adc_bits": 0)", "between 1 and 32"}, std::pair{R"("adc_bits": 11.5)", "between 1 and 32"},
+                                    std::pair{R"("reference_noise_N": -0.5)", "must not be negative"},
+                                    std::pair{R"("reference_resolution_N": -1)", "must not be negative"},
+                                    std::pair{R"("spring_N_per_mm": 0)", "must be above 0"}}) {
+    put("campaign.json", std::string("{\"bench\": {") + bench + "}, \"records\": [{\"file\": \"a.csv\"}]}");
+    EXPECT_THAT(refusal(), HasSubstr(says)) << bench;
+  }
+}
+
+TEST_F(CheckedCampaign, NotesSamplesFarBeyondTheDeclaredRange) {
+  put_wave("a.csv", 0.0);  // 1 to 3 N, 2 to 6 V
+  put("campaign.json", R"({"bench": {"voltage_range_V": [0, 3.3], "force_range_N": [0, 5]}, "records": [{"file": "a.csv"}]})");
+  const Campaign campaign = read();
+  EXPECT_THAT(campaign.notes, Contains(HasSubstr("beyond the declared voltage_range_V [0, 3.3]")));
+  EXPECT_THAT(campaign.notes, Not(Contains(HasSubstr("force_range_N"))));
+}
+
+TEST_F(CheckedCampaign, DoesNotUseStartTimesThatOverlap) {
+  put_wave("a.csv", 0.0);
+  put_wave("b.csv", 1.0);
+  put("campaign.json", R"({"records": [{"file": "a.csv", "start_s": 0}, {"file": "b.csv", "start_s": 0}]})");
+  const Campaign overlapping = read();
+  EXPECT_FALSE(overlapping.records[0].start_s || overlapping.records[1].start_s);
+  EXPECT_THAT(overlapping.notes, Contains(HasSubstr("one sensor cannot be in two records")));
+  put("campaign.json", R"({"records": [{"file": "a.csv", "start_s": 0}, {"file": "b.csv", "start_s": -1000}]})");
+  const Campaign before = read();
+  EXPECT_EQ(before.records[1].start_s, -1000.0) << "a clock may begin anywhere";
+}
+
+TEST_F(CheckedCampaign, ReadsASlowChannelAtItsOwnSamples) {
+  put_rows("a.csv", "t_s,F_ref_N,U_V", [](int i) { return (i % 4 == 0 ? std::to_string(force(i, 0.0)) : "") + "," + std::to_string(i); });
+  const Campaign campaign = read();
+  const Trace& trace = campaign.records.front().trace;
+  ASSERT_EQ(trace.size(), 50u);
+  EXPECT_NEAR(trace.time_bases.front().nominal_rate_Hz, 2.5, 1e-9);
+  EXPECT_EQ(trace.find("U")->value[3], 12.0);
+  EXPECT_NEAR(trace.find("F_ref")->value[3], force(12, 0.0), 1e-5);
+  EXPECT_THAT(campaign.notes, Contains(HasSubstr("F_ref has a sample in every 4th row only")));
+}
+
+TEST_F(CheckedCampaign, BringsChannelsThatNeverShareARowToOneClock) {
+  put_rows("a.csv", "t_s,F_ref_N,U_V", [](int i) { return i % 2 == 0 ? std::to_string(0.1 * i) + "," : "," + std::to_string(0.2 * i); });
+  const Campaign campaign = read();
+  const Trace& trace = campaign.records.front().trace;
+  ASSERT_EQ(trace.size(), 100u);
+  for (std::size_t i = 1; i + 1 < trace.size(); ++i) EXPECT_NEAR(trace.find("U")->value[i], 2.0 * trace.find("F_ref")->value[i], 1e-5) << i;
+  EXPECT_THAT(campaign.notes, Contains(HasSubstr("straight lines")));
+}
+
+TEST_F(CheckedCampaign, LeavesLostSamplesMissing) {
+  put_rows("a.csv", "t_s,F_ref_N,U_V", [](int i) { return std::to_string(force(i, 0.0)) + "," + (i > 60 && i < 140 ? "" : std::to_string(i)); });
+  const Campaign campaign = read();
+  EXPECT_EQ(campaign.records.front().trace.size(), 200u) << "a sensor that was off for a while has no slower clock";
+}
+
+TEST_F(CheckedCampaign, ReadsAResistanceAsConductanceWhereThatIsStraighter) {
+  put_rows("a.csv", "t_s,F_ref_N,R_kohm", [](int i) { return std::to_string(force(i, 0.0)) + "," + std::to_string(100.0 / force(i, 0.0)); });
+  const Campaign campaign = read();
+  const Channel& U = *campaign.records.front().trace.find("U");
+  EXPECT_EQ(U.unit, "S");
+  EXPECT_NEAR(U.value[7], 1e-5 * force(7, 0.0), 1e-10);
+  EXPECT_THAT(campaign.notes, Contains(HasSubstr("conductance 1/R")));
+  CampaignOptions options;
+  options.column_map["R_kohm"] = "U_ohm";
+  EXPECT_EQ(read(options).records.front().trace.find("U")->unit, "ohm") << "whoever names it means it";
+}
+
+TEST_F(CheckedCampaign, KeepsAResistanceThatFollowsTheForceItself) {
+  put_rows("a.csv", "t_s,F_ref_N,R_ohm", [](int i) { return std::to_string(force(i, 0.0)) + "," + std::to_string(100.0 + 60.0 * force(i, 0.0)); });
+  EXPECT_EQ(read().records.front().trace.find("U")->unit, "ohm");
+}
+
+TEST_F(CheckedCampaign, NotesColumnsThatNothingReads) {
+  put_rows("a.csv", "t_s,F_ref_N,U_V,level_mm", [](int i) { return std::to_string(force(i, 0.0)) + ",2,3"; });
+  EXPECT_THAT(read().notes, Contains("a: not used: level_m"));
+  CampaignOptions options;
+  options.column_map["level_mm"] = "unused";
+  EXPECT_THAT(read(options).notes, Not(Contains(HasSubstr("not used"))));
+}
+
+}  // namespace
+}  // namespace forcegate
