@@ -141,7 +141,7 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   add_records(w, base, base, out);
   const auto sd = [&](int k) { return std::sqrt(base.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  add_pictures(w, Search{}, residual, out);
+  if (options.pictures) add_pictures(w, Search{}, base, options.threads, out);
   return out;
 }
 
@@ -202,12 +202,13 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   add_null_scores(w, search, options.threads, out);
   if (w.has_rig && search.rig.base.valid) add_ranking(w.input, w.rig, search.rig, search.rig_rules, out);
   if (w.has_command && search.drive.base.valid) add_ranking(w.input, w.command, search.drive, search.drive_rules, out);
+  state_probabilities(out);
   if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_refused(search, out);
   suspect_refused(out);
-  if (options.pictures) add_pictures(w, search, rest.of_claimed, out);
+  if (options.pictures) add_pictures(w, search, selection.claimed, options.threads, out);
   return out;
 }
 
