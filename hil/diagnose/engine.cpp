@@ -202,12 +202,12 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   add_null_scores(w, search, options.threads, out);
   if (w.has_rig && search.rig.base.valid) add_ranking(w.input, w.rig, search.rig, search.rig_rules, out);
   if (w.has_command && search.drive.base.valid) add_ranking(w.input, w.command, search.drive, search.drive_rules, out);
-  state_probabilities(out);
   if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_refused(search, out);
   suspect_refused(out);
+  state_probabilities(out);
   if (options.pictures) add_pictures(w, search, selection.claimed, options.threads, out);
   return out;
 }

@@ -58,7 +58,9 @@ TEST(EvidencePages, EveryClaimOfADiagnosisHasItsPicturesAndSpectraShowBeforeAndA
   // one probability for one effect, wherever it stands
   for (const Json& f : answer["findings"])
     for (const Json& ranked : answer["ranking"])
-      if (ranked["effect"] == f["effect"]) EXPECT_EQ(ranked["probability"], f["probability"]) << f["effect"];
+      if (ranked["effect"] == f["effect"]) {
+        EXPECT_EQ(ranked["probability"], f["probability"]) << f["effect"];
+      }
   EXPECT_EQ(answer["format"], 1);
   EXPECT_EQ(answer["schema"], 1) << "what scripts read before";
   EXPECT_THAT(read_text(folder / "pictures/spectrum_1.svg"), AllOf(HasSubstr("residual before"), HasSubstr(">after<")));

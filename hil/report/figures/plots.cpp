@@ -21,7 +21,8 @@ Figure waterfall(const std::string& title, const std::string& start, const std::
   double last = first;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const WaterfallStep& s = steps[i];
-    const double change = (s.after - s.before) * scale.factor;
+    constexpr double kNone = 1e-4;  // of the first error: rounding of the fit
+    const double change = std::abs(s.after - s.before) < kNone * std::abs(first) ? 0.0 : (s.after - s.before) * scale.factor;
     const bool hollow = !s.claimed || (s.u > 0.0 && std::abs(s.after - s.before) <= 2.0 * s.u);
     const std::string text =
         s.u > 0.0 ? typographic_minus(with_uncertainty(change, s.u * scale.factor)) : display(change, 3);
@@ -153,6 +154,7 @@ void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<dou
 }
 
 Scaled readable_unit(double magnitude, const std::string& unit) {
+  if (unit == "1") return {100.0, "%"};
   const bool prefixable = unit == "V" || unit == "N" || unit == "s" || unit == "F";
   const double size = std::abs(magnitude);
   if (!prefixable || !std::isfinite(size) || size >= 0.2 || size == 0.0) return {1.0, unit};

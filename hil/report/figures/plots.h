@@ -40,7 +40,7 @@ void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<
 /// apart, and more than `least`. x of one sign of step; fewer than four samples stay as they are.
 void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<double>*> y, double least = 0.0);
 
-/// Value with two or three digits and the SI prefix that makes it readable: 0.0123 V -> {12.3, "mV"}.
+/// Value with two or three digits and the SI prefix that makes it readable: 0.0123 V -> {12.3, "mV"}; a ratio, unit "1", in percent.
 struct Scaled {
   double factor = 1.0;
   std::string unit;
