@@ -25,13 +25,6 @@ bool is_an_end(const std::string& command) {
          command.ends_with(" --help");
 }
 
-// "" where the last line is another one; no opener is started by a test.
-std::string file_to_look_at(const ProcessResult& r) {
-  for (const std::string head : {"\nlook at: ", "\nnext: xdg-open "})
-    if (const std::size_t at = r.out.rfind(head); at != std::string::npos) return r.out.substr(at + head.size(), r.out.find('\n', at + 1) - at - head.size());
-  return {};
-}
-
 // All commands of the chain, the last one included; that one is run too.
 std::vector<std::string> chain(std::string command, const TemporaryFolder& folder) {
   std::vector<std::string> out;
