@@ -59,6 +59,7 @@ Result<Comparison> compare_request(const CampaignRequest& request, bool pictures
   FORCEGATE_TRY(out.as_written, as_written(model, campaign, request.threads));
   diagnose::EngineOptions options = engine_options(model, request.threads);
   options.search = false;
+  options.pictures = pictures;
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), options));
   out.view = diagnose::compare_workspace(*w, options);
   if (pictures) out.pictures = record_pictures(*w, model);

@@ -50,7 +50,8 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPicture
     return drift;
   }
   FORCEGATE_CHECK_OK(check_channels(campaign));
-  const diagnose::EngineOptions options = engine_options(model, request.threads);
+  diagnose::EngineOptions options = engine_options(model, request.threads);
+  options.pictures = pictures != nullptr;
   FORCEGATE_TRY(diagnose::Diagnosed found, diagnose::diagnose_campaign_in(std::move(campaign), options));
   found.diagnosis.next_experiment = diagnose::propose_experiment(*found.workspace, found.diagnosis);
   if (pictures != nullptr) {
@@ -114,6 +115,10 @@ std::string diagnosis_text(const Diagnosis& d) {
   if (const auto F = d.errors.find("F"); F != d.errors.end())
     out += fmt::format("reference against the rig's law: {} -> {} mN\n", plain_number(1e3 * F->second.before),
                        plain_number(1e3 * F->second.after));
+  constexpr double kHardlyAny = 0.05;
+  if (d.expected_false > kHardlyAny)
+    out += fmt::format("with the signs of what is left turned over by chance, {:.2g} effects pass the threshold: what ranks without a claim may be a leftover\n",
+                       d.expected_false);
   if (!d.maps.empty() && d.maps.front().share > 0.02)
     out += fmt::format("where it fails most: {} ({:.0f} % of the residual's variance)\n",
                        d.maps.front().sentence, 100.0 * d.maps.front().share);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/plain_number.h"
@@ -34,14 +35,16 @@ std::string waterfall_text(const diagnose::Waterfall& w) {
   const auto number = [&](double v) { return plain_number(unit.factor * v); };
   std::string out = fmt::format("  {:<22} {:>8} {}\n", "base law", number(w.start), unit.name);
   const double full = std::max(w.start, 1e-12);
+  // below a ten thousandth of the error a change is rounding of the fit, in whatever digits it comes
+  constexpr double kNone = 1e-4;
+  const auto change = [&](double fall) { return std::abs(fall) < kNone * full ? std::string("0") : fmt::format("{:+.3g}", -unit.factor * fall); };
   for (const auto& bar : w.bars) {
     const auto length = static_cast<std::size_t>(std::clamp(40.0 * bar.as_added / full, 0.0, 40.0));
     std::string picture;
     for (std::size_t k = 0; k < length; ++k) picture += bar.hollow ? "o" : "#";
     out +=
-        fmt::format("  {:<22} {:>+8.3g} {}  {:<40} over all orders {:+.3g} [{:+.3g}, {:+.3g}]\n", bar.effect,
-                    -unit.factor * bar.as_added, unit.name, picture, -unit.factor * bar.average,
-                    -unit.factor * bar.high, -unit.factor * bar.low);
+        fmt::format("  {:<22} {:>8} {}  {:<40} over all orders {} [{}, {}]\n", bar.effect, change(bar.as_added), unit.name, picture,
+                    change(bar.average), change(bar.high), change(bar.low));
   }
   out += fmt::format("  {:<22} {:>8} {}\n  {:<22} {:>8} {}\n", "what is left", number(w.end), unit.name, "floor",
                      number(w.floor), unit.name);

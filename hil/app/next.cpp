@@ -65,10 +65,13 @@ std::string next_text(const Diagnosis& d) {
   return out;
 }
 
-std::string next_json(const NextExperiment& n) {
-  Diagnosis d;
-  d.next_experiment = n;
+std::string next_json(const Diagnosis& d) {
   nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_json(d))["next_experiment"];
+  if (d.next_experiment.segments.empty()) {
+    std::string sentence = without_segments(d);
+    while (sentence.ends_with('\n')) sentence.pop_back();
+    out["sentence"] = sentence;
+  }
   out["format"] = 1;
   return out.dump(2) + "\n";
 }

@@ -6,6 +6,6 @@
 namespace forcegate {
 
 std::string next_text(const Diagnosis& diagnosis);
-std::string next_json(const NextExperiment& next);
+std::string next_json(const Diagnosis& diagnosis);
 
 }  // namespace forcegate

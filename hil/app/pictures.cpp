@@ -18,7 +18,7 @@ Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, co
   if (!d.findings.empty()) FORCEGATE_CHECK_OK(put("waterfall", diagnosis_waterfall(d)));
   if (!d.records.empty()) FORCEGATE_CHECK_OK(put("records", record_error_figure(d)));
   if (!d.maps.empty()) FORCEGATE_CHECK_OK(put("map_before", residual_map_figure(d, false)));
-  if (!d.maps_after.empty()) FORCEGATE_CHECK_OK(put("map_after", residual_map_figure(d, true)));
+  if (has_after(d)) FORCEGATE_CHECK_OK(put("map_after", residual_map_figure(d, true)));
   for (const Finding& f : d.findings) {
     if (f.probability < 0.5) continue;
     int number = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hil/app/write_file.h"
+#include "hil/base/plain_number.h"
 #include "hil/model/rows.h"
 
 namespace forcegate {
@@ -12,11 +13,13 @@ namespace forcegate {
 Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(const Campaign campaign, load_campaign(request));
+  const Channel* output = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("U");
   FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "");
   Simulation out;
+  if (output != nullptr && (output->quantity == "ratio" || (!output->unit.empty() && output->unit != "1"))) out.unit = output->unit;
   for (RecordInput& r : input.records) {
     set_decay(r, model.law);
     FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
@@ -35,9 +38,18 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
     }
     const auto file = folder / (r.name + ".csv");
     FORCEGATE_CHECK_OK(write_file_atomically(file, text));
-    out.items.push_back({r.name, file, r.rows(),
+    out.items.push_back({r.name, file, r.rows(), r.row_step_s, r.fast_t_s.size() > r.rows(),
                          std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, counted)))});
   }
+  return out;
+}
+
+std::string simulation_text(const Simulation& s) {
+  const PrintedUnit unit = printed_unit(s.unit);
+  std::string out;
+  for (const Simulation::Item& item : s.items)
+    out += fmt::format("{}: {} rows{}, model against measurement {} {} RMS\n", item.file.string(), item.rows,
+                       item.is_thinned ? fmt::format(" (means of {:.3g} ms)", 1e3 * item.row_s) : "", plain_number(unit.factor * item.rmse_V), unit.name);
   return out;
 }
 

@@ -10,12 +10,17 @@ struct Simulation {
     std::string record;
     std::filesystem::path file;
     std::size_t rows = 0;
+    double row_s = 0.0;      ///< length of a row's mean
+    bool is_thinned = false;  ///< a row is the mean of several samples
     double rmse_V = 0.0;  ///< against the measured output
   };
   std::vector<Item> items;
+  std::string unit = "V";  ///< of the measured output
 };
 
 /// Columns t_s, F_ref_N, U_V (measured), U_model_V on the rows (at most 50 a second).
 Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder);
+
+std::string simulation_text(const Simulation& simulation);
 
 }  // namespace forcegate

@@ -13,7 +13,7 @@ inline std::string plain_number(double value) {
   return std::fabs(value) >= 999.5 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
 }
 
-/// How people read an error in the unit of its column: volts and newtons in thousandths, siemens and amperes in millionths,
+/// How people read an error in the unit of its column: volts and newtons in thousandths, siemens and amperes in millionths, ratios in percent,
 /// counts and ohms as they are.
 struct PrintedUnit {
   double factor = 1.0;
@@ -22,6 +22,7 @@ struct PrintedUnit {
 inline PrintedUnit printed_unit(const std::string& unit) {
   if (unit == "V" || unit == "N") return {1e3, "m" + unit};
   if (unit == "S" || unit == "A") return {1e6, "u" + unit};
+  if (unit == "1") return {1e2, "%"};
   return {1.0, unit};
 }
 

@@ -39,6 +39,13 @@ Unexpected not_a_number(const Command& command, std::string_view name, std::stri
               "forcegate " + command.name, "give " + range);
 }
 
+// A number it is, but none that the option takes.
+template <class T>
+Unexpected outside(const Command& command, std::string_view name, std::string_view text, T low, T high) {
+  return fail(ErrorCode::usage, fmt::format("{} is {}, outside of {} to {}", shown(command, name), text, shortest(low), shortest(high)),
+              "forcegate " + command.name, fmt::format("give a number from {} to {}", shortest(low), shortest(high)));
+}
+
 }  // namespace
 
 std::vector<Option> joined(std::initializer_list<std::vector<Option>> lists) {
@@ -96,7 +103,9 @@ std::vector<std::string> Invocation::texts(std::string_view name) const {
 Result<double> Invocation::number(std::string_view name, double low, double high) const {
   const std::string written = text(name);
   double value = 0.0;
-  if (!parse_whole(written, value) || !std::isfinite(value) || value < low || value > high)
+  const bool is_number = parse_whole(written, value) && std::isfinite(value);
+  if (is_number && (value < low || value > high)) return outside(*command_, name, written, low, high);
+  if (!is_number)
     return not_a_number(*command_, name, written, "a number",
                         fmt::format("a decimal number from {} to {}", shortest(low), shortest(high)));
   return value;
@@ -105,7 +114,9 @@ Result<double> Invocation::number(std::string_view name, double low, double high
 Result<std::int64_t> Invocation::integer(std::string_view name, std::int64_t low, std::int64_t high) const {
   const std::string written = text(name);
   std::int64_t value = 0;
-  if (!parse_whole(written, value) || value < low || value > high)
+  const bool is_number = parse_whole(written, value);
+  if (is_number && (value < low || value > high)) return outside(*command_, name, written, static_cast<double>(low), static_cast<double>(high));
+  if (!is_number)
     return not_a_number(*command_, name, written, "a whole number",
                         fmt::format("a whole number from {} to {}", low, high));
   return value;

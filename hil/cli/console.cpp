@@ -13,6 +13,7 @@
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
 #include "hil/cli/interrupt.h"
+#include "hil/cli/parse.h"
 
 namespace forcegate {
 namespace {
@@ -56,6 +57,23 @@ std::string duration_text(double seconds) {
   if (s < 100) return fmt::format("{} s", s);
   if (s < 6000) return fmt::format("{} min {:02} s", s / 60, s % 60);
   return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
+}
+
+bool is_program(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  for (const std::string& folder : split(path == nullptr ? "" : path, ':'))
+    if (!folder.empty() && ::access((folder + "/" + name).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+// What opens a file as a double click would. On Linux `open` may be another program.
+std::string opener() {
+#ifdef __APPLE__
+  const std::string program = "open";
+#else
+  const std::string program = "xdg-open";
+#endif
+  return is_program(program) ? program : "";
 }
 
 }  // namespace
@@ -118,6 +136,12 @@ void Console::notes(const std::vector<std::string>& notes) {
 void Console::next(std::string_view what) {
   if (options_.json || options_.quiet) return;
   print(paint(Paint::dim, "next: " + std::string(what)));
+}
+
+void Console::look_at(const std::string& file) {
+  if (options_.json || options_.quiet) return;
+  if (const std::string program = opener(); !program.empty()) return next(program + " " + shell_quoted(file));
+  print(paint(Paint::dim, "look at: " + file));
 }
 
 void Console::error(const Error& error) {

@@ -43,6 +43,8 @@ class Console {
   void notes(const std::vector<std::string>& notes);
   /// Last line: what to do next ("next: forcegate check build/run"). Silent with --quiet or --json.
   void next(std::string_view what);
+  /// A file made for people to look at: the command that opens it where this machine has one (xdg-open, open), else its name.
+  void look_at(const std::string& file);
   /// The error as text on stderr, or as {"error": {...}} on stdout with --json.
   void error(const Error& error);
 

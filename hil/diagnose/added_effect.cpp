@@ -67,7 +67,7 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   out.maps_after = residual_maps(w, w.output, left, before.threads);
   const auto sd = [&](int k) { return std::sqrt(selection.claimed.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  add_pictures(w, search, left, out);
+  add_pictures(w, search, selection.claimed, before.threads, out);
   return out;
 }
 

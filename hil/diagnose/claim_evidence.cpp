@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "hil/diagnose/load_direction.h"
 #include "hil/diagnose/residual_map.h"
 
 namespace forcegate::diagnose {
@@ -167,6 +168,7 @@ EvidenceSeries residual_series(const Chosen& c, std::size_t k, const std::string
   const RecordInput& r = c.record(k);
   const std::vector<std::size_t>& rows = c.channel.rows[k].row;
   const std::vector<double> x = axis(r, rows, x_name), before = residual_rows(c.channel, fits.without)[k], after = residual_rows(c.channel, fits.with)[k];
+  const std::vector<double> direction = load_direction(r, c.w.input.range_N);
   EvidenceSeries s;
   s.record = r.name;
   s.x_name = x_name;
@@ -175,11 +177,10 @@ EvidenceSeries residual_series(const Chosen& c, std::size_t k, const std::string
   s.title = c.axes.residual + " against " + x_name + ", coloured by direction";
   const std::size_t stride = std::max<std::size_t>(1, rows.size() / kPoints);
   for (std::size_t j = 0; j < rows.size(); j += stride) {
-    const double rate = r.rate_N_per_s[rows[j]];
     s.x.push_back(x[j]);
     s.before.push_back(before[j]);
     s.after.push_back(after[j]);
-    s.colour.push_back(rate > 0.0 ? 1.0 : rate < 0.0 ? -1.0 : 0.0);
+    s.colour.push_back(direction[rows[j]]);
   }
   return s;
 }

@@ -144,7 +144,7 @@ Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
   add_records(w, base, base, out);
   const auto sd = [&](int k) { return std::sqrt(base.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  add_pictures(w, Search{}, residual, out);
+  if (options.pictures) add_pictures(w, Search{}, base, options.threads, out);
   return out;
 }
 
@@ -212,7 +212,8 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_refused(search, out);
   suspect_refused(out);
-  if (options.pictures) add_pictures(w, search, rest.of_claimed, out);
+  state_probabilities(out);
+  if (options.pictures) add_pictures(w, search, selection.claimed, options.threads, out);
   return out;
 }
 

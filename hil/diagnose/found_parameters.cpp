@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/diagnose/physical_parameters.h"
+#include "hil/diagnose/rail_voltage.h"
 #include "hil/diagnose/shape_covariance.h"
 
 namespace forcegate::diagnose {
@@ -27,6 +28,8 @@ std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, cons
     p.u /= std::abs(gain);
   }
   if (!out.empty()) return out;
+  if (chosen.kind->name == "clipping")
+    if (auto rail = rail_voltage(campaign, channel, chosen)) out.push_back(std::move(*rail));
   for (const int v : variants) {
     const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
     const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];

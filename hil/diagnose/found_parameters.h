@@ -9,7 +9,7 @@
 namespace forcegate::diagnose {
 
 /// The physical ones where the family has them (hil/diagnose/physical_parameters.h); else shapes and strengths of all forms of the
-/// finding. The uncertainty of each includes that of the others (hil/diagnose/shape_covariance.h). `gain`: of the finding's fit over that
+/// finding, for clipping behind the voltage of the rail (hil/diagnose/rail_voltage.h). The uncertainty of each includes that of the others (hil/diagnose/shape_covariance.h). `gain`: of the finding's fit over that
 /// which the columns were made with; strengths are shares of the former.
 std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen, double gain);
 

@@ -76,7 +76,9 @@ void leave_out_after_gaps(RecordInput& input, std::vector<std::string>& notes) {
   for (std::size_t i = 1; i < input.rows(); ++i) {
     const double gap_s = input.t_s[i] - input.t_s[i - 1];
     if (!follows_hole(input, i, std::max(kLong_s, kSteps * input.row_step_s))) continue;
-    longest_s = std::max(longest_s, gap_s);
+    // rows are means: the samples at the two edges tell how long it was
+    const bool sampled = input.fast_t_s.size() > input.row_begin[i] && input.row_begin[i] > 0;
+    longest_s = std::max(longest_s, sampled ? input.fast_t_s[input.row_begin[i]] - input.fast_t_s[input.row_begin[i] - 1] : gap_s);
     const double until_s = input.t_s[i] + std::min(gap_s, kMostOfRecord * input.duration_s);
     for (std::size_t k = i; k < input.rows() && input.t_s[k] < until_s; ++k) input.ok[k] = 0;
   }
@@ -160,7 +162,8 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   w.input.generic = single && campaign.records.front().kind.empty();
   w.input.notes = campaign.notes;
   const Channel* output = campaign.records.front().trace.find("U");
-  if (output != nullptr && !output->unit.empty() && output->unit != "1") w.unit = output->unit;
+  const bool is_ratio = output != nullptr && output->quantity == "ratio";
+  if (output != nullptr && !output->unit.empty() && (is_ratio || output->unit != "1")) w.unit = output->unit;
   w.scales = health_scales(campaign);
 
   struct Prepared {

@@ -81,6 +81,11 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
                    [](const RankedEffect& a, const RankedEffect& b) { return a.score > b.score; });
 }
 
+void state_probabilities(Diagnosis& out) {
+  for (RankedEffect& r : out.ranking)
+    if (const auto f = std::ranges::find(out.findings, r.effect, &Finding::effect); f != out.findings.end()) r.probability = f->probability;
+}
+
 void tell_visible_from(Diagnosis& out) {
   // one that two channels ask about shows where the better of them sees it
   std::vector<std::pair<std::string, double>> from;

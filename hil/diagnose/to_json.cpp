@@ -73,7 +73,8 @@ Json map_json(const ResidualMap& m) {
 
 std::string to_json(const Diagnosis& d) {
   Json out;
-  out["schema"] = 1;
+  out["format"] = 1;
+  out["schema"] = 1;  // what `format` was called first
   out["campaign"] = d.campaign;
   out["model"] = d.model;
   out["verdict"] = to_string(d.verdict);

@@ -1,5 +1,7 @@
 #include "hil/report/diagnosis_figures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -52,6 +54,29 @@ std::string capitalised(std::string text) {
   return text;
 }
 std::string shown_unit(const std::string& unit) { return unit == "degC" ? "\u00b0C" : unit; }
+
+// Cells hold equal shares of the rows, so that a coordinate which mostly stands still has nearly all of them at one place.
+void spread_crowded(const std::vector<MapCell>& cells, Axis& axis) {
+  constexpr double kNear = 0.02, kCrowded = 0.4;  // of the range; of the gaps
+  std::vector<double> x;
+  for (const MapCell& c : cells)
+    if (c.n > 0) x.push_back(c.x);
+  std::ranges::sort(x);
+  if (x.size() < 5 || !(x.back() > x.front())) return;
+  std::size_t near = 0;
+  for (std::size_t i = 1; i < x.size(); ++i) near += x[i] - x[i - 1] < kNear * (x.back() - x.front()) ? 1 : 0;
+  if (static_cast<double>(near) < kCrowded * static_cast<double>(x.size() - 1)) return;
+  if (spans_decades(x)) {
+    axis.scale = Scale::logarithmic;
+    return;
+  }
+  constexpr double kLeast = 1e-4;  // of the largest: nearer to zero is none
+  std::vector<double> size;
+  for (const double v : x) size.push_back(std::abs(v));
+  std::ranges::sort(size);
+  axis.scale = Scale::symmetric_log;
+  axis.linear_within = std::max(0.5 * size[size.size() / 2], kLeast * size.back());
+}
 
 // "force while unloading, 0.5 to 4 N": a row of the map has a range and a unit of its own.
 std::string named_range(const ResidualMap& m) {
@@ -124,7 +149,7 @@ Figure ranking_figure(const Diagnosis& d) {
   share.points(alone, y, {Role::firmware, Dash::solid, 1.0, Marker::ring, 6.0}, "alone");
   share.points(unique, y, {Role::model, Dash::solid, 1.0, Marker::dot, 6.0}, "only it");
   figure.summary = "First: " + d.ranking.front().effect + ", probability " +
-                   display(d.ranking.front().probability, 2) +
+                   fmt::format("{:.2f}", d.ranking.front().probability) +
                    "; right of the dotted line is a claim. A wide gap between ring and dot means that "
                    "another effect explains the same data.";
   return figure;
@@ -143,23 +168,38 @@ Figure record_error_figure(const Diagnosis& d) {
   return figure;
 }
 
+bool has_after(const Diagnosis& d) {
+  constexpr double kSame = 1e-6;  // of the largest mean
+  for (const ResidualMap& after : d.maps_after) {
+    const auto before = std::ranges::find(d.maps, after.coordinate, &ResidualMap::coordinate);
+    if (before == d.maps.end() || before->cells.size() != after.cells.size()) return true;
+    double most = 0.0, apart = 0.0;
+    for (std::size_t i = 0; i < after.cells.size(); ++i) {
+      most = std::max(most, std::abs(before->cells[i].mean));
+      apart = std::max(apart, std::abs(before->cells[i].mean - after.cells[i].mean));
+    }
+    if (apart > kSame * most) return true;
+  }
+  return false;
+}
+
 Figure residual_map_figure(const Diagnosis& d, bool after) {
   const std::vector<ResidualMap>& maps = after ? d.maps_after : d.maps;
-  Figure figure(after ? "Residual map after" : "Residual map before", kMapWidth);
+  Figure figure(after ? "Residual map after" : has_after(d) ? "Residual map before" : "Residual map", kMapWidth);
+  constexpr std::size_t kMostRows = 12;
   std::size_t columns = 0;
   double most = 0.0;
-  std::vector<const ResidualMap*> rows;
-  for (const ResidualMap& m : maps) {
-    if (m.cells.empty() || rows.size() == 12) continue;
-    rows.push_back(&m);
-    columns = std::max(columns, m.cells.size());
+  // both pictures have the same rows in one order, that of the first
+  std::vector<const ResidualMap*> rows, by_share;
+  for (const ResidualMap& m : d.maps) {
+    if (rows.size() == kMostRows) break;
+    const auto at = std::ranges::find(maps, m.coordinate, &ResidualMap::coordinate);
+    if (at == maps.end() || at->cells.empty()) continue;
+    rows.push_back(&*at);
+    columns = std::max(columns, at->cells.size());
   }
-  // the rows of both pictures in one order, that of the first
-  const auto place = [&](const ResidualMap* m) {
-    return std::ranges::find(d.maps, m->coordinate, &ResidualMap::coordinate) - d.maps.begin();
-  };
-  const std::vector<const ResidualMap*> by_share = rows;
-  std::stable_sort(rows.begin(), rows.end(), [&](const ResidualMap* x, const ResidualMap* y) { return place(x) < place(y); });
+  for (const ResidualMap& m : maps)
+    if (std::ranges::find(rows, &m) != rows.end()) by_share.push_back(&m);
   for (const std::vector<ResidualMap>* all : {&d.maps, &d.maps_after})
     for (const ResidualMap& m : *all)
       for (const MapCell& c : m.cells)
@@ -210,7 +250,10 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
   const Scaled scale = readable_unit(most, residual_unit);
   const bool logarithm = before.unit == "log10 s";  // of 1 + t
   Axis x_axis{capitalised(before.coordinate), shown_unit(before.unit)};
-  if (logarithm) x_axis = {"1 s + " + before.coordinate, "s", kAuto, kAuto, Scale::logarithmic};
+  if (logarithm)
+    x_axis = {"1 s + " + before.coordinate, "s", kAuto, kAuto, Scale::logarithmic};
+  else
+    spread_crowded(before.cells, x_axis);
   Panel& panel = figure.panel(x_axis, {"Residual", scale.unit}, 150.0);
   panel.hline(0.0);
   const auto add = [&](const ResidualMap& map, Style style, const std::string& label) {
@@ -226,7 +269,7 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
     panel.points(x, y, style, label, U);
     if (!thin_x.empty()) panel.points(thin_x, thin_y, {Role::muted, Dash::solid, 1.0, Marker::cross, 5.0});
   };
-  add(before, {Role::firmware, Dash::solid, 1.0, Marker::ring, 5.0}, "before");
+  add(before, {Role::firmware, Dash::solid, 1.0, Marker::ring, 5.0}, after != nullptr ? "before" : "");
   if (after != nullptr) add(*after, {Role::model, Dash::dashed, 1.0, Marker::dot, 5.0}, "after");
   figure.summary = before.sentence;
   return figure;
@@ -269,29 +312,6 @@ Figure sample_figure(const SampleWindow& w) {
   if (!w.named.empty()) panel.points(w.named_t_s, scaled(w.named, scale.factor), {Role::firmware, Dash::solid, 1.0, Marker::ring, 5.0}, "named");
   figure.summary = w.named.empty() ? capitalised(w.quantity) + " as recorded and " + w.beside_name + "."
                                    : std::to_string(w.named.size()) + " samples of this cut are named; the dashed line is the " + w.quantity + " " + w.beside_name + ".";
-  return figure;
-}
-
-Figure record_overlay_figure(const EvidenceSeries& s) {
-  Figure figure("Measured and modelled output, record " + s.record, kWidth);
-  figure.share_x = true;
-  const Axis along{s.x_name.empty() ? "Time" : capitalised(s.x_name), shown_unit(s.x_unit)};
-  Panel& panel = figure.panel(along, {"Output", s.y_unit}, 120.0);
-  panel.show_x_labels = false;
-  std::vector<double> x = s.x, measured = s.before, modelled = s.after;
-  break_at_gaps(x, {&measured, &modelled});
-  panel.line(x, measured, {Role::reference}, "measured").line(x, modelled, {Role::model, Dash::dashed, 1.4}, "model");
-  std::vector<double> residual;
-  for (std::size_t i = 0; i < std::min(measured.size(), modelled.size()); ++i)
-    residual.push_back(measured[i] - modelled[i]);
-  double most = 0.0;
-  for (const double r : residual)
-    if (std::isfinite(r)) most = std::max(most, std::abs(r));
-  const Scaled scale = readable_unit(most, s.y_unit);
-  Panel& below = figure.panel(along, {"Measured \u2212 model", scale.unit}, 70.0);
-  below.y_axis.symmetric = true;
-  below.line(x, scaled(residual, scale.factor), {Role::firmware, Dash::solid, 1.0}).hline(0.0);
-  figure.summary = "Largest departure " + display(most * scale.factor, 3) + " " + scale.unit + ".";
   return figure;
 }
 

@@ -21,12 +21,16 @@ std::string error_title(JudgedBy judged_by);
 /// Held-out error of every record before and after, with its noise.
 figures::Figure record_error_figure(const Diagnosis& diagnosis);
 
+/// Whether anything entered the model: false where the maps after are those before, or there are none.
+bool has_after(const Diagnosis& diagnosis);
+
 /// Heat map of the residual, one row a coordinate, cells from its low to its high end; hatched where fewer
-/// than three blocks stand behind the mean. `after` uses Diagnosis::maps_after; both pictures share the
+/// than three blocks stand behind the mean. `after` uses Diagnosis::maps_after; both pictures share rows and
 /// colours.
 figures::Figure residual_map_figure(const Diagnosis& diagnosis, bool after);
 
-/// Cell means with U (k = 2) against one coordinate, before and, where there is one, after.
+/// Cell means with U (k = 2) against one coordinate, before and, where there is one, after. Logarithmic, or logarithmic beyond a linear
+/// middle, where many cells of few units stand beside few of many.
 figures::Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
                                   const std::string& residual_unit);
 
@@ -35,8 +39,5 @@ figures::Figure evidence_figure(const EvidenceSeries& series);
 
 /// Samples as recorded beside what they should be, those that a claim names marked.
 figures::Figure sample_figure(const SampleWindow& window);
-
-/// Measured and modelled output of one record over time, residual below.
-figures::Figure record_overlay_figure(const EvidenceSeries& series);
 
 }  // namespace forcegate

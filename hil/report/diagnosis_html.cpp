@@ -12,6 +12,7 @@
 #include "hil/report/finding_side.h"
 #include "hil/report/figures/text.h"
 #include "hil/report/html_page.h"
+#include "hil/report/overlay_figure.h"
 
 namespace forcegate {
 namespace {
@@ -146,15 +147,16 @@ std::string where(const Diagnosis& d) {
       out += "<li>" + figures::typographic_minus(escape(m.sentence)) + " (share of the residual's variance " +
              display(100.0 * m.share, 2) + " %)</li>";
   if (said == 0) out += "<li>No coordinate predicts the residual on rows that it was not made from.</li>";
-  out += "</ul>\n<div class=\"figs\">" + picture(residual_map_figure(d, false), "Before.");
-  if (!d.maps_after.empty()) out += picture(residual_map_figure(d, true), "After, same colours.");
+  const bool changed = has_after(d);
+  out += "</ul>\n<div class=\"figs\">" + picture(residual_map_figure(d, false), changed ? "Before." : d.maps_after.empty() ? "" : "Nothing entered the model: before and after are one.");
+  if (changed) out += picture(residual_map_figure(d, true), "After, same colours.");
   out += "</div>\n<div class=\"figs s\">";
   std::size_t drawn = 0;
   for (const ResidualMap& m : d.maps) {
     if (drawn++ == kMostMaps) break;
     const auto after = std::find_if(d.maps_after.begin(), d.maps_after.end(),
                                     [&](const ResidualMap& a) { return a.coordinate == m.coordinate; });
-    out += picture(coordinate_figure(m, after == d.maps_after.end() ? nullptr : &*after, d.unit),
+    out += picture(coordinate_figure(m, !changed || after == d.maps_after.end() ? nullptr : &*after, d.unit),
                    "Whiskers are U, k = 2.");
   }
   return out + "</div></section>\n";
@@ -197,23 +199,29 @@ std::string records(const Diagnosis& d) {
   const bool no_input = !(d.force_range_N > 0.0);
   const bool any_heldout = std::ranges::any_of(d.records, &RecordError::heldout);
   const std::string role = any_heldout ? "fitted" : d.judged_by == JudgedBy::whole ? "fitted as a whole" : d.records.size() > 1 ? "left out in turn" : no_input ? "in tenths" : "in blocks";
+  const PrintedUnit unit = printed_unit(d.unit);
+  const auto shown = [&](double error, int digits) { return cell(display(unit.factor * error, digits), true); };
+  const bool changed = std::ranges::any_of(d.records, [](const RecordError& r) { return r.before != r.after || r.plain_before != r.plain_after; });
+  const std::string caption = "RMS error of each record in " + unit.name +
+                              (no_input   ? " on tenths of it that were left out"
+                               : d.levels ? " (the decay of the record may follow the data, gain and offset are those of all)"
+                                          : " (gain, offset and decay of the record may follow the data)");
   std::string out = "<section id=\"records\"><h2>Records</h2>\n" + picture(record_error_figure(d)) +
-                    table_start("RMS error of each record in " + d.unit +
-                                    (no_input ? " on tenths of it that were left out" : d.levels ? " (the decay of the record may follow the data, gain and offset are those of all)"
-                                              : " (gain, offset and decay of the record may follow the data)"),
-                                {"Record", "Kind", "Role", "#Before", "#After", "#Plain before",
-                                 "#Plain after", "#Noise", "#Explainable / %"});
+                    (changed ? table_start(caption, {"Record", "Kind", "Role", "#Before", "#After", "#Plain before", "#Plain after", "#Noise", "#Explainable / %"})
+                             : table_start(caption, {"Record", "Kind", "Role", "#Error", "#Plain", "#Noise", "#Explainable / %"}));
   for (const RecordError& r : d.records)
-    out += "<tr>" + cell(escape(r.record)) + cell(escape(r.kind)) + cell(r.heldout ? "held out" : role) +
-           cell(display(r.before, 3), true) + cell(display(r.after, 3), true) +
-           cell(display(r.plain_before, 3), true) + cell(display(r.plain_after, 3), true) +
-           cell(display(r.floor, 2), true) + cell(display(std::round(100.0 * r.explainable), 3), true) +
-           "</tr>\n";
+    out += "<tr>" + cell(escape(r.record)) + cell(escape(r.kind)) + cell(r.heldout ? "held out" : role) + shown(r.before, 3) +
+           (changed ? shown(r.after, 3) : "") + shown(r.plain_before, 3) + (changed ? shown(r.plain_after, 3) : "") + shown(r.floor, 2) +
+           cell(display(std::round(100.0 * r.explainable), 3), true) + "</tr>\n";
   out += kTableEnd;
   if (!d.overlays.empty()) {
     out += "<details><summary>Measured and modelled output of the records</summary><div class=\"figs\">";
-    for (std::size_t i = 0; i < std::min(kMostOverlays, d.overlays.size()); ++i)
-      out += picture(record_overlay_figure(d.overlays[i]), "Record " + d.overlays[i].record + ".");
+    std::size_t drawn = 0;
+    for (std::size_t i = 0; i < d.overlays.size() && drawn++ < kMostOverlays; ++i) {
+      const EvidenceSeries& whole = d.overlays[i];
+      const bool followed = i + 1 < d.overlays.size() && d.overlays[i + 1].record == whole.record;
+      out += picture(record_overlay_figure(whole, followed ? &d.overlays[++i] : nullptr), "Record " + whole.record + ".");
+    }
     out += "</div></details>\n";
   }
   if (no_input) return out + "</section>\n";
@@ -265,12 +273,7 @@ std::string diagnosis_headline(const Diagnosis& d) {
   return out;
 }
 
-std::string diagnosis_html(const Diagnosis& diagnosis, const DiagnosisPage& page) {
-  Diagnosis d = diagnosis;
-  // a share among rivals is no probability: the ranking shows what stands above it
-  for (RankedEffect& r : d.ranking)
-    for (const Finding& f : d.findings)
-      if (f.effect == r.effect) r.probability = f.probability;
+std::string diagnosis_html(const Diagnosis& d, const DiagnosisPage& page) {
   HtmlPage html;
   html.title = page.lead ? page.lead->headline : (page.comparison ? "Comparison with " : "Diagnosis of ") + d.campaign;
   const std::string of_residual = looks(d, page.pictures);

@@ -69,7 +69,8 @@ Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
   panel.line(s.f_Hz, scaled(s.load, scale.factor), {Role::muted, Dash::solid, 1.0}, "modelled output");
   panel.line(s.f_Hz, scaled(s.residual, scale.factor), {Role::firmware, Dash::solid, 1.2}, s.after.empty() ? "residual" : "residual before");
   if (!s.after.empty()) panel.line(s.f_Hz, scaled(s.after, scale.factor), {Role::model, Dash::solid, 1.2}, "after");
-  if (s.noise > 0.0) panel.hline(s.noise * scale.factor, "noise", Role::muted, Dash::dotted);
+  if (s.noise > 0.0 && !s.f_Hz.empty())  // in the legend: a word beside the line would lie on the curve that it tells of
+    panel.line({s.f_Hz.front(), s.f_Hz.back()}, {s.noise * scale.factor, s.noise * scale.factor}, {Role::reference, Dash::dotted, 1.1}, "noise");
   constexpr double kLine = 4.0, kOfTheLoad = 2.0;
   std::size_t line = 0;
   double most = 0.0;
@@ -112,8 +113,9 @@ Figure extrema_figure(const ExtremaDecay& e, const std::string& unit) {
   };
   add(e.maxima, high, Role::rising, Marker::up, "maxima");
   add(e.minima, low, Role::falling, Marker::down, "minima");
-  figure.summary = both ? "What the law of the decay leaves at the turning points of the force, before and after the effects were taken in."
-                        : "What the law of the decay leaves at the turning points of the force.";
+  figure.summary = std::string("What one law of the decay leaves at the turning points of the force") +
+                   (both ? ", before and after the effects were taken in." : ".") +
+                   " The record has its own gain and zero here, but not its own decay, which the errors above let follow the data: they are smaller.";
   return figure;
 }
 

@@ -92,6 +92,7 @@ TEST(CommandLine, MissingAndSuperfluousArgumentsAreNamed) {
   EXPECT_THAT(forcegate({"version", "--json=1"}).err, HasSubstr("--json takes no value"));
   EXPECT_THAT(forcegate({"stimulus", "sine", "--rate", "1k"}).err,
               HasSubstr("--rate wants a number, not \"1k\""));
+  EXPECT_THAT(forcegate({"mystery", "--minutes", "-3", "m"}).err, HasSubstr("--minutes is -3, outside of 1 to 60"));
   for (const auto& arguments : std::vector<std::vector<std::string>>{{"convert", "a.csv"},
                                                                      {"version", "now"},
                                                                      {"stimulus", "sine", "--csv"},

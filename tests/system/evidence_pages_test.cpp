@@ -55,6 +55,14 @@ TEST(EvidencePages, EveryClaimOfADiagnosisHasItsPicturesAndSpectraShowBeforeAndA
     EXPECT_TRUE(fs::exists(folder / ("pictures/" + f["effect"].get<std::string>() + "_1.svg"))) << f["effect"];
   }
   EXPECT_EQ(claims, 2) << answer["findings"].dump(1);
+  // one probability for one effect, wherever it stands
+  for (const Json& f : answer["findings"])
+    for (const Json& ranked : answer["ranking"])
+      if (ranked["effect"] == f["effect"]) {
+        EXPECT_EQ(ranked["probability"], f["probability"]) << f["effect"];
+      }
+  EXPECT_EQ(answer["format"], 1);
+  EXPECT_EQ(answer["schema"], 1) << "what scripts read before";
   EXPECT_THAT(read_text(folder / "pictures/spectrum_1.svg"), AllOf(HasSubstr("residual before"), HasSubstr(">after<")));
   EXPECT_THAT(read_text(folder / "pictures/extrema_1.svg"), AllOf(HasSubstr("maxima before"), HasSubstr("maxima after")));
   EXPECT_THAT(read_text(folder / "two.html"), HasSubstr("which neither fit has seen"));

@@ -21,7 +21,7 @@ using ::testing::Not;
 using ::testing::StartsWith;
 
 bool is_an_end(const std::string& command) {
-  return command.starts_with("forcegate explain ") || command.starts_with("open ") || command.starts_with("ci/firmware ") ||
+  return command.starts_with("forcegate explain ") || command.starts_with("ci/firmware ") || command.starts_with("cc -std=c11 ") ||
          command.ends_with(" --help");
 }
 
@@ -32,10 +32,13 @@ std::vector<std::string> chain(std::string command, const TemporaryFolder& folde
   while (out.size() < 15) {
     out.push_back(command);
     EXPECT_TRUE(seen.insert(command).second) << "again: " << ::testing::PrintToString(out);
-    if (command.starts_with("open ")) break;
     const ProcessResult r = pasted(command, folder);
     EXPECT_EQ(r.exit_code, 0) << command << "\n" << r.out << r.err;
     if (r.exit_code != 0 || is_an_end(command)) break;
+    if (const std::string file = file_to_look_at(r); !file.empty()) {
+      EXPECT_NE(read_text(folder / file), "") << file;
+      break;
+    }
     command = next_of(r);
     EXPECT_NE(command, "") << out.back() << "\n" << r.out;
     if (command.empty()) break;
@@ -133,6 +136,57 @@ TEST(LastLines, ALawThatLacksATermIsAskedAgainWithIt) {
   ASSERT_GE(steps.size(), 3u);
   EXPECT_EQ(steps[1], "forcegate laws 'my table.csv' --of b --law f");
   EXPECT_EQ(steps[2], "forcegate plan campaign");
+}
+
+TEST(LastLines, AFileIsOpenedByWhatTheMachineHasOrNamed) {
+  const TemporaryFolder folder;
+  const std::string draw = FORCEGATE_BINARY_DIR "/forcegate stimulus sine f_Hz=0.5 A_N=1 m_N=2 --plot 'my sine.svg'";
+  EXPECT_THAT(pasted("env -i " + draw, folder).out, ::testing::EndsWith("\nlook at: my sine.svg\n"));
+  EXPECT_THAT(pasted("mkdir bin; cp /bin/true bin/xdg-open; env -i PATH=bin " + draw, folder).out, ::testing::EndsWith("\nnext: xdg-open 'my sine.svg'\n"));
+}
+
+TEST(LastLines, AHeaderOutsideTheSourceTreeIsCheckedAndThenCompiled) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("mkdir film", folder).exit_code, 0);
+  for (const char* record : {"film/a.csv", "film/b.csv", "film/c.csv"}) write_recording(folder / record, [](double, double F) { return 2.0 * F - 0.2; });
+  const std::vector<std::string> steps = chain("forcegate export flexiforce --fit film -o model.toml --c comp.h", folder);
+  ASSERT_EQ(steps.size(), 3u) << ::testing::PrintToString(steps);
+  EXPECT_THAT(steps[1], ::testing::EndsWith("--c comp.h --check film"));
+  EXPECT_THAT(steps[2], StartsWith("cc -std=c11 "));
+}
+
+TEST(Next, SaysInJsonWhyNothingIsToBeMeasured) {
+  const TemporaryFolder folder;
+  write_recording(folder / "straight.csv", [](double, double F) { return 2.0 * F - 0.2; });
+  const ProcessResult r = pasted("forcegate next straight.csv --json", folder), text = pasted("forcegate next straight.csv", folder);
+  const std::size_t at = r.out.find("\"sentence\": \"");
+  ASSERT_NE(at, std::string::npos) << r.out;
+  const std::string sentence = r.out.substr(at + 13, 20);
+  EXPECT_THAT(sentence, StartsWith("nothing competes")) << r.out;
+  EXPECT_THAT(text.out, StartsWith("nothing competes"));
+}
+
+TEST(Simulate, SaysThatItsRowsAreMeans) {
+  const TemporaryFolder folder;
+  write_recording(folder / "film.csv", [](double, double F) { return 2.0 * F - 0.2; });
+  const ProcessResult r = pasted("forcegate simulate film.csv -o out", folder);
+  EXPECT_THAT(r.out, HasSubstr("12000 rows (means of 20 ms), model against measurement ")) << r.out << r.err;
+}
+
+TEST(Diagnose, GivesErrorsOfAPercentageInPercentAndOneLengthOfAGap) {
+  const TemporaryFolder folder;
+  Noise noise;
+  std::string csv = "t_s,F_ref_N,U_pct\n";
+  for (int i = 0; i < 24000; ++i) {
+    const double t = 0.01 * i, F = 2.0 + 1.2 * std::sin(0.3 * t);
+    char row[64];
+    std::snprintf(row, sizeof row, "%.2f,%.5f,%.5f\n", t, F, 10.0 * F + 0.03 * noise());
+    if (t < 100.0 || t >= 108.0) csv += row;
+  }
+  write_text(folder / "pct.csv", csv);
+  const ProcessResult r = pasted("forcegate diagnose pct.csv --html p.html", folder);
+  EXPECT_THAT(r.out, AllOf(ContainsRegex("floor [.0-9]+ %"), Not(HasSubstr(" mV")), HasSubstr("the longest 8.01 s\n"), HasSubstr("(the longest 8.01 s)"))) << r.out << r.err;
+  EXPECT_THAT(read_text(folder / "p.html"), Not(HasSubstr(" mV")));
 }
 
 TEST(LastLines, ExplainLeadsOutOfItself) {

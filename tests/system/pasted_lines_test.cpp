@@ -30,6 +30,14 @@ class PastedLines : public ::testing::Test {
     EXPECT_THAT(line, AllOf(Not(::testing::IsEmpty()), Not(HasSubstr(" FILE")), Not(HasSubstr("FIRMWARE")), Not(HasSubstr("...")))) << r.out;
     return line;
   }
+  std::string looked_at(const std::string& command, int exit_code = 0) {
+    const ProcessResult r = pasted(command, folder);
+    EXPECT_EQ(r.exit_code, exit_code) << command << "\n" << r.out << r.err;
+    const std::string file = file_to_look_at(r);
+    EXPECT_NE(file, "") << r.out;
+    EXPECT_NE(read_text(folder / file), "") << file;
+    return file;
+  }
   std::string recording(const std::string& name) {
     std::string csv = "time_s,load_N,volts_V\n";
     for (int i = 0; i < 6000; ++i) {
@@ -50,7 +58,7 @@ TEST_F(PastedLines, TheListOfBenchesLeadsToTwinsThatAnswerAndToAGateOnThem) {
   EXPECT_THAT(doctor, AllOf(StartsWith("forcegate bench doctor /"), EndsWith(".toml")));
   const std::string gate = next(doctor);
   EXPECT_THAT(gate, AllOf(StartsWith("forcegate gate "), HasSubstr(" --rig "), EndsWith(" --plan twin")));
-  EXPECT_EQ(next(gate), "open forcegate-run/report.html");
+  EXPECT_EQ(looked_at(gate), "forcegate-run/report.html");
 }
 
 TEST_F(PastedLines, ABenchThatIsFreeOrWasJoggedIsAskedHowItIs) {
@@ -66,7 +74,7 @@ TEST_F(PastedLines, CalibratingGoesFromTheReferenceToASensorThatIsGatedWithIt) {
   EXPECT_EQ(line, "forcegate bench calibrate " + twin_ + " sensor -o sensor.toml");
   line = next(line);
   EXPECT_THAT(line, AllOf(StartsWith("forcegate gate "), EndsWith(" --plan twin --cal sensor.toml")));
-  EXPECT_THAT(next(line), StartsWith("open "));
+  EXPECT_THAT(looked_at(line), EndsWith("/report.html"));
 }
 
 TEST_F(PastedLines, ARealBenchIsNeverToldToMoveByItself) {
@@ -78,7 +86,7 @@ TEST_F(PastedLines, ARealBenchIsNeverToldToMoveByItself) {
 TEST_F(PastedLines, OneFaultIsShownByTheGateThatHasIt) {
   const std::string line = next("forcegate bench faults " + native_ + " --fault sensor_unplugged");
   EXPECT_EQ(line, "forcegate gate " + native_ + " --plan faults --fault sensor_unplugged=50 -o faulty");
-  EXPECT_EQ(next(line, 4), "open faulty/report.html");
+  EXPECT_EQ(looked_at(line, 4), "faulty/report.html");
 }
 
 TEST_F(PastedLines, ARecordingIsDiagnosedWhereItsColumnsAreKnown) {
@@ -93,7 +101,7 @@ TEST_F(PastedLines, AStoredRunIsCheckedAndItsPageMade) {
   ASSERT_EQ(pasted("forcegate gate " + native_ + " --plan selfcheck -o 'my run'", folder).exit_code, 0);
   const std::string line = next("forcegate check 'my run'");
   EXPECT_EQ(line, "forcegate report 'my run' --format html -o 'my run.html'");
-  EXPECT_EQ(next(line), "open 'my run.html'");
+  EXPECT_EQ(looked_at(line), "my run.html");
   const std::string other = next("forcegate check 'my run' --plan selfcheck");
   EXPECT_EQ(other, "forcegate check 'my run' --plan selfcheck -o judged.json");
   EXPECT_EQ(next(other), "forcegate report judged.json --format html -o judged.html");
@@ -112,7 +120,7 @@ TEST_F(PastedLines, WhatIsDerivedIsKeptLookedAtAndBlessedWithTheReasonThatWasGiv
 TEST_F(PastedLines, ARigThatRepeatsGivesLimitsThatTheGateTakes) {
   const std::string line = next("forcegate bench repeatability " + native_ + " --count 5 -o limits.toml");
   EXPECT_EQ(line, "forcegate gate " + native_ + " --plan selfcheck --limits limits.toml");
-  EXPECT_THAT(next_of(pasted(line, folder)), StartsWith("open "));
+  EXPECT_THAT(file_to_look_at(pasted(line, folder)), EndsWith("/report.html"));
   EXPECT_EQ(next("forcegate bench selfcheck " + native_), "forcegate gate " + native_);
 }
 

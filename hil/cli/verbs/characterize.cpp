@@ -75,7 +75,7 @@ Result<int> run_weights(const Invocation& in, const CharacterizeRequest& request
   if (inside) text += "; every figure that has a window lies in it";
   console.print(text);
   console.print_json(weight_json(made->study, s, false));
-  if (!request.output.empty()) console.next("open " + (request.output / "sheet-capacitance.html").string());
+  if (!request.output.empty()) console.look_at((request.output / "sheet-capacitance.html").string());
   return kExitSuccess;
 }
 
@@ -147,7 +147,7 @@ Result<int> run(const Invocation& in) {
   console.print(text);
   console.print_json(study_json(made->studies, made->plan, false));
   if (!request.output.empty())
-    console.next("open " + (request.output / ("sheet-" + made->studies.front().sensor + ".html")).string());
+    console.look_at((request.output / ("sheet-" + made->studies.front().sensor + ".html")).string());
   return kept ? kExitSuccess : kExitReject;
 }
 

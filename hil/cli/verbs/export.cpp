@@ -9,11 +9,14 @@
 namespace forcegate {
 namespace {
 
-// The firmware around the header is built by a script of the source tree.
-std::string line_that_builds(const std::filesystem::path& header) {
+// The firmware around the header is built by a script of the source tree. Elsewhere the header is first held against recordings, and then
+// compiled as the firmware will compile it.
+std::string line_after(const Invocation& in, const std::filesystem::path& header) {
+  const std::string file = shell_quoted(header.string());
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file("ci/firmware", ignored)) return "forcegate gate --help";
-  return "ci/firmware " + shell_quoted(header.string()) + " mine";
+  if (std::filesystem::is_regular_file("ci/firmware", ignored)) return "ci/firmware " + file + " mine";
+  if (in.given("fit") && !in.given("check")) return in.command_line() + " --check " + shell_quoted(in.text("fit"));
+  return "cc -std=c11 -Wall -fsyntax-only -x c " + file;
 }
 
 Result<int> run(const Invocation& in) {
@@ -40,7 +43,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const ExportResult answer, export_model(request));
   in.console().print(export_text(answer));
   in.console().print_json(export_json(answer));
-  in.console().next(answer.header.empty() ? in.command_line() + " --c comp.h" : line_that_builds(answer.header));
+  in.console().next(answer.header.empty() ? in.command_line() + " --c comp.h" : line_after(in, answer.header));
   return kExitSuccess;
 }
 

@@ -84,7 +84,7 @@ Result<int> run(const Invocation& in) {
   if (const ReporterKind* json = Registry<ReporterKind>::instance().find("json"))
     console.print_json(json->render(*made));
   if (made->decision.exit_code != kExitInterrupted)
-    console.next("open " + (request.output / "report.html").string());
+    console.look_at((request.output / "report.html").string());
   return made->decision.exit_code;
 }
 

@@ -52,7 +52,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const Diagnosis diagnosis, diagnose_request(request));
   const NextExperiment& answer = diagnosis.next_experiment;
   in.console().print(next_text(diagnosis));
-  in.console().print_json(next_json(answer));
+  in.console().print_json(next_json(diagnosis));
   if (answer.segments.empty()) {
     in.console().next(line_after_diagnosis(
         in, diagnosis, {.campaign = in.text("CAMPAIGN"), .model = named_model(in), .experiment = true}));

@@ -25,7 +25,7 @@ Result<int> run(const Invocation& in) {
       {"bytes",
        answer.text.size()}}.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   if (in.given("output") && request.format == "html")
-    in.console().next("open " + shell_quoted(in.text("output")));
+    in.console().look_at(in.text("output"));
   return kExitSuccess;
 }
 

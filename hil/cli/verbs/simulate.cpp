@@ -12,10 +12,9 @@ namespace {
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
   FORCEGATE_TRY(const Simulation answer, simulate_request(request, in.text("output")));
+  in.console().print(simulation_text(answer));
   std::string json = "{\"format\": 1, \"records\": [";
   for (const auto& item : answer.items) {
-    in.console().print(fmt::format("{}: {} rows, model against measurement {:.3g} mV RMS", item.file.string(),
-                                   item.rows, 1e3 * item.rmse_V));
     json += fmt::format("{}{{\"record\": \"{}\", \"rows\": {}, \"rmse_V\": {:.9g}}}",
                         json.back() == '[' ? "" : ", ", item.record, item.rows, item.rmse_V);
   }
@@ -28,7 +27,8 @@ const Registration<Command> kRow{Command{
     .name = "simulate",
     .group = "Diagnosis",
     .summary = "let a model answer to the forces of a campaign",
-    .description = "Writes one CSV per record with time, force, measured output and the model's output.",
+    .description = "Writes one CSV per record with time, force, measured output and the model's output, on rows of which at most 50 come in a "
+                   "second: faster samples are means over 20 ms.",
     .positionals = {campaign_positional()},
     .options = joined(
         {{{.name = "output", .value_name = "DIR", .doc = "Folder to write.", .required = true, .letter = 'o'},

@@ -94,7 +94,7 @@ Result<int> run(const Invocation& in) {
       {"plot",
        in.text("plot")}}.dump(2));
   if (in.given("plot"))
-    console.next("open " + shell_quoted(in.text("plot")));
+    console.look_at(in.text("plot"));
   else
     console.next(in.command_line() + " --plot " + shell_quoted(spec.name + ".svg"));
   return kExitSuccess;

@@ -48,7 +48,9 @@ struct DrawTexts {
         out += text_element(area.left + x, area.top + area.y(b.position) + 4.0, b.text, Anchor::left,
                             role_class(Role::reference));
       } else {
-        const double end = down ? area.y(b.value - u) + 13.0 : area.y(b.value + u) - 5.0;
+        // below the end of a bar that hangs, unless the names of the bars stand there
+        const double below = area.y(b.value - u) + 13.0;
+        const double end = down && below < area.height - 2.0 ? below : area.y(down ? b.base : b.value + u) - 5.0;
         out += text_element(area.left + area.x(b.position), area.top + end, b.text, Anchor::middle,
                             role_class(Role::reference));
       }

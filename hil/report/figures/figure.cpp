@@ -27,10 +27,14 @@ std::vector<Tick> axis_ticks(const Axis& axis, Range range, double length_px, do
   }
   const int target = std::max(2, static_cast<int>(length_px / spacing_px));
   if (axis.scale == Scale::logarithmic) return logarithmic_ticks(range.low, range.high, target);
+  if (axis.scale == Scale::symmetric_log) return symmetric_log_ticks(range.low, range.high, axis.linear_within, 2 * target);
   ticks = linear_ticks(range.low, range.high, target);
   if (ticks.size() < 3 && length_px / (target + 1) > 20.0)
     for (int more = 1; more <= target && ticks.size() < 3; ++more)
       ticks = linear_ticks(range.low, range.high, target + more);
+  // one label is no scale, and zero alone says nothing of the size
+  constexpr int kMost = 10;
+  for (int more = target + 1; more <= kMost && ticks.size() < 2; ++more) ticks = linear_ticks(range.low, range.high, more);
   return ticks;
 }
 
@@ -269,8 +273,8 @@ std::string Figure::svg(Target target) const {
                    y + header,
                    width,
                    cell.panel->height_px,
-                   Mapping{cell.range.x, cell.panel->x_axis.scale, width, false},
-                   Mapping{cell.range.y, cell.panel->y_axis.scale, cell.panel->height_px, true}};
+                   Mapping{cell.range.x, cell.panel->x_axis.scale, width, false, cell.panel->x_axis.linear_within},
+                   Mapping{cell.range.y, cell.panel->y_axis.scale, cell.panel->height_px, true, cell.panel->y_axis.linear_within}};
       body += headers[i - row * n_columns] + draw_axes(cell);
       const std::string w = coordinate(width), h = coordinate(cell.area.height);
       body += "<svg x=\"" + coordinate(left) + "\" y=\"" + coordinate(cell.area.top) + "\" width=\"" + w +

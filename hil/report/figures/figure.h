@@ -26,7 +26,8 @@ namespace forcegate::figures {
 
 inline constexpr double kAuto = std::numeric_limits<double>::quiet_NaN();
 
-enum class Scale { linear, logarithmic };
+/// symmetric_log: asinh(v / Axis::linear_within), linear about zero and logarithmic beyond, for either sign.
+enum class Scale { linear, logarithmic, symmetric_log };
 enum class Dash { solid, dashed, dotted };
 enum class Marker { none, dot, ring, square, up, down, cross };
 
@@ -38,6 +39,7 @@ struct Axis {
   Scale scale = Scale::linear;
   bool include_zero = false;
   bool symmetric = false;  ///< low = -high
+  double linear_within = 1.0;  ///< of a symmetric_log axis, > 0
   /// Non-empty: positions 0, 1, 2 ... carry these words instead of numbers.
   std::vector<std::string> categories{};
 };

@@ -75,10 +75,13 @@ Range finish_range(const Axis& axis, Range data, double margin) {
       const double half = data.high == 0.0 ? 1.0 : 0.1 * std::abs(data.high);
       data = {data.low - half, data.high + half};
     }
-    const double pad = margin * (data.high - data.low);
+    const bool bent = axis.scale == Scale::symmetric_log;
+    const auto position = [&](double v) { return bent ? std::asinh(v / axis.linear_within) : v; };
+    const auto value = [&](double at) { return bent ? axis.linear_within * std::sinh(at) : at; };
+    const double pad = margin * (position(data.high) - position(data.low));
     const bool zero_edge_low = axis.include_zero && data.low == 0.0,
                zero_edge_high = axis.include_zero && data.high == 0.0;
-    data = {zero_edge_low ? 0.0 : data.low - pad, zero_edge_high ? 0.0 : data.high + pad};
+    data = {zero_edge_low ? 0.0 : value(position(data.low) - pad), zero_edge_high ? 0.0 : value(position(data.high) + pad)};
   }
   if (axis.symmetric) {
     const double reach = std::max(std::abs(data.low), std::abs(data.high));

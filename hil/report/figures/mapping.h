@@ -35,11 +35,15 @@ struct Mapping {
   Scale scale = Scale::linear;
   double length = 0.0;
   bool inverted = false;
+  double linear_within = 1.0;  ///< of a symmetric_log scale
 
   double operator()(double v) const {
     double f;
     if (scale == Scale::logarithmic)
       f = v > 0.0 ? std::log(v / range.low) / std::log(range.high / range.low) : (std::isnan(v) ? v : -10.0);
+    else if (scale == Scale::symmetric_log)
+      f = (std::asinh(v / linear_within) - std::asinh(range.low / linear_within)) /
+          (std::asinh(range.high / linear_within) - std::asinh(range.low / linear_within));
     else
       f = (v - range.low) / (range.high - range.low);
     return std::isnan(f)

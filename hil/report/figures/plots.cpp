@@ -21,7 +21,8 @@ Figure waterfall(const std::string& title, const std::string& start, const std::
   double last = first;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const WaterfallStep& s = steps[i];
-    const double change = (s.after - s.before) * scale.factor;
+    constexpr double kNone = 1e-4;  // of the first error: rounding of the fit
+    const double change = std::abs(s.after - s.before) < kNone * std::abs(first) ? 0.0 : (s.after - s.before) * scale.factor;
     const bool hollow = !s.claimed || (s.u > 0.0 && std::abs(s.after - s.before) <= 2.0 * s.u);
     const std::string text =
         s.u > 0.0 ? typographic_minus(with_uncertainty(change, s.u * scale.factor)) : display(change, 3);
@@ -69,6 +70,10 @@ Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter
     panel.line({before.back(), after.back()}, {y.back(), y.back()}, {Role::muted, Dash::solid, 1.0});
   }
   panel.points(floors, y, {Role::muted, Dash::solid, 1.0, Marker::square, 4.0}, "noise");
+  if (before == after) {
+    panel.points(before, y, {Role::firmware, Dash::solid, 1.0, Marker::dot, 6.0}, "error");
+    return figure;
+  }
   panel.points(before, y, {Role::firmware, Dash::solid, 1.0, Marker::ring, 6.0}, "before");
   panel.points(after, y, {Role::model, Dash::solid, 1.0, Marker::dot, 6.5}, "after");
   return figure;
@@ -92,47 +97,40 @@ void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<
   if (!std::isfinite(x_low) || !(x_high > x_low) || !(y_high > y_low)) return;
   panel.y_axis.low = y_low;
   panel.y_axis.high = y_high;
-  if (n <= kMostMarks || panel.x_axis.scale == Scale::logarithmic) {
-    std::vector<double> ux, uy, dx, dy;
-    for (std::size_t i = 0; i < n; ++i) {
-      const bool up = !split || direction[i] > 0.0;
-      (up ? ux : dx).push_back(x[i]);
-      (up ? uy : dy).push_back(y[i]);
+  struct Side {
+    double sign;
+    Role role;
+    Marker marker;
+    const char *label, *block;
+  };
+  std::vector<Side> sides = {{1.0, Role::rising, Marker::up, "rising", "\u25b2 rising"},
+                             {-1.0, Role::falling, Marker::down, "falling", "\u25bc falling"},
+                             {0.0, Role::muted, Marker::dot, "held", "\u25cf held"}};
+  if (!split) sides = {{0.0, Role::model, Marker::dot, "", ""}};
+  const auto sign_of = [&](std::size_t i) { return !split ? 0.0 : direction[i] > 0.0 ? 1.0 : direction[i] < 0.0 ? -1.0 : 0.0; };
+  const bool marks = n <= kMostMarks || panel.x_axis.scale == Scale::logarithmic;
+  for (const Side& side : sides) {
+    std::vector<double> sx, sy;
+    for (std::size_t i = 0; i < n; ++i)
+      if (sign_of(i) == side.sign) sx.push_back(x[i]), sy.push_back(y[i]);
+    if (sx.empty()) continue;
+    if (marks) {
+      panel.points(std::move(sx), std::move(sy), {side.role, Dash::solid, 1.0, side.marker, side.marker == Marker::dot ? 3.0 : 4.0, 0.75}, side.label);
+      continue;
     }
-    panel.points(
-        ux, uy,
-        {split ? Role::rising : Role::model, Dash::solid, 1.0, split ? Marker::up : Marker::dot, 4.0, 0.75},
-        split ? "rising" : "");
-    if (split) panel.points(dx, dy, {Role::falling, Dash::solid, 1.0, Marker::down, 4.0, 0.75}, "falling");
-    return;
+    Density cells{x_low, x_high, y_low, y_high, 64, 36, {}, side.role, side.block};
+    cells.count.assign(static_cast<std::size_t>(cells.nx * cells.ny), 0.0);
+    for (std::size_t i = 0; i < sx.size(); ++i) {
+      const double fx = (sx[i] - x_low) / (x_high - x_low), fy = (sy[i] - y_low) / (y_high - y_low);
+      if (!(fx >= 0.0 && fx <= 1.0 && fy >= 0.0 && fy <= 1.0)) continue;  // NaN too
+      const int ix = std::min(cells.nx - 1, static_cast<int>(fx * cells.nx)), iy = std::min(cells.ny - 1, static_cast<int>(fy * cells.ny));
+      cells.count[static_cast<std::size_t>(iy * cells.nx + ix)] += 1.0;
+    }
+    panel.density(std::move(cells));
   }
-  Density rising{x_low,
-                 x_high,
-                 y_low,
-                 y_high,
-                 64,
-                 36,
-                 {},
-                 split ? Role::rising : Role::model,
-                 split ? "\u25b2 rising" : ""};
-  rising.count.assign(static_cast<std::size_t>(rising.nx * rising.ny), 0.0);
-  Density falling = rising;
-  falling.role = Role::falling;
-  falling.label = "\u25bc falling";
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(x[i]) || !std::isfinite(y[i]) || y[i] < y_low || y[i] > y_high) continue;
-    const double fx = (x[i] - x_low) / (x_high - x_low), fy = (y[i] - y_low) / (y_high - y_low);
-    if (!(fx >= 0.0 && fx <= 1.0 && fy >= 0.0 && fy <= 1.0)) continue;
-    const int ix = std::min(rising.nx - 1, static_cast<int>(fx * rising.nx));
-    const int iy = std::min(rising.ny - 1, static_cast<int>(fy * rising.ny));
-    Density& side = !split || direction[i] > 0.0 ? rising : falling;
-    side.count[static_cast<std::size_t>(iy * rising.nx + ix)] += 1.0;
-  }
-  panel.density(std::move(rising));
-  if (split) panel.density(std::move(falling));
 }
 
-void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<double>*> y) {
+void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<double>*> y, double least) {
   constexpr double kUsualSteps = 4.0;
   if (x.size() < 4) return;
   std::vector<double> steps;
@@ -141,7 +139,7 @@ void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<dou
   if (steps.empty()) return;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  const double most = kUsualSteps * *middle;
+  const double most = std::max(least, kUsualSteps * *middle);
   const std::vector<double> old = x;
   const auto rebuild = [&](std::vector<double>& values, bool of_x) {
     std::vector<double> out;
@@ -156,6 +154,7 @@ void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<dou
 }
 
 Scaled readable_unit(double magnitude, const std::string& unit) {
+  if (unit == "1") return {100.0, "%"};
   const bool prefixable = unit == "V" || unit == "N" || unit == "s" || unit == "F";
   const double size = std::abs(magnitude);
   if (!prefixable || !std::isfinite(size) || size >= 0.2 || size == 0.0) return {1.0, unit};

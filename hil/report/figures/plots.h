@@ -22,8 +22,8 @@ struct WaterfallStep {
 Figure waterfall(const std::string& title, const std::string& start, const std::vector<WaterfallStep>& steps,
                  const std::string& end, const std::string& unit, double noise_floor);
 
-/// Before and after of many things, one row each: ring, line, dot; a small tick at the row's floor (NaN =
-/// none).
+/// Before and after of many things, one row each: ring, line, dot; one dot where all are as they were; a small tick at the row's floor
+/// (NaN = none).
 struct BeforeAfter {
   std::string name;
   double before = 0.0, after = 0.0, floor = kAuto;
@@ -31,16 +31,16 @@ struct BeforeAfter {
 Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter>& rows,
                          const std::string& quantity, const std::string& unit);
 
-/// y over x split by the sign of `direction` (empty: not split): a density per direction when there are more
+/// y over x split by the sign of `direction` (0: held; empty: not split): a density per direction when there are more
 /// than 800 points, marks otherwise. `y_reach` > 0 sets the y range to +-y_reach.
 void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
                   const std::vector<double>& direction, double y_reach);
 
 /// Lines end where samples are missing: puts NaN into every y between two samples that lie more than four usual steps of x
-/// apart. x of one sign of step; fewer than four samples stay as they are.
-void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<double>*> y);
+/// apart, and more than `least`. x of one sign of step; fewer than four samples stay as they are.
+void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<double>*> y, double least = 0.0);
 
-/// Value with two or three digits and the SI prefix that makes it readable: 0.0123 V -> {12.3, "mV"}.
+/// Value with two or three digits and the SI prefix that makes it readable: 0.0123 V -> {12.3, "mV"}; a ratio, unit "1", in percent.
 struct Scaled {
   double factor = 1.0;
   std::string unit;

@@ -49,18 +49,54 @@ std::vector<Tick> logarithmic_ticks(double low, double high, int target) {
   const int first = static_cast<int>(std::floor(std::log10(low) + 1e-9));
   const int last = static_cast<int>(std::ceil(std::log10(high) - 1e-9));
   const double decades = std::log10(high / low);
-  const int every = std::max(1, static_cast<int>(std::ceil(decades / std::max(1, target))));
-  for (int e = first; e <= last; ++e) {
-    for (const int m : {1, 2, 5}) {
-      if (m != 1 && decades > 6.0) continue;
-      const double value = m * std::pow(10.0, e);
-      if (value < low * (1 - 1e-9) || value > high * (1 + 1e-9)) continue;
-      std::string label;
-      if (m == 1 && (e - first) % every == 0) label = power_label(e);
-      if (m != 1 && decades < 2.0) label = display(value, 2);
-      ticks.push_back({value, label});
+  const auto make = [&](int every, bool all) {
+    ticks.clear();
+    std::size_t labelled = 0;
+    for (int e = first; e <= last; ++e) {
+      for (const int m : {1, 2, 5}) {
+        if (m != 1 && decades > 6.0) continue;
+        const double value = m * std::pow(10.0, e);
+        if (value < low * (1 - 1e-9) || value > high * (1 + 1e-9)) continue;
+        std::string label;
+        if (m == 1 && (e - first) % every == 0) label = power_label(e);
+        if (m != 1 && (decades < 2.0 || all)) label = display(value, 2);
+        labelled += label.empty() ? 0 : 1;
+        ticks.push_back({value, label});
+      }
     }
-  }
+    return labelled >= 2;
+  };
+  int every = std::max(1, static_cast<int>(std::ceil(decades / std::max(1, target))));
+  while (!make(every, false) && every > 1) --every;
+  if (make(every, false) || make(1, true)) return ticks;
+  for (int more = std::max(2, target); more <= 10; ++more)
+    if (std::vector<Tick> linear = linear_ticks(low, high, more); linear.size() >= 2) return linear;
+  return ticks;
+}
+
+std::vector<Tick> symmetric_log_ticks(double low, double high, double linear_within, int target) {
+  if (!(high > low) || !(linear_within > 0.0) || !std::isfinite(high - low)) return {};
+  constexpr double kBesideZero = 0.1, kFewDecades = 2.0;  // of the axis: there stands the label of zero
+  const double most = std::max(std::abs(low), std::abs(high));
+  const int first = static_cast<int>(std::ceil(std::log10(linear_within) - 1e-9)), last = static_cast<int>(std::floor(std::log10(most) + 1e-9));
+  if (last < first) return linear_ticks(low, high, target);
+  const double length = std::asinh(high / linear_within) - std::asinh(low / linear_within);
+  const bool all = std::log10(most / linear_within) < kFewDecades;
+  const int sides = (low < 0.0 ? 1 : 0) + (high > 0.0 ? 1 : 0), every = std::max(1, (sides * (last - first + 1) + target - 1) / std::max(1, target));
+  std::vector<Tick> ticks;
+  const auto add = [&](int sign) {
+    for (int e = first; e <= last; ++e)
+      for (const int m : {1, 2, 5}) {
+        const double value = sign * m * std::pow(10.0, e);
+        if (value < low || value > high) continue;
+        const bool labelled = (m == 1 ? (last - e) % every == 0 : all) && std::asinh(std::abs(value) / linear_within) > kBesideZero * length;
+        ticks.push_back({value, !labelled ? "" : m == 1 ? (sign < 0 ? "\u2212" : "") + power_label(e) : display(value, 2)});
+      }
+  };
+  add(-1);
+  std::reverse(ticks.begin(), ticks.end());
+  if (low <= 0.0 && high >= 0.0) ticks.push_back({0.0, "0"});
+  add(1);
   return ticks;
 }
 

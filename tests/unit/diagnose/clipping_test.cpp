@@ -25,5 +25,23 @@ TEST(Clipping, IsToldFromACurveThoughTheGainDiffersFromRecordToRecord) {
   }
 }
 
+TEST(Clipping, IsToldByTheVoltageOfTheRail) {
+  const auto rail_of = [](double corner_V) {
+    const Diagnosis d = answer(behind(75, 0.04, [=](double u) {
+      return corner_V > 0.0 ? 7.0 - corner_V * std::log1p(std::exp((7.0 - u) / corner_V)) : std::min(u, 7.0);
+    }));
+    const auto f = std::ranges::find(d.findings, "clipping", &Finding::effect);
+    EXPECT_NE(f, d.findings.end()) << told(d);
+    if (f == d.findings.end() || f->parameters.empty()) return FoundParameter{};
+    EXPECT_EQ(f->parameters.front().name, "rail_V") << told(d);
+    return f->parameters.front();
+  };
+  const FoundParameter hard = rail_of(0.0), soft = rail_of(0.1);
+  EXPECT_NEAR(hard.value, 7.0, 0.01);
+  EXPECT_LT(hard.u, 0.01);
+  EXPECT_NEAR(soft.value, 7.0, 2.0 * soft.u + 0.02) << soft.u;
+  EXPECT_GT(soft.u, 2.0 * hard.u) << "a round corner has no sharp voltage";
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -7,6 +7,7 @@
 #include "hil/report/diagnosis_figures.h"
 #include "hil/report/diagnosis_html.h"
 #include "hil/report/figures/plots.h"
+#include "hil/report/overlay_figure.h"
 #include "hil/report/record_pictures.h"
 #include "tests/support/sample_diagnosis.h"
 
@@ -246,6 +247,107 @@ TEST(Waterfall, of_a_diagnosis_is_one_chain_in_one_measure) {
   EXPECT_EQ(count(svg, "class=\"h "), 0u);
   d.findings.pop_back();  // what is not claimed is hollow
   EXPECT_EQ(count(diagnosis_waterfall(d).svg(figures::Figure::Target::embedded), "class=\"h "), 1u);
+}
+
+double number_after(const std::string& text, const std::string& what, std::size_t from) { return std::stod(text.substr(text.find(what, from) + what.size())); }
+
+TEST(Waterfall, keeps_the_number_of_a_long_step_off_the_names_below_the_axis) {
+  const std::string svg = drawn(figures::waterfall("w", "start", {{"hysteresis", 0.0736, 0.0023, 0.0, true}}, "now", "V", 0.002));
+  const auto y_of = [&](const std::string& text) { return number_after(svg, " y=\"", svg.rfind("<text", svg.find(">" + text + "<"))); };
+  EXPECT_GT(std::abs(y_of("hysteresis") - y_of("\u221271.3")), 30.0) << svg;
+}
+
+TEST(RankingPicture, says_the_probability_with_two_decimals) {
+  Diagnosis d = sample::diagnosis();
+  d.ranking.front().probability = 0.5;
+  EXPECT_THAT(ranking_figure(d).summary, HasSubstr("probability 0.50"));
+}
+
+TEST(ResidualMapPicture, has_the_same_rows_before_and_after) {
+  Diagnosis d = sample::diagnosis();
+  ResidualMap map = d.maps[0];
+  d.maps.clear();
+  for (int k = 0; k < 14; ++k) {
+    map.coordinate = "c" + std::to_string(k);
+    d.maps.push_back(map);
+  }
+  d.maps_after = d.maps;
+  std::ranges::reverse(d.maps_after);
+  for (ResidualMap& m : d.maps_after) m.cells[0].mean = 0.0;
+  const auto rows = [&](bool after) { return residual_map_figure(d, after).panels().front().y_axis.categories; };
+  ASSERT_EQ(rows(false).size(), 12u);
+  EXPECT_EQ(rows(false), rows(true));
+}
+
+TEST(DiagnosisPage, draws_one_map_and_no_before_where_nothing_entered_the_model) {
+  Diagnosis d = sample::diagnosis();
+  EXPECT_TRUE(has_after(d));
+  d.maps_after = d.maps;
+  for (RecordError& r : d.records) r.after = r.before, r.plain_after = r.plain_before;
+  EXPECT_FALSE(has_after(d));
+  const std::string page = diagnosis_html(d, {});
+  EXPECT_THAT(page, AllOf(HasSubstr("<title>Residual map</title>"), HasSubstr("before and after are one"), Not(HasSubstr("Residual map after"))));
+  for (const char* label : {">before<", ">after<", ">Before<", ">After<"}) EXPECT_THAT(page, Not(HasSubstr(label)));
+}
+
+TEST(DiagnosisPage, lists_the_records_in_the_unit_of_the_headline) {
+  const Diagnosis d = sample::diagnosis();
+  EXPECT_THAT(diagnosis_html(d, {}), AllOf(HasSubstr("RMS error of each record in mV"), Not(HasSubstr("RMS error of each record in V"))));
+}
+
+TEST(CoordinatePicture, spreads_cells_that_crowd_at_one_end) {
+  ResidualMap map{.coordinate = "rate", .group = "rate", .unit = "N/s", .share = 0.1, .cells = {}, .sentence = ""};
+  const auto scale_of = [&](std::initializer_list<double> x) {
+    map.cells.clear();
+    for (const double at : x) map.cells.push_back({at, 0.01, 0.001, 100, 12});
+    return coordinate_figure(map, nullptr, "V").panels().front().x_axis.scale;
+  };
+  EXPECT_EQ(scale_of({-7.8, -0.2, -0.1, -0.01, 0.0, 0.01, 0.1, 0.2, 7.7}), figures::Scale::symmetric_log);
+  EXPECT_EQ(scale_of({0.001, 0.01, 0.02, 0.1, 0.2, 0.3, 11.0}), figures::Scale::logarithmic);
+  EXPECT_EQ(scale_of({0.5, 1.0, 1.4, 2.0, 2.6, 3.0, 3.4}), figures::Scale::linear);
+}
+
+TEST(EvidencePicture, of_a_load_that_is_held_calls_it_neither_rising_nor_falling) {
+  EvidenceSeries s{"r", "residual against time", "time", "s", "V", {}, {}, {}, {}};
+  for (int i = 0; i < 40; ++i) s.x.push_back(i), s.before.push_back(0.01 * (i % 3)), s.after.push_back(0.0), s.colour.push_back(0.0);
+  EXPECT_THAT(drawn(evidence_figure(s)), AllOf(HasSubstr(">held<"), Not(HasSubstr("rising")), Not(HasSubstr("falling"))));
+}
+
+TEST(SpectrumPicture, names_the_noise_in_the_legend_off_the_curves) {
+  const std::vector<double> x = {1, 2, 3, 4, 5};
+  const figures::Figure figure = spectrum_figure({"r", x, x, x, 0.1}, "V");
+  for (const figures::Series& series : figure.panels().front().series)
+    EXPECT_FALSE(std::holds_alternative<figures::Rule>(series));
+  EXPECT_THAT(drawn(figure), HasSubstr(">noise<"));
+}
+
+// A sine of 1 Hz for 900 s, as first, smallest, largest and last of every second.
+EvidenceSeries many_cycles() {
+  EvidenceSeries s{"r08", "measured and modelled", "time", "s", "V", {}, {}, {}, {}};
+  for (int i = 0; i < 4 * 900; ++i) {
+    s.x.push_back(0.25 * i);
+    s.before.push_back(3.0 + (i % 2 == 0 ? 0.0 : i % 4 == 1 ? 1.0 : -1.0));
+    s.after.push_back(s.before.back() - 0.01);
+  }
+  return s;
+}
+
+TEST(RecordPicture, of_more_cycles_than_it_can_part_is_an_envelope_with_a_few_of_them_beside_it) {
+  const EvidenceSeries s = many_cycles();
+  EvidenceSeries few = s;
+  for (std::vector<double>* v : {&few.x, &few.before, &few.after}) v->resize(20);
+  const figures::Figure figure = record_overlay_figure(s, &few);
+  ASSERT_EQ(figure.panels().size(), 4u);
+  const auto* band = std::get_if<figures::BandSeries>(&figure.panels().front().series.front());
+  ASSERT_NE(band, nullptr);
+  for (std::size_t i = 0; i < band->x.size(); ++i) {
+    EXPECT_NEAR(band->low[i], 2.0, 1e-9);
+    EXPECT_NEAR(band->high[i], 4.0, 1e-9);
+  }
+  EXPECT_TRUE(std::holds_alternative<figures::LineSeries>(figure.panels()[1].series.front()));
+  EvidenceSeries slow = s;
+  for (std::size_t i = 0; i < slow.x.size(); ++i) slow.before[i] = slow.after[i] = std::sin(0.02 * slow.x[i]);
+  EXPECT_TRUE(std::holds_alternative<figures::LineSeries>(record_overlay_figure(slow).panels().front().series.front()));
 }
 
 TEST(ReadableUnit, picks_the_prefix_that_leaves_few_digits) {

@@ -39,6 +39,26 @@ TEST(Ticks, of_a_logarithmic_axis_are_decades) {
   EXPECT_THAT(labels(logarithmic_ticks(2.0, 60.0, 8)), testing::ElementsAre("2", "5", "10", "20", "50"));
 }
 
+TEST(Ticks, of_an_axis_that_is_linear_about_zero_are_zero_and_decades_of_either_sign) {
+  EXPECT_THAT(labels(symmetric_log_ticks(-1000.0, 1000.0, 1.0, 8)), testing::ElementsAre("\u22121000", "\u2212100", "\u221210", "0", "10", "100", "1000"));
+  EXPECT_THAT(labels(symmetric_log_ticks(-8.0, 8.0, 0.5, 8)), testing::ElementsAre("\u22125", "\u22122", "\u22121", "0", "1", "2", "5"));
+}
+
+TEST(Ticks, of_every_panel_have_two_labels_at_least) {
+  for (const double reach : {0.9, 1.9, 4.2, 4.9, 8.0, 9.9, 42.0, 49.0})
+    for (const double height : {40.0, 70.0, 90.0, 150.0})
+      for (const Scale scale : {Scale::linear, Scale::logarithmic, Scale::symmetric_log}) {
+        Figure figure("t", 300.0);
+        Axis y{"Residual", "mV", scale == Scale::logarithmic ? 0.6 * reach : -reach, reach, scale};
+        y.linear_within = 0.1 * reach;
+        figure.panel({"Time", "s", 0.0, 1.0, Scale::linear, false, false, 1.0, {"a"}}, y, height).line({0, 1}, {-reach, reach}, {});
+        const std::string svg = figure.svg(Figure::Target::embedded);
+        std::size_t n = 0;
+        for (std::size_t at = svg.find("text-anchor=\"end\""); at != std::string::npos; at = svg.find("text-anchor=\"end\"", at + 1)) ++n;
+        EXPECT_GE(n, 2u) << reach << " over " << height << " px, scale " << static_cast<int>(scale);
+      }
+}
+
 TEST(Ticks, of_an_impossible_range_are_none_and_end) {
   EXPECT_TRUE(linear_ticks(1.0, 1.0, 5).empty());
   EXPECT_TRUE(linear_ticks(std::nan(""), 1.0, 5).empty());

@@ -1,0 +1,36 @@
+// What answers say to people on the console.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hil/app/diagnose.h"
+#include "hil/app/fit.h"
+
+namespace forcegate {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(DiagnosisText, SaysWhenChanceAlonePassesTheThreshold) {
+  Diagnosis d;
+  EXPECT_THAT(diagnosis_text(d), Not(HasSubstr("by chance")));
+  d.expected_false = 0.83;
+  EXPECT_THAT(diagnosis_text(d), HasSubstr("turned over by chance, 0.83 effects pass the threshold"));
+}
+
+TEST(WaterfallText, PrintsNoRoundingOfTheFitAsAChange) {
+  diagnose::Waterfall w;
+  w.start = 2.5e-3;
+  w.end = 1.2e-3;
+  w.unit = "V";
+  w.bars = {{.effect = "creep", .as_added = 1.3e-3, .average = 1.3e-3, .low = 1.3e-3, .high = 1.3e-3, .hollow = false},
+            {.effect = "delay", .as_added = 3.54e-14, .average = -3.5e-14, .low = 0.0, .high = 1e-14, .hollow = true}};
+  const std::string text = waterfall_text(w);
+  EXPECT_THAT(text, HasSubstr("    -1.3 mV"));
+  EXPECT_THAT(text, HasSubstr("over all orders 0 [0, 0]"));
+  EXPECT_THAT(text, Not(HasSubstr("e-1")));
+}
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,98 @@
+// The course of a record that is drawn: all of its rows, at the fit's own model.
+
+#include "hil/diagnose/record_course.h"
+
+#include "hil/diagnose/base_errors.h"
+#include "hil/diagnose/load_direction.h"
+#include "hil/diagnose/residual_map.h"
+#include "tests/unit/diagnose/made_campaign.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+std::vector<double> straight(const std::vector<double>&, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  for (const double f : F) U.push_back(2.0 * f + 0.2);
+  return U;
+}
+
+// The fourth record: a sine of 1 Hz for two minutes.
+Campaign with_a_fast_record() {
+  Campaign c = make_campaign(7, straight, 0.002);
+  Record& r = c.records[3];
+  for (std::size_t i = 0; i < r.trace.channels[0].value.size(); ++i) {
+    const double F = 2.0 + std::sin(6.283185307179586 * r.trace.time_bases[0].t_s[i]);
+    r.trace.channels[0].value[i] = F;
+    r.trace.channels[1].value[i] = 2.0 * F + 0.2;
+  }
+  return c;
+}
+
+struct Fitted {
+  std::unique_ptr<Workspace> w;
+  MixedFit fit;
+};
+
+Fitted fitted(const std::vector<std::string>& in_model) {
+  EngineOptions options;
+  options.threads = 1;
+  options.search = false;
+  options.in_model = in_model;
+  Fitted out;
+  auto w = prepare(with_a_fast_record(), options);
+  EXPECT_TRUE(w.has_value());
+  out.w = std::move(*w);
+  std::vector<std::string> notes;
+  out.fit = base_model(*out.w, options, notes);
+  EXPECT_TRUE(out.fit.valid);
+  return out;
+}
+
+TEST(RecordCourse, OnTheRowsOfTheFitIsTheResidualOfTheFit) {
+  for (const std::vector<std::string>& in_model : {std::vector<std::string>{}, {"hysteresis", "creep"}}) {
+    const Fitted f = fitted(in_model);
+    EXPECT_EQ(f.fit.columns.empty(), in_model.empty());
+    const auto expected = residual_rows(f.w->output, f.fit);
+    for (const std::size_t k : {0u, 3u}) {
+      const auto got = residual_on_rows(*f.w, f.fit, k, f.w->output.rows[k].row);
+      ASSERT_EQ(got.size(), expected[k].size());
+      for (std::size_t j = 0; j < got.size(); ++j) ASSERT_NEAR(got[j], expected[k][j], 1e-9) << k << " " << j;
+    }
+  }
+}
+
+TEST(RecordCourse, OfAFastSineReachesItsPeaksInEveryStretchAndIsFollowedByAFewCycles) {
+  const Fitted f = fitted({});
+  const std::vector<EvidenceSeries> course = record_course(*f.w, f.fit, 3);
+  ASSERT_EQ(course.size(), 2u);
+  for (double from = 5.0; from < 115.0; from += 2.0) {
+    double low = 1e9, high = -1e9;
+    for (std::size_t i = 0; i < course[0].x.size(); ++i)
+      if (course[0].x[i] >= from && course[0].x[i] < from + 2.0) low = std::min(low, course[0].before[i]), high = std::max(high, course[0].before[i]);
+    EXPECT_NEAR(low, 2.2, 0.05) << from;
+    EXPECT_NEAR(high, 6.2, 0.05) << from;
+  }
+  EXPECT_NEAR(course[1].x.back() - course[1].x.front(), 5.0, 0.1);
+  EXPECT_GT(course[1].x.size(), 200u) << "every row";
+  EXPECT_EQ(record_course(*f.w, f.fit, 0).size(), 1u);
+}
+
+TEST(LoadDirection, OfAHoldIsHeldWhateverTheNoiseAndOfARampItIsOneWay) {
+  RecordInput r;
+  Rng rng(3, "noise");
+  for (int i = 0; i < 6000; ++i) {
+    const double t = 0.02 * i;
+    r.t_s.push_back(t);
+    r.F_N.push_back((t < 40.0 ? 0.05 * t : t < 80.0 ? 2.0 : 2.0 - 0.05 * (t - 80.0)) + 0.003 * rng.normal());
+  }
+  const std::vector<double> way = load_direction(r, 4.0);
+  for (int i = 0; i < 6000; ++i) {
+    const double t = 0.02 * i;
+    if (t > 5.0 && t < 37.0) { EXPECT_EQ(way[static_cast<std::size_t>(i)], 1.0) << t; }
+    if (t > 43.0 && t < 77.0) { EXPECT_EQ(way[static_cast<std::size_t>(i)], 0.0) << t; }
+    if (t > 83.0 && t < 117.0) { EXPECT_EQ(way[static_cast<std::size_t>(i)], -1.0) << t; }
+  }
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
