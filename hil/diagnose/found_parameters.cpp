@@ -23,6 +23,9 @@ std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, cons
   const ShapeCovariance joint = shape_covariance(campaign, channel, chosen.fit, variants);
   std::vector<FoundParameter> out = physical_parameters(campaign, channel, chosen, joint);
   if (!out.empty()) return out;
+  // strengths were fitted beside a working gain: they are shares of the gain that is fitted with them
+  const double fitted = chosen.fit.coefficient[0] * channel.gain_of_unit;
+  const double gain = chosen.kind->channel == EffectChannel::output && std::abs(fitted) > 0.05 ? fitted : 1.0;
   for (const int v : variants) {
     const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
     const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
@@ -37,7 +40,7 @@ std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, cons
         if (chosen.fit.columns[b] == column && !is_zero(channel, column)) {
           const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
           const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-          out.push_back({of + spec.name, chosen.fit.coefficient[at], joint.of_coefficient(at), spec.unit});
+          out.push_back({of + spec.name, chosen.fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain), spec.unit});
         }
   }
   return out;
