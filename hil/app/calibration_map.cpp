@@ -45,13 +45,22 @@ RecordInput synthetic(const Force& force_N, double duration_s) {
   return r;
 }
 
-Result<void> sweeps(const Model& model, const CampaignInput& input, const PlanCalibration& c,
+// One temperature throughout: effects of the library are zero at the campaign's mean, which is then this one.
+void set_temperature(CampaignInput& input, RecordInput& r, double temperature_C) {
+  if (!std::isfinite(temperature_C)) return;
+  r.temp_C.assign(r.rows(), temperature_C);
+  input.has_temp = true;
+  input.records = {r};
+}
+
+Result<void> sweeps(const Model& model, CampaignInput input, const PlanCalibration& c, double temperature_C,
                     CalibrationMap& map) {
   const auto force = [&](double t) {
     const double phase = std::fmod(t / c.sweep_s, 1.0);
     return c.sweep_low_N + (c.sweep_high_N - c.sweep_low_N) * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase);
   };
   RecordInput r = synthetic(force, c.sweep_s * c.sweeps);
+  set_temperature(input, r, temperature_C);
   set_decay(r, model.law);
   FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
   // F = alpha (G U + F0) + beta by least squares, as the calibration does it
@@ -97,14 +106,14 @@ Result<Identified> identify(const Model& model, const CampaignInput& input, Reco
 
 }  // namespace
 
-Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan) {
+Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan, double temperature_C) {
   CalibrationMap map;
   const PlanCalibration& c = plan.calibration;
   if (c.level == CalibrationLevel::nominal) return map;
   CampaignInput input;
   input.range_N = model.span_N;
   map.known = true;
-  FORCEGATE_CHECK_OK(sweeps(model, input, c, map));
+  FORCEGATE_CHECK_OK(sweeps(model, input, c, temperature_C, map));
   map.protocol = fmt::format("{} sweeps of {:g} s from {:g} to {:g} N", c.sweeps, c.sweep_s, c.sweep_low_N,
                              c.sweep_high_N);
   if (c.level != CalibrationLevel::identified || !model.law.decays) return map;
@@ -119,6 +128,7 @@ Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan) {
   r.f_Hz = facts.lowest_frequency_Hz;
   r.A_N = facts.amplitude_N;
   r.F_min_N = facts.mean_N - facts.amplitude_N;
+  set_temperature(input, r, temperature_C);
   Eigen::MatrixXd X(9, 3), Y(9, 2);
   Eigen::Index row = 0;
   for (double b : kAround)

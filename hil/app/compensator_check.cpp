@@ -166,7 +166,8 @@ RecordInput at_rate(const RecordInput& r, double rate_Hz, double most_s) {
   for (std::size_t i = 0; i < n; ++i) {
     out.t_s[i] = r.t_s.front() + static_cast<double>(i) / rate_Hz;
     out.row_begin[i] = static_cast<std::uint32_t>(i);
-    if (i > 0 && i + 1 < n) out.rate_N_per_s[i] = 0.5 * rate_Hz * (out.F_N[i + 1] - out.F_N[i - 1]);
+    if (i == 1) out.rate_N_per_s[i] = rate_Hz * (out.F_N[i] - out.F_N[i - 1]);
+    if (i > 1) out.rate_N_per_s[i] = rate_Hz * (1.5 * out.F_N[i] - 2.0 * out.F_N[i - 1] + 0.5 * out.F_N[i - 2]);
   }
   out.row_begin[n] = static_cast<std::uint32_t>(n);
   out.fast_t_s = out.t_s;
@@ -210,6 +211,17 @@ struct Thinned {
 
 }  // namespace
 
+std::vector<std::string> objections(const CompensatorCheck& check) {
+  constexpr double kFewLSB = 8.0, kOfWhatIsLeft = 0.1, kLarger = 1.02;
+  std::vector<std::string> out;
+  if (check.largest_N > std::max(kFewLSB * check.lsb_N, kOfWhatIsLeft * check.compensated_rms_N))
+    out.push_back(fmt::format("the header differs from the model's own inverse by {:.2g} LSB: it does not undo this model", check.largest_N / check.lsb_N));
+  if (check.compensated_rms_N > kLarger * check.plain_rms_N)
+    out.push_back(fmt::format("the error on these records is larger with the header than with the law alone: {:.3g} -> {:.3g} mN",
+                              1e3 * check.plain_rms_N, 1e3 * check.compensated_rms_N));
+  return out;
+}
+
 Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz,
                                            const Campaign& campaign, double most_s) {
   FORCEGATE_TRY(const std::unique_ptr<Library> library, Library::build(compensator.header));
@@ -243,6 +255,7 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     const auto judged = static_cast<std::size_t>(std::count(r.ok.begin(), r.ok.end(), std::uint8_t{1}));
     item.seconds = static_cast<double>(judged) / rate_Hz;
     item.left_out_s = static_cast<double>(n - judged) / rate_Hz;
+    item.cut_s = std::max(0.0, rows.t_s.back() - rows.t_s.front() - most_s);
     const std::vector<float> inverse = library->run(u, shrink, low, true, T);
     for (std::size_t i = 0; i < n; ++i)
       if (r.ok[i] != 0) item.largest_N = std::max(item.largest_N, std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]));

@@ -2,7 +2,8 @@
 // Builds an exported compensator with the host's C compiler and replays a campaign through it.
 //
 //   arithmetic   the model answers to the recorded forces, the compensator inverts the answer: what is left is the header's
-//                single precision and its solver, since the model's own inverse of its own answer is the force itself
+//                single precision and its solver, since the model's own inverse of its own answer is the force itself; a rate
+//                of the force is taken from the samples so far, as a firmware must
 //   recording    the recorded voltages, with U_min tracked as a firmware does it, against the recorded forces; both the plain
 //                law and the compensator get the best straight line over the campaign first, so that gain and offset of a
 //                session do not count
@@ -20,6 +21,7 @@ struct ReplayedRecord {
   std::string record;
   double seconds = 0.0;      ///< that were judged
   double left_out_s = 0.0;   ///< without samples: bridged for the compensator's memory, not judged
+  double cut_s = 0.0;        ///< behind the first `most_s` of the record: not replayed
   double largest_N = 0.0;    ///< |compensator - model's own inverse|
   double plain_rms_N = 0.0;  ///< recorded voltage through the law without the effects
   double compensated_rms_N = 0.0;
@@ -32,6 +34,10 @@ struct CompensatorCheck {
   double plain_rms_N = 0.0, compensated_rms_N = 0.0;  ///< records weigh the same
   std::string compiler;
 };
+
+/// What speaks against putting the header into firmware, one sentence each; empty: nothing. It differs from the model's own inverse by more
+/// than 8 LSB and a tenth of the error that it leaves, or it leaves a larger error than the law alone (by more than 2 %).
+std::vector<std::string> objections(const CompensatorCheck& check);
 
 /// Each record is replayed for at most `most_s` seconds. Errors: io when there is no C compiler (cc), config when the header
 /// does not compile (with the compiler's words), those of the campaign.

@@ -29,26 +29,27 @@ void mean_temperature(const Campaign& campaign, double& out) {
 Result<ExportResult> export_model(const ExportRequest& request) {
   FORCEGATE_TRY(Model model, load_model(request.model));
   ExportResult out;
+  CompensatorOptions options;
+  options.rate_Hz = request.rate_Hz;
+  options.reference_temperature_C = request.reference_temperature_C;
+  Campaign campaign, records;
   if (request.fit) {
-    FORCEGATE_TRY(const Campaign records, load_campaign(*request.fit));
-    FORCEGATE_TRY(out.fit, diagnose::fit_one_law(records, model));
+    FORCEGATE_TRY(records, load_campaign(*request.fit));
+  }
+  if (request.check) {
+    FORCEGATE_TRY(campaign, load_campaign(*request.check));
+  }
+  if (std::isnan(options.reference_temperature_C)) mean_temperature(request.check ? campaign : records, options.reference_temperature_C);
+  if (request.fit) {
+    FORCEGATE_TRY(out.fit, diagnose::fit_one_law(records, model, [&](const Model& m) { return make_compensator(m, options).has_value(); }));
     model = out.fit->model;
     if (!request.fitted.empty())
       FORCEGATE_CHECK_OK(write_file_atomically(request.fitted, write_model(model)));
   }
-  CompensatorOptions options;
-  options.rate_Hz = request.rate_Hz;
-  options.reference_temperature_C = request.reference_temperature_C;
-  Campaign campaign;
-  if (request.check) {
-    FORCEGATE_TRY(campaign, load_campaign(*request.check));
-    if (std::isnan(options.reference_temperature_C))
-      mean_temperature(campaign, options.reference_temperature_C);
-  }
   if (request.plan != "none") {
     FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
     FORCEGATE_TRY(const Plan plan, read_plan(path));
-    FORCEGATE_TRY(options.calibration, calibration_map(model, plan));
+    FORCEGATE_TRY(options.calibration, calibration_map(model, plan, options.reference_temperature_C));
     if (options.calibration.known)
       options.calibration.protocol = "plan " + plan.name + ": " + options.calibration.protocol;
   }
@@ -93,6 +94,7 @@ std::string export_text(const ExportResult& r) {
     for (const auto& item : r.fit->records)
       out += fmt::format("    {:<28} {:>8.1f} -> {:.1f} mV\n", item.record, 1e3 * item.law_V,
                          1e3 * item.model_V);
+    for (const std::string& note : r.fit->notes) out += "note: " + note + "\n";
   }
   if (!r.header.empty())
     out += fmt::format("{}: compensator {}, {} bytes of C11\n", r.header.string(), c.id, c.header.size());
@@ -115,9 +117,12 @@ std::string export_text(const ExportResult& r) {
     out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {:.2g} LSB{}\n", item.record,
                        item.seconds, 1e3 * item.plain_rms_N, 1e3 * item.compensated_rms_N,
                        item.largest_N / r.check->lsb_N,
-                       item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "");
-  return out + fmt::format("    {:<28} {:>7} {:>8.1f} -> {:<8.1f}\n", "all records", "",
-                           1e3 * r.check->plain_rms_N, 1e3 * r.check->compensated_rms_N);
+                       (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
+                           (item.cut_s >= 0.1 ? fmt::format(", the {:.3g} s behind not replayed", item.cut_s) : ""));
+  out += fmt::format("    {:<28} {:>7} {:>8.1f} -> {:<8.1f}\n", "all records", "",
+                     1e3 * r.check->plain_rms_N, 1e3 * r.check->compensated_rms_N);
+  for (const std::string& objection : objections(*r.check)) out += "warning: " + objection + "\n";
+  return out;
 }
 
 std::string export_json(const ExportResult& r) {
@@ -129,7 +134,7 @@ std::string export_json(const ExportResult& r) {
                                 {"state_bytes", r.compensator.state_bytes},
                                 {"noise_gain", r.compensator.noise_gain},
                                 {"needs_temperature", r.compensator.needs_temperature}};
-  if (r.fit) out["fit"] = {{"law_left_out_V", r.fit->law_left_out_V}, {"left_out_V", r.fit->left_out_V}};
+  if (r.fit) out["fit"] = {{"law_left_out_V", r.fit->law_left_out_V}, {"left_out_V", r.fit->left_out_V}, {"notes", r.fit->notes}};
   if (r.calibration.known)
     out["calibration"] = {{"protocol", r.calibration.protocol},
                           {"alpha", r.calibration.alpha},
@@ -143,6 +148,7 @@ std::string export_json(const ExportResult& r) {
       records.push_back({{"record", item.record},
                          {"seconds", item.seconds},
                          {"left_out_s", item.left_out_s},
+                         {"cut_s", item.cut_s},
                          {"largest_N", item.largest_N},
                          {"plain_rms_N", item.plain_rms_N},
                          {"compensated_rms_N", item.compensated_rms_N}});
@@ -151,6 +157,7 @@ std::string export_json(const ExportResult& r) {
                     {"lsb_N", r.check->lsb_N},
                     {"plain_rms_N", r.check->plain_rms_N},
                     {"compensated_rms_N", r.check->compensated_rms_N},
+                    {"objections", objections(*r.check)},
                     {"records", records}};
   }
   return out.dump(2) + "\n";

@@ -27,7 +27,12 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::s
     return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
                 "forcegate fit refits it");
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
-  return diagnose::refit_campaign(std::move(campaign), engine_options(model, request.threads), model, add);
+  auto out = diagnose::refit_campaign(std::move(campaign), engine_options(model, request.threads), model, add);
+  const auto own = std::ranges::find(model.user_effects, add, &UserEffect::name);
+  if (!out && own != model.user_effects.end() && out.error().text.starts_with("the campaign cannot show"))
+    return fail(out.error().code, "the campaign cannot show " + add, out.error().where,
+                "its equation has no value at the shapes tried, or the records ask for a parameter outside of its min and max");
+  return out;
 }
 
 std::string waterfall_text(const diagnose::Waterfall& w) {
@@ -60,7 +65,8 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
       error_name(r.judged_by), r.levels ? ", one gain and offset for all" : "",
       number(r.error_before), number(r.error_after), unit.name, number(r.floor), unit.name, number(r.plain_before),
       number(r.plain_after), unit.name);
-  if (!add.empty() && r.error_after >= r.error_before)
+  constexpr double kFalls = 1.0 - 1e-6;  // beyond rounding
+  if (!add.empty() && r.error_after >= kFalls * r.error_before)
     out += "the error did not fall: this effect is not needed for these records\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)

@@ -171,7 +171,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
     const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
     f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
-    f.parameters = found_parameters(w.input, channel, chosen, &channel == &w.output ? chosen.fit.coefficient[0] : 1.0);
+    f.parameters = found_parameters(w.input, channel, chosen, &channel == &w.output ? chosen.fit.coefficient[0] * channel.gain_of_unit : 1.0);
     f.error_before = chosen.error_before;
     f.error_after = chosen.error_after;
     f.effect_rms = chosen.by_records() ? chosen.effect_rms * channel.scale

@@ -1,9 +1,12 @@
 #include "hil/diagnose/one_law.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/user_candidates.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -32,7 +35,7 @@ struct Gram {
 
 class Fitter {
  public:
-  Fitter(CampaignInput input, const Model& start) : input_(std::move(input)), model_(start) {}
+  explicit Fitter(CampaignInput input) : input_(std::move(input)) {}
 
   CampaignInput& input() { return input_; }
 
@@ -53,10 +56,6 @@ class Fitter {
     }
     VectorXd y(n);
     for (Index i = 0; i < n; ++i) y[i] = r.U_V[static_cast<std::size_t>(i)];
-    for (const UserEffect& e : model_.user_effects) {
-      FORCEGATE_TRY(const std::vector<double> added, user_effect_N(e, r));
-      for (Index i = 0; i < n; ++i) X(i, 0) += added[static_cast<std::size_t>(i)];
-    }
     double used = 0.0, known = 0.0;
     for (Index i = 0; i < n; ++i)
       if (r.ok[static_cast<std::size_t>(i)] == 0 || !std::isfinite(y[i]) || y[i] <= 0.0) {
@@ -166,7 +165,6 @@ class Fitter {
 
  private:
   CampaignInput input_;
-  const Model& model_;
 };
 
 std::vector<Chosen> variants_of(const EffectKind& kind, const CampaignInput& input) {
@@ -179,23 +177,80 @@ std::vector<Chosen> variants_of(const EffectKind& kind, const CampaignInput& inp
   return out;
 }
 
-ModelEffect effect_from(const Chosen& c, const VectorXd& beta, const VectorXd& se, Index first) {
-  std::vector<Estimate> strength;
-  for (Index at = first; at < first + static_cast<Index>(c.form->strength.size()); ++at)
-    strength.push_back({beta[at] / beta[0], se[at] / std::fabs(beta[0])});
-  return model_effect(*c.kind, *c.form, c.shape, strength);
+// Law and effects of the joint fit; uncertainties from the jackknife over records.
+Model assembled(const Model& start, const CampaignInput& input, const BaseLaw& law, const std::vector<Chosen>& effects, const std::vector<Gram>& grams) {
+  const VectorXd all = Fitter::solve(grams, grams.size());
+  const auto n = static_cast<double>(grams.size());
+  VectorXd mean = VectorXd::Zero(all.size()), square = mean;
+  for (std::size_t k = 0; k < grams.size(); ++k) {
+    const VectorXd beta = Fitter::solve(grams, k);
+    mean += beta / n;
+    square += beta.cwiseProduct(beta) / n;
+  }
+  const VectorXd se = ((square - mean.cwiseProduct(mean)).cwiseMax(0.0) * (n - 1.0)).cwiseSqrt();
+  Model m = start;
+  m.law = law;
+  m.span_N = input.range_N;
+  const double g = all[0];
+  m.law.gain_N_per_V = 1.0 / g;
+  m.law.offset_N = -all[1] / g;
+  m.se_gain = se[0] / (g * g);
+  m.se_offset = se[1] / std::fabs(g);
+  m.effects.clear();
+  std::vector<UserEffect> own;
+  Index at = 2;
+  for (const Chosen& c : effects) {
+    std::vector<Estimate> strength, shape;
+    for (std::size_t k = 0; k < c.form->strength.size(); ++k, ++at) strength.push_back({all[at] / g, se[at] / std::fabs(g)});
+    for (const double value : c.shape) shape.push_back({value, 0.0});
+    const auto equation = std::ranges::find(start.user_effects, c.kind->name, &UserEffect::name);
+    if (equation == start.user_effects.end())
+      m.effects.push_back(model_effect(*c.kind, *c.form, c.shape, strength));
+    else
+      own.push_back(with_fit(*equation, *c.form, shape, strength.front()));
+  }
+  m.user_effects = std::move(own);
+  return m;
+}
+
+// Every effect of the model that acts on the output, as a kind to choose a form of.
+Result<std::vector<const EffectKind*>> wanted_kinds(const Model& start, const std::vector<std::unique_ptr<EffectKind>>& own,
+                                                    const CampaignInput& input) {
+  std::vector<const EffectKind*> out;
+  for (const ModelEffect& wanted : start.effects) {
+    const EffectKind* kind = EffectRegistry::instance().find(wanted.effect);
+    if (kind == nullptr || kind->channel != EffectChannel::output) continue;
+    if (!is_available(*kind, input))
+      return fail(ErrorCode::config, "the campaign lacks a channel that " + wanted.effect + " needs", input.name);
+    out.push_back(kind);
+  }
+  for (const auto& kind : own) out.push_back(kind.get());
+  return out;
+}
+
+// The best variant so far, with what was chosen before it.
+struct Trial {
+  double left_out_V = 1e300;
+  std::vector<Chosen> effects;
+  BaseLaw law;
+};
+
+std::string cost_of(const Trial& usable, const Trial& best) {
+  return fmt::format("{}: the form {} predicts best, but it cannot be undone; {} can, and leaves {:.3g} mV of error instead of {:.3g}",
+                     best.effects.back().kind->name, best.effects.back().form->name, usable.effects.back().form->name,
+                     1e3 * usable.left_out_V, 1e3 * best.left_out_V);
 }
 
 }  // namespace
 
-Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
+Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start, const IsUsable& is_usable) {
   FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
   if (input.records.size() < 3)
     return fail(ErrorCode::config, "one law for all records needs at least three of them", campaign.name,
                 "forcegate record makes a campaign");
-  Fitter fitter(std::move(input), start);
+  FORCEGATE_TRY(const auto own_kinds, make_user_kinds(start.user_effects, input));
+  Fitter fitter(std::move(input));
   OneLawFit out;
-  out.model = start;
   FORCEGATE_TRY(BaseLaw law, fitter.refine(start.law, {}));
   FORCEGATE_TRY(std::vector<Gram> grams, fitter.grams(law, {}));
   std::vector<Chosen> effects;
@@ -203,27 +258,25 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
   out.law_left_out_V = Fitter::left_out(grams);
   const VectorXd bare_beta = Fitter::solve(grams, grams.size());
   double now = out.law_left_out_V;
-  for (const ModelEffect& wanted : start.effects) {
-    const EffectKind* kind = EffectRegistry::instance().find(wanted.effect);
-    if (kind == nullptr || kind->channel != EffectChannel::output) continue;
-    if (!is_available(*kind, fitter.input()))
-      return fail(ErrorCode::config, "the campaign lacks a channel that " + wanted.effect + " needs",
-                  campaign.name);
-    double best = 1e300;
-    std::vector<Chosen> best_effects;
-    BaseLaw best_law = law;
+  FORCEGATE_TRY(const std::vector<const EffectKind*> kinds, wanted_kinds(start, own_kinds, fitter.input()));
+  for (const EffectKind* kind : kinds) {
+    Trial best, usable;
     for (Chosen& variant : variants_of(*kind, fitter.input())) {
       std::vector<Chosen> with = effects;
       with.push_back(variant);
       // b and q have soaked up what is missing: each form is judged with its own
       FORCEGATE_TRY(const BaseLaw own, fitter.refine(law, with, kFirstRounds));
       FORCEGATE_TRY(grams, fitter.grams(own, with));
-      const double e = Fitter::left_out(grams);
-      if (e < best) best = e, best_effects = with, best_law = own;
+      const Trial trial{Fitter::left_out(grams), with, own};
+      if (trial.left_out_V < best.left_out_V) best = trial;
+      if (trial.left_out_V < usable.left_out_V && (!is_usable || is_usable(assembled(start, fitter.input(), own, with, grams)))) usable = trial;
     }
-    if (best_effects.empty()) continue;
-    effects = best_effects;
-    FORCEGATE_TRY(law, fitter.refine(best_law, effects));
+    if (best.effects.empty()) continue;
+    const bool worse = !usable.effects.empty() && usable.left_out_V > best.left_out_V;
+    if (worse) out.notes.push_back(cost_of(usable, best));
+    const Trial& chosen = usable.effects.empty() ? best : usable;
+    effects = chosen.effects;
+    FORCEGATE_TRY(law, fitter.refine(chosen.law, effects));
     FORCEGATE_TRY(grams, fitter.grams(law, effects));
     now = Fitter::left_out(grams);
   }
@@ -234,29 +287,8 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
                 campaign.name,
                 "they may differ from record to record: forcegate compare shows where the error sits");
 
+  out.model = assembled(start, fitter.input(), law, effects, grams);
   const VectorXd all = Fitter::solve(grams, grams.size());
-  const auto n = static_cast<double>(grams.size());
-  VectorXd mean = VectorXd::Zero(all.size()), square = mean;
-  for (std::size_t k = 0; k < grams.size(); ++k) {
-    const VectorXd beta = Fitter::solve(grams, k);
-    mean += beta / n;
-    square += beta.cwiseProduct(beta) / n;
-  }
-  const VectorXd se = ((square - mean.cwiseProduct(mean)).cwiseMax(0.0) * (n - 1.0)).cwiseSqrt();
-  Model& m = out.model;
-  m.law = law;
-  m.span_N = fitter.input().range_N;
-  const double g = all[0];
-  m.law.gain_N_per_V = 1.0 / g;
-  m.law.offset_N = -all[1] / g;
-  m.se_gain = se[0] / (g * g);
-  m.se_offset = se[1] / std::fabs(g);
-  m.effects.clear();
-  Index at = 2;
-  for (const Chosen& c : effects) {
-    m.effects.push_back(effect_from(c, all, se, at));
-    at += static_cast<Index>(c.form->strength.size());
-  }
   for (std::size_t k = 0; k < grams.size(); ++k)
     out.records.push_back({fitter.input().records[k].name,
                            std::sqrt(Fitter::square_error(bare[k], bare_beta)),
@@ -265,7 +297,7 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start) {
   step.campaign = campaign.name;
   step.error_before = step.plain_before = out.law_left_out_V;
   step.error_after = step.plain_after = out.left_out_V;
-  m.history.push_back(step);
+  out.model.history.push_back(step);
   return out;
 }
 

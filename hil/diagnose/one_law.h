@@ -5,9 +5,11 @@
 //
 //   U = g W(b, q) + o + g sum_j c_j s_j(W, F, history),   minimised over g, o, c (linear) and b, q (Gauss-Newton on the
 //   variable projection), every record weighing the same; for each effect the form and shape of its library entry that
-//   predicts left-out records best. Strengths may have either sign: what counts here is the prediction, and which effect it
-//   is has been decided before. make_compensator refuses what cannot be inverted.
+//   predicts left-out records best, of those that the caller can use. Strengths may have either sign: what counts here is the
+//   prediction, and which effect it is has been decided before. An equation of the user's own is fitted like a library entry: its
+//   strength, and where no fit has been made of it yet, the best of the shapes around what was written.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,10 +28,14 @@ struct OneLawFit {
   std::vector<Item> records;
   double law_left_out_V = 0.0,
          left_out_V = 0.0;  ///< RMS over records that were left out of the linear fit in turn
+  std::vector<std::string> notes;  ///< what a form that can be used costs against the best one
 };
 
-/// Uncertainties in the model are those of the jackknife over records. The user's own equations stay as they are.
+/// Whether a model can be used, for instance inverted; empty: every one.
+using IsUsable = std::function<bool(const Model&)>;
+
+/// Uncertainties in the model are those of the jackknife over records. Where no form of an effect is usable, the best one is taken.
 /// Errors (config): fewer than 3 records, an effect that these records do not excite or whose channels are missing.
-Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start);
+Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start, const IsUsable& is_usable = {});
 
 }  // namespace forcegate::diagnose

@@ -6,6 +6,7 @@
 #include "hil/base/text.h"
 #include "hil/diagnose/findings.h"
 #include "hil/diagnose/further_forms.h"
+#include "hil/diagnose/moved_parameters.h"
 #include "hil/diagnose/reference_latency.h"
 #include "hil/diagnose/refine.h"
 #include "hil/diagnose/select.h"
@@ -45,14 +46,14 @@ Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::v
 ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const ShapeCovariance& joint) {
   const Variant& variant = w.output.variants[static_cast<std::size_t>(index)];
   const Candidate& c = w.output.candidates[static_cast<std::size_t>(variant.candidate)];
+  // the strengths were fitted beside the working gain; the law carries its own
+  const double gain = fit.coefficient[0] * w.output.gain_of_unit;
   std::vector<Estimate> strength(static_cast<std::size_t>(c.count));
   for (int j = 0; j < c.count; ++j)
     for (std::size_t b = 0; b < fit.columns.size(); ++b)
       if (fit.columns[b] == c.first + j) {
         const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
-        // the strengths were fitted beside the working gain; the law carries its own
-        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / fit.coefficient[0],
-                                                 joint.of_coefficient(at) / std::abs(fit.coefficient[0])};
+        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)};
       }
   ModelEffect out = model_effect(*c.kind, *c.form, c.shape, strength);
   for (std::size_t k = 0; k < out.shape.size(); ++k) out.shape[k].se = joint.of_shape(index, k);
@@ -122,6 +123,8 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     const EffectKind* kind = EffectRegistry::instance().find(add);
     for (const auto& own : w.user_kinds)
       if (own->name == add) kind = own.get();
+    for (const UserEffect& own : start.user_effects)
+      if (kind != nullptr && own.name == add) FORCEGATE_CHECK_OK(check_excited(own, *kind, w.input));
     if (kind == nullptr) {
       std::vector<std::string> known = EffectRegistry::instance().names();
       for (const UserEffect& own : start.user_effects) known.push_back(own.name);
@@ -205,6 +208,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     move("q_scale", "1", start.law.q_scale, m.law.q_scale, m.se_q_scale);
   }
   m.effects.clear();
+  const std::ptrdiff_t law_moves = std::ssize(out.moves);
   for (int v : variants) {
     const Candidate& c =
         w.output
@@ -216,11 +220,12 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
         if (now.columns[b] == c.first) {
           const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
           const UserEffect before_fit = *own;
-          *own = with_parameters(before_fit, c.shape, now.coefficient[at] / now.coefficient[0],
-                                 joint.of_coefficient(at) / std::abs(now.coefficient[0]));
-          for (std::size_t k = 0; k < c.shape.size(); ++k) own->parameters[k].se = joint.of_shape(v, k);
+          const double gain = now.coefficient[0] * w.output.gain_of_unit;
+          std::vector<Estimate> shape;
+          for (std::size_t k = 0; k < c.shape.size(); ++k) shape.push_back({c.shape[k], joint.of_shape(v, k)});
+          *own = with_fit(before_fit, *c.form, shape, {now.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)});
           for (const ModelParameter& p : own->parameters) {
-            double old = p.value;
+            double old = p.neutral;  // a share is new
             for (const ModelParameter& q : before_fit.parameters) old = q.name == p.name ? q.value : old;
             out.moves.push_back({own->name + "." + p.name, p.unit, old, p.value, p.se});
           }
@@ -228,20 +233,9 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
       continue;
     }
     m.effects.push_back(effect_of(w, v, now, joint));
-    const ModelEffect& fitted = m.effects.back();
-    const ModelEffect* old = nullptr;
-    for (const ModelEffect& e : start.effects)
-      if (e.effect == fitted.effect && e.form == fitted.form) old = &e;
-    const auto moved = [&](const std::vector<ModelParameter>& now_at, const std::vector<ModelParameter>* was) {
-      for (std::size_t j = 0; j < now_at.size(); ++j) {
-        const ModelParameter& p = now_at[j];
-        out.moves.push_back({fitted.effect + "." + p.name, p.unit, was != nullptr ? (*was)[j].value : p.neutral, p.value, p.se});
-      }
-    };
-    moved(fitted.strength, old != nullptr ? &old->strength : nullptr);
-    // a shape without its strength has no value to begin with
-    if (old != nullptr) moved(fitted.shape, &old->shape);
   }
+  const std::vector<ParameterMove> library = moved_parameters(start.effects, m.effects);
+  out.moves.insert(out.moves.begin() + law_moves, library.begin(), library.end());
   if (!names.empty() && whole_must_judge(w, base, now)) w.judges = JudgedBy::whole;
   out.judged_by = w.judges;
   out.levels = std::any_of(names.begin(), names.end(), is_between_records);

@@ -82,7 +82,8 @@ Result<std::vector<double>> model_output_V(const Model& model, const CampaignInp
                                            const RecordInput& record);
 
 /// Rows x 1: what a user effect adds in newtons at the given parameter values (explicit midpoint rule on the rows).
-/// Error (config) with muparser's message and position when an equation cannot be read.
+/// Errors (config): with muparser's message and position when an equation cannot be read; when it uses T or th and the record has none;
+/// when a state or the output is not finite, with the time.
 Result<std::vector<double>> user_effect_N(const UserEffect& effect, const RecordInput& record);
 
 }  // namespace forcegate

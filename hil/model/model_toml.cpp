@@ -9,7 +9,7 @@
 #include <toml++/toml.h>
 
 #include "hil/base/text.h"
-#include "hil/model/model.h"
+#include "hil/model/user_equation.h"
 
 namespace forcegate {
 
@@ -106,6 +106,17 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
       FORCEGATE_TRY(ModelParameter p, read_parameter(node, std::string(key.str()), where));
       out.parameters.push_back(std::move(p));
     }
+  std::vector<std::string> taken = user_inputs();
+  const auto is_free = [&](const std::string& symbol) {
+    if (std::ranges::find(taken, symbol) != taken.end()) return false;
+    taken.push_back(symbol);
+    return true;
+  };
+  const std::string help = "give it another name: F, dF, t, T and th are what the record holds";
+  for (const auto& [state, derivative] : out.states)
+    if (!is_free(state)) return bad("a state of \"" + name + "\" is called " + state + ", which means something else in the equations", help);
+  for (const ModelParameter& p : out.parameters)
+    if (!is_free(p.name)) return bad("a parameter of \"" + name + "\" is called " + p.name + ", which means something else in the equations", help);
   return out;
 }
 

@@ -1,69 +1,56 @@
-#include <cmath>
-#include <muParser.h>
+#include <fmt/format.h>
 
-#include "hil/model/model.h"
+#include <cmath>
+
+#include "hil/model/user_equation.h"
 
 namespace forcegate {
 
 Result<std::vector<double>> user_effect_N(const UserEffect& effect, const RecordInput& record) {
-  double F = 0.0, dF = 0.0, t = 0.0, T = 0.0, th = 0.0;
-  std::vector<double> state(effect.states.size(), 0.0), parameter;
-  for (const ModelParameter& p : effect.parameters) parameter.push_back(p.value);
-  const auto prepare = [&](mu::Parser& parser, const std::string& expression) {
-    parser.DefineVar("F", &F);
-    parser.DefineVar("dF", &dF);
-    parser.DefineVar("t", &t);
-    parser.DefineVar("T", &T);
-    parser.DefineVar("th", &th);
-    for (std::size_t k = 0; k < state.size(); ++k) parser.DefineVar(effect.states[k].first, &state[k]);
-    for (std::size_t k = 0; k < parameter.size(); ++k)
-      parser.DefineVar(effect.parameters[k].name, &parameter[k]);
-    parser.SetExpr(expression);
-    parser.Eval();
+  FORCEGATE_TRY(const std::unique_ptr<UserEquation> equation, UserEquation::make(effect));
+  UserEquation& e = *equation;
+  const auto needs = [&](const char* name, const char* what, const char* column, const std::vector<double>& channel) -> Result<void> {
+    if (!channel.empty() || !e.uses(name)) return {};
+    return fail(ErrorCode::config, fmt::format("the effect \"{}\" uses {}, and the record has no {}", effect.name, name, what), record.name,
+                fmt::format("record a column {}, or name the one that holds it with --map COLUMN={}", column, column));
   };
-  std::string now = effect.output;
-  try {
-    mu::Parser output;
-    std::vector<mu::Parser> derivative(state.size());
-    const auto set_input = [&](double row, double share) {
-      const auto i = static_cast<std::size_t>(row);
-      const std::size_t j = std::min(i + 1, record.rows() - 1);
-      const auto between = [&](const std::vector<double>& x) {
-        return x.empty() ? 0.0 : x[i] + share * (x[j] - x[i]);
-      };
-      F = between(record.F_N);
-      dF = between(record.rate_N_per_s);
-      t = between(record.t_s);
-      T = between(record.temp_C);
-      th = between(record.theta_rad);
-    };
-    set_input(0.0, 0.0);
-    prepare(output, effect.output);
-    for (std::size_t k = 0; k < state.size(); ++k) {
-      now = effect.states[k].second;
-      prepare(derivative[k], now);
-    }
-    std::vector<double> out(record.rows()), start(state.size()), slope(state.size());
-    for (std::size_t i = 0; i < record.rows(); ++i) {
-      set_input(static_cast<double>(i), 0.0);
-      out[i] = output.Eval();
-      if (!std::isfinite(out[i]))
-        return fail(ErrorCode::config, "the effect \"" + effect.name + "\" gives a value that is not finite",
-                    record.name, "check divisions and bounds of its equations");
-      if (i + 1 == record.rows()) break;
-      const double dt = record.t_s[i + 1] - record.t_s[i];
-      start = state;
-      for (std::size_t k = 0; k < state.size(); ++k) slope[k] = derivative[k].Eval();
-      for (std::size_t k = 0; k < state.size(); ++k) state[k] = start[k] + 0.5 * dt * slope[k];
-      set_input(static_cast<double>(i), 0.5);
-      for (std::size_t k = 0; k < state.size(); ++k) slope[k] = derivative[k].Eval();
-      for (std::size_t k = 0; k < state.size(); ++k) state[k] = start[k] + dt * slope[k];
-    }
-    return out;
-  } catch (const mu::Parser::exception_type& error) {
-    return fail(ErrorCode::config, "the equation cannot be read: " + error.GetMsg(), effect.name + ": " + now,
-                "known names: F, dF, t, T, th, the states and the parameters");
+  FORCEGATE_CHECK_OK(needs("T", "temperature", "temp_C", record.temp_C));
+  FORCEGATE_CHECK_OK(needs("th", "angle", "theta_rad", record.theta_rad));
+  const auto set_input = [&](std::size_t i, double share) {
+    const std::size_t j = std::min(i + 1, record.rows() - 1);
+    const auto between = [&](const std::vector<double>& x) { return x.empty() ? 0.0 : x[i] + share * (x[j] - x[i]); };
+    e.F = between(record.F_N);
+    e.dF = between(record.rate_N_per_s);
+    e.t = between(record.t_s);
+    e.T = between(record.temp_C);
+    e.th = between(record.theta_rad);
+  };
+  const std::size_t states = effect.states.size();
+  const auto diverged = [&](std::size_t i) {
+    for (std::size_t k = 0; k < states; ++k)
+      if (!std::isfinite(e.state[k]))
+        return fail(ErrorCode::config,
+                    fmt::format("the state {} of the effect \"{}\" runs away: it is not finite at {:.4g} s", effect.states[k].first, effect.name,
+                                record.t_s[i]),
+                    record.name, "its derivative must pull it back; a time constant must be longer than a row of the record");
+    return fail(ErrorCode::config, fmt::format("the effect \"{}\" gives a value that is not finite at {:.4g} s", effect.name, record.t_s[i]),
+                record.name, "check divisions and bounds of its equations");
+  };
+  std::vector<double> out(record.rows()), start(states), slope(states);
+  for (std::size_t i = 0; i < record.rows(); ++i) {
+    set_input(i, 0.0);
+    out[i] = e.output();
+    if (!std::isfinite(out[i])) return diverged(i);
+    if (i + 1 == record.rows()) break;
+    const double dt = record.t_s[i + 1] - record.t_s[i];
+    start = e.state;
+    for (std::size_t k = 0; k < states; ++k) slope[k] = e.derivative(k);
+    for (std::size_t k = 0; k < states; ++k) e.state[k] = start[k] + 0.5 * dt * slope[k];
+    set_input(i, 0.5);
+    for (std::size_t k = 0; k < states; ++k) slope[k] = e.derivative(k);
+    for (std::size_t k = 0; k < states; ++k) e.state[k] = start[k] + dt * slope[k];
   }
+  return out;
 }
 
 }  // namespace forcegate

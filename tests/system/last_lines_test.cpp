@@ -228,5 +228,25 @@ TEST(ExportCheck, WhatHoldsNoSamplesIsNeitherCountedNorJudged) {
   EXPECT_THAT(all.out, AllOf(HasSubstr(" 120 s "), Not(HasSubstr("not judged")))) << all.out;
 }
 
+TEST(ExportCheck, AHeaderThatMakesTheErrorLargerIsNoSuccess) {
+  const TemporaryFolder folder;
+  Noise noise;
+  std::string csv = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 12000; ++i) {
+    const double t = 0.01 * i, F = 2.0 + 1.2 * std::sin(0.3 * t);
+    char row[64];
+    std::snprintf(row, sizeof row, "%.2f,%.5f,%.5f\n", t, F, 2.0 * F - 0.2 + 0.003 * noise());
+    csv += row;
+  }
+  write_text(folder / "straight.csv", csv);
+  write_text(folder / "bent.toml",
+             "format = 1\n[law]\nkind = \"static\"\nspan_N = 3.2\ngain_N_per_V = 0.5\noffset_N = 0.1\n[[effect]]\nname = \"mine\"\noutput = \"k * F * F\"\n"
+             "parameter.k = { value = 0.1, unit = \"1/N\" }\n");
+  const ProcessResult r = pasted("forcegate export bent.toml --plan none --check straight.csv --c comp.h", folder);
+  EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
+  EXPECT_THAT(r.out, HasSubstr("warning: the error on these records is larger with the header than with the law alone"));
+  EXPECT_EQ(next_of(r), "forcegate compare straight.csv --model bent.toml");
+}
+
 }  // namespace
 }  // namespace forcegate::test

@@ -43,6 +43,10 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const ExportResult answer, export_model(request));
   in.console().print(export_text(answer));
   in.console().print_json(export_json(answer));
+  if (answer.check && !objections(*answer.check).empty()) {
+    in.console().next("forcegate compare " + shell_quoted(request.check->campaign.string()) + " --model " + shell_quoted(request.model));
+    return kExitReject;
+  }
   in.console().next(answer.header.empty() ? in.command_line() + " --c comp.h" : line_after(in, answer.header));
   return kExitSuccess;
 }
@@ -59,9 +63,10 @@ const Registration<Command> kRow{Command{
         "A calibration by straight line and decay is wrong on a sensor that creeps. What the calibration of --plan makes of this "
         "sensor is simulated, and the header takes it back.\n\n"
         "The diagnosis lets every record have its own gain and decay; a firmware cannot. --fit refits one law for all records, "
-        "with the form of each effect that predicts left-out records best.\n\n"
+        "with the form of each effect that predicts left-out records best, of those that can be undone.\n\n"
         "--check builds the header with the host's compiler and replays a campaign: how far it is from the model's own inverse, "
-        "in newtons and in LSB, and what it does to the recorded voltages.",
+        "in newtons and in LSB, and what it does to the recorded voltages. Of each record the first 600 s are replayed. Where the header "
+        "is far from the model's inverse, or makes the error larger, a warning says so and the exit code is 1.",
     .positionals = {{.name = "MODEL", .doc = "Model file, or flexiforce, fsr."}},
     .options =
         {{.name = "c", .value_name = "FILE", .doc = "Header to write."},
@@ -79,7 +84,7 @@ const Registration<Command> kRow{Command{
           .fallback = "smoke"},
          {.name = "reference-temperature",
           .value_name = "DEGC",
-          .doc = "Where a thermal effect is zero; default: mean of --check."},
+          .doc = "Where a thermal effect is zero; default: mean of --check, else of --fit."},
          {.name = "map",
           .value_name = "COLUMN=NAME",
           .doc = "Foreign column of the campaign.",
@@ -88,6 +93,7 @@ const Registration<Command> kRow{Command{
                   "Refit it, write it, build it, replay the campaign:"},
                  {"forcegate export flexiforce --c comp.h",
                   "The header of a model as it is; ci/firmware comp.h NAME builds the firmware around it:"}},
+    .exit_codes = {kExitSuccess, kExitReject, kExitUsage},
     .run = run,
 }};
 

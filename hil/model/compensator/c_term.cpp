@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "hil/model/compensator/c_expression.h"
 #include "hil/model/compensator/c_term_parts.h"
+#include "hil/model/compensator/user_slope.h"
 
 namespace forcegate {
 
@@ -30,6 +32,8 @@ tl::unexpected<Error> refuse(const std::string& effect, const std::string& why, 
 }  // namespace c_terms
 
 namespace {
+
+constexpr double kSlopeMargin = 1.1;  // the least slope was looked for at some places only
 
 const std::map<std::string, std::pair<const char*, const char*>>& refusals() {
   static const std::map<std::string, std::pair<const char*, const char*>> kReasons = {
@@ -92,7 +96,8 @@ Result<CTerm> c_term(const UserEffect& e, const CTermContext& x) {
   CTerm t;
   const std::string& id = x.id;
   std::map<std::string, std::string> at_output = {{"F", "F"}, {"t", "c->t_s"}, {"T", "c->temperature_C"}};
-  at_output["dF"] = fmt::format("(c->running ? (F - c->{}_x) * {} : 0.0f)", id, c_float(x.rate_Hz));
+  // of second order, as the model's central difference; one of first order would be late by half a sample
+  at_output["dF"] = fmt::format("{}_rate(c, F)", id);
   for (const ModelParameter& p : e.parameters) {
     t.constants += constant("k_" + id + "_" + p.name, p.value);
     at_output[p.name] = "k_" + id + "_" + p.name;
@@ -128,17 +133,33 @@ Result<CTerm> c_term(const UserEffect& e, const CTermContext& x) {
     used.insert(k1.functions.begin(), k1.functions.end());
     used.insert(k2.functions.begin(), k2.functions.end());
   }
-  t.state = fmt::format("  float {}_x{};\n", id, members);
-  t.bytes += 4;
+  t.state = fmt::format("  float {0}_x, {0}_xx{1};\n", id, members);
+  t.bytes += 8;
   if (!e.states.empty()) t.commit = "  {\n" + half + full + "  }\n";
-  t.commit += fmt::format("  c->{}_x = F;\n", id);
+  t.commit += fmt::format("  c->{0}_xx = c->{0}_x;\n  c->{0}_x = F;\n", id);
   t.needs_exp = used.count("fg_exp") > 0;
   t.needs_ln = used.count("fg_ln") > 0;
   t.needs_sqrt = used.count("fg_sqrt") > 0;
   t.needs_tanh = used.count("fg_tanh") > 0;
   t.needs_temperature = t.value.find("temperature_C") != std::string::npos ||
                         t.commit.find("temperature_C") != std::string::npos;
-  t.slope_min = -0.5;  // not known from the text; the replay of --check shows whether it holds
+  if (t.value.find(id + "_rate") != std::string::npos || t.commit.find(id + "_rate") != std::string::npos) {
+    t.constants += fmt::format(
+        "static inline float {0}_rate(const FgComp* c, float F) {{\n"
+        "  if (c->samples < 2) return c->running ? {1} * (F - c->{0}_x) : 0.0f;\n"
+        "  return {1} * ((1.5f * F - 2.0f * c->{0}_x) + 0.5f * c->{0}_xx);\n"
+        "}}\n",
+        id, c_float(x.rate_Hz));
+    // beside the force of a steady rate there may be another one that gives the same output
+    t.start = fmt::format("(c->samples < 2 ? c->force_N : 2.0f * c->{0}_x - c->{0}_xx)", id);
+    t.each += 6;
+    t.once += 14;
+  }
+  FORCEGATE_TRY(const LeastSlope least, least_slope(e, x));
+  t.slope_min = std::min(0.0, kSlopeMargin * least.slope);
+  if (least.slope <= -1.0)
+    t.falls = fmt::format("where the force {} from {:.2g} N its output goes the other way by {:.2g} N a newton, so that two forces give one voltage",
+                          least.falling ? "falls" : "rises", least.force_N, -least.slope);
   return t;
 }
 

@@ -159,10 +159,12 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
   t.commit = fmt::format(
       "  for (int k = 0; k < {1}; ++k) c->{0}_p[k] = fg_clamp(c->{0}_p[k], F - k_{0}_r[k], F + k_{0}_r[k]);\n",
       id, n);
+  // a play that is pushed along takes all narrower ones with it: those that are stuck are the widest
   double stuck = 0.0;
-  for (std::size_t k = 0; k < n; ++k)
-    stuck -= std::max(0.0, w[k]) + std::max(0.0, 2.0 * v[k] * (x.lowest_N + x.span_N));
-  t.slope_min = stuck;
+  for (std::size_t k = n; k-- > 0;) {
+    stuck += w[k] + std::max(0.0, 2.0 * v[k] * (x.lowest_N + x.span_N));
+    t.slope_min = std::min(t.slope_min, -stuck);
+  }
   t.each = static_cast<int>(n) * (curved ? 9 : 7);
   t.once = static_cast<int>(n) * 4;
   t.bytes = 4 * n;

@@ -92,7 +92,7 @@ std::string residual() {
 )";
 }
 
-std::string step(const std::string& prepare, const std::string& commit, double reach, double step_s,
+std::string step(const std::string& prepare, const std::string& commit, const std::string& start, double reach, double step_s,
                  int iterations) {
   return fmt::format(
       R"(/* One sample -> force in newtons. u_N = G U + F0. shrink: D, 1 without cyclic loading. floor_N: lowest settled u_N of the
@@ -104,7 +104,7 @@ static inline float fg_comp_step(FgComp* c, float u_N, float shrink, float floor
   c->temperature_C = temperature_C;
 {0}
   /* the right side rises by at least shrink / {1} a newton: the root lies between a and b */
-  float a = c->running ? c->force_N : u_N;
+  float a = c->running ? {6} : u_N;
   float at_a = fg_comp_residual(c, a);
   float b = a - at_a * ({2} / shrink);
   float at_b = fg_comp_residual(c, b);
@@ -149,7 +149,7 @@ static inline float fg_comp_step(FgComp* c, float u_N, float shrink, float floor
 }}
 
 )",
-      prepare, fmt::format("{:.3g}", reach), c_float(reach), iterations, commit, c_float(step_s));
+      prepare, fmt::format("{:.3g}", reach), c_float(reach), iterations, commit, c_float(step_s), start);
 }
 
 }  // namespace forcegate::c_text

@@ -11,8 +11,8 @@ std::string elementary(bool exponential, bool logarithm, bool root, bool tangent
 /// fg_comp_residual(c, F): right side less u.
 std::string residual();
 
-/// fg_comp_step. `reach`: reciprocal of the least slope of the right side at rest.
-std::string step(const std::string& prepare, const std::string& commit, double reach, double step_s,
+/// fg_comp_step. `start`: expression for a force to search from while it runs; `reach`: reciprocal of the least slope of the right side at rest.
+std::string step(const std::string& prepare, const std::string& commit, const std::string& start, double reach, double step_s,
                  int iterations);
 
 }  // namespace forcegate::c_text

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "hil/model/compensator/c_expression.h"
+#include "hil/model/compensator/c_term_parts.h"
 #include "hil/model/compensator/c_text.h"
 
 namespace forcegate {
@@ -26,12 +28,28 @@ std::string define(const char* name, double value) {
 
 std::string short_id(const Model& model) {
   std::string id;
-  for (const std::string& name : model.effect_names()) id += (id.empty() ? "" : "+") + name;
+  std::set<std::string> named;  // an effect may stand in the model with several forms
+  for (const std::string& name : model.effect_names())
+    if (named.insert(name).second) id += (id.empty() ? "" : "+") + name;
   for (const UserEffect& e : model.user_effects) id += (id.empty() ? "" : "+") + e.name;
   if (id.empty()) id = "law";
   std::erase_if(
       id, [](char c) { return !(std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '_'); });
   return id.substr(0, 17);
+}
+
+// A firmware begins where it is switched on: banks of plays that differ in what they kept from the record before are one bank.
+std::vector<ModelEffect> merged(const std::vector<ModelEffect>& effects) {
+  std::vector<ModelEffect> out;
+  for (const ModelEffect& e : effects) {
+    const auto same = std::find_if(out.begin(), out.end(), [&](const ModelEffect& o) { return o.effect == e.effect && o.form == e.form; });
+    if (same == out.end() || !e.form.starts_with("play_bank")) {
+      out.push_back(e);
+      continue;
+    }
+    for (std::size_t k = 0; k < e.strength.size(); ++k) same->strength[k].value += e.strength[k].value;
+  }
+  return out;
 }
 
 std::string calibration_text(const CalibrationMap& m) {
@@ -70,7 +88,7 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
   context.lowest_N = options.lowest_N;
   context.reference_temperature_C = options.reference_temperature_C;
   std::vector<CTerm> terms;
-  for (const ModelEffect& e : model.effects) {
+  for (const ModelEffect& e : merged(model.effects)) {
     context.id = fmt::format("e{}", terms.size());
     FORCEGATE_TRY(CTerm term, c_term(e, context));
     if (!term.value.empty()) terms.push_back(std::move(term));
@@ -97,10 +115,12 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
     out.effects.push_back(t.title);
   }
   if (slope < kLeastSlope) {
-    std::string steepest = "the model";
+    std::string steepest = "the model", falls;
     double least = 0.0;
     for (const CTerm& t : terms)
-      if (t.slope_min < least) least = t.slope_min, steepest = t.title.substr(0, t.title.find(':'));
+      if (t.slope_min < least) least = t.slope_min, steepest = t.title.substr(0, t.title.find(':')), falls = t.falls;
+    if (!falls.empty())
+      return c_terms::refuse(steepest, falls, "export a model file without this effect, or give it an equation that grows with the force");
     return fail(
         ErrorCode::config,
         fmt::format(
@@ -160,12 +180,13 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
   for (const CTerm& t : terms) h += "  e += " + t.value + ";\n";
   h += "  (void)W, (void)c, (void)F;\n  return e;\n}\n\n";
   h += c_text::residual();
-  std::string prepare, commit;
+  std::string prepare, commit, start = "c->force_N";
   for (const CTerm& t : terms) {
+    if (!t.start.empty()) start = t.start;
     prepare += t.prepare;
     commit += t.commit;
   }
-  h += c_text::step(prepare, commit, out.noise_gain * 1.05, 1.0 / options.rate_Hz, kEvaluations - 2);
+  h += c_text::step(prepare, commit, start, out.noise_gain * 1.05, 1.0 / options.rate_Hz, kEvaluations - 2);
   h += "#endif\n";
   out.header = std::move(h);
   return out;

@@ -5,7 +5,7 @@
 //   u = F_low + D (F - F_low) + sum_j e_j(F, history)
 //
 // is solved for F by at most 12 evaluations of its right side (Illinois variant of regula falsi, Dowell and Jarratt 1971);
-// the right side grows with F, which is checked when the header is made. F_low follows from the lowest settled u less what
+// the right side grows with F, which is checked when the header is made (of a user's equation by trying it, user_slope.h). F_low follows from the lowest settled u less what
 // the effects added there. What a calibration by straight line and decay makes of a sensor that has these effects is known
 // from the model and taken back (CalibrationMap).
 

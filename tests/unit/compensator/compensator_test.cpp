@@ -175,6 +175,84 @@ TEST(Compensator, AUsersEquationIsUndone) {
   EXPECT_LT(replay_LSB(m), 0.1);
 }
 
+Model with_equation(const std::string& output, double k) {
+  Model m = model_with({});
+  m.user_effects.push_back({"ratey", {{"k", "s/N", k}}, {}, output});
+  return m;
+}
+
+TEST(Compensator, AnEquationInTheRateIsUndoneWhereTheOutputGrowsWithTheForce) {
+  EXPECT_LT(replay_LSB(with_equation("k * dF * F", 0.03)), 1.0);
+  EXPECT_LT(replay_LSB(with_equation("k * dF", 0.03)), 1.0);
+  // of second order: a difference over the last sample alone is late by half of one
+  const auto made = make_compensator(with_equation("k * dF", 0.03), {});
+  ASSERT_TRUE(made);
+  EXPECT_NE(made->header.find("1.5f * F"), std::string::npos);
+}
+
+// Beside the force of a steady rate there is another one that gives the same output: a slow firmware must not find that.
+TEST(Compensator, ASlowFirmwareFindsTheForceOfASteadyRate) {
+  Campaign fast;
+  fast.records.push_back(record_of("fast", false, 20, [](double t) { return 1.35 + 0.85 * std::sin(4.0 * 3.14159265 * t); }));
+  CompensatorOptions options;
+  options.rate_Hz = 100.0;
+  const Model m = with_equation("k * dF * F", 0.03);
+  const auto made = make_compensator(m, options);
+  ASSERT_TRUE(made) << made.error().to_text();
+  const auto check = check_compensator(m, *made, options.rate_Hz, fast);
+  ASSERT_TRUE(check) << check.error().to_text();
+  EXPECT_LT(check->largest_N, 1e-4);
+}
+
+// |dF| does not tell whether the force rises or falls.
+TEST(Compensator, AnEquationThatGivesOneVoltageToTwoForcesIsRefused) {
+  for (const auto& [output, k] : std::initializer_list<std::pair<const char*, double>>{
+           {"k * abs(dF) * F", 0.03}, {"k * dF", -0.03}, {"k * dF * dF", 0.03}, {"k * F * F", -0.5}, {"k * sign(dF)", -0.2}}) {
+    const auto made = make_compensator(with_equation(output, k), {});
+    ASSERT_FALSE(made) << output;
+    EXPECT_NE(made.error().text.find("ratey"), std::string::npos) << made.error().text;
+    EXPECT_NE(made.error().text.find("two forces give one voltage"), std::string::npos) << made.error().text;
+    EXPECT_FALSE(made.error().hint.empty());
+  }
+}
+
+// Plays of both signs, as a joint fit gives them: what is left of a step is what the widest of them leave together.
+TEST(Compensator, PlaysOfBothSignsAreJudgedTogether) {
+  const ModelEffect anew = effect("hysteresis", "play_bank", {0.70, -0.59, 0.12, 0.16, -0.10, 0.04}, {0.0}),
+                    kept = effect("hysteresis", "play_bank", {-0.61, 0.60, 0.13, -0.14, 0.08, -0.03}, {1.0});
+  const auto made = make_compensator(model_with({anew, kept}), {});
+  ASSERT_TRUE(made) << made.error().to_text();
+  EXPECT_EQ(made->id, "hysteresis");
+  EXPECT_EQ(made->effects.size(), 1u);
+  EXPECT_LT(made->noise_gain, 1.6);
+  EXPECT_LT(replay_LSB(model_with({effect("hysteresis", "play_bank", {0.09, 0.01, 0.25, 0.02, -0.02, 0.01})})), 0.1);
+}
+
+TEST(Compensator, AHeaderThatDoesNotInvertOrMakesTheErrorLargerIsObjectedTo) {
+  CompensatorCheck check;
+  check.lsb_N = 1e-4;
+  check.plain_rms_N = 0.1;
+  check.compensated_rms_N = 0.005;
+  check.largest_N = 3e-4;
+  EXPECT_TRUE(objections(check).empty());
+  check.largest_N = 0.02;
+  ASSERT_EQ(objections(check).size(), 1u);
+  EXPECT_NE(objections(check)[0].find("2e+02 LSB"), std::string::npos) << objections(check)[0];
+  check.compensated_rms_N = 0.3;
+  EXPECT_EQ(objections(check).size(), 1u) << "what is left is far larger than the difference";
+  check.largest_N = 0.1;
+  EXPECT_EQ(objections(check).size(), 2u);
+}
+
+TEST(Compensator, WhatIsCutFromALongRecordIsTold) {
+  const auto made = make_compensator(model_with({}), {});
+  ASSERT_TRUE(made);
+  const auto check = check_compensator(model_with({}), *made, 1000.0, campaign(), 45.0);
+  ASSERT_TRUE(check) << check.error().to_text();
+  EXPECT_NEAR(check->records[0].cut_s, 15.0, 0.1);
+  EXPECT_EQ(check->records[1].cut_s, 0.0);
+}
+
 TEST(Compensator, WhatAMicrocontrollerCannotUndoIsRefusedByNameWithTheReason) {
   for (const char* name : {"delay", "wear", "hum", "mounting", "slow_recovery"}) {
     const EffectKind* kind = EffectRegistry::instance().find(name);
@@ -215,6 +293,21 @@ TEST(Compensator, TheHeaderStatesItsCostAndUsesNoLibraryBeyondFixedIntegers) {
   EXPECT_EQ(made->header.find("double "), std::string::npos);
   EXPECT_EQ(made->header.find("malloc"), std::string::npos);
   EXPECT_EQ(made->id, "creep");
+}
+
+TEST(CalibrationMap, AnEquationInTheTemperatureIsCalibratedWhereTheEffectsAreZero) {
+  const auto path = find_plan("smoke");
+  ASSERT_TRUE(path);
+  const auto plan = read_plan(*path);
+  ASSERT_TRUE(plan);
+  const Model m = with_equation("k * (T - 20) * F", 0.01);
+  EXPECT_FALSE(calibration_map(m, *plan));
+  const auto warm = calibration_map(m, *plan, 30.0);
+  ASSERT_TRUE(warm) << warm.error().to_text();
+  EXPECT_NEAR(warm->alpha, 1.0 / 1.1, 1e-6);
+  const auto thermal = calibration_map(model_with({effect("thermal", "lagged", {0.003, 0.001}, {60.0, 0.0})}), *plan, 30.0);
+  ASSERT_TRUE(thermal);
+  EXPECT_NEAR(thermal->alpha, 1.0, 1e-9);
 }
 
 TEST(CalibrationMap, TakesBackWhatTheSweepsMakeOfCreep) {

@@ -111,5 +111,75 @@ TEST(Refit, ASwingThatDoesNotDecayLeavesAStaticLaw) {
   EXPECT_FALSE(made->model.law.decays);
 }
 
+// A gain that follows the largest force so far.
+std::vector<double> softening(const std::vector<double>&, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  double most = 0.0;
+  for (const double f : F) {
+    most = std::max(most, f);
+    U.push_back(2.0 * (f + 0.02 * (most - f) * f) + 0.2);
+  }
+  return U;
+}
+
+Result<Refit> refit_own(const std::string& equation) {
+  const auto model = parse_model("[law]\nkind = \"static\"\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\n" + equation, "m.toml");
+  if (!model) return Unexpected(model.error());
+  EngineOptions options;
+  options.threads = 1;
+  options.law = model->law;
+  options.user_effects = model->user_effects;
+  FORCEGATE_TRY(const auto workspace, prepare(make_campaign(73, softening, 0.002), options));
+  return refit_model(*workspace, *model, "mine", 1);
+}
+
+constexpr const char* kMemory = "state.M = \"F > M ? 50 * (F - M) : 0\"\n";
+
+TEST(Refit, AParameterThatTheOutputIsProportionalToTakesTheStrength) {
+  for (const char* start : {"0.005", "0"}) {  // a start at 0 hides nothing
+    const auto made = refit_own(std::string("output = \"k * (M - F) * F\"\nparameter.k = { value = ") + start + ", unit = \"1/N\" }\n" + kMemory);
+    ASSERT_TRUE(made) << made.error().to_text();
+    const UserEffect& fitted = made->model.user_effects[0];
+    EXPECT_EQ(fitted.output, "k * (M - F) * F");
+    ASSERT_EQ(fitted.parameters.size(), 1u);
+    EXPECT_NEAR(fitted.parameters[0].value, 0.02, 0.001);
+    EXPECT_GT(fitted.parameters[0].se, 0.0);
+    EXPECT_LT(fitted.parameters[0].se, 0.001);
+  }
+}
+
+TEST(Refit, WhereNoParameterIsProportionalAShareIsAndStartsAtOne) {
+  const auto made = refit_own(std::string("output = \"(M - F) * F^p / 100\"\nparameter.p = { value = 1, min = 0.8, max = 1.2 }\n") + kMemory);
+  ASSERT_TRUE(made) << made.error().to_text();
+  const UserEffect& fitted = made->model.user_effects[0];
+  ASSERT_EQ(fitted.parameters.size(), 2u);
+  EXPECT_EQ(fitted.parameters[1].name, "share");
+  EXPECT_NEAR(fitted.parameters[1].value, 2.0, 0.3);
+  const auto share = std::ranges::find(made->moves, "mine.share", &ParameterMove::name);
+  ASSERT_NE(share, made->moves.end());
+  EXPECT_EQ(share->before, 1.0);
+}
+
+TEST(Refit, OfTwoFactorsOneIsFittedAndTheOtherStays) {
+  const auto made = refit_own(std::string("output = \"a * b * (M - F) * F\"\nparameter.a = 0.1\nparameter.b = 0.1\n") + kMemory);
+  ASSERT_TRUE(made) << made.error().to_text();
+  const std::vector<ModelParameter>& p = made->model.user_effects[0].parameters;
+  ASSERT_EQ(p.size(), 2u);
+  EXPECT_NEAR(p[0].value * p[1].value, 0.02, 0.001);
+  EXPECT_EQ(p[1].value, 0.1);
+  EXPECT_EQ(p[1].se, 0.0);
+}
+
+TEST(Refit, AnEquationThatAddsNothingToTheLawIsRefusedWithTheReason) {
+  const auto line = refit_own("output = \"k * F + 0.1 * k\"\nparameter.k = 0.01\n"), constant = refit_own("output = \"5\"\n"),
+             zero = refit_own("output = \"k * x\"\nstate.x = \"x * x * 100\"\nparameter.k = 0.01\n"),
+             warm = refit_own("output = \"k * T * F\"\nparameter.k = 0.01\n");
+  ASSERT_FALSE(line || constant || zero || warm);
+  EXPECT_NE(line.error().text.find("straight line"), std::string::npos) << line.error().to_text();
+  EXPECT_NE(constant.error().text.find("straight line"), std::string::npos) << constant.error().to_text();
+  EXPECT_NE(zero.error().text.find("gives 0 on every record"), std::string::npos) << zero.error().to_text();
+  EXPECT_NE(warm.error().text.find("no temperature"), std::string::npos) << warm.error().to_text();
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

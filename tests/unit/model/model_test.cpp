@@ -77,6 +77,35 @@ TEST(UserEffect, ReportsAnEquationThatCannotBeRead) {
   EXPECT_EQ(added.error().code, ErrorCode::config);
 }
 
+TEST(UserEffect, SaysWhichQuantityTheRecordLacksAndWhichStateRunsAway) {
+  const auto input = make_campaign_input(test::campaign([](double, double F) { return F; }));
+  ASSERT_TRUE(input);
+  RecordInput bare = input->records[0];
+  bare.theta_rad.clear();
+  bare.temp_C.clear();
+  const auto refused = [&](const std::string& output, const std::string& derivative) {
+    UserEffect effect;
+    effect.name = "mine";
+    effect.output = output;
+    effect.states = {{"x", derivative}};
+    const auto added = user_effect_N(effect, bare);
+    EXPECT_FALSE(added.has_value()) << output;
+    return added ? std::string() : added.error().to_text();
+  };
+  EXPECT_NE(refused("F * x", "T - x").find("uses T, and the record has no temperature"), std::string::npos);
+  EXPECT_NE(refused("sin(2 * th) + x", "0").find("uses th, and the record has no angle"), std::string::npos);
+  EXPECT_NE(refused("x", "1 + x * x * 100").find("state x of the effect \"mine\" runs away"), std::string::npos);
+  EXPECT_NE(refused("pow(F, 2) + x", "0").find("x^y"), std::string::npos);
+}
+
+TEST(UserEffect, ParametersAndStatesCannotBeCalledAsTheInputs) {
+  for (const char* line : {"parameter.F = { value = 0.1 }", "state.dF = \"F\"", "state.k = \"F\"\nparameter.k = 1.0"}) {
+    const auto model = parse_model(std::string("[law]\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\noutput = \"F * F\"\n") + line + "\n", "m.toml");
+    ASSERT_FALSE(model.has_value()) << line;
+    EXPECT_NE(model.error().text.find("means something else"), std::string::npos) << model.error().to_text();
+  }
+}
+
 TEST(Rows, NeedForceAndOutput) {
   Record record = test::campaign([](double, double F) { return F; }).records[0];
   record.trace.channels.erase(record.trace.channels.begin() + 1);

@@ -1,0 +1,61 @@
+#include "hil/model/user_equation.h"
+
+#include <algorithm>
+#include <muParser.h>
+
+namespace forcegate {
+
+const std::vector<std::string>& user_inputs() {
+  static const std::vector<std::string> kNames = {"F", "dF", "t", "T", "th"};
+  return kNames;
+}
+
+struct UserEquation::Parsers {
+  std::vector<double> parameter;
+  mu::Parser output;
+  std::vector<mu::Parser> derivative;
+};
+
+UserEquation::UserEquation() : parsers_(std::make_unique<Parsers>()) {}
+UserEquation::~UserEquation() = default;
+double UserEquation::output() const { return parsers_->output.Eval(); }
+double UserEquation::derivative(std::size_t k) const { return parsers_->derivative[k].Eval(); }
+
+Result<std::unique_ptr<UserEquation>> UserEquation::make(const UserEffect& effect) {
+  std::unique_ptr<UserEquation> out(new UserEquation);
+  Parsers& p = *out->parsers_;
+  out->state.assign(effect.states.size(), 0.0);
+  for (const ModelParameter& parameter : effect.parameters) p.parameter.push_back(parameter.value);
+  p.derivative.resize(effect.states.size());
+  const auto prepare = [&](mu::Parser& parser, const std::string& expression) {
+    parser.DefineVar("F", &out->F);
+    parser.DefineVar("dF", &out->dF);
+    parser.DefineVar("t", &out->t);
+    parser.DefineVar("T", &out->T);
+    parser.DefineVar("th", &out->th);
+    for (std::size_t k = 0; k < effect.states.size(); ++k) parser.DefineVar(effect.states[k].first, &out->state[k]);
+    for (std::size_t k = 0; k < effect.parameters.size(); ++k) parser.DefineVar(effect.parameters[k].name, &p.parameter[k]);
+    parser.SetExpr(expression);
+    parser.Eval();
+  };
+  std::string now = effect.output;
+  try {
+    prepare(p.output, now);
+    for (std::size_t k = 0; k < effect.states.size(); ++k) {
+      now = effect.states[k].second;
+      prepare(p.derivative[k], now);
+    }
+  } catch (const mu::Parser::exception_type& error) {
+    return fail(ErrorCode::config, "the equation cannot be read: " + error.GetMsg(), effect.name + ": " + now,
+                "known names: F, dF, t, T, th, the states and the parameters; functions: exp, ln, log10, sqrt, abs, sign, min, max, "
+                "sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, rint; a power is x^y, a case is condition ? x : y");
+  }
+  return out;
+}
+
+bool UserEquation::uses(const std::string& name) const {
+  const auto reads = [&](const mu::Parser& parser) { return parser.GetUsedVar().count(name) > 0; };
+  return reads(parsers_->output) || std::any_of(parsers_->derivative.begin(), parsers_->derivative.end(), reads);
+}
+
+}  // namespace forcegate

@@ -1,0 +1,61 @@
+// One law for all records, as a firmware has it.
+
+#include "hil/diagnose/one_law.h"
+
+#include "tests/unit/diagnose/made_campaign.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+Model model_of(const std::string& effects) {
+  const auto model = parse_model("[law]\nkind = \"static\"\ngain_N_per_V = 0.5\noffset_N = -0.1\n" + effects, "m.toml");
+  EXPECT_TRUE(model) << model.error().to_text();
+  return *model;
+}
+
+std::vector<double> bent(const std::vector<double>&, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  for (const double f : F) U.push_back(2.0 * (f - 0.04 * f * f) + 0.2);
+  return U;
+}
+
+TEST(OneLaw, AnEquationOfTheUsersOwnIsAnEffectLikeAnyOther) {
+  const auto fit = fit_one_law(make_campaign(81, bent, 0.002), model_of("[[effect]]\nname = \"mine\"\noutput = \"k * F * F\"\nparameter.k = { value = -0.03, se = 0.01 }\n"));
+  ASSERT_TRUE(fit) << fit.error().to_text();
+  EXPECT_LT(fit->left_out_V, 0.5 * fit->law_left_out_V);
+  ASSERT_EQ(fit->model.user_effects.size(), 1u);
+  EXPECT_NEAR(fit->model.user_effects[0].parameters[0].value, -0.04, 0.002);
+  for (const OneLawFit::Item& item : fit->records) EXPECT_NE(item.law_V, item.model_V) << item.record;
+  const auto none = fit_one_law(make_campaign(82, straight, 0.002), model_of("[[effect]]\nname = \"mine\"\noutput = \"k * dF\"\nparameter.k = 0.01\n"));
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().text.find("do not lower"), std::string::npos) << none.error().to_text();
+}
+
+// One pole of 40 ms.
+std::vector<double> late(const std::vector<double>&, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  double y = F.front();
+  for (const double f : F) {
+    y += (f - y) * (1.0 - std::exp(-0.005 / 0.04));
+    U.push_back(2.0 * y + 0.2);
+  }
+  return U;
+}
+
+TEST(OneLaw, OfTheFormsThatCanBeUsedTheBestIsTakenAndItsCostIsTold) {
+  const Model lag = model_of("[[effect]]\nname = \"lag\"\nform = \"one_pole\"\n");
+  const auto form_of = [](const Result<OneLawFit>& fit) { return fit ? fit->model.effects[0].form : fit.error().to_text(); };
+  const auto any = fit_one_law(make_campaign(83, late, 0.002), lag);
+  EXPECT_EQ(form_of(any), "one_pole");
+  EXPECT_TRUE(any->notes.empty());
+  const auto other = fit_one_law(make_campaign(83, late, 0.002), lag, [](const Model& m) { return m.effects[0].form != "one_pole"; });
+  ASSERT_TRUE(other) << other.error().to_text();
+  EXPECT_NE(form_of(other), "one_pole");
+  ASSERT_EQ(other->notes.size(), 1u);
+  EXPECT_NE(other->notes[0].find("one_pole predicts best"), std::string::npos) << other->notes[0];
+  // where none can be used the best one is what the refusal should name
+  EXPECT_EQ(form_of(fit_one_law(make_campaign(83, late, 0.002), lag, [](const Model&) { return false; })), "one_pole");
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
