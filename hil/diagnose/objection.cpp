@@ -90,7 +90,7 @@ double resemblance(const ResidualChannel& channel, const MixedFit& base, const F
 }  // namespace
 
 bool is_suspicion(const std::string& reason) {
-  return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads && reason != kJitter;
+  return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads && reason != kInStep && reason != kJitter;
 }
 
 double suspicion_probability(const std::string& reason, bool beside_claim) {

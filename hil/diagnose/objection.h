@@ -14,6 +14,7 @@ inline constexpr const char* kJitter = "it flattens the noise of the reference w
 inline constexpr const char* kTooLittleEvidence = "too little evidence";
 inline constexpr const char* kUnphysical = "its sign is unphysical";
 inline constexpr const char* kLeads = "the output leads the reference";
+inline constexpr const char* kInStep = "with what is carried along, output and reference are in step";
 inline constexpr const char* kLeavesMost = "it leaves most of the residual";
 inline constexpr const char* kFewJumps = "jumps at codes explain too little of it";
 inline constexpr const char* kDiffers = "its strength differs too much between records";

@@ -32,10 +32,16 @@ struct Response {
   Eigen::MatrixXd derivative;
   const ShapeCovariance& joint;
 
+  FoundParameter at(Index row, double scale, std::string name, std::string unit) const {
+    return told(added[row], derivative.row(row), scale, std::move(name), std::move(unit));
+  }
   FoundParameter difference(Index row, Index less, double scale, std::string name, std::string unit) const {
-    const VectorXd of = derivative.row(row) - derivative.row(less);
-    return {std::move(name), scale * (added[row] - added[less]), std::abs(scale) * std::sqrt(std::max(0.0, of.dot(joint.covariance * of))),
-            std::move(unit)};
+    return told(added[row] - added[less], derivative.row(row) - derivative.row(less), scale, std::move(name), std::move(unit));
+  }
+
+ private:
+  FoundParameter told(double value_N, const VectorXd& of, double scale, std::string name, std::string unit) const {
+    return {std::move(name), scale * value_N, std::abs(scale) * std::sqrt(std::max(0.0, of.dot(joint.covariance * of))), std::move(unit)};
   }
 };
 
@@ -95,10 +101,10 @@ std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualC
   return {added.difference(up, down, 1.0, "loop_width_N", "N"), added.difference(up, down, 100.0 / campaign.range_N, "loop_width", "% of span")};
 }
 
-// Behind a steady ramp; a loss of rate shows between its end and its middle.
+// Behind a steady ramp, far from its ends: a lead has no force to read behind the last row. A loss of rate shows between two places.
 std::vector<FoundParameter> behind(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
                                    const ShapeCovariance& joint) {
-  constexpr int kSteps = 4000;
+  constexpr int kSteps = 4000, kLate = 3 * kSteps / 4;
   constexpr double kStep_s = 0.01, kRate_N_per_s = 1.0;
   std::vector<double> t, F;
   for (int k = 0; k <= kSteps; ++k) {
@@ -107,8 +113,8 @@ std::vector<FoundParameter> behind(const CampaignInput& campaign, const Residual
   }
   const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
   if (chosen.kind->name == "clock_skew")
-    return {added.difference(kSteps, kSteps / 2, -1.0 / (kRate_N_per_s * kStep_s * (kSteps - kSteps / 2)), "skew", "1")};
-  return {added.difference(kSteps, 0, -1.0 / kRate_N_per_s, chosen.kind->name + "_s", "s")};
+    return {added.difference(kLate, kSteps / 2, -1.0 / (kRate_N_per_s * kStep_s * (kLate - kSteps / 2)), "skew", "1")};
+  return {added.at(kLate, -1.0 / kRate_N_per_s, chosen.kind->name + "_s", "s")};
 }
 
 }  // namespace

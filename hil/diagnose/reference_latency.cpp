@@ -26,6 +26,15 @@ double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
   return name == "clock_skew" || c.shape.empty() ? 0.0 : std::abs(c.shape[0] * share);
 }
 
+double net_shift_s(const ResidualChannel& channel, const MixedFit& fit) {
+  double out = 0.0;
+  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+    for (const Candidate& c : channel.candidates)
+      if (c.first == fit.columns[b] && c.kind->traits.timing && c.kind->name != "clock_skew" && !c.shape.empty())
+        out += c.shape[0] * fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  return out;
+}
+
 bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family) {
   return is_lead(best_candidate(channel, family)) && shift_s(channel, family) <= kAllowedLatency_s;
 }

@@ -22,6 +22,9 @@ inline constexpr const char* kLatencyNote =
 /// Shift in time that an effect of time comes to, s, never negative; 0 for a skew, which has none.
 double shift_s(const ResidualChannel& channel, const FamilyScore& family);
 
+/// By which the output is late altogether, s, by all delays, lags and RCs (at mid load) of a fit together; negative: it leads.
+double net_shift_s(const ResidualChannel& channel, const MixedFit& fit);
+
 /// The best variant is a lead that the reference may have of its own.
 bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family);
 

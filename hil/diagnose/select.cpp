@@ -192,6 +192,8 @@ class ForwardChoice {
       }
       const std::string why = lead.plain() || (leads_ && family.kind->traits.late)
                                   ? kLeads
+                              : only_repairs_smoothing(family)
+                                  ? kInStep
                                   : objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
       if (!(why.empty() ? take(family, chosen) : turn_down(family, why))) return;
     }
@@ -246,6 +248,12 @@ class ForwardChoice {
     // what a late reference explains nearly as well is its own, whatever else may fit
     const bool nearly = !lead.loaded && latencies_ == 0 && first && place_ == 0 && is_nearly_latency(channel_, result_);
     return nearly || (worth && is_reference_latency(channel_, family)) ? Clocks::late_reference : Clocks::no;
+  }
+
+  // A shift there and, beside it, one back again: their difference is the bend of the force, which smoothing has flattened.
+  bool only_repairs_smoothing(const FamilyScore& family) const {
+    return latencies_ > 0 && family.kind->traits.timing && family.kind->name != "clock_skew" &&
+           std::abs(net_shift_s(channel_, family.best.fit)) <= kAllowedLatency_s;
   }
 
   bool carry_along(const FamilyScore& family, Clocks clocks) {

@@ -211,7 +211,7 @@ void parts() {
               channel.problem.ns, channel.variants.size());
 
   const double gram = best_cpu_s(3, [&] { sink = bare_screening(b); });
-  const double build = best_cpu_s(3, [&] { diagnose::build_output_channel(w, 1); });
+  const double build = best_cpu_s(3, [&] { diagnose::build_output_channel(w, 1, {}); });
   const double screening =
       best_cpu_s(3, [&] { sink = diagnose::screen(channel, {}, {}, nullptr, 1).base.log_evidence; });
   row("Gram of 43 terms / our signatures", gram, build, "signatures and Gram matrices of all effects");
