@@ -21,15 +21,22 @@ std::string word_of(const Diagnosis& d) {
   return "known";
 }
 
+// Whether a further record can settle it. What the evidence of the ranking leaves open beside a claim, or where nothing is missing, is for
+// who asks `next` for it; so is what was refused because it explains too little.
+bool competes(const Diagnosis& d) {
+  constexpr double kOpen = 0.25;
+  if (!d.not_separable.empty()) return true;
+  return d.verdict == DiagnosisVerdict::unknown && !d.next_experiment.segments.empty() &&
+         std::ranges::any_of(d.findings, [](const Finding& f) { return f.probability >= kOpen; });
+}
+
 }  // namespace
 
 WhatNext after_diagnosis(const Diagnosis& d, const Standing& at) {
   const Finding* first = worth_adding(d);
   if (first != nullptr && std::ranges::find(at.in_model, first->effect) == at.in_model.end())
     return {Step::add, first->effect};
-  // where nothing is missing, what the evidence of the ranking leaves open is for who asks `next` for it
-  const bool competes = !d.not_separable.empty() || (d.verdict != DiagnosisVerdict::none && !d.next_experiment.segments.empty());
-  if (competes) return {at.experiment ? Step::record : Step::experiment, ""};
+  if (competes(d)) return {at.experiment ? Step::record : Step::experiment, ""};
   if (d.verdict == DiagnosisVerdict::none) {
     if (at.experiment) return {Step::record, ""};
     if (!(d.force_range_N > 0.0)) return {Step::explain, "none"};  // recordings without an input: there is no law to fit

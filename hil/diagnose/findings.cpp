@@ -103,7 +103,7 @@ bool knows_strength(const ResidualChannel& channel, const MixedFit& fit, const s
 
 void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection, bool stands_in) {
   constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
-  constexpr double kPlainly = 0.7, kHardly = 0.995, kAboutTheSame = 1.02;
+  constexpr double kPlainly = 0.7, kHardly = 0.995, kAboutTheSame = 1.02, kPlainlyWorse = 1.2;
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
     const auto error = [&](const MixedFit& fit) {
@@ -123,7 +123,9 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
       const MixedFit freedom = chosen.between ? without_levels(channel, selection.base) : selection.base;
       const double all_before = left_out_of_all(channel, *before, freedom), all_after = left_out_of_all(channel, chosen.fit, freedom);
       // of a mounting that has one record the others say nothing: those that have more must tell each other
-      const bool told = chosen.by_records() && chosen.records.left_out <= kPlainly * kPlainly && all_after < all_before;
+      // yet where the held-out ones get plainly worse by it, whoever takes it in gets a worse model
+      const bool worse = chosen.error_after > kPlainlyWorse * chosen.error_before;
+      const bool told = !worse && chosen.by_records() && chosen.records.left_out <= kPlainly * kPlainly && all_after < all_before;
       if (told || all_after <= kPlainly * all_before) {
         chosen.error_before = all_before;
         chosen.error_after = all_after;

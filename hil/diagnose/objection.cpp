@@ -17,11 +17,20 @@ namespace {
 constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
 // what smoothing leaves of a reference that is late and noisy is a shift of a shift: of the span, and of what the instruments may leave
 constexpr double kLeastOfTime = 1e-3, kOfNoise = 0.4;
+// a regressor with noise bends what is regressed on it wherever forces crowd, at a standstill or at no load: of that noise
+constexpr double kOfSmoothed = 0.5;
 // the fall of an effect of the load has next to nothing of it, that of a smoother two thirds and more
 constexpr double kOfJitter = 0.3;
 // a law has one strength: scatter between records, relative to it. A loop or a growth has no form that is right everywhere; a push from
 // the side, a displacement current, a threshold, a shift in time are known courses, and so is a temperature within a record
 constexpr double kSameStrength = 1.0, kSameOfKnownForm = 0.35;
+
+// RMS over the records of the noise that smoothing leaves in the reference, share of the channel's scale.
+double smoothed_rms(const ResidualChannel& channel) {
+  double sum = 0.0;
+  for (const RecordGram& r : channel.problem.records) sum += r.smoothed_variance;
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
+}
 
 double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
   double sum = 0.0, n = 0.0;
@@ -135,6 +144,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
                            : 1.0;
   const double seen_rms = where * std::max(removed_rms, total_rms);
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
+  if (seen_rms < kOfSmoothed * smoothed_rms(channel)) return kTooSmall;
   if (family.kind->traits.timing && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
   // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
   // (a play has one width)

@@ -109,7 +109,11 @@ TEST(LastLines, WhatIsNotSeparableLeadsToTheExperimentAndNotToAFit) {
 
 TEST(LastLines, WhatExportRefusesIsNotSentToExport) {
   const TemporaryFolder folder;
-  write_recording(folder / "hold.csv", [](double t, double F) { return 2.0 * F + 0.05 * std::log10(1.0 + t); }, true);
+  double warmth = 0.0;
+  write_recording(folder / "hold.csv", [&](double, double F) {
+    warmth += (F - warmth) * 0.01 / 30.0;
+    return 2.0 * F * (1.0 + 0.02 * warmth) - 0.2;
+  });
   const ProcessResult added = pasted("forcegate add self_heating --fit hold.csv -o warm.toml", folder);
   ASSERT_EQ(added.exit_code, 0) << added.err;
   ASSERT_EQ(next_of(added), "forcegate history warm.toml --on hold.csv");
@@ -148,7 +152,8 @@ TEST(LastLines, AFileIsOpenedByWhatTheMachineHasOrNamed) {
 TEST(LastLines, AHeaderOutsideTheSourceTreeIsCheckedAndThenCompiled) {
   const TemporaryFolder folder;
   ASSERT_EQ(pasted("mkdir film", folder).exit_code, 0);
-  for (const char* record : {"film/a.csv", "film/b.csv", "film/c.csv"}) write_recording(folder / record, [](double, double F) { return 2.0 * F - 0.2; });
+  for (const auto& [record, gain] : {std::pair{"film/a.csv", 2.0}, {"film/b.csv", 2.001}, {"film/c.csv", 1.999}})
+    write_recording(folder / record, [gain = gain](double, double F) { return gain * F - 0.2; });
   const std::vector<std::string> steps = chain("forcegate export flexiforce --fit film -o model.toml --c comp.h", folder);
   ASSERT_EQ(steps.size(), 3u) << ::testing::PrintToString(steps);
   EXPECT_THAT(steps[1], ::testing::EndsWith("--c comp.h --check film"));

@@ -4,6 +4,7 @@
 #include "hil/app/gate.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
+#include "hil/diagnose/user_candidates.h"
 
 namespace forcegate {
 namespace {
@@ -14,7 +15,8 @@ std::vector<std::string> effects_of(const std::string& name) {
   const auto model = load_model(name);
   if (!model) return {};
   std::vector<std::string> out = model->effect_names();
-  for (const UserEffect& e : model->user_effects) out.push_back(e.name);
+  for (const UserEffect& e : model->user_effects)
+    if (diagnose::is_fitted(e)) out.push_back(e.name);
   return out;
 }
 

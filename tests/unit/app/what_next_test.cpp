@@ -66,6 +66,27 @@ TEST(WhatNext, WhatNoLibraryEffectExplainsIsLookedAtOnceAndThenExplained) {
   }
 }
 
+TEST(WhatNext, RivalsThatWereRefusedAreNoExperiment) {
+  Diagnosis d = with(kUnknown);
+  d.next_experiment.segments.resize(1);
+  d.findings = {claim("hysteresis", "sensor"), claim("static_nonlinearity", "sensor")};
+  d.findings[0].probability = 0.20, d.findings[1].probability = 0.18;
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::page);
+  EXPECT_EQ(after_diagnosis(d, {.page = true}).word, "unknown");
+  d.findings[0].probability = 0.36;  // too small for these records, or another strength in each
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::experiment);
+}
+
+TEST(WhatNext, AClaimOnTheInstrumentIsMendedThereWhateverElseCameUp) {
+  Diagnosis d = with(kKnown);
+  d.next_experiment.segments.resize(1);
+  d.findings = {claim("hum", "instrument"), claim("dead_zone", "sensor")};
+  d.findings[0].form = "raw";
+  d.findings[1].probability = 0.2;
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::page);
+  EXPECT_EQ(after_diagnosis(d, {.page = true}).word, "instrument");
+}
+
 TEST(WhatNext, WhatTheModelHasNoPlaceForNamesTheSideThatIsToBeMended) {
   Diagnosis d = with(kKnown);
   d.findings = {claim("outliers", "instrument")};

@@ -38,6 +38,13 @@ Fitted fitted(const std::vector<std::string>& in_model) {
   options.threads = 1;
   options.search = false;
   options.in_model = in_model;
+  for (const std::string& name : in_model) {
+    const EffectKind& kind = *EffectRegistry::instance().find(name);
+    const EffectForm& form = kind.forms.front();
+    std::vector<double> shape;
+    for (const ParameterSpec& p : form.shape) shape.push_back(p.neutral);
+    options.model_effects.push_back(model_effect(kind, form, shape, std::vector<Estimate>(form.strength.size())));
+  }
   Fitted out;
   auto w = prepare(with_a_fast_record(), options);
   EXPECT_TRUE(w.has_value());
