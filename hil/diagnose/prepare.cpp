@@ -23,16 +23,19 @@ std::vector<std::size_t> usable_rows(const RecordInput& record) {
   return out;
 }
 
-// The states of the first rows are not known; yet a load that is put on there and stays is all that tells of the gain.
+// The states of the first rows are not known, unless force and output stand still there. A load that is put on there and stays is all that
+// tells of the gain.
 std::size_t rows_that_settle(const RecordInput& whole, const std::vector<std::size_t>& usable) {
-  constexpr double kMostOfSpan = 0.3;
-  const std::size_t tenth = usable.size() / 10;
-  const auto span_N = [&](std::size_t begin) {
-    const auto [low, high] = std::minmax_element(usable.begin() + static_cast<std::ptrdiff_t>(begin), usable.end(),
-                                                 [&](std::size_t a, std::size_t b) { return whole.F_N[a] < whole.F_N[b]; });
-    return whole.F_N[*high] - whole.F_N[*low];
+  constexpr double kMostOfSpan = 0.3, kStill = 0.03;
+  constexpr std::size_t kFewestRows = 10;
+  const std::size_t n = usable.size(), tenth = n / 10, first = std::max(n / 100, kFewestRows);
+  const auto span = [&](const std::vector<double>& x, std::size_t begin, std::size_t end) {
+    const auto at = [&](std::size_t k) { return usable.begin() + static_cast<std::ptrdiff_t>(k); };
+    const auto [low, high] = std::minmax_element(at(begin), at(end), [&](std::size_t a, std::size_t b) { return x[a] < x[b]; });
+    return x[*high] - x[*low];
   };
-  return span_N(tenth) > kMostOfSpan * span_N(0) ? tenth : 0;
+  const bool at_rest = span(whole.F_N, 0, first) < kStill * span(whole.F_N, 0, n) && span(whole.U_V, 0, first) < kStill * span(whole.U_V, 0, n);
+  return !at_rest && span(whole.F_N, tenth, n) > kMostOfSpan * span(whole.F_N, 0, n) ? tenth : 0;
 }
 
 // A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Each has its share of the
@@ -65,7 +68,7 @@ void cut_into_blocks(CampaignRows& w) {
   w.input.records.front().fast_F_N = std::move(fast_F_N);
   w.input.notes.push_back(
       std::string(settled > 0 ? "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn"
-                              : "one recording only: it is judged in five blocks, each left out in turn; its force moves at its beginning alone, where the states are not known") +
+                              : "one recording only: it is judged in five blocks, each left out in turn; it begins at rest, or its force moves at its beginning alone") +
       (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
 }
 
