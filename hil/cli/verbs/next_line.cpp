@@ -4,7 +4,6 @@
 #include "hil/app/gate.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
-#include "hil/diagnose/user_candidates.h"
 
 namespace forcegate {
 namespace {
@@ -13,11 +12,7 @@ std::string with_model(const std::string& model) { return model.empty() ? "" : "
 
 std::vector<std::string> effects_of(const std::string& name) {
   const auto model = load_model(name);
-  if (!model) return {};
-  std::vector<std::string> out = model->effect_names();
-  for (const UserEffect& e : model->user_effects)
-    if (diagnose::is_fitted(e)) out.push_back(e.name);
-  return out;
+  return model ? engine_options(*model, 1).in_model : std::vector<std::string>{};
 }
 
 }  // namespace
