@@ -79,6 +79,8 @@ std::optional<Unit> find_unit(std::string_view symbol) {
   // the letter and the sign for ohm, which Unicode parts, and the name itself
   for (const std::string_view ohm : {"\xCE\xA9", "\xE2\x84\xA6", "Ohm"})
     if (symbol.ends_with(ohm)) return find_unit(std::string(symbol.substr(0, symbol.size() - ohm.size())) + "ohm");
+  for (const std::string_view percent : {"%", "%RH", "% RH", "percent"})
+    if (symbol == percent) return find_unit("pct");
   for (const Row& row : kTable)
     if (symbol == row.symbol) return Unit{row.symbol, row.canonical, row.quantity, row.factor, row.offset};
   return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include "hil/diagnose/held_codes.h"
 #include "hil/diagnose/raw_health.h"
+#include "hil/diagnose/reference_noise_claim.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -18,10 +19,10 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   constexpr std::size_t kFewestSpikes = 12;
   const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, missing = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
-  std::vector<double> noise_F, still_F, ladder_F, hum;
+  std::vector<double> hum;
   double outlier_square_V2 = 0.0;
   std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
-  double rail_V = 0.0, hum_Hz = 0.0, lsb_F = 0.0, bit_errors = 0.0;
+  double rail_V = 0.0, hum_Hz = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
   std::vector<double> bit_V;
   for (const RecordHealth& h : health) {
@@ -47,10 +48,6 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
       bit_V.push_back(h.bit_V);
     }
     if (h.at_rail > 0) rail_V = h.rail_V;
-    noise_F.push_back(std::max(h.noise_F_N, h.scatter_F.quartile_N));
-    if (h.scatter_F.still_N > 0.0) still_F.push_back(h.scatter_F.still_N);
-    lsb_F = std::max(lsb_F, h.lsb_F_N);
-    if (h.lsb_F_N > 0.0) ladder_F.push_back(h.lsb_F_N);
     could_show_hum += h.hum_ratio > 0.0 ? 1 : 0;  // where the rate folds the line to zero nothing can
     if (shows_hum(h, scales)) {
       ++with_hum;
@@ -112,27 +109,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
         {"hum", 0.95,
          "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
          "amplitude_V", "V", quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
-  // declared noise, or else the declared resolution taken as one standard deviation, or what a ladder of values explains
-  const double resolution =
-      std::isfinite(bench.reference_resolution_N) ? bench.reference_resolution_N : lsb_F;
-  const double allowed = std::isfinite(bench.reference_noise_N) && bench.reference_noise_N > 0.0
-                             ? std::hypot(bench.reference_noise_N, resolution / std::sqrt(12.0))
-                             : resolution;
-  // a force that moves fast is scatter too: the quieter records tell. A ladder of values in several records is exact
-  const double ladder = ladder_F.size() >= several ? quantile(ladder_F, 0.5) / std::sqrt(12.0) : 0.0;
-  const bool noise_declared = std::isfinite(bench.reference_noise_N);
-  // where the output stands still nothing else scatters, and the measure is exact: less above what is declared is enough
-  constexpr double kAbove = 2.0, kAboveSteps = 1.3, kAboveStill = 1.5;
-  const double still = still_F.size() * 2 >= std::min<std::size_t>(health.size(), 4) ? quantile(still_F, 0.25) : 0.0;
-  const double moving = std::max(quantile(noise_F, 0.25), ladder);
-  const bool scatters = noise_declared ? moving > kAbove * allowed || still > kAboveStill * allowed
-                                       : std::isfinite(bench.reference_resolution_N) && moving > kAboveSteps * allowed;
-  const double found = noise_declared ? std::max(moving, still) : moving;
-  if (allowed > 0.0 && scatters && found > 0.0025 * scales.range_N)
-    out.push_back({"reference_noise", 0.93,
-                   "the reference scatters by " + std::to_string(found).substr(0, 6) + " N where " +
-                       std::to_string(allowed).substr(0, 6) + " N are allowed",
-                   "noise_N", "N", found, 0.05 * found});
+  if (auto noise = claim_of_reference_noise(health, scales, bench)) out.push_back(std::move(*noise));
   return out;
 }
 

@@ -19,8 +19,8 @@ constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
 constexpr double kLeastOfTime = 1e-3, kOfNoise = 0.4;
 // a regressor with noise bends what is regressed on it wherever forces crowd, at a standstill or at no load: of that noise
 constexpr double kOfSmoothed = 0.5;
-// the fall of an effect of the load has next to nothing of it, that of a smoother two thirds and more
-constexpr double kOfJitter = 0.3;
+// codes tell the levels of a staircase, whichever they are, without the noise of the reference
+constexpr double kOfJitterOfCodes = 0.1;
 // a law has one strength: scatter between records, relative to it. A loop or a growth has no form that is right everywhere; a push from
 // the side, a displacement current, a threshold, a shift in time are known courses, and so is a temperature within a record
 constexpr double kSameStrength = 1.0, kSameOfKnownForm = 0.35;
@@ -160,8 +160,7 @@ std::string objection(const ResidualChannel& channel, const ScreenResult& result
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
   if (!chosen.describes_whole && (!chosen.left_out.helps() || chosen.left_out.share < 0.02))
     return chosen.left_out.blocks ? kHelpsNoParts : kHelpsNoRecords;
-  // bits come and go with the noise of the output
-  if (!chosen.between && name != "adc_codes" && share_of_jitter(channel, result.base, family.best.fit) > kOfJitter) return kJitter;
+  if (!chosen.between && share_of_jitter(channel, result.base, family.best.fit) > (name == "adc_codes" ? kOfJitterOfCodes : kOfJitter)) return kJitter;
   return {};
 }
 

@@ -73,7 +73,7 @@ double value_step(const std::vector<double>& x) {
   std::size_t fit = 0;
   for (double g : gaps) {
     const double k = g / step;
-    if (std::abs(k - std::round(k)) < 0.12) ++fit;
+    if (std::round(k) >= 1.0 && std::abs(k - std::round(k)) < 0.12) ++fit;
   }
   return static_cast<double>(fit) > 0.9 * static_cast<double>(gaps.size()) ? step : 0.0;
 }
@@ -186,6 +186,34 @@ RangeEnds ends_of_range(const std::vector<double>& U, double low_V, double high_
   return ends;
 }
 
+// Of two channels, their sums of squares about the means.
+struct Shared {
+  double n = 0.0, FF = 0.0, FU = 0.0, UU = 0.0;
+  std::optional<double> gain() const { return FF > 0.0 ? std::optional(FU / FF) : std::nullopt; }
+};
+
+Shared shared_by(std::span<const double> F, std::span<const double> U) {
+  Shared out;
+  double mean_F = 0.0, mean_U = 0.0;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (!std::isfinite(F[i] + U[i])) continue;
+    out.n += 1.0;
+    const double dF = F[i] - mean_F, dU = U[i] - mean_U;
+    mean_F += dF / out.n;
+    mean_U += dU / out.n;
+    out.FF += dF * (F[i] - mean_F);
+    out.FU += dF * (U[i] - mean_U);
+    out.UU += dU * (U[i] - mean_U);
+  }
+  return out;
+}
+
+// Of one record where its force moves enough to tell; noise of the reference would make it small.
+double gain_of_record(const Shared& shared, const HealthScales& scales) {
+  constexpr double kEnough = 0.1;  // RMS, of the range
+  return shared.FF > kEnough * kEnough * scales.range_N * scales.range_N * shared.n ? *shared.gain() : scales.gain_V_per_N;
+}
+
 }  // namespace
 
 HealthScales health_scales(const Campaign& campaign) {
@@ -206,18 +234,7 @@ HealthScales health_scales(const Campaign& campaign) {
   if (F.size() < 8) return out;
   out.range_N = std::max(1e-12, quantile(F, 0.999) - quantile(F, 0.001));
   out.U_range_V = std::max(1e-12, quantile(U, 0.999) - quantile(U, 0.001));
-  double mean_F = 0.0, mean_U = 0.0, FF = 0.0, FU = 0.0;
-  for (std::size_t i = 0; i < F.size(); ++i) {
-    mean_F += F[i];
-    mean_U += U[i];
-  }
-  mean_F /= static_cast<double>(F.size());
-  mean_U /= static_cast<double>(F.size());
-  for (std::size_t i = 0; i < F.size(); ++i) {
-    FF += (F[i] - mean_F) * (F[i] - mean_F);
-    FU += (F[i] - mean_F) * (U[i] - mean_U);
-  }
-  out.gain_V_per_N = FF > 0.0 ? FU / FF : 1.0;
+  out.gain_V_per_N = shared_by(F, U).gain().value_or(1.0);
   return out;
 }
 
@@ -237,7 +254,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   if (n < 16) return out;
   out.noise_U_V = white_noise(U);
   out.noise_F_N = std::min(white_noise(F), restless_noise(t, F));
-  out.scatter_F = reference_scatter(t, F, U, scales.U_range_V);
+  const Shared shared = shared_by(F, U);
+  out.scatter_F = reference_scatter(t, F, U, {.range_V = scales.U_range_V, .gain_V_per_N = gain_of_record(shared, scales), .noise_V = out.noise_U_V});
+  if (shared.n > 0.0 && shared.UU > 0.0) out.beside_line_N = std::sqrt(std::max(0.0, shared.FF - shared.FU * shared.FU / shared.UU) / shared.n);
   out.lsb_U_V = value_step(U);
   out.lsb_F_N = value_step(F);
   const double gain = std::abs(scales.gain_V_per_N);

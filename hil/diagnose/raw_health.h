@@ -43,6 +43,7 @@ struct RecordHealth {
   double bit_V = 0.0;                       ///< that size
   double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample; of the force less what its movement and a jittering clock make of it
   double smoothed_F_N = 0.0;                ///< noise of the reference that smoothing leaves; 0 where nothing was smoothed
+  double beside_line_N = 0.0;  ///< RMS of the force beside a straight line in the output
   ReferenceScatter scatter_F;               ///< of the reference beside the output, coloured noise included
   double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
   double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some

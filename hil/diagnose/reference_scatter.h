@@ -9,9 +9,15 @@ namespace forcegate::diagnose {
 /// Standard deviations of F about a parabola over short windows, less what U shows too (a force that really moves moves the output), N.
 struct ReferenceScatter {
   double quartile_N = 0.0;  ///< lower quartile over windows of 0.25 s in which F keeps to a tenth of its span; 0: fewer than eight of them
-  double still_N = 0.0;  ///< RMS over the windows of 0.5 s in which U stands still, the highest 5 % left out: bursts count; 0: fewer than ten
+  double alone_N = 0.0;     ///< the same over all windows, less what the noise of U brings into it and cov(F, U) / gain, whichever leaves less
+  double still_N = 0.0;  ///< RMS over the windows of 0.5 s in which U stands still, the highest 5 % left out: bursts count; 0: fewer than ten.
+                         ///< Movement that U shares is left out by their covariance, which the noise of U does not dilute
 };
-/// `U_range_V`: span of U over the campaign. U stands still where its standard deviation is below 1 % of it.
-ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double U_range_V);
+/// `range_V`: span of U over the campaign; it stands still where its standard deviation is below 1 % of that. `gain_V_per_N`: of this record,
+/// either sign, not 0. `noise_V`: white noise of a sample of U.
+struct OutputFacts {
+  double range_V = 1.0, gain_V_per_N = 1.0, noise_V = 0.0;
+};
+ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, const OutputFacts& output);
 
 }  // namespace forcegate::diagnose

@@ -285,10 +285,12 @@ class ForwardChoice {
       return asks_between_records(next) == between && (why != kHelpsNoRecords || next.best.fall <= family.best.fall);
     };
     ++place_;
-    while (!unphysical && place_ < families.size() && fits_worse(families[place_])) ++place_;
+    const bool far_down = unphysical && place_ >= kMostPlaces;  // only the other question is left
+    const auto passed_over = [&](const FamilyScore& next) { return unphysical ? far_down && asks_between_records(next) == between : fits_worse(next); };
+    while (place_ < families.size() && passed_over(families[place_])) ++place_;
     if (place_ >= families.size()) return false;
     const bool other_question = asks_between_records(families[place_]) && !between;
-    return (out_.chosen.empty() || other_question) && (!unphysical || place_ < kMostPlaces);
+    return other_question || (out_.chosen.empty() && !far_down);
   }
 
   bool take(const FamilyScore& family, ChosenEffect& chosen) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/reference_jitter.h"
+
 namespace forcegate::diagnose {
 
 void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, bool beside_another,
@@ -32,6 +34,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
   for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
     if (family.kind->traits.between_records || !look_alike(*family.kind, *chosen.kind) || family.gain < std::max(kWithin, kNearly * top) || family.best.wrong_sign) continue;
+    if (share_of_jitter(channel, result.base, family.best.fit) > kOfJitter) continue;
     if (beside_another && family.best.fall < rules.later_fall && family.best.total_fall < rules.later_total_fall) continue;  // remains of the other's form
     weight[k] = 1.0;
     sum += 1.0;

@@ -207,13 +207,8 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   out.theta_rad = channel("theta");
   if (angle && !out.theta_rad.empty()) set_angle(on_clock(trace, *trace.find("theta"), clock, room), t, out);
   out.temp_C = channel("temp");
-  for (const char* name : {"RH", "humidity"}) {
-    if (!out.humidity.empty()) continue;
-    out.humidity = channel(name);
-    const Channel* c = trace.find(name);
-    if (c != nullptr && c->unit == "1")  // a share; effects and records' own readings are in percent
-      for (double& h : out.humidity) h *= 100.0;
-  }
+  out.humidity = channel("humidity");
+  for (double& h : out.humidity) h *= 100.0;  // a share in the file; effects and records' own readings are in percent
   // one reading a record says less than a channel, and all about what happens between records
   if (out.temp_C.empty() && record.temp_C) out.temp_C.assign(n_rows, *record.temp_C);
   if (out.humidity.empty() && record.humidity_pct) out.humidity.assign(n_rows, *record.humidity_pct);

@@ -39,6 +39,7 @@ constexpr std::array kSynonyms = {
     Synonyms{"drive", "voltage", "V", {"drive", "supply", "v_drive", "u_drive", "vcc", "v_supply", "versorgung"}},
     Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel", "winkel"}},
     Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb", "temperatur"}},
+    Synonyms{"humidity", "ratio", "pct", {"humidity", "rh", "relative_humidity", "rel_humidity", "rel_hum", "hum", "luftfeuchte", "feuchte"}},
     Synonyms{"C", "capacitance", "F", {"c", "capacitance", "cap", "kapazitaet", "kapazit\xC3\xA4t"}},
 };
 
@@ -175,7 +176,7 @@ std::vector<std::string> use_canonical_names(Trace& trace) {
 }
 
 std::vector<std::string> unused_columns(const Trace& trace) {
-  static constexpr std::array kRead = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "RH", "humidity", "unused"};
+  static constexpr std::array kRead = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "humidity", "unused"};
   std::vector<std::string> out;
   for (const Channel& channel : trace.channels)
     if (std::ranges::find(kRead, channel.name) == kRead.end()) out.push_back(header_of(channel.name, channel.unit));

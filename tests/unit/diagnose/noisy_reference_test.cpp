@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "hil/diagnose/select.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {
@@ -61,6 +62,31 @@ std::vector<std::pair<Bench, std::uint64_t>> benches() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Benches, NoisyReference, ::testing::ValuesIn(benches()));
+
+// Sixteen codes of a converter would make the forces of a staircase exact, where the two have the same step.
+TEST(NoisyReference, OfAStaircaseHasNoCodes) {
+  for (const double step_N : {0.31, 0.45, 0.62})
+    for (const double noise_N : {0.01, 0.06}) {
+      const double stays_s = 45.0 * step_N / 4.3;
+      const auto stairs = [=](double t, int) { return 0.4 + step_N * std::floor(std::min(t, 90.0 - t) / stays_s); };
+      const Diagnosis d = answer(measured({50.0, noise_N, stairs}, 6));
+      EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << step_N << " N, " << noise_N << " N\n" << told(d);
+    }
+}
+
+// It looks like friction, lag, delay and RC at once; these are turned down one by one, and what the records differ by is asked all the same.
+TEST(NoisyReference, HidesNoEffectBetweenRecords) {
+  constexpr double kHumidity[] = {50.0, 56.0, 47.0, 53.0, 49.0, 57.0, 54.0, 48.0};
+  const auto stairs = [](double t, int record) { return 0.4 + 0.45 * std::floor(std::min(t, 90.0 - t) / (5.0 + 0.3 * record)); };
+  Campaign c = measured({20.0, 0.06, stairs}, 5);
+  for (std::size_t k = 0; k < c.records.size(); ++k) {
+    c.records[k].humidity_pct = kHumidity[k];
+    for (double& U : c.records[k].trace.channels[1].value) U *= 1.0 + 0.01 * (kHumidity[k] - 52.0);
+  }
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_GE(std::ranges::count_if(d.refused, [](const RefusedEffect& r) { return !is_between_records(r.effect); }), 4) << told(d);
+  EXPECT_GE(probability(d, "humidity"), 0.5) << told(d);
+}
 
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -30,7 +30,7 @@ Made make(double noise_N, double keep, double shake_N) {
   return out;
 }
 
-double scatter(const Made& m) { return reference_scatter(m.t, m.F, m.U, 4.0).quartile_N; }
+double scatter(const Made& m) { return reference_scatter(m.t, m.F, m.U, {.range_V = 4.0, .gain_V_per_N = 2.0}).quartile_N; }
 
 TEST(ReferenceScatter, SeesWhiteAndColouredNoiseAlike) {
   EXPECT_NEAR(scatter(make(0.03, 0.0, 0.0)), 0.03, 0.004);
@@ -80,12 +80,24 @@ Made make_bursts(double quiet_N, double burst_N) {
 TEST(ReferenceScatter, WhereTheOutputStandsStillBurstsCount) {
   const Made m = make_bursts(0.005, 0.05);
   const double power = std::sqrt(0.7 * 0.005 * 0.005 + 0.3 * 0.05 * 0.05);
-  EXPECT_NEAR(reference_scatter(m.t, m.F, m.U, 8.0).still_N, power, 0.15 * power);
+  EXPECT_NEAR(reference_scatter(m.t, m.F, m.U, {.range_V = 8.0, .gain_V_per_N = 2.0}).still_N, power, 0.15 * power);
+}
+
+TEST(ReferenceScatter, AForceThatSwingsBelowTheNoiseOfTheOutputIsNoScatter) {
+  Made m;
+  Rng rng(54, "swing");
+  for (int i = 0; i < 8000; ++i) {
+    const double t = i / 20.0, swing = 0.02 * std::sin(9.0 * t) * (1.0 + 0.3 * std::sin(0.2 * t));
+    m.t.push_back(t);
+    m.F.push_back(3.0 + swing + 0.008 * rng.normal());
+    m.U.push_back(2.0 * (3.0 + swing) + 0.04 * rng.normal());
+  }
+  EXPECT_NEAR(reference_scatter(m.t, m.F, m.U, {.range_V = 12.0, .gain_V_per_N = 2.0}).still_N, 0.008, 0.0015);
 }
 
 TEST(ReferenceScatter, SaysNothingOfStillnessWhereTheOutputNeverStands) {
   const Made m = make(0.03, 0.0, 0.0);
-  EXPECT_EQ(reference_scatter(m.t, m.F, m.U, 4.0).still_N, 0.0);
+  EXPECT_EQ(reference_scatter(m.t, m.F, m.U, {.range_V = 4.0, .gain_V_per_N = 2.0}).still_N, 0.0);
 }
 
 }  // namespace

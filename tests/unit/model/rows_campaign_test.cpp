@@ -38,6 +38,19 @@ TEST(Mounting, IsThatOfTheNeighboursWhereARecordDoesNotSay) {
   EXPECT_EQ(numbered({"", "", ""}).front(), 0);
 }
 
+TEST(Air, AColumnOfTheHumidityIsReadInPercentAsTheRecordsOwnReadingIs) {
+  Campaign made = test::campaign([](double, double F) { return 2.0 * F - 0.2; });
+  for (std::size_t k = 0; k < made.records.size(); ++k) {
+    Record& r = made.records[k];
+    if (k == 0) r.humidity_pct = 45.0;
+    else r.trace.channels.push_back({"humidity", "1", "ratio", 0, std::vector<double>(r.trace.time_bases[0].t_s.size(), 0.45), {}});
+  }
+  const auto read = make_campaign_input(std::move(made));
+  ASSERT_TRUE(read.has_value());
+  EXPECT_TRUE(read->has_humidity);
+  for (const RecordInput& r : read->records) EXPECT_NEAR(r.humidity.at(0), 45.0, 1e-9) << r.name;
+}
+
 TEST(StartTimes, AreThoseOfAClockThatGoesOnFromRecordToRecord) {
   CampaignInput campaign = input();
   ASSERT_GE(campaign.records.size(), 3u);

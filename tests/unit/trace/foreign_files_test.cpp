@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "hil/trace/campaign.h"
+#include "hil/trace/columns.h"
 #include "hil/trace/csv.h"
 #include "hil/trace/date_time.h"
 
@@ -138,6 +139,15 @@ TEST(ForeignFiles, SignsAndWordsOfUnitsAndColumnsAreKnown) {
   EXPECT_EQ(f.trace.find("R")->value[0], 5000.0);
   const auto latin = read("t_s,F_ref_N,U_V,Winkel [\xB0]\n0,1,2,180\n1,1,2,90\n");
   EXPECT_TRUE(latin.trace.find("theta")) << "the degree sign as one byte";
+}
+
+TEST(ForeignFiles, TheHumidityOfTheAirIsKnownByItsUsualNames) {
+  for (const char* name : {"humidity_pct", "rh_pct", "RH_pct", "RH [%]", "Relative humidity (%)", "rh", "Luftfeuchte (%)"}) {
+    const auto f = read("t_s,F_ref_N,U_V," + std::string(name) + "\n0,1,2,45\n1,1,2,46\n");
+    ASSERT_TRUE(f.trace.find("humidity")) << name;
+    EXPECT_NEAR(f.trace.find("humidity")->value[1], 0.46, 1e-12) << name;
+    EXPECT_TRUE(unused_columns(f.trace).empty()) << name;
+  }
 }
 
 TEST(ForeignFiles, LinesAboveTheHeaderAreSkippedWhereItIsUnmistakable) {
