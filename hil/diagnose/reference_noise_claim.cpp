@@ -28,8 +28,7 @@ std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHeal
       noise_declared ? std::hypot(bench.reference_noise_N, resolution / std::sqrt(12.0)) : resolution;
   // a value that stands between two codes comes out as either; a force that moves within one code of the output has not moved it
   const double hidden_V = 0.5 * lsb_V;
-  const double allowed_still = std::hypot(noise_declared ? bench.reference_noise_N : 0.0, 0.5 * resolution,
-                                          scales.gain_V_per_N != 0.0 ? hidden_V / scales.gain_V_per_N : 0.0);
+  const double allowed_still = std::hypot(std::max(allowed, 0.5 * resolution), scales.gain_V_per_N != 0.0 ? hidden_V / scales.gain_V_per_N : 0.0);
   // a force that moves fast is scatter too: the quieter records tell. A ladder of values in several records is exact, unless the output
   // moves by the same: the levels of a staircase are no codes
   const std::size_t several = std::min<std::size_t>(2, health.size());
