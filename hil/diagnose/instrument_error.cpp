@@ -46,10 +46,8 @@ double removed_from_steps(const ResidualChannel& channel, const MixedFit& base, 
   };
   double sum = 0.0;
   for (int place = 0; place < kPlaces; ++place) {
-    for (std::size_t k = 0; k < problem.records.size(); ++k) {
-      const double at = kGolden * static_cast<double>(place + kPlaces * static_cast<int>(k));
-      problem.other_y[k] = rounded(channel, k, at);
-    }
+    // the same in all records: a level that comes again is rounded as before
+    for (std::size_t k = 0; k < problem.records.size(); ++k) problem.other_y[k] = rounded(channel, k, kGolden * place);
     // at the variances of the model that is judged: no EM
     const MixedFit without = fit_mixed(problem, base.columns, &base, 1, base.use);
     if (!without.valid) continue;

@@ -57,25 +57,30 @@ double restless_noise(std::span<const double> t_s, const std::vector<double>& x)
   return std::isfinite(median) ? 1.4826 * median : 0.0;
 }
 
-// Step of the values: the smallest common gap, when nearly all gaps are multiples of it.
-double value_step(const std::vector<double>& x) {
+constexpr std::size_t kFewestValues = 8;
+
+std::vector<double> values_of(const std::vector<double>& x) {
   std::vector<double> v;
   const std::size_t stride = std::max<std::size_t>(1, x.size() / 6000);
   for (std::size_t i = 0; i < x.size(); i += stride)
     if (std::isfinite(x[i])) v.push_back(x[i]);
   std::sort(v.begin(), v.end());
   v.erase(std::unique(v.begin(), v.end()), v.end());
-  if (v.size() < 8) return 0.0;
+  return v;
+}
+
+// Step of the values: the smallest common gap, when nearly all gaps are multiples of it.
+double value_step(const std::vector<double>& x) {
+  const std::vector<double> v = values_of(x);
+  if (v.size() < kFewestValues) return 0.0;
   std::vector<double> gaps;
   for (std::size_t i = 1; i < v.size(); ++i) gaps.push_back(v[i] - v[i - 1]);
-  const double step = quantile(gaps, 0.2);
-  if (!(step > 0.0)) return 0.0;
-  std::size_t fit = 0;
-  for (double g : gaps) {
-    const double k = g / step;
-    if (std::round(k) >= 1.0 && std::abs(k - std::round(k)) < 0.12) ++fit;
+  // the smallest too: where the levels of a staircase lie far apart most gaps are theirs
+  for (const double step : {quantile(gaps, 0.2), *std::ranges::min_element(gaps)}) {
+    const auto fits = [&](double gap) { return std::round(gap / step) >= 1.0 && std::abs(gap / step - std::round(gap / step)) < 0.12; };
+    if (step > 0.0 && static_cast<double>(std::ranges::count_if(gaps, fits)) > 0.9 * static_cast<double>(gaps.size())) return step;
   }
-  return static_cast<double>(fit) > 0.9 * static_cast<double>(gaps.size()) ? step : 0.0;
+  return 0.0;
 }
 
 // Of the samples that are there; a lost one of the reference does not hide what the output does meanwhile.
@@ -235,6 +240,8 @@ HealthScales health_scales(const Campaign& campaign) {
   out.range_N = std::max(1e-12, quantile(F, 0.999) - quantile(F, 0.001));
   out.U_range_V = std::max(1e-12, quantile(U, 0.999) - quantile(U, 0.001));
   out.gain_V_per_N = shared_by(F, U).gain().value_or(1.0);
+  out.step_N = value_step(F);
+  out.step_V = value_step(U);
   return out;
 }
 
@@ -257,11 +264,16 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const Shared shared = shared_by(F, U);
   out.scatter_F = reference_scatter(t, F, U, {.range_V = scales.U_range_V, .gain_V_per_N = gain_of_record(shared, scales), .noise_V = out.noise_U_V});
   if (shared.n > 0.0 && shared.UU > 0.0) out.beside_line_N = std::sqrt(std::max(0.0, shared.FF - shared.FU * shared.FU / shared.UU) / shared.n);
+  const double low_rail = std::isfinite(bench.voltage_min_V) ? bench.voltage_min_V : 0.0;
   out.lsb_U_V = value_step(U);
   out.lsb_F_N = value_step(F);
+  // a few levels of a staircase show no step: it is then that of all records, or the one that the converter is said to have
+  if (out.lsb_F_N == 0.0) out.lsb_F_N = scales.step_N;
+  if (out.lsb_U_V == 0.0) out.lsb_U_V = scales.step_V;
+  if (out.lsb_U_V == 0.0 && bench.adc_bits > 0 && values_of(U).size() < kFewestValues)
+    out.lsb_U_V = (std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - low_rail : scales.U_range_V) / std::exp2(bench.adc_bits);
   const double gain = std::abs(scales.gain_V_per_N);
   const double quiet = 8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V;
-  const double low_rail = std::isfinite(bench.voltage_min_V) ? bench.voltage_min_V : 0.0;
 
   const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
   // A fall to the end of the range that the force does not explain: lost samples. Else the instrument's declared range.

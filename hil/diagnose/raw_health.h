@@ -57,6 +57,7 @@ struct RecordHealth {
 struct HealthScales {
   double gain_V_per_N = 2.0;
   double range_N = 5.0, U_range_V = 10.0;
+  double step_N = 0.0, step_V = 0.0;  ///< of the values of all records together; 0: none is visible
 };
 
 /// Coarse static gain and spans over all records (least squares of U on F).

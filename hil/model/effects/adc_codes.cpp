@@ -1,7 +1,8 @@
 // Converter bit errors: a wrong weight of a high bit makes jumps at 1/2, 1/4, 3/4 of the range; follows U, not F.
-//   dU = g sum_b c_b (bit_b(U) - s_b x - mean), x = (U' - low) / range
-// bits of U over the declared voltage range, or over one that converters usually have; U' by a straight line in the force. s_b: the straight
-// line through the steps over all readings of the campaign. It belongs to the gain.
+//   dU = g sum_k c_k (bit_k(U) - 2 bit_k+1(U) - s_k x - mean), x = (U' - low) / range
+// bits of U over the declared voltage range, or over one that converters usually have; U' by a straight line in the force; s_k the straight
+// line through the steps over all readings of the campaign. What all bits together have too much is another gain, and bits in the ratio
+// 8 : 4 : 2 : 1 would be U itself, which explains its own noise: neither is told.
 // An error of a percent moves the reading past the code that made it: then the bits are those of what came in, told from the force by the
 // straight line through the readings of each record; or, where errors of several percent bend that line too, by one that is found together
 // with the jumps.
@@ -93,64 +94,70 @@ struct Source {
   ShareOf code, line;
 };
 
+// Steps of the upper bits, each less twice the next: bits in the ratio 8 : 4 : 2 : 1 are the reading itself, rounded.
+constexpr std::size_t kSteps = kUpperBits - 1;
+
+std::array<double, kSteps> steps(double share) {
+  const auto bit = upper_bits(share);
+  std::array<double, kSteps> out{};
+  for (std::size_t k = 0; k < kSteps; ++k) out[k] = bit[k] - 2.0 * bit[k + 1];
+  return out;
+}
+
 // Straight lines through the steps, least squares over readings of all records.
 struct Lines {
   double middle = 0.0;
-  std::array<double, kUpperBits> mean{}, slope{};
+  std::array<double, kSteps> mean{}, slope{};
 };
 
 Lines lines_of(const CampaignInput& c, std::span<const double> shape, const Source& source) {
   constexpr std::size_t kReadings = 500;  // of a record
   Lines out;
-  std::array<double, kUpperBits> product{};
+  std::array<double, kSteps> product{};
   double n = 0.0, square = 0.0;
   for (const RecordInput& r : c.records) {
     const Share code = source.code(c, r, shape), line = source.line(c, r, shape);
     for (std::size_t i = 0; i < r.rows(); i += 1 + r.rows() / kReadings) {
       const double x = line(i), read = code(i);
       if (!std::isfinite(x + read)) continue;
-      const auto bit = upper_bits(read);
+      const auto step = steps(read);
       n += 1.0;
       out.middle += x;
       square += x * x;
-      for (std::size_t b = 0; b < kUpperBits; ++b) {
-        out.mean[b] += bit[b];
-        product[b] += bit[b] * x;
+      for (std::size_t k = 0; k < kSteps; ++k) {
+        out.mean[k] += step[k];
+        product[k] += step[k] * x;
       }
     }
   }
   if (n < 2.0) return out;
   out.middle /= n;
   const double variance = square / n - out.middle * out.middle;
-  for (std::size_t b = 0; b < kUpperBits; ++b) {
-    out.mean[b] /= n;
-    out.slope[b] = variance > 1e-12 ? (product[b] / n - out.mean[b] * out.middle) / variance : 0.0;
+  for (std::size_t k = 0; k < kSteps; ++k) {
+    out.mean[k] /= n;
+    out.slope[k] = variance > 1e-12 ? (product[k] / n - out.mean[k] * out.middle) / variance : 0.0;
   }
   return out;
 }
 
 EffectForm bit_weights(const char* name, const Source& source) {
   return {.name = name,
-          .shape = {{"range_V", "V", 1e-3, 1e4, 10.0,
-                     "span of the converter from its lowest code to its highest"}},
-          .strength = {{"bit1_N", "N", -10.0, 10.0, 0.0, "error of the highest bit"},
+          .shape = {{"range_V", "V", 1e-3, 1e4, 10.0, "span of the converter from its lowest code to its highest"}},
+          .strength = {{"bit1_N", "N", -10.0, 10.0, 0.0, "error of the highest bit, less twice that of the next"},
                        {"bit2_N", "N", -10.0, 10.0, 0.0, "second bit"},
-                       {"bit3_N", "N", -10.0, 10.0, 0.0, "third bit"},
-                       {"bit4_N", "N", -10.0, 10.0, 0.0, "fourth bit"}},
+                       {"bit3_N", "N", -10.0, 10.0, 0.0, "third bit"}},
           .sign = StrengthSign::either,
           .grid = ranges_V,
           .columns =
-              [source](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
-                       ColumnsRef out) {
+              [source](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 const Lines lines = lines_of(c, shape, source);
                 const Share code = source.code(c, r, shape), line = source.line(c, r, shape);
                 for (std::size_t i = 0; i < r.rows(); ++i) {
                   const double x = line(i), read = code(i);
-                  const auto bit = upper_bits(read);
-                  for (std::size_t b = 0; b < kUpperBits; ++b)
-                    out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(b)) =
-                        std::isfinite(x + read) ? bit[b] - lines.mean[b] - lines.slope[b] * (x - lines.middle)
-                                                : 0.0;
+                  const auto step = steps(read);
+                  for (std::size_t k = 0; k < kSteps; ++k)
+                    out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+                        std::isfinite(x + read) ? step[k] - lines.mean[k] - lines.slope[k] * (x - lines.middle) : 0.0;
                 }
               },
           .refine = false,
@@ -170,7 +177,7 @@ const Registration<EffectKind> kRegistered{
     EffectKind{.name = "adc_codes",
                .side = "instrument",
                .summary = "the output jumps at fixed codes of the converter",
-               .equation = "dU = g sum_b c_b (bit_b(U) less its straight line in U)",
+               .equation = "dU = g sum_k c_k (bit_k(U) - 2 bit_k+1(U), less its straight line in U)",
                .source = "bit weight error of successive approximation converters",
                .look_alikes = {"static_nonlinearity"},
                .separates = "a slow ramp: histogram of codes has gaps or piles at binary fractions",
