@@ -76,11 +76,11 @@ void set_noise(Workspace& w, unsigned threads) {
         h != nullptr ? std::hypot(h->noise_U_V, w.gain_V_per_N * decay * h->noise_F_N, quantised) : std::numeric_limits<double>::infinity();
     const double white = std::min(row_noise_of(e), kMostOfSamples * of_samples);
     // steps are only averaged away when noise dithers them
-    const double dithered =
-        h != nullptr && step_F > 0.0 ? std::clamp(1.2 - 2.0 * h->noise_F_N / step_F, 0.3, 1.0) : 1.0;
+    const auto left_of = [](double step, double noise) { return step > 0.0 ? step * std::clamp(1.2 - 2.0 * noise / step, 0.3, 1.0) : 0.0; };
+    const double undithered = h != nullptr ? std::hypot(w.gain_V_per_N * decay * left_of(step_F, h->noise_F_N), left_of(step_U, h->noise_U_V)) / std::sqrt(12.0) : 0.0;
     w.smoothed_V[k] = h != nullptr ? w.gain_V_per_N * decay * h->smoothed_F_N : 0.0;
     w.white_V[k] = white + 1e-4 * w.input.U_range_V;
-    w.noise_V[k] = std::hypot(white, dithered * quantised) + 1e-4 * w.input.U_range_V;
+    w.noise_V[k] = std::hypot(white, undithered) + 1e-4 * w.input.U_range_V;
   });
 }
 

@@ -69,7 +69,7 @@ class CleanBench : public ::testing::TestWithParam<Bench> {};
 TEST_P(CleanBench, MissesNothing) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Diagnosis d = answer(measured(GetParam(), seed));
-    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d) << d.error_before << ' ' << d.floor;
   }
 }
 
