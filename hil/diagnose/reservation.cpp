@@ -28,6 +28,7 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
   constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
   constexpr double kOfNoSpring = 0.01;        // of the span, RMS: what a law of the rig leaves at most
   constexpr double kHardlyFalls = 0.95;
+  constexpr double kErrors = 2.0;
   constexpr double kNothingToFind = 0.2;
   if (f.form == kUnrecorded) return {kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"};
   if (f.effect == "static_nonlinearity" && f.effect_rms < kOrdinaryCurve * channel.scale)
@@ -44,6 +45,9 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
     return {kNothingToFind, "nobody wrote down that the angle drives a spring, and a crank or a joint bends the force against its angle as well"};
   if (f.effect == "off_axis" && !has_declared_law(campaign) && f.error_after > kHardlyFalls * f.error_before)
     return {kNothingToFind, "nobody wrote down that the angle is that of a wheel, and left-out records hardly gain"};
+  if (f.effect == "hysteresis" || f.effect == "backlash")
+    for (const FoundParameter& p : f.parameters)
+      if (p.name == "loop_width" && std::abs(p.value) < kErrors * p.u) return {kNothingToFind, "its loop is no wider than that is known"};
   if (f.effect == "backlash" && !campaign.has_theta)
     for (const FoundParameter& p : f.parameters)
       if (p.name == "loop_width" && std::abs(p.value) < kOrdinaryServo_pct)

@@ -7,7 +7,7 @@
 namespace forcegate::diagnose {
 
 /// Lowers the probability of such a finding and says why in its evidence. A curve of less than 0.08 % of the channel's span (RMS), a loop of
-/// less than 0.5 % where nobody reads an angle, a rail that takes less than a tenth of the slope, a bent spring of a bench whose law nobody declared
+/// less than 0.5 % where nobody reads an angle, any that is narrower than twice its uncertainty, a rail that takes less than a tenth of the slope, a bent spring of a bench whose law nobody declared
 /// and that leaves 1 % of the span or is left out nowhere, a push from the side there that left-out records hardly gain by: 0.2. A free course over the campaign in
 /// the name of an unrecorded channel: kNoClaim.
 void reserve(const CampaignInput& campaign, const ResidualChannel& channel, Finding& finding);

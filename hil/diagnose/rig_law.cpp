@@ -50,6 +50,42 @@ Line line_of(const std::vector<double>& x, const RecordInput& r, double least_N)
   return out;
 }
 
+// The command as the drive follows it: a servo is late by what it is late by, and a shift is more than its slope where a foot is put down.
+std::vector<double> command_as_followed(const RecordInput& r, double least_N) {
+  constexpr double kLatest_s = 0.25, kStep_s = 0.005;
+  std::vector<double> best = r.F_cmd_N, late(r.rows());
+  double most = 0.0;
+  for (double shift_s = 0.0; shift_s <= kLatest_s; shift_s += kStep_s) {
+    std::size_t from = 0;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      const double at = r.t_s[i] - shift_s;
+      while (from + 2 < r.rows() && r.t_s[from + 1] < at) ++from;
+      const double share = r.rows() < 2 ? 0.0 : std::clamp((at - r.t_s[from]) / std::max(1e-9, r.t_s[from + 1] - r.t_s[from]), 0.0, 1.0);
+      late[i] = r.F_cmd_N[from] + share * (r.F_cmd_N[std::min(from + 1, r.rows() - 1)] - r.F_cmd_N[from]);
+    }
+    const Line line = line_of(late, r, least_N);
+    const double explained = line.xx > 0.0 && line.yy > 0.0 ? line.xy * line.xy / (line.xx * line.yy) : 0.0;
+    if (explained <= most) continue;
+    most = explained;
+    best = late;
+  }
+  return best;
+}
+
+// A command that runs through its range from row to row does not tell when the drive was where.
+bool is_resolved(const std::vector<double>& command_N) {
+  constexpr double kMost = 0.1;  // half the mean square from row to row, of the variance: a sine of fourteen rows
+  double n = 0.0, mean = 0.0, square = 0.0, steps = 0.0;
+  for (std::size_t i = 0; i < command_N.size(); ++i) {
+    n += 1.0;
+    const double d = command_N[i] - mean;
+    mean += d / n;
+    square += d * (command_N[i] - mean);
+    if (i > 0) steps += (command_N[i] - command_N[i - 1]) * (command_N[i] - command_N[i - 1]);
+  }
+  return 0.5 * steps < kMost * square;
+}
+
 // One stiffness for all records whose geometry is declared, from movements within records; 0 when they do not agree.
 double stiffness_N_per_mm(const CampaignInput& input) {
   double xx = 0.0, xy = 0.0, yy = 0.0;
@@ -151,8 +187,8 @@ void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
     std::vector<double> s;
     if (!r.cos_theta.empty())
       for (const double c : r.cos_theta) s.push_back(1.0 - c);
-    else if (!r.F_cmd_N.empty())
-      s = r.F_cmd_N;
+    else if (!r.F_cmd_N.empty() && is_resolved(r.F_cmd_N))
+      s = command_as_followed(r, kOpen * w.input.range_N);
     else
       continue;
     const Line line = line_of(s, r, kOpen * w.input.range_N);
