@@ -16,6 +16,7 @@ struct Bench {
   int bits = 12;
   bool says_noise = true, says_step = true;
   int records = 6;
+  double command_s = 0.0;  // that a command comes before its force; 0: there is none
 };
 
 void PrintTo(const Bench& b, std::ostream* out) { *out << b.name; }
@@ -29,13 +30,16 @@ Campaign measured(const Bench& b, std::uint64_t seed) {
     Trace& trace = c.records[k].trace;
     std::vector<double>&t = trace.time_bases[0].t_s, &F = trace.channels[0].value, &U = trace.channels[1].value;
     t.clear(), F.clear(), U.clear();
+    std::vector<double> command;
     const double gain = 0.15 * b.high_V * (1.0 + 0.003 * rng.normal()), zero = 0.03 * b.high_V + 0.003 * rng.normal();
     for (int i = 0; i < static_cast<int>(b.duration_s * b.rate_Hz); ++i) {
       t.push_back((i + 0.2 * rng.uniform(-1.0, 1.0)) / b.rate_Hz);
       const double f = b.force(t.back(), static_cast<int>(k));
       F.push_back(std::round((f + b.noise_N * rng.normal()) / b.step_N) * b.step_N);
       U.push_back(std::clamp(std::round((gain * f + zero + b.noise_V * rng.normal()) / lsb_V) * lsb_V, b.low_V, b.high_V));
+      if (b.command_s > 0.0) command.push_back(b.force(t.back() + b.command_s, static_cast<int>(k)));
     }
+    if (!command.empty()) trace.channels.push_back({"F_cmd", "N", "force", 0, std::move(command), {}});
   }
   c.bench = {};
   if (b.says_noise) c.bench.reference_noise_N = b.noise_N;
@@ -69,7 +73,7 @@ class CleanBench : public ::testing::TestWithParam<Bench> {};
 TEST_P(CleanBench, MissesNothing) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Diagnosis d = answer(measured(GetParam(), seed));
-    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d) << d.error_before << ' ' << d.floor;
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
   }
 }
 
@@ -79,6 +83,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Bench{.name = "a walker", .force = walk, .rate_Hz = 20.0},
                       Bench{.name = "a hand logged slowly", .force = hand, .rate_Hz = 5.0, .noise_V = 0.03, .bits = 8},
                       Bench{.name = "a noisy reference in a hand", .force = hand, .rate_Hz = 10.0, .noise_N = 0.04, .step_N = 0.04},
+                      Bench{.name = "a walking machine that is late", .force = walk, .rate_Hz = 25.0, .command_s = 0.045},
+                      Bench{.name = "a walking machine logged slowly", .force = walk, .rate_Hz = 10.0, .command_s = 0.03},
                       Bench{.name = "a staircase read coarsely", .force = stairs, .rate_Hz = 100.0, .noise_N = 0.001, .step_N = 0.0167, .noise_V = 0.01, .low_V = -10.0, .bits = 8},
                       Bench{.name = "a staircase and nobody says how it is rounded", .force = stairs, .step_N = 0.0224, .says_step = false},
                       Bench{.name = "a staircase and a noisy output", .force = stairs, .rate_Hz = 25.0, .noise_V = 0.02, .bits = 10, .says_noise = false, .records = 3},
