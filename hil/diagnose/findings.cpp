@@ -103,7 +103,7 @@ bool knows_strength(const ResidualChannel& channel, const MixedFit& fit, const s
 
 void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection, bool stands_in) {
   constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
-  constexpr double kPlainly = 0.7, kHardly = 0.995, kAboutTheSame = 1.02, kPlainlyWorse = 1.2, kNearlyAll = 0.8;
+  constexpr double kPlainly = 0.7, kHardly = 0.995, kAboutTheSame = 1.02, kPlainlyWorse = 1.2;
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
     const auto error = [&](const MixedFit& fit) {
@@ -113,9 +113,7 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     chosen.error_before = error(*before);
     chosen.error_after = error(chosen.fit);
     // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
-    // a rig follows its law as well as it does: what touches nearly all records must be plain
-    const bool of_rig = &channel != &w.output && !chosen.left_out.blocks && chosen.left_out.excited >= kNearlyAll * chosen.left_out.parts;
-    const double keeps = of_rig || (chosen.between && !chosen.by_records()) ? kLeast : stands_in ? kHardly : kAboutTheSame;
+    const double keeps = chosen.between && !chosen.by_records() ? kLeast : stands_in ? kHardly : kAboutTheSame;
     chosen.borne_out = chosen.describes_whole || chosen.error_after <= keeps * chosen.error_before;
     // seen in held-out records alone: the fit records know nothing of it, and predict nothing
     if (!chosen.between && w.judges == JudgedBy::heldout && chosen.error_after > kHardly * chosen.error_before)
