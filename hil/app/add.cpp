@@ -4,7 +4,7 @@
 
 #include "hil/app/record_pictures.h"
 #include "hil/app/write_file.h"
-#include "hil/diagnose/added_effect.h"
+#include "hil/diagnose/refit/added_effect.h"
 #include "hil/report/added_html.h"
 
 namespace forcegate {

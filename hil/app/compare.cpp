@@ -8,7 +8,7 @@
 #include "hil/app/record_pictures.h"
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
-#include "hil/diagnose/residual_map.h"
+#include "hil/diagnose/answer/residual_map.h"
 #include "hil/model/rows.h"
 
 namespace forcegate {

@@ -9,9 +9,9 @@
 #include "hil/app/record_pictures.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
-#include "hil/diagnose/drift.h"
-#include "hil/diagnose/next_experiment.h"
-#include "hil/diagnose/refit.h"
+#include "hil/diagnose/laws/drift.h"
+#include "hil/diagnose/next/next_experiment.h"
+#include "hil/diagnose/refit/refit.h"
 #include "hil/report/finding_side.h"
 
 namespace forcegate {

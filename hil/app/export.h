@@ -7,7 +7,7 @@
 
 #include "hil/app/compensator_check.h"
 #include "hil/app/model_input.h"
-#include "hil/diagnose/one_law.h"
+#include "hil/diagnose/refit/one_law.h"
 
 namespace forcegate {
 

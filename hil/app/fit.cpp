@@ -8,7 +8,7 @@
 
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
-#include "hil/diagnose/user_candidates.h"
+#include "hil/diagnose/candidates/user_candidates.h"
 
 namespace forcegate {
 namespace {

@@ -2,7 +2,7 @@
 // `forcegate fit` and `forcegate add`: joint refit of a model on a campaign, with one effect more or without.
 
 #include "hil/app/model_input.h"
-#include "hil/diagnose/refit.h"
+#include "hil/diagnose/refit/refit.h"
 
 namespace forcegate {
 

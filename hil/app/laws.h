@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hil/base/result.h"
-#include "hil/diagnose/parameter_level.h"
+#include "hil/diagnose/laws/parameter_level.h"
 
 namespace forcegate {
 

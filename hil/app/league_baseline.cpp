@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "hil/diagnose/residual_map.h"
+#include "hil/diagnose/answer/residual_map.h"
 
 namespace forcegate {
 namespace {

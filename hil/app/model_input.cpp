@@ -6,7 +6,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/columns.h"
 
-#include "hil/diagnose/user_candidates.h"
+#include "hil/diagnose/candidates/user_candidates.h"
 
 namespace forcegate {
 

@@ -10,7 +10,7 @@
 #include "hil/app/mystery.h"
 #include "hil/app/write_file.h"
 #include "hil/base/plain_number.h"
-#include "hil/diagnose/rival_odds.h"
+#include "hil/diagnose/next/rival_odds.h"
 #include "hil/trace/csv.h"
 
 namespace forcegate {

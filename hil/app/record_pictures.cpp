@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "hil/diagnose/drift.h"
+#include "hil/diagnose/laws/drift.h"
 #include "hil/trace/extrema.h"
 
 namespace forcegate {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "hil/diagnose/select.h"
+#include "hil/diagnose/choose/select.h"
 
 namespace forcegate {
 namespace {

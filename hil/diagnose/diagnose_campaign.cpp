@@ -1,10 +1,10 @@
 #include <algorithm>
 
-#include "hil/diagnose/base_errors.h"
+#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/engine.h"
-#include "hil/diagnose/refit.h"
-#include "hil/diagnose/verdict.h"
-#include "hil/diagnose/whole_recording.h"
+#include "hil/diagnose/refit/refit.h"
 
 namespace forcegate::diagnose {
 

@@ -4,17 +4,17 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hil/diagnose/base_errors.h"
-#include "hil/diagnose/capacitance_witness.h"
-#include "hil/diagnose/findings.h"
-#include "hil/diagnose/null_calibration.h"
-#include "hil/diagnose/outdone.h"
-#include "hil/diagnose/pictures.h"
-#include "hil/diagnose/ranking.h"
-#include "hil/diagnose/record_errors.h"
-#include "hil/diagnose/search.h"
-#include "hil/diagnose/verdict.h"
-#include "hil/diagnose/whole_recording.h"
+#include "hil/diagnose/answer/capacitance_witness.h"
+#include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/answer/null_calibration.h"
+#include "hil/diagnose/answer/pictures.h"
+#include "hil/diagnose/answer/ranking.h"
+#include "hil/diagnose/answer/record_errors.h"
+#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/choose/outdone.h"
+#include "hil/diagnose/choose/search.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {

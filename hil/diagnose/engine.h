@@ -6,8 +6,8 @@
 #include <string>
 
 #include "hil/base/result.h"
+#include "hil/diagnose/choose/select.h"
 #include "hil/diagnose/diagnosis.h"
-#include "hil/diagnose/select.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/model.h"
 #include "hil/trace/campaign.h"

@@ -1,5 +1,5 @@
 // Mains hum: lines at 50 and 150 Hz or their aliases, larger at high sensor resistance.
-// Seen in the samples at full rate; the detector is in hil/diagnose/raw_health.cpp, so there is no column to fit.
+// Seen in the samples at full rate; the detector is in hil/diagnose/raw/raw_health.cpp, so there is no column to fit.
 
 #include "hil/model/effect.h"
 

@@ -1,5 +1,5 @@
 // Outliers: single samples far off their neighbours while the force is smooth.
-// Seen in the samples at full rate; the detector is in hil/diagnose/raw_health.cpp, so there is no column to fit.
+// Seen in the samples at full rate; the detector is in hil/diagnose/raw/raw_health.cpp, so there is no column to fit.
 
 #include "hil/model/effect.h"
 

@@ -1,4 +1,4 @@
-#include "hil/diagnose/capacitance_witness.h"
+#include "hil/diagnose/answer/capacitance_witness.h"
 
 #include <gtest/gtest.h>
 

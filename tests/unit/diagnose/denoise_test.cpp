@@ -1,4 +1,4 @@
-#include "hil/diagnose/denoise.h"
+#include "hil/diagnose/raw/denoise.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hil/diagnose/drift.h"
+#include "hil/diagnose/laws/drift.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 
 #include <numbers>
 
-#include "hil/diagnose/mains_line.h"
-#include "hil/diagnose/mains_removal.h"
+#include "hil/diagnose/raw/mains_line.h"
+#include "hil/diagnose/raw/mains_removal.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {

@@ -1,4 +1,4 @@
-#include "hil/diagnose/left_out.h"
+#include "hil/diagnose/base/left_out.h"
 
 #include <gtest/gtest.h>
 

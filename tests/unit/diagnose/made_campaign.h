@@ -10,7 +10,7 @@
 
 #include "hil/base/rng.h"
 #include "hil/diagnose/engine.h"
-#include "hil/diagnose/raw_health.h"
+#include "hil/diagnose/raw/raw_health.h"
 
 namespace forcegate::diagnose {
 

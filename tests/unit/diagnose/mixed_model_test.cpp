@@ -1,4 +1,4 @@
-#include "hil/diagnose/mixed_model.h"
+#include "hil/diagnose/base/mixed_model.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hil/diagnose/needless.h"
+#include "hil/diagnose/choose/needless.h"
 
 #include "tests/unit/diagnose/chosen_by_hand.h"
 

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "hil/diagnose/select.h"
+#include "hil/diagnose/choose/select.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {

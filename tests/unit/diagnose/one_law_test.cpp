@@ -1,6 +1,6 @@
 // One law for all records, as a firmware has it.
 
-#include "hil/diagnose/one_law.h"
+#include "hil/diagnose/refit/one_law.h"
 
 #include "tests/unit/diagnose/made_campaign.h"
 

@@ -1,4 +1,4 @@
-#include "hil/diagnose/parameter_level.h"
+#include "hil/diagnose/laws/parameter_level.h"
 
 #include <gtest/gtest.h>
 

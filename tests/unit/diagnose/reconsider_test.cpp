@@ -1,4 +1,4 @@
-#include "hil/diagnose/reconsider.h"
+#include "hil/diagnose/choose/reconsider.h"
 
 #include "tests/unit/diagnose/chosen_by_hand.h"
 

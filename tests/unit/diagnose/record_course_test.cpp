@@ -1,10 +1,10 @@
 // The course of a record that is drawn: all of its rows, at the fit's own model.
 
-#include "hil/diagnose/record_course.h"
+#include "hil/diagnose/answer/record_course.h"
 
-#include "hil/diagnose/base_errors.h"
-#include "hil/diagnose/load_direction.h"
-#include "hil/diagnose/residual_map.h"
+#include "hil/diagnose/answer/load_direction.h"
+#include "hil/diagnose/answer/residual_map.h"
+#include "hil/diagnose/base/base_errors.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {

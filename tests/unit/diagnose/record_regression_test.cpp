@@ -1,4 +1,4 @@
-#include "hil/diagnose/record_regression.h"
+#include "hil/diagnose/between/record_regression.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hil/diagnose/reference_jitter.h"
+#include "hil/diagnose/choose/reference_jitter.h"
 
 #include "tests/unit/diagnose/made_campaign.h"
 #include "tests/unit/diagnose/made_channel.h"

@@ -1,4 +1,4 @@
-#include "hil/diagnose/reference_scatter.h"
+#include "hil/diagnose/raw/reference_scatter.h"
 
 #include <gtest/gtest.h>
 

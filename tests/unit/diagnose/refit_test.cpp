@@ -1,6 +1,6 @@
 // `add` measures as `diagnose` does, and a law is refitted to what the records show.
 
-#include "hil/diagnose/refit.h"
+#include "hil/diagnose/refit/refit.h"
 
 #include "hil/model/model.h"
 #include "tests/unit/diagnose/made_campaign.h"

@@ -1,6 +1,6 @@
-#include "hil/diagnose/rival_odds.h"
+#include "hil/diagnose/next/rival_odds.h"
 
-#include "hil/diagnose/next_experiment.h"
+#include "hil/diagnose/next/next_experiment.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {

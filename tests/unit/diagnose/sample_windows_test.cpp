@@ -1,4 +1,4 @@
-#include "hil/diagnose/sample_windows.h"
+#include "hil/diagnose/raw/sample_windows.h"
 
 #include <numbers>
 

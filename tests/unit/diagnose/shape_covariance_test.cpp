@@ -1,10 +1,10 @@
 // What a finding says in numbers: values near the truth, uncertainties as large as the numbers scatter from specimen to specimen of noise.
 
-#include "hil/diagnose/shape_covariance.h"
+#include "hil/diagnose/answer/shape_covariance.h"
 
 #include <numeric>
 
-#include "hil/diagnose/refit.h"
+#include "hil/diagnose/refit/refit.h"
 #include "hil/model/model.h"
 #include "tests/unit/diagnose/made_campaign.h"
 

@@ -1,4 +1,4 @@
-#include "hil/diagnose/smoothed_reference.h"
+#include "hil/diagnose/raw/smoothed_reference.h"
 
 #include "tests/unit/diagnose/made_campaign.h"
 

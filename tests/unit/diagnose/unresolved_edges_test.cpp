@@ -1,4 +1,4 @@
-#include "hil/diagnose/unresolved_edges.h"
+#include "hil/diagnose/answer/unresolved_edges.h"
 
 #include "tests/unit/diagnose/made_campaign.h"
 

@@ -1,7 +1,7 @@
 // Recordings that say little or nothing of the gain: a load that is put on at once and stays, a record in other units, noise.
 
-#include "hil/diagnose/record_gains.h"
-#include "hil/diagnose/refit.h"
+#include "hil/diagnose/raw/record_gains.h"
+#include "hil/diagnose/refit/refit.h"
 #include "hil/model/model.h"
 #include "tests/unit/diagnose/made_campaign.h"
 

@@ -1,0 +1,320 @@
+#include "hil/diagnose/answer/findings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "hil/base/plain_number.h"
+#include "hil/diagnose/answer/found_parameters.h"
+#include "hil/diagnose/answer/reservation.h"
+#include "hil/diagnose/between/record_regression.h"
+#include "hil/diagnose/choose/objection.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, JudgedBy by, const Finding& f) {
+  char text[480];
+  const PrintedUnit unit = printed_unit(channel.unit);
+  std::snprintf(
+      text, sizeof text,
+      "%s; it accounts for %.3g %s RMS (%.2g %% of the span): the error of %s falls from %.3g to %.3g %s",
+      chosen.kind->summary.c_str(), f.effect_rms * unit.factor, unit.name.c_str(),
+      100.0 * f.effect_rms / channel.scale, by == JudgedBy::whole ? "the whole recording" : "records left out", f.error_before * unit.factor, f.error_after * unit.factor,
+      unit.name.c_str());
+  std::string out = text;
+  if (chosen.by_records()) {
+    // the decay differs from record to record too: the error of whole records says little of a gain
+    std::snprintf(text, sizeof text,
+                  "%s; it accounts for %.3g %s RMS (%.2g %% of the span) and for %.0f %% of the scatter that it acts on; where a record is "
+                  "predicted from the others, the mean square error of that falls by %.0f %%",
+                  chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * unit.factor, unit.name.c_str(), 100.0 * chosen.effect_rms,
+                  100.0 * chosen.records.explained, 100.0 * (1.0 - chosen.records.left_out));
+    return text;
+  }
+  if (by != JudgedBy::whole && chosen.left_out.excited > 0) {
+    std::snprintf(text, sizeof text,
+                  "; %d of %d %s that it touches improve, its strength differs by %.0f %% between records",
+                  chosen.left_out.improved, chosen.left_out.excited,
+                  chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter);
+    out += text;
+  }
+  return out;
+}
+
+constexpr const char* kDoesNotFall = "; not claimed: the error of records left out does not fall";
+
+}  // namespace
+
+double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, JudgedBy by) {
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < mean_square.size(); ++i)
+    if (by != JudgedBy::heldout || channel.problem.records[i].heldout) {
+      sum += mean_square[i];
+      n += 1.0;
+    }
+  return n > 0.0 ? sum / n : 0.0;
+}
+
+Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by) {
+  if (by != JudgedBy::left_out) return {adapted_errors(channel.problem, fit, freedom), fit.plain};
+  LeftOut out = leave_one_out(channel.problem, fit, &freedom);
+  return {std::move(out.adapted), std::move(out.plain)};
+}
+
+namespace {
+
+// The records follow their own decay alone.
+MixedFit without_levels(const ResidualChannel& channel, MixedFit freedom) {
+  constexpr double kHeld = 1e-14;
+  for (std::size_t j = 0; j < 2; ++j) freedom.variance[channel.problem.component_of_z[j]] = kHeld;
+  return freedom;
+}
+
+// Every record predicted from all others, held-out ones too. NaN where the columns cannot be fitted.
+double left_out_of_all(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom) {
+  const MixedFit of_all = fit_mixed(channel.problem, fit.columns, &fit, 12, RecordUse::all_records);
+  if (!of_all.valid) return std::numeric_limits<double>::quiet_NaN();
+  return channel.scale * std::sqrt(judged(channel, leave_one_out(channel.problem, of_all, &freedom).adapted, JudgedBy::left_out));
+}
+
+}  // namespace
+
+std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by) {
+  return judge(channel, fit, without_levels(channel, freedom), by).adapted;
+}
+
+namespace {
+
+// Whether the records that `fit` was made from know any of the strengths.
+bool knows_strength(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+  constexpr double kErrors = 2.0;
+  for (std::size_t b = 0; b < fit.columns.size(); ++b) {
+    if (std::find(columns.begin(), columns.end(), fit.columns[b]) == columns.end()) continue;
+    const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
+    if (std::abs(fit.coefficient[at]) > kErrors * std::sqrt(std::max(0.0, fit.covariance(at, at)))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void measure_left_out(const Workspace& w, const ResidualChannel& channel, Selection& selection, bool stands_in) {
+  constexpr double kLeast = 0.88;  // an effect of half the spread of the records leaves this share of their error
+  constexpr double kPlainly = 0.7, kHardly = 0.995, kAboutTheSame = 1.02, kPlainlyWorse = 1.2;
+  const MixedFit* before = &selection.base;
+  for (ChosenEffect& chosen : selection.chosen) {
+    const auto error = [&](const MixedFit& fit) {
+      const auto square = chosen.between ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+      return channel.scale * std::sqrt(judged(channel, square, w.judges));
+    };
+    chosen.error_before = error(*before);
+    chosen.error_after = error(chosen.fit);
+    // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
+    const double keeps = chosen.between && !chosen.by_records() ? kLeast : stands_in ? kHardly : kAboutTheSame;
+    chosen.borne_out = chosen.describes_whole || chosen.error_after <= keeps * chosen.error_before;
+    // seen in held-out records alone: the fit records know nothing of it, and predict nothing
+    if (!chosen.between && w.judges == JudgedBy::heldout && chosen.error_after > kHardly * chosen.error_before)
+      chosen.borne_out = chosen.borne_out && knows_strength(channel, chosen.fit, chosen.columns);
+    // a handful of fit records does not reach to the held-out ones: each record is asked from all others
+    if (!chosen.borne_out && (chosen.by_records() || !chosen.between)) {
+      const MixedFit freedom = chosen.between ? without_levels(channel, selection.base) : selection.base;
+      const double all_before = left_out_of_all(channel, *before, freedom), all_after = left_out_of_all(channel, chosen.fit, freedom);
+      // of a mounting that has one record the others say nothing: those that have more must tell each other
+      // yet where the held-out ones get plainly worse by it, whoever takes it in gets a worse model
+      const bool worse = chosen.error_after > kPlainlyWorse * chosen.error_before;
+      const bool told = !worse && chosen.by_records() && chosen.records.left_out <= kPlainly * kPlainly && all_after < all_before;
+      if (told || all_after <= kPlainly * all_before) {
+        chosen.error_before = all_before;
+        chosen.error_after = all_after;
+        chosen.borne_out = true;
+      }
+    }
+    if (chosen.borne_out) before = &chosen.fit;
+  }
+}
+
+std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selection& selection) {
+  std::vector<Finding> out;
+  for (const ChosenEffect& chosen : selection.chosen) {
+    if (chosen.borne_out) continue;
+    Finding f;
+    f.effect = chosen.kind->name;
+    f.side = chosen.kind->side;
+    f.unit = channel.unit;
+    f.probability = std::min(kNoClaim, chosen.share_of_family);
+    f.evidence = chosen.kind->summary + kDoesNotFall;
+    out.push_back(std::move(f));
+  }
+  return out;
+}
+
+void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
+                  double explained, Diagnosis& out) {
+  for (const ChosenEffect& chosen : selection.chosen) {
+    Finding f;
+    f.effect = chosen.kind->name;
+    f.side = chosen.kind->side;
+    f.unit = channel.unit;
+    // evidence between records is honest, since n counts records: posterior odds against a prior of 1 in 20. Within records
+    // the evidence counts rows that hang together and is only a scale
+    constexpr double kPriorOdds = 1.0 / 20.0;
+    double factor = std::exp(std::min(50.0, chosen.gain));
+    const bool records_alone = chosen.by_records() && chosen.gain <= chosen.records.gain;
+    if (records_alone) factor = std::min(factor, bayes_factor_bound(chosen.chance));
+    const double odds = kPriorOdds * factor;
+    const double real = chosen.between       ? std::min(0.98, odds / (1.0 + odds))
+                        : chosen.stands_out  ? 0.75
+                        : chosen.gain > 40.0 ? 0.98
+                                             : 0.90;
+    const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
+    f.probability = std::max(0.0, real * whole * chosen.share_of_family);
+    const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+    f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
+    f.parameters = found_parameters(w.input, channel, chosen, &channel == &w.output ? chosen.fit.coefficient[0] * channel.gain_of_unit : 1.0);
+    f.error_before = chosen.error_before;
+    f.error_after = chosen.error_after;
+    f.effect_rms = chosen.by_records() ? chosen.effect_rms * channel.scale
+                                       : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
+    f.records_improved = chosen.left_out.improved;
+    f.records_excited = chosen.left_out.excited;
+    f.evidence = sentence(chosen, channel, w.judges, f);
+    if (!chosen.borne_out) {
+      f.probability = std::min(f.probability, kNoClaim);
+      f.evidence += kDoesNotFall;
+    }
+    reserve(w.input, channel, f);
+    for (const FamilyScore& rival : selection.first.families) {
+      if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
+      const double cosine =
+          signature_cosine(channel, selection.base, chosen.fit, chosen.columns, rival.best.fit,
+                           channel.variants[static_cast<std::size_t>(rival.best.variant)].columns);
+      if (std::abs(cosine) > 0.9)
+        f.confounded_with.push_back({rival.kind->name, cosine, chosen.kind->separates});
+    }
+    for (const auto& [name, share] : chosen.rivals)
+      if (share > 0.2 && std::none_of(f.confounded_with.begin(), f.confounded_with.end(),
+                                      [&, n = name](const LookAlike& a) { return a.effect == n; }))
+        f.confounded_with.push_back({name, 0.0, chosen.kind->separates});
+    out.findings.push_back(std::move(f));
+    // the rivals of this place stand beside it with what is left of the probability
+    for (const auto& [name, share] : chosen.rivals) {
+      const EffectKind* kind = EffectRegistry::instance().find(name);
+      for (const auto& own : w.user_kinds)
+        if (own->name == name) kind = own.get();
+      if (kind == nullptr || share < 0.05) continue;
+      Finding weak;
+      weak.effect = name;
+      weak.side = kind->side;
+      weak.unit = channel.unit;
+      weak.rival_of = chosen.kind->name;
+      weak.probability = std::clamp(share * real * whole, 0.0, kNoClaim);
+      weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
+      out.findings.push_back(std::move(weak));
+    }
+  }
+}
+
+void suspect_refused(Diagnosis& out) {
+  constexpr double kLeastScore = 20.0;
+  const RefusedEffect* strongest = nullptr;
+  const std::vector<RefusedEffect> refused = refused_beside_findings(out);
+  for (const RefusedEffect& r : refused)
+    if (r.score >= kLeastScore && (strongest == nullptr || r.score > strongest->score)) strongest = &r;
+  const EffectKind* kind = strongest == nullptr ? nullptr : EffectRegistry::instance().find(strongest->effect);
+  if (kind == nullptr) return;
+  Finding f;
+  f.effect = kind->name;
+  f.side = kind->side;
+  f.unit = out.unit;
+  const bool any_claim = std::ranges::any_of(out.findings, [](const Finding& o) { return o.probability > kNoClaim; });
+  f.probability = suspicion_probability(strongest->reason, any_claim);
+  f.evidence = kind->summary + "; not claimed: " + strongest->reason;
+  const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [&](const Finding& o) { return o.probability < f.probability; });
+  out.findings.insert(weaker, std::move(f));
+}
+
+void share_among_timing(const Selection& selection, std::vector<Finding>& findings) {
+  std::vector<const ChosenEffect*> timing;
+  for (const ChosenEffect& c : selection.chosen)
+    if (c.kind->traits.timing) timing.push_back(&c);
+  if (timing.size() < 2) return;
+  std::stable_sort(timing.begin(), timing.end(),
+                   [](const ChosenEffect* a, const ChosenEffect* b) { return a->unique > b->unique; });
+  double left = 1.0;
+  for (const ChosenEffect* c : timing)
+    for (Finding& f : findings)
+      if (f.effect == c->kind->name && f.form != "raw") {
+        f.probability = std::min(f.probability, std::max(0.0, left));
+        left -= f.probability;
+      }
+}
+
+namespace {
+
+struct LeftOver {
+  double rms = 0.0;         // of the channel's scale
+  double log_factor = 0.0;  // mean over records of log(rms / noise): a few noisy records must not hide what the others show
+};
+
+// Over all records, an effect may show in none of those that judge; but those where hum is left.
+LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& base, const std::vector<char>& of_hum, JudgedBy by) {
+  const std::vector<double> square = by == JudgedBy::whole ? fit.adapted : leave_one_out(channel.problem, fit, &base).adapted;
+  LeftOver out;
+  double n = 0.0;
+  for (std::size_t k = 0; k < square.size(); ++k) {
+    if (of_hum[k] != 0) continue;
+    const RecordGram& record = channel.problem.records[k];
+    out.rms += square[k];
+    out.log_factor += 0.5 * std::log(std::max(1e-9, square[k] / (record.allowed_variance + record.smoothed_variance)));
+    n += 1.0;
+  }
+  n = std::max(n, 1.0);
+  return {std::sqrt(out.rms / n), out.log_factor / n};
+}
+
+}  // namespace
+
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
+                                   std::vector<Finding>& findings) {
+  constexpr double kMost = 0.75, kMostOfFamily = 0.45;  // of the RMS error: over half of the mean square, a fifth
+  constexpr double kAbove = 2.5, kFarAbove = 8.0;               // of the instruments' noise
+  constexpr double kWithdrawn = 0.2;
+  const bool remains = rest.beside_claims;
+  const LeftOver before = left_over(channel, selection.base, selection.base, rest.of_hum, by),
+                after = left_over(channel, selection.claimed, selection.base, rest.of_hum, by);
+  const double above = remains ? kAbove : kFarAbove;
+  // what the samples themselves have named, such as spikes, is left here too
+  const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.form == "raw" && f.probability > kNoClaim; });
+  if (!(after.rms > above * allowed_rms(channel)) && (named || !(after.log_factor > std::log(above)))) return false;
+  const bool leaves_most = after.rms > kMost * before.rms;
+  if (!(selection.excess_after > kMostOfFamily * kMostOfFamily * selection.excess_before)) return false;
+  bool withdrawn = false;
+  for (const ChosenEffect& c : selection.chosen)
+    for (Finding& f : findings)
+      if (f.effect == c.kind->name && f.form != "raw" && !c.between && f.probability > kNoClaim &&
+          (leaves_most || (remains && c.kind->traits.any_course))) {
+        f.probability = kWithdrawn;
+        f.evidence += "; not claimed: it leaves too much of the error, far above the noise";
+        withdrawn = true;
+      }
+  return withdrawn;
+}
+
+void tell_not_separable(const Selection& selection, Diagnosis& out) {
+  constexpr double kOdds = 0.2, kOfTheFirst = 0.5;
+  for (const ChosenEffect& c : selection.chosen) {
+    std::vector<std::string> set = {c.kind->name};
+    for (const auto& [name, share] : c.rivals)
+      if (share >= std::min(kOdds, kOfTheFirst * c.share_of_family)) set.push_back(name);
+    if (set.size() < 2) continue;
+    std::string text = "not separable here: " + set[0];
+    for (std::size_t k = 1; k < set.size(); ++k) text += " or " + set[k];
+    out.notes.push_back(text + "; what parts them: " + c.kind->separates);
+    out.not_separable.push_back(std::move(set));
+  }
+}
+
+}  // namespace forcegate::diagnose

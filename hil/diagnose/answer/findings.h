@@ -1,0 +1,56 @@
+#pragma once
+// From what was chosen to what is said: findings with probabilities, and errors of records that were left out.
+
+#include <vector>
+
+#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/choose/select.h"
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// Below it a finding is a suspicion, no claim.
+constexpr double kNoClaim = 0.49;
+
+/// Mean square residual of every record, predicted: held-out records by a fit of the others, without any by leaving each
+/// out in turn. Both models of a comparison may follow a record by the same spread, that of `freedom`.
+struct Judged {
+  std::vector<double> adapted, plain;
+};
+Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by);
+
+/// The same where a record keeps the gain and the zero of all records, but may decay in its own way: what an effect between records changes.
+std::vector<double> judge_levels(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by);
+
+/// Mean over the records that judge: held-out ones, or all.
+double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, JudgedBy by);
+
+/// Sets error_before, error_after and borne_out of what was chosen. What `stands_in` for something that was not borne out must itself lower
+/// the error.
+void measure_left_out(const Workspace& workspace, const ResidualChannel& channel, Selection& selection, bool stands_in = false);
+
+/// What was chosen and is not borne out, as suspicions. After measure_left_out().
+std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selection& selection);
+
+/// Adds what was chosen in one channel, and its rivals, after measure_left_out(). `explained`: share of what the noise does not explain.
+void add_findings(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection,
+                  double explained, Diagnosis& out);
+
+/// The strongest of what was refused becomes a suspicion, with the share of such that was there. After everything else was found.
+void suspect_refused(Diagnosis& out);
+
+/// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
+void share_among_timing(const Selection& selection, std::vector<Finding>& findings);
+
+/// Claims about the output are suspicions where all forms of their families leave more than a fifth of the mean square that the noise does not
+/// explain, far above it (all records, or the typical one) or with structure that `remains`, and they themselves leave more than half of the
+/// mean square of all records, or could take any course of their kind (a curve, a loop, a lag): something else is at work. True when one was
+/// withdrawn.
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
+                                   std::vector<Finding>& findings);
+
+/// Rivals that no more than odds of 4 : 1 part.
+void tell_not_separable(const Selection& selection, Diagnosis& out);
+
+}  // namespace forcegate::diagnose

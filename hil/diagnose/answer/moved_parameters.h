@@ -1,0 +1,14 @@
+#pragma once
+// How far a refit moved each parameter of the effects of the library, by name.
+
+#include <vector>
+
+#include "hil/diagnose/refit/refit.h"
+
+namespace forcegate::diagnose {
+
+/// Strengths, then shapes that had a value before, effect by effect. Named "creep.p"; where an effect stands in the model more than once,
+/// "lag.two_poles.c", and where that form does, with its shape: "hysteresis.play_bank[kept=0].w3".
+std::vector<ParameterMove> moved_parameters(const std::vector<ModelEffect>& before, const std::vector<ModelEffect>& after);
+
+}  // namespace forcegate::diagnose

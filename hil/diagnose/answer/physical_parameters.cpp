@@ -1,0 +1,132 @@
+#include "hil/diagnose/answer/physical_parameters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+RecordInput trial(std::vector<double> t_s, std::vector<double> F_N) {
+  RecordInput r;
+  const std::size_t n = t_s.size();
+  r.t_s = r.fast_t_s = std::move(t_s);
+  r.F_N = r.fast_F_N = r.rig_force_N = std::move(F_N);
+  r.U_V.assign(n, 0.0);
+  r.rate_N_per_s.assign(n, 0.0);
+  r.travel_N.assign(n, 0.0);
+  r.ok.assign(n, 1);
+  r.decay.assign(n, 1.0);
+  for (std::size_t i = 0; i <= n; ++i) r.row_begin.push_back(static_cast<std::uint32_t>(i));
+  r.duration_s = r.t_s.back();
+  return r;
+}
+
+// What the finding adds on the rows of a trial, newtons, and its derivatives with respect to coefficients and shapes.
+struct Response {
+  VectorXd added;
+  Eigen::MatrixXd derivative;
+  const ShapeCovariance& joint;
+
+  FoundParameter at(Index row, double scale, std::string name, std::string unit) const {
+    return told(added[row], derivative.row(row), scale, std::move(name), std::move(unit));
+  }
+  FoundParameter difference(Index row, Index less, double scale, std::string name, std::string unit) const {
+    return told(added[row] - added[less], derivative.row(row) - derivative.row(less), scale, std::move(name), std::move(unit));
+  }
+
+ private:
+  FoundParameter told(double value_N, const VectorXd& of, double scale, std::string name, std::string unit) const {
+    return {std::move(name), scale * value_N, std::abs(scale) * std::sqrt(std::max(0.0, of.dot(joint.covariance * of))), std::move(unit)};
+  }
+};
+
+Response response(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen, const ShapeCovariance& joint,
+                  const RecordInput& r) {
+  const auto rows = static_cast<Index>(r.rows());
+  const Index n = chosen.fit.coefficient.size();
+  Response out{{}, Eigen::MatrixXd::Zero(rows, joint.covariance.rows()), joint};
+  std::vector<int> variants = {chosen.variant};
+  variants.insert(variants.end(), chosen.further.begin(), chosen.further.end());
+  for (const int v : variants) {
+    const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
+    const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, c.count);
+    c.form->columns(campaign, r, c.shape, columns);
+    for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
+      for (const int j : variant.columns)
+        if (chosen.fit.columns[b] == j) out.derivative.col(channel.problem.n_fixed + static_cast<Index>(b)) = columns.col(j - c.first);
+  }
+  out.added = out.derivative.leftCols(n) * chosen.fit.coefficient;
+  for (std::size_t s = 0; s < joint.shapes.size(); ++s)
+    out.derivative.col(n + static_cast<Index>(s)) = shape_derivative(campaign, channel, chosen.fit, joint.shapes[s], r);
+  return out;
+}
+
+std::vector<FoundParameter> growth(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
+                                   const ShapeCovariance& joint) {
+  double longest = 10.0;
+  for (const RecordInput& r : campaign.records) longest = std::max(longest, r.duration_s);
+  const double until = std::min(100.0, longest), load_N = campaign.range_N;
+  std::vector<double> t = {0.0}, F = {0.0};
+  constexpr int kSteps = 400;
+  Index at_one_s = 0;
+  for (int k = 0; k <= kSteps; ++k) {
+    t.push_back(1e-3 * std::pow(until / 1e-3, static_cast<double>(k) / kSteps));
+    F.push_back(load_N);
+    if (t.back() <= 1.0) at_one_s = static_cast<Index>(t.size()) - 1;
+  }
+  const double decades = std::log10(until / t[static_cast<std::size_t>(at_one_s)]);
+  const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
+  const Index unloaded = 0, last = added.added.size() - 1;
+  return {added.difference(last, at_one_s, 1.0 / (load_N * decades), "growth_per_decade", "1/decade"),
+          added.difference(last, unloaded, 1.0 / load_N, "growth_in_" + std::to_string(static_cast<int>(std::lround(until))) + "s", "1")};
+}
+
+std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
+                                  const ShapeCovariance& joint) {
+  constexpr int kBranch = 400;
+  std::vector<double> t, F;
+  for (int k = 0; k <= 3 * kBranch; ++k) {  // up, down, up again
+    const double x = static_cast<double>(k % (2 * kBranch)) / kBranch;
+    t.push_back(0.02 * k);
+    F.push_back(campaign.lowest_N + campaign.range_N * (x <= 1.0 ? x : 2.0 - x));
+  }
+  const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
+  const Index up = kBranch + kBranch / 2, down = 2 * kBranch + kBranch / 2;
+  return {added.difference(up, down, 1.0, "loop_width_N", "N"), added.difference(up, down, 100.0 / campaign.range_N, "loop_width", "% of span")};
+}
+
+// Behind a steady ramp, far from its ends: a lead has no force to read behind the last row. A loss of rate shows between two places.
+std::vector<FoundParameter> behind(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
+                                   const ShapeCovariance& joint) {
+  constexpr int kSteps = 4000, kLate = 3 * kSteps / 4;
+  constexpr double kStep_s = 0.01, kRate_N_per_s = 1.0;
+  std::vector<double> t, F;
+  for (int k = 0; k <= kSteps; ++k) {
+    t.push_back(kStep_s * k);
+    F.push_back(kRate_N_per_s * t.back());
+  }
+  const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
+  if (chosen.kind->name == "clock_skew")
+    return {added.difference(kLate, kSteps / 2, -1.0 / (kRate_N_per_s * kStep_s * (kLate - kSteps / 2)), "skew", "1")};
+  return {added.at(kLate, -1.0 / kRate_N_per_s, chosen.kind->name + "_s", "s")};
+}
+
+}  // namespace
+
+std::vector<FoundParameter> physical_parameters(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen,
+                                                const ShapeCovariance& joint) {
+  const std::string& name = chosen.kind->name;
+  if (EffectRegistry::instance().find(name) != chosen.kind) return {};
+  if (name == "creep") return growth(campaign, channel, chosen, joint);
+  if (name == "hysteresis" || name == "backlash") return width(campaign, channel, chosen, joint);
+  if (name == "delay" || name == "lag" || name == "clock_skew") return behind(campaign, channel, chosen, joint);
+  return {};
+}
+
+}  // namespace forcegate::diagnose

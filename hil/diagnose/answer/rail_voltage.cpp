@@ -1,0 +1,59 @@
+#include "hil/diagnose/answer/rail_voltage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+double median(std::vector<double> v) {
+  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+struct Beyond {
+  double by_N, U;
+};
+
+std::vector<double> outputs(std::span<const Beyond> rows) {
+  std::vector<double> out;
+  for (const Beyond& b : rows) out.push_back(b.U);
+  return out;
+}
+
+}  // namespace
+
+std::optional<FoundParameter> rail_voltage(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen) {
+  constexpr double kBeyond = 0.03, kStillRises = 0.1;  // of the force range, of the span
+  constexpr std::size_t kFewestRows = 10, kFewestRecords = 2;
+  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+  const Eigen::Index column = channel.problem.nz + variant.columns.front();
+  std::vector<Beyond> all;
+  std::vector<double> medians;
+  for (std::size_t k = 0; k < channel.rows.size(); ++k) {
+    const RecordInput& r = campaign.records[channel.record_of[k]];
+    const RecordRows& rows = channel.rows[k];
+    std::vector<Beyond> own;
+    for (std::size_t i = 0; i < rows.row.size(); ++i)
+      if (const double by_N = -rows.matrix(static_cast<Eigen::Index>(i), column) / channel.column_factor; by_N > kBeyond * campaign.range_N)
+        own.push_back({by_N, r.U_V[rows.row[i]]});
+    if (own.size() < kFewestRows) continue;
+    medians.push_back(median(outputs(own)));
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  if (medians.size() < kFewestRecords) return std::nullopt;
+  std::ranges::sort(all, {}, &Beyond::by_N);
+  const std::span<const Beyond> rows(all);
+  const double rise = median(outputs(rows.subspan(rows.size() / 2))) - median(outputs(rows.first(rows.size() / 2)));
+  if (std::abs(rise) > kStillRises * campaign.U_range_V) return std::nullopt;
+  double mean = 0.0, square = 0.0;
+  const double n = static_cast<double>(medians.size());
+  for (const double m : medians) mean += m / n;
+  for (const double m : medians) square += (m - mean) * (m - mean);
+  return FoundParameter{"rail_" + channel.unit, median(outputs(all)), std::sqrt(square / (n * (n - 1.0)) + 0.25 * rise * rise), channel.unit};
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,65 @@
+#include "hil/diagnose/answer/record_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/answer/findings.h"
+
+namespace forcegate::diagnose {
+
+void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
+  const ResidualChannel& channel = w.output;
+  Judged before = judge(channel, base, base, w.judges), after = judge(channel, final, base, w.judges);
+  // what a claim changes between the records, their own gains and zeros would hide
+  out.levels = std::any_of(out.findings.begin(), out.findings.end(),
+                           [](const Finding& f) { return f.probability >= 0.5 && f.form != "raw" && is_between_records(f.effect); });
+  if (out.levels) {
+    before.adapted = judge_levels(channel, base, base, w.judges);
+    after.adapted = judge_levels(channel, final, base, w.judges);
+  }
+  const double s = channel.scale;
+  for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
+    const RecordGram& g = channel.problem.records[i];
+    const double bad = i < w.health.size() ? w.health[i].bad_mean_square_V2 : 0.0;
+    RecordError e;
+    e.record = g.name;
+    e.kind = w.input.records[i].kind;
+    e.heldout = g.heldout;
+    e.before = std::sqrt(before.adapted[i] * s * s + bad);
+    e.after = s * std::sqrt(std::max(after.adapted[i], 0.0));
+    e.plain_before = std::sqrt(before.plain[i] * s * s + bad);
+    e.plain_after = s * std::sqrt(std::max(after.plain[i], 0.0));
+    e.floor = std::min(w.noise_V[i], e.after);
+    e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
+    out.records.push_back(e);
+  }
+  double n = 0.0, a = 0.0, b = 0.0, pa = 0.0, pb = 0.0, f = 0.0;
+  for (const RecordError& e : out.records)
+    if (w.judges != JudgedBy::heldout || e.heldout) {
+      n += 1.0;
+      b += e.before * e.before;
+      a += e.after * e.after;
+      pb += e.plain_before * e.plain_before;
+      pa += e.plain_after * e.plain_after;
+      f += e.floor * e.floor;
+    }
+  n = std::max(n, 1.0);
+  out.error_before = std::sqrt(b / n);
+  out.error_after = std::sqrt(a / n);
+  out.plain_before = std::sqrt(pb / n);
+  out.plain_after = std::sqrt(pa / n);
+  out.floor = std::sqrt(f / n);
+  out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
+}
+
+void add_steps(const Workspace& w, const Selection& selection, Diagnosis& out) {
+  const ResidualChannel& channel = w.output;
+  const auto error = [&](const MixedFit& fit) {
+    const auto square = out.levels ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+    return channel.scale * std::sqrt(judged(channel, square, w.judges));
+  };
+  out.steps = {{"", error(selection.base)}};
+  for (const ChosenEffect& chosen : selection.chosen) out.steps.push_back({chosen.kind->name, error(chosen.fit)});
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,17 @@
+#pragma once
+// The error of every record before and after, and of the campaign.
+
+#include "hil/diagnose/choose/select.h"
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// Sets records, error_before and error_after, their plain companions and the floor. After the findings: a claim that acts between records
+/// is judged where they keep the gain and the zero of all, and a claimed line or bad sample counts before and not after.
+void add_records(const Workspace& workspace, const MixedFit& base, const MixedFit& final, Diagnosis& out);
+
+/// Sets steps, by the same measure. After add_records.
+void add_steps(const Workspace& workspace, const Selection& selection, Diagnosis& out);
+
+}  // namespace forcegate::diagnose

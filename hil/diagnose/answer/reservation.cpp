@@ -1,0 +1,67 @@
+#include "hil/diagnose/answer/reservation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "hil/diagnose/answer/findings.h"
+#include "hil/model/lagged_channel.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Whether the lab wrote down that the angle drives a spring.
+bool has_declared_law(const CampaignInput& c) {
+  return !c.bench.law.empty() || std::isfinite(c.bench.spring_N_per_mm) ||
+         std::any_of(c.records.begin(), c.records.end(), [](const RecordInput& r) { return std::isfinite(r.eccentricity_mm); });
+}
+
+struct Reservation {
+  double most = 1.0;
+  const char* why = "";
+};
+
+Reservation reservation(const Finding& f, const ResidualChannel& channel, const CampaignInput& campaign) {
+  constexpr double kOrdinaryCurve = 8e-4;      // of the span, RMS: amplifiers, converters and references are bent by as much
+  constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
+  constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
+  constexpr double kOfNoSpring = 0.01;        // of the span, RMS: what a law of the rig leaves at most
+  constexpr double kHardlyFalls = 0.95;
+  constexpr double kErrors = 2.0;
+  constexpr double kNothingToFind = 0.2;
+  if (f.form == kUnrecorded) return {kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"};
+  if (f.effect == "static_nonlinearity" && f.effect_rms < kOrdinaryCurve * channel.scale)
+    return {kNothingToFind, "honest amplifiers and references are as bent as that"};
+  if (f.effect == "clipping" && !f.parameters.empty()) {
+    double taken = 0.0;
+    for (const FoundParameter& p : f.parameters)
+      if (p.name == "c" || p.name.ends_with(".c")) taken += p.value;
+    if (taken < kStops) return {kNothingToFind, "a rail stops the output, and this hardly bends it"};
+  }
+  // an error of 0: no record that is left out turns
+  const bool fits = f.error_after > 0.0 && f.error_after <= kOfNoSpring * campaign.range_N;
+  if (f.effect == "spring_nonlinearity" && !has_declared_law(campaign) && !fits)
+    return {kNothingToFind, "nobody wrote down that the angle drives a spring, and a crank or a joint bends the force against its angle as well"};
+  if (f.effect == "off_axis" && !has_declared_law(campaign) && f.error_after > kHardlyFalls * f.error_before)
+    return {kNothingToFind, "nobody wrote down that the angle is that of a wheel, and left-out records hardly gain"};
+  if (f.effect == "hysteresis" || f.effect == "backlash")
+    for (const FoundParameter& p : f.parameters)
+      if (p.name == "loop_width" && std::abs(p.value) < kErrors * p.u) return {kNothingToFind, "its loop is no wider than that is known"};
+  if (f.effect == "backlash" && !campaign.has_theta)
+    for (const FoundParameter& p : f.parameters)
+      if (p.name == "loop_width" && std::abs(p.value) < kOrdinaryServo_pct)
+        return {kNothingToFind, "nobody reads the angle, and a servo leaves as much between command and force"};
+  return {};
+}
+
+}  // namespace
+
+void reserve(const CampaignInput& campaign, const ResidualChannel& channel, Finding& f) {
+  const Reservation r = reservation(f, channel, campaign);
+  if (!(f.probability > r.most)) return;
+  f.probability = r.most;
+  f.evidence += std::string("; not claimed: ") + r.why;
+}
+
+}  // namespace forcegate::diagnose

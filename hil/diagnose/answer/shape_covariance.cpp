@@ -1,0 +1,119 @@
+#include "hil/diagnose/answer/shape_covariance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+double root_of_diagonal(const MatrixXd& m, Index at) { return std::sqrt(std::max(0.0, m(at, at))); }
+
+VectorXd strengths(const ResidualChannel& channel, const MixedFit& fit, const Variant& variant, const Candidate& candidate) {
+  VectorXd out = VectorXd::Zero(candidate.count);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+    if (std::ranges::find(variant.columns, fit.columns[b]) != variant.columns.end())
+      out[fit.columns[b] - candidate.first] = fit.coefficient[channel.problem.n_fixed + static_cast<Index>(b)];
+  return out;
+}
+
+// One column more behind those of S.
+void append(MixedProblem& problem, std::size_t record, const VectorXd& cross, double square) {
+  MatrixXd& G = problem.records[record].gram;
+  const Index n = G.rows(), y = n - 1;
+  MatrixXd wider(n + 1, n + 1);
+  std::vector<Index> kept(static_cast<std::size_t>(n));
+  std::iota(kept.begin(), kept.end(), Index{0});
+  kept.back() = n;
+  wider(kept, kept) = G;
+  wider.col(y)(kept) = cross;
+  wider.row(y)(kept) = cross.transpose();
+  wider(y, y) = square;
+  G = std::move(wider);
+}
+
+}  // namespace
+
+VectorXd shape_derivative(const CampaignInput& campaign, const ResidualChannel& channel, const MixedFit& fit, const ShapeCovariance::Shape& shape,
+                          const RecordInput& record) {
+  constexpr double kRelative = 0.03, kOfRange = 1e-3;
+  const Variant& variant = channel.variants[static_cast<std::size_t>(shape.variant)];
+  const Candidate& candidate = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  const ParameterSpec& spec = candidate.form->shape[shape.index];
+  const double at = candidate.shape[shape.index], step = at != 0.0 ? kRelative * std::abs(at) : kOfRange * (spec.maximum - spec.minimum);
+  const double low = std::max(spec.minimum, at - step), high = std::min(spec.maximum, at + step);
+  const auto rows = static_cast<Index>(record.rows());
+  if (!(high > low)) return VectorXd::Zero(rows);
+  const VectorXd strength = strengths(channel, fit, variant, candidate);
+  const auto contribution = [&](double value) -> VectorXd {
+    std::vector<double> moved = candidate.shape;
+    moved[shape.index] = value;
+    MatrixXd columns = MatrixXd::Zero(rows, candidate.count);
+    candidate.form->columns(campaign, record, moved, columns);
+    return columns * strength;
+  };
+  const VectorXd slope = (contribution(high) - contribution(low)) / (high - low);
+  return slope.unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; });
+}
+
+double ShapeCovariance::of_coefficient(Index at) const { return root_of_diagonal(covariance, at); }
+
+double ShapeCovariance::of_shape(int variant, std::size_t index) const {
+  const auto it = std::ranges::find_if(shapes, [&](const Shape& s) { return s.variant == variant && s.index == index; });
+  return it == shapes.end() ? 0.0 : root_of_diagonal(covariance, covariance.rows() - static_cast<Index>(shapes.end() - it));
+}
+
+ShapeCovariance shape_covariance(const CampaignInput& campaign, const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& variants) {
+  ShapeCovariance out{fit.covariance, {}};
+  std::vector<double> known;
+  for (const int v : variants) {
+    const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(v)].candidate)];
+    for (std::size_t k = 0; c.form->refine && k < c.shape.size(); ++k)
+      if (const ParameterSpec& spec = c.form->shape[k]; !spec.choice) {
+        out.shapes.push_back({v, k});
+        known.push_back(spec.maximum - spec.minimum);
+      }
+  }
+  if (out.shapes.empty()) return out;
+
+  MixedProblem problem = with_columns(channel.problem, fit.columns);
+  std::vector<Index> of_fit;
+  for (int j = 0; j < channel.problem.nz; ++j) of_fit.push_back(j);
+  for (const int j : fit.columns) of_fit.push_back(channel.problem.nz + j);
+  of_fit.push_back(channel.problem.y_index());
+  std::vector<VectorXd> derivatives(out.shapes.size());
+  int recording = -1;
+  for (std::size_t k = 0; k < problem.records.size(); ++k) {
+    // blocks of one recording read the columns of its first block
+    const RecordInput& record = campaign.records[channel.record_of[k]];
+    if (record.recording != recording || k == 0)
+      for (std::size_t s = 0; s < out.shapes.size(); ++s) derivatives[s] = shape_derivative(campaign, channel, fit, out.shapes[s], record);
+    recording = record.recording;
+    const MatrixXd& A = channel.rows[k].matrix;
+    const double n = std::max<double>(1.0, static_cast<double>(A.rows()));
+    MatrixXd with = A(Eigen::all, of_fit);
+    for (const VectorXd& derivative : derivatives) {
+      const VectorXd column = channel.column_factor * derivative(channel.rows[k].row);
+      append(problem, k, with.transpose() * column / n, column.squaredNorm() / n);
+      MatrixXd wider(with.rows(), with.cols() + 1);
+      wider << with.leftCols(with.cols() - 1), column, with.rightCols(1);
+      with = std::move(wider);
+    }
+  }
+  std::vector<int> columns(fit.columns.size() + out.shapes.size());
+  std::iota(columns.begin(), columns.end(), 0);
+  problem.ns = static_cast<int>(columns.size());
+  problem.column_prior_sd.conservativeResize(problem.ns);
+  for (std::size_t s = 0; s < known.size(); ++s) problem.column_prior_sd[static_cast<Index>(fit.columns.size() + s)] = known[s];
+  const MixedFit joint = fit_mixed(problem, columns, &fit, 1, fit.use);
+  if (joint.valid) out.covariance = joint.covariance;
+  else out.shapes.clear();
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,47 @@
+#include "hil/diagnose/base/base_errors.h"
+
+#include <cmath>
+
+#include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/candidates/model_effects.h"
+#include "hil/diagnose/choose/reference_latency.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr int kIterations = 20;
+
+BaseError error_of(const ResidualChannel& channel, const MixedFit& base, const std::vector<double>& bad, JudgedBy by) {
+  const auto rms = [&](std::vector<double> square) {
+    for (std::size_t i = 0; i < square.size(); ++i) {
+      square[i] *= channel.scale * channel.scale;
+      if (i < bad.size()) square[i] += bad[i];
+    }
+    return std::sqrt(judged(channel, square, by));
+  };
+  return {rms(judge(channel, base, base, by).adapted), rms(judge_levels(channel, base, base, by))};
+}
+
+}  // namespace
+
+MixedFit base_model(const Workspace& w, const EngineOptions& options, std::vector<std::string>& notes) {
+  MixedFit base = fit_mixed(w.output.problem, model_columns(w.output, options), nullptr, kIterations);
+  const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
+  return base.valid && !in_step ? forgive_late_reference(w, std::move(base), notes) : base;
+}
+
+Result<BaseErrors> base_errors(const Workspace& w, const EngineOptions& options) {
+  std::vector<std::string> notes;
+  const MixedFit base = base_model(w, options, notes);
+  if (!base.valid) return fail(ErrorCode::parse, "the records do not determine the starting model", w.input.name);
+  std::vector<double> bad;
+  for (const RecordHealth& health : w.health) bad.push_back(health.bad_mean_square_V2);
+  BaseErrors out{error_of(w.output, base, bad, w.judges), std::nullopt};
+  if (!w.has_rig) return out;
+  const MixedFit rig = fit_mixed(w.rig.problem, {}, nullptr, kIterations);
+  if (rig.valid) out.force = error_of(w.rig, rig, {}, w.judges);
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,368 @@
+#include "hil/diagnose/base/base_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "hil/base/parallel.h"
+#include "hil/diagnose/workspace.h"
+#include "hil/model/rows.h"
+#include "hil/model/states.h"
+#include "hil/trace/static_line.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr int kShapes = 5, kWaves = 4, kFirstShape = 6;
+constexpr int kFirstWave = kFirstShape + kShapes, kColumns = kFirstWave + kWaves;
+constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
+constexpr double kLargestShift = 12.0;
+
+// Hats on log time: the decay factor may bend away from one exponential, differently in each record.
+std::array<double, kShapes> hats(double since_s) {
+  static const std::array<double, kShapes> knot = [] {
+    std::array<double, kShapes> out;
+    for (int k = 0; k < kShapes; ++k) out[static_cast<std::size_t>(k)] = std::log(kShapeKnots_s[k] + 1.0);
+    return out;
+  }();
+  std::array<double, kShapes> out{};
+  if (since_s <= 0.0) return out;
+  const double x = std::log(since_s + 1.0);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const double left = k == 0 ? 0.0 : knot[k - 1];
+    if (x <= knot[k])
+      out[k] = std::clamp((x - left) / (knot[k] - left), 0.0, 1.0);
+    else
+      out[k] = k + 1 == out.size() ? 1.0 : std::clamp((knot[k + 1] - x) / (knot[k + 1] - knot[k]), 0.0, 1.0);
+  }
+  return out;
+}
+
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15ull;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+double row_noise_of(const std::vector<double>& e) {
+  std::vector<double> d;
+  d.reserve(e.size());
+  for (std::size_t i = 2; i + 2 < e.size(); ++i)
+    d.push_back(std::abs(e[i - 2] - 4.0 * e[i - 1] + 6.0 * e[i] - 4.0 * e[i + 1] + e[i + 2]));
+  const double median = quantile(std::move(d), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
+}
+
+// Errors in variables: what the instruments' steps leave in a row although they do as declared.
+void set_noise(Workspace& w, unsigned threads) {
+  constexpr double kMostOfSamples = 10.0;
+  w.noise_V.assign(w.input.records.size(), 0.0);
+  w.white_V.assign(w.input.records.size(), 0.0);
+  w.smoothed_V.assign(w.input.records.size(), 0.0);
+  parallel_for(w.input.records.size(), threads, [&](std::size_t k) {
+    const RecordInput& r = w.input.records[k];
+    std::vector<double> e(r.rows());
+    for (std::size_t i = 0; i < r.rows(); ++i) e[i] = r.U_V[i] - w.gain_V_per_N * r.base_force_N(i);
+    double decay = 0.0;
+    for (double D : r.decay) decay += D;
+    decay /= static_cast<double>(std::max<std::size_t>(1, r.decay.size()));
+    const RecordHealth* h = k < w.health.size() ? &w.health[k] : nullptr;
+    const double step_F = h != nullptr ? h->lsb_F_N : 0.0, step_U = h != nullptr ? h->lsb_U_V : 0.0;
+    const double quantised = std::hypot(w.gain_V_per_N * decay * step_F, step_U) / std::sqrt(12.0);
+    // in a force about as fast as the rows their differences are of the movement: the samples bound them, with room for coloured noise
+    const double of_samples =
+        h != nullptr ? std::hypot(h->noise_U_V, w.gain_V_per_N * decay * h->noise_F_N, quantised) : std::numeric_limits<double>::infinity();
+    const double white = std::min(row_noise_of(e), kMostOfSamples * of_samples);
+    // steps are only averaged away when noise dithers them
+    const auto left_of = [](double step, double noise) { return step > 0.0 ? step * std::clamp(1.2 - 2.0 * noise / step, 0.3, 1.0) : 0.0; };
+    const double undithered = h != nullptr ? std::hypot(w.gain_V_per_N * decay * left_of(step_F, h->noise_F_N), left_of(step_U, h->noise_U_V)) / std::sqrt(12.0) : 0.0;
+    w.smoothed_V[k] = h != nullptr ? w.gain_V_per_N * decay * h->smoothed_F_N : 0.0;
+    w.white_V[k] = white + 1e-4 * w.input.U_range_V;
+    w.noise_V[k] = std::hypot(white, undithered) + 1e-4 * w.input.U_range_V;
+  });
+}
+
+}  // namespace
+
+std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limit) {
+  std::vector<std::size_t> good;
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    if (record.ok[i] != 0) good.push_back(i);
+  if (good.size() <= limit) return good;
+  std::vector<std::size_t> out;
+  const double stride = static_cast<double>(good.size()) / static_cast<double>(limit);
+  for (std::size_t j = 0; j < limit; ++j) {
+    const double u = static_cast<double>(mixed(j) >> 11) * 0x1.0p-53;
+    out.push_back(
+        good[std::min(good.size() - 1, static_cast<std::size_t>((static_cast<double>(j) + u) * stride))]);
+  }
+  return out;
+}
+
+void add_waves(const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::Index first, int count, Eigen::MatrixXd& Z) {
+  for (int k = 0; k < count; ++k)
+    if (r.duration_s > 60.0 * (k + 1))
+      for (std::size_t j = 0; j < rows.size(); ++j)
+        Z(static_cast<Eigen::Index>(j), first + k) = std::cos(std::numbers::pi * (k + 1) * r.t_s[rows[j]] / r.duration_s);
+}
+
+void add_drive_lag(const RecordInput& r, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
+                   Eigen::Index first, Eigen::MatrixXd& Z) {
+  for (const double pole_s : {0.03, 0.1}) {
+    const std::vector<double> late = low_pass_channel(r, command_N, pole_s, command_N[0]);
+    for (std::size_t j = 0; j < rows.size(); ++j) Z(static_cast<Eigen::Index>(j), first) = (late[rows[j]] - command_N[rows[j]]) / scale;
+    ++first;
+  }
+}
+
+void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders) {
+  problem.nz = kColumns;
+  // F_min, swing and shape of the decay too: a decay in volts, another lowest force than the one that was found, a stretched
+  // exponential are the same in all records, and no spread between them
+  problem.n_fixed = kFirstShape + kShapes;
+  problem.components = {{"gain", 0.02, 0.002, 0.5},  {"offset", 0.01, 0.001, 0.5},
+                        {"log_b", 0.25, 0.05, 0.5},  {"log_q", 0.14, 0.03, 0.5},
+                        {"F_min", 0.01, 0.001, 0.5}, {"swing", 0.03, 0.003, 0.5},
+                        {"shape", 0.02, 0.003, 0.5}, {"wander", 0.002, 3e-4, 0.5}};
+  // blocks of one recording are the same machine, not touched in between: what changes there is the residual's business
+  if (one_recording)
+    for (std::size_t k = 0; k < problem.components.size(); ++k) {
+      VarianceComponent& c = problem.components[k];
+      const bool is_level = k == 0 || k == 1 || k == 7;
+      c.nuisance = k == 0 || k == 1;  // the part that is left out may be the only one that tells of the gain
+      if (zero_wanders && !is_level) continue;
+      c.prior_weight = zero_wanders ? 50.0 : 1e6;
+      if (!zero_wanders) c.prior_sd = 1e-5;
+      c.start_sd = c.prior_sd;
+    }
+  problem.component_of_z = {0, 1, 2, 3, 4, 5};
+  for (int k = 0; k < kShapes; ++k) problem.component_of_z.push_back(6);
+  for (int k = 0; k < kWaves; ++k) problem.component_of_z.push_back(7);
+  problem.fixed_prior_sd = Eigen::VectorXd::Constant(problem.n_fixed, 0.005);
+  problem.fixed_prior_sd.head(6) << 10.0, 10.0, 1.0, 1.0, 0.005, 0.3;
+}
+
+Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
+                                      const std::vector<std::size_t>& rows) {
+  const RecordInput& r = w.input.records[index];
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), kColumns);
+  const double g = w.gain_V_per_N / w.input.U_range_V;
+  const double b = w.law.decay_rate_per_s(r.f_Hz) * std::exp(w.shifts[index].log_b);
+  const double q = w.law.depth_ratio(r.A_N) * std::exp(w.shifts[index].log_q);
+  for (std::size_t j = 0; j < rows.size(); ++j) {
+    const std::size_t i = rows[j];
+    const auto row = static_cast<Eigen::Index>(j);
+    const double since = r.t_s[i] - r.onset_s, swing = r.F_N[i] - r.F_min_N;
+    const bool decays = r.dynamic && w.law.decays && since > 0.0;
+    const double e = decays ? std::exp(-b * since) : 1.0, D = decays ? (e + q) / (1.0 + q) : 1.0;
+    Z(row, 0) = g * (r.F_min_N + D * swing);
+    Z(row, 1) = 1.0;
+    if (r.dynamic) {
+      if (decays) {
+        Z(row, 2) = g * swing * (-b * since * e) / (1.0 + q);
+        Z(row, 3) = g * swing * q * (1.0 - e) / ((1.0 + q) * (1.0 + q));
+        Z(row, 4) = (1.0 - D) * g * w.input.range_N;
+        // laws a(A), c(A) in volts do not start at the static gain: the swing has a size of its own
+        Z(row, 5) = g * D * swing;
+      }
+      const auto shape = hats(since);
+      for (int k = 0; k < kShapes; ++k)
+        Z(row, kFirstShape + k) = g * swing * shape[static_cast<std::size_t>(k)];
+    }
+  }
+  add_waves(r, rows, kFirstWave, kWaves, Z);
+  return Z;
+}
+
+namespace {
+
+// One record on its own: U = c0 + c1 F - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates. Without the last
+// column it is a static record; c2/c1 is the depth of the decay.
+struct OwnDecay {
+  double rate_per_s = 0.0, depth = 0.0;
+  double static_mean_square = 0.0, mean_square = 0.0;
+};
+
+OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
+  constexpr int kRates = 14;
+  OwnDecay best;
+  best.mean_square = 1e300;
+  const double longest = std::max(1.0, r.duration_s - r.onset_s);
+  for (int step = 0; step < kRates; ++step) {
+    const double rate =
+        std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
+    Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
+    for (const std::size_t i : rows) {
+      const double since = std::max(0.0, r.t_s[i] - r.onset_s);
+      const Eigen::Vector4d x(1.0, r.F_N[i], std::expm1(-rate * since) * (r.F_N[i] - r.F_min_N), r.U_V[i]);
+      M += x * x.transpose();
+    }
+    const double n = std::max<double>(1.0, static_cast<double>(rows.size()));
+    if (step == 0) {
+      const Eigen::Vector2d c = M.topLeftCorner<2, 2>().ldlt().solve(M.topRightCorner<2, 1>());
+      best.static_mean_square = std::max(0.0, M(3, 3) - c.dot(M.topRightCorner<2, 1>())) / n;
+    }
+    const Eigen::Vector3d c = M.topLeftCorner<3, 3>().ldlt().solve(M.topRightCorner<3, 1>());
+    const double mean_square = std::max(0.0, M(3, 3) - c.dot(M.topRightCorner<3, 1>())) / n;
+    const double depth = c[1] != 0.0 ? c[2] / c[1] : 0.0;
+    if (!(depth > 0.0 && depth < 1.1) || mean_square >= best.mean_square) continue;
+    best.mean_square = mean_square;
+    best.rate_per_s = rate;
+    best.depth = std::min(depth, 0.99);
+  }
+  return best;
+}
+
+// Explains most of what a straight line leaves.
+bool is_decay(const OwnDecay& own) {
+  constexpr double kExplains = 0.6;
+  return own.mean_square < (1.0 - kExplains) * own.static_mean_square && own.depth > 0.03;
+}
+
+// Where the law's constants are far off (a sensor of another range), the search starts from the record's own.
+RecordShift start_of(const Workspace& w, const RecordInput& r, const OwnDecay& own) {
+  constexpr double kFar = 1.2;
+  const double log_b = std::log(own.rate_per_s / w.law.decay_rate_per_s(r.f_Hz));
+  const double log_q = std::log((1.0 / own.depth - 1.0) / w.law.depth_ratio(r.A_N));
+  if (std::abs(log_b) <= kFar && std::abs(log_q) <= kFar) return {};
+  return {std::clamp(log_b, -kLargestShift, kLargestShift), std::clamp(log_q, -kLargestShift, kLargestShift)};
+}
+
+// Records that nobody declared are cyclic where their own decay explains most of what a straight line leaves.
+void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>& rows) {
+  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+    RecordInput& r = w.input.records[k];
+    if (!r.dynamic) continue;
+    const OwnDecay own = own_decay(r, rows[k]);
+    if (is_decay(own)) {
+      w.shifts[k] = start_of(w, r, own);
+    } else if (r.dynamic_assumed) {
+      // a change of frequency is looked for where nothing decays too: D stays at 1
+      r.found_static = true;
+      if (r.frequency_jumps_s.empty())
+        set_static(r);
+      else
+        w.shifts[k].log_q = 8.0;
+    }
+  }
+}
+
+// Blocks of one recording have one decay: a late block alone has hardly any of it left.
+void start_blocks(Workspace& w, const std::vector<std::vector<std::size_t>>& rows) {
+  const RecordInput& whole = w.input.records.front();
+  if (!whole.dynamic) return;
+  std::vector<std::size_t> all;
+  for (const auto& block : rows) all.insert(all.end(), block.begin(), block.end());
+  if (const OwnDecay own = own_decay(whole, all); is_decay(own))
+    w.shifts.assign(w.shifts.size(), start_of(w, whole, own));
+}
+
+// Slope of U on F over the static records, since the decay flattens the dynamic ones; 0 where their force hardly moves: what is at rest
+// knows no slope.
+double slope_at_rest(const CampaignInput& input) {
+  constexpr double kMoves = 0.02;  // of the span, RMS
+  double FF = 0.0, FU = 0.0, all = 0.0;
+  for (const RecordInput& r : input.records) {
+    if (r.dynamic) continue;
+    StaticLine line;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) line.push(r.U_V[i], r.F_N[i]);
+    if (!(line.n() > 0.0)) continue;
+    all += line.n();
+    FF += line.n() * line.variance_N2();
+    FU += line.n() * line.covariance_VN();
+  }
+  const double least_N = kMoves * input.range_N;
+  return FF > all * least_N * least_N ? FU / FF : 0.0;
+}
+
+}  // namespace
+
+bool decays_by_itself(const RecordInput& record) {
+  return is_decay(own_decay(record, choose_rows(record, 4000)));
+}
+
+double left_by_decay(const RecordInput& record) {
+  return own_decay(record, choose_rows(record, 4000)).mean_square;
+}
+
+void fit_base(Workspace& w, unsigned threads) {
+  const std::size_t n = w.input.records.size();
+  w.shifts.assign(n, {});
+  w.gain_V_per_N = w.scales.gain_V_per_N;
+  std::vector<std::vector<std::size_t>> rows;
+  for (const RecordInput& r : w.input.records) rows.push_back(choose_rows(r, 800));
+  if (w.law.decays && w.input.single)
+    start_blocks(w, rows);
+  else if (w.law.decays)
+    choose_excitation(w, rows);
+  if (const double slope = slope_at_rest(w.input); slope != 0.0) w.gain_V_per_N = slope;
+
+  const auto run = [&](int rounds) {
+    MixedFit fit;
+    for (int round = 0; round < rounds; ++round) {
+      MixedProblem problem;
+      set_repeatability(problem, w.input.single, w.zero_wanders);
+      problem.column_prior_sd.resize(0);
+      problem.records.resize(n);
+      parallel_for(n, threads, [&](std::size_t k) {
+        const Eigen::MatrixXd Z = repeatability_columns(w, k, rows[k]);
+        Eigen::MatrixXd A(Z.rows(), Z.cols() + 1);
+        A.leftCols(Z.cols()) = Z;
+        for (Eigen::Index j = 0; j < Z.rows(); ++j)
+          A(j, Z.cols()) = w.input.records[k].U_V[rows[k][static_cast<std::size_t>(j)]] / w.input.U_range_V +
+                           Z(j, 2) * w.shifts[k].log_b + Z(j, 3) * w.shifts[k].log_q;
+        RecordGram& gram = problem.records[k];
+        gram.gram = (A.transpose() * A) / std::max<double>(1.0, static_cast<double>(A.rows()));
+        gram.n_eff = std::min(150.0, static_cast<double>(A.rows()) / 5.0 + 1.0);
+        gram.noise_variance = 1e-6;
+        gram.heldout = w.input.records[k].heldout && w.judges == JudgedBy::heldout;
+      });
+      fit = fit_mixed(problem, {}, nullptr, 15);
+      if (!fit.valid) return fit;
+      for (std::size_t k = 0; k < n; ++k) {
+        const double b = fit.coefficient[2] + fit.zeta[k][2], q = fit.coefficient[3] + fit.zeta[k][3];
+        w.shifts[k].log_b += std::clamp(b - w.shifts[k].log_b, -0.5, 0.5);
+        w.shifts[k].log_q += std::clamp(q - w.shifts[k].log_q, -0.5, 0.5);
+        w.shifts[k].log_b = std::clamp(w.shifts[k].log_b, -kLargestShift, kLargestShift);
+        w.shifts[k].log_q = std::clamp(w.shifts[k].log_q, -kLargestShift, kLargestShift);
+      }
+      w.gain_V_per_N *= std::clamp(fit.coefficient[0], 0.3, 3.0);
+    }
+    return fit;
+  };
+
+  bool any_dynamic = false;
+  for (const RecordInput& r : w.input.records) any_dynamic |= r.dynamic;
+  if (any_dynamic && w.law.decays) {
+    const BaseLaw decaying = w.law;
+    const double start_gain = w.gain_V_per_N;
+    MixedFit with = run(6);
+    const auto shifts = w.shifts;
+    const double gain = w.gain_V_per_N;
+    // a sensor that does not decay is better off without the law
+    w.law.decays = false;
+    w.shifts.assign(n, {});
+    w.gain_V_per_N = start_gain;
+    MixedFit without = run(2);
+    if (with.valid && (!without.valid || with.log_evidence >= without.log_evidence - 3.0)) {
+      w.law = decaying;
+      w.shifts = shifts;
+      w.gain_V_per_N = gain;
+    } else {
+      w.input.notes.push_back("no decay of the maxima is seen: the static law alone is the starting model");
+    }
+  } else {
+    run(2);
+  }
+  parallel_for(n, threads, [&](std::size_t k) {
+    set_decay(w.input.records[k], w.law, w.shifts[k].log_b, w.shifts[k].log_q);
+  });
+  set_noise(w, threads);
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,33 @@
+#pragma once
+// S2: the base law at the records' own repeatability, and the columns of Z that say what a record may have of its own.
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// Rows of a record that a fit uses: at most `limit`, spread evenly with a fixed jitter.
+std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limit);
+
+/// Fits the base law with per-record repeatability (b, q by Gauss-Newton at the record's own values, the rest linear)
+/// and leaves D(t) in the inputs, the shifts and the row noise in the workspace.
+void fit_base(Workspace& workspace, unsigned threads = 1);
+
+/// Columns of Z for the chosen rows at the workspace's shifts, each divided by the voltage span.
+Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record,
+                                      const std::vector<std::size_t>& rows);
+/// Slow wander as columns of Z from `first` on: half waves cos(k pi t / T) of the record, k = 1 .. count, those longer than a minute.
+void add_waves(const RecordInput& record, const std::vector<std::size_t>& rows, Eigen::Index first, int count, Eigen::MatrixXd& Z);
+/// The ordinary lag of a drive behind its command as two columns of Z: (L_tau[C] - C) / scale, tau 30 and 100 ms.
+void add_drive_lag(const RecordInput& record, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
+                   Eigen::Index first, Eigen::MatrixXd& Z);
+/// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
+bool decays_by_itself(const RecordInput& record);
+/// Mean square, V^2, that a straight line whose slope decays from the record's onset on leaves of it, at the best rate and depth.
+double left_by_decay(const RecordInput& record);
+/// Sets nz, components and priors of the output channel.
+void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,302 @@
+#include "hil/diagnose/base/mixed_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/base/record_part.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+VectorXd expand_variance(const MixedProblem& problem, const VectorXd& variance) {
+  VectorXd out(problem.nz);
+  for (int j = 0; j < problem.nz; ++j) out[j] = variance[problem.component_of_z[j]];
+  return out;
+}
+
+VectorXd prior_precision(const MixedProblem& problem, const std::vector<int>& columns) {
+  VectorXd out(problem.n_fixed + static_cast<Index>(columns.size()));
+  for (int j = 0; j < problem.n_fixed; ++j)
+    out[j] = 1.0 / (problem.fixed_prior_sd[j] * problem.fixed_prior_sd[j]);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const double sd = problem.column_prior_sd[columns[k]];
+    out[problem.n_fixed + static_cast<Index>(k)] = 1.0 / (sd * sd);
+  }
+  return out;
+}
+
+VectorXd with_minus(const VectorXd& coefficient) {
+  VectorXd v(coefficient.size() + 1);
+  v.head(coefficient.size()) = -coefficient;
+  v[coefficient.size()] = 1.0;
+  return v;
+}
+
+// ln det of the factor: half the logarithm of the determinant.
+double log_diagonal(const Eigen::LLT<MatrixXd>& llt) {
+  double out = 0.0;
+  for (Index j = 0; j < llt.rows(); ++j) out += std::log(llt.matrixL()(j, j));
+  return out;
+}
+
+// Of the coefficients and of the variances, up to a constant.
+double log_prior(const MixedProblem& problem, const MixedFit& fit, const VectorXd& precision) {
+  double out = 0.5 * precision.array().log().sum() -
+               0.5 * fit.coefficient.cwiseAbs2().cwiseProduct(precision).sum();
+  for (std::size_t k = 0; k < problem.components.size(); ++k) {
+    const VarianceComponent& c = problem.components[k];
+    const double variance = fit.variance[static_cast<Index>(k)];
+    out -= 0.5 * c.prior_weight * (std::log(variance) + c.prior_sd * c.prior_sd / variance);
+  }
+  return out;
+}
+
+// The M step of EM.
+void update_variances(const MixedProblem& problem, const std::vector<Conditional>& conditional,
+                      MixedFit& fit) {
+  VectorXd sum = VectorXd::Zero(fit.variance.size()), count = sum;
+  for (std::size_t i = 0; i < conditional.size(); ++i) {
+    const RecordGram& record = problem.records[i];
+    const Conditional& c = conditional[i];
+    fit.s2[i] = std::max(c.mean_square + c.trace, record.noise_variance);
+    if (!fit.counts(record)) continue;
+    for (int j = 0; j < problem.nz; ++j) {
+      if (record.gram(j, j) < 1e-14) continue;  // the record does not excite this column
+      const int k = problem.component_of_z[j];
+      sum[k] += c.zeta[j] * c.zeta[j] + c.zeta_variance[j];
+      count[k] += 1.0;
+    }
+  }
+  for (Index k = 0; k < fit.variance.size(); ++k) {
+    const VarianceComponent& c = problem.components[static_cast<std::size_t>(k)];
+    fit.variance[k] = (c.prior_weight * c.prior_sd * c.prior_sd + sum[k]) / (c.prior_weight + count[k]);
+  }
+}
+
+}  // namespace
+
+MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm,
+                   int iterations, RecordUse use) {
+  const std::size_t n_records = problem.records.size();
+  const Index d = problem.n_fixed + static_cast<Index>(columns.size());
+  MixedFit fit;
+  fit.columns = columns;
+  fit.use = use;
+  if (n_records == 0) return fit;
+  std::vector<RecordPart> parts;
+  parts.reserve(n_records);
+  for (std::size_t i = 0; i < n_records; ++i) parts.emplace_back(problem, i, columns);
+
+  const auto n_components = static_cast<Index>(problem.components.size());
+  if (warm != nullptr && warm->valid) {
+    fit.variance = warm->variance;
+    fit.s2 = warm->s2;
+  } else {
+    fit.variance.resize(n_components);
+    for (Index k = 0; k < n_components; ++k)
+      fit.variance[k] = problem.components[k].start_sd * problem.components[k].start_sd;
+    fit.s2.clear();
+    for (const RecordGram& record : problem.records) fit.s2.push_back(std::max(record.noise_variance, 1e-6));
+  }
+
+  const VectorXd prior = prior_precision(problem, columns);
+  std::vector<Conditional> conditional(n_records);
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const bool last = iteration + 1 == iterations;
+    const VectorXd sigma2 = expand_variance(problem, fit.variance);
+    MatrixXd M = MatrixXd::Zero(parts.front().rows_of_marginal(), d + 1);
+    for (std::size_t i = 0; i < n_records; ++i) {
+      parts[i].eliminate(sigma2, problem.records[i].n_eff / fit.s2[i]);
+      if (fit.counts(problem.records[i])) parts[i].add_marginal(M);
+    }
+    MatrixXd P = M.topLeftCorner(d, d);
+    P.diagonal() += prior;
+    const Eigen::LLT<MatrixXd> llt(P);
+    if (llt.info() != Eigen::Success) return fit;
+    fit.coefficient = llt.solve(M.row(d).head(d).transpose());
+    const VectorXd v = with_minus(fit.coefficient);
+    for (std::size_t i = 0; i < n_records; ++i) parts[i].condition(v, conditional[i]);
+    if (last) {
+      fit.covariance = llt.solve(MatrixXd::Identity(d, d));
+      fit.log_evidence = log_prior(problem, fit, prior) - log_diagonal(llt);
+      for (std::size_t i = 0; i < n_records; ++i)
+        if (fit.counts(problem.records[i]))
+          fit.log_evidence -= 0.5 * (problem.records[i].n_eff *
+                                         (std::log(fit.s2[i]) + conditional[i].mean_square / fit.s2[i]) +
+                                     conditional[i].penalty + parts[i].log_determinant());
+      break;
+    }
+    update_variances(problem, conditional, fit);
+  }
+
+  const VectorXd v = with_minus(fit.coefficient);
+  fit.adapted.resize(n_records);
+  fit.plain.resize(n_records);
+  fit.zeta.resize(n_records);
+  for (std::size_t i = 0; i < n_records; ++i) {
+    fit.adapted[i] = conditional[i].mean_square;
+    fit.zeta[i] = conditional[i].zeta;
+    fit.plain[i] = parts[i].plain(v);
+  }
+  fit.valid = true;
+  return fit;
+}
+
+void flip_residuals(MixedProblem& problem, const MixedFit& fit, const std::vector<int>& sign) {
+  VectorXd beta = VectorXd::Zero(problem.nz + problem.ns);
+  beta.head(problem.n_fixed) = fit.coefficient.head(problem.n_fixed);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+    beta[problem.nz + fit.columns[b]] = fit.coefficient[problem.n_fixed + static_cast<Index>(b)];
+  problem.other_y.resize(problem.records.size());
+  for (std::size_t i = 0; i < problem.records.size(); ++i) {
+    const MatrixXd& G = problem.records[i].gram;
+    const Index y = problem.y_index();
+    VectorXd out = G.col(y);
+    if (sign[i] < 0) {
+      const VectorXd of_fit = G.leftCols(y) * beta;  // X' X beta, last: y' X beta
+      out = 2.0 * of_fit - out;
+      out[y] = 4.0 * beta.dot(of_fit.head(y)) - 4.0 * of_fit[y] + G(y, y);
+    }
+    problem.other_y[i] = std::move(out);
+  }
+}
+
+double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const std::vector<int>& columns) {
+  const VectorXd sigma2 = expand_variance(problem, fit.variance);
+  const Index d = fit.coefficient.size();
+  VectorXd effect = VectorXd::Zero(d + 1), rest = with_minus(fit.coefficient);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+    if (std::find(columns.begin(), columns.end(), fit.columns[b]) != columns.end()) {
+      const Index at = problem.n_fixed + static_cast<Index>(b);
+      effect[at] = fit.coefficient[at];
+      rest[at] = 0.0;
+    }
+  // one noise for all: a record that the effect does not fit would else be the one that counts least
+  double pooled = 0.0;
+  for (double s2 : fit.s2) pooled += s2 / static_cast<double>(fit.s2.size());
+  double information = 0.0, scatter = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < problem.records.size(); ++i) {
+    RecordPart part(problem, i, fit.columns);
+    part.eliminate(sigma2, problem.records[i].n_eff / pooled);
+    const MatrixXd marginal = part.marginal();
+    const auto M = marginal.topRows(d + 1).selfadjointView<Eigen::Lower>();
+    const double w = effect.dot(M * effect);
+    if (!(w > 1e-9)) continue;
+    const double lambda = effect.dot(M * rest) / w;
+    information += w;
+    scatter += w * (lambda - 1.0) * (lambda - 1.0);
+    n += 1.0;
+  }
+  return information > 0.0 ? std::sqrt(std::max(0.0, scatter - n) / information) : 0.0;
+}
+
+MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns) {
+  MixedProblem out;
+  out.nz = p.nz;
+  out.n_fixed = p.n_fixed;
+  out.ns = static_cast<int>(columns.size());
+  out.component_of_z = p.component_of_z;
+  out.components = p.components;
+  out.fixed_prior_sd = p.fixed_prior_sd;
+  out.column_prior_sd.resize(out.ns);
+  std::vector<int> at;
+  for (int j = 0; j < p.nz; ++j) at.push_back(j);
+  for (std::size_t a = 0; a < columns.size(); ++a) {
+    out.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
+    at.push_back(p.nz + columns[a]);
+  }
+  at.push_back(p.y_index());
+  for (const RecordGram& from : p.records)
+    out.records.push_back({from.name, from.gram(at, at), from.n_eff, from.noise_variance, from.allowed_variance, from.smoothed_variance, from.heldout});
+  return out;
+}
+
+MixedFit at_freedom_of(const MixedProblem& problem, MixedFit fit, const MixedFit& freedom) {
+  const VectorXd sigma2 = expand_variance(problem, freedom.variance);
+  Conditional conditional;
+  fit.zeta.resize(problem.records.size());
+  fit.adapted.resize(problem.records.size());
+  for (std::size_t i = 0; i < problem.records.size(); ++i) {
+    RecordPart part(problem, i, fit.columns);
+    part.eliminate(sigma2, problem.records[i].n_eff / freedom.s2[i]);
+    part.condition(with_minus(fit.coefficient), conditional);
+    fit.zeta[i] = conditional.zeta;
+    fit.adapted[i] = conditional.mean_square;
+  }
+  return fit;
+}
+
+std::vector<double> adapted_errors(const MixedProblem& problem, const MixedFit& fit, const MixedFit& freedom) {
+  return at_freedom_of(problem, fit, freedom).adapted;
+}
+
+namespace {
+
+// Of the fixed parts of nuisance columns, as the records other than each one leave them, at given strengths; 0 for other columns.
+std::vector<VectorXd> nuisance_variance(const MixedProblem& problem, std::vector<RecordPart>& parts, const MixedFit& fit,
+                                        const MixedFit& freedom) {
+  const Index n = problem.n_fixed;
+  VectorXd nuisance(n);
+  for (Index j = 0; j < n; ++j) nuisance[j] = problem.components[problem.component_of_z[j]].nuisance ? 1.0 : 0.0;
+  if (nuisance.isZero()) return std::vector<VectorXd>(parts.size(), nuisance);
+  const VectorXd sigma2 = expand_variance(problem, freedom.variance);
+  MatrixXd total = problem.fixed_prior_sd.cwiseAbs2().cwiseInverse().asDiagonal();
+  std::vector<MatrixXd> own;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].eliminate(sigma2, problem.records[i].n_eff / freedom.s2[i]);
+    own.push_back(fit.counts(problem.records[i]) ? MatrixXd(parts[i].marginal().topLeftCorner(n, n)) : MatrixXd::Zero(n, n));
+    total += own.back();
+  }
+  std::vector<VectorXd> out;
+  for (const MatrixXd& one : own)
+    out.push_back(MatrixXd(total - one).llt().solve(MatrixXd::Identity(n, n)).diagonal().cwiseProduct(nuisance));
+  return out;
+}
+
+}  // namespace
+
+LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const MixedFit* freedom) {
+  const std::size_t n_records = problem.records.size();
+  const Index d = fit.coefficient.size();
+  const VectorXd sigma2 = expand_variance(problem, fit.variance);
+  const VectorXd prior = prior_precision(problem, fit.columns);
+  std::vector<RecordPart> parts;
+  parts.reserve(n_records);
+  std::vector<MatrixXd> single;
+  MatrixXd total;
+  for (std::size_t i = 0; i < n_records; ++i) {
+    parts.emplace_back(problem, i, fit.columns);
+    parts[i].eliminate(sigma2, problem.records[i].n_eff / fit.s2[i]);
+    single.push_back(parts[i].marginal());
+    if (total.size() == 0) total = MatrixXd::Zero(single.back().rows(), single.back().cols());
+    if (fit.counts(problem.records[i])) total += single.back();
+  }
+  LeftOut out{std::vector<double>(n_records), std::vector<double>(n_records)};
+  std::vector<VectorXd> uncertain;
+  if (freedom != nullptr) uncertain = nuisance_variance(problem, parts, fit, *freedom);
+  Conditional conditional;
+  for (std::size_t i = 0; i < n_records; ++i) {
+    const bool counts = fit.counts(problem.records[i]);
+    const MatrixXd others = counts ? MatrixXd(total - single[i]) : total;
+    MatrixXd P = others.topLeftCorner(d, d);
+    P.diagonal() += prior;
+    const VectorXd v = with_minus(P.llt().solve(others.row(d).head(d).transpose()));
+    const double n_eff = problem.records[i].n_eff;
+    if (freedom != nullptr) {
+      VectorXd own = expand_variance(problem, freedom->variance);
+      own.head(problem.n_fixed) += uncertain[i];
+      parts[i].eliminate(own, n_eff / freedom->s2[i]);
+    }
+    parts[i].condition(v, conditional);
+    out.adapted[i] = conditional.mean_square;
+    out.plain[i] = parts[i].plain(v);
+  }
+  return out;
+}
+
+}  // namespace forcegate::diagnose

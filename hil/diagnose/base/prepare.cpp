@@ -1,0 +1,282 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "hil/base/largest_first.h"
+#include "hil/base/plain_number.h"
+#include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/candidates/command_channel.h"
+#include "hil/diagnose/candidates/model_effects.h"
+#include "hil/diagnose/candidates/rig_law.h"
+#include "hil/diagnose/candidates/signatures.h"
+#include "hil/diagnose/candidates/user_candidates.h"
+#include "hil/diagnose/choose/reference_latency.h"
+#include "hil/diagnose/engine.h"
+#include "hil/diagnose/raw/clean_samples.h"
+#include "hil/diagnose/raw/record_gains.h"
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+std::vector<std::size_t> usable_rows(const RecordInput& record) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < record.rows(); ++i)
+    if (record.ok[i] != 0) out.push_back(i);
+  return out;
+}
+
+// The states of the first rows are not known, unless force and output stand still there. A load that is put on there and stays is all that
+// tells of the gain.
+std::size_t rows_that_settle(const RecordInput& whole, const std::vector<std::size_t>& usable) {
+  constexpr double kMostOfSpan = 0.3, kStill = 0.03;
+  constexpr std::size_t kFewestRows = 10;
+  const std::size_t n = usable.size(), tenth = n / 10, first = std::max(n / 100, kFewestRows);
+  const auto span = [&](const std::vector<double>& x, std::size_t begin, std::size_t end) {
+    const auto at = [&](std::size_t k) { return usable.begin() + static_cast<std::ptrdiff_t>(k); };
+    const auto [low, high] = std::minmax_element(at(begin), at(end), [&](std::size_t a, std::size_t b) { return x[a] < x[b]; });
+    return x[*high] - x[*low];
+  };
+  const bool at_rest = span(whole.F_N, 0, first) < kStill * span(whole.F_N, 0, n) && span(whole.U_V, 0, first) < kStill * span(whole.U_V, 0, n);
+  return !at_rest && span(whole.F_N, tenth, n) > kMostOfSpan * span(whole.F_N, 0, n) ? tenth : 0;
+}
+
+// A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Each has its share of the
+// usable rows: one that lies in a stretch of missing samples would have nothing to say. Every
+// block keeps the whole history, since what came before it is still in the states of the system. Columns are made once for all blocks,
+// from the first: it alone has the full rate.
+void cut_into_blocks(CampaignRows& w) {
+  constexpr std::size_t kBlocks = 5, kFewestRows = 200;
+  const std::vector<std::size_t> usable = usable_rows(w.input.records.front());
+  const std::size_t n = usable.size();
+  if (n < kFewestRows) return;
+  RecordInput whole = std::move(w.input.records.front());
+  const RecordHealth health = std::move(w.health.front());
+  std::vector<double> fast_t_s = std::move(whole.fast_t_s), fast_F_N = std::move(whole.fast_F_N);
+  w.input.records.clear();
+  w.health.clear();
+  const std::size_t gap = n / 100, settled = rows_that_settle(whole, usable), length = (n - settled) / kBlocks;
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    RecordInput block = whole;
+    block.name = whole.name + "/" + std::to_string(b + 1);
+    block.index = b;
+    const std::size_t begin = settled + b * length + (b > 0 ? gap / 2 : 0),
+                      end = b + 1 < kBlocks ? settled + (b + 1) * length - gap / 2 : n;
+    block.ok.assign(whole.rows(), 0);
+    for (std::size_t i = begin; i < end; ++i) block.ok[usable[i]] = 1;
+    w.input.records.push_back(std::move(block));
+    w.health.push_back(health);
+  }
+  w.input.records.front().fast_t_s = std::move(fast_t_s);
+  w.input.records.front().fast_F_N = std::move(fast_F_N);
+  w.input.notes.push_back(
+      std::string(settled > 0 ? "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn"
+                              : "one recording only: it is judged in five blocks, each left out in turn; it begins at rest, or its force moves at its beginning alone") +
+      (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
+}
+
+// What happened in a long gap nobody saw: the states of loop and creep after it are not known before the force has moved for a while.
+void leave_out_after_gaps(RecordInput& input, std::vector<std::string>& notes) {
+  constexpr double kLong_s = 2.0, kMostOfRecord = 0.1, kSteps = 50.0;
+  double longest_s = 0.0;
+  for (std::size_t i = 1; i < input.rows(); ++i) {
+    const double gap_s = input.t_s[i] - input.t_s[i - 1];
+    if (!follows_hole(input, i, std::max(kLong_s, kSteps * input.row_step_s))) continue;
+    // rows are means: the samples at the two edges tell how long it was
+    const bool sampled = input.fast_t_s.size() > input.row_begin[i] && input.row_begin[i] > 0;
+    longest_s = std::max(longest_s, sampled ? input.fast_t_s[input.row_begin[i]] - input.fast_t_s[input.row_begin[i] - 1] : gap_s);
+    const double until_s = input.t_s[i] + std::min(gap_s, kMostOfRecord * input.duration_s);
+    for (std::size_t k = i; k < input.rows() && input.t_s[k] < until_s; ++k) input.ok[k] = 0;
+  }
+  if (longest_s > 0.0)
+    notes.push_back(input.name + ": rows after a gap (the longest " + plain_number(longest_s) + " s) are left out for as long as it was, at most a tenth of the record: the sensor's state is not known there");
+}
+
+// Nobody said when the cycling began: steps and ramps before it count as static where the decay then fits far better.
+void find_late_onset(RecordInput& input, double range_N) {
+  constexpr double kFarBetter = 0.5;  // mean square
+  const std::optional<double> begin_s = steady_cycles_begin_s(input, range_N);
+  if (!begin_s) return;
+  RecordInput late = input;
+  begin_cycles_at(late, *begin_s, range_N);
+  if (left_by_decay(late) < kFarBetter * left_by_decay(input)) input = std::move(late);
+}
+
+// Why hardly a row of a record is usable: what befell most of its samples.
+std::string why_unusable(const Record& record, const RecordHealth& health) {
+  if (const Channel* U = record.trace.find("U")) {
+    double low = 1e300, high = -1e300;
+    for (const double v : U->value)
+      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+    if (low == high) return "its output stands at " + plain_number(low) + " " + U->unit + " throughout; was the sensor connected?";
+  }
+  std::array<std::size_t, static_cast<std::size_t>(BadSample::censored) + 1> n{};
+  for (const std::uint8_t bad : health.bad) ++n[bad];
+  const auto most = static_cast<BadSample>(std::ranges::max_element(n) - n.begin());
+  switch (most) {
+    case BadSample::zero: return "its output lies at its low end while the force stands elsewhere; was the sensor connected?";
+    case BadSample::held: return "its output holds one value while the force moves";
+    case BadSample::rail: return "its output lies at a rail";
+    case BadSample::censored: return "its output lies at or beyond an end of the range";
+    case BadSample::outlier:
+    case BadSample::bit: return "its output is spikes for the most part";
+    default: return "hardly a row has both force and output";
+  }
+}
+
+// Records whose rows are all missing, at a rail or out of range say nothing; a sensor that was not plugged in must not end a campaign.
+Result<void> leave_out_unusable(CampaignRows& w, const std::map<std::string, std::string>& why, bool asks_one_recording) {
+  constexpr auto kFewestRows = 16, kFewestOfOne = 200;
+  auto& records = w.input.records;
+  const auto usable = [](const RecordInput& r) { return std::count_if(r.ok.begin(), r.ok.end(), [](char ok) { return ok != 0; }); };
+  double low = 1e300, high = -1e300, force_low = 1e300, force_high = -1e300;
+  for (const RecordInput& r : records)
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) {
+        low = std::min(low, r.U_V[i]), high = std::max(high, r.U_V[i]);
+        force_low = std::min(force_low, r.F_N[i]), force_high = std::max(force_high, r.F_N[i]);
+      }
+  std::vector<std::string> left_out;
+  std::erase_if(records, [&](const RecordInput& r) {
+    if (usable(r) >= kFewestRows) return false;
+    left_out.push_back(r.name);
+    return true;
+  });
+  if (records.empty())
+    return fail(ErrorCode::parse, "no record has rows to judge by; " + left_out.front() + ": " + why.at(left_out.front()), w.input.name,
+                "are the sensor and the reference connected, and the columns mapped as you mean?");
+  for (const std::string& name : left_out) w.input.notes.push_back(name + ": left out, " + why.at(name));
+  if (asks_one_recording && usable(records.front()) < kFewestOfOne)
+    return fail(ErrorCode::parse, "one recording of " + std::to_string(usable(records.front())) + " usable rows is too short for a verdict",
+                records.front().name, "record at least " + std::to_string(kFewestOfOne) + " samples, or several recordings");
+  if (force_high > force_low && !(high > low))
+    return fail(ErrorCode::parse, "the output never moves while the force does", w.input.name,
+                "is the sensor connected, and is this its column? --map NAME=U_V names another");
+  return {};
+}
+
+}  // namespace
+
+Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) {
+  if (campaign.records.empty())
+    return fail(ErrorCode::parse, "the campaign has no records", campaign.folder.string(), "");
+  CampaignRows w;
+  w.input.name = campaign.name;
+  w.input.bench = campaign.bench;
+  const bool single = campaign.records.size() == 1;
+  w.input.single = single;
+  w.input.generic = single && campaign.records.front().kind.empty();
+  w.input.notes = campaign.notes;
+  const Channel* output = campaign.records.front().trace.find("U");
+  const bool is_ratio = output != nullptr && output->quantity == "ratio";
+  if (output != nullptr && !output->unit.empty() && (is_ratio || output->unit != "1")) w.unit = output->unit;
+  w.scales = health_scales(campaign);
+
+  struct Prepared {
+    RecordHealth health;
+    Result<RecordInput> input;
+    std::vector<CutOut> cuts;
+    std::string why_unusable;
+  };
+  std::vector<Prepared> prepared(campaign.records.size());
+  // without a search only effects of the model itself ask for the angle
+  const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
+  parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
+    Record& record = campaign.records[k];
+    CleanedSamples cleaned = clean_samples(record, w.scales, campaign.bench, options.pictures);
+    prepared[k].health = std::move(cleaned.health);
+    prepared[k].cuts = std::move(cleaned.cuts);
+    double row_step_s = kRowStep_s;
+    if (single) {
+      // a short recording of something fast keeps its samples
+      constexpr double kRows = 5000.0;
+      const Channel* force = record.trace.find("F_ref");
+      const std::vector<double>* t =
+          force != nullptr ? &record.trace.time_bases[force->time_base].t_s : nullptr;
+      if (t != nullptr && t->size() > 1) row_step_s = std::min(row_step_s, (t->back() - t->front()) / kRows);
+    }
+    prepared[k].input = take_record_input(record, prepared[k].health.bad, row_step_s, parts);
+    prepared[k].why_unusable = why_unusable(record, prepared[k].health);
+    record.trace = Trace{};
+    prepared[k].health.bad = {};
+  });
+  std::map<std::string, RecordHealth> health;
+  std::map<std::string, std::string> why;
+  std::vector<CutOut> cuts;
+  for (Prepared& p : prepared) {
+    std::ranges::move(p.cuts, std::back_inserter(cuts));
+    FORCEGATE_TRY(RecordInput input, std::move(p.input));
+    health.emplace(input.name, std::move(p.health));
+    why.emplace(input.name, std::move(p.why_unusable));
+    w.input.records.push_back(std::move(input));
+  }
+  for (RecordInput& input : w.input.records) leave_out_after_gaps(input, w.input.notes);
+  FORCEGATE_CHECK_OK(leave_out_unusable(w, why, single && options.search));
+  FORCEGATE_CHECK_OK(check_record_gains(w.input.records, w.input.notes));
+  // with no record to judge by, or none to fit, every record is both
+  const auto heldout = std::ranges::count_if(w.input.records, &RecordInput::heldout);
+  if (heldout == 0 || heldout == std::ssize(w.input.records)) w.judges = JudgedBy::left_out;
+  finish_campaign_input(w.input, options.threads);
+  parallel_for(w.input.records.size(), options.threads, [&](std::size_t k) {
+    RecordInput& input = w.input.records[k];
+    const Record* declared = nullptr;
+    for (const Record& record : campaign.records)
+      if (record.name == input.name) declared = &record;
+    // whether it decays is asked afterwards: two slow cycles are enough to ask
+    constexpr std::size_t kFewestTurns = 4;
+    estimate_excitation(input, declared, w.input.range_N, kFewestTurns);
+    if (options.law.decays && input.dynamic && input.dynamic_assumed) find_late_onset(input, w.input.range_N);
+    if (single && input.dynamic && input.dynamic_assumed) {
+      input.dynamic_assumed = false;  // the blocks share the answer of the whole
+      if (!options.law.decays || !decays_by_itself(input)) {
+        set_static(input);
+        input.found_static = true;
+      }
+    }
+  });
+  for (const RecordInput& input : w.input.records) w.health.push_back(health[input.name]);
+  w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
+  add_sample_windows(cuts, w.raw_claims);
+  if (single) cut_into_blocks(w);
+  return w;
+}
+
+Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOptions& options) {
+  auto w = std::make_unique<Workspace>();
+  w->law = options.law;
+  w->zero_wanders = options.zero_wanders;
+  w->input = std::move(rows.input);
+  w->health = std::move(rows.health);
+  w->raw_claims = std::move(rows.raw_claims);
+  w->scales = rows.scales;
+  w->output.unit = std::move(rows.unit);
+  w->judges = rows.judges;
+  FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
+  choose_wanted_rows(w->input);
+  fit_base(*w, options.threads);
+  const std::vector<Candidate> of_model = model_candidates(w->input, options.model_effects);
+  if (options.search) {
+    build_rig_channel(*w, options.threads);
+    build_command_channel(*w, options.threads);
+  }
+  if (options.search) {
+    build_output_channel(*w, options.threads, of_model);
+    return w;
+  }
+  ListedOnly only{options.in_model, {}};
+  const bool latency_in_model = std::ranges::find(options.in_model, kLatencyEffect) != options.in_model.end();
+  if (!latency_in_model) {
+    only.families.push_back(kLatencyEffect);
+    only.is_read = [](const Candidate& c) { return c.kind->name != kLatencyEffect || is_allowed_lead(c); };
+  }
+  build_output_channel(*w, options.threads, of_model, &only);
+  return w;
+}
+
+Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOptions& options) {
+  FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
+  return prepare(std::move(rows), options);
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,145 @@
+#include "hil/diagnose/base/record_part.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Rows are padded to whole lanes, which stay in registers while earlier rows are taken off.
+constexpr Index kLane = 8;
+using Lane = Eigen::Array<double, kLane, 1>;
+
+Index padded(Index n) { return (n + kLane - 1) / kLane * kLane; }
+Eigen::Map<const Lane> lane(const double* at) { return Eigen::Map<const Lane>(at); }
+Eigen::Map<Lane> lane(double* at) { return Eigen::Map<Lane>(at); }
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+RecordPart::RecordPart(const MixedProblem& problem, std::size_t record, const std::vector<int>& columns)
+    : n_z_(problem.nz) {
+  const MatrixXd& gram = problem.records[record].gram;
+  for (int j = 0; j < problem.nz; ++j)
+    if (gram(j, j) != 0.0) excited_.push_back(j);
+  std::vector<Index> c;
+  for (int j = 0; j < problem.n_fixed; ++j) c.push_back(j);
+  for (int j : columns) c.push_back(problem.nz + j);
+  c.push_back(problem.y_index());
+  const auto n = static_cast<Index>(excited_.size());
+  n_columns_ = static_cast<Index>(c.size());
+  stride_ = padded(n_columns_);
+  const Index first = padded(n);
+  identity_ = first + stride_;
+  width_ = identity_ + first;
+  source_.assign(at(n * width_), 0.0);
+  rows_.assign(at(n * width_), 0.0);
+  gram_.assign(at(n_columns_ * stride_), 0.0);
+  for (Index a = 0; a < n_columns_; ++a) {
+    const double* column = gram.data() + c[at(a)] * gram.rows();
+    for (Index i = 0; i < n; ++i) source_[at(i * width_ + first + a)] = column[excited_[at(i)]];
+    for (Index b = 0; b < n_columns_; ++b) gram_[at(a * stride_ + b)] = column[c[at(b)]];
+  }
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < n; ++j) source_[at(i * width_ + j)] = gram(excited_[at(j)], excited_[at(i)]);
+  if (!problem.other_y.empty()) {
+    const VectorXd& y = problem.other_y[record];
+    const Index last = n_columns_ - 1;
+    for (Index i = 0; i < n; ++i) source_[at(i * width_ + first + last)] = y[excited_[at(i)]];
+    for (Index b = 0; b < n_columns_; ++b)
+      gram_[at(b * stride_ + last)] = gram_[at(last * stride_ + b)] = y[c[at(b)]];
+  }
+}
+
+void RecordPart::eliminate(const VectorXd& sigma2, double weight) {
+  weight_ = weight;
+  const auto n = static_cast<Index>(excited_.size());
+  sigma2_.resize(n);
+  for (Index i = 0; i < n; ++i) sigma2_[i] = sigma2[excited_[at(i)]];
+  for (Index i = 0; i < n; ++i) {
+    double* row = rows_.data() + i * width_;
+    const double* source = source_.data() + i * width_;
+    const Index from = i / kLane * kLane;
+    for (Index k = from; k < width_; k += kLane) lane(row + k) = weight * lane(source + k);
+    row[i] += 1.0 / sigma2_[i];
+    row[identity_ + i] = 1.0;
+    const Index end = identity_ + from + kLane;  // L^-1 is lower triangular
+    for (Index k = from; k < end; k += kLane) {
+      Lane rest = lane(row + k);
+      const double* above = rows_.data();
+      for (Index j = std::max<Index>(0, k - identity_); j < i; ++j)
+        rest -= above[j * width_ + i] * lane(above + j * width_ + k);
+      lane(row + k) = rest;
+    }
+    const double per_pivot = 1.0 / std::sqrt(row[i]);
+    for (Index k = from; k < end; k += kLane) lane(row + k) *= per_pivot;
+  }
+}
+
+void RecordPart::add_marginal(MatrixXd& total) const {
+  const auto n = static_cast<Index>(excited_.size());
+  const double* X = rows_.data() + identity_ - stride_;
+  for (Index a = 0; a < n_columns_; ++a) {
+    double* column = total.data() + a * total.rows();
+    for (Index k = a / kLane * kLane; k < stride_; k += kLane) {
+      Lane sum = lane(column + k) + weight_ * lane(gram_.data() + a * stride_ + k);
+      for (Index i = 0; i < n; ++i) sum -= X[i * width_ + a] * lane(X + i * width_ + k);
+      lane(column + k) = sum;
+    }
+  }
+}
+
+MatrixXd RecordPart::marginal() const {
+  MatrixXd out = MatrixXd::Zero(stride_, n_columns_);
+  add_marginal(out);
+  return out;
+}
+
+void RecordPart::condition(const VectorXd& v, Conditional& out) const {
+  const auto n = static_cast<Index>(excited_.size());
+  VectorXd zeta = VectorXd::Zero(padded(n)), variance = zeta;
+  double followed = 0.0;
+  for (Index i = 0; i < n; ++i) {
+    const double* row = rows_.data() + i * width_;
+    const double u = VectorXd::Map(row + identity_ - stride_, n_columns_).dot(v);
+    followed += u * u;
+    const double* inverse = row + identity_;
+    for (Index k = 0; k <= i; k += kLane) {
+      lane(zeta.data() + k) += u * lane(inverse + k);
+      lane(variance.data() + k) += lane(inverse + k).square();
+    }
+  }
+  out.zeta = VectorXd::Zero(n_z_);
+  out.zeta_variance = VectorXd::Zero(n_z_);
+  out.penalty = 0.0;
+  double certain = 0.0;
+  for (Index i = 0; i < n; ++i) {
+    out.zeta[excited_[at(i)]] = zeta[i];
+    out.zeta_variance[excited_[at(i)]] = variance[i];
+    out.penalty += zeta[i] * zeta[i] / sigma2_[i];
+    certain += variance[i] / sigma2_[i];
+  }
+  out.trace = (static_cast<double>(n) - certain) / weight_;
+  out.mean_square = std::max(0.0, plain(v) - (followed + out.penalty) / weight_);
+}
+
+double RecordPart::log_determinant() const {
+  double out = 0.0;
+  for (Index i = 0; i < sigma2_.size(); ++i)
+    out += 2.0 * std::log(rows_[at(i * width_ + i)]) + std::log(sigma2_[i]);
+  return out;
+}
+
+double RecordPart::plain(const VectorXd& v) const {
+  double out = 0.0;
+  for (Index a = 0; a < n_columns_; ++a)
+    out += v[a] * VectorXd::Map(gram_.data() + a * stride_, n_columns_).dot(v);
+  return std::max(0.0, out);
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,292 @@
+#include "hil/diagnose/between/between_records.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/rng.h"
+#include "hil/diagnose/choose/objection.h"
+#include "hil/model/lagged_channel.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kFree = 1.0;                        // spread of a gain or zero that may be anything, shares of the span
+constexpr double kSession_s = 3600.0;                // a rest of this length begins a new session
+constexpr double kTypicalGain = 6e-3, kTypicalZero = 2e-3;  // to which specimens repeat
+
+// Sizes (RMS over the records) that an effect may have: shares of the gain, and of the span for a zero.
+const std::vector<double> kGainSizes = {0.003, 0.01, 0.03, 0.1}, kZeroSizes = {0.001, 0.003, 0.01, 0.03};
+
+// What one variant moves, and what explains it.
+struct Asked {
+  int variant = 0;
+  RecordPredictor predictor;
+};
+
+struct Family {
+  std::vector<Asked> gain, zero;
+};
+
+bool moves_gain(const ResidualChannel& channel, const RecordLevels& levels, const std::vector<int>& columns) {
+  double gain = 0.0, zero = 0.0;
+  for (std::size_t i = 0; i < channel.problem.records.size(); ++i)
+    for (const int j : columns) {
+      const auto row = static_cast<Index>(i);
+      gain += std::pow(levels.gain_of_column(row, j), 2) * channel.problem.records[i].gram(0, 0);
+      zero += std::pow(levels.zero_of_column(row, j), 2);
+    }
+  return gain >= zero;
+}
+
+// Waves of the campaign's time: the slower, the larger. How much so is not known.
+std::vector<VectorXd> priors_of(const Candidate& candidate, std::size_t columns) {
+  const auto k = static_cast<Index>(columns);
+  if (columns == 1) return {VectorXd::Ones(1)};
+  if (candidate.form->name != kUnrecorded && !candidate.form->bank) return {VectorXd::Ones(k)};
+  std::vector<VectorXd> out;
+  for (const double power : {2.0, 4.0}) {
+    VectorXd weight(k);
+    for (Index j = 0; j < k; ++j) weight[j] = std::pow(static_cast<double>(j + 1), -power);
+    out.push_back(weight);
+  }
+  return out;
+}
+
+bool is_unrecorded(const ResidualChannel& channel, int variant) {
+  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)].form->name == kUnrecorded;
+}
+
+Family ask(const ResidualChannel& channel, const RecordLevels& levels, const EffectKind& kind) {
+  Family out;
+  for (std::size_t v = 0; v < channel.variants.size(); ++v) {
+    const Variant& variant = channel.variants[v];
+    const Candidate& candidate = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+    // both columns of a form at once are asked by its single columns together
+    if (candidate.kind != &kind || (candidate.form->singles && variant.columns.size() > 1)) continue;
+    const bool gain = moves_gain(channel, levels, variant.columns);
+    const MatrixXd& map = gain ? levels.gain_of_column : levels.zero_of_column;
+    for (const VectorXd& weight : priors_of(candidate, variant.columns.size())) {
+      RecordPredictor p{MatrixXd(map.rows(), weight.size()), weight};
+      for (Index j = 0; j < weight.size(); ++j) p.column.col(j) = map.col(variant.columns[static_cast<std::size_t>(j)]);
+      if (normalise(p) > 0.0) (gain ? out.gain : out.zero).push_back({static_cast<int>(v), std::move(p)});
+    }
+  }
+  return out;
+}
+
+std::vector<RecordPredictor> predictors_of(const std::vector<Asked>& asked) {
+  std::vector<RecordPredictor> out;
+  for (const Asked& a : asked) out.push_back(a.predictor);
+  return out;
+}
+
+// Nats. A bench whose description tells of no mounting may have had one between any two records; it is the less likely cause of what a
+// course over the campaign explains too.
+double prior_of(const ResidualChannel& channel, int variant) {
+  const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)];
+  return c.form->name == "step" ? -1.0 : 0.0;
+}
+
+struct Answer {
+  RecordEvidence evidence;
+  bool of_gain = true;  // what the best variant moves
+  VectorXd added;
+  std::vector<std::pair<double, int>> ranked;  // variants, best first
+};
+
+// The variant that moves gain and zero at once, where both ask for it.
+int whole_of(const ResidualChannel& channel, int variant) {
+  const int candidate = channel.variants[static_cast<std::size_t>(variant)].candidate;
+  for (std::size_t v = 0; v < channel.variants.size(); ++v)
+    if (channel.variants[v].candidate == candidate && channel.variants[v].columns.size() > 1) return static_cast<int>(v);
+  return variant;
+}
+
+Answer evidence(const ResidualChannel& channel, const RecordLevels& levels, const Family& asked) {
+  constexpr double kBoth = 1.0;  // nats in each part
+  Answer out;
+  std::vector<double> gains;
+  double highest = -1e299;
+  for (const bool gain : {true, false}) {
+    const std::vector<Asked>& part = gain ? asked.gain : asked.zero;
+    const std::vector<RecordScore> scores = score_predictors(gain ? levels.gain : levels.zero, predictors_of(part), gain ? kGainSizes : kZeroSizes);
+    std::vector<double> of_part;
+    for (std::size_t a = 0; a < scores.size(); ++a) {
+      of_part.push_back(scores[a].gain + prior_of(channel, part[a].variant));
+      out.ranked.emplace_back(of_part.back(), part[a].variant);
+      if (of_part.back() <= highest) continue;
+      highest = of_part.back();
+      out.of_gain = gain;
+      out.added = scores[a].added;
+      out.evidence.explained = scores[a].explained;
+      out.evidence.left_out = scores[a].left_out;
+    }
+    if (!of_part.empty()) gains.push_back(log_mean_exp(of_part));
+  }
+  out.evidence.valid = highest > -1e299;
+  if (!out.evidence.valid) return out;
+  out.evidence.gain = joint_gain(gains);
+  std::stable_sort(out.ranked.begin(), out.ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  if (gains.size() == 2 && std::min(gains[0], gains[1]) > kBoth) {
+    const int whole = whole_of(channel, out.ranked.front().second);
+    out.ranked.insert(out.ranked.begin(), {out.ranked.front().first + kBoth, whole});
+  }
+  out.evidence.variant = out.ranked.front().second;
+  return out;
+}
+
+RecordChance chance(const RecordLevels& levels, const Family& asked, const std::string& name, int draws) {
+  std::vector<RecordQuestion> questions;
+  if (!asked.gain.empty()) questions.push_back({levels.gain, predictors_of(asked.gain)});
+  if (!asked.zero.empty()) questions.push_back({levels.zero, predictors_of(asked.zero)});
+  return chance_of_records(questions, draws, mix_seed(2, name));
+}
+
+// What nobody measured, a step, a smooth course, the loading done: sessions of a bench can look like it.
+bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& family) {
+  const Variant& variant = channel.variants[static_cast<std::size_t>(family.records.variant)];
+  const EffectForm& of = *channel.candidates[static_cast<std::size_t>(variant.candidate)].form;
+  if (of.from_rig) return false;
+  const std::string& form = of.name;
+  return form == kUnrecorded || form == "step" || family.kind->name == "wear" || family.kind->name == "reference_drift";
+}
+
+std::string objection(const RecordEvidence& records, bool with_time, const SelectionRules& rules) {
+  if (!records.valid || records.gain < rules.between_gain) return kTooLittleEvidence;
+  if (records.explained < (with_time ? rules.between_course_fall : rules.between_fall)) return "it does not make records predictable from each other";
+  if (records.left_out > rules.between_left_out) return "records that were left out are not predicted better";
+  return {};
+}
+
+// Two or three mountings of a handful of records leave few different orders: where none does better, the records of each must agree all the
+// more closely.
+bool as_good_by_chance(const RecordChance& chance, const SelectionRules& rules) {
+  constexpr double kFewOrders = 0.1, kPlainly = 0.001;
+  return chance.of_orders > rules.between_chance && (chance.of_orders > kFewOrders || chance.of_directions > kPlainly);
+}
+
+}  // namespace
+
+bool asks_between_records(const FamilyScore& family) {
+  return family.kind->traits.between_records && family.records.valid && family.gain <= family.records.gain;
+}
+
+RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& fit) {
+  const MixedProblem& p = channel.problem;
+  const auto n = static_cast<Index>(p.records.size());
+  RecordLevels out;
+  out.gain_of_column = out.zero_of_column = MatrixXd::Zero(n, p.ns);
+  for (RecordSeries* s : {&out.gain, &out.zero}) s->value = s->variance = VectorXd::Zero(n);
+  out.gain.typical_scatter = kTypicalGain;
+  out.zero.typical_scatter = kTypicalZero;
+  VectorXd sigma2(p.nz);
+  for (int j = 0; j < p.nz; ++j) sigma2[j] = fit.variance[p.component_of_z[j]];
+  sigma2[0] = sigma2[1] = kFree * kFree;
+  VectorXd of_fit = VectorXd::Zero(p.nz + p.ns);
+  of_fit.head(p.n_fixed) = fit.coefficient.head(p.n_fixed);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b) of_fit[p.nz + fit.columns[b]] = fit.coefficient[p.n_fixed + static_cast<Index>(b)];
+  int session = 0;
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const RecordGram& g = p.records[k];
+    const double weight = g.n_eff / fit.s2[k];
+    const MatrixXd zz = g.gram.topLeftCorner(p.nz, p.nz);
+    MatrixXd A = weight * zz;
+    A.diagonal() += sigma2.cwiseInverse();
+    const MatrixXd V = A.llt().solve(MatrixXd::Identity(p.nz, p.nz)).topRows(2);
+    const VectorXd y = p.other_y.empty() ? VectorXd(g.gram.col(p.y_index()).head(p.nz)) : VectorXd(p.other_y[k].head(p.nz));
+    const VectorXd left = y - g.gram.topLeftCorner(p.nz, p.nz + p.ns) * of_fit;
+    const Eigen::Vector2d level = weight * (V * left);
+    const MatrixXd columns = weight * (V * g.gram.block(0, p.nz, p.nz, p.ns));
+    out.gain.value[i] = level[0];
+    out.zero.value[i] = level[1];
+    out.gain.variance[i] = V(0, 0);
+    out.zero.variance[i] = V(1, 1);
+    out.gain_of_column.row(i) = columns.row(0);
+    out.zero_of_column.row(i) = columns.row(1);
+    if (i > 0 && input.records[channel.record_of[k]].rest_before_s >= kSession_s) ++session;
+    out.gain.session.push_back(session);
+  }
+  out.zero.session = out.gain.session;
+  return out;
+}
+
+void judge_between_records(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result) {
+  if (input.single || !result.base.valid) return;
+  const RecordLevels levels = record_levels(input, channel, result.base);
+  for (FamilyScore& family : result.families) {
+    if (!family.kind->traits.between_records) continue;
+    const Answer answer = evidence(channel, levels, ask(channel, levels, *family.kind));
+    family.records = answer.evidence;
+    if (!answer.evidence.valid) continue;
+    // waves of the campaign's time say nothing of what happens within a record
+    const bool within = family.best.total_fall >= SelectionRules{}.first_total_fall && !is_unrecorded(channel, family.best.variant);
+    if (within && family.gain >= answer.evidence.gain && answer.evidence.gain < SelectionRules{}.between_gain) continue;
+    family.gain = within ? std::max(family.gain, answer.evidence.gain) : answer.evidence.gain;
+    VariantScore best = score_variant(channel, present, result.base, answer.evidence.variant, nullptr);
+    // of forms that the records hardly tell apart the one that the rows within them agree with
+    constexpr double kNear = 2.0;  // nats
+    constexpr std::size_t kMost = 6;
+    if (answer.evidence.gain > kNear && channel.variants[static_cast<std::size_t>(answer.evidence.variant)].columns.size() == 1)
+      for (std::size_t k = 1; k < std::min(kMost, answer.ranked.size()) && answer.ranked[k].first > answer.ranked[0].first - kNear; ++k) {
+        VariantScore other = score_variant(channel, present, result.base, answer.ranked[k].second, nullptr);
+        if (other.gain > best.gain) best = std::move(other);
+      }
+    if (!best.fit.valid || !(best.gain > -1e299)) continue;
+    family.records.variant = best.variant;
+    family.best = std::move(best);
+  }
+  std::stable_sort(result.families.begin(), result.families.end(), [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });
+}
+
+RecordTest test_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
+                        const SelectionRules& rules) {
+  constexpr int kDraws = 19999;
+  RecordTest out;
+  const bool with_time = only_goes_with_time(channel, family);
+  out.objection = objection(family.records, with_time, rules);
+  if (out.objection.empty() && with_time && family.kind->name != "wear" && family.kind->name != "mounting" && !input.has_start_times)
+    out.objection = "nobody wrote down when the records were taken: a course over time cannot be told";
+  if (!out.objection.empty()) return out;
+  const RecordLevels levels = record_levels(input, channel, base);
+  const RecordChance chances = chance(levels, ask(channel, levels, *family.kind), family.kind->name, kDraws);
+  out.chance = chances.of_directions;
+  if (as_good_by_chance(chances, rules)) out.objection = "the records in another order show as much";
+  return out;
+}
+
+double visible_between_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
+                               const SelectionRules& rules) {
+  RecordLevels levels = record_levels(input, channel, base);
+  const Family asked = ask(channel, levels, *family.kind);
+  const Answer now = evidence(channel, levels, asked);
+  if (!now.evidence.valid) return 0.0;
+  RecordSeries& series = now.of_gain ? levels.gain : levels.zero;
+  const VectorXd rest = series.value - now.added;
+  const double rms = std::sqrt(now.added.squaredNorm() / static_cast<double>(now.added.size()));
+  if (!(rms > 0.0)) return 0.0;
+  const bool with_time = only_goes_with_time(channel, family);
+  constexpr int kDraws = 199;
+  const auto passes = [&](double size) {
+    series.value = rest + size / rms * now.added;
+    return objection(evidence(channel, levels, asked).evidence, with_time, rules).empty() &&
+           !as_good_by_chance(chance(levels, asked, family.kind->name, kDraws), rules);
+  };
+  double low = 1e-5, high = 0.5;
+  if (!passes(high)) return 0.0;
+  for (int step = 0; step < 9; ++step) {
+    const double middle = std::sqrt(low * high);
+    (passes(middle) ? high : low) = middle;
+  }
+  double square = 0.0;
+  for (Index i = 0; i < now.added.size(); ++i)
+    square += std::pow(high / rms * now.added[i], 2) * (now.of_gain ? channel.problem.records[static_cast<std::size_t>(i)].gram(0, 0) : 1.0);
+  return std::sqrt(square / static_cast<double>(now.added.size()));
+}
+
+}  // namespace forcegate::diagnose

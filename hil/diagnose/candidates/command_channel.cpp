@@ -1,0 +1,121 @@
+// What the drive makes of a command: the force that the wheel's angle gives (or F_ref, without an angle) against the commanded one.
+
+#include "hil/diagnose/candidates/command_channel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/candidates/signatures.h"
+#include "hil/diagnose/workspace.h"
+#include "hil/model/rows.h"
+#include "hil/model/states.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr double kFollows = 0.8;  // least squared correlation of force and command
+constexpr std::array kSlowDrive_s = {0.1, 0.3};
+
+const std::vector<double>& reached_N(const RecordInput& r) {
+  return r.cos_theta.empty() || r.rig_force_N.empty() ? r.F_N : r.rig_force_N;
+}
+
+double squared_correlation(const RecordInput& r, const std::vector<double>& x, const std::vector<double>& y, double least_sd) {
+  double n = 0.0, x1 = 0.0, y1 = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) {
+      const double dx = x[i] - x[0], dy = y[i] - y[0];
+      n += 1.0;
+      x1 += dx;
+      y1 += dy;
+      xx += dx * dx;
+      xy += dx * dy;
+      yy += dy * dy;
+    }
+  if (n < 50.0) return 0.0;
+  xx -= x1 * x1 / n;
+  xy -= x1 * y1 / n;
+  yy -= y1 * y1 / n;
+  return xx > n * least_sd * least_sd && yy > 0.0 ? xy * xy / (xx * yy) : 0.0;
+}
+
+bool follows_command(const RecordInput& r, double range_N) {
+  if (r.F_cmd_N.empty()) return false;
+  const double least_sd = 0.01 * range_N;
+  if (squared_correlation(r, r.F_cmd_N, reached_N(r), least_sd) > kFollows) return true;
+  // a drive so slow that its phase hides the command follows it all the same
+  const auto late = [&](double tau_s) {
+    return squared_correlation(r, low_pass_channel(r, r.F_cmd_N, tau_s, r.F_cmd_N[0]), reached_N(r), least_sd) > kFollows;
+  };
+  return std::ranges::any_of(kSlowDrive_s, late);
+}
+
+// White noise of a row of what the drive makes of its command: the angle does not move in steps of the reference.
+double drive_noise_N(const RecordInput& r) {
+  const std::vector<double>& y = reached_N(r);
+  std::vector<double> d;
+  for (std::size_t i = 1; i + 1 < y.size(); ++i)
+    d.push_back(std::abs(y[i - 1] - 2.0 * y[i] + y[i + 1] -
+                         (r.F_cmd_N[i - 1] - 2.0 * r.F_cmd_N[i] + r.F_cmd_N[i + 1])));
+  const double median = quantile(std::move(d), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
+}
+
+}  // namespace
+
+void build_command_channel(Workspace& w, unsigned threads) {
+  ResidualChannel& channel = w.command;
+  channel = ResidualChannel{};
+  channel.scale = w.input.range_N;
+  channel.unit = "N";
+  for (std::size_t k = 0; k < w.input.records.size(); ++k)
+    if (follows_command(w.input.records[k], w.input.range_N)) channel.record_of.push_back(k);
+  w.has_command = channel.record_of.size() >= 2;
+  if (!w.has_command) return;
+  MixedProblem& p = channel.problem;
+  p.nz = 10;
+  p.n_fixed = 3;
+  // a drive follows late, differently in every manner of moving, and the angle's zero is known to a degree or two: no findings
+  p.components = {{"drive_gain", 0.02, 0.002, 0.5},
+                  {"drive_offset", 0.02, 0.001, 0.5},
+                  {"angle_zero", 0.01, 0.002, 0.5},
+                  {"drive_lag", 1.0, 1.0, 1.0},
+                  {"drive_wander", 0.002, 3e-4, 0.5},
+                  {"drive_curve", 0.02, 0.005, 0.5}};
+  p.component_of_z = {0, 1, 2, 3, 3, 4, 4, 4, 5, 5};
+  p.fixed_prior_sd = Eigen::Vector3d(10.0, 10.0, 0.03);
+  const std::vector<std::string> only = {"motor"};
+  list_candidates(w, EffectChannel::rig, false, channel, &only);
+  fill_channel(w, channel, threads,
+               [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z,
+                   std::vector<double>& y) {
+                 const std::vector<double>& reached = reached_N(r);
+                 for (std::size_t j = 0; j < rows.size(); ++j) {
+                   const auto row = static_cast<Eigen::Index>(j);
+                   Z(row, 0) = r.F_cmd_N[rows[j]] / channel.scale;
+                   Z(row, 1) = 1.0;
+                   if (!r.sin_theta.empty())
+                     Z(row, 2) = w.rig_slope_N[r.index] * r.sin_theta[rows[j]] / channel.scale;
+                   y.push_back(reached[rows[j]] / channel.scale);
+                 }
+                 add_drive_lag(r, r.F_cmd_N, rows, channel.scale, 3, Z);
+                 add_waves(r, rows, 5, 3, Z);
+                 // a machine without an angle is calibrated by somebody, to a curve
+                 for (std::size_t j = 0; r.cos_theta.empty() && j < rows.size(); ++j) {
+                   const double x = (r.F_cmd_N[rows[j]] - w.input.lowest_N) / channel.scale - 0.5;
+                   Z(static_cast<Eigen::Index>(j), 8) = x * x;
+                   Z(static_cast<Eigen::Index>(j), 9) = x * x * x;
+                 }
+               });
+  for (std::size_t k = 0; k < channel.record_of.size(); ++k) {
+    const RecordInput& r = w.input.records[channel.record_of[k]];
+    if (r.cos_theta.empty()) continue;
+    const double noise = drive_noise_N(r) / channel.scale;
+    p.records[k].noise_variance = p.records[k].allowed_variance = noise * noise + 1e-8;
+  }
+}
+
+}  // namespace forcegate::diagnose

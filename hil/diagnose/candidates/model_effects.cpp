@@ -1,0 +1,64 @@
+#include "hil/diagnose/candidates/model_effects.h"
+
+#include <algorithm>
+
+#include "hil/diagnose/choose/select.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+std::vector<double> shape_of(const ModelEffect& effect) {
+  std::vector<double> out;
+  for (const ModelParameter& p : effect.shape) out.push_back(p.value);
+  return out;
+}
+
+// The library's kind that a model's effect of the output belongs to; null otherwise.
+const EffectKind* kind_of(const ModelEffect& effect) {
+  const EffectKind* kind = EffectRegistry::instance().find(effect.effect);
+  return kind != nullptr && kind->channel == EffectChannel::output ? kind : nullptr;
+}
+
+bool is_own(const Candidate& c, const EngineOptions& options) {
+  return std::ranges::find(options.in_model, c.kind->name) != options.in_model.end() && EffectRegistry::instance().find(c.kind->name) != c.kind;
+}
+
+}  // namespace
+
+std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std::vector<ModelEffect>& effects) {
+  std::vector<Candidate> out;
+  for (const ModelEffect& effect : effects) {
+    const EffectKind* kind = kind_of(effect);
+    const EffectForm* form = kind != nullptr && is_available(*kind, campaign) ? find_form(*kind, effect.form) : nullptr;
+    if (form != nullptr) out.push_back({kind, form, shape_of(effect), 0, static_cast<int>(form->strength.size())});
+  }
+  return out;
+}
+
+std::vector<int> model_columns(const ResidualChannel& channel, const EngineOptions& options) {
+  std::vector<int> out;
+  const auto add = [&](const Candidate& c) {
+    for (int j = 0; j < c.count; ++j) add_columns(out, {c.first + j});
+  };
+  for (const ModelEffect& effect : options.model_effects) {
+    const std::vector<double> shape = shape_of(effect);
+    // behind the candidates of the grid, one of which may have the same shape
+    const auto own = std::find_if(channel.candidates.rbegin(), channel.candidates.rend(), [&](const Candidate& c) {
+      return c.kind == kind_of(effect) && c.form->name == effect.form && c.shape == shape;
+    });
+    if (own != channel.candidates.rend()) add(*own);
+  }
+  for (const Candidate& c : channel.candidates)
+    if (is_own(c, options)) add(c);
+  return out;
+}
+
+std::vector<int> model_families(const ResidualChannel& channel, const EngineOptions& options) {
+  std::vector<int> out;
+  for (const ModelEffect& effect : options.model_effects)
+    if (const EffectKind* kind = kind_of(effect)) add_columns(out, family_columns(channel, *kind));
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,334 @@
+#include "hil/diagnose/candidates/signatures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/largest_first.h"
+#include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/candidates/rig_law.h"
+#include "hil/diagnose/workspace.h"
+#include "hil/model/rows.h"
+#include "hil/model/states.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr std::size_t kRowLimit = 2500;
+constexpr double kPriorShare = 0.03;  // an effect of 3 % of the span is nothing unusual
+constexpr int kSpareColumns = 24;
+
+// The candidate's columns on the chosen rows of record k and of all other blocks of the same recording. `room` is kept from
+// candidate to candidate.
+void write_columns(const CampaignInput& input, ResidualChannel& channel, std::size_t k, const Candidate& c,
+                   Eigen::MatrixXd& room) {
+  const RecordInput& r = input.records[channel.record_of[k]];
+  const auto n = static_cast<Eigen::Index>(r.rows());
+  if (room.rows() != n || room.cols() < c.count) room.resize(n, c.count);
+  auto full = room.leftCols(c.count);
+  full.setZero();
+  c.form->columns(input, r, c.shape, full);
+  for (std::size_t b = k;
+       b < channel.rows.size() && input.records[channel.record_of[b]].recording == r.recording; ++b) {
+    RecordRows& rows = channel.rows[b];
+    for (int j = 0; j < c.count; ++j)
+      for (std::size_t i = 0; i < rows.row.size(); ++i) {
+        const double v = full(static_cast<Eigen::Index>(rows.row[i]), j);
+        rows.matrix(static_cast<Eigen::Index>(i), channel.problem.nz + c.first + j) =
+            std::isfinite(v) ? v * channel.column_factor : 0.0;
+      }
+  }
+}
+
+// First block of every recording.
+std::vector<std::size_t> recordings(const CampaignInput& input, const ResidualChannel& channel) {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < channel.rows.size(); ++k)
+    if (k == 0 ||
+        input.records[channel.record_of[k]].recording != input.records[channel.record_of[k - 1]].recording)
+      out.push_back(k);
+  return out;
+}
+
+// All candidates; a single recording is divided by candidates, many recordings by recordings.
+void write_all_columns(const CampaignInput& input, ResidualChannel& channel, unsigned threads) {
+  const std::vector<std::size_t> first = recordings(input, channel);
+  std::vector<std::size_t> cost(channel.candidates.size(), 1);
+  if (first.size() > 1) {
+    cost.clear();
+    for (const std::size_t k : first) cost.push_back(input.records[channel.record_of[k]].rows());
+  }
+  parallel_for_largest_first(cost, threads, [&](std::size_t p) {
+    Eigen::MatrixXd room;
+    const auto write = [&](std::size_t k, const Candidate& c) {
+      if (c.is_read) write_columns(input, channel, k, c, room);
+    };
+    if (first.size() == 1) {
+      write(first.front(), channel.candidates[p]);
+      return;
+    }
+    for (const Candidate& c : channel.candidates) write(first[p], c);
+  });
+}
+
+double column_prior(const MixedProblem& p, int column) {
+  double mean_square = 0.0;
+  for (const RecordGram& g : p.records) mean_square += g.gram(p.nz + column, p.nz + column);
+  const double rms = std::sqrt(mean_square / std::max<double>(1.0, static_cast<double>(p.records.size())));
+  return rms > 1e-9 ? std::min(3.0, kPriorShare / rms) : 1e-6;
+}
+
+// Rows of one record but for the candidates' columns.
+void start_record(ResidualChannel& channel, std::size_t k, const Eigen::MatrixXd& Z,
+                  const std::vector<double>& y) {
+  RecordRows& rows = channel.rows[k];
+  const auto n = static_cast<Eigen::Index>(rows.row.size());
+  const int nz = channel.problem.nz, ns = channel.problem.ns;
+  rows.matrix = Eigen::MatrixXd::Zero(n, nz + ns + 1);
+  rows.matrix.leftCols(nz) = Z;
+  for (Eigen::Index i = 0; i < n; ++i) rows.matrix(i, nz + ns) = y[static_cast<std::size_t>(i)];
+}
+
+void finish_record(ResidualChannel& channel, std::size_t k) {
+  const Eigen::MatrixXd& A = channel.rows[k].matrix;
+  Eigen::MatrixXd& G = channel.problem.records[k].gram;
+  G = Eigen::MatrixXd::Zero(A.cols(), A.cols());
+  if (A.rows() == 0) return;  // Eigen divides by the number of rows
+  G.selfadjointView<Eigen::Lower>().rankUpdate(A.transpose(),
+                                               1.0 / std::max<double>(1.0, static_cast<double>(A.rows())));
+  G.triangularView<Eigen::StrictlyUpper>() = G.transpose();
+}
+
+void finish_records(const CampaignInput& input, ResidualChannel& channel, unsigned threads) {
+  write_all_columns(input, channel, threads);
+  parallel_for(channel.rows.size(), threads, [&](std::size_t k) { finish_record(channel, k); });
+}
+
+void reserve_spare(ResidualChannel& channel) {
+  channel.first_spare = channel.problem.ns;
+  channel.problem.ns += kSpareColumns;
+}
+
+void set_column_priors(ResidualChannel& channel) {
+  MixedProblem& p = channel.problem;
+  p.column_prior_sd.resize(p.ns);
+  for (int j = 0; j < p.ns; ++j) p.column_prior_sd[j] = column_prior(p, j);
+}
+
+}  // namespace
+
+void choose_wanted_rows(CampaignInput& input) {
+  // blocks of one recording read the columns of its first block
+  for (std::size_t first = 0, end = 0; first < input.records.size(); first = end) {
+    std::vector<std::uint32_t> wanted;
+    for (end = first; end < input.records.size() &&
+                      input.records[end].recording == input.records[first].recording;
+         ++end)
+      for (const std::size_t row : choose_rows(input.records[end], kRowLimit))
+        wanted.push_back(static_cast<std::uint32_t>(row));
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    for (std::size_t k = first; k < end; ++k) input.records[k].wanted = wanted;
+  }
+}
+
+void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& c,
+                    unsigned threads) {
+  const int nz = channel.problem.nz;
+  const std::vector<std::size_t> first = recordings(input, channel);
+  parallel_for(first.size(), threads, [&](std::size_t p) {
+    Eigen::MatrixXd room;
+    write_columns(input, channel, first[p], c, room);
+  });
+  parallel_for(channel.rows.size(), threads, [&](std::size_t k) {
+    const Eigen::MatrixXd& A = channel.rows[k].matrix;
+    Eigen::MatrixXd& G = channel.problem.records[k].gram;
+    const Eigen::MatrixXd cross = A.transpose() * A.middleCols(nz + c.first, c.count) /
+                                  std::max<double>(1.0, static_cast<double>(A.rows()));
+    G.middleCols(nz + c.first, c.count) = cross;
+    G.middleRows(nz + c.first, c.count) = cross.transpose();
+  });
+  for (int j = 0; j < c.count; ++j)
+    channel.problem.column_prior_sd[c.first + j] = column_prior(channel.problem, c.first + j);
+}
+
+int place_candidate(ResidualChannel& channel, Candidate candidate) {
+  if (channel.first_spare + candidate.count > channel.problem.ns) return -1;
+  candidate.first = channel.first_spare;
+  channel.first_spare += candidate.count;
+  channel.candidates.push_back(std::move(candidate));
+  return static_cast<int>(channel.candidates.size()) - 1;
+}
+
+int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads) {
+  const int copy = place_candidate(channel, channel.candidates[static_cast<std::size_t>(candidate)]);
+  if (copy >= 0) fill_candidate(input, channel, channel.candidates.back(), threads);
+  return copy;
+}
+
+void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_output, ResidualChannel& out,
+                     const std::vector<std::string>* only) {
+  const auto add = [&](const EffectKind& kind) {
+    // one recording has no other to be compared with
+    if (w.input.single && kind.traits.needs_records) return;
+    if (only != nullptr && std::find(only->begin(), only->end(), kind.name) == only->end()) return;
+    // the drive has a channel of its own
+    if (only == nullptr && kind.name == "motor") return;
+    const bool rig_tells = which == EffectChannel::output && w.rig_sees_zero && kind.name == "reference_drift";
+    for (const EffectForm& form : kind.forms) {
+      if (form.from_rig && !rig_tells) continue;
+      for (const std::vector<double>& shape : form.grid(w.input)) {
+        Candidate c{&kind, &form, shape, out.problem.ns, static_cast<int>(form.strength.size())};
+        const int index = static_cast<int>(out.candidates.size());
+        std::vector<int> all;
+        for (int j = 0; j < c.count; ++j) all.push_back(c.first + j);
+        // courses that the rig would show better are there to be carried along, and do not compete
+        if (!rig_tells || form.from_rig) {
+          out.variants.push_back({index, all});
+          if (form.singles && c.count > 1)
+            for (int j : all) out.variants.push_back({index, {j}});
+        }
+        out.problem.ns += c.count;
+        out.candidates.push_back(std::move(c));
+      }
+    }
+  };
+  for (const EffectKind& kind : EffectRegistry::instance().all()) {
+    const bool drift = drift_in_output && kind.name == "reference_drift";
+    if (drift || (kind.channel == which && is_available(kind, w.input))) add(kind);
+  }
+  if (which == EffectChannel::output)
+    for (const auto& kind : w.user_kinds) add(*kind);
+}
+
+void build_output_channel(Workspace& w, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only) {
+  ResidualChannel& channel = w.output;
+  std::string unit = std::move(channel.unit);
+  channel = ResidualChannel{};
+  channel.scale = w.input.U_range_V;
+  channel.unit = std::move(unit);
+  set_repeatability(channel.problem, w.input.single, w.zero_wanders);
+  list_candidates(w, EffectChannel::output, true, channel, only != nullptr ? &only->families : nullptr);
+  if (only != nullptr && only->is_read)
+    for (Candidate& c : channel.candidates) c.is_read = only->is_read(c);
+  for (Candidate c : of_model) {
+    c.first = channel.problem.ns;
+    channel.problem.ns += c.count;
+    channel.candidates.push_back(std::move(c));
+  }
+  reserve_spare(channel);
+  channel.signs_known = !w.input.generic;
+  // where the output hardly follows the input, its slope is no measure of an effect
+  const double whole = w.input.U_range_V / w.input.range_N;
+  const double gain = w.input.generic && std::abs(w.gain_V_per_N) < 0.2 * whole
+                          ? std::copysign(0.2 * whole, w.gain_V_per_N)
+                          : w.gain_V_per_N;
+  channel.column_factor = gain / channel.scale;
+  channel.gain_of_unit = gain != 0.0 ? w.gain_V_per_N / gain : 1.0;
+  const std::size_t n = w.input.records.size();
+  channel.rows.resize(n);
+  channel.problem.records.resize(n);
+  for (std::size_t k = 0; k < n; ++k) channel.record_of.push_back(k);
+  parallel_for(n, threads, [&](std::size_t k) {
+    const RecordInput& r = w.input.records[k];
+    channel.rows[k].row = choose_rows(r, kRowLimit);
+    const Eigen::MatrixXd Z = repeatability_columns(w, k, channel.rows[k].row);
+    std::vector<double> y;
+    for (std::size_t j = 0; j < channel.rows[k].row.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(j);
+      y.push_back(r.U_V[channel.rows[k].row[j]] / channel.scale + Z(row, 2) * w.shifts[k].log_b +
+                  Z(row, 3) * w.shifts[k].log_q);
+    }
+    RecordGram& gram = channel.problem.records[k];
+    gram.name = r.name;
+    gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
+    gram.noise_variance = std::pow(w.white_V[k] / channel.scale, 2) + 1e-8;
+    gram.allowed_variance = std::pow(w.noise_V[k] / channel.scale, 2) + 1e-8;
+    gram.smoothed_variance = std::pow(w.smoothed_V[k] / channel.scale, 2);
+    gram.heldout = r.heldout && w.judges == JudgedBy::heldout;
+    start_record(channel, k, Z, y);
+  });
+  finish_records(w.input, channel, threads);
+  set_column_priors(channel);
+}
+
+void build_rig_channel(Workspace& w, unsigned threads) {
+  w.has_rig = false;
+  ResidualChannel& channel = w.rig;
+  channel = ResidualChannel{};
+  channel.scale = w.input.range_N;
+  channel.unit = "N";
+  find_rig_law(w, channel.record_of);
+  if (channel.record_of.size() < 2) return;
+  w.has_rig = true;
+
+  MixedProblem& p = channel.problem;
+  p.nz = 4 + 3 + 2;
+  p.n_fixed = 4;
+  // a command reaches the force through a motor, a reference reads the force a few milliseconds late, and the angle's zero is
+  // known to a degree or two: no findings. Both are the same in all records: what differs from record to record is a play. Slow records
+  // say nothing of a lag
+  p.components = {{"rig_gain", 0.02, 0.002, 0.5},      {"rig_offset", 0.02, 0.001, 0.5},
+                  {"reference_lag", 0.01, 0.01, 50.0, true}, {"angle_zero", 5e-4, 5e-4, 50.0, true},
+                  {"rig_wander", 0.002, 3e-4, 0.5},    {"motor_lag", 1.0, 1.0, 1.0}};
+  p.component_of_z = {0, 1, 2, 3, 4, 4, 4, 5, 5};
+  p.fixed_prior_sd = Eigen::Vector4d(10.0, 10.0, 2.0, 0.03);
+  list_candidates(w, EffectChannel::rig, false, channel);
+  fill_channel(w, channel, threads,
+               [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z,
+                   std::vector<double>& y) {
+                 const double slope = w.rig_slope_N[r.index] / channel.scale;
+                 for (std::size_t j = 0; j < rows.size(); ++j) {
+                   const auto row = static_cast<Eigen::Index>(j);
+                   Z(row, 0) = r.rig_force_N[rows[j]] / channel.scale;
+                   Z(row, 1) = 1.0;
+                   if (slope != 0.0) {
+                     Z(row, 2) = slope * (r.cos_theta[rows[j]] - r.late_cos_theta[rows[j]]);
+                     Z(row, 3) = slope * r.sin_theta[rows[j]];
+                   }
+                   y.push_back(r.F_N[rows[j]] / channel.scale);
+                 }
+                 add_waves(r, rows, 4, 3, Z);
+                 if (r.theta_rad.empty())
+                   add_drive_lag(r, r.rig_force_N, rows, channel.scale, 7, Z);
+               });
+}
+
+double allowed_rms(const ResidualChannel& channel) {
+  double sum = 0.0;
+  for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
+}
+
+void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill) {
+  MixedProblem& p = channel.problem;
+  reserve_spare(channel);
+  channel.column_factor = 1.0 / channel.scale;
+  const std::size_t n = channel.record_of.size();
+  channel.rows.resize(n);
+  p.records.resize(n);
+  parallel_for(n, threads, [&](std::size_t k) {
+    const RecordInput& r = w.input.records[channel.record_of[k]];
+    channel.rows[k].row = choose_rows(r, kRowLimit);
+    const auto& rows = channel.rows[k].row;
+    Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), p.nz);
+    std::vector<double> y;
+    fill(r, rows, Z, y);
+    RecordGram& gram = p.records[k];
+    gram.name = r.name;
+    gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
+    const RecordHealth* h =
+        channel.record_of[k] < w.health.size() ? &w.health[channel.record_of[k]] : nullptr;
+    const double step = h != nullptr ? h->lsb_F_N : 0.0, white = h != nullptr ? h->noise_F_N : 0.0;
+    const double per_row = std::max<double>(1.0, r.row_begin[1] - r.row_begin[0]);
+    gram.allowed_variance =
+        (step * step / 12.0 + white * white / per_row) / (channel.scale * channel.scale) + 1e-7;
+    gram.noise_variance = 0.25 * gram.allowed_variance;
+    gram.heldout = r.heldout && w.judges == JudgedBy::heldout;
+    start_record(channel, k, Z, y);
+  });
+  finish_records(w.input, channel, threads);
+  set_column_priors(channel);
+}
+
+}  // namespace forcegate::diagnose

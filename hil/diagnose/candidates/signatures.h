@@ -1,0 +1,39 @@
+#pragma once
+// S3: the tangent columns of every effect at a grid of shapes, and their Gram matrices.
+
+#include <Eigen/Dense>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// Says which rows the Gram matrices will see, so that candidates need no others.
+void choose_wanted_rows(CampaignInput& input);
+/// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.
+/// `of_model`: beside them, those that stand in the model.
+void build_output_channel(Workspace& workspace, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only = nullptr);
+/// Rows of a channel of forces: `fill` writes Z and appends y for the chosen rows of one record; then the candidates' columns, Gram
+/// matrices and priors. nz, n_fixed, components and candidates of the channel are set before.
+using FillRows = std::function<void(const RecordInput&, const std::vector<std::size_t>&, Eigen::MatrixXd&,
+                                    std::vector<double>&)>;
+void fill_channel(const Workspace& workspace, ResidualChannel& channel, unsigned threads,
+                  const FillRows& fill);
+
+/// Writes a candidate's columns at its present shape into the rows and Gram matrices of every record.
+void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& candidate,
+                    unsigned threads);
+
+/// Gives the candidate spare columns, not filled yet; -1 when there is no room.
+int place_candidate(ResidualChannel& channel, Candidate candidate);
+
+/// A copy of the candidate in spare columns, to be moved to other shapes; -1 when there is no room.
+int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads);
+
+/// Lists candidates and variants of one channel.
+void list_candidates(const Workspace& workspace, EffectChannel channel, bool drift_in_output,
+                     ResidualChannel& out, const std::vector<std::string>* only = nullptr);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,212 @@
+#include "hil/diagnose/candidates/user_candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr const char* kShare = "share";
+constexpr double kNoBound = 1e299;
+
+ParameterSpec spec_of(const ModelParameter& p) {
+  ParameterSpec out{p.name, p.unit, p.minimum, p.maximum, p.value, ""};
+  // without bounds, two decades around the value that the user wrote; a search never changes the sign
+  const double low = p.value > 0.0 ? 0.01 * p.value : 100.0 * p.value,
+               high = p.value > 0.0 ? 100.0 * p.value : 0.01 * p.value;
+  if (p.value != 0.0) {
+    out.minimum = std::max(out.minimum, low);
+    out.maximum = std::min(out.maximum, high);
+  }
+  return out;
+}
+
+UserEffect with_value(UserEffect effect, std::size_t parameter, double value) {
+  effect.parameters[parameter].value = value;
+  return effect;
+}
+
+// Records on which proportionality is tried: all would cost more and tell no more.
+constexpr std::size_t kTried = 4;
+
+// At a value, at twice it and at its negative.
+bool is_proportional(const UserEffect& effect, std::size_t parameter, const CampaignInput& input) {
+  constexpr double kRounding = 1e-9;
+  const double written = effect.parameters[parameter].value, value = written != 0.0 ? written : 1.0;
+  bool moves = false;
+  for (std::size_t r = 0; r < std::min(kTried, input.records.size()); ++r) {
+    const RecordInput& record = input.records[r];
+    const auto at = user_effect_N(with_value(effect, parameter, value), record), twice = user_effect_N(with_value(effect, parameter, 2.0 * value), record),
+               negative = user_effect_N(with_value(effect, parameter, -value), record);
+    if (!at || !twice || !negative) return false;
+    double largest = 0.0;
+    for (const double x : *at) largest = std::max(largest, std::abs(x));
+    moves |= largest > 0.0;
+    for (std::size_t i = 0; i < at->size(); ++i)
+      if (std::abs((*twice)[i] - 2.0 * (*at)[i]) > kRounding * largest || std::abs((*negative)[i] + (*at)[i]) > kRounding * largest) return false;
+  }
+  return moves;
+}
+
+// The equation as shape and strength.
+struct Parts {
+  std::vector<std::size_t> shape;  // numbers of parameters
+  std::size_t strength = kNone;
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+};
+
+Parts parts_of(const UserEffect& effect, const CampaignInput& input) {
+  Parts out;
+  for (std::size_t k = 0; k < effect.parameters.size(); ++k)
+    if (!is_proportional(effect, k, input))
+      out.shape.push_back(k);
+    else if (out.strength == Parts::kNone || effect.parameters[k].name == kShare)
+      out.strength = k;  // a share of an earlier fit goes on being it
+  return out;
+}
+
+// The point that the user wrote, and each parameter a factor of three up and down.
+std::vector<std::vector<double>> grid_of(const UserEffect& effect, const std::vector<std::size_t>& shape) {
+  std::vector<double> centre;
+  for (const std::size_t k : shape) centre.push_back(effect.parameters[k].value);
+  std::vector<std::vector<double>> out{centre};
+  if (is_fitted(effect)) return out;
+  for (std::size_t k = 0; k < centre.size(); ++k)
+    for (const double factor : {1.0 / 3.0, 3.0}) {
+      const ParameterSpec spec = spec_of(effect.parameters[shape[k]]);
+      std::vector<double> moved = centre;
+      moved[k] = std::clamp(factor * centre[k], spec.minimum, spec.maximum);
+      if (moved[k] != centre[k]) out.push_back(std::move(moved));
+    }
+  return out;
+}
+
+EffectForm form_of(const UserEffect& effect, const CampaignInput& input) {
+  const Parts parts = parts_of(effect, input);
+  EffectForm form;
+  form.name = "equation";
+  for (const std::size_t k : parts.shape) form.shape.push_back(spec_of(effect.parameters[k]));
+  UserEffect unit = effect;
+  if (parts.strength == Parts::kNone) {
+    std::string name = kShare;
+    while (std::ranges::find(effect.parameters, name, &ModelParameter::name) != effect.parameters.end()) name += "_";
+    form.strength.push_back({name, "1", -1e3, 1e3, 0.0, "factor on the whole output of the equation"});
+  } else {
+    ModelParameter& p = unit.parameters[parts.strength];
+    form.strength.push_back({p.name, p.unit, p.minimum, p.maximum, 0.0, "the output is proportional to it"});
+    p.value = 1.0;
+    if (p.minimum > -kNoBound) form.least = p.minimum;
+    if (p.maximum < kNoBound) form.most = p.maximum;
+    if (p.minimum >= 0.0) form.sign = StrengthSign::positive;
+    if (p.maximum <= 0.0) form.sign = StrengthSign::negative;
+  }
+  form.grid = [grid = grid_of(effect, parts.shape)](const CampaignInput&) { return grid; };
+  form.columns = [unit, moved = parts.shape](const CampaignInput&, const RecordInput& record, std::span<const double> shape, ColumnsRef columns) {
+    columns.setZero();
+    UserEffect at = unit;
+    for (std::size_t k = 0; k < moved.size(); ++k) at.parameters[moved[k]].value = shape[k];
+    const auto added = user_effect_N(at, record);
+    if (!added) return;  // a shape at which the equation has no value is no candidate
+    for (std::size_t i = 0; i < added->size(); ++i) columns(static_cast<Eigen::Index>(i), 0) = (*added)[i];
+  };
+  return form;
+}
+
+ModelParameter* parameter_of(UserEffect& effect, const std::string& name) {
+  const auto found = std::ranges::find(effect.parameters, name, &ModelParameter::name);
+  return found == effect.parameters.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+bool is_fitted(const UserEffect& effect) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [](const ModelParameter& p) { return p.se > 0.0; });
+}
+
+Result<std::vector<std::unique_ptr<EffectKind>>> make_user_kinds(const std::vector<UserEffect>& effects,
+                                                                 const CampaignInput& input) {
+  std::vector<std::unique_ptr<EffectKind>> out;
+  for (const UserEffect& effect : effects) {
+    for (const RecordInput& record : input.records) FORCEGATE_CHECK_OK(user_effect_N(effect, record));
+    auto kind = std::make_unique<EffectKind>();
+    kind->name = effect.name;
+    kind->side = "sensor";
+    kind->summary = "the equation of the model file";
+    kind->equation = "dF = " + effect.output;
+    kind->source = "model file";
+    kind->separates = "a stimulus that moves its states and not those of its rivals";
+    kind->forms.push_back(form_of(effect, input));
+    out.push_back(std::move(kind));
+  }
+  return out;
+}
+
+namespace {
+
+// Least squares of a column on what the law has, W and 1, over all records: the share of its squares that is left.
+double left_by_the_law(const CampaignInput& input, const std::vector<Eigen::VectorXd>& columns) {
+  Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+  for (std::size_t r = 0; r < columns.size(); ++r) {
+    const RecordInput& record = input.records[r];
+    for (std::size_t i = 0; i < record.rows(); ++i) {
+      const double W = record.decay.empty() ? record.F_N[i] : record.base_force_N(i);
+      const Eigen::Vector3d x(W, 1.0, columns[r][static_cast<Eigen::Index>(i)]);
+      if (record.ok[i] != 0) gram += x * x.transpose();
+    }
+  }
+  const Eigen::Vector2d beta = gram.topLeftCorner<2, 2>().ldlt().solve(gram.topRightCorner<2, 1>());
+  return (gram(2, 2) - beta.dot(gram.topRightCorner<2, 1>())) / gram(2, 2);
+}
+
+}  // namespace
+
+Result<void> check_excited(const UserEffect& effect, const EffectKind& kind, const CampaignInput& input) {
+  constexpr double kRounding = 1e-9;  // of squares
+  const EffectForm& form = kind.forms.front();
+  bool any = false;
+  for (const std::vector<double>& shape : form.grid(input)) {
+    std::vector<Eigen::VectorXd> columns;
+    double largest = 0.0;
+    for (const RecordInput& record : input.records) {
+      Eigen::MatrixXd column(static_cast<Eigen::Index>(record.rows()), 1);
+      form.columns(input, record, shape, column);
+      largest = std::max(largest, column.cwiseAbs().maxCoeff());
+      columns.push_back(column.col(0));
+    }
+    any |= largest > 0.0;
+    if (largest > 0.0 && left_by_the_law(input, columns) > kRounding) return {};
+  }
+  if (any)
+    return fail(ErrorCode::config, "the equation of " + effect.name + " is a straight line in the force on these records: gain and offset of the law are that already",
+                input.name, "let it depend on dF, t, T, th or a state, or bend with F");
+  std::string zero;
+  for (const ModelParameter& p : effect.parameters)
+    if (p.value == 0.0) zero += (zero.empty() ? "" : ", ") + p.name;
+  return fail(ErrorCode::config, "the equation of " + effect.name + " gives 0 on every record: there is nothing to fit", input.name,
+              zero.empty() ? "a state begins at 0, and one whose derivative is 0 there stays there; or the records do not reach where the equation acts"
+                           : "begin with another value than 0 for " + zero);
+}
+
+UserEffect with_fit(const UserEffect& effect, const EffectForm& form, std::span<const Estimate> shape, const Estimate& strength) {
+  UserEffect out = effect;
+  for (ModelParameter& p : out.parameters) p.se = 0.0;
+  for (std::size_t k = 0; k < shape.size(); ++k)
+    if (ModelParameter* p = parameter_of(out, form.shape[k].name)) {
+      p->value = shape[k].value;
+      p->se = shape[k].se;
+    }
+  const ParameterSpec& spec = form.strength.front();
+  ModelParameter* factor = parameter_of(out, spec.name);
+  if (factor == nullptr) {
+    out.output = spec.name + " * (" + out.output + ")";
+    out.parameters.push_back({spec.name, spec.unit, 1.0, 0.0, spec.minimum, spec.maximum, 1.0});
+    factor = &out.parameters.back();
+  }
+  factor->value = std::clamp(strength.value, factor->minimum, factor->maximum);
+  factor->se = strength.se;
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,32 @@
+#include "hil/diagnose/choose/further_forms.h"
+
+#include "hil/diagnose/base/left_out.h"
+#include "hil/diagnose/choose/screen.h"
+
+namespace forcegate::diagnose {
+
+std::vector<int> further_forms(const ResidualChannel& channel, const EffectKind& kind,
+                               std::vector<int>& present, MixedFit& fit) {
+  constexpr int kMost = 2;
+  constexpr double kWorth = 10.0;  // nats
+  std::vector<int> out;
+  // an equation of the user's own is one equation
+  if (EffectRegistry::instance().find(kind.name) != &kind) return out;
+  for (int round = 0; round < kMost && fit.valid; ++round) {
+    VariantScore best;
+    best.gain = kWorth;
+    for (std::size_t v = 0; v < channel.variants.size(); ++v) {
+      if (channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind != &kind) continue;
+      VariantScore score = score_variant(channel, present, fit, static_cast<int>(v), nullptr);
+      if (!score.wrong_sign && score.gain > best.gain) best = std::move(score);
+    }
+    if (!best.fit.valid || !cross_fit(channel, fit, best.fit).helps()) break;
+    out.push_back(best.variant);
+    const std::vector<int>& columns = channel.variants[static_cast<std::size_t>(best.variant)].columns;
+    present.insert(present.end(), columns.begin(), columns.end());
+    fit = std::move(best.fit);
+  }
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,167 @@
+#include "hil/diagnose/choose/objection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "hil/diagnose/choose/instrument_error.h"
+#include "hil/diagnose/choose/reference_jitter.h"
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// an effect must remove so much more than it would of the steps of the reference alone; what one or two records show may be one place of
+// the steps
+constexpr double kOfSteps = 3.0, kOfStepsInFew = 6.0;
+// what smoothing leaves of a reference that is late and noisy is a shift of a shift: of the span, and of what the instruments may leave
+constexpr double kLeastOfTime = 1e-3, kOfNoise = 0.4;
+// a regressor with noise bends what is regressed on it wherever forces crowd, at a standstill or at no load: of that noise
+constexpr double kOfSmoothed = 0.5;
+// codes tell the levels of a staircase, whichever they are, without the noise of the reference
+constexpr double kOfJitterOfCodes = 0.1;
+// a law has one strength: scatter between records, relative to it. A loop or a growth has no form that is right everywhere; a push from
+// the side, a displacement current, a threshold, a shift in time are known courses, and so is a temperature within a record
+constexpr double kSameStrength = 1.0, kSameOfKnownForm = 0.35;
+
+// RMS over the records of the noise that smoothing leaves in the reference, share of the channel's scale.
+double smoothed_rms(const ResidualChannel& channel) {
+  double sum = 0.0;
+  for (const RecordGram& r : channel.problem.records) sum += r.smoothed_variance;
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
+}
+
+double mean_adapted(const ResidualChannel& channel, const MixedFit& fit) {
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < fit.adapted.size(); ++i)
+    if (fit.counts(channel.problem.records[i])) {
+      sum += fit.adapted[i];
+      n += 1.0;
+    }
+  return sum / std::max(n, 1.0);
+}
+
+// What a wrong form of the first effect leaves, many families soak up. One that stands far above all others, runs across the first ones
+// and has one strength in all records that show it is an effect of its own, however much else is left.
+bool stands_out(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, const ChosenEffect& chosen,
+                const std::vector<ChosenEffect>& earlier) {
+  constexpr double kGain = 60.0, kAboveOthers = 4.0, kAcross = 0.35, kOneStrength = 0.25, kErrors = 2.5, kLeastFall = 0.2;
+  if (earlier.empty() || chosen.between || chosen.left_out.blocks || family.gain < kGain || chosen.fall < kLeastFall ||
+      chosen.strength_scatter > kOneStrength || chosen.left_out.log_ratio < kErrors * chosen.left_out.log_ratio_error)
+    return false;
+  for (const FamilyScore& other : result.families)
+    if (other.kind != family.kind && !look_alike(*other.kind, *family.kind) && !other.kind->traits.between_records && !other.best.wrong_sign &&
+        kAboveOthers * other.gain > family.gain)
+      return false;
+  return std::all_of(earlier.begin(), earlier.end(), [&](const ChosenEffect& e) {
+    return std::abs(signature_cosine(channel, result.base, e.fit, e.columns, family.best.fit, chosen.columns)) <= kAcross;
+  });
+}
+
+// No other family within the records has a tenth of its evidence.
+bool is_alone(const ScreenResult& result, const FamilyScore& family) {
+  constexpr double kTimes = 10.0;
+  return std::ranges::none_of(result.families, [&](const FamilyScore& other) {
+    return other.kind != family.kind && !other.kind->traits.between_records && kTimes * other.gain > family.gain;
+  });
+}
+
+// A loop that is wider at one end than at the other is a loop and a curve: the curve may be the loop's own.
+bool may_be_of_loop(const EffectKind& earlier, const EffectKind& later) {
+  return earlier.name == "hysteresis" && (later.name == "static_nonlinearity" || later.name == "dead_zone" || later.name == "clipping");
+}
+
+// A second effect takes nearly all that the first one left, in every record by that of the others and with one strength; the remains of a
+// wrong form do none of it.
+bool takes_the_rest(const FamilyScore& family, const ChosenEffect& chosen, const std::vector<ChosenEffect>& earlier) {
+  constexpr double kFall = 0.85, kLogRatio = 0.7, kErrors = 2.5, kOneStrength = 0.15;
+  const CrossFit& others = chosen.left_out;
+  return !chosen.between && !others.blocks && chosen.fall > kFall && others.improved == others.excited && others.log_ratio > kLogRatio &&
+         others.log_ratio > kErrors * others.log_ratio_error && chosen.strength_scatter < kOneStrength &&
+         std::none_of(earlier.begin(), earlier.end(),
+                      [&](const ChosenEffect& e) { return look_alike(*e.kind, *family.kind) || may_be_of_loop(*e.kind, *family.kind); });
+}
+
+// |cos| with the signatures of the earlier effects, summed: the errors of their forms add up, and none is wholly across.
+double resemblance(const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family, const std::vector<int>& columns,
+                   const std::vector<ChosenEffect>& earlier) {
+  constexpr double kLeast = 0.3, kLeastOfLookAlike = 0.7;
+  double out = 0.0;
+  for (const ChosenEffect& e : earlier)
+    if (may_be_of_loop(*e.kind, *family.kind)) out += 1.0;
+    else if (!e.between)
+      out += std::max(look_alike(*e.kind, *family.kind) ? kLeastOfLookAlike : kLeast,
+                      std::abs(signature_cosine(channel, base, e.fit, e.columns, family.best.fit, columns)));
+  return std::min(1.0, out);
+}
+
+}  // namespace
+
+bool is_suspicion(const std::string& reason) {
+  return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads && reason != kInStep && reason != kJitter;
+}
+
+double suspicion_probability(const std::string& reason, bool beside_claim) {
+  constexpr double kOrdinary = 0.2, kRemains = 0.1;
+  if (beside_claim && reason == kTooSmall) return kRemains;
+  const std::pair<const char*, double> counted[] = {{kLeavesMost, 0.08}, {kWithinForm, 0.08}, {kHelpsNoRecords, 0.1}, {kHelpsNoParts, 0.1},
+                                                    {kDiffers, 0.25},    {kTooSmall, 0.35},   {kFewJumps, 0.4}};
+  for (const auto& [text, probability] : counted)
+    if (reason == text) return probability;
+  return kOrdinary;
+}
+
+std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, ChosenEffect& chosen,
+                      const std::vector<ChosenEffect>& earlier, double removed_before, const SelectionRules& rules) {
+  const bool first = removed_before == 0.0;
+  const double excess = excess_mean_square(channel, result.base);
+  const double total_rms = std::sqrt(std::max(0.0, family.best.total_fall * mean_adapted(channel, result.base)));
+  const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess));
+  const std::string& name = family.kind->name;
+  if (family.best.wrong_sign) return kUnphysical;
+  const bool another_between = std::any_of(earlier.begin(), earlier.end(), [](const ChosenEffect& e) { return e.between; });
+  if (chosen.by_records() && another_between) return "another effect between the records is in: what its form leaves is no second one";
+  if (chosen.by_records() && chosen.effect_rms < rules.smallest_rms) return kTooSmall;
+  if (chosen.between && (chosen.not_by_records.empty() || family.best.total_fall < rules.first_total_fall)) return chosen.not_by_records;
+  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
+  const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
+  const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
+  if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return kTooLittleEvidence;
+  const bool explains_its_own = rules.where_it_acts && chosen.left_out.share > (first ? rules.first_fall : rules.later_fall);
+  const bool leaves_most = !explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
+      family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
+      !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);
+  chosen.stands_out = leaves_most && stands_out(channel, result, family, chosen, earlier);
+  if (leaves_most && !chosen.stands_out) return kLeavesMost;
+  // bits soak up a little of many things, but then others soak it up as well
+  const double least_of_codes = first && is_alone(result, family) ? 0.3 : 0.5;
+  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < least_of_codes) return kFewJumps;
+  const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
+  // seen where it acts
+  const double where = rules.where_it_acts && chosen.left_out.excited > 0 && !chosen.left_out.blocks
+                           ? std::sqrt(static_cast<double>(chosen.left_out.parts) / chosen.left_out.excited)
+                           : 1.0;
+  const double seen_rms = where * std::max(removed_rms, total_rms);
+  if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
+  if (seen_rms < kOfSmoothed * smoothed_rms(channel)) return kTooSmall;
+  if (family.kind->traits.timing && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
+  // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
+  // (a play has one width)
+  const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited && name != "backlash";
+  const bool known_form = family.kind->traits.known_form || (chosen.between && !chosen.by_records());
+  if (known_form ? chosen.strength_scatter > kSameOfKnownForm : chosen.strength_scatter > kSameStrength && !helps_all)
+    return kDiffers;
+  // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
+  if (removed_rms < rules.form_error * removed_before *
+                        resemblance(channel, result.base, family, variant.columns, earlier) &&
+      !takes_the_rest(family, chosen, earlier))
+    return kWithinForm;
+  if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
+  if (!chosen.describes_whole && (!chosen.left_out.helps() || chosen.left_out.share < 0.02))
+    return chosen.left_out.blocks ? kHelpsNoParts : kHelpsNoRecords;
+  if (!chosen.between && share_of_jitter(channel, result.base, family.best.fit) > (name == "adc_codes" ? kOfJitterOfCodes : kOfJitter)) return kJitter;
+  return {};
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,127 @@
+#include "hil/diagnose/choose/outdone.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+
+#include "hil/diagnose/candidates/signatures.h"
+#include "hil/diagnose/candidates/spare_room.h"
+#include "hil/diagnose/candidates/unnamed_dependences.h"
+#include "hil/diagnose/choose/refine.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+std::vector<int> all_columns(const ResidualChannel& channel, const ChosenEffect& chosen) {
+  std::vector<int> out = chosen.columns;
+  for (const int v : chosen.further) add_columns(out, channel.variants[static_cast<std::size_t>(v)].columns);
+  return out;
+}
+
+MixedFit fit_all(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& warm) {
+  return fit_mixed(channel.problem, columns, &warm, 12, RecordUse::all_records);
+}
+
+FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const EffectKind& kind, const std::vector<int>& present, const MixedFit& base,
+                    double to_beat, unsigned threads) {
+  constexpr double kWorthMoving = 0.4, kLeast = 10.0;
+  FamilyScore out;
+  out.kind = &kind;
+  out.best.gain = -1e300;
+  const EffectForm& form = kind.forms.front();
+  const int candidate = place_candidate(channel, {&kind, &form, {}, 0, static_cast<int>(form.strength.size())});
+  if (candidate < 0) return out;
+  std::vector<int> columns(form.strength.size());
+  std::iota(columns.begin(), columns.end(), channel.candidates.back().first);
+  channel.variants.push_back({candidate, columns});
+  const int variant = static_cast<int>(channel.variants.size()) - 1;
+  std::vector<double> best_shape;
+  for (const std::vector<double>& shape : form.grid(input)) {
+    channel.candidates.back().shape = shape;
+    fill_candidate(input, channel, channel.candidates.back(), threads);
+    VariantScore score = score_variant(channel, present, base, variant, nullptr, 12);
+    if (!(score.gain > out.best.gain)) continue;
+    out.best = std::move(score);
+    best_shape = shape;
+  }
+  if (!out.best.fit.valid) return out;
+  channel.candidates.back().shape = best_shape;
+  fill_candidate(input, channel, channel.candidates.back(), threads);
+  if (out.best.gain > std::max(kLeast, kWorthMoving * to_beat)) refine_family(input, channel, present, base, out, threads);
+  return out;
+}
+
+struct Place {
+  std::string effect;
+  std::vector<int> others;  ///< columns of the model without it
+  MixedFit without;
+  double gain = 0.0;
+};
+
+std::vector<Place> places_of(const ResidualChannel& channel, const Selection& selection, bool structured) {
+  std::vector<Place> out;
+  MixedFit claimed = fit_all(channel, selection.claimed.columns, selection.claimed);
+  if (!claimed.valid) return out;
+  for (const ChosenEffect& chosen : selection.chosen) {
+    if (chosen.between) continue;
+    Place place{chosen.kind->name, selection.base.columns, {}};
+    for (const ChosenEffect& other : selection.chosen)
+      if (&other != &chosen) add_columns(place.others, all_columns(channel, other));
+    place.without = fit_all(channel, place.others, claimed);
+    if (!place.without.valid) continue;
+    place.gain = claimed.log_evidence - place.without.log_evidence;
+    out.push_back(std::move(place));
+  }
+  if (structured) out.push_back({"", claimed.columns, std::move(claimed)});
+  return out;
+}
+
+// Forms differ: a name keeps its place against what fits a little better. What is left has no name to be outdone: most of it must go.
+bool fills(const Place& place, const VariantScore& score) {
+  constexpr double kTimes = 1.15, kMore = 20.0, kMost = 0.5;
+  return score.gain > kTimes * std::max(0.0, place.gain) + kMore && (!place.effect.empty() || score.fall > kMost);
+}
+
+}  // namespace
+
+std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChannel& channel, const Selection& selection, bool structured,
+                                        unsigned threads) {
+  std::vector<Outdone> out;
+  const std::vector<UnnamedDependence> unnamed = unnamed_dependences(input);
+  for (const Place& place : places_of(channel, selection, structured)) {
+    const EffectKind* kind = EffectRegistry::instance().find(place.effect);
+    const bool is_timing = kind != nullptr && kind->traits.timing;
+    Outdone best{place.effect, {}, {}, place.gain, 0.0};
+    for (const UnnamedDependence& dependence : unnamed) {
+      if (dependence.is_late && !place.effect.empty() && !is_timing) continue;
+      const SpareRoom room(channel);
+      const FamilyScore score = best_of(input, channel, dependence.kind, place.others, place.without, place.gain, threads);
+      if (!fills(place, score.best) || score.best.gain <= best.by_gain) continue;
+      best.by = dependence.kind.summary;
+      best.group = dependence.group;
+      best.by_gain = score.best.gain;
+    }
+    if (!best.by.empty()) out.push_back(std::move(best));
+  }
+  return out;
+}
+
+void withdraw_outdone(const std::vector<Outdone>& outdone, Diagnosis& out) {
+  constexpr double kWithdrawn = 0.2;
+  for (const Outdone& o : outdone) {
+    for (Finding& f : out.findings)
+      if (!o.effect.empty() && f.effect == o.effect && f.form != "raw" && f.probability > kWithdrawn) {
+        f.probability = kWithdrawn;
+        f.evidence += "; not claimed: " + o.by + " explains more of it";
+      }
+    char text[240];
+    if (o.effect.empty()) std::snprintf(text, sizeof text, "no effect of the library: what is left follows %s (log evidence %.0f)", o.by.c_str(), o.by_gain);
+    else
+      std::snprintf(text, sizeof text, "no effect of the library: the output follows %s (log evidence %.0f, against %.0f of %s)", o.by.c_str(), o.by_gain,
+                    o.gain, o.effect.c_str());
+    out.notes.emplace_back(text);
+  }
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,62 @@
+#include "hil/diagnose/choose/reconsider.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/choose/objection.h"
+#include "hil/diagnose/choose/refine.h"
+#include "hil/diagnose/choose/shares.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr double kAlone = 0.95;  // share that leaves no rival worth asking again
+
+double removed_rms(const ChosenEffect& e) { return std::sqrt(std::max(1e-18, e.fall * e.excess)); }
+
+}  // namespace
+
+void reconsider(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& carried, const std::vector<std::string>& skip,
+                const SelectionRules& rules, unsigned threads, Selection& out) {
+  for (std::size_t k = 0; out.chosen.size() >= 2 && k < out.chosen.size(); ++k) {
+    ChosenEffect& place = out.chosen[k];
+    if (place.between || place.share_of_family > kAlone) continue;
+    std::vector<int> present = carried;
+    std::vector<ChosenEffect> others;
+    double removed = 0.0;
+    for (std::size_t j = 0; j < out.chosen.size(); ++j) {
+      if (j == k) continue;
+      add_columns(present, out.chosen[j].columns);
+      add_columns(present, bank_columns(channel, *out.chosen[j].kind));
+      others.push_back(out.chosen[j]);
+      if (!out.chosen[j].between) removed = std::max(removed, removed_rms(out.chosen[j]));
+    }
+    std::vector<std::string> not_asked = skip;
+    for (const EffectKind* kind : kinds_of(channel))
+      if (kind != place.kind && std::none_of(place.rivals.begin(), place.rivals.end(), [&](const auto& r) { return r.first == kind->name; }))
+        not_asked.push_back(kind->name);
+    for (const ChosenEffect& other : others) not_asked.push_back(other.kind->name);
+    ScreenResult again = screen(channel, present, not_asked, &out.final, threads);
+    if (!again.base.valid || again.families.empty()) continue;
+    refine_leaders(input, channel, present, again, threads);
+    std::size_t at = 0;
+    while (at < again.families.size() && (again.families[at].best.wrong_sign || again.families[at].kind->traits.between_records)) ++at;
+    if (at == again.families.size()) continue;
+    ChosenEffect better = as_chosen(input, channel, again.base, again.families[at], rules);
+    if (better.kind != place.kind &&
+        !objection(channel, again, again.families[at], better, others, removed, rules).empty())
+      continue;
+    set_shares(channel, again, at, rules, !others.empty(), better);
+    if (better.kind == place.kind) {
+      // how it entered stays what it was judged by
+      better.gain = place.gain;
+      better.fall = place.fall;
+      better.excess = place.excess;
+      better.stands_out = place.stands_out;
+    }
+    place = std::move(better);
+  }
+}
+
+}  // namespace forcegate::diagnose

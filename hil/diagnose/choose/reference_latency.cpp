@@ -1,0 +1,97 @@
+#include "hil/diagnose/choose/reference_latency.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/answer/findings.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+const Candidate& best_candidate(const ResidualChannel& channel, const FamilyScore& family) {
+  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
+  return channel.candidates[static_cast<std::size_t>(variant.candidate)];
+}
+
+bool is_lead(const Candidate& c) { return c.kind->name == kLatencyEffect && c.shape[0] < 0.0; }
+
+}  // namespace
+
+double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
+  const std::string& name = family.kind->name;
+  const Candidate& c = best_candidate(channel, family);
+  const double share = family.best.fit.coefficient[family.best.fit.coefficient.size() - 1];
+  if (name == "piezocapacitance") return 0.01 * std::abs(share);
+  return name == "clock_skew" || c.shape.empty() ? 0.0 : std::abs(c.shape[0] * share);
+}
+
+double net_shift_s(const ResidualChannel& channel, const MixedFit& fit) {
+  double out = 0.0;
+  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+    for (const Candidate& c : channel.candidates)
+      if (c.first == fit.columns[b] && c.kind->traits.timing && c.kind->name != "clock_skew" && !c.shape.empty())
+        out += c.shape[0] * fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  return out;
+}
+
+bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family) {
+  return is_lead(best_candidate(channel, family)) && shift_s(channel, family) <= kAllowedLatency_s;
+}
+
+bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result) {
+  constexpr double kNearly = 0.8, kLeastGain = 40.0, kMost = 0.5, kLittle = 0.25;
+  const FamilyScore& best = result.families.front();
+  for (const FamilyScore& family : result.families)
+    if (family.kind->name == kLatencyEffect)
+      return family.gain > kLeastGain && is_reference_latency(channel, family) &&
+             (family.gain > kNearly * best.gain || (family.best.fall > kMost && best.best.fall < kLittle));
+  return false;
+}
+
+bool is_allowed_lead(const Candidate& candidate, double longest_s) {
+  return is_lead(candidate) && candidate.shape[0] > -longest_s;
+}
+
+void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double longest_s) {
+  for (const Candidate& c : channel.candidates)
+    if (is_allowed_lead(c, longest_s) && std::find(columns.begin(), columns.end(), c.first) == columns.end())
+      columns.push_back(c.first);
+}
+
+bool depends_on_load(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, const FamilyScore& family) {
+  constexpr double kPlain = 100.0;   // nats
+  constexpr double kSameKernel = 0.01;  // s: poles as quick as that of the lead, whose strength may turn over
+  std::vector<int> columns = present;
+  add_leads(channel, columns);
+  for (const Candidate& c : channel.candidates)
+    if (c.kind->name == "lag" && c.form->name == "one_pole" && c.shape[0] < kSameKernel && std::find(columns.begin(), columns.end(), c.first) == columns.end())
+      columns.push_back(c.first);
+  const MixedFit with_leads = fit_mixed(channel.problem, columns, &base, 20, base.use);
+  if (!with_leads.valid) return false;
+  const VariantScore beside = score_variant(channel, columns, with_leads, family.best.variant, nullptr);
+  return !beside.wrong_sign && beside.gain > kPlain;
+}
+
+MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<std::string>& notes) {
+  constexpr double kLeastGain = 4.0;
+  const ResidualChannel& channel = w.output;
+  std::vector<int> columns = base.columns;
+  add_leads(channel, columns);
+  if (columns.size() == base.columns.size()) return base;
+  MixedFit with = fit_mixed(channel.problem, columns, &base, 20);
+  if (!with.valid || with.log_evidence - base.log_evidence < kLeastGain) return base;
+  double lead_s = 0.0;
+  for (std::size_t b = base.columns.size(); b < columns.size(); ++b)
+    for (const Candidate& c : channel.candidates)
+      if (c.first == columns[b]) lead_s -= c.shape[0] * with.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  if (lead_s < 0.0 || lead_s > kAllowedLatency_s) return base;
+  const auto left_out = [&](const MixedFit& fit) {
+    return judged(channel, judge(channel, fit, base, w.judges).adapted, w.judges);
+  };
+  if (left_out(with) >= left_out(base)) return base;
+  notes.emplace_back(kLatencyNote);
+  return with;
+}
+
+}  // namespace forcegate::diagnose

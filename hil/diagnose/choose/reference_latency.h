@@ -1,0 +1,50 @@
+#pragma once
+// A reference that reads the force a few milliseconds late does what such instruments do: the output then leads F_ref. It is
+// carried along as a nuisance and never claimed.
+
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/choose/screen.h"
+
+namespace forcegate::diagnose {
+
+/// The effect whose leads are forgiven.
+inline constexpr const char* kLatencyEffect = "delay";
+/// By which two instruments may be out of step, s.
+inline constexpr double kAllowedLatency_s = 0.012;
+/// Milliseconds between two instruments are no matter in a recording of another machine whose rows are further apart than this, s.
+inline constexpr double kStepsTellNoLag_s = 0.05;
+/// What is said where a lead is carried along.
+inline constexpr const char* kLatencyNote =
+    "the output leads the reference by a few milliseconds, as a reference with its own lag does";
+
+/// Shift in time that an effect of time comes to, s, never negative; 0 for a skew, which has none.
+double shift_s(const ResidualChannel& channel, const FamilyScore& family);
+
+/// By which the output is late altogether, s, by all delays, lags and RCs (at mid load) of a fit together; negative: it leads.
+double net_shift_s(const ResidualChannel& channel, const MixedFit& fit);
+
+/// The best variant is a lead that the reference may have of its own.
+bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family);
+
+/// Such a lead explains nearly all that the best family does, or takes most of an error (a fast record's) of which that one takes little.
+bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result);
+
+/// Of the leads that may be forgiven, s.
+inline constexpr double kLongestLead_s = 0.03;
+
+/// A lead of the output of less than `longest_s`.
+bool is_allowed_lead(const Candidate& candidate, double longest_s = kLongestLead_s);
+
+/// Adds the columns of all leads up to `longest_s`: together they span a shift and a first-order lag of the reference alike.
+void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double longest_s = kLongestLead_s);
+
+/// Whether a lead depends on the load: beside all plain leads that a late reference may have, the family still gains far more than chance.
+bool depends_on_load(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, const FamilyScore& family);
+
+/// The base, or the base beside a lead where the records show one that the reference explains, with a note: what a diagnosis carries
+/// along is no failure of the model either.
+MixedFit forgive_late_reference(const Workspace& workspace, MixedFit base, std::vector<std::string>& notes);
+
+}  // namespace forcegate::diagnose

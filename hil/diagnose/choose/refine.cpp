@@ -1,0 +1,107 @@
+#include "hil/diagnose/choose/refine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/candidates/signatures.h"
+#include "hil/diagnose/candidates/spare_room.h"
+#include "hil/diagnose/choose/select.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr int kRounds = 3, kMostFamilies = 4;
+constexpr double kWorthMoving = 0.5;  // nats
+
+// Vertex of the parabola through three equally spaced values, in steps from the middle; within one step and a half.
+double vertex(double low, double middle, double high) {
+  const double bend = low - 2.0 * middle + high;
+  if (!(bend < -1e-9)) return high > low ? 1.0 : -1.0;
+  return std::clamp(0.5 * (low - high) / bend, -1.5, 1.5);
+}
+
+}  // namespace
+
+bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
+                   const MixedFit& base, FamilyScore& family, unsigned threads) {
+  const Variant old = channel.variants[static_cast<std::size_t>(family.best.variant)];
+  const Candidate from = channel.candidates[static_cast<std::size_t>(old.candidate)];
+  if (from.shape.empty() || !from.form->refine) return false;
+  const int copy = copy_candidate(input, channel, old.candidate, threads);
+  if (copy < 0) return false;
+  Variant variant{copy, {}};
+  for (int j : old.columns) variant.columns.push_back(j - from.first + channel.candidates.back().first);
+  channel.variants.push_back(variant);
+  const int index = static_cast<int>(channel.variants.size()) - 1;
+
+  VariantScore best = family.best;
+  best.gain = -1e300;
+  std::vector<double> best_shape = from.shape;
+  const auto score_at = [&](const std::vector<double>& shape) {
+    Candidate& c = channel.candidates[static_cast<std::size_t>(copy)];
+    c.shape = shape;
+    fill_candidate(input, channel, c, threads);
+    VariantScore score = score_variant(channel, present, base, index, &family.best.fit);
+    const double gain = score.gain;
+    if (gain > best.gain) {
+      best = std::move(score);
+      best_shape = shape;
+    }
+    return gain;
+  };
+  score_at(from.shape);
+  for (std::size_t k = 0; k < from.shape.size(); ++k) {
+    const ParameterSpec& spec = from.form->shape[k];
+    if (spec.choice) continue;
+    double step = 0.35;  // of ln(shape): half the way to the next point of the grid
+    for (int round = 0; round < kRounds; ++round, step *= 0.4) {
+      const std::vector<double> centre = best_shape;
+      if (centre[k] == 0.0) break;
+      const auto moved = [&](double steps) {
+        std::vector<double> shape = centre;
+        shape[k] = std::clamp(centre[k] * std::exp(steps * step), spec.minimum, spec.maximum);
+        return shape;
+      };
+      const double middle = best.gain, low = score_at(moved(-1.0)), high = score_at(moved(1.0));
+      const double at = vertex(low, middle, high);
+      if (std::abs(at) != 1.0) score_at(moved(at));
+      if (best.gain - middle < 0.05 && round > 0) break;
+    }
+  }
+  Candidate& c = channel.candidates[static_cast<std::size_t>(copy)];
+  c.shape = best_shape;
+  fill_candidate(input, channel, c, threads);
+  if (!best.fit.valid) return false;
+  family.gain += best.gain - family.best.gain;
+  family.best = std::move(best);
+  return true;
+}
+
+void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
+                    ScreenResult& result, unsigned threads) {
+  if (result.families.empty()) return;
+  const double reach = std::max(6.0, 0.4 * result.families.front().gain);
+  int refined = 0;
+  for (FamilyScore& family : result.families) {
+    // the user's own equation starts where the user guessed: it is always given its chance
+    const bool own = EffectRegistry::instance().find(family.kind->name) != family.kind;
+    // a handful of records does not settle a shape: its evidence stays the mean over the grid
+    if (family.kind->traits.between_records) continue;
+    if (!own && (family.gain < reach || refined == kMostFamilies)) continue;
+    SpareRoom room(channel);
+    const double before = family.gain;
+    const FamilyScore coarse = family;
+    if (refine_family(input, channel, present, result.base, family, threads) &&
+        family.gain - before > kWorthMoving) {
+      ++refined;
+      room.keep();
+      continue;
+    }
+    family = coarse;
+  }
+  std::stable_sort(result.families.begin(), result.families.end(),
+                   [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });
+}
+
+}  // namespace forcegate::diagnose

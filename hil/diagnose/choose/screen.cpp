@@ -1,0 +1,196 @@
+#include "hil/diagnose/choose/screen.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/parallel.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Coefficients of the given columns within a fit, 0 where it does not have them.
+Eigen::VectorXd coefficients_of(const ResidualChannel& channel, const MixedFit& fit,
+                                const std::vector<int>& columns) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t a = 0; a < columns.size(); ++a)
+    for (std::size_t b = 0; b < fit.columns.size(); ++b)
+      if (fit.columns[b] == columns[a])
+        out[static_cast<Eigen::Index>(a)] =
+            fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  return out;
+}
+
+// A strength beyond what the effect can physically have, by more than twice its uncertainty. A pole of twice the force
+// with half the time constant is a delay in disguise, and half a delay of twice the length a pole.
+bool is_beyond_bounds(const ResidualChannel& channel, const MixedFit& fit, const Variant& variant) {
+  if (variant.columns.size() != 1) return false;
+  const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  const auto at = fit.coefficient.size() - 1;
+  // a share of the gain that is fitted beside it, not of the one that the search began with
+  const double fitted = fit.coefficient[0] * channel.gain_of_unit,
+               gain = std::abs(fitted) > 0.05 ? fitted : 1.0;
+  const double value = fit.coefficient[at] / gain,
+               slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance(at, at))) / std::abs(gain);
+  return value > c.form->most + slack || value < c.form->least - slack;
+}
+
+bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, const Variant& variant) {
+  const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  if (c.form->sign == StrengthSign::either || !channel.signs_known) return false;
+  const Eigen::VectorXd coefficient = coefficients_of(channel, score.fit, variant.columns);
+  // growths of both signs that nearly cancel fit a wander; plays of both signs may be a loop
+  const double cancels = c.kind->name == "creep" ? 0.9 : 1.0;
+  double up = 0.0, down = 0.0;
+  for (std::size_t j = 0; j < variant.columns.size(); ++j) {
+    const double size =
+        coefficient[static_cast<Eigen::Index>(j)] / channel.problem.column_prior_sd[variant.columns[j]];
+    (size > 0.0 ? up : down) += std::abs(size);
+  }
+  return c.form->sign == StrengthSign::positive ? down > cancels * up : up > cancels * down;
+}
+
+}  // namespace
+
+MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit* warm,
+                        int iterations, RecordUse use) {
+  constexpr int kRounds = 12;
+  constexpr double kStill = 0.02;  // nats
+  MixedFit fit = fit_mixed(channel.problem, present, warm, iterations, use);
+  for (int round = 0; fit.valid && round < kRounds; ++round) {
+    MixedFit next = fit_mixed(channel.problem, present, &fit, iterations, use);
+    if (!next.valid) break;
+    const double climbed = next.log_evidence - fit.log_evidence;
+    fit = std::move(next);
+    if (climbed < kStill) break;
+  }
+  return fit;
+}
+
+std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel) {
+  std::vector<const EffectKind*> out;
+  for (const Candidate& c : channel.candidates)
+    if (std::find(out.begin(), out.end(), c.kind) == out.end()) out.push_back(c.kind);
+  return out;
+}
+
+double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit) {
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < fit.adapted.size(); ++i) {
+    if (!fit.counts(channel.problem.records[i])) continue;
+    sum += std::max(0.0, fit.adapted[i] - channel.problem.records[i].allowed_variance);
+    n += 1.0;
+  }
+  return n > 0.0 ? sum / n : 0.0;
+}
+
+double total_fall(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after) {
+  double a = 0.0, b = 0.0;
+  for (std::size_t i = 0; i < before.adapted.size(); ++i)
+    if (before.counts(channel.problem.records[i])) {
+      b += before.adapted[i];
+      a += after.adapted[i];
+    }
+  return b > 0.0 ? 1.0 - a / b : 0.0;
+}
+
+double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+  const Eigen::VectorXd c = coefficients_of(channel, fit, columns);
+  double sum = 0.0;
+  for (const RecordGram& record : channel.problem.records) {
+    double square = 0.0;
+    for (std::size_t a = 0; a < columns.size(); ++a)
+      for (std::size_t b = 0; b < columns.size(); ++b)
+        square += c[static_cast<Eigen::Index>(a)] * c[static_cast<Eigen::Index>(b)] *
+                  record.gram(channel.problem.nz + columns[a], channel.problem.nz + columns[b]);
+    sum += std::max(0.0, square);
+  }
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
+}
+
+VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present,
+                           const MixedFit& base, int index, const MixedFit* warm, int iterations) {
+  const Variant& variant = channel.variants[static_cast<std::size_t>(index)];
+  VariantScore score;
+  score.variant = index;
+  score.gain = -1e300;
+  std::vector<int> columns = present;
+  for (int j : variant.columns) {
+    if (std::find(columns.begin(), columns.end(), j) != columns.end()) return score;
+    columns.push_back(j);
+  }
+  score.fit = fit_mixed(channel.problem, columns, warm != nullptr ? warm : &base, iterations, base.use);
+  if (!score.fit.valid || is_beyond_bounds(channel, score.fit, variant)) return score;
+  score.gain = score.fit.log_evidence - base.log_evidence;
+  score.effect_rms = effect_rms(channel, score.fit, variant.columns);
+  score.wrong_sign = has_wrong_sign(channel, score, variant);
+  if (score.wrong_sign) score.gain *= score.gain > 0.0 ? 0.3 : 1.0;
+  const double base_excess = excess_mean_square(channel, base),
+               excess = excess_mean_square(channel, score.fit);
+  score.fall = base_excess > 0.0 ? 1.0 - excess / base_excess : 0.0;
+  score.total_fall = total_fall(channel, base, score.fit);
+  return score;
+}
+
+ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present,
+                    const std::vector<std::string>& skip, const MixedFit* warm, unsigned threads,
+                    int iterations, RecordUse use) {
+  ScreenResult out;
+  out.base = fit_to_the_end(channel, present, warm, 2 * iterations, use);
+  if (!out.base.valid) return out;
+  std::vector<VariantScore> scores(channel.variants.size());
+  std::vector<char> used(channel.variants.size(), 0);
+  const auto score_all = [&] {
+    parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
+      const EffectKind& kind =
+          *channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind;
+      if (std::find(skip.begin(), skip.end(), kind.name) != skip.end()) return;
+      scores[v] = score_variant(channel, present, out.base, static_cast<int>(v), nullptr, iterations);
+      used[v] = scores[v].gain > -1e299 ? 1 : 0;
+    });
+  };
+  score_all();
+  // EM climbs the hill that it stands on. When the spreads that a candidate found serve the base as well, the candidate had
+  // no part in what it seemed to gain
+  constexpr int kRestarts = 2;
+  constexpr double kHigher = 0.5;  // nats
+  for (int restart = 0; restart < kRestarts; ++restart) {
+    const VariantScore* best = nullptr;
+    for (std::size_t v = 0; v < scores.size(); ++v)
+      if (used[v] != 0 && (best == nullptr || scores[v].gain > best->gain)) best = &scores[v];
+    if (best == nullptr || best->gain < kHigher) break;
+    MixedFit again = fit_to_the_end(channel, present, &best->fit, 2 * iterations, use);
+    if (!again.valid || again.log_evidence < out.base.log_evidence + kHigher) break;
+    out.base = std::move(again);
+    score_all();
+  }
+  for (const EffectKind* kind_of_family : kinds_of(channel)) {
+    const EffectKind& kind = *kind_of_family;
+    FamilyScore family;
+    family.kind = &kind;
+    double best = -1e300, sum = 0.0, n = 0.0;
+    int at = -1;
+    for (std::size_t v = 0; v < scores.size(); ++v)
+      if (used[v] != 0 &&
+          channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind) {
+        n += 1.0;
+        if (scores[v].gain > best) {
+          best = scores[v].gain;
+          at = static_cast<int>(v);
+        }
+      }
+    if (at < 0) continue;
+    for (std::size_t v = 0; v < scores.size(); ++v)
+      if (used[v] != 0 &&
+          channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind)
+        sum += std::exp(std::max(-700.0, scores[v].gain - best));
+    family.gain = best + std::log(sum / n);
+    family.best = std::move(scores[static_cast<std::size_t>(at)]);
+    out.families.push_back(std::move(family));
+  }
+  std::stable_sort(out.families.begin(), out.families.end(),
+                   [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,118 @@
+#include "hil/diagnose/choose/search.h"
+
+#include <algorithm>
+
+#include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/candidates/model_effects.h"
+#include "hil/diagnose/choose/reference_latency.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+SelectionRules output_rules(const Workspace& w) {
+  SelectionRules out;
+  out.forms_are_rough = w.input.generic;
+  out.one_zero = w.input.single && !w.zero_wanders;
+  out.clock_slack = !w.input.generic || w.input.records.front().row_step_s <= kStepsTellNoLag_s;
+  return out;
+}
+
+// The rig's own law is only nearly linear and its guide only nearly free: a finding must explain most of the misfit.
+SelectionRules rules_of_rig(SelectionRules rules) {
+  rules.first_gain = 20.0;
+  rules.first_fall = 0.3;
+  rules.later_fall = 0.6;
+  rules.sure_gain = 1e9;
+  rules.first_total_fall = 0.3;
+  rules.later_total_fall = 0.6;
+  rules.smallest_rms = 4e-4;
+  return rules;
+}
+
+SelectionRules rules_of_drive(SelectionRules rules) {
+  rules.first_gain = 60.0;
+  rules.form_gain = {{"one_pole", 400.0}};  // a servo loop leaves the like
+  rules.first_fall = 0.2;
+  rules.where_it_acts = true;
+  rules.smallest_rms = 2.5e-4;
+  return rules;
+}
+
+// A candidate that left-out records do not bear out may have made others needless: the search begins anew without it.
+Selection select_borne_out(Workspace& w, const Given& given, std::vector<std::string> skip, const SelectionRules& rules,
+                           unsigned threads, std::vector<Finding>& suspicions) {
+  const auto select = [&](bool again) {
+    Selection one = select_effects(w.input, w.output, given, skip, rules, threads);
+    measure_left_out(w, w.output, one, again);
+    return one;
+  };
+  Selection out = select(false);
+  constexpr int kMostTimes = 2;
+  for (int time = 0; time < kMostTimes && out.base.valid; ++time) {
+    std::vector<Finding> idle = not_borne_out(w.output, out);
+    if (idle.empty()) break;
+    for (const Finding& f : idle) skip.push_back(f.effect);
+    Selection without = select(true);
+    if (!without.base.valid) break;
+    without.first = std::move(out.first);  // the ranking is of all
+    out = std::move(without);
+    std::move(idle.begin(), idle.end(), std::back_inserter(suspicions));
+  }
+  return out;
+}
+
+// A curve that a calibration of the third degree does not follow comes again a few times over the range, as the pitch of a coarse screw would.
+void leave_coarse_pitch_to_spring(const ResidualChannel& command, const Selection& rig, Selection& drive) {
+  constexpr double kCoarse = 6.0;  // turns over the range of the force
+  if (std::ranges::none_of(rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "spring_nonlinearity"; })) return;
+  std::erase_if(drive.chosen, [&](const ChosenEffect& c) {
+    const Candidate& best = command.candidates[static_cast<std::size_t>(command.variants[static_cast<std::size_t>(c.variant)].candidate)];
+    return best.form->name == "pitch" && best.shape[0] < kCoarse;
+  });
+}
+
+// Of a drift that the rig has shown.
+std::vector<int> drift_columns(const ResidualChannel& channel) {
+  const EffectKind& kind = *EffectRegistry::instance().find("reference_drift");
+  std::vector<int> out = bank_columns(channel, kind);
+  for (const Candidate& c : channel.candidates)
+    if (c.kind == &kind && c.form->from_rig) out.push_back(c.first);
+  return out;
+}
+
+}  // namespace
+
+Search search_channels(Workspace& w, const EngineOptions& options) {
+  Search out;
+  out.rules = output_rules(w);
+  out.rig_rules = rules_of_rig(out.rules);
+  out.drive_rules = rules_of_drive(out.rig_rules);
+  if (w.has_rig) {
+    out.rig = select_effects(w.input, w.rig, {}, options.in_model, out.rig_rules, options.threads);
+    measure_left_out(w, w.rig, out.rig);
+  }
+  if (w.has_command) {
+    out.drive = select_effects(w.input, w.command, {}, options.in_model, out.drive_rules, options.threads);
+    leave_coarse_pitch_to_spring(w.command, out.rig, out.drive);
+    measure_left_out(w, w.command, out.drive);
+  }
+  out.skip = options.in_model;
+  Given given{model_columns(w.output, options), model_families(w.output, options)};
+  if (std::ranges::any_of(out.rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "reference_drift"; })) {
+    add_columns(given.base, drift_columns(w.output));
+    out.skip.emplace_back("reference_drift");
+  }
+  if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
+  out.output = select_borne_out(w, given, out.skip, out.rules, options.threads, out.suspicions);
+  // against the law without the model's own effects: they describe the whole too
+  const bool has_effects = !given.base.empty();
+  const MixedFit law = has_effects ? fit_mixed(w.output.problem, {}, &out.output.base) : out.output.base;
+  if ((has_effects || !out.output.chosen.empty()) && whole_must_judge(w, law, out.output.claimed)) {
+    w.judges = JudgedBy::whole;
+    measure_left_out(w, w.output, out.output);
+  }
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,24 @@
+#pragma once
+// Screening and choice in the three comparisons of a campaign: the output against the reference, the reference against the rig's own law, what the
+// drive makes of its command.
+
+#include <vector>
+
+#include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/choose/select.h"
+#include "hil/diagnose/engine.h"
+#include "hil/diagnose/raw/raw_health.h"
+
+namespace forcegate::diagnose {
+
+struct Search {
+  SelectionRules rules, rig_rules, drive_rules;
+  Selection output, rig, drive;     ///< rig and drive: base not valid where the campaign has no such channel
+  std::vector<std::string> skip;    ///< families that the output was not asked for
+  std::vector<Finding> suspicions;  ///< chosen in the output once, and not borne out by left-out records
+};
+
+/// What the raw samples have shown is not looked for again. May set `judges`.
+Search search_channels(Workspace& workspace, const EngineOptions& options);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,14 @@
+#pragma once
+// S9: how the families that compete for one place share its probability.
+
+#include "hil/diagnose/choose/select.h"
+
+namespace forcegate::diagnose {
+
+/// Softmax of the evidence at the working temperature among the families from `place` on: what was turned down for its own reasons is no
+/// rival. Families whose signatures differ by less than a form is known to have equal shares. `beside_another`: something was taken before, and
+/// what explains less than half of its remains is none. Sets share_of_family and rivals.
+void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, bool beside_another,
+                ChosenEffect& chosen);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,375 @@
+#include "hil/diagnose/laws/parameter_level.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "hil/base/rng.h"
+#include "hil/base/text.h"
+
+namespace forcegate {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t kFewest = 6;
+constexpr Index kSpare = 3;          // degrees of freedom that a law must leave
+constexpr double kSame = 0.95;       // |cos| of two signatures that a table cannot tell apart
+constexpr double kCollinear = 1e-6;  // share of a candidate that the law does not hold already
+
+const Covariate* find(const std::vector<Covariate>& all, const std::string& name) {
+  const auto at = std::find_if(all.begin(), all.end(), [&](const Covariate& c) { return c.name == name; });
+  return at == all.end() ? nullptr : &*at;
+}
+
+// A candidate's column, empty when the form is not defined on these values or does not vary.
+VectorXd column_of(const LawTerm& term, const std::vector<Covariate>& covariates) {
+  const Covariate* x = find(covariates, term.covariate);
+  const Covariate* z = term.form == TermForm::product ? find(covariates, term.other) : nullptr;
+  if (x == nullptr || (term.form == TermForm::product && z == nullptr)) return {};
+  const auto n = static_cast<Index>(x->value.size());
+  VectorXd out(n);
+  const auto [low, high] = std::minmax_element(x->value.begin(), x->value.end());
+  if (!(*high > *low)) return {};
+  const bool ratio = term.form == TermForm::logarithm || term.form == TermForm::reciprocal;
+  // on a narrow range ln x and 1/x are x again, and at zero they are nothing
+  if (ratio && !(*low > 0.0 && *high > 1.3 * *low)) return {};
+  for (Index i = 0; i < n; ++i) {
+    const double v = x->value[static_cast<std::size_t>(i)];
+    switch (term.form) {
+      case TermForm::linear: out[i] = v; break;
+      case TermForm::logarithm: out[i] = std::log(v); break;
+      case TermForm::reciprocal: out[i] = 1.0 / v; break;
+      case TermForm::square: out[i] = v * v; break;
+      case TermForm::product: out[i] = v * z->value[static_cast<std::size_t>(i)]; break;
+    }
+  }
+  return out;
+}
+
+std::vector<LawTerm> all_terms(const std::vector<Covariate>& covariates) {
+  std::vector<LawTerm> out;
+  for (const Covariate& c : covariates)
+    for (const TermForm form :
+         {TermForm::linear, TermForm::logarithm, TermForm::reciprocal, TermForm::square})
+      out.push_back({form, c.name, {}});
+  for (std::size_t a = 0; a < covariates.size(); ++a)
+    for (std::size_t b = a + 1; b < covariates.size(); ++b)
+      out.push_back({TermForm::product, covariates[a].name, covariates[b].name});
+  return out;
+}
+
+bool same(const LawTerm& a, const LawTerm& b) {
+  return a.form == b.form && a.covariate == b.covariate && a.other == b.other;
+}
+
+// Whitened least squares: rows multiplied by sqrt(weight).
+struct Fit {
+  MatrixXd Q;         // orthonormal columns of the law
+  VectorXd residual;  // whitened
+  VectorXd beta, u;
+  double rss = 0.0, loo = 0.0;
+};
+
+Fit fit_law(const MatrixXd& X, const VectorXd& y, const VectorXd& root_w) {
+  const MatrixXd A = root_w.asDiagonal() * X;
+  const VectorXd z = root_w.cwiseProduct(y);
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
+  Fit f;
+  f.beta = qr.solve(z);
+  f.residual = z - A * f.beta;
+  f.rss = f.residual.squaredNorm();
+  f.Q = MatrixXd(qr.householderQ() * MatrixXd::Identity(A.rows(), A.cols()));
+  const double s2 = f.rss / static_cast<double>(std::max<Index>(1, A.rows() - A.cols()));
+  const MatrixXd cov = s2 * (A.transpose() * A).ldlt().solve(MatrixXd::Identity(A.cols(), A.cols()));
+  f.u = cov.diagonal().cwiseMax(0.0).cwiseSqrt();
+  double sum = 0.0;
+  for (Index i = 0; i < A.rows(); ++i) {
+    const double leverage = f.Q.row(i).squaredNorm();
+    const double e = f.residual[i] / root_w[i] / std::max(1e-6, 1.0 - leverage);
+    sum += e * e;
+  }
+  f.loo = std::sqrt(sum / static_cast<double>(A.rows()));
+  return f;
+}
+
+// Scatter between records beyond their uncertainties, by moments, with the law's own degrees of freedom.
+double scatter_between(const MatrixXd& X, const VectorXd& y, const std::vector<double>& u) {
+  double s2 = 0.0;
+  const auto n = X.rows();
+  for (int round = 0; round < 30; ++round) {
+    VectorXd root_w(n);
+    for (Index i = 0; i < n; ++i) {
+      const double ui = u[static_cast<std::size_t>(i)];
+      root_w[i] = 1.0 / std::sqrt(std::max(1e-300, ui * ui + s2));
+    }
+    const double chi2 = fit_law(X, y, root_w).rss, dof = static_cast<double>(n - X.cols());
+    const double mean_w = root_w.squaredNorm() / static_cast<double>(n);
+    const double next = std::max(0.0, s2 + (chi2 / dof - 1.0) / mean_w);
+    if (std::fabs(next - s2) <= 1e-9 * (next + s2)) return next;
+    s2 = next;
+  }
+  return s2;
+}
+
+struct Candidates {
+  std::vector<LawTerm> terms;
+  MatrixXd Z;  // unit columns orthogonal to the law, whitened
+};
+
+Candidates candidates_beside(const ParameterQuestion& q, const std::vector<LawTerm>& law, const Fit& fit,
+                             const VectorXd& root_w) {
+  Candidates out;
+  std::vector<VectorXd> columns;
+  for (const LawTerm& term : all_terms(q.covariates)) {
+    if (std::any_of(law.begin(), law.end(), [&](const LawTerm& t) { return same(t, term); })) continue;
+    VectorXd z = column_of(term, q.covariates);
+    if (z.size() == 0) continue;
+    z = root_w.cwiseProduct(z);
+    const double full = z.squaredNorm();
+    z -= fit.Q * (fit.Q.transpose() * z);
+    z -= fit.Q * (fit.Q.transpose() * z);
+    if (z.squaredNorm() <= kCollinear * full) continue;
+    columns.push_back(z / z.norm());
+    out.terms.push_back(term);
+  }
+  out.Z.resize(root_w.size(), static_cast<Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) out.Z.col(static_cast<Index>(k)) = columns[k];
+  return out;
+}
+
+struct Step {
+  std::vector<RankedTerm> ranking;  // best first
+  std::vector<std::size_t> order;   // candidate of each rank
+  double critical_share = 1.0;
+};
+
+Step search(const ParameterQuestion& q, const Candidates& c, const Fit& fit, Index law_size,
+            std::uint64_t stream) {
+  Step out;
+  const Index n = fit.residual.size(), m = c.Z.cols(), dof = n - law_size - 1;
+  if (m == 0 || dof < kSpare) return out;
+  const VectorXd share = (c.Z.transpose() * fit.residual).array().square() / std::max(1e-300, fit.rss);
+  std::vector<int> alone(static_cast<std::size_t>(m), 0), family(static_cast<std::size_t>(m), 0);
+  std::vector<double> largest;
+  Rng rng(q.seed, fmt::format("parameter_level/{}/{}", q.name, stream));
+  VectorXd permuted = fit.residual;
+  for (int p = 0; p < q.permutations; ++p) {
+    for (Index i = n - 1; i > 0; --i)
+      std::swap(permuted[i], permuted[static_cast<Index>(rng.below(static_cast<std::uint64_t>(i) + 1))]);
+    const VectorXd e = permuted - fit.Q * (fit.Q.transpose() * permuted);
+    const VectorXd s = (c.Z.transpose() * e).array().square() / std::max(1e-300, e.squaredNorm());
+    const double top = s.maxCoeff();
+    largest.push_back(top);
+    for (Index k = 0; k < m; ++k) {
+      alone[static_cast<std::size_t>(k)] += s[k] >= share[k];
+      family[static_cast<std::size_t>(k)] += top >= share[k];
+    }
+  }
+  out.order.resize(static_cast<std::size_t>(m));
+  std::iota(out.order.begin(), out.order.end(), std::size_t{0});
+  std::stable_sort(out.order.begin(), out.order.end(), [&](std::size_t a, std::size_t b) {
+    return share[static_cast<Index>(a)] > share[static_cast<Index>(b)];
+  });
+  const double count = q.permutations + 1.0;
+  for (const std::size_t k : out.order) {
+    RankedTerm r;
+    r.term = c.terms[k];
+    r.r2 = std::min(1.0, share[static_cast<Index>(k)]);
+    r.F = static_cast<double>(dof) * r.r2 / std::max(1e-12, 1.0 - r.r2);
+    r.p_alone = (1.0 + alone[k]) / count;
+    r.p = (1.0 + family[k]) / count;
+    out.ranking.push_back(r);
+  }
+  std::sort(largest.begin(), largest.end());
+  out.critical_share =
+      largest[static_cast<std::size_t>((1.0 - q.alpha) * static_cast<double>(largest.size() - 1))];
+  return out;
+}
+
+Result<VectorXd> response(const ParameterQuestion& q, std::vector<double>& u) {
+  VectorXd y(static_cast<Index>(q.value.size()));
+  for (Index i = 0; i < y.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double v = q.value[k];
+    if (q.scale != ResponseScale::linear && !(v > 0.0))
+      return fail(ErrorCode::usage,
+                  fmt::format("{} is {:g} in record {}: this scale needs values above 0", q.name, v, k + 1),
+                  q.name, "use the linear scale");
+    y[i] = q.scale == ResponseScale::linear ? v : q.scale == ResponseScale::logarithm ? std::log(v) : 1.0 / v;
+    if (!u.empty())
+      u[k] *= q.scale == ResponseScale::linear      ? 1.0
+              : q.scale == ResponseScale::logarithm ? 1.0 / v
+                                                    : 1.0 / (v * v);
+  }
+  return y;
+}
+
+Result<void> check(const ParameterQuestion& q) {
+  const std::size_t n = q.value.size();
+  if (n < kFewest)
+    return fail(ErrorCode::usage, fmt::format("{} record{} cannot show what {} depends on", n, n == 1 ? "" : "s", q.name), q.name,
+                fmt::format("at least {} are needed", kFewest));
+  if (!q.u.empty() && q.u.size() != n)
+    return fail(ErrorCode::usage, "not every record has an uncertainty", q.name);
+  for (const Covariate& c : q.covariates) {
+    if (c.value.size() != n)
+      return fail(ErrorCode::usage, fmt::format("{} has {} values for {} records", c.name, c.value.size(), n),
+                  c.name);
+    for (double v : c.value)
+      if (!std::isfinite(v))
+        return fail(ErrorCode::usage, "a covariate has a missing value", c.name,
+                    "leave the record or the covariate out");
+  }
+  for (std::size_t k = 0; k < q.u.size(); ++k)
+    if (!(q.u[k] > 0.0) || !std::isfinite(q.u[k]))
+      return fail(ErrorCode::usage, fmt::format("the uncertainty of {} in record {} is {}", q.name, k + 1, q.u[k]), q.name,
+                  "each must be a number above 0; leave the record or all uncertainties out");
+  if (q.permutations < 1 || !(q.alpha > 0.0 && q.alpha < 1.0))
+    return fail(ErrorCode::usage, "at least one permutation and an alpha between 0 and 1 are needed", q.name);
+  for (double v : q.value)
+    if (!std::isfinite(v)) return fail(ErrorCode::usage, "the parameter has a missing value", q.name);
+  return {};
+}
+
+std::string sentence_of(const ParameterAnswer& a) {
+  if (a.candidates == 0)
+    return fmt::format("{} records leave no room to look for another term in the law of {}", a.n, a.name);
+  if (a.added.empty())
+    return fmt::format(
+        "no further dependence of {} is significant with {} records: one that takes less than {:.0f} % of the scatter away would not be seen",
+        a.name, a.n, 100.0 * a.smallest_share);
+  std::string text = fmt::format("the law of {} lacks ", a.name);
+  for (std::size_t k = 0; k < a.added.size(); ++k) {
+    const FoundTerm& f = a.added[k];
+    text += fmt::format("{}{} (p {:.2g} over {} candidates)", k == 0 ? "" : ", then ",
+                        to_string(f.found.term), f.found.p, a.candidates);
+    if (!f.fits_as_well.empty())
+      text += fmt::format(", or {} of the same size here", to_string(f.fits_as_well.front()));
+  }
+  return text + fmt::format("; leave-one-out error {:.3g} -> {:.3g}{}", a.loo_before, a.loo_after,
+                            a.unit.empty() ? "" : " " + a.unit);
+}
+
+}  // namespace
+
+std::string to_string(const LawTerm& t) {
+  switch (t.form) {
+    case TermForm::linear: return t.covariate;
+    case TermForm::logarithm: return "ln " + t.covariate;
+    case TermForm::reciprocal: return "1/" + t.covariate;
+    case TermForm::square: return t.covariate + "^2";
+    case TermForm::product: return t.covariate + " " + t.other;
+  }
+  return t.covariate;
+}
+
+Result<LawTerm> parse_term(std::string_view text) {
+  const std::string_view t = trim(text);
+  const auto rest = [&](std::size_t n) { return std::string(trim(t.substr(n))); };
+  LawTerm out;
+  if (t.starts_with("ln ")) {
+    out = {TermForm::logarithm, rest(3), {}};
+  } else if (t.starts_with("1/")) {
+    out = {TermForm::reciprocal, rest(2), {}};
+  } else if (t.ends_with("^2")) {
+    out = {TermForm::square, std::string(trim(t.substr(0, t.size() - 2))), {}};
+  } else if (const std::size_t at = t.find_first_of("* "); at != std::string_view::npos) {
+    out = {TermForm::product, std::string(trim(t.substr(0, at))), rest(at + 1)};
+    if (out.other == out.covariate) out = {TermForm::square, out.covariate, {}};
+  } else {
+    out = {TermForm::linear, std::string(t), {}};
+  }
+  const auto plain = [](const std::string& name) {
+    return !name.empty() && name.find_first_of("*/^ ") == std::string::npos;
+  };
+  if (!plain(out.covariate) || (out.form == TermForm::product && !plain(out.other)))
+    return fail(ErrorCode::usage, "\"" + printable_utf8(text) + "\" is no term of a law", {},
+                "write f, \"ln f\", 1/f, f^2 or f*m");
+  return out;
+}
+
+Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
+  FORCEGATE_CHECK_OK(check(q));
+  std::vector<double> u = q.u;
+  FORCEGATE_TRY(const VectorXd y, response(q, u));
+  const Index n = y.size();
+  std::vector<LawTerm> law = q.law;
+  MatrixXd X = MatrixXd::Ones(n, 1);
+  const auto append = [&](const VectorXd& column) {
+    X.conservativeResize(n, X.cols() + 1);
+    X.col(X.cols() - 1) = column;
+  };
+  for (const LawTerm& term : law) {
+    const VectorXd column = column_of(term, q.covariates);
+    if (column.size() == 0)
+      return fail(ErrorCode::usage, "the table does not determine the term " + to_string(term), q.name,
+                  "is there such a covariate, and does it vary?");
+    append(column);
+  }
+  if (n - X.cols() < kSpare)
+    return fail(ErrorCode::usage,
+                fmt::format("{} records do not determine a law of {} coefficients", n, X.cols()), q.name);
+
+  VectorXd root_w = VectorXd::Ones(n);
+  const auto weigh = [&] {
+    if (u.empty()) return 0.0;
+    const double s2 = scatter_between(X, y, u);
+    for (Index i = 0; i < n; ++i)
+      root_w[i] = 1.0 / std::sqrt(std::max(1e-300, std::pow(u[static_cast<std::size_t>(i)], 2) + s2));
+    return std::sqrt(s2);
+  };
+  ParameterAnswer out;
+  out.name = q.name;
+  out.unit = q.unit;
+  out.n = q.value.size();
+  out.loo_constant = fit_law(MatrixXd::Ones(n, 1), y, root_w).loo;
+  weigh();
+  Fit fit = fit_law(X, y, root_w);
+  out.loo_before = fit.loo;
+  for (std::uint64_t step = 0;; ++step) {
+    const Candidates c = candidates_beside(q, law, fit, root_w);
+    Step found = search(q, c, fit, X.cols(), step);
+    if (found.ranking.empty()) break;
+    const auto with = [&](const LawTerm& term) {
+      MatrixXd wider = X;
+      wider.conservativeResize(n, X.cols() + 1);
+      wider.col(X.cols()) = column_of(term, q.covariates);
+      return fit_law(wider, y, root_w).loo;
+    };
+    for (RankedTerm& r : found.ranking) r.loo_after = with(r.term);
+    if (step == 0) {
+      out.candidates = c.terms.size();
+      out.ranking = found.ranking;
+      out.smallest_share = found.critical_share;
+    }
+    const RankedTerm& best = found.ranking.front();
+    // significant, and it predicts a record that it was not fitted to
+    if (best.p > q.alpha || best.loo_after >= fit.loo) break;
+    FoundTerm added{best, fit.loo, {}};
+    for (std::size_t k = 1; k < found.order.size(); ++k)
+      if (std::fabs(
+              c.Z.col(static_cast<Index>(found.order[0])).dot(c.Z.col(static_cast<Index>(found.order[k])))) >
+          kSame)
+        added.fits_as_well.push_back(found.ranking[k].term);
+    out.added.push_back(std::move(added));
+    law.push_back(best.term);
+    append(column_of(best.term, q.covariates));
+    weigh();
+    fit = fit_law(X, y, root_w);
+  }
+  out.scatter = u.empty() ? std::sqrt(fit.rss / static_cast<double>(n - X.cols())) : weigh();
+  out.loo_after = fit.loo;
+  for (Index k = 0; k < X.cols(); ++k)
+    out.law.push_back(
+        {k == 0 ? "1" : to_string(law[static_cast<std::size_t>(k - 1)]), fit.beta[k], fit.u[k]});
+  out.sentence = sentence_of(out);
+  return out;
+}
+
+}  // namespace forcegate

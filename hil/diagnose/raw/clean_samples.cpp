@@ -1,0 +1,66 @@
+#include "hil/diagnose/raw/clean_samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/raw/denoise.h"
+#include "hil/diagnose/raw/mains_removal.h"
+#include "hil/diagnose/raw/smoothed_reference.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Only where force and output share a clock.
+void take_hum_off(Record& record, RecordHealth& health) {
+  const Channel* force = record.trace.find("F_ref");
+  const std::vector<double>& t_s = record.trace.time_bases[force->time_base].t_s;
+  for (Channel& channel : record.trace.channels)
+    if (channel.name == "U" && channel.value.size() == t_s.size() && force->value.size() == t_s.size())
+      health.bad_mean_square_V2 += remove_mains_line(t_s, force->value, health.bad, health.mains_Hz, health.rate_Hz, channel.value);
+}
+
+std::vector<double> values_of(const Record& record, std::string_view name) {
+  const Channel* channel = record.trace.find(name);
+  return channel != nullptr ? channel->value : std::vector<double>{};
+}
+
+// Windows that agree better and better, until the output no longer follows what they take: a force that turns too quickly for them would
+// be flattened in the same way in every cycle.
+void smooth_reference(Record& record, Channel& force, double sd_N, RecordHealth& health) {
+  constexpr double kOfNoise = 0.25, kErrors = 2.0;  // of the mean square that smoothing leaves; standard errors
+  constexpr double kAgreements[] = {kAgree, 1.0, 0.6, 0.4};
+  const Channel* output = record.trace.find("U");
+  const std::vector<double> recorded = std::move(force.value);
+  const bool tells = output != nullptr && output->value.size() == recorded.size() && health.bad.size() == recorded.size();
+  for (const double agree : kAgreements) {
+    force.value = smooth_within_noise(recorded, sd_N, &health.smoothed_F_N, agree);
+    if (!tells) return;
+    const SharedPart taken = shared_with_output(recorded, force.value, output->value, health.bad);
+    if (taken.share <= kErrors * taken.standard_error || taken.share * taken.taken_N2 <= kOfNoise * health.smoothed_F_N * health.smoothed_F_N) return;
+  }
+}
+
+}  // namespace
+
+CleanedSamples clean_samples(Record& record, const HealthScales& scales, const BenchFacts& bench, bool draw) {
+  constexpr double kSmoothed = 1e-4;  // of the span
+  CleanedSamples out;
+  RecordHealth& health = out.health;
+  health = check_raw_health(record, scales, bench);
+  if (draw) out.cuts = cut_out_bad_samples(record, health, scales);
+  if (shows_hum(health, scales)) {
+    const std::vector<double> before_V = draw ? values_of(record, "U") : std::vector<double>{};
+    take_hum_off(record, health);
+    if (draw) out.cuts.push_back(cut_out_hum(record, before_V, health.hum_Hz, health.hum_V));
+  }
+  Channel* force = record.trace.find("F_ref");
+  const double sd_N = std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0));
+  if (force == nullptr || !(sd_N > kSmoothed * scales.range_N)) return out;
+  const std::vector<double> recorded_N = draw ? force->value : std::vector<double>{};
+  smooth_reference(record, *force, sd_N, health);
+  if (draw) out.cuts.push_back(cut_out_reference_noise(record, recorded_N, std::max(health.noise_F_N, health.scatter_F.quartile_N)));
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/raw/held_codes.h"
+#include "hil/diagnose/raw/raw_health.h"
+#include "hil/diagnose/raw/reference_noise_claim.h"
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+bool shows_hum(const RecordHealth& h, const HealthScales& scales) { return h.hum_ratio > 25.0 && h.hum_V > 4e-4 * scales.U_range_V; }
+
+std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
+                                       const BenchFacts& bench) {
+  std::vector<HealthClaim> out;
+  // where spikes stand elsewhere too, a single sample at the low end is one of them
+  std::size_t spikes = 0;
+  for (const RecordHealth& h : health) spikes += h.outliers;
+  constexpr std::size_t kFewestSpikes = 12;
+  const bool lone_are_spikes = spikes >= kFewestSpikes;
+  double samples = 0.0, missing = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
+  std::vector<double> hum;
+  double outlier_square_V2 = 0.0;
+  std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
+  double rail_V = 0.0, hum_Hz = 0.0, bit_errors = 0.0;
+  std::size_t with_bit_errors = 0;
+  std::vector<double> bit_V;
+  for (const RecordHealth& h : health) {
+    samples += static_cast<double>(h.samples);
+    outliers += static_cast<double>(h.outliers);
+    held += static_cast<double>(h.held);
+    zeros += static_cast<double>(h.zeros);
+    (lone_are_spikes ? outliers : zeros) += static_cast<double>(h.lone_zeros);
+    missing += static_cast<double>(h.missing);
+    missing_runs += h.missing_runs;
+    with_missing += h.missing_runs > 0 ? 1 : 0;
+    rail += static_cast<double>(h.at_rail);
+    zero_runs += h.zero_runs;
+    fallen += h.zero_runs > 0 ? static_cast<double>(h.zeros) : 0.0;
+    with_zeros += h.zero_runs > 0 ? 1 : 0;
+    with_outliers += h.outliers >= 2 ? 1 : 0;
+    with_any_outlier += h.outliers > 0 ? 1 : 0;
+    outlier_square_V2 += h.outlier_square_V2;
+    with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
+    bit_errors += static_cast<double>(h.bit_errors);
+    if (h.bit_errors > 0) {
+      ++with_bit_errors;
+      bit_V.push_back(h.bit_V);
+    }
+    if (h.at_rail > 0) rail_V = h.rail_V;
+    could_show_hum += h.hum_ratio > 0.0 ? 1 : 0;  // where the rate folds the line to zero nothing can
+    if (shows_hum(h, scales)) {
+      ++with_hum;
+      hum.push_back(h.hum_V);
+      hum_Hz = h.hum_Hz;
+    }
+  }
+  if (samples < 1.0) return out;
+  const auto percent = [](double share) { return std::to_string(100.0 * share).substr(0, 6) + " %"; };
+  const std::size_t n = health.size();
+  const bool many_records = n >= 3;
+  const std::size_t several = std::min<std::size_t>(2, n);  // one recording has no second to bear it out
+  if (bit_errors / samples > 1.5e-4 && with_bit_errors >= several)
+    out.push_back(
+        {"adc_codes", 0.95,
+         percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
+         "bit_V", "V", quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
+  const HeldCodes codes = find_held_codes(health, scales);
+  constexpr double kLeastHeld = 1e-3;
+  if (codes.found && codes.samples / samples > kLeastHeld) {
+    out.push_back({"adc_codes", 0.95,
+                   percent(codes.samples / samples) + " of the samples stand at " +
+                       (codes.value_V.size() == 1 ? std::string("one value") : std::to_string(codes.value_V.size()) + " values") +
+                       (n > 1 ? ", the same in several records," : ", the same again and again,") + " while the force moves on: codes beside them never come",
+                   "code_V", "V", codes.value_V.front(), scales.U_range_V * 1e-4});
+    held -= std::min(held, codes.samples);
+    rail = outliers = 0.0;  // a sample on the other side of a gap stands off its neighbours too
+  }
+  // a few are somebody's hand on the cable, unless they make an error that matters, again and again
+  constexpr double kFew = 5.0, kLargeError = 0.01;  // RMS, of the span
+  const bool few_but_large = outliers >= kFew && with_any_outlier >= 3 && std::sqrt(outlier_square_V2 / samples) > kLargeError * scales.U_range_V;
+  if (few_but_large || (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records)))
+    out.push_back({"outliers", 0.95,
+                   percent(outliers / samples) +
+                       " of the samples stand far off their neighbours while the force is smooth",
+                   "share", "1", outliers / samples, std::sqrt(outliers) / samples});
+  // the output cannot be at its low end there: a few are enough, and so is one long loss
+  constexpr std::size_t kFewestZeros = 5, kFewestLong = 3;
+  constexpr double kLongLoss = 20.0;  // samples
+  const bool plain_zeros = !lone_are_spikes && ((with_zeros >= several && zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
+  // a sample that is missing here and there is noted; an output that goes missing again and again in most records loses samples
+  constexpr std::size_t kFewestRuns = 10;
+  constexpr double kManyMissing = 0.01;
+  const double missing_share = missing / samples;
+  if (missing_share > kManyMissing && with_missing * 2 > n && missing_runs >= kFewestRuns)
+    out.push_back({"dropouts", 0.95, percent(missing_share) + " of the samples of the output are missing while the reference goes on", "share", "1",
+                   missing_share, std::sqrt(missing) / samples});
+  else if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
+    out.push_back(
+        {"dropouts", 0.95,
+         percent((held + zeros) / samples) + " of the samples are held or zero where the force says otherwise",
+         "share", "1", (held + zeros) / samples, std::sqrt(held + zeros) / samples});
+  if (rail / samples > 1e-3)
+    out.push_back({"clipping", 0.95,
+                   "the output stays at exactly one value at its top while the force moves on", "rail_V", "V",
+                   rail_V, scales.U_range_V * 1e-4});
+  if (with_hum >= several && with_hum * 2 >= could_show_hum)
+    out.push_back(
+        {"hum", 0.95,
+         "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
+         "amplitude_V", "V", quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
+  if (auto noise = claim_of_reference_noise(health, scales, bench)) out.push_back(std::move(*noise));
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,200 @@
+#include "hil/diagnose/raw/mains_line.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr std::size_t kMostSegments = 12, kBlock = 256;
+constexpr double kSegment_s = 4.0, kShortest_s = 2.0, kFewestSegments = 3.0;
+// Slower rates than 24 Hz would make these samples longer than 5.4 s, and the grid of a quarter of a hertz too coarse for them.
+constexpr std::size_t kFewestSamples = 128;
+constexpr double kSlowest_Hz = 24.0;
+
+// A unit vector that turns by the same angle at every sample.
+struct Rotation {
+  explicit Rotation(double angle) : c(std::cos(angle)), s(std::sin(angle)) {}
+  void step() {
+    const double next = re * c - im * s;
+    im = re * s + im * c;
+    re = next;
+  }
+  double c, s, re = 1.0, im = 0.0;
+};
+
+// The same sample of every segment, side by side: their sums do not wait for each other.
+using Side = std::array<double, kMostSegments>;
+
+// Sums at one frequency over all segments.
+struct Spectrum {
+  explicit Spectrum(double angle) : phase(angle) {}
+  void add(std::span<const Side> windowed) {
+    for (const Side& x : windowed) {
+      for (std::size_t k = 0; k < kMostSegments; ++k) {
+        re[k] += x[k] * phase.re;
+        im[k] += x[k] * phase.im;
+      }
+      phase.step();
+    }
+  }
+  // (amplitude / 2)^2 for a line in the middle of the bin
+  double power(std::size_t k, double window_total) const {
+    return (re[k] * re[k] + im[k] * im[k]) / (window_total * window_total);
+  }
+  Rotation phase;
+  Side re{}, im{};
+};
+
+struct Line {
+  double mains_Hz, frequency_Hz;  // the first harmonic before, the line itself after the sampling
+  double halves;  // at half the rate the two halves of a line fall on each other
+  std::vector<Spectrum> at, force, beside;
+};
+
+// A gap takes time and no samples: the line would be looked for beside its place.
+double rate_between_gaps(const std::vector<double>& t) {
+  const double mean = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+  double time = 0.0, steps = 0.0;
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    const double step = t[i] - t[i - 1];
+    if (!(step < 1.6 * mean)) continue;
+    time += step;
+    steps += 1.0;
+  }
+  return time > 0.0 ? steps / time : 1.0 / mean;
+}
+
+// Samples that a short gap left out, put in on a straight line: without them the line's phase would jump there, and its parts cancel.
+// False where there are none.
+bool fill_short_gaps(const std::vector<double>& t, double rate_Hz, const std::vector<double>& F, const std::vector<double>& U, std::vector<double>& whole_F,
+                     std::vector<double>& whole_U) {
+  constexpr double kLongest_s = 0.25, kLeastSteps = 1.6;
+  const auto missing = [&](std::size_t i) -> std::size_t {
+    const double steps = (t[i] - t[i - 1]) * rate_Hz;
+    return steps > kLeastSteps && steps < kLongest_s * rate_Hz ? static_cast<std::size_t>(std::lround(steps)) - 1 : 0;
+  };
+  std::size_t all = 0;
+  for (std::size_t i = 1; i < t.size(); ++i) all += missing(i);
+  if (all == 0 || all > t.size()) return false;
+  whole_F.reserve(t.size() + all);
+  whole_U.reserve(t.size() + all);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const std::size_t between = i > 0 ? missing(i) : 0;
+    for (std::size_t k = 1; k <= between; ++k) {
+      const double x = static_cast<double>(k) / static_cast<double>(between + 1);
+      whole_F.push_back(F[i - 1] + x * (F[i] - F[i - 1]));
+      whole_U.push_back(U[i - 1] + x * (U[i] - U[i - 1]));
+    }
+    whole_F.push_back(F[i]);
+    whole_U.push_back(U[i]);
+  }
+  return true;
+}
+
+// Those that can be told from the slow force and have neighbours to be compared with.
+std::vector<Line> mains_lines(double rate_Hz) {
+  std::vector<Line> out;
+  for (const auto& [mains_Hz, harmonic] : {std::pair{50.0, 1.0}, {60.0, 1.0}, {50.0, 3.0}, {60.0, 3.0}}) {
+    Line line{mains_Hz, folded_Hz(harmonic * mains_Hz, rate_Hz), 2.0, {}, {}, {}};
+    const double f = line.frequency_Hz;
+    if (f < kSlowestLine_Hz) continue;
+    if (0.5 * rate_Hz - f < 0.5) line.halves = 1.0;
+    const auto beside = [&](double by_Hz) {
+      return Spectrum(2.0 * std::numbers::pi * (f + by_Hz) / rate_Hz);
+    };
+    for (const double by_Hz : {-0.25, 0.0, 0.25}) line.at.push_back(beside(by_Hz));
+    line.force = line.at;
+    for (const double by_Hz : {-3.0, -2.25, -1.5, 1.5, 2.25, 3.0})
+      if (f + by_Hz > 1.0 && f + by_Hz < 0.5 * rate_Hz) line.beside.push_back(beside(by_Hz));
+    if (line.beside.size() >= 2) out.push_back(std::move(line));
+  }
+  return out;
+}
+
+// Of samples that follow each other at one rate.
+MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<double>& U, double gain) {
+  MainsLine best;
+  const std::size_t n = U.size();
+  best.rate_Hz = rate;
+  // a short record has shorter segments rather than fewer
+  const double segment_s = std::clamp(static_cast<double>(n) / rate / kFewestSegments, kShortest_s, kSegment_s);
+  const std::size_t length = std::max(static_cast<std::size_t>(segment_s * rate), kFewestSamples);
+  if (rate < kSlowest_Hz || n < 2 * length) return best;
+  const std::size_t segments = std::min(kMostSegments, n / length);
+  std::vector<std::size_t> from;
+  for (std::size_t k = 0; k < segments; ++k) {
+    from.push_back(k * (n - length) / std::max<std::size_t>(1, segments - 1));
+  }
+  std::vector<Line> lines = mains_lines(rate);
+
+  Rotation hann(2.0 * std::numbers::pi / static_cast<double>(length));
+  double total = 0.0;
+  std::array<bool, kMostSegments> broken{};
+  std::array<Side, kBlock> e{}, f{};
+  for (std::size_t begin = 0; begin < length; begin += kBlock) {
+    const std::size_t size = std::min(kBlock, length - begin);
+    for (std::size_t i = 0; i < size; ++i, hann.step()) {
+      const double w = 0.5 - 0.5 * hann.re;
+      total += w;
+      for (std::size_t k = 0; k < from.size(); ++k) {
+        const std::size_t at = from[k] + begin + i;
+        const double residual = U[at] - gain * F[at];
+        broken[k] = broken[k] || !std::isfinite(residual);
+        e[i][k] = w * residual;
+        f[i][k] = w * (gain * F[at]);
+      }
+    }
+    for (Line& line : lines) {
+      for (Spectrum& s : line.at) s.add({e.data(), size});
+      for (Spectrum& s : line.force) s.add({f.data(), size});
+      for (Spectrum& s : line.beside) s.add({e.data(), size});
+    }
+  }
+
+  std::vector<std::size_t> whole;
+  for (std::size_t k = 0; k < from.size(); ++k)
+    if (!broken[k]) whole.push_back(k);
+  if (whole.size() < 2) return best;
+  for (const Line& line : lines) {
+    std::vector<double> ratio, amplitude;
+    for (const std::size_t k : whole) {
+      double at_line = 0.0, force = 0.0;
+      for (const Spectrum& s : line.at) at_line = std::max(at_line, s.power(k, total));
+      for (const Spectrum& s : line.force) force = std::max(force, s.power(k, total));
+      std::vector<double> beside;
+      for (const Spectrum& s : line.beside) beside.push_back(s.power(k, total));
+      ratio.push_back(at_line / (quantile(beside, 0.5) + 3.0 * force + 1e-18));
+      amplitude.push_back(line.halves * std::sqrt(at_line));
+    }
+    const double r = quantile(ratio, 0.5);
+    const double a = quantile(amplitude, 0.5);
+    if (r > best.ratio) best = {a, line.frequency_Hz, line.mains_Hz, rate, r};
+  }
+  return best;
+}
+
+}  // namespace
+
+double folded_Hz(double line_Hz, double rate_Hz) {
+  const double folded = std::fmod(line_Hz, rate_Hz);
+  return std::min(folded, rate_Hz - folded);
+}
+
+MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double>& F,
+                          const std::vector<double>& U, double gain) {
+  MainsLine best;
+  if (t.size() < 512 || !(t.back() > t.front())) return best;
+  const double rate = rate_between_gaps(t);
+  if (std::vector<double> whole_F, whole_U; fill_short_gaps(t, rate, F, U, whole_F, whole_U)) return line_of(rate, whole_F, whole_U, gain);
+  return line_of(rate, F, U, gain);
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,394 @@
+#include "hil/diagnose/raw/raw_health.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "hil/base/portable_math.h"
+#include "hil/diagnose/raw/mains_line.h"
+#include "hil/diagnose/raw/reference_scatter.h"
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// The channel itself where it is as long as its clock; else `room`, with what is missing.
+const std::vector<double>& aligned(const Channel& channel, std::size_t n, std::vector<double>& room) {
+  if (channel.value.size() == n) return channel.value;
+  room = channel.value;
+  room.resize(n, kMissing);
+  return room;
+}
+
+// Robust white noise from fourth differences (1 -4 6 -4 1, norm sqrt 70): smooth signals vanish.
+double white_noise(const std::vector<double>& x) {
+  std::vector<double> d;
+  const std::size_t stride = std::max<std::size_t>(1, x.size() / 20000);
+  for (std::size_t i = 2; i + 2 < x.size(); i += stride) {
+    const double v = x[i - 2] - 4.0 * x[i - 1] + 6.0 * x[i] - 4.0 * x[i + 1] + x[i + 2];
+    if (std::isfinite(v)) d.push_back(std::abs(v));
+  }
+  const double median = quantile(std::move(d), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
+}
+
+// The same from what a polynomial through four samples on either side, at their own times, leaves of a sample: a force of ten samples a
+// cycle is smooth to it, and a jittering clock does not make it noise.
+double restless_noise(std::span<const double> t_s, const std::vector<double>& x) {
+  constexpr std::size_t kSide = 4, kMost = 8000;
+  std::vector<double> d;
+  const std::size_t n = std::min(t_s.size(), x.size()), stride = std::max<std::size_t>(1, n / kMost);
+  for (std::size_t i = kSide; i + kSide < n; i += stride) {
+    double left = x[i], norm2 = 1.0;
+    for (std::size_t k = i - kSide; k <= i + kSide; ++k) {
+      if (k == i) continue;
+      double weight = 1.0;
+      for (std::size_t j = i - kSide; j <= i + kSide; ++j)
+        if (j != i && j != k) weight *= (t_s[i] - t_s[j]) / (t_s[k] - t_s[j]);
+      left -= weight * x[k];
+      norm2 += weight * weight;
+    }
+    if (const double v = std::abs(left) / std::sqrt(norm2); std::isfinite(v)) d.push_back(v);
+  }
+  const double median = quantile(std::move(d), 0.5);
+  return std::isfinite(median) ? 1.4826 * median : 0.0;
+}
+
+constexpr std::size_t kFewestValues = 8;
+
+std::vector<double> values_of(const std::vector<double>& x) {
+  std::vector<double> v;
+  const std::size_t stride = std::max<std::size_t>(1, x.size() / 6000);
+  for (std::size_t i = 0; i < x.size(); i += stride)
+    if (std::isfinite(x[i])) v.push_back(x[i]);
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+  return v;
+}
+
+// Step of the values: the smallest common gap, when nearly all gaps are multiples of it.
+double value_step(const std::vector<double>& x) {
+  const std::vector<double> v = values_of(x);
+  if (v.size() < kFewestValues) return 0.0;
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < v.size(); ++i) gaps.push_back(v[i] - v[i - 1]);
+  // the smallest too: where the levels of a staircase lie far apart most gaps are theirs
+  for (const double step : {quantile(gaps, 0.2), *std::ranges::min_element(gaps)}) {
+    const auto fits = [&](double gap) { return std::round(gap / step) >= 1.0 && std::abs(gap / step - std::round(gap / step)) < 0.12; };
+    if (step > 0.0 && static_cast<double>(std::ranges::count_if(gaps, fits)) > 0.9 * static_cast<double>(gaps.size())) return step;
+  }
+  return 0.0;
+}
+
+// Of the samples that are there; a lost one of the reference does not hide what the output does meanwhile.
+double mean_of_present(std::span<const double> x) {
+  double sum = 0.0, n = 0.0;
+  for (const double v : x)
+    if (std::isfinite(v)) {
+      sum += v;
+      n += 1.0;
+    }
+  return n > 0.0 ? sum / n : kMissing;
+}
+
+// Without bounds where nothing is there.
+std::pair<double, double> range_of_present(std::span<const double> x) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double v : x) {
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  return low <= high ? std::pair(low, high) : std::pair(high, low);
+}
+
+double middle_of_four(double a, double b, double c, double d) {
+  const double low = std::min(std::min(a, b), std::min(c, d)),
+               high = std::max(std::max(a, b), std::max(c, d));
+  return 0.5 * (a + b + c + d - low - high);
+}
+
+// Scatter of one sample among the 24 on either side, those next to it left out: median of the second differences. Noise that grows with
+// the load and bursts make all of them jump.
+double scatter_around(const std::vector<double>& U, std::size_t at) {
+  constexpr std::size_t kAround = 24, kBeside = 3;
+  std::vector<double> second;
+  for (std::size_t k = std::max(at, kAround + 1) - kAround; k + 1 < std::min(U.size(), at + kAround); ++k)
+    if ((k + kBeside < at || k > at + kBeside) && std::isfinite(U[k - 1] + U[k] + U[k + 1])) second.push_back(std::abs(U[k - 1] - 2.0 * U[k] + U[k + 1]));
+  const double median = quantile(std::move(second), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
+}
+
+// Spikes come at any level of the output. Jumps that sit at a few levels only are steps of the converter's curve: the
+// levels that hold four fifths of them are hardly visited otherwise.
+bool sit_at_fixed_levels(const std::vector<double>& U, const std::vector<double>& level) {
+  constexpr std::size_t kBins = 128, kEnough = 40;
+  if (level.size() < kEnough) return false;
+  const double low = quantile(U, 0.001), high = quantile(U, 0.999);
+  if (!(high > low)) return false;
+  std::vector<double> all(kBins, 0.0), jumps(kBins, 0.0);
+  const auto bin = [&](double u) {
+    return static_cast<std::size_t>(std::clamp((u - low) / (high - low), 0.0, 0.9999) *
+                                    static_cast<double>(kBins));
+  };
+  double n_all = 0.0;
+  for (double u : U)
+    if (std::isfinite(u)) {
+      all[bin(u)] += 1.0;
+      n_all += 1.0;
+    }
+  for (double u : level) jumps[bin(u)] += 1.0;
+  std::vector<std::size_t> order(kBins);
+  for (std::size_t b = 0; b < kBins; ++b) order[b] = b;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return jumps[a] * (all[b] + 1.0) > jumps[b] * (all[a] + 1.0);
+  });
+  double covered = 0.0, visited = 0.0;
+  for (std::size_t b : order) {
+    if (covered >= 0.8 * static_cast<double>(level.size())) break;
+    covered += jumps[b];
+    visited += all[b];
+  }
+  return visited < 0.25 * n_all;
+}
+
+// Size of the one bit that spikes turn over: most have the same size, and it is a binary fraction of the range. 0: none.
+double common_bit_V(const std::vector<double>& jump, double range_V) {
+  constexpr std::size_t kEnough = 12;
+  if (jump.size() < kEnough) return 0.0;
+  const double size = quantile(jump, 0.5);
+  std::size_t same = 0;
+  for (double j : jump) same += std::abs(j - size) < 0.15 * size ? 1 : 0;
+  if (static_cast<double>(same) < 0.7 * static_cast<double>(jump.size())) return 0.0;
+  if (!std::isfinite(range_V)) return size;
+  const double bits = std::log2(range_V / size);
+  return std::abs(bits - std::round(bits)) < 0.12 ? size : 0.0;
+}
+
+// Where U has come to the declared ends of its range. A converter cannot go below zero (or above its full scale): what
+// lies there, or so near that noise was cut off, says nothing about the sensor and is no finding.
+struct RangeEnds {
+  double low_V = -std::numeric_limits<double>::infinity(), high_V = std::numeric_limits<double>::infinity();
+  bool holds(double U_V) const { return U_V <= low_V || U_V >= high_V; }
+};
+
+RangeEnds ends_of_range(const std::vector<double>& U, double low_V, double high_V, double lsb_V,
+                        double noise_V) {
+  constexpr int kEnough = 4;
+  const double margin = std::max(1.5 * lsb_V, 3.0 * noise_V);
+  int at_low = 0, at_high = 0, beyond_low = 0, beyond_high = 0;
+  for (const double u : U) {
+    at_low += u <= low_V + 0.5 * lsb_V ? 1 : 0;
+    beyond_low += u < low_V - lsb_V ? 1 : 0;
+    at_high += u >= high_V - 1.5 * lsb_V ? 1 : 0;
+    beyond_high += u > high_V + lsb_V ? 1 : 0;
+  }
+  RangeEnds ends;
+  if (at_low >= kEnough && beyond_low == 0) ends.low_V = low_V + margin;
+  if (std::isfinite(high_V) && at_high >= kEnough && beyond_high == 0) ends.high_V = high_V - margin;
+  return ends;
+}
+
+// Of two channels, their sums of squares about the means.
+struct Shared {
+  double n = 0.0, FF = 0.0, FU = 0.0, UU = 0.0;
+  std::optional<double> gain() const { return FF > 0.0 ? std::optional(FU / FF) : std::nullopt; }
+};
+
+Shared shared_by(std::span<const double> F, std::span<const double> U) {
+  Shared out;
+  double mean_F = 0.0, mean_U = 0.0;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (!std::isfinite(F[i] + U[i])) continue;
+    out.n += 1.0;
+    const double dF = F[i] - mean_F, dU = U[i] - mean_U;
+    mean_F += dF / out.n;
+    mean_U += dU / out.n;
+    out.FF += dF * (F[i] - mean_F);
+    out.FU += dF * (U[i] - mean_U);
+    out.UU += dU * (U[i] - mean_U);
+  }
+  return out;
+}
+
+// Of one record where its force moves enough to tell; noise of the reference would make it small.
+double gain_of_record(const Shared& shared, const HealthScales& scales) {
+  constexpr double kEnough = 0.1;  // RMS, of the range
+  return shared.FF > kEnough * kEnough * scales.range_N * scales.range_N * shared.n ? *shared.gain() : scales.gain_V_per_N;
+}
+
+}  // namespace
+
+HealthScales health_scales(const Campaign& campaign) {
+  std::vector<double> F, U;
+  for (const Record& record : campaign.records) {
+    const Channel* f = record.trace.find("F_ref");
+    const Channel* u = record.trace.find("U");
+    if (f == nullptr || u == nullptr) continue;
+    const std::size_t n = std::min(f->value.size(), u->value.size()),
+                      stride = std::max<std::size_t>(1, n / 3000);
+    for (std::size_t i = 0; i < n; i += stride)
+      if (std::isfinite(f->value[i]) && std::isfinite(u->value[i])) {
+        F.push_back(f->value[i]);
+        U.push_back(u->value[i]);
+      }
+  }
+  HealthScales out;
+  if (F.size() < 8) return out;
+  out.range_N = std::max(1e-12, quantile(F, 0.999) - quantile(F, 0.001));
+  out.U_range_V = std::max(1e-12, quantile(U, 0.999) - quantile(U, 0.001));
+  out.gain_V_per_N = shared_by(F, U).gain().value_or(1.0);
+  out.step_N = value_step(F);
+  out.step_V = value_step(U);
+  return out;
+}
+
+RecordHealth check_raw_health(const Record& record, const HealthScales& scales, const BenchFacts& bench) {
+  RecordHealth out;
+  out.record = record.name;
+  const Channel* f = record.trace.find("F_ref");
+  const Channel* u = record.trace.find("U");
+  if (f == nullptr || u == nullptr) return out;
+  const auto& t = record.trace.time_bases[f->time_base].t_s;
+  const std::size_t n = t.size();
+  std::vector<double> room_F, room_U;
+  const std::vector<double>&F = aligned(*f, n, room_F), &U = aligned(*u, n, room_U);
+  out.samples = n;
+  out.bad.assign(n, 0);
+  out.gaps = record.trace.time_bases[f->time_base].gaps.size();
+  if (n < 16) return out;
+  out.noise_U_V = white_noise(U);
+  out.noise_F_N = std::min(white_noise(F), restless_noise(t, F));
+  const Shared shared = shared_by(F, U);
+  out.scatter_F = reference_scatter(t, F, U, {.range_V = scales.U_range_V, .gain_V_per_N = gain_of_record(shared, scales), .noise_V = out.noise_U_V});
+  if (shared.n > 0.0 && shared.UU > 0.0) out.beside_line_N = std::sqrt(std::max(0.0, shared.FF - shared.FU * shared.FU / shared.UU) / shared.n);
+  const double low_rail = std::isfinite(bench.voltage_min_V) ? bench.voltage_min_V : 0.0;
+  out.lsb_U_V = value_step(U);
+  out.lsb_F_N = value_step(F);
+  // a few levels of a staircase show no step: it is then that of all records, or the one that the converter is said to have
+  if (out.lsb_F_N == 0.0) out.lsb_F_N = scales.step_N;
+  if (out.lsb_U_V == 0.0) out.lsb_U_V = scales.step_V;
+  if (out.lsb_U_V == 0.0 && bench.adc_bits > 0 && values_of(U).size() < kFewestValues)
+    out.lsb_U_V = (std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - low_rail : scales.U_range_V) / std::exp2(bench.adc_bits);
+  const double gain = std::abs(scales.gain_V_per_N);
+  const double quiet = 8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V;
+
+  const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
+  // A fall to the end of the range that the force does not explain: lost samples. Else the instrument's declared range.
+  const auto falls_there = [&](std::size_t i) {
+    if (i < 2 || !std::isfinite(U[i - 1])) return false;
+    const auto [low, high] = std::minmax({F[i - 2], F[i - 1], F[i]});
+    return std::abs(U[i - 1] - U[i]) > quiet + 1.5 * gain * (high - low);
+  };
+  const auto mark = [&](std::size_t i, BadSample why, double error) {
+    if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
+    out.bad[i] = static_cast<std::uint8_t>(why);
+  };
+  constexpr double kAboveAround = 8.0;
+  std::vector<std::size_t> spike;
+  std::vector<double> spike_level;
+  // a spike comes back, and its neighbours know nothing of it; what stays is an edge, or held samples that were let go, and what they
+  // climb to is a peak
+  const auto stands_alone = [&](std::size_t i, double jump) {
+    return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump && std::abs(U[i - 1] + U[i + 1] - U[i - 2] - U[i + 2]) < 0.8 * jump;
+  };
+  // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
+  for (std::size_t i = 2; i + 2 < n; ++i) {
+    if (!std::isfinite(U[i])) {
+      ++out.missing;
+      out.missing_runs += std::isfinite(F[i]) && std::isfinite(U[i - 1]) ? 1 : 0;
+      out.bad[i] = static_cast<std::uint8_t>(BadSample::missing);
+      continue;
+    }
+    const double middle = middle_of_four(U[i - 2], U[i - 1], U[i + 1], U[i + 2]);
+    const double jump = std::abs(U[i] - middle);
+    if (!(jump > quiet)) continue;
+    const auto [low, high] = range_of_present({&F[i - 2], 5});
+    if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
+    const auto at_low_end = [&](std::size_t k) { return std::abs(U[k] - low_rail) < 1e-9 + out.lsb_U_V; };
+    if (at_low_end(i)) {
+      out.zero_runs += at_low_end(i - 1) ? 0 : 1;
+      ++(at_low_end(i - 1) || at_low_end(i + 1) ? out.zeros : out.lone_zeros);
+      mark(i, BadSample::zero, jump);
+    } else if (stands_alone(i, jump) && jump > kAboveAround * scatter_around(U, i)) {
+      spike.push_back(i);
+      spike_level.push_back(middle);
+    }
+  }
+  if (!sit_at_fixed_levels(U, spike_level)) {
+    std::vector<double> size;
+    for (std::size_t k = 0; k < spike.size(); ++k) size.push_back(std::abs(U[spike[k]] - spike_level[k]));
+    out.bit_V = common_bit_V(size, bench.voltage_max_V - low_rail);
+    (out.bit_V > 0.0 ? out.bit_errors : out.outliers) = spike.size();
+    for (std::size_t k = 0; k < spike.size(); ++k) {
+      mark(spike[k], out.bit_V > 0.0 ? BadSample::bit : BadSample::outlier, size[k]);
+      if (out.outliers > 0) out.outlier_square_V2 += size[k] * size[k];
+    }
+  }
+  // runs of one value: held while the force moves on, flat tops at the largest value of all
+  const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {
+    return (std::isfinite(a) ? a : -1e300) < (std::isfinite(b) ? b : -1e300);
+  });
+  out.top_V = top;
+  const double move_V = std::max({0.015 * scales.U_range_V, 4.0 * out.lsb_U_V, 6.0 * gain * out.noise_F_N});
+  for (std::size_t i = 0; i < n;) {
+    std::size_t end = i + 1;
+    while (end < n && U[end] == U[i]) ++end;
+    const std::size_t length = end - i;
+    if (length >= 4 && std::isfinite(U[i])) {
+      const auto [low, high] = range_of_present({&F[i], length});
+      const bool at_top = U[i] >= top - 1e-12;
+      // ends against each other: the scatter of a noisy reference is no movement
+      const std::span<const double> held(&F[i], length);
+      const double moved = 2.0 * std::abs(mean_of_present(held.last(length / 2)) - mean_of_present(held.first(length / 2)));
+      // held samples are let go with a jump to where the output has been meanwhile; an output that is merely late goes
+      // on as the force went
+      const double release = end < n ? std::abs(U[end] - U[i]) : 0.0;
+      const double next = end + 1 < n ? std::abs(U[end + 1] - U[end]) : 0.0;
+      const bool late = release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next;
+      const bool at_end = U[i] >= top - 1e-12 || std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
+      const bool allowed = (ends.holds(U[i]) && !falls_there(i)) || (late && !at_end);
+      const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
+      // down and up again though the force stays where it is, before and after too: an output at the end of its range glides there
+      double around_low = low, around_high = high;
+      for (std::size_t k = i >= 2 ? i - 2 : 0; k < std::min(n, end + 2); ++k) {
+        around_low = std::min(around_low, F[k]);
+        around_high = std::max(around_high, F[k]);
+      }
+      const bool falls = at_bottom && i > 0 && end < n &&
+                         std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
+      out.zero_runs += falls ? 1 : 0;
+      if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
+        const bool rail = at_top && length >= 8;
+        const BadSample why = rail ? BadSample::rail : at_bottom ? BadSample::zero : BadSample::held;
+        for (std::size_t k = i; k < end; ++k) mark(k, why, 0.5 * gain * (high - low));
+        if (!at_bottom && i > 0) out.runs.push_back({U[i], U[i - 1], length});
+        if (rail) {
+          out.at_rail += length;
+          out.rail_V = U[i];
+        } else if (at_bottom) {
+          out.zeros += length;
+        } else {
+          out.held += length;
+        }
+      }
+    }
+    i = end;
+  }
+  out.bad_mean_square_V2 /= static_cast<double>(n);
+  // a rail cuts noise off: what comes near it is bent too
+  const double bent_V = out.at_rail > 0 ? out.rail_V - std::max(1.5 * out.lsb_U_V, 3.0 * out.noise_U_V) : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i)
+    if (out.bad[i] == 0 && (U[i] >= bent_V || ends.holds(U[i]))) out.bad[i] = static_cast<std::uint8_t>(BadSample::censored);
+  const MainsLine line = find_mains_line(t, F, U, scales.gain_V_per_N);
+  out.hum_V = line.amplitude_V;
+  out.hum_Hz = line.frequency_Hz;
+  out.hum_ratio = line.ratio;
+  out.mains_Hz = line.mains_Hz;
+  out.rate_Hz = line.rate_Hz;
+  return out;
+}
+
+}  // namespace forcegate::diagnose

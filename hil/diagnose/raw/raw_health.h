@@ -1,0 +1,83 @@
+#pragma once
+// S0: what the samples themselves say at full rate, before any fit. Detectors with their own evidence; what an
+// instrument is declared to do (resolution, noise, range, bits) is never a finding.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/raw/reference_scatter.h"
+#include "hil/trace/campaign.h"
+
+namespace forcegate::diagnose {
+
+/// Why no fit may use a sample.
+enum class BadSample : std::uint8_t {
+  none,
+  missing,
+  zero,      ///< at the low end where the force says otherwise
+  outlier,
+  bit,       ///< off by the weight of one bit of the converter
+  held,
+  rail,
+  censored,  ///< at a declared end of the range, or next to a rail: no fault
+};
+
+/// Samples of one value while the force moves on.
+struct HeldRun {
+  double value_V = 0.0, before_V = 0.0;  ///< before_V: the sample that came before
+  std::size_t samples = 0;
+};
+
+struct RecordHealth {
+  std::string record;
+  std::vector<std::uint8_t> bad;  ///< BadSample of every sample
+  std::size_t samples = 0, missing = 0, outliers = 0, held = 0, zeros = 0, at_rail = 0, gaps = 0;
+  std::size_t zero_runs = 0;  ///< at the low end where the force says otherwise
+  std::size_t missing_runs = 0;  ///< of the output alone: the reference went on
+  std::size_t lone_zeros =
+      0;  ///< single samples at the low end: a lost sample, or a spike that was cut off there
+  double outlier_square_V2 = 0.0;           ///< sum over the outliers of what they stand off by, squared
+  std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
+  double bit_V = 0.0;                       ///< that size
+  double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample; of the force less what its movement and a jittering clock make of it
+  double smoothed_F_N = 0.0;                ///< noise of the reference that smoothing leaves; 0 where nothing was smoothed
+  double beside_line_N = 0.0;  ///< RMS of the force beside a straight line in the output
+  ReferenceScatter scatter_F;               ///< of the reference beside the output, coloured noise included
+  double lsb_U_V = 0.0, lsb_F_N = 0.0;      ///< step of the values, 0 when none is visible
+  double rail_V = 0.0;                      ///< voltage of the flat tops, when there are some
+  std::vector<HeldRun> runs;                ///< those that `held` and `at_rail` count
+  double top_V = 0.0;                       ///< largest output
+  double hum_V = 0.0, hum_Hz = 0.0, hum_ratio = 0.0;  ///< strongest mains line, as sampled, and its power over its neighbours
+  double mains_Hz = 0.0, rate_Hz = 0.0;               ///< 50 or 60, and the rate of sampling that folds it
+  double bad_mean_square_V2 = 0.0;  ///< what the bad samples, and hum that was taken off, add to the mean squared error
+};
+
+struct HealthScales {
+  double gain_V_per_N = 2.0;
+  double range_N = 5.0, U_range_V = 10.0;
+  double step_N = 0.0, step_V = 0.0;  ///< of the values of all records together; 0: none is visible
+};
+
+/// Coarse static gain and spans over all records (least squares of U on F).
+HealthScales health_scales(const Campaign& campaign);
+
+RecordHealth check_raw_health(const Record& record, const HealthScales& scales, const BenchFacts& bench);
+
+/// A line far above its neighbours and of a size that matters.
+bool shows_hum(const RecordHealth& health, const HealthScales& scales);
+
+/// A detector's claim over the whole campaign.
+struct HealthClaim {
+  std::string effect;
+  double probability = 0.0;
+  std::string evidence;
+  std::string parameter, unit;
+  double value = 0.0, u = 0.0;
+  std::vector<SampleWindow> samples{};  ///< hil/diagnose/raw/sample_windows.h
+};
+std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
+                                       const BenchFacts& bench);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,54 @@
+#include "hil/diagnose/raw/record_gains.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/plain_number.h"
+#include "hil/trace/static_line.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+struct RecordSlope {
+  std::string record;
+  double V_per_N = 0.0;
+};
+
+std::vector<RecordSlope> slopes_of(const std::vector<RecordInput>& records) {
+  constexpr double kFewestRows = 16.0, kFollows = 0.7;
+  std::vector<RecordSlope> out;
+  for (const RecordInput& r : records) {
+    StaticLine line;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) line.push(r.U_V[i], r.F_N[i]);
+    if (line.n() < kFewestRows || !(line.variance_N2() > 0.0) || !(line.variance_V2() > 0.0)) continue;
+    if (std::abs(line.covariance_VN()) < kFollows * std::sqrt(line.variance_N2() * line.variance_V2())) continue;
+    out.push_back({r.name, std::abs(line.covariance_VN()) / line.variance_N2()});
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<void> check_record_gains(const std::vector<RecordInput>& records, std::vector<std::string>& notes) {
+  constexpr double kAnotherUnit = 300.0, kNoDecay = 8.0;
+  const std::vector<RecordSlope> slopes = slopes_of(records);
+  if (slopes.size() < 2) return {};
+  std::vector<double> sorted;
+  for (const RecordSlope& s : slopes) sorted.push_back(s.V_per_N);
+  std::ranges::sort(sorted);
+  const double typical = sorted[sorted.size() / 2];
+  for (const RecordSlope& s : slopes) {
+    const double times = s.V_per_N / typical, far = std::max(times, 1.0 / times);
+    if (far < kNoDecay) continue;
+    const std::string others = slopes.size() == 2 ? " that of the other record" : " that of most other records";
+    const std::string text = "the output per newton is " + plain_number(std::round(far)) + (times > 1.0 ? " times" : " times less than") + others;
+    if (far >= kAnotherUnit)
+      return fail(ErrorCode::parse, text, s.record, "is a column of one of them in mV or mN, and its header says V or N?");
+    notes.push_back(s.record + ": " + text);
+  }
+  return {};
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,53 @@
+#include "hil/diagnose/raw/reference_noise_claim.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/model/rows.h"
+
+namespace forcegate::diagnose {
+
+std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHealth>& health,
+                                                    const HealthScales& scales, const BenchFacts& bench) {
+  constexpr double kLeast = 0.0025;  // of the range
+  // where the output stands still nothing else scatters, and the measure is exact: less above what is declared is enough
+  constexpr double kAbove = 2.0, kAboveSteps = 1.3, kAboveStill = 1.5;
+  std::vector<double> noise, stood, ladder;
+  double lsb_N = 0.0, lsb_V = 0.0;
+  for (const RecordHealth& h : health) {
+    noise.push_back(std::min(std::max(h.noise_F_N, h.scatter_F.quartile_N), h.scatter_F.alone_N));
+    if (h.scatter_F.still_N > 0.0) stood.push_back(h.scatter_F.still_N);
+    if (h.lsb_F_N > 0.0) ladder.push_back(std::min(h.lsb_F_N / std::sqrt(12.0), h.beside_line_N));
+    lsb_N = std::max(lsb_N, h.lsb_F_N);
+    lsb_V = std::max(lsb_V, h.lsb_U_V);
+  }
+  const bool noise_declared = std::isfinite(bench.reference_noise_N) && bench.reference_noise_N > 0.0,
+             resolution_declared = std::isfinite(bench.reference_resolution_N);
+  const double resolution = resolution_declared ? bench.reference_resolution_N : lsb_N;
+  const double allowed =
+      noise_declared ? std::hypot(bench.reference_noise_N, resolution / std::sqrt(12.0)) : resolution;
+  // a value that stands between two codes comes out as either; a force that moves within one code of the output has not moved it
+  const double hidden_V = 0.5 * lsb_V;
+  const double allowed_still = std::hypot(std::max(allowed, 0.5 * resolution), scales.gain_V_per_N != 0.0 ? hidden_V / scales.gain_V_per_N : 0.0);
+  // a force that moves fast is scatter too: the quieter records tell. A ladder of values in several records is exact, unless the output
+  // moves by the same: the levels of a staircase are no codes
+  const std::size_t several = std::min<std::size_t>(2, health.size());
+  const double of_ladder = ladder.size() >= several ? quantile(ladder, 0.5) : 0.0;
+  const double moving = std::max(quantile(noise, 0.25), of_ladder);
+  const double still =
+      stood.size() * 2 >= std::min<std::size_t>(health.size(), 4) ? quantile(stood, 0.25) : 0.0;
+  const bool scatters = noise_declared ? moving > kAbove * allowed || still > kAboveStill * allowed_still
+                                       : resolution_declared && moving > kAboveSteps * allowed;
+  const double found = noise_declared ? std::max(moving, still) : moving;
+  if (!(allowed > 0.0) || !scatters || !(found > kLeast * scales.range_N)) return std::nullopt;
+  return HealthClaim{"reference_noise",
+                     0.93,
+                     "the reference scatters by " + std::to_string(found).substr(0, 6) + " N where " +
+                         std::to_string(allowed).substr(0, 6) + " N are allowed",
+                     "noise_N",
+                     "N",
+                     found,
+                     0.05 * found};
+}
+
+}  // namespace forcegate::diagnose

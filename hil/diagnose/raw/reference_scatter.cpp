@@ -1,0 +1,113 @@
+#include "hil/diagnose/raw/reference_scatter.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+struct Window {
+  double scatter_N, moves_N, moves_V;  // standard deviations: of F beside U, its slope and a parabola, of F, of U
+  double step_N;                       // RMS from one sample of F to the next
+  double free_N2, shared_NV;           // beside a parabola: variance of F, covariance of F and U
+  double of_noise_U;                   // variance that a unit of the output's noise brings into the scatter, N^2/V^2
+};
+
+std::vector<Window> windows_of(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double window_s) {
+  constexpr std::size_t kFewestSamples = 24, kMostWindows = 400, kFewestWindows = 8;
+  std::vector<Window> out;
+  const std::size_t n = std::min({t_s.size(), F_N.size(), U_V.size()});
+  if (n < kFewestSamples * kFewestWindows) return out;
+  const double step = (t_s[n - 1] - t_s[0]) / static_cast<double>(n - 1);
+  const std::size_t length = std::max(kFewestSamples, static_cast<std::size_t>(std::max(0.0, window_s / std::max(step, 1e-9))));
+  const std::size_t windows = n / length, stride = std::max<std::size_t>(1, windows / kMostWindows);
+  // the place in the window is the same in all of them
+  Eigen::Matrix3d places = Eigen::Matrix3d::Zero();
+  std::vector<double> place;
+  place.reserve(length);
+  for (std::size_t k = 0; k < length; ++k) {
+    const double x = 2.0 * static_cast<double>(k) / static_cast<double>(length - 1) - 1.0;
+    const Eigen::Vector3d v(1.0, x, x * x);
+    places += v * v.transpose();
+    place.push_back(x);
+  }
+  for (std::size_t w = 0; w < windows; w += stride) {
+    // places, U, its slope (a late reference does not scatter), F
+    Eigen::Matrix3d with = Eigen::Matrix3d::Zero(), among = with;
+    double steps = 0.0;
+    for (std::size_t k = 0; k < length; ++k) {
+      const std::size_t i = w * length + k;
+      const Eigen::Vector3d v(1.0, place[k], place[k] * place[k]);
+      const Eigen::Vector3d x(U_V[i], 0.5 * (U_V[std::min(i + 1, n - 1)] - U_V[i > 0 ? i - 1 : 0]), F_N[i]);
+      with += v * x.transpose();
+      among += x * x.transpose();
+      if (k > 0) steps += (F_N[i] - F_N[i - 1]) * (F_N[i] - F_N[i - 1]);
+    }
+    // a missing sample is missing in these sums
+    if (!among.allFinite()) continue;
+    const double samples = static_cast<double>(length), mean_U = with(0, 0) / samples, mean_F = with(0, 2) / samples;
+    const double moves_V = std::sqrt(std::max(0.0, among(0, 0) / samples - mean_U * mean_U));
+    const double moves_N = std::sqrt(std::max(0.0, among(2, 2) / samples - mean_F * mean_F));
+    Eigen::Matrix<double, 6, 6> M;
+    M << places, with, with.transpose(), among;
+    // U may stand still to the last code: its share is then nothing
+    for (const int j : {3, 4}) M(j, j) += 1e-12 * (1.0 + M(j, j));
+    const Eigen::Matrix<double, 5, 1> c = M.topLeftCorner<5, 5>().ldlt().solve(M.topRightCorner<5, 1>());
+    const double left = std::max(0.0, M(5, 5) - c.dot(M.topRightCorner<5, 1>()));
+    const Eigen::Matrix3d beside = (among - with.transpose() * places.ldlt().solve(with)) / (samples - 3.0);
+    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V, std::sqrt(steps / (samples - 1.0)), beside(2, 2), beside(0, 2), c[3] * c[3] + 0.5 * c[4] * c[4]});
+  }
+  return out;
+}
+
+}  // namespace
+
+ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, const OutputFacts& output) {
+  // of the record's span; beyond kSlow what the output does besides following the force would be laid at the reference's door
+  constexpr double kWindow_s = 0.25, kSlow = 0.1, kStillWindow_s = 0.5, kStill = 0.01, kKept = 0.95;
+  // noise steps by 1.4 of itself, coloured noise by some less; a force that moves smoothly while the output stands still has met a rail
+  constexpr double kLeastStep = 0.3;
+  constexpr std::size_t kFewest = 8, kFewestStill = 10;
+  ReferenceScatter out;
+  // the output's own noise hides from a regression a force that moves less than that; the covariance it leaves alone
+  const auto moved_N2 = [&](double shared_NV) { return std::max(0.0, shared_NV / output.gain_V_per_N); };
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double F : F_N) {
+    low = std::min(low, F);
+    high = std::max(high, F);
+  }
+  const auto lower_quartile = [](std::vector<double> x) {
+    if (x.size() < kFewest) return 0.0;
+    const auto quarter = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 4);
+    std::nth_element(x.begin(), quarter, x.end());
+    return *quarter;
+  };
+  std::vector<double> scatter, alone;
+  for (const Window& w : windows_of(t_s, F_N, U_V, kWindow_s)) {
+    if (w.moves_N < kSlow * (high - low)) scatter.push_back(w.scatter_N);
+    const double beside_U = w.scatter_N * w.scatter_N - w.of_noise_U * output.noise_V * output.noise_V;
+    alone.push_back(std::sqrt(std::max(0.0, std::min(beside_U, w.free_N2 - moved_N2(w.shared_NV)))));
+  }
+  out.quartile_N = lower_quartile(std::move(scatter));
+  out.alone_N = lower_quartile(std::move(alone));
+  std::vector<Window> still;
+  for (const Window& w : windows_of(t_s, F_N, U_V, kStillWindow_s))
+    if (w.moves_V < kStill * output.range_V && w.step_N > kLeastStep * w.scatter_N) still.push_back(w);
+  if (still.size() < kFewestStill) return out;
+  std::sort(still.begin(), still.end(), [](const Window& a, const Window& b) { return a.scatter_N < b.scatter_N; });
+  still.resize(static_cast<std::size_t>(kKept * static_cast<double>(still.size())));
+  double beside_U = 0.0, free = 0.0, shared = 0.0;
+  for (const Window& w : still) {
+    beside_U += w.scatter_N * w.scatter_N / static_cast<double>(still.size());
+    free += w.free_N2 / static_cast<double>(still.size());
+    shared += w.shared_NV / static_cast<double>(still.size());
+  }
+  out.still_N = std::sqrt(std::clamp(free - moved_N2(shared), 0.0, beside_U));
+  return out;
+}
+
+}  // namespace forcegate::diagnose

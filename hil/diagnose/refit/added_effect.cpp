@@ -1,0 +1,74 @@
+#include "hil/diagnose/refit/added_effect.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/answer/pictures.h"
+#include "hil/diagnose/answer/record_errors.h"
+#include "hil/diagnose/answer/residual_map.h"
+#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/choose/further_forms.h"
+#include "hil/diagnose/choose/refine.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Chosen and refined as a refit does it.
+Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::string& effect, unsigned threads) {
+  std::vector<std::string> others;
+  for (const EffectKind* kind : kinds_of(w.output))
+    if (kind->name != effect) others.push_back(kind->name);
+  ScreenResult result = screen(w.output, base.columns, others, &base, threads, 9, RecordUse::fit_records);
+  if (result.families.empty()) return fail(ErrorCode::config, "the campaign cannot show " + effect, w.input.name);
+  refine_family(w.input, w.output, base.columns, result.base, result.families.front(), threads);
+  const VariantScore& best = result.families.front().best;
+  const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
+  ChosenEffect out;
+  out.kind = w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
+  out.variant = best.variant;
+  out.between = out.kind->traits.between_records;
+  std::vector<int> present = base.columns;
+  add_columns(present, variant.columns);
+  out.fit = fit_mixed(w.output.problem, present, &best.fit, 15);
+  if (out.fit.valid && !out.between) out.further = further_forms(w.output, *out.kind, present, out.fit);
+  if (!out.fit.valid) return fail(ErrorCode::config, "the records do not determine the model with " + effect, w.input.name);
+  out.columns.assign(present.begin() + static_cast<std::ptrdiff_t>(base.columns.size()), present.end());
+  return out;
+}
+
+}  // namespace
+
+Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const std::string& effect) {
+  Diagnosis out;
+  out.campaign = w.input.name;
+  out.model = before.model_name;
+  out.unit = w.output.unit;
+  out.force_range_N = w.input.range_N;
+  out.voltage_range_V = w.input.U_range_V;
+  out.judged_by = w.judges;
+  out.verdict = DiagnosisVerdict::known;
+  Search search;
+  Selection& selection = search.output;
+  selection.base = base_model(w, before, out.notes);
+  if (!selection.base.valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name);
+  FORCEGATE_TRY(ChosenEffect chosen, choose(w, selection.base, effect, before.threads));
+  selection.claimed = selection.final = chosen.fit;
+  Finding f;
+  f.effect = effect;
+  f.side = chosen.kind->side;
+  f.unit = out.unit;
+  f.probability = 1.0;
+  out.findings.push_back(std::move(f));
+  selection.chosen.push_back(std::move(chosen));
+  add_records(w, selection.base, selection.claimed, out);
+  const auto residual = residual_rows(w.output, selection.base), left = residual_rows(w.output, selection.claimed);
+  out.maps = residual_maps(w, w.output, residual, before.threads);
+  out.maps_after = residual_maps(w, w.output, left, before.threads);
+  const auto sd = [&](int k) { return std::sqrt(selection.claimed.variance[k]); };
+  out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
+  add_pictures(w, search, selection.claimed, before.threads, out);
+  return out;
+}
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,270 @@
+#include "hil/diagnose/refit/refit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/text.h"
+#include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/answer/moved_parameters.h"
+#include "hil/diagnose/answer/shape_covariance.h"
+#include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/candidates/user_candidates.h"
+#include "hil/diagnose/choose/further_forms.h"
+#include "hil/diagnose/choose/reference_latency.h"
+#include "hil/diagnose/choose/refine.h"
+#include "hil/diagnose/choose/select.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+double held_out_rms(const Workspace& w, const std::vector<double>& square) {
+  return w.output.scale * std::sqrt(judged(w.output, square, w.judges));
+}
+
+// As a diagnosis judges: both models follow a record by the spreads of the base. What an effect between records changes, a record's own
+// gain and zero would hide.
+double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& base, bool levels) {
+  return held_out_rms(w, levels ? judge_levels(w.output, fit, base, w.judges) : judge(w.output, fit, base, w.judges).adapted);
+}
+
+// Best variant of one family beside the columns that are in, its shape refined; fit records only.
+Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::vector<int>& present,
+                             const MixedFit* warm, unsigned threads) {
+  std::vector<std::string> others;
+  for (const EffectKind* kind : kinds_of(w.output))
+    if (kind->name != name) others.push_back(kind->name);
+  ScreenResult result = screen(w.output, present, others, warm, threads, 9, RecordUse::fit_records);
+  if (result.families.empty())
+    return fail(
+        ErrorCode::config, "the campaign cannot show " + name, w.input.name,
+        "it needs a channel that these records do not have, or acts on the rig and not on the output");
+  refine_family(w.input, w.output, present, result.base, result.families.front(), threads);
+  return std::move(result.families.front().best);
+}
+
+ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const ShapeCovariance& joint) {
+  const Variant& variant = w.output.variants[static_cast<std::size_t>(index)];
+  const Candidate& c = w.output.candidates[static_cast<std::size_t>(variant.candidate)];
+  // the strengths were fitted beside the working gain; the law carries its own
+  const double gain = fit.coefficient[0] * w.output.gain_of_unit;
+  std::vector<Estimate> strength(static_cast<std::size_t>(c.count));
+  for (int j = 0; j < c.count; ++j)
+    for (std::size_t b = 0; b < fit.columns.size(); ++b)
+      if (fit.columns[b] == c.first + j) {
+        const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
+        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)};
+      }
+  ModelEffect out = model_effect(*c.kind, *c.form, c.shape, strength);
+  for (std::size_t k = 0; k < out.shape.size(); ++k) out.shape[k].se = joint.of_shape(index, k);
+  return out;
+}
+
+Waterfall waterfall_of(const Workspace& w,
+                       const std::vector<std::pair<std::string, std::vector<int>>>& effects,
+                       const MixedFit& base, bool levels) {
+  Waterfall out;
+  const std::size_t n = effects.size();
+  const auto error_of = [&](unsigned mask) {
+    std::vector<int> columns = base.columns;
+    for (std::size_t k = 0; k < n; ++k)
+      if ((mask >> k & 1u) != 0)
+        columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
+    const MixedFit fit = fit_mixed(w.output.problem, columns, &base, 10);
+    return fit.valid ? held_out_rms(w, fit, base, levels) : 0.0;
+  };
+  const unsigned all = (1u << std::min<std::size_t>(n, 16)) - 1u;
+  std::vector<double> error(n <= 4 ? all + 1u : 0u);
+  for (unsigned mask = 0; mask < error.size(); ++mask) error[mask] = error_of(mask);
+  out.start = n <= 4 ? error[0] : error_of(0);
+  out.end = n <= 4 ? error[all] : error_of(all);
+  unsigned mask = 0;
+  double now = out.start;
+  for (std::size_t k = 0; k < n; ++k) {
+    Waterfall::Bar bar;
+    bar.effect = effects[k].first;
+    mask |= 1u << k;
+    const double next = n <= 4 ? error[mask] : error_of(mask);
+    bar.as_added = bar.average = bar.low = bar.high = now - next;
+    now = next;
+    if (n <= 4) {
+      // mean over subsets with the Shapley weights; range over all subsets
+      bar.low = 1e300;
+      bar.high = -1e300;
+      bar.average = 0.0;
+      for (unsigned s = 0; s <= all; ++s) {
+        if ((s >> k & 1u) != 0) continue;
+        const double fall = error[s] - error[s | 1u << k];
+        int size = 0;
+        for (unsigned b = s; b != 0; b >>= 1) size += static_cast<int>(b & 1u);
+        double weight = 1.0 / static_cast<double>(n);
+        for (int q = 0; q < size; ++q)
+          weight *= static_cast<double>(q + 1) / static_cast<double>(static_cast<int>(n) - 1 - q);
+        bar.average += weight * fall;
+        bar.low = std::min(bar.low, fall);
+        bar.high = std::max(bar.high, fall);
+      }
+    }
+    bar.hollow = bar.low <= 0.0;
+    out.bars.push_back(bar);
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
+  std::vector<std::string> names;  // an effect may stand in the model with several forms
+  for (const std::string& name : start.effect_names())
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  for (const UserEffect& effect : start.user_effects)
+    if (is_fitted(effect)) names.push_back(effect.name);
+  if (!add.empty()) {
+    const EffectKind* kind = EffectRegistry::instance().find(add);
+    for (const auto& own : w.user_kinds)
+      if (own->name == add) kind = own.get();
+    for (const UserEffect& own : start.user_effects)
+      if (kind != nullptr && own.name == add) FORCEGATE_CHECK_OK(check_excited(own, *kind, w.input));
+    if (kind == nullptr) {
+      std::vector<std::string> known = EffectRegistry::instance().names();
+      for (const UserEffect& own : start.user_effects) known.push_back(own.name);
+      const std::string near = nearest_name(add, known);
+      return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add",
+                  near.empty() ? "" : "did you mean \"" + near + "\"?");
+    }
+    if (kind->channel != EffectChannel::output)
+      return fail(
+          ErrorCode::config,
+          add + " is not an effect of the sensor: it is mended at the " + kind->side + ", not in the model",
+          "forcegate add", kind->separates);
+    if (std::find(names.begin(), names.end(), add) != names.end())
+      return fail(ErrorCode::config, "the model has " + add + " already", start.name,
+                  "forcegate fit refits it");
+    names.push_back(add);
+  }
+  // from where a diagnosis stands: all records, then those to be fitted
+  const MixedFit of_all = fit_to_the_end(w.output, {}, nullptr, 18, RecordUse::all_records);
+  MixedFit base = of_all.valid ? fit_mixed(w.output.problem, {}, &of_all, 8) : of_all;
+  if (!base.valid)
+    return fail(ErrorCode::config, "the records do not determine the model", w.input.name,
+                "more records, or records with more force");
+  Refit out;
+  // what a diagnosis carries along is no error of the model here either
+  const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
+  if (!in_step && std::ranges::find(names, kLatencyEffect) == names.end()) base = forgive_late_reference(w, std::move(base), out.notes);
+  std::vector<int> present = base.columns;
+  std::vector<std::pair<std::string, std::vector<int>>> effects;
+  std::vector<int> variants;
+  MixedFit now = base, before = base;
+  for (const std::string& name : names) {
+    FORCEGATE_TRY(VariantScore best, best_of(w, name, present, &now, threads));
+    const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
+    before = now;
+    present.insert(present.end(), variant.columns.begin(), variant.columns.end());
+    variants.push_back(best.variant);
+    now = fit_mixed(w.output.problem, present, &best.fit, 15);
+    const EffectKind& kind = *w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
+    const std::size_t first = present.size() - variant.columns.size();
+    if (!kind.traits.between_records)
+      for (const int v : further_forms(w.output, kind, present, now)) variants.push_back(v);
+    effects.emplace_back(
+        name, std::vector<int>(present.begin() + static_cast<std::ptrdiff_t>(first), present.end()));
+  }
+  if (!now.valid)
+    return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,
+                "more records, or a model with fewer effects");
+  const ShapeCovariance joint = shape_covariance(w.input, w.output, now, variants);
+  const auto se = [&](int k) { return joint.of_coefficient(k); };
+  constexpr double kKnown = 2.0;  // of its standard error
+  if (!(std::abs(now.coefficient[0]) > kKnown * se(0)))
+    return fail(ErrorCode::config, "the records do not tell the gain of the sensor: the output does not follow the force beyond the noise", w.input.name,
+                "a record in which the force moves over a good part of its range");
+  if (add.empty()) before = base;
+
+  out.model = start;
+  out.model.span_N = w.input.range_N;
+  Model& m = out.model;
+  m.law = w.law;
+  // a law of decay that no record shows and some contradict would bend every later record
+  const auto is = [&](auto which) { return std::any_of(w.input.records.begin(), w.input.records.end(), which); };
+  if (is([](const RecordInput& r) { return r.found_static; }) && !is([](const RecordInput& r) { return r.dynamic && !r.found_static; }))
+    m.law.decays = false;
+  const double g = w.gain_V_per_N * now.coefficient[0];
+  m.law.gain_N_per_V = 1.0 / g;
+  m.law.offset_N = -now.coefficient[1] * w.output.scale / g;
+  m.law.b_scale = w.law.b_scale * std::exp(now.coefficient[2]);
+  m.law.q_scale = w.law.q_scale * std::exp(now.coefficient[3]);
+  m.se_gain = std::abs(m.law.gain_N_per_V * se(0) / now.coefficient[0]);
+  m.se_offset = se(1) * w.output.scale / std::abs(g);
+  m.se_b_scale = m.law.b_scale * se(2);
+  m.se_q_scale = m.law.q_scale * se(3);
+  const auto move = [&](const char* name, const char* unit, double a, double b, double u) {
+    out.moves.push_back({name, unit, a, b, u});
+  };
+  move("gain_N_per_V", "N/V", start.law.gain_N_per_V, m.law.gain_N_per_V, m.se_gain);
+  move("offset_N", "N", start.law.offset_N, m.law.offset_N, m.se_offset);
+  if (m.law.decays) {
+    move("b_scale", "1", start.law.b_scale, m.law.b_scale, m.se_b_scale);
+    move("q_scale", "1", start.law.q_scale, m.law.q_scale, m.se_q_scale);
+  }
+  m.effects.clear();
+  const std::ptrdiff_t law_moves = std::ssize(out.moves);
+  for (int v : variants) {
+    const Candidate& c =
+        w.output
+            .candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)];
+    const auto own = std::find_if(m.user_effects.begin(), m.user_effects.end(),
+                                  [&](const UserEffect& e) { return e.name == c.kind->name; });
+    if (own != m.user_effects.end()) {
+      for (std::size_t b = 0; b < now.columns.size(); ++b)
+        if (now.columns[b] == c.first) {
+          const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
+          const UserEffect before_fit = *own;
+          const double gain = now.coefficient[0] * w.output.gain_of_unit;
+          std::vector<Estimate> shape;
+          for (std::size_t k = 0; k < c.shape.size(); ++k) shape.push_back({c.shape[k], joint.of_shape(v, k)});
+          *own = with_fit(before_fit, *c.form, shape, {now.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)});
+          for (const ModelParameter& p : own->parameters) {
+            double old = p.neutral;  // a share is new
+            for (const ModelParameter& q : before_fit.parameters) old = q.name == p.name ? q.value : old;
+            out.moves.push_back({own->name + "." + p.name, p.unit, old, p.value, p.se});
+          }
+        }
+      continue;
+    }
+    m.effects.push_back(effect_of(w, v, now, joint));
+  }
+  const std::vector<ParameterMove> library = moved_parameters(start.effects, m.effects);
+  out.moves.insert(out.moves.begin() + law_moves, library.begin(), library.end());
+  if (!names.empty() && whole_must_judge(w, base, now)) w.judges = JudgedBy::whole;
+  out.judged_by = w.judges;
+  out.levels = std::any_of(names.begin(), names.end(), is_between_records);
+  out.error_before = held_out_rms(w, before, base, out.levels);
+  out.error_after = held_out_rms(w, now, base, out.levels);
+  out.plain_before = held_out_rms(w, judge(w.output, before, base, w.judges).plain);
+  out.plain_after = held_out_rms(w, judge(w.output, now, base, w.judges).plain);
+  double floor = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < w.noise_V.size(); ++i)
+    if (w.judges != JudgedBy::heldout || w.output.problem.records[i].heldout) {
+      floor += w.noise_V[i] * w.noise_V[i];
+      n += 1.0;
+    }
+  out.floor = std::min(std::sqrt(floor / std::max(n, 1.0)), out.error_after);
+  out.waterfall = waterfall_of(w, effects, base, out.levels);
+  out.waterfall.floor = out.floor;
+  out.waterfall.unit = w.output.unit;
+  HistoryStep step;
+  step.effect = add;
+  step.campaign = w.input.name;
+  step.error_before = out.error_before;
+  step.error_after = out.error_after;
+  step.plain_before = out.plain_before;
+  step.plain_after = out.plain_after;
+  step.floor = out.floor;
+  step.unit = w.output.unit;
+  step.accepted = add.empty() || out.error_after < out.error_before;
+  m.history.push_back(step);
+  return out;
+}
+
+}  // namespace forcegate::diagnose
