@@ -140,11 +140,44 @@ Answer evidence(const ResidualChannel& channel, const RecordLevels& levels, cons
   return out;
 }
 
+std::vector<RecordQuestion> questions_of(const RecordLevels& levels, const Family& asked) {
+  std::vector<RecordQuestion> out;
+  if (!asked.gain.empty()) out.push_back({levels.gain, predictors_of(asked.gain)});
+  if (!asked.zero.empty()) out.push_back({levels.zero, predictors_of(asked.zero)});
+  return out;
+}
+
+// The same questions to the records that are not cyclic; empty where those are all, or too few.
+std::vector<RecordQuestion> asked_of_static(const std::vector<RecordQuestion>& questions) {
+  constexpr std::size_t kFewest = 5;
+  std::vector<Index> rows;
+  const std::vector<int>& cyclic = questions.front().series.cyclic;
+  for (std::size_t i = 0; i < cyclic.size(); ++i)
+    if (cyclic[i] == 0) rows.push_back(static_cast<Index>(i));
+  std::vector<RecordQuestion> out;
+  if (rows.size() == cyclic.size() || rows.size() < kFewest) return out;
+  for (const RecordQuestion& q : questions) {
+    RecordQuestion part{{q.series.value(rows), q.series.variance(rows), {}, {}, q.series.typical_scatter}, {}};
+    for (const Index i : rows) part.series.session.push_back(q.series.session[static_cast<std::size_t>(i)]);
+    for (const RecordPredictor& p : q.predictors)
+      if (RecordPredictor own{p.column(rows, Eigen::all), p.weight}; normalise(own) > 0.0) part.predictors.push_back(std::move(own));
+    out.push_back(std::move(part));
+  }
+  return out;
+}
+
+// Orders of the records are weighed as the model without the effect weighs them, and that one takes the scatter of the effect for that of all
+// records: cyclic ones, of which less is known, then hide what the others show. These are asked alone too, and the chance counts twice
+// (Bonferroni).
 RecordChance chance(const RecordLevels& levels, const Family& asked, const std::string& name, int draws) {
-  std::vector<RecordQuestion> questions;
-  if (!asked.gain.empty()) questions.push_back({levels.gain, predictors_of(asked.gain)});
-  if (!asked.zero.empty()) questions.push_back({levels.zero, predictors_of(asked.zero)});
-  return chance_of_records(questions, draws, mix_seed(2, name));
+  const std::vector<RecordQuestion> of_all = questions_of(levels, asked);
+  if (of_all.empty()) return {};
+  const RecordChance all = chance_of_records(of_all, draws, mix_seed(2, name));
+  const std::vector<RecordQuestion> of_static = asked_of_static(of_all);
+  if (of_static.empty()) return all;
+  const RecordChance alone = chance_of_records(of_static, draws, mix_seed(3, name));
+  const RecordChance& smaller = alone.of_directions < all.of_directions ? alone : all;
+  return {std::min(1.0, 2.0 * smaller.of_orders), std::min(1.0, 2.0 * smaller.of_directions)};
 }
 
 // What nobody measured, a step, a smooth course, the loading done: sessions of a bench can look like it.
@@ -211,8 +244,10 @@ RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& ch
     out.zero_of_column.row(i) = columns.row(1);
     if (i > 0 && input.records[channel.record_of[k]].rest_before_s >= kSession_s) ++session;
     out.gain.session.push_back(session);
+    out.gain.cyclic.push_back(input.records[channel.record_of[k]].dynamic ? 1 : 0);
   }
   out.zero.session = out.gain.session;
+  out.zero.cyclic = out.gain.cyclic;
   return out;
 }
 

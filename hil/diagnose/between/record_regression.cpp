@@ -18,27 +18,50 @@ constexpr Index kFewest = 4;
 constexpr int kScatters = 24;
 constexpr double kFactor = 3.0;  // one standard deviation of the prior of s
 
-struct Session {
-  double ratio, prior;
+// Variances beside that of every record, as multiples of it.
+struct Structure {
+  double session, cyclic, prior;
 };
 
-std::vector<Session> session_ratios(const RecordSeries& series) {
+using Choices = std::vector<std::pair<double, double>>;  // ratio, prior
+const Choices kNone = {{0.0, 1.0}};
+
+Choices session_ratios(const RecordSeries& series) {
   std::vector<int> distinct = series.session;
   std::sort(distinct.begin(), distinct.end());
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  if (distinct.size() < 2 || distinct.size() == series.session.size()) return {{0.0, 1.0}};
+  if (distinct.size() < 2 || distinct.size() == series.session.size()) return kNone;
   return {{0.0, 0.4}, {1.0, 0.2}, {10.0, 0.2}, {100.0, 0.2}};
 }
 
-MatrixXd covariance(const RecordSeries& series, double scatter, double ratio) {
+// A few records that are not cyclic are needed to tell that the cyclic ones scatter more.
+Choices cyclic_ratios(const RecordSeries& series) {
+  constexpr std::ptrdiff_t kFewestStatic = 3;
+  const auto cyclic = std::count(series.cyclic.begin(), series.cyclic.end(), 1);
+  const auto n = static_cast<std::ptrdiff_t>(series.cyclic.size());
+  if (cyclic == 0 || n - cyclic < kFewestStatic) return kNone;
+  return {{0.0, 0.4}, {10.0, 0.2}, {100.0, 0.2}, {1000.0, 0.2}};
+}
+
+std::vector<Structure> structures(const RecordSeries& series) {
+  std::vector<Structure> out;
+  for (const auto& [session, of_session] : session_ratios(series))
+    for (const auto& [cyclic, of_cyclic] : cyclic_ratios(series)) out.push_back({session, cyclic, of_session * of_cyclic});
+  return out;
+}
+
+MatrixXd covariance(const RecordSeries& series, double scatter, double session, double cyclic) {
   const Index n = series.value.size();
   const double s2 = scatter * scatter;
   MatrixXd out = MatrixXd::Zero(n, n);
   out.diagonal() = series.variance.array() + s2;
-  if (ratio > 0.0)
+  if (cyclic > 0.0)
+    for (Index a = 0; a < n; ++a)
+      if (series.cyclic[static_cast<std::size_t>(a)] != 0) out(a, a) += cyclic * s2;
+  if (session > 0.0)
     for (Index a = 0; a < n; ++a)
       for (Index b = 0; b < n; ++b)
-        if (series.session[static_cast<std::size_t>(a)] == series.session[static_cast<std::size_t>(b)]) out(a, b) += ratio * s2;
+        if (series.session[static_cast<std::size_t>(a)] == series.session[static_cast<std::size_t>(b)]) out(a, b) += session * s2;
   return out;
 }
 
@@ -81,7 +104,10 @@ class LogSum {
 };
 
 struct Best {
-  double log_evidence = -1e300, scatter = 0.0, ratio = 0.0, size = 0.0;
+  double log_evidence = -1e300, scatter = 0.0, session = 0.0, cyclic = 0.0, size = 0.0;
+  MatrixXd covariance_of(const RecordSeries& series) const { return covariance(series, scatter, session, cyclic); }
+  // of each record by itself; what a session shares does not make one of its records count less than another
+  VectorXd weight_of(const RecordSeries& series) const { return covariance(series, scatter, 0.0, cyclic).diagonal().cwiseInverse(); }
 };
 
 // Errors of records predicted from the others under a covariance, mu flat: (P y)_i / P_ii.
@@ -191,28 +217,27 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
   std::vector<LogSum> with(predictors.size());
   std::vector<Best> best(predictors.size());
   for (const auto& [s, log_prior] : scatters(series))
-    for (const Session& session : session_ratios(series)) {
-      const Whitened white = whiten(series, covariance(series, s, session.ratio), columns);
-      const double prior = std::log(session.prior) + log_prior;
+    for (const Structure& more : structures(series)) {
+      const Whitened white = whiten(series, covariance(series, s, more.session, more.cyclic), columns);
+      const double prior = std::log(more.prior) + log_prior;
       null.add(white.log_null + prior, 2.0 * std::log(s));
-      if (white.log_null + prior > best_null.log_evidence) best_null = {white.log_null + prior, s, session.ratio, 0.0};
+      if (white.log_null + prior > best_null.log_evidence) best_null = {white.log_null + prior, s, more.session, more.cyclic, 0.0};
       for (std::size_t v = 0; v < predictors.size(); ++v)
         for (const double size : sizes) {
           const double e = white.log_null + prior + log_bayes(white.S, first[v], predictors[v].weight, size);
           with[v].add(e, 2.0 * std::log(s));
-          if (e > best[v].log_evidence) best[v] = {e, s, session.ratio, size};
+          if (e > best[v].log_evidence) best[v] = {e, s, more.session, more.cyclic, size};
         }
     }
-  const VectorXd e0 = left_out_errors(series, covariance(series, best_null.scatter, best_null.ratio));
-  const VectorXd weight = (series.variance.array() + best_null.scatter * best_null.scatter).inverse();
+  const VectorXd e0 = left_out_errors(series, best_null.covariance_of(series));
   for (std::size_t v = 0; v < predictors.size(); ++v) {
     const RecordPredictor& p = predictors[v];
     out[v].gain = with[v].log() - std::log(static_cast<double>(sizes.size())) - null.log();
     out[v].explained = 1.0 - std::exp(with[v].mean() - null.mean());
     const MatrixXd K = best[v].size * best[v].size * p.column * p.weight.asDiagonal() * p.column.transpose();
-    const MatrixXd C = covariance(series, best[v].scatter, best[v].ratio);
+    const MatrixXd C = best[v].covariance_of(series);
     const VectorXd e1 = left_out_errors(series, C + K);
-    const VectorXd told = weight.cwiseProduct(told_by_others(p));
+    const VectorXd told = best[v].weight_of(series).cwiseProduct(told_by_others(p));
     out[v].left_out = told.sum() > 0.0 ? told.dot(e1.cwiseAbs2()) / std::max(1e-300, told.dot(e0.cwiseAbs2())) : 1.0;
     const VectorXd ones = VectorXd::Ones(n);
     const Eigen::LLT<MatrixXd> llt(C + K);
@@ -233,12 +258,12 @@ class Exchangeable {
     const Index n = series.value.size();
     Best best;
     for (const auto& [s, log_prior] : scatters(series))
-      for (const Session& session : session_ratios(series)) {
-        const Whitened white = whiten(series, covariance(series, s, session.ratio), MatrixXd(n, 0));
-        const double e = white.log_null + std::log(session.prior) + log_prior;
-        if (e > best.log_evidence) best = {e, s, session.ratio, 0.0};
+      for (const Structure& more : structures(series)) {
+        const Whitened white = whiten(series, covariance(series, s, more.session, more.cyclic), MatrixXd(n, 0));
+        const double e = white.log_null + std::log(more.prior) + log_prior;
+        if (e > best.log_evidence) best = {e, s, more.session, more.cyclic, 0.0};
       }
-    const Eigen::LLT<MatrixXd> llt(covariance(series, best.scatter, best.ratio));
+    const Eigen::LLT<MatrixXd> llt(best.covariance_of(series));
     one_ = llt.matrixL().solve(VectorXd::Ones(n));
     one_.normalize();
     residual_ = without_mean(llt.matrixL().solve(series.value));

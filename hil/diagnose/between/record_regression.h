@@ -1,11 +1,12 @@
 #pragma once
 // One number per record (its gain, its zero) against what was different between the records. n counts records.
 //
-//   y_i = mu + x_i' c + zeta_i + e_i,   zeta ~ N(0, s^2 (I + k G)),  e_i ~ N(0, v_i),  c_j ~ N(0, t^2 w_j)
+//   y_i = mu + x_i' c + zeta_i + e_i,   zeta ~ N(0, s^2 (I + k G + l H)),  e_i ~ N(0, v_i),  c_j ~ N(0, t^2 w_j)
 //
 // G_ij = 1 where i and j belong to one session: records of a session may hang together, and a predictor that only tells the
-// sessions apart explains nothing. mu is flat (REML); s is integrated out over a lognormal prior (a factor of 3 about what
-// specimens typically repeat to: few records that fit too well are chance, not evidence), k and t over a few values. The score is the logarithm of the Bayes factor against x = 0 (Kass and Raftery 1995).
+// sessions apart explains nothing. H_ii = 1 where record i is cyclic: its gain and zero hang on how well its decay is known, which its own
+// variance tells only as far as the law of the decay is right. mu is flat (REML); s is integrated out over a lognormal prior (a factor of 3 about what
+// specimens typically repeat to: few records that fit too well are chance, not evidence), k, l and t over a few values. The score is the logarithm of the Bayes factor against x = 0 (Kass and Raftery 1995).
 //
 // The chance is exact up to the estimated weights: whitened residuals of the model without x are permuted over the records (Freedman
 // and Lane 1983) and the whole search over predictors is repeated (Westfall and Young 1993). Few records have few orders: where none does
@@ -20,6 +21,7 @@ namespace forcegate::diagnose {
 struct RecordSeries {
   Eigen::VectorXd value, variance;  ///< estimate of each record and variance of its measurement
   std::vector<int> session;         ///< empty: every record stands alone
+  std::vector<int> cyclic;          ///< 1: under cyclic load; empty: none is
   double typical_scatter = 5e-3;    ///< median of the prior of s
 };
 
