@@ -74,7 +74,7 @@ struct RankedEffect {
   double alone = 0.0;   ///< share of the explainable residual energy it takes away alone
   double unique = 0.0;  ///< share that only it takes away, given the other findings
   double probability = 0.0;
-  double null_score = 0.0;  ///< largest score expected from this family on sign-flipped blocks (95 %)
+  double null_score = 0.0;  ///< largest score expected from this family on sign-flipped blocks (largest of the flips)
   double visible_from =
       0.0;           ///< share of the span (RMS) from which these records would show it; 0: not estimated
   std::string note;  ///< "not excited", "wrong sign", "needs temperature" ...

@@ -114,7 +114,7 @@ void tell_what_it_follows(const std::vector<Outdone>& outdone, Diagnosis& out) {
 void add_null_scores(const Workspace& w, const Search& search, unsigned threads, Diagnosis& out) {
   constexpr int kFlips = 6;
   const NullCalibration null = calibrate_null(
-      w.input, w.output, search.output.final, search.skip, [&](const std::string& name) { return threshold_of(name, search.rules); }, kFlips, threads);
+      w.input, w.output, search.output.final, search.skip, search.rules, kFlips, threads);
   out.expected_false = null.expected_false;
   for (RankedEffect& r : out.ranking)
     if (const auto found = null.score.find(r.effect); found != null.score.end()) r.null_score = found->second;

@@ -48,9 +48,8 @@ struct RecordShift {
   double log_b = 0.0, log_q = 0.0;
 };
 
-struct ResidualChannel {
-  MixedProblem problem;
-  std::vector<RecordRows> rows;        ///< per record, in the order of problem.records
+/// What a channel knows beside its numbers: what competes in it, and in which units.
+struct ChannelFacts {
   std::vector<std::size_t> record_of;  ///< index into CampaignInput::records
   std::vector<Candidate> candidates;
   std::vector<Variant> variants;
@@ -61,6 +60,11 @@ struct ResidualChannel {
   int first_spare = 0;         ///< columns of S from here on are free for refined shapes
   double scale = 1.0;          ///< y and columns are divided by this (V or N)
   std::string unit = "V";  ///< of the output: that of its column
+};
+
+struct ResidualChannel : ChannelFacts {
+  MixedProblem problem;
+  std::vector<RecordRows> rows;  ///< per record, in the order of problem.records
 };
 
 /// RMS over the records of what the declared instruments may leave, share of the channel's scale.

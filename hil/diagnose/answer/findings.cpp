@@ -304,11 +304,11 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
 }
 
 void tell_not_separable(const Selection& selection, Diagnosis& out) {
-  constexpr double kOdds = 0.2, kOfTheFirst = 0.5;
+  constexpr double kOdds = 4.0;
   for (const ChosenEffect& c : selection.chosen) {
     std::vector<std::string> set = {c.kind->name};
     for (const auto& [name, share] : c.rivals)
-      if (share >= std::min(kOdds, kOfTheFirst * c.share_of_family)) set.push_back(name);
+      if (kOdds * share >= c.share_of_family) set.push_back(name);
     if (set.size() < 2) continue;
     std::string text = "not separable here: " + set[0];
     for (std::size_t k = 1; k < set.size(); ++k) text += " or " + set[k];

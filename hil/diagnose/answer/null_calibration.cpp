@@ -16,12 +16,8 @@ constexpr int kFlipIterations = 4;
 // The channel without its rows: a screen needs the Gram matrices alone.
 ResidualChannel gram_only(const ResidualChannel& channel) {
   ResidualChannel out;
+  static_cast<ChannelFacts&>(out) = channel;
   out.problem = channel.problem;
-  out.record_of = channel.record_of;
-  out.candidates = channel.candidates;
-  out.variants = channel.variants;
-  out.scale = channel.scale;
-  out.unit = channel.unit;
   return out;
 }
 
@@ -42,8 +38,7 @@ std::vector<int> draw_signs(Rng& rng, std::size_t n) {
 
 NullCalibration calibrate_null(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& final,
                                const std::vector<std::string>& skip,
-                               const std::function<double(const std::string&)>& threshold, int flips,
-                               unsigned threads) {
+                               const SelectionRules& rules, int flips, unsigned threads) {
   NullCalibration out;
   if (!final.valid || channel.problem.records.size() < 3) return out;
   ResidualChannel turned = gram_only(channel);
@@ -51,11 +46,11 @@ NullCalibration calibrate_null(const CampaignInput& input, const ResidualChannel
   for (int flip = 0; flip < flips; ++flip) {
     flip_residuals(turned.problem, final, draw_signs(rng, channel.problem.records.size()));
     ScreenResult result = screen(turned, final.columns, skip, &final, threads, kFlipIterations);
-    judge_between_records(input, turned, final.columns, result);
+    judge_between_records(input, turned, final.columns, rules, result);
     for (const FamilyScore& family : result.families) {
       double& largest = out.score.try_emplace(family.kind->name, -1e300).first->second;
       largest = std::max(largest, family.gain);
-      if (!family.best.wrong_sign && family.gain >= threshold(family.kind->name)) out.expected_false += 1.0;
+      if (!family.best.wrong_sign && family.gain >= threshold_of(family.kind->name, rules)) out.expected_false += 1.0;
     }
     ++out.flips;
   }

@@ -3,25 +3,22 @@
 // screened again with the same machinery, so that autocorrelation within a record and the scatter between records are
 // kept. n counts records.
 
-#include <functional>
 #include <map>
 #include <string>
 
-#include "hil/diagnose/choose/screen.h"
+#include "hil/diagnose/choose/select.h"
 
 namespace forcegate::diagnose {
 
 struct NullCalibration {
-  std::map<std::string, double>
-      score;  ///< family: largest score on the flipped records (the 95 % point of few flips)
+  std::map<std::string, double> score;  ///< family: largest score on the flipped records
   double expected_false = 0.0;  ///< mean number of families per flip whose score reaches its threshold
   int flips = 0;
 };
 
-/// threshold(family) is the score from which the family would have been considered.
+/// `rules`: those by which the channel's families are considered.
 NullCalibration calibrate_null(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& final,
                                const std::vector<std::string>& skip,
-                               const std::function<double(const std::string&)>& threshold, int flips,
-                               unsigned threads);
+                               const SelectionRules& rules, int flips, unsigned threads);
 
 }  // namespace forcegate::diagnose

@@ -97,7 +97,9 @@ std::vector<double> residual_on_rows(const Workspace& w, const MixedFit& fit, st
                       Z.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
   for (Index i = 0; i < e.size(); ++i) e[i] += chosen.U_V[rows[static_cast<std::size_t>(i)]] / channel.scale;
   if (!fit.columns.empty()) {
-    RecordInput all = chosen;
+    // blocks of one recording read the columns of its first block, which alone has the force at full rate
+    const auto& records = w.input.records;
+    RecordInput all = *std::ranges::find_if(records, [&](const RecordInput& r) { return r.recording == chosen.recording; });
     all.wanted.clear();
     for (const Candidate& c : channel.candidates) {
       Eigen::VectorXd strength = Eigen::VectorXd::Zero(c.count);

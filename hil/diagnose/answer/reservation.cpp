@@ -45,6 +45,9 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
     return {kNothingToFind, "nobody wrote down that the angle drives a spring, and a crank or a joint bends the force against its angle as well"};
   if (f.effect == "off_axis" && !has_declared_law(campaign) && f.error_after > kHardlyFalls * f.error_before)
     return {kNothingToFind, "nobody wrote down that the angle is that of a wheel, and left-out records hardly gain"};
+  if (f.effect == "hysteresis" && channel.signs_known)
+    for (const FoundParameter& p : f.parameters)
+      if (p.name == "loop_width" && p.value <= 0.0) return {kNothingToFind, "a film is behind its load, and this output is ahead of it"};
   if (f.effect == "hysteresis" || f.effect == "backlash")
     for (const FoundParameter& p : f.parameters)
       if (p.name == "loop_width" && std::abs(p.value) < kErrors * p.u) return {kNothingToFind, "its loop is no wider than that is known"};

@@ -66,7 +66,8 @@ void set_noise(Workspace& w, unsigned threads) {
   parallel_for(w.input.records.size(), threads, [&](std::size_t k) {
     const RecordInput& r = w.input.records[k];
     std::vector<double> e(r.rows());
-    for (std::size_t i = 0; i < r.rows(); ++i) e[i] = r.U_V[i] - w.gain_V_per_N * r.base_force_N(i);
+    // a row that is not used holds no value; what it leaves is not finite and counts nowhere
+    for (std::size_t i = 0; i < r.rows(); ++i) e[i] = r.ok[i] != 0 ? r.U_V[i] - w.gain_V_per_N * r.base_force_N(i) : kMissing;
     double decay = 0.0;
     for (double D : r.decay) decay += D;
     decay /= static_cast<double>(std::max<std::size_t>(1, r.decay.size()));

@@ -251,7 +251,7 @@ RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& ch
   return out;
 }
 
-void judge_between_records(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result) {
+void judge_between_records(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present, const SelectionRules& rules, ScreenResult& result) {
   if (input.single || !result.base.valid) return;
   const RecordLevels levels = record_levels(input, channel, result.base);
   for (FamilyScore& family : result.families) {
@@ -260,8 +260,8 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
     family.records = answer.evidence;
     if (!answer.evidence.valid) continue;
     // waves of the campaign's time say nothing of what happens within a record
-    const bool within = family.best.total_fall >= SelectionRules{}.first_total_fall && !is_unrecorded(channel, family.best.variant);
-    if (within && family.gain >= answer.evidence.gain && answer.evidence.gain < SelectionRules{}.between_gain) continue;
+    const bool within = family.best.total_fall >= rules.first_total_fall && !is_unrecorded(channel, family.best.variant);
+    if (within && family.gain >= answer.evidence.gain && answer.evidence.gain < rules.between_gain) continue;
     family.gain = within ? std::max(family.gain, answer.evidence.gain) : answer.evidence.gain;
     VariantScore best = score_variant(channel, present, result.base, answer.evidence.variant, nullptr);
     // of forms that the records hardly tell apart the one that the rows within them agree with

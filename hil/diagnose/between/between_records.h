@@ -21,7 +21,7 @@ RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& ch
 
 /// Judges the families that act between records anew, sets their gain, best variant and `records`, and sorts the ranking. A family that
 /// shows within records too keeps the larger of its two gains.
-void judge_between_records(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present, ScreenResult& result);
+void judge_between_records(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present, const SelectionRules& rules, ScreenResult& result);
 
 /// Whether its evidence is that of one number for each record, and not that of the rows within them.
 bool asks_between_records(const FamilyScore& family);

@@ -5,6 +5,7 @@
 
 #include "hil/base/largest_first.h"
 #include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/candidates/command_jumps.h"
 #include "hil/diagnose/candidates/rig_law.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
@@ -291,6 +292,9 @@ void build_rig_channel(Workspace& w, unsigned threads) {
                  add_waves(r, rows, 4, 3, Z);
                  if (r.theta_rad.empty())
                    add_drive_lag(r, r.rig_force_N, rows, channel.scale, 7, Z);
+               },
+               [&](const RecordInput& r, std::vector<std::size_t>& rows) {
+                 if (r.theta_rad.empty()) leave_out_command_jumps(r, w.input.range_N, rows);
                });
 }
 
@@ -300,7 +304,7 @@ double allowed_rms(const ResidualChannel& channel) {
   return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
-void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill) {
+void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill, const LeaveOutRows& leave_out) {
   MixedProblem& p = channel.problem;
   reserve_spare(channel);
   channel.column_factor = 1.0 / channel.scale;
@@ -310,6 +314,7 @@ void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads
   parallel_for(n, threads, [&](std::size_t k) {
     const RecordInput& r = w.input.records[channel.record_of[k]];
     channel.rows[k].row = choose_rows(r, kRowLimit);
+    if (leave_out) leave_out(r, channel.rows[k].row);
     const auto& rows = channel.rows[k].row;
     Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), p.nz);
     std::vector<double> y;

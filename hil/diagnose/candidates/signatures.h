@@ -19,8 +19,10 @@ void build_output_channel(Workspace& workspace, unsigned threads, const std::vec
 /// matrices and priors. nz, n_fixed, components and candidates of the channel are set before.
 using FillRows = std::function<void(const RecordInput&, const std::vector<std::size_t>&, Eigen::MatrixXd&,
                                     std::vector<double>&)>;
-void fill_channel(const Workspace& workspace, ResidualChannel& channel, unsigned threads,
-                  const FillRows& fill);
+/// `leave_out`: takes rows that say nothing out of those chosen for a record.
+using LeaveOutRows = std::function<void(const RecordInput&, std::vector<std::size_t>&)>;
+void fill_channel(const Workspace& workspace, ResidualChannel& channel, unsigned threads, const FillRows& fill,
+                  const LeaveOutRows& leave_out = {});
 
 /// Writes a candidate's columns at its present shape into the rows and Gram matrices of every record.
 void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& candidate,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hil/diagnose/base/left_out.h"
+#include "hil/diagnose/choose/refit_chosen.h"
 
 namespace forcegate::diagnose {
 
@@ -21,7 +22,7 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& carri
     add_columns(with, out.chosen[k].columns);
     const MixedFit reduced = fit_mixed(channel.problem, without, &out.final, 12, RecordUse::all_records);
     const MixedFit full = fit_mixed(channel.problem, with, &out.final, 12, RecordUse::all_records);
-    if (!reduced.valid || !full.valid) return;
+    if (!reduced.valid || !full.valid) break;
     const double left = excess_mean_square(channel, reduced), kept = excess_mean_square(channel, full);
     // what another effect's form leaves is no measure of this one
     const double its_own = std::min(left, out.chosen[k].fall * out.chosen[k].excess);
@@ -40,19 +41,7 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& carri
       ++k;
     }
   }
-  if (!dropped) return;
-  std::vector<int> present = carried;
-  for (ChosenEffect& chosen : out.chosen) {
-    add_columns(present, chosen.columns);
-    const MixedFit fit = fit_mixed(channel.problem, present, &out.final, 12, RecordUse::all_records);
-    if (!fit.valid) return;
-    chosen.fit = fit;
-    add_columns(present, family_columns(channel, *chosen.kind));
-  }
-  const MixedFit final = fit_mixed(channel.problem, present, &out.final, 12, RecordUse::all_records);
-  if (!final.valid) return;
-  out.final = final;
-  out.excess_after = excess_mean_square(channel, final);
+  if (dropped) refit_chosen(channel, carried, out);
 }
 
 }  // namespace forcegate::diagnose

@@ -5,6 +5,7 @@
 
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/refine.h"
+#include "hil/diagnose/choose/refit_chosen.h"
 #include "hil/diagnose/choose/shares.h"
 
 namespace forcegate::diagnose {
@@ -19,6 +20,7 @@ double removed_rms(const ChosenEffect& e) { return std::sqrt(std::max(1e-18, e.f
 
 void reconsider(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& carried, const std::vector<std::string>& skip,
                 const SelectionRules& rules, unsigned threads, Selection& out) {
+  bool changed = false;
   for (std::size_t k = 0; out.chosen.size() >= 2 && k < out.chosen.size(); ++k) {
     ChosenEffect& place = out.chosen[k];
     if (place.between || place.share_of_family > kAlone) continue;
@@ -55,8 +57,10 @@ void reconsider(const CampaignInput& input, ResidualChannel& channel, const std:
       better.excess = place.excess;
       better.stands_out = place.stands_out;
     }
+    changed = changed || better.variant != place.variant;
     place = std::move(better);
   }
+  if (changed) refit_chosen(channel, carried, out);
 }
 
 }  // namespace forcegate::diagnose

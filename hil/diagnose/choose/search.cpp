@@ -66,10 +66,10 @@ Selection select_borne_out(Workspace& w, const Given& given, std::vector<std::st
 void leave_coarse_pitch_to_spring(const ResidualChannel& command, const Selection& rig, Selection& drive) {
   constexpr double kCoarse = 6.0;  // turns over the range of the force
   if (std::ranges::none_of(rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "spring_nonlinearity"; })) return;
-  std::erase_if(drive.chosen, [&](const ChosenEffect& c) {
+  leave_out(command, [&](const ChosenEffect& c) {
     const Candidate& best = command.candidates[static_cast<std::size_t>(command.variants[static_cast<std::size_t>(c.variant)].candidate)];
     return best.form->name == "pitch" && best.shape[0] < kCoarse;
-  });
+  }, drive);
 }
 
 // Of a drift that the rig has shown.

@@ -12,6 +12,7 @@
 #include "hil/diagnose/choose/reconsider.h"
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/refine.h"
+#include "hil/diagnose/choose/refit_chosen.h"
 #include "hil/diagnose/choose/shares.h"
 
 namespace forcegate::diagnose {
@@ -50,6 +51,19 @@ void fit_claimed(const ResidualChannel& channel, Selection& out) {
     if (!chosen.between) chosen.further = further_forms(channel, *chosen.kind, present, fit);
     chosen.fit = out.claimed = std::move(fit);
   }
+}
+
+// What is reported comes from the fit records alone.
+void report_selection(const ResidualChannel& channel, Selection& out) {
+  fit_claimed(channel, out);
+  const auto report = [&](MixedFit& fit) {
+    const MixedFit refitted = fit_mixed(channel.problem, fit.columns, &fit, 8);
+    if (refitted.valid) fit = refitted;
+  };
+  report(out.base);
+  report(out.final);
+  report(out.claimed);
+  for (ChosenEffect& chosen : out.chosen) report(chosen.fit);
 }
 
 // Of one recording that all of them together describe.
@@ -218,7 +232,7 @@ class ForwardChoice {
     result_ = screen(channel_, present_, taken_, warm, threads_);
     place_ = 0;
     if (!result_.base.valid) return false;
-    judge_between_records(input_, channel_, present_, result_);
+    judge_between_records(input_, channel_, present_, rules_, result_);
     out_.final = result_.base;
     out_.excess_after = excess_mean_square(channel_, result_.base);
     if (out_.chosen.empty()) {
@@ -332,17 +346,15 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
   reconsider(input, channel, forward.carried(), not_asked, rules, threads, out);
   if (rules.one_zero) find_what_completes_whole(input, channel, out);
   drop_needless(channel, forward.carried(), rules, out);
-  fit_claimed(channel, out);
-  // what is reported comes from the fit records alone
-  const auto report = [&](MixedFit& fit) {
-    const MixedFit refitted = fit_mixed(channel.problem, fit.columns, &fit, 8);
-    if (refitted.valid) fit = refitted;
-  };
-  report(out.base);
-  report(out.final);
-  report(out.claimed);
-  for (ChosenEffect& chosen : out.chosen) report(chosen.fit);
+  out.carried = forward.carried();
+  report_selection(channel, out);
   return out;
+}
+
+void leave_out(const ResidualChannel& channel, const std::function<bool(const ChosenEffect&)>& goes, Selection& selection) {
+  if (std::erase_if(selection.chosen, goes) == 0) return;
+  refit_chosen(channel, selection.carried, selection);
+  report_selection(channel, selection);
 }
 
 }  // namespace forcegate::diagnose

@@ -1,6 +1,7 @@
 #pragma once
 // S5: forward choice of effects with a backward check, on log evidence and on records that were left out.
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -47,6 +48,7 @@ struct Selection {
   MixedFit claimed;  ///< the chosen variants alone: what a model gains that takes them in
   double excess_before = 0.0, excess_after = 0.0;  ///< mean squares above the noise
   std::vector<std::string> nuisance;               ///< what was carried along without being a finding
+  std::vector<int> carried;                        ///< its columns and those of the model
   std::vector<RefusedEffect> refused;              ///< what came up and was not taken
 };
 
@@ -92,6 +94,9 @@ struct Given {
 
 Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
                          const SelectionRules& rules, unsigned threads);
+
+/// Takes the chosen effects that `goes` names out again and fits the rest anew.
+void leave_out(const ResidualChannel& channel, const std::function<bool(const ChosenEffect&)>& goes, Selection& selection);
 
 /// A family's best variant as a choice over the base that it was scored against, with the tests that an objection reads.
 ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,

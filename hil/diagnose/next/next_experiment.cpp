@@ -250,7 +250,8 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
       Pair with = have[worst];
       with.add(of_segment[s][worst]);
       // beyond odds of a thousand more evidence is worth nothing
-      const double gain = std::min(0.5 * with.separation(), 7.0 + least) - 0.5 * have[worst].separation();
+      const double added = 0.5 * (with.separation() - have[worst].separation());
+      const double gain = std::min(least + added, kSettled) - least;
       const double per_minute = gain / (segments()[s].minutes + 0.5);
       if (per_minute > rate) {
         rate = per_minute;
