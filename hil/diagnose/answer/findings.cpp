@@ -291,16 +291,22 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   if (!(after.rms > above * allowed_rms(channel)) && (named || !(after.log_factor > std::log(above)))) return false;
   const bool leaves_most = after.rms > kMost * before.rms;
   if (!(selection.excess_after > kMostOfFamily * kMostOfFamily * selection.excess_before)) return false;
-  bool withdrawn = false;
+  const auto of_course = [&](const ChosenEffect& c) { return !c.between && (leaves_most || (remains && c.kind->traits.any_course)); };
+  const auto claimed = [](const Finding& f) { return f.form != "raw" && f.probability > kNoClaim; };
+  const auto finding_of = [&](const ChosenEffect& c, const Finding& f) { return f.effect == c.kind->name && claimed(f); };
+  const bool withdrawn = std::ranges::any_of(selection.chosen, [&](const ChosenEffect& c) {
+    return of_course(c) && std::ranges::any_of(findings, [&](const Finding& f) { return finding_of(c, f); });
+  });
+  if (!withdrawn) return false;
+  // what was chosen beside a form that is wrong was chosen by what that form leaves
   for (const ChosenEffect& c : selection.chosen)
     for (Finding& f : findings)
-      if (f.effect == c.kind->name && f.form != "raw" && !c.between && f.probability > kNoClaim &&
-          (leaves_most || (remains && c.kind->traits.any_course))) {
+      if (!c.between && finding_of(c, f)) {
         f.probability = kWithdrawn;
-        f.evidence += "; not claimed: it leaves too much of the error, far above the noise";
-        withdrawn = true;
+        f.evidence += of_course(c) ? "; not claimed: it leaves too much of the error, far above the noise"
+                                   : "; not claimed: what stands beside it leaves too much of the error, far above the noise";
       }
-  return withdrawn;
+  return true;
 }
 
 void tell_not_separable(const Selection& selection, Diagnosis& out) {

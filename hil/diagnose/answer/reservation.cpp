@@ -25,6 +25,7 @@ struct Reservation {
 Reservation reservation(const Finding& f, const ResidualChannel& channel, const CampaignInput& campaign) {
   constexpr double kOrdinaryCurve = 8e-4;      // of the span, RMS: amplifiers, converters and references are bent by as much
   constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
+  constexpr double kOrdinaryLead_pct = 1.0;   // the same of a loop that runs ahead of the load
   constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
   constexpr double kOfNoSpring = 0.01;        // of the span, RMS: what a law of the rig leaves at most
   constexpr double kHardlyFalls = 0.95;
@@ -33,6 +34,9 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
   if (f.form == kUnrecorded) return {kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"};
   if (f.effect == "static_nonlinearity" && f.effect_rms < kOrdinaryCurve * channel.scale)
     return {kNothingToFind, "honest amplifiers and references are as bent as that"};
+  const double resolution_N = campaign.bench.reference_resolution_N;
+  if (f.effect == "reference_drift" && f.effect_rms * campaign.range_N / channel.scale < resolution_N / std::sqrt(12.0))
+    return {kNothingToFind, "its zero moves by less than the resolution that the reference is declared with"};
   if (f.effect == "clipping" && !f.parameters.empty()) {
     double taken = 0.0;
     for (const FoundParameter& p : f.parameters)
@@ -47,7 +51,8 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
     return {kNothingToFind, "nobody wrote down that the angle is that of a wheel, and left-out records hardly gain"};
   if (f.effect == "hysteresis" && channel.signs_known)
     for (const FoundParameter& p : f.parameters)
-      if (p.name == "loop_width" && p.value <= 0.0) return {kNothingToFind, "a film is behind its load, and this output is ahead of it"};
+      if (p.name == "loop_width" && p.value <= 0.0 && p.value > -kOrdinaryLead_pct)
+        return {kNothingToFind, "a film is behind its load; that an output is ahead of it by so little is what a late or coarse reference leaves"};
   if (f.effect == "hysteresis" || f.effect == "backlash")
     for (const FoundParameter& p : f.parameters)
       if (p.name == "loop_width" && std::abs(p.value) < kErrors * p.u) return {kNothingToFind, "its loop is no wider than that is known"};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hil/diagnose/answer/findings.h"
 
@@ -17,6 +18,13 @@ const Candidate& best_candidate(const ResidualChannel& channel, const FamilyScor
 bool is_lead(const Candidate& c) { return c.kind->name == kLatencyEffect && c.shape[0] < 0.0; }
 
 }  // namespace
+
+double allowed_latency_s(const CampaignInput& input) {
+  double step_s = std::numeric_limits<double>::infinity();
+  for (const RecordInput& r : input.records)
+    if (const auto n = r.fast_t_s.size(); n > 1) step_s = std::min(step_s, (r.fast_t_s.back() - r.fast_t_s.front()) / static_cast<double>(n - 1));
+  return std::isfinite(step_s) ? std::max(kAllowedLatency_s, 0.5 * step_s) : kAllowedLatency_s;
+}
 
 double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
   const std::string& name = family.kind->name;

@@ -13,6 +13,9 @@ namespace forcegate::diagnose {
 inline constexpr const char* kLatencyEffect = "delay";
 /// By which two instruments may be out of step, s.
 inline constexpr double kAllowedLatency_s = 0.012;
+/// The same where samples are further apart: half a sample of the fastest record. A shift by less mixes neighbouring samples of the reference,
+/// and averages its noise as much whichever way it goes.
+double allowed_latency_s(const CampaignInput& input);
 /// Milliseconds between two instruments are no matter in a recording of another machine whose rows are further apart than this, s.
 inline constexpr double kStepsTellNoLag_s = 0.05;
 /// What is said where a lead is carried along.

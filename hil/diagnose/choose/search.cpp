@@ -99,7 +99,8 @@ Search search_channels(Workspace& w, const EngineOptions& options) {
   }
   out.skip = options.in_model;
   Given given{model_columns(w.output, options), model_families(w.output, options)};
-  if (std::ranges::any_of(out.rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "reference_drift"; })) {
+  // a zero that jumps at will follows no course from record to record; the output is asked then whether it shows the same jumps
+  if (std::ranges::any_of(out.rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "reference_drift" && c.borne_out; })) {
     add_columns(given.base, drift_columns(w.output));
     out.skip.emplace_back("reference_drift");
   }

@@ -187,7 +187,7 @@ class ForwardChoice {
  public:
   ForwardChoice(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
                 const SelectionRules& rules, unsigned threads)
-      : input_(input), channel_(channel), rules_(rules), threads_(threads), base_(given.base), carried_(given.base), taken_(skip) {
+      : input_(input), channel_(channel), rules_(rules), threads_(threads), allowed_latency_s_(allowed_latency_s(input)), base_(given.base), carried_(given.base), taken_(skip) {
     add_columns(carried_, given.soaking);
     present_ = carried_;
   }
@@ -256,7 +256,7 @@ class ForwardChoice {
     if (lead.plain() && latencies_ == 0) return Clocks::lead;
     const bool first = out_.chosen.empty(), worth = family.gain > kWorthCarrying;
     const double least_fall = !first ? 0.6 : latencies_ > 0 ? 0.4 : 0.25;
-    if (!lead.is && family.kind->traits.timing && worth && !family.best.wrong_sign && shift_s(channel_, family) <= kAllowedLatency_s &&
+    if (!lead.is && family.kind->traits.timing && worth && !family.best.wrong_sign && shift_s(channel_, family) <= allowed_latency_s_ &&
         chosen.fall < least_fall)
       return Clocks::slight_shift;
     // what a late reference explains nearly as well is its own, whatever else may fit
@@ -267,7 +267,7 @@ class ForwardChoice {
   // A shift there and, beside it, one back again: their difference is the bend of the force, which smoothing has flattened.
   bool only_repairs_smoothing(const FamilyScore& family) const {
     return latencies_ > 0 && family.kind->traits.timing && family.kind->name != "clock_skew" &&
-           std::abs(net_shift_s(channel_, family.best.fit)) <= kAllowedLatency_s;
+           std::abs(net_shift_s(channel_, family.best.fit)) <= allowed_latency_s_;
   }
 
   bool carry_along(const FamilyScore& family, Clocks clocks) {
@@ -322,6 +322,7 @@ class ForwardChoice {
   ResidualChannel& channel_;
   const SelectionRules& rules_;
   unsigned threads_;
+  double allowed_latency_s_;
   std::vector<int> base_, carried_, present_;  // of the model; with what its families soak up; with what was chosen too
   std::vector<std::string> taken_;
   ScreenResult result_;

@@ -5,6 +5,7 @@
 
 #include "hil/diagnose/raw/denoise.h"
 #include "hil/diagnose/raw/mains_removal.h"
+#include "hil/diagnose/raw/reference_scatter.h"
 #include "hil/diagnose/raw/smoothed_reference.h"
 
 namespace forcegate::diagnose {
@@ -27,15 +28,19 @@ std::vector<double> values_of(const Record& record, std::string_view name) {
 
 // Windows that agree better and better, until the output no longer follows what they take: a force that turns too quickly for them would
 // be flattened in the same way in every cycle.
-void smooth_reference(Record& record, Channel& force, double sd_N, RecordHealth& health) {
+void smooth_reference(Record& record, Channel& force, double sd_N, const HealthScales& scales, RecordHealth& health) {
   constexpr double kOfNoise = 0.25, kErrors = 2.0;  // of the mean square that smoothing leaves; standard errors
   constexpr double kAgreements[] = {kAgree, 1.0, 0.6, 0.4};
   const Channel* output = record.trace.find("U");
   const std::vector<double> recorded = std::move(force.value);
   const bool tells = output != nullptr && output->value.size() == recorded.size() && health.bad.size() == recorded.size();
+  const OutputFacts facts{.range_V = scales.U_range_V, .gain_V_per_N = scales.gain_V_per_N, .noise_V = health.noise_U_V};
+  const std::vector<double>& t_s = record.trace.time_bases[force.time_base].t_s;
   for (const double agree : kAgreements) {
     force.value = smooth_within_noise(recorded, sd_N, &health.smoothed_F_N, agree);
     if (!tells) return;
+    // of noise that hangs together more is left than of white noise
+    if (facts.gain_V_per_N != 0.0) health.smoothed_F_N = std::max(health.smoothed_F_N, left_where_still(t_s, recorded, force.value, output->value, facts));
     const SharedPart taken = shared_with_output(recorded, force.value, output->value, health.bad);
     if (taken.share <= kErrors * taken.standard_error || taken.share * taken.taken_N2 <= kOfNoise * health.smoothed_F_N * health.smoothed_F_N) return;
   }
@@ -55,10 +60,11 @@ CleanedSamples clean_samples(Record& record, const HealthScales& scales, const B
     if (draw) out.cuts.push_back(cut_out_hum(record, before_V, health.hum_Hz, health.hum_V));
   }
   Channel* force = record.trace.find("F_ref");
-  const double sd_N = std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0));
+  // differences of neighbours do not see noise that hangs together; where the output stands still it is seen whole
+  const double sd_N = std::max(std::hypot(health.noise_F_N, health.lsb_F_N / std::sqrt(12.0)), health.scatter_F.still_N);
   if (force == nullptr || !(sd_N > kSmoothed * scales.range_N)) return out;
   const std::vector<double> recorded_N = draw ? force->value : std::vector<double>{};
-  smooth_reference(record, *force, sd_N, health);
+  smooth_reference(record, *force, sd_N, scales, health);
   if (draw) out.cuts.push_back(cut_out_reference_noise(record, recorded_N, std::max(health.noise_F_N, health.scatter_F.quartile_N)));
   return out;
 }

@@ -64,17 +64,47 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
   return out;
 }
 
-}  // namespace
+constexpr double kStillWindow_s = 0.5;
 
-ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, const OutputFacts& output) {
-  // of the record's span; beyond kSlow what the output does besides following the force would be laid at the reference's door
-  constexpr double kWindow_s = 0.25, kSlow = 0.1, kStillWindow_s = 0.5, kStill = 0.01, kKept = 0.95;
+// The output's own noise hides from a regression a force that moves less than that; the covariance it leaves alone.
+double moved_N2(double shared_NV, const OutputFacts& output) { return std::max(0.0, shared_NV / output.gain_V_per_N); }
+
+// RMS of F in `measured` over the windows in which, as they were recorded, U stands still and F is noise; 0: too few of them.
+double where_still(const std::vector<Window>& recorded, const std::vector<Window>& measured, const OutputFacts& output) {
+  constexpr double kStill = 0.01, kKept = 0.95;
   // noise steps by 1.4 of itself, coloured noise by some less; a force that moves smoothly while the output stands still has met a rail
   constexpr double kLeastStep = 0.3;
-  constexpr std::size_t kFewest = 8, kFewestStill = 10;
+  constexpr std::size_t kFewest = 10;
+  std::vector<Window> still;
+  for (std::size_t k = 0; k < std::min(recorded.size(), measured.size()); ++k)
+    if (recorded[k].moves_V < kStill * output.range_V && recorded[k].step_N > kLeastStep * recorded[k].scatter_N) still.push_back(measured[k]);
+  if (still.size() < kFewest) return 0.0;
+  std::sort(still.begin(), still.end(), [](const Window& a, const Window& b) { return a.scatter_N < b.scatter_N; });
+  still.resize(static_cast<std::size_t>(kKept * static_cast<double>(still.size())));
+  double beside_U = 0.0, free = 0.0, shared = 0.0;
+  for (const Window& w : still) {
+    beside_U += w.scatter_N * w.scatter_N / static_cast<double>(still.size());
+    free += w.free_N2 / static_cast<double>(still.size());
+    shared += w.shared_NV / static_cast<double>(still.size());
+  }
+  return std::sqrt(std::clamp(free - moved_N2(shared, output), 0.0, beside_U));
+}
+
+}  // namespace
+
+double left_where_still(std::span<const double> t_s, std::span<const double> recorded_N, std::span<const double> smoothed_N,
+                        std::span<const double> U_V, const OutputFacts& output) {
+  double out = 0.0;
+  for (const double window_s : {kStillWindow_s, 2.0})
+    out = std::max(out, where_still(windows_of(t_s, recorded_N, U_V, window_s), windows_of(t_s, smoothed_N, U_V, window_s), output));
+  return out;
+}
+
+ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, const OutputFacts& output) {
+  // beyond kSlow of the record's span what the output does besides following the force would be laid at the reference's door
+  constexpr double kWindow_s = 0.25, kSlow = 0.1;
+  constexpr std::size_t kFewest = 8;
   ReferenceScatter out;
-  // the output's own noise hides from a regression a force that moves less than that; the covariance it leaves alone
-  const auto moved_N2 = [&](double shared_NV) { return std::max(0.0, shared_NV / output.gain_V_per_N); };
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const double F : F_N) {
     low = std::min(low, F);
@@ -90,23 +120,12 @@ ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const 
   for (const Window& w : windows_of(t_s, F_N, U_V, kWindow_s)) {
     if (w.moves_N < kSlow * (high - low)) scatter.push_back(w.scatter_N);
     const double beside_U = w.scatter_N * w.scatter_N - w.of_noise_U * output.noise_V * output.noise_V;
-    alone.push_back(std::sqrt(std::max(0.0, std::min(beside_U, w.free_N2 - moved_N2(w.shared_NV)))));
+    alone.push_back(std::sqrt(std::max(0.0, std::min(beside_U, w.free_N2 - moved_N2(w.shared_NV, output)))));
   }
   out.quartile_N = lower_quartile(std::move(scatter));
   out.alone_N = lower_quartile(std::move(alone));
-  std::vector<Window> still;
-  for (const Window& w : windows_of(t_s, F_N, U_V, kStillWindow_s))
-    if (w.moves_V < kStill * output.range_V && w.step_N > kLeastStep * w.scatter_N) still.push_back(w);
-  if (still.size() < kFewestStill) return out;
-  std::sort(still.begin(), still.end(), [](const Window& a, const Window& b) { return a.scatter_N < b.scatter_N; });
-  still.resize(static_cast<std::size_t>(kKept * static_cast<double>(still.size())));
-  double beside_U = 0.0, free = 0.0, shared = 0.0;
-  for (const Window& w : still) {
-    beside_U += w.scatter_N * w.scatter_N / static_cast<double>(still.size());
-    free += w.free_N2 / static_cast<double>(still.size());
-    shared += w.shared_NV / static_cast<double>(still.size());
-  }
-  out.still_N = std::sqrt(std::clamp(free - moved_N2(shared), 0.0, beside_U));
+  const std::vector<Window> windows = windows_of(t_s, F_N, U_V, kStillWindow_s);
+  out.still_N = where_still(windows, windows, output);
   return out;
 }
 

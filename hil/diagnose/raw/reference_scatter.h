@@ -20,4 +20,9 @@ struct OutputFacts {
 };
 ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, const OutputFacts& output);
 
+/// RMS of the noise that smoothing has left of the reference, N: over the windows, of 0.5 s or of 2 s, in which U stands still, whichever shows
+/// more. Noise that hangs together over them is hardly smoothed. 0: too few of them.
+double left_where_still(std::span<const double> t_s, std::span<const double> recorded_N, std::span<const double> smoothed_N,
+                        std::span<const double> U_V, const OutputFacts& output);
+
 }  // namespace forcegate::diagnose

@@ -66,5 +66,16 @@ TEST(Reconsider, BothOfTwoEffectsAreSureOnceEachStandsBesideTheOther) {
   for (const char* effect : {"lag", "static_nonlinearity"}) EXPECT_GT(probability(d, effect), 0.9) << effect << "\n" << told(d);
 }
 
+TEST_F(Reconsidered, TheModelThatIsLeftIsOfTheEffectsThatAreChosenThen) {
+  selection_.chosen = {taken("delay", 0.6, "lag"), taken("hysteresis", 1.0, "")};
+  selection_.final = fit_mixed(w_->output.problem, selection_.chosen[0].columns, nullptr, 20, RecordUse::all_records);
+  const std::vector<int> gone = selection_.chosen[0].columns;
+  reconsider(w_->input, w_->output, {}, {}, rules_, 1, selection_);
+  const auto stands = [&](int j) { return std::ranges::find(selection_.final.columns, j) != selection_.final.columns.end(); };
+  for (const ChosenEffect& chosen : selection_.chosen)
+    for (const int j : chosen.columns) EXPECT_TRUE(stands(j)) << chosen.kind->name;
+  for (const int j : gone) EXPECT_FALSE(stands(j)) << "of the delay that gave way";
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

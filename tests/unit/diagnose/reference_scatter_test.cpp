@@ -100,5 +100,26 @@ TEST(ReferenceScatter, SaysNothingOfStillnessWhereTheOutputNeverStands) {
   EXPECT_EQ(reference_scatter(m.t, m.F, m.U, {.range_V = 4.0, .gain_V_per_N = 2.0}).still_N, 0.0);
 }
 
+// Staircases of five seconds a level under noise that hangs together over a tenth of a second: neighbours differ by a fifth of it.
+TEST(ReferenceScatter, OfNoiseThatHangsTogetherSmoothingLeavesNearlyAll) {
+  Made m;
+  std::vector<double> smoothed;
+  Rng rng(57, "levels");
+  const double keep = std::exp(-0.005 / 0.1);
+  double e = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const double t = i / 200.0, force = 1.0 + 0.5 * std::floor(std::fmod(t, 40.0) / 5.0);
+    e = keep * e + std::sqrt(1.0 - keep * keep) * rng.normal();
+    m.t.push_back(t);
+    m.F.push_back(force + 0.03 * e);
+    m.U.push_back(2.0 * force + 0.002 * rng.normal());
+    smoothed.push_back(force + 0.024 * e);
+  }
+  const OutputFacts facts{.range_V = 8.0, .gain_V_per_N = 2.0, .noise_V = 0.002};
+  EXPECT_NEAR(left_where_still(m.t, m.F, smoothed, m.U, facts), 0.020, 0.003) << "a parabola over two seconds takes some of it";
+  for (std::size_t i = 0; i < m.U.size(); ++i) m.U[i] += 0.5 * std::sin(20.0 * m.t[i]);
+  EXPECT_EQ(left_where_still(m.t, m.F, smoothed, m.U, facts), 0.0) << "the output never stands still";
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
