@@ -101,5 +101,39 @@ TEST(LoadDirection, OfAHoldIsHeldWhateverTheNoiseAndOfARampItIsOneWay) {
   }
 }
 
+// The blocks of one recording share its full-rate force, which its first block holds: what is drawn of each is off by what the fit is off by.
+TEST(RecordCourse, OfOneRecordingWithADelayIsThatOfTheFitInEveryBlock) {
+  Campaign c;
+  c.name = "machine";
+  Record r;
+  r.name = "one";
+  TimeBase clock;
+  std::vector<double> x, y;
+  Rng rng(3, "one");
+  const auto input = [](double t) { return 2.0 + 1.2 * std::sin(1.3 * t) + 0.5 * std::sin(3.1 * t + 1.0); };
+  for (int i = 0; i < 20000; ++i) {
+    const double t = i / 200.0;
+    clock.t_s.push_back(t);
+    x.push_back(input(t));
+    y.push_back(2.0 * input(t - 0.06) + 0.1 + 0.004 * rng.normal());
+  }
+  r.trace.time_bases.push_back(clock);
+  r.trace.channels.push_back({"F_ref", "N", "force", 0, x, {}});
+  r.trace.channels.push_back({"U", "V", "voltage", 0, y, {}});
+  c.records.push_back(std::move(r));
+  const Diagnosis d = answer(std::move(c));
+  ASSERT_GE(probability(d, "delay"), 0.5) << told(d);
+  ASSERT_FALSE(d.overlays.empty());
+  for (const EvidenceSeries& s : d.overlays) {
+    double square = 0.0, n = 0.0;
+    for (std::size_t i = 0; i < s.x.size(); ++i)
+      if (std::isfinite(s.before[i])) {
+        square += std::pow(s.before[i] - s.after[i], 2);
+        n += 1.0;
+      }
+    EXPECT_LT(std::sqrt(square / n), 0.02) << s.record << " " << s.title;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

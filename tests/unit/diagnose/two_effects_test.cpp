@@ -137,5 +137,24 @@ TEST(TwoEffects, WhatHeldOutRecordsContradictIsDroppedThenItsStandInAndTheOtherE
   EXPECT_EQ(std::count_if(d.findings.begin(), d.findings.end(), [](const Finding& f) { return f.probability >= 0.5; }), 1) << told(d);
 }
 
+// One sample in twenty is missing, each by itself: a fifth of the rows holds a hole, and the noise of a record is that of the others.
+TEST(TwoEffects, SamplesThatAreLostHereAndThereHideNoLoop) {
+  Campaign c = make_campaign(61, [](const std::vector<double>&, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    double play = F[0];
+    for (const double f : F) {
+      play = std::min(std::max(play, f - 0.3), f + 0.3);
+      U.push_back(2.0 * f + 0.08 * (play - f) + 0.2);
+    }
+    return U;
+  });
+  Rng rng(61, "lost");
+  for (Record& r : c.records)
+    for (double& u : r.trace.find("U")->value)
+      if (rng.uniform() < 0.05) u = std::nan("");
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_TRUE(claims(d, "hysteresis")) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
