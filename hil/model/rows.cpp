@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hil/base/text.h"
 #include "hil/model/states.h"
@@ -29,11 +30,25 @@ const std::vector<double>& on_clock(const Trace& trace, const Channel& channel, 
   return out;
 }
 
+constexpr std::size_t kSteps = 4;  // over which rounded stamps of a uniform clock average out
+
 double median_step(const std::vector<double>& t) {
-  std::vector<double> steps;
+  constexpr double kRounded = 0.1;
+  std::vector<double> steps, means;
   const std::size_t stride = std::max<std::size_t>(1, t.size() / 5000);
   for (std::size_t i = 1; i < t.size(); i += stride) steps.push_back(t[i] - t[i - 1]);
-  return steps.empty() ? 1.0 : quantile(std::move(steps), 0.5);
+  for (std::size_t i = kSteps; i < t.size(); i += stride) means.push_back((t[i] - t[i - kSteps]) / static_cast<double>(kSteps));
+  if (steps.empty()) return 1.0;
+  const double step = quantile(std::move(steps), 0.5), mean = quantile(std::move(means), 0.5);
+  return std::abs(mean - step) > kRounded * step ? mean : step;
+}
+
+// Of sample k, over the steps before it or behind it: beside a hole the other side tells.
+double step_around(const std::vector<double>& t, std::size_t k) {
+  double out = std::numeric_limits<double>::infinity();
+  if (k >= kSteps) out = (t[k] - t[k - kSteps]) / static_cast<double>(kSteps);
+  if (k + kSteps < t.size()) out = std::min(out, (t[k + kSteps] - t[k]) / static_cast<double>(kSteps));
+  return out;
 }
 
 double first_finite(const std::vector<double>& x) {
@@ -53,10 +68,11 @@ void hold(std::vector<double>& x, double last) {
 // another its length in time decides, so that rows stay about equally long, and none reaches over a hole.
 std::vector<std::uint32_t> cut_rows(const std::vector<double>& t, double row_step_s, std::size_t samples) {
   constexpr double kLonger = 1.5;  // a jittering clock stays below
+  const double step_s = row_step_s / static_cast<double>(samples);
   std::vector<std::uint32_t> begin = {0};
   for (std::size_t k = 1; k <= t.size(); ++k) {
     const double next_s = k < t.size() ? t[k] : t[k - 1] + (t[k - 1] - t[k - 2]), length_s = next_s - t[begin.back()];
-    const bool full = k - begin.back() >= samples && length_s > row_step_s / kLonger;
+    const bool full = k - begin.back() >= samples && (length_s > row_step_s / kLonger || step_around(t, k - 1) > step_s / kLonger);
     if (full || length_s > kLonger * row_step_s) begin.push_back(static_cast<std::uint32_t>(k));
   }
   return begin;

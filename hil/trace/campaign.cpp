@@ -48,7 +48,7 @@ void load(Reading& reading, const CampaignOptions& options) {
   if (auto note = put_on_common_clock(record.trace)) reading.notes.push_back(std::move(*note));
   // files of Forcegate hold channels that are there to be looked at
   const std::string ending = reading.file.extension().string();
-  if (const auto unused = unused_columns(record.trace); !unused.empty() && ending != ".h5" && ending != ".hdf5" && record.trace.find("F_ref"))
+  if (const auto unused = unused_columns(record.trace, read->headers); !unused.empty() && ending != ".h5" && ending != ".hdf5" && record.trace.find("F_ref"))
     reading.notes.push_back("not used: " + join(unused, ", "));
 }
 
@@ -229,6 +229,7 @@ Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& opti
   FORCEGATE_TRY(Campaign campaign, read_any(path, options));
   drop_copies(campaign);
   note_contradictions(campaign);
+  take_varied_supply(campaign);
   const bool chosen = std::ranges::any_of(options.column_map, [](const auto& entry) { return known_name(meaning_of(entry.second).name) == "U"; });
   if (!chosen) read_resistance_as_conductance(campaign);
   return campaign;

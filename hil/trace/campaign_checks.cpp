@@ -1,6 +1,7 @@
 #include "hil/trace/campaign_checks.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -85,6 +86,17 @@ void drop_overlapping_starts(Campaign& campaign) {
   }
 }
 
+// 5 %, 50 % and 95 % of the samples.
+std::array<double, 3> spread_of(const Channel& channel) {
+  std::vector<double> values;
+  for (const double v : channel.value)
+    if (std::isfinite(v)) values.push_back(v);
+  if (values.empty()) return {kMissing, kMissing, kMissing};
+  std::ranges::sort(values);
+  const auto at = [&](double q) { return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))]; };
+  return {at(0.05), at(0.5), at(0.95)};
+}
+
 }  // namespace
 
 void drop_copies(Campaign& campaign) {
@@ -116,6 +128,29 @@ void note_contradictions(Campaign& campaign) {
   drop_overlapping_starts(campaign);
   if (!campaign.records.empty() && std::ranges::all_of(campaign.records, [](const Record& r) { return r.role == RecordRole::heldout; }))
     campaign.notes.push_back("every record is held out, and none is left to be fitted: the roles are not used, records are fitted and left out in turn");
+}
+
+void take_varied_supply(Campaign& campaign) {
+  constexpr double kSet = 0.05;  // of the largest
+  double lowest_V = HUGE_VAL, highest_V = -HUGE_VAL, within_V = 0.0;
+  std::vector<Channel*> supplies;
+  for (Record& record : campaign.records) {
+    if (record.trace.find("drive") != nullptr || record.drive_V) return;
+    Channel* supply = record.trace.find("supply");
+    if (supply == nullptr) continue;
+    supplies.push_back(supply);
+    const auto [low_V, middle_V, high_V] = spread_of(*supply);
+    if (!std::isfinite(middle_V)) continue;
+    lowest_V = std::min(lowest_V, middle_V);
+    highest_V = std::max(highest_V, middle_V);
+    within_V = std::max(within_V, high_V - low_V);
+  }
+  if (supplies.empty()) return;
+  const bool was_set = highest_V - lowest_V > std::max(kSet * std::max(std::fabs(lowest_V), std::fabs(highest_V)), within_V);
+  for (Channel* supply : supplies)
+    if (was_set) supply->name = "drive";
+  campaign.notes.push_back(was_set ? "the supply was set from " + plain_number(lowest_V) + " to " + plain_number(highest_V) + " V from record to record: it was taken for the sensor's drive"
+                                   : "not used: the supply, which nobody set from record to record; is it the sensor's drive, map it: --map NAME=drive_V");
 }
 
 }  // namespace forcegate

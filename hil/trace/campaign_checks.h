@@ -12,4 +12,8 @@ void drop_copies(Campaign& campaign);
 /// before another has ended are not used, noted.
 void note_contradictions(Campaign& campaign);
 
+/// A column called supply, and not drive, is the sensor's drive where somebody set it: the medians of records differ by more than a twentieth and by
+/// more than it moves within any of them. It is then renamed, else left unused; both noted. Not asked where a record has a drive.
+void take_varied_supply(Campaign& campaign);
+
 }  // namespace forcegate

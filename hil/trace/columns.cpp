@@ -36,7 +36,8 @@ constexpr std::array kSynonyms = {
              "voltage",
              "V",
              {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal", "spannung"}},
-    Synonyms{"drive", "voltage", "V", {"drive", "supply", "v_drive", "u_drive", "vcc", "v_supply", "versorgung"}},
+    Synonyms{"drive", "voltage", "V", {"drive", "v_drive", "u_drive"}},
+    Synonyms{"supply", "voltage", "V", {"supply", "vcc", "v_supply", "versorgung"}},
     Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel", "winkel"}},
     Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb", "temperatur"}},
     Synonyms{"humidity", "ratio", "pct", {"humidity", "rh", "relative_humidity", "rel_humidity", "rel_hum", "hum", "luftfeuchte", "feuchte"}},
@@ -135,17 +136,18 @@ ColumnMeaning meaning_of(std::string_view header) {
   return out;
 }
 
-std::vector<std::string> use_canonical_names(Trace& trace) {
+std::vector<std::string> use_canonical_names(Trace& trace, const std::vector<std::string>& headers) {
   std::vector<std::string> notes;
   const auto rename = [&](Channel& channel, const char* name, const char* why) {
-    notes.push_back("column \"" + header_of(channel.name, channel.unit) + "\" was taken for " + name + why);
+    const auto at = static_cast<std::size_t>(&channel - trace.channels.data());
+    notes.push_back("column \"" + (at < headers.size() ? headers[at] : header_of(channel.name, channel.unit)) + "\" was taken for " + name + why);
     channel.name = name;
   };
   for (Channel& channel : trace.channels) {
     const Synonyms* known = synonym(channel.name);
     if (!known || channel.quantity != known->quantity || channel.name == known->name) continue;
     if (trace.find(known->name)) continue;
-    if (channel.name.size() == 1)
+    if (channel.name.size() == 1 || known->name == std::string_view("supply"))
       channel.name = known->name;  // "F", "U": nothing to tell
     else
       rename(channel, known->name, "");
@@ -175,11 +177,12 @@ std::vector<std::string> use_canonical_names(Trace& trace) {
   return notes;
 }
 
-std::vector<std::string> unused_columns(const Trace& trace) {
-  static constexpr std::array kRead = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "humidity", "unused"};
+std::vector<std::string> unused_columns(const Trace& trace, const std::map<std::string, std::string>& headers) {
+  static constexpr std::array kRead = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "supply", "humidity", "unused"};
   std::vector<std::string> out;
   for (const Channel& channel : trace.channels)
-    if (std::ranges::find(kRead, channel.name) == kRead.end()) out.push_back(header_of(channel.name, channel.unit));
+    if (std::ranges::find(kRead, channel.name) == kRead.end())
+      out.push_back(headers.contains(channel.name) ? headers.at(channel.name) : header_of(channel.name, channel.unit));
   return out;
 }
 

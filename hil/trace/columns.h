@@ -25,11 +25,11 @@ ColumnMeaning meaning_of(std::string_view header);
 
 /// Gives foreign channels the names of docs/campaign.md where that is unambiguous: by common synonyms, else when the
 /// trace has exactly one channel of the quantity; counts, conductance, resistance or current stand for a missing U.
-/// Returns one note for each renamed channel.
-std::vector<std::string> use_canonical_names(Trace& trace);
+/// Returns one note for each renamed channel. `headers`: of the channels, as the file writes them; may be empty.
+std::vector<std::string> use_canonical_names(Trace& trace, const std::vector<std::string>& headers = {});
 
-/// Headers of the channels that nothing reads: neither under a name of docs/campaign.md nor mapped to "unused".
-std::vector<std::string> unused_columns(const Trace& trace);
+/// Headers of the channels that nothing reads: neither under a name of docs/campaign.md nor mapped to "unused". `headers`: of channels by name.
+std::vector<std::string> unused_columns(const Trace& trace, const std::map<std::string, std::string>& headers = {});
 
 /// The name under which Forcegate knows a common synonym: "F_ref" for "force", "U" for "voltage"; else the name itself.
 std::string known_name(std::string_view name);

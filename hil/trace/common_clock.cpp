@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "hil/base/text.h"
@@ -65,11 +66,60 @@ std::string every_row(std::size_t n) {
   return "every " + std::to_string(n) + ending + " row";
 }
 
+// The channel at instants of another clock, along straight lines between two samples that are there and no more than two steps apart.
+std::vector<double> read_at_instants(const Channel& channel, const std::vector<double>& own_s, const std::vector<double>& t_s) {
+  constexpr double kLongestLine = 2.0;
+  const double longest_s = kLongestLine * median_distance(own_s), turn = 2.0 * std::numbers::pi;
+  const bool is_angle = channel.quantity == "angle";
+  std::vector<double> out(t_s.size(), kMissing);
+  const std::size_t n = std::min(own_s.size(), channel.value.size());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < t_s.size(); ++i) {
+    while (next < n && own_s[next] < t_s[i]) ++next;
+    if (next == n) break;
+    if (own_s[next] == t_s[i]) {
+      out[i] = channel.value[next];
+      continue;
+    }
+    if (next == 0 || own_s[next] - own_s[next - 1] > longest_s) continue;
+    const double share = (t_s[i] - own_s[next - 1]) / (own_s[next] - own_s[next - 1]);
+    const double step = channel.value[next] - channel.value[next - 1];
+    out[i] = channel.value[next - 1] + share * (is_angle ? std::remainder(step, turn) : step);
+  }
+  return out;
+}
+
+// Force and output that two devices stamped: everything is read at the samples of the slower of the two while both run.
+std::string read_on_clock_of(const Channel& slow, const Channel& fast, Trace& trace) {
+  const std::vector<double>&own_s = trace.time_bases[slow.time_base].t_s, &other_s = trace.time_bases[fast.time_base].t_s;
+  const auto begin = std::ranges::lower_bound(own_s, other_s.front()), end = std::ranges::upper_bound(own_s, other_s.back());
+  // clocks that hardly meet leave rows without the other channel, which is told where rows are judged
+  const bool both_run = end - begin >= static_cast<std::ptrdiff_t>(kFewestSamples);
+  std::vector<double> t_s = both_run ? std::vector<double>(begin, end) : own_s;
+  std::string text = slow.name + " and " + fast.name + " have clocks of their own: the record is read at the samples of " + slow.name + ", " + fast.name +
+                     " along straight lines";
+  for (Channel& channel : trace.channels) {
+    channel.value = read_at_instants(channel, trace.time_bases[channel.time_base].t_s, t_s);
+    channel.raw.clear();
+  }
+  TimeBase common = with_rate_and_gaps(std::move(t_s));
+  common.device = trace.time_bases[slow.time_base].device;
+  for (Channel& channel : trace.channels) channel.time_base = 0;
+  trace.time_bases.assign(1, std::move(common));
+  return text;
+}
+
 }  // namespace
 
 std::optional<std::string> put_on_common_clock(Trace& trace) {
   Channel *force = trace.find("F_ref"), *output = trace.find("U");
-  if (force == nullptr || output == nullptr || force->time_base != output->time_base) return {};
+  if (force == nullptr || output == nullptr) return {};
+  if (force->time_base != output->time_base) {
+    const std::vector<double>&of_force_s = trace.time_bases[force->time_base].t_s, &of_output_s = trace.time_bases[output->time_base].t_s;
+    if (of_force_s.empty() || of_output_s.empty()) return {};
+    const bool output_is_slow = median_distance(of_output_s) > median_distance(of_force_s);
+    return read_on_clock_of(output_is_slow ? *output : *force, output_is_slow ? *force : *output, trace);
+  }
   TimeBase& base = trace.time_bases[force->time_base];
   const auto fits = [&](const Channel& c) { return c.time_base != force->time_base || c.value.size() == base.t_s.size(); };
   if (!std::ranges::all_of(trace.channels, fits)) return {};

@@ -124,7 +124,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const Unit& unit = meanings[c].unit;
     if (unit.factor == 1.0 && unit.offset == 0.0) continue;
-    if (unit.symbol != unit.canonical)
+    if (unit.symbol != unit.canonical && unit.symbol != "pct")  // a share is shown in percent again
       out.notes.push_back("column \"" + table.columns[c].header + "\" was converted from " + unit.symbol +
                           " to " + unit.canonical);
     for (double& v : table.columns[c].value) v = unit.factor * v + unit.offset;
@@ -132,7 +132,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
 
   Clock clock;
   if (clock_column < table.columns.size()) {
-    auto made = make_clock(std::move(table.columns[clock_column].value), where, [&](std::size_t row) { return table.line_of_row(row); });
+    const ClockSource source{where, table.columns[clock_column].header, [&](std::size_t row) { return table.line_of_row(row); }, options.assumed_rate_Hz};
+    auto made = make_clock(std::move(table.columns[clock_column].value), source);
     if (!made) return tl::unexpected(made.error());
     clock = std::move(*made);
     out.notes.insert(out.notes.end(), clock.notes.begin(), clock.notes.end());
@@ -155,8 +156,10 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   }
   out.trace.time_bases.push_back(std::move(clock.base));
 
+  std::vector<std::string> headers;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     if (c == clock_column) continue;
+    headers.push_back(table.columns[c].header.empty() ? header_of(meanings[c].name, meanings[c].unit.canonical) : table.columns[c].header);
     Channel channel;
     channel.name = std::move(meanings[c].name);
     channel.unit = meanings[c].unit.canonical;
@@ -169,7 +172,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
                           std::to_string(channel.value.size()) + " samples");
     out.trace.channels.push_back(std::move(channel));
   }
-  for (std::string& note : use_canonical_names(out.trace)) out.notes.push_back(std::move(note));
+  for (std::string& note : use_canonical_names(out.trace, headers)) out.notes.push_back(std::move(note));
+  for (std::size_t i = 0; i < headers.size(); ++i) out.headers.emplace(out.trace.channels[i].name, std::move(headers[i]));
   attach_counts(out.trace);
   make_names_unique(out.trace);
   return out;

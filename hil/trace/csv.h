@@ -22,6 +22,7 @@ struct TraceFile {
   Trace trace;
   std::vector<std::string> notes;   ///< what was assumed, converted, dropped; one sentence each
   std::vector<std::string> mapped;  ///< entries of the column map that met a column
+  std::map<std::string, std::string> headers;  ///< name of a channel -> header of its column as written
 };
 
 /// Every column becomes a channel in its canonical unit. A column of counts beside a physical one of the same name

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "hil/base/text.h"
+#include "hil/trace/packets.h"
 
 namespace forcegate {
 namespace {
@@ -18,28 +20,66 @@ double median_step(const std::vector<double>& t) {
   return *middle;
 }
 
-/// Steps above 1.5 nominal ones, allowing for the rounding of the stamps.
-std::size_t count_gaps(const std::vector<double>& t, double step) {
+constexpr double kGap = 1.5;  // nominal steps, with room for the rounding of the stamps
+bool is_long(double step_s, double nominal_s) { return step_s > kGap * nominal_s * (1 + 1e-9); }
+
+std::size_t count_long(const std::vector<double>& t, double step) {
   std::size_t n = 0;
-  for (std::size_t i = 1; i < t.size(); ++i) n += t[i] - t[i - 1] > 1.5 * step * (1 + 1e-9);
+  for (std::size_t i = 1; i < t.size(); ++i) n += is_long(t[i] - t[i - 1], step);
   return n;
 }
 
-void find_rate_and_gaps(TimeBase& base) {
+// A uniform clock with rounded stamps has steps of two lengths.
+bool is_rounded(const std::vector<double>& t, double step) {
+  constexpr double kSame = 1e-3;
+  std::vector<double> lengths;
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    const double length = t[i] - t[i - 1];
+    if (is_long(length, step) || std::ranges::any_of(lengths, [&](double known) { return std::fabs(known - length) < kSame * step; })) continue;
+    if (lengths.size() == 2) return false;
+    lengths.push_back(length);
+  }
+  return true;
+}
+
+// Standard deviation of the stamps about a uniform clock, in steps, from their second differences: a rate that changes is no jitter.
+double jitter_of(const std::vector<double>& t, double step) {
+  constexpr std::size_t kMost = 8192;
+  if (t.size() < 3 || is_rounded(t, step)) return 0.0;
+  std::vector<double> second;
+  for (std::size_t i = 1, stride = t.size() / kMost + 1; i + 1 < t.size(); i += stride) second.push_back(std::fabs(t[i + 1] - 2.0 * t[i] + t[i - 1]));
+  const auto middle = second.begin() + static_cast<std::ptrdiff_t>(second.size() / 2);
+  std::nth_element(second.begin(), middle, second.end());
+  return 1.4826 * *middle / std::sqrt(6.0) / step;
+}
+
+/// The jitter, in steps.
+double find_rate_and_gaps(TimeBase& base) {
+  constexpr double kMostJitter = 0.25, kStandsOut = 5.0;  // beyond there is no rate; standard deviations of a step
   const auto& t = base.t_s;
-  if (t.size() < 2) return;
+  if (t.size() < 2) return 0.0;
   double step = median_step(t);
   const auto steps = static_cast<double>(t.size() - 1);
-  if (static_cast<double>(count_gaps(t, step)) > 0.1 * steps) step = (t.back() - t.front()) / steps;
-  if (!(step > 0.0) || static_cast<double>(count_gaps(t, step)) > 0.1 * steps) return;
+  if (static_cast<double>(count_long(t, step)) > 0.1 * steps) step = (t.back() - t.front()) / steps;
+  if (!(step > 0.0)) return 0.0;
+  const double jitter = jitter_of(t, step);
+  const bool jitters = jitter > 0.0 && jitter <= kMostJitter;
+  if (!jitters && static_cast<double>(count_long(t, step)) > 0.1 * steps) return 0.0;
+  const double least = jitters ? 1.0 + kStandsOut * std::sqrt(2.0) * jitter : 0.0;
+  // nothing is missing where a neighbour is as much shorter: that stamp came late
+  const auto made_up_for = [&](std::size_t i) {
+    const double before = i > 1 ? t[i - 1] - t[i - 2] : HUGE_VAL, behind = i + 1 < t.size() ? t[i + 1] - t[i] : HUGE_VAL;
+    return t[i] - t[i - 1] + std::min(before, behind) < (1.0 + kGap) * step;
+  };
   double missing_s = 0.0;
   for (std::size_t i = 1; i < t.size(); ++i)
-    if (t[i] - t[i - 1] > 1.5 * step * (1 + 1e-9)) {
+    if (is_long(t[i] - t[i - 1], step) && t[i] - t[i - 1] > least * step && !made_up_for(i)) {
       base.gaps.push_back({i, t[i - 1], t[i]});
       missing_s += t[i] - t[i - 1];
     }
   const double regular = steps - static_cast<double>(base.gaps.size());
   base.nominal_rate_Hz = regular > 0 ? regular / (t.back() - t.front() - missing_s) : 1.0 / step;
+  return jitters ? jitter : 0.0;
 }
 
 std::string times(std::size_t n, const char* one, const char* many) {
@@ -95,8 +135,10 @@ TimeBase invented_clock(std::size_t rows, double rate_Hz) {
   return base;
 }
 
-Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where, const LineOfRow& line_of_row) {
+Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source) {
   Clock clock;
+  const std::string& where = source.where;
+  const LineOfRow& line_of_row = source.line_of_row;
   if (const std::size_t days = unwrap_midnights(stamps_s); days > 0)
     clock.notes.push_back("the clock of day passes midnight" + (days == 1 ? std::string() : " " + std::to_string(days) + " times") + "; counted on");
   bool increasing = !stamps_s.empty() && std::isfinite(stamps_s.front());
@@ -108,14 +150,15 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where,
       if (std::isfinite(stamps_s[i])) rows.push_back(i);
     if (rows.empty())
       return fail(ErrorCode::parse, "no row has a time stamp", where,
-                  "map another column, --map NAME=t_s, or leave the clock out: --map CLOCK=unused --rate HZ");
+                  "map another column, --map NAME=t_s, or leave the clock out: --map " + source.column + "=unused --rate HZ");
     if (rows.size() < stamps_s.size())
       clock.notes.push_back(without_stamp(stamps_s, line_of_row));
 
     std::vector<double> t;
     for (const std::size_t r : rows) t.push_back(stamps_s[r]);
     std::vector<double> steps;
-    for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(std::fabs(t[i] - t[i - 1]));
+    for (std::size_t i = 1; i < t.size(); ++i)
+      if (t[i] != t[i - 1]) steps.push_back(std::fabs(t[i] - t[i - 1]));
     double step = 0.0;
     if (!steps.empty()) {
       const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
@@ -140,26 +183,33 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where,
                        [&](std::size_t a, std::size_t b) { return stamps_s[a] < stamps_s[b]; });
       clock.notes.push_back(times(backwards, "row was", "rows were") + " out of order; sorted by time");
     }
-    const std::size_t before = rows.size();
-    rows.erase(std::unique(rows.begin(), rows.end(),
-                           [&](std::size_t a, std::size_t b) { return stamps_s[a] == stamps_s[b]; }),
-               rows.end());
-    const std::size_t repeated = before - rows.size();
-    if (repeated > 1 && repeated * 100 > before)
-      return fail(
-          ErrorCode::parse,
-          "the clock stands still in " + std::to_string(repeated) + " of " + std::to_string(before) + " rows",
-          where,
-          "its resolution is coarser than the sample rate; leave it out: --map CLOCK=unused --rate HZ");
-    if (repeated > 0)
-      clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp; dropped");
-    clock.base.t_s.reserve(rows.size());
-    for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
+    std::vector<std::size_t> distinct;
+    for (const std::size_t r : rows)
+      if (distinct.empty() || stamps_s[r] != stamps_s[distinct.back()]) distinct.push_back(r);
+    const std::size_t repeated = rows.size() - distinct.size();
+    if (repeated > 1 && repeated * 100 > rows.size()) {
+      std::vector<double> ordered;
+      for (const std::size_t r : rows) ordered.push_back(stamps_s[r]);
+      std::optional<std::vector<double>> spread = spread_packets(ordered, source.declared_rate_Hz);
+      if (!spread)
+        return fail(ErrorCode::parse, "the clock \"" + source.column + "\" stands still in " + std::to_string(repeated) + " of " + std::to_string(rows.size()) + " rows", where,
+                    "leave it out: --map " + source.column + "=unused --rate HZ");
+      clock.notes.push_back(std::to_string(repeated) + " of " + std::to_string(rows.size()) +
+                            " rows repeat the time stamp before them, as in packets of " + std::to_string((rows.size() + distinct.size() / 2) / distinct.size()) +
+                            ": their instants are spread evenly between the stamps");
+      clock.base.t_s = std::move(*spread);
+    } else {
+      if (repeated > 0) clock.notes.push_back(times(repeated, "row repeats", "rows repeat") + " a time stamp; dropped");
+      rows = std::move(distinct);
+      for (const std::size_t r : rows) clock.base.t_s.push_back(stamps_s[r]);
+    }
   } else {
     clock.base.t_s = std::move(stamps_s);
   }
 
-  find_rate_and_gaps(clock.base);
+  constexpr double kTold = 0.05;
+  if (const double jitter = find_rate_and_gaps(clock.base); jitter >= kTold)
+    clock.notes.push_back("the clock jitters by " + std::to_string(std::lround(100.0 * jitter)) + " % of a period");
   std::size_t gaps = 0;
   double longest = 0.0;
   for (const Gap& g : clock.base.gaps) {

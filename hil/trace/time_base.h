@@ -20,13 +20,23 @@ struct Clock {
 /// Line of the file that a row stands in, for what is said of it.
 using LineOfRow = std::function<std::uint64_t(std::size_t row)>;
 
+/// Where stamps come from.
+struct ClockSource {
+  std::string where;   ///< file
+  std::string column;  ///< as its header writes it
+  LineOfRow line_of_row;
+  double declared_rate_Hz = 0.0;  ///< 0 = not said
+};
+
 /// Makes strictly increasing instants of the stamps. Rows without a stamp are dropped, rows out of order by at most
-/// 10 steps are sorted, the second of two equal stamps is dropped, all noted; what a row without a stamp leaves open is a gap, but is not
-/// told as one. A clock of day (0 to 86400 s) that falls from its last minute to its first goes on with the next day, noted. A step above 1.5 nominal ones is a
-/// Gap; the nominal step is the median, or the mean where the stamps are rounded coarsely. When more than a tenth
-/// of the steps are such gaps the clock counts as non-uniform: nominal_rate_Hz = 0 and no gaps are listed.
+/// 10 steps are sorted, the second of two equal stamps is dropped, all noted; where more than 1 % of the rows repeat a stamp they are spread between
+/// the stamps (packets.h), noted. What a row without a stamp leaves open is a gap, but is not
+/// told as one. A clock of day (0 to 86400 s) that falls from its last minute to its first goes on with the next day, noted.
+/// The nominal step is the median, or the mean where the stamps are rounded coarsely. A Gap is a step above 1.5 nominal ones that stands five standard
+/// deviations out of the jitter of the stamps, and that the step before or behind does not make up for. Jitter of 5 to 25 % of a period is noted. When more
+/// than a tenth of the steps are above 1.5 nominal ones and it is not jitter the clock counts as non-uniform: nominal_rate_Hz = 0 and no gaps are listed.
 /// Errors (parse): no stamp at all, a clock that jumps back, one that stands still in more than 1 % of the rows.
-Result<Clock> make_clock(std::vector<double> stamps_s, const std::string& where, const LineOfRow& line_of_row);
+Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source);
 
 /// The base of strictly increasing instants, with the rate and the gaps that make_clock would find.
 TimeBase with_rate_and_gaps(std::vector<double> t_s);

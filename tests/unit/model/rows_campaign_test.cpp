@@ -98,6 +98,17 @@ TEST(Rows, AreEquallyLongWhereTheRateChanges) {
   }
 }
 
+TEST(Rows, OfASlowTableAreItsSamplesHoweverItsStampsAreRounded) {
+  for (const double period_s : {5.0, 1.6, 1.4}) {
+    std::vector<double> t_s;
+    for (int i = 0; i < 24; ++i) t_s.push_back(std::nearbyint(2.5 + period_s * i));
+    const auto made = make_record_input(sampled(t_s));
+    ASSERT_TRUE(made.has_value());
+    EXPECT_EQ(made->rows(), 24u) << period_s;
+    EXPECT_NEAR(made->row_step_s, period_s, 0.2 * period_s);
+  }
+}
+
 TEST(Rows, AfterAHoleAreNotOk) {
   std::vector<double> t_s;
   for (int i = 0; i < 1000; ++i) t_s.push_back(0.01 * i + (i >= 501 ? 3.0 : 0.0));

@@ -11,6 +11,8 @@
 #include <fstream>
 #include <functional>
 
+#include "hil/trace/common_clock.h"
+
 namespace forcegate {
 namespace {
 
@@ -155,10 +157,79 @@ TEST_F(CheckedCampaign, KeepsAResistanceThatFollowsTheForceItself) {
 
 TEST_F(CheckedCampaign, NotesColumnsThatNothingReads) {
   put_rows("a.csv", "t_s,F_ref_N,U_V,level_mm", [](int i) { return std::to_string(force(i, 0.0)) + ",2,3"; });
-  EXPECT_THAT(read().notes, Contains("a: not used: level_m"));
+  EXPECT_THAT(read().notes, Contains("a: not used: level_mm"));
   CampaignOptions options;
   options.column_map["level_mm"] = "unused";
   EXPECT_THAT(read(options).notes, Not(Contains(HasSubstr("not used"))));
+}
+
+TEST_F(CheckedCampaign, ReadsForceAndOutputOfTwoClocksAtTheSamplesOfTheSlowerOne) {
+  Trace trace;
+  trace.time_bases.resize(2);
+  std::vector<double> F, U;
+  for (int i = 0; i < 2000; ++i) trace.time_bases[0].t_s.push_back(i / 200.0), F.push_back(1.0 + i / 200.0);
+  for (int i = 0; i < 3050; ++i) trace.time_bases[1].t_s.push_back(i / 300.0 - 0.1), U.push_back(i >= 1200 && i < 1230 ? kMissing : 5.0 + 2.0 * (i / 300.0 - 0.1));
+  trace.channels = {{"F_ref", "N", "force", 0, F, {}}, {"U", "V", "voltage", 1, U, {}}};
+  const auto note = put_on_common_clock(trace);
+  ASSERT_TRUE(note);
+  EXPECT_THAT(*note, HasSubstr("F_ref and U have clocks of their own"));
+  ASSERT_EQ(trace.time_bases.size(), 1u);
+  const std::vector<double>& t_s = trace.time_bases.front().t_s;
+  const Channel &force = *trace.find("F_ref"), &output = *trace.find("U");
+  ASSERT_EQ(force.value.size(), t_s.size());
+  ASSERT_EQ(output.value.size(), t_s.size());
+  std::size_t missing = 0;
+  for (std::size_t i = 0; i < t_s.size(); ++i) {
+    EXPECT_EQ(force.value[i], 1.0 + t_s[i]);
+    if (std::isfinite(output.value[i])) {
+      EXPECT_NEAR(output.value[i], 5.0 + 2.0 * t_s[i], 1e-9);
+      continue;
+    }
+    ++missing;
+    EXPECT_NEAR(t_s[i], 3.95, 0.06) << "where the output was lost";
+  }
+  EXPECT_NEAR(static_cast<double>(missing), 20.0, 2.0);
+}
+
+TEST_F(CheckedCampaign, LeavesWhatOneClockDoesNotCoverOut) {
+  Trace trace;
+  trace.time_bases.resize(2);
+  std::vector<double> F(1000, 1.0), U(500, 2.0);
+  for (int i = 0; i < 1000; ++i) trace.time_bases[0].t_s.push_back(0.01 * i);
+  for (int i = 0; i < 500; ++i) trace.time_bases[1].t_s.push_back(2.003 + 0.01 * i);
+  trace.channels = {{"F_ref", "N", "force", 0, F, {}}, {"U", "V", "voltage", 1, U, {}}};
+  ASSERT_TRUE(put_on_common_clock(trace));
+  EXPECT_NEAR(trace.time_bases.front().t_s.front(), 2.0, 0.011);
+  EXPECT_NEAR(trace.time_bases.front().t_s.back(), 7.0, 0.011);
+  for (const Channel& channel : trace.channels)
+    for (const double v : channel.value) EXPECT_TRUE(std::isfinite(v));
+}
+
+TEST_F(CheckedCampaign, TakesASupplyForTheDriveOnlyWhereSomebodySetIt) {
+  const auto put_supply = [&](const std::string& name, const std::string& header, double supply_V) {
+    put_rows(name, "t_s,F_ref_N,U_V," + header, [&](int i) { return std::to_string(force(i, supply_V)) + ",2," + std::to_string(supply_V + 0.01 * std::sin(i)); });
+  };
+  put_supply("a.csv", "supply_V", 5.0);
+  put_supply("b.csv", "supply_V", 5.004);
+  const Campaign same = read();
+  EXPECT_EQ(same.records.front().trace.find("drive"), nullptr);
+  EXPECT_THAT(same.notes, Contains(HasSubstr("not used: the supply")));
+  EXPECT_THAT(same.notes, Not(Contains(HasSubstr("taken for"))));
+  put_supply("b.csv", "supply_V", 3.3);
+  const Campaign set = read();
+  EXPECT_NE(set.records.front().trace.find("drive"), nullptr);
+  EXPECT_THAT(set.notes, Contains(HasSubstr("the supply was set from 3.3 to 5 V")));
+  put_supply("a.csv", "drive_V", 5.0);
+  put_supply("b.csv", "drive_V", 5.0);
+  EXPECT_NE(read().records.front().trace.find("drive"), nullptr) << "a drive is one by its name";
+}
+
+TEST_F(CheckedCampaign, NotesSpeakOfColumnsAsTheFileWritesThem) {
+  put_rows("a.csv", "t_s,load_cell_mN,Sensor_mV,RH_pct,pos_mm", [](int i) { return std::to_string(force(i, 0.0)) + ",2,40,3"; });
+  const Campaign campaign = read();
+  EXPECT_THAT(campaign.notes, Contains(HasSubstr("column \"load_cell_mN\" was taken for F_ref")));
+  EXPECT_THAT(campaign.notes, Contains(HasSubstr("not used: pos_mm")));
+  EXPECT_THAT(campaign.notes, Not(Contains(HasSubstr("pct to 1"))));
 }
 
 }  // namespace

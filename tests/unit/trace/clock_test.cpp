@@ -1,0 +1,149 @@
+// What read_csv makes of clocks that are not what they seem: packets, jitter, coarse stamps.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/rng.h"
+#include "hil/base/text.h"
+#include "hil/trace/csv.h"
+#include "hil/trace/packets.h"
+
+namespace forcegate {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string table(const std::vector<double>& stamps_s, const std::string& clock = "t_s") {
+  std::string text = clock + ",F_ref_N\n";
+  for (const double t : stamps_s) text += shortest(t) + ",1\n";
+  return text;
+}
+
+TraceFile read(const std::string& text, const CsvOptions& options = {}) {
+  auto file = parse_csv(text, "x.csv", options);
+  EXPECT_TRUE(file) << (file ? "" : file.error().to_text());
+  return file ? std::move(*file) : TraceFile{};
+}
+
+// The stamp of each row's last in packets of `rows`, rounded as a file has it.
+std::vector<double> packet_stamps(std::size_t n, double rate_Hz, std::size_t rows, double begin_s) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < n; ++i)
+    out.push_back(std::round(1e4 * (begin_s + static_cast<double>(std::min(n - 1, i / rows * rows + rows - 1)) / rate_Hz)) / 1e4);
+  return out;
+}
+
+TEST(ClockOfATable, SpreadsTheRowsOfAPacketAlongTheClock) {
+  for (const double begin_s : {0.0, 1.7e9}) {
+    const auto f = read(table(packet_stamps(1710, 72.0, 30, begin_s)));
+    const TimeBase& base = f.trace.time_bases.front();
+    ASSERT_EQ(base.t_s.size(), 1710u);
+    EXPECT_NEAR(base.nominal_rate_Hz, 72.0, 0.01);
+    EXPECT_TRUE(base.gaps.empty());
+    for (std::size_t i = 0; i < 1710; ++i) EXPECT_NEAR(base.t_s[i], begin_s + static_cast<double>(i) / 72.0, 2e-4) << i;
+    EXPECT_THAT(f.notes, Contains(HasSubstr("1653 of 1710 rows repeat the time stamp before them, as in packets of 30")));
+  }
+}
+
+TEST(ClockOfATable, KeepsAGapBetweenPackets) {
+  std::vector<double> stamps_s = packet_stamps(1000, 100.0, 10, 0.0);
+  for (std::size_t i = 500; i < 1000; ++i) stamps_s[i] += 4.0;
+  CsvOptions declared;
+  declared.assumed_rate_Hz = 100.0;
+  for (const CsvOptions& options : {CsvOptions{}, declared}) {
+    const auto f = read(table(stamps_s), options);
+    const TimeBase& base = f.trace.time_bases.front();
+    ASSERT_EQ(base.gaps.size(), 1u);
+    EXPECT_EQ(base.gaps.front().index, 500u);
+    EXPECT_NEAR(base.t_s[505], 4.0 + 5.05, 1e-6);
+    EXPECT_NEAR(base.t_s[495], 4.95, 1e-6);
+  }
+}
+
+TEST(ClockOfATable, TellsStampsOfTheFirstRowFromThoseOfTheLast) {
+  std::vector<double> stamps_s;
+  for (std::size_t rows = 4, at = 0; at < 2000; at += rows, rows = 4 + (rows * 7 + at) % 9)
+    for (std::size_t i = 0; i < rows; ++i) stamps_s.push_back(0.001 * static_cast<double>(at));
+  const auto spread = spread_packets(stamps_s, 0.0);
+  ASSERT_TRUE(spread);
+  for (std::size_t i = 0; i < spread->size(); ++i) EXPECT_NEAR((*spread)[i], 0.001 * static_cast<double>(i), 1e-6) << i;
+}
+
+TEST(ClockOfATable, ReadsAUniformClockOutOfPacketsThatArriveLate) {
+  std::vector<double> stamps_s = packet_stamps(4000, 200.0, 16, 0.0);
+  Rng rng(3, "arrival");
+  for (std::size_t i = 0; i < stamps_s.size(); i += 16) {
+    const double late_s = 0.02 * rng.uniform();
+    for (std::size_t k = i; k < std::min(i + 16, stamps_s.size()); ++k) stamps_s[k] += late_s;
+  }
+  const auto spread = spread_packets(stamps_s, 0.0);
+  ASSERT_TRUE(spread);
+  for (std::size_t i = 1; i < spread->size(); ++i) EXPECT_NEAR((*spread)[i] - (*spread)[i - 1], 0.005, 1e-4) << i;
+}
+
+TEST(ClockOfATable, ReadsStampsThatAreCoarserThanTheSampleRate) {
+  std::vector<double> stamps_s;
+  for (int i = 0; i < 3000; ++i) stamps_s.push_back(std::floor(i * 1000.0 / 1064.0) / 1000.0);
+  const auto f = read(table(stamps_s));
+  EXPECT_NEAR(f.trace.time_bases.front().nominal_rate_Hz, 1064.0, 1.0);
+  EXPECT_TRUE(f.trace.time_bases.front().gaps.empty());
+}
+
+TEST(ClockOfATable, AClockThatStandsStillIsRefusedByItsName) {
+  std::vector<double> stamps_s;
+  for (int i = 0; i < 1000; ++i) stamps_s.push_back(i < 500 ? 0.01 * i : i < 900 ? 5.0 : 5.0 + 0.01 * (i - 899));
+  const auto refused = parse_csv(table(stamps_s, "elapsed_s"), "x.csv");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().text, HasSubstr("the clock \"elapsed_s\" stands still in 399 of 1000 rows"));
+  EXPECT_THAT(refused.error().hint, HasSubstr("--map elapsed_s=unused --rate HZ"));
+  EXPECT_FALSE(parse_csv(table(std::vector<double>(100, 3.0)), "x.csv"));
+}
+
+// Stamps that stand off a clock of 100 Hz by `jitter` of a period.
+std::vector<double> jittering(double jitter) {
+  Rng rng(5, "stamps");
+  std::vector<double> out;
+  for (int i = 0; i < 20000; ++i) out.push_back(std::round(1e5 * (1.0 + 0.01 * (i + jitter * rng.normal()))) / 1e5);
+  std::ranges::sort(out);
+  return out;
+}
+
+TEST(ClockOfATable, JitterIsToldAsJitterAndNotAsGaps) {
+  const auto f = read(table(jittering(0.15)));
+  EXPECT_TRUE(f.trace.time_bases.front().gaps.empty());
+  EXPECT_NEAR(f.trace.time_bases.front().nominal_rate_Hz, 100.0, 0.1);
+  EXPECT_THAT(f.notes, Contains("the clock jitters by 15 % of a period"));
+  EXPECT_THAT(f.notes, Not(Contains(HasSubstr("gap"))));
+  EXPECT_THAT(read(table(jittering(0.01))).notes, Not(Contains(HasSubstr("jitter"))));
+}
+
+TEST(ClockOfATable, AGapStandsOutOfTheJitter) {
+  std::vector<double> stamps_s = jittering(0.15);
+  stamps_s.erase(stamps_s.begin() + 7000, stamps_s.begin() + 7003);
+  const auto f = read(table(stamps_s));
+  ASSERT_EQ(f.trace.time_bases.front().gaps.size(), 1u);
+  EXPECT_EQ(f.trace.time_bases.front().gaps.front().index, 7000u);
+}
+
+TEST(ClockOfATable, AStampThatCameLateIsNoGapAndALostRowIs) {
+  std::vector<double> stamps_s;
+  for (int i = 0; i < 1000; ++i)
+    if (i != 700) stamps_s.push_back(0.01 * i + (i % 50 == 3 ? 0.007 : 0.0));
+  const auto f = read(table(stamps_s));
+  ASSERT_EQ(f.trace.time_bases.front().gaps.size(), 1u);
+  EXPECT_EQ(f.trace.time_bases.front().gaps.front().index, 700u);
+}
+
+TEST(ClockOfATable, RoundedStampsAreNoJitter) {
+  std::vector<double> stamps_s;
+  for (int i = 0; i < 100; ++i) stamps_s.push_back(std::nearbyint(2.5 + 5.0 * i));
+  EXPECT_THAT(read(table(stamps_s)).notes, Not(Contains(HasSubstr("jitter"))));
+}
+
+}  // namespace
+}  // namespace forcegate
