@@ -79,11 +79,17 @@ CapacitanceWitness hear_capacitance(const CampaignInput& input) {
   }
   if (out.blocks < kFewestBlocks || !(uu > 0.0)) return out;
   out.share = uc / uu;
-  out.moved_N = std::sqrt(uu / static_cast<double>(out.blocks));
-  double left = 0.0;
-  for (std::size_t b = 0; b < blocks; ++b)
-    if (std::isfinite(by_U[b]) && std::isfinite(by_C[b])) left += std::pow(by_C[b] - out.share * by_U[b], 2);
-  out.u_share = std::sqrt(left / static_cast<double>(out.blocks - 1) / uu);
+  // blocks in a row hang together as far as both what they regress on and what is left do
+  double left = 0.0, left_next = 0.0, uu_next = 0.0, before_U = std::nan(""), before = before_U;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const double rest = by_C[b] - out.share * by_U[b];
+    if (std::isfinite(rest)) left += rest * rest;
+    if (std::isfinite(rest * before)) left_next += rest * before, uu_next += by_U[b] * before_U;
+    before = rest, before_U = by_U[b];
+  }
+  constexpr double kMostTogether = 0.95;
+  const double together = left > 0.0 ? std::clamp(left_next / left, 0.0, 1.0) * std::clamp(uu_next / uu, 0.0, 1.0) : 0.0, r = std::min(together, kMostTogether);
+  out.u_share = std::sqrt(left / static_cast<double>(out.blocks - 1) / uu * (1.0 + r) / (1.0 - r));
   if (out.share - 2.0 * out.u_share > kReference)
     out.side = CapacitanceWitness::Side::reference;
   else if (out.share + 2.0 * out.u_share < kSensor)
@@ -103,6 +109,10 @@ void decide_by_capacitance(const CampaignInput& input, Finding& finding) {
     finding.side = "sensor";
     finding.evidence += "; the capacitance stays with F_ref (share " + share +
                         "): it is the zero of the sensor's output, not the reference";
+  } else if (heard.blocks >= kFewestBlocks) {
+    finding.evidence += "; the capacitance shows a share of " + share + " of it, neither plainly all (the reference) nor plainly nothing (the sensor's own zero): the side cannot be told";
+  } else if (std::ranges::any_of(input.records, [](const RecordInput& r) { return !r.C_F.empty(); })) {
+    finding.evidence += "; static records show the capacitance for too short a time, and the side cannot be told: the sensor's own zero may drift";
   } else {
     finding.evidence += "; without a third channel the side cannot be told: the sensor's own zero may drift";
   }

@@ -13,12 +13,11 @@ struct CapacitanceWitness {
   /// Part of the output's slow departure from F_ref, as a force, that the capacitance shows too: 1 = the reference moves,
   /// 0 = the output moves.
   double share = 0.0, u_share = 0.0;
-  double moved_N = 0.0;    ///< RMS of the output's slow departure
   std::size_t blocks = 0;  ///< behind it
 };
 
 /// Static records only (the decay of cyclic ones is the output's alone). Both channels are set against F_ref by a parabola of
-/// the whole campaign; blocks of 30 s are averaged. Unknown without C_F, with fewer than eight blocks, or when the share lies
+/// the whole campaign; blocks of 30 s are averaged; u_share grows by (1 + r) / (1 - r) with what neighbouring blocks have in common. Unknown without C_F, with fewer than eight blocks, or when the share lies
 /// between 0.35 and 0.65 within two standard uncertainties.
 CapacitanceWitness hear_capacitance(const CampaignInput& input);
 

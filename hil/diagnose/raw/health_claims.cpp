@@ -18,7 +18,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   for (const RecordHealth& h : health) spikes += h.outliers;
   constexpr std::size_t kFewestSpikes = 12;
   const bool lone_are_spikes = spikes >= kFewestSpikes;
-  double samples = 0.0, missing = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
+  double samples = 0.0, missing = 0.0, reference_missing = 0.0, missing_variance = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
   std::vector<double> hum;
   double outlier_square_V2 = 0.0;
   std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
@@ -33,6 +33,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     (lone_are_spikes ? outliers : zeros) += static_cast<double>(h.lone_zeros);
     missing += static_cast<double>(h.missing);
     missing_runs += h.missing_runs;
+    reference_missing += static_cast<double>(h.reference_missing);
+    missing_variance += h.missing_variance;
     with_missing += h.missing_runs > 0 ? 1 : 0;
     rail += static_cast<double>(h.at_rail);
     zero_runs += h.zero_runs;
@@ -64,7 +66,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     out.push_back(
         {"adc_codes", 0.95,
          percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
-         "bit_V", "V", quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
+         "bit_V", scales.unit, quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
   const HeldCodes codes = find_held_codes(health, scales);
   constexpr double kLeastHeld = 1e-3;
   if (codes.found && codes.samples / samples > kLeastHeld) {
@@ -72,7 +74,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                    percent(codes.samples / samples) + " of the samples stand at " +
                        (codes.value_V.size() == 1 ? std::string("one value") : std::to_string(codes.value_V.size()) + " values") +
                        (n > 1 ? ", the same in several records," : ", the same again and again,") + " while the force moves on: codes beside them never come",
-                   "code_V", "V", codes.value_V.front(), scales.U_range_V * 1e-4});
+                   "code_V", scales.unit, codes.value_V.front(), scales.U_range_V * 1e-4});
     held -= std::min(held, codes.samples);
     rail = outliers = 0.0;  // a sample on the other side of a gap stands off its neighbours too
   }
@@ -88,13 +90,16 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   constexpr std::size_t kFewestZeros = 5, kFewestLong = 3;
   constexpr double kLongLoss = 20.0;  // samples
   const bool plain_zeros = !lone_are_spikes && ((with_zeros >= several && zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
-  // a sample that is missing here and there is noted; an output that goes missing again and again in most records loses samples
+  // a sample that is missing here and there is noted, and so is a logger that loses cells of every column; an output that goes missing again
+  // and again in most records, and plainly more than the reference does, loses samples
   constexpr std::size_t kFewestRuns = 10;
-  constexpr double kManyMissing = 0.01;
-  const double missing_share = missing / samples;
-  if (missing_share > kManyMissing && with_missing * 2 > n && missing_runs >= kFewestRuns)
-    out.push_back({"dropouts", 0.95, percent(missing_share) + " of the samples of the output are missing while the reference goes on", "share", "1",
-                   missing_share, std::sqrt(missing) / samples});
+  constexpr double kManyMissing = 0.01, kErrors = 3.0;
+  const double more = missing - reference_missing, u_more = std::sqrt(missing_variance);
+  if (more > kManyMissing * samples && more > kErrors * u_more && with_missing * 2 > n && missing_runs >= kFewestRuns)
+    out.push_back({"dropouts", 0.95,
+                   percent(missing / samples) + " of the samples of the output are missing while the reference goes on" +
+                       (reference_missing > 0.0 ? ", " + percent(reference_missing / samples) + " of the reference's alone" : ""),
+                   "share", "1", more / samples, u_more / samples});
   else if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
     out.push_back(
         {"dropouts", 0.95,
@@ -102,13 +107,13 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
          "share", "1", (held + zeros) / samples, std::sqrt(held + zeros) / samples});
   if (rail / samples > 1e-3)
     out.push_back({"clipping", 0.95,
-                   "the output stays at exactly one value at its top while the force moves on", "rail_V", "V",
+                   "the output stays at exactly one value at its top while the force moves on", "rail_V", scales.unit,
                    rail_V, scales.U_range_V * 1e-4});
   if (with_hum >= several && with_hum * 2 >= could_show_hum)
     out.push_back(
         {"hum", 0.95,
          "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
-         "amplitude_V", "V", quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
+         "amplitude_V", scales.unit, quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
   if (auto noise = claim_of_reference_noise(health, scales, bench)) out.push_back(std::move(*noise));
   return out;
 }

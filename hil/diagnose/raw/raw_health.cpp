@@ -1,6 +1,7 @@
 #include "hil/diagnose/raw/raw_health.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -213,6 +214,32 @@ Shared shared_by(std::span<const double> F, std::span<const double> U) {
   return out;
 }
 
+// A row that is lost whole is nobody's in particular.
+void count_missing(const std::vector<double>& F, const std::vector<double>& U, RecordHealth& out) {
+  std::size_t of_output = 0, of_reference = 0;  // lengths of the runs so far
+  const auto end_run = [&](std::size_t& length) {
+    out.missing_variance += static_cast<double>(length * length);
+    length = 0;
+  };
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    const bool has_F = std::isfinite(F[i]), has_U = std::isfinite(U[i]);
+    if (has_F && !has_U) {
+      ++out.missing;
+      out.missing_runs += of_output++ == 0 ? 1 : 0;
+    } else {
+      end_run(of_output);
+    }
+    if (has_U && !has_F) {
+      ++out.reference_missing;
+      ++of_reference;
+    } else {
+      end_run(of_reference);
+    }
+  }
+  end_run(of_output);
+  end_run(of_reference);
+}
+
 // Of one record where its force moves enough to tell; noise of the reference would make it small.
 double gain_of_record(const Shared& shared, const HealthScales& scales) {
   constexpr double kEnough = 0.1;  // RMS, of the range
@@ -236,6 +263,11 @@ HealthScales health_scales(const Campaign& campaign) {
       }
   }
   HealthScales out;
+  for (const Record& record : campaign.records)
+    if (const Channel* u = record.trace.find("U"); u != nullptr && !u->unit.empty() && (u->unit != "1" || u->quantity == "ratio")) {
+      out.unit = u->unit;
+      break;
+    }
   if (F.size() < 8) return out;
   out.range_N = std::max(1e-12, quantile(F, 0.999) - quantile(F, 0.001));
   out.U_range_V = std::max(1e-12, quantile(U, 0.999) - quantile(U, 0.001));
@@ -252,6 +284,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const Channel* u = record.trace.find("U");
   if (f == nullptr || u == nullptr) return out;
   const auto& t = record.trace.time_bases[f->time_base].t_s;
+  assert(u->time_base == f->time_base);
   const std::size_t n = t.size();
   std::vector<double> room_F, room_U;
   const std::vector<double>&F = aligned(*f, n, room_F), &U = aligned(*u, n, room_U);
@@ -259,6 +292,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   out.bad.assign(n, 0);
   out.gaps = record.trace.time_bases[f->time_base].gaps.size();
   if (n < 16) return out;
+  count_missing(F, U, out);
   out.noise_U_V = white_noise(U);
   out.noise_F_N = std::min(white_noise(F), restless_noise(t, F));
   const Shared shared = shared_by(F, U);
@@ -297,8 +331,6 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
   for (std::size_t i = 2; i + 2 < n; ++i) {
     if (!std::isfinite(U[i])) {
-      ++out.missing;
-      out.missing_runs += std::isfinite(F[i]) && std::isfinite(U[i - 1]) ? 1 : 0;
       out.bad[i] = static_cast<std::uint8_t>(BadSample::missing);
       continue;
     }

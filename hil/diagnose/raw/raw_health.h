@@ -33,9 +33,11 @@ struct HeldRun {
 struct RecordHealth {
   std::string record;
   std::vector<std::uint8_t> bad;  ///< BadSample of every sample
-  std::size_t samples = 0, missing = 0, outliers = 0, held = 0, zeros = 0, at_rail = 0, gaps = 0;
+  std::size_t samples = 0, outliers = 0, held = 0, zeros = 0, at_rail = 0, gaps = 0;
   std::size_t zero_runs = 0;  ///< at the low end where the force says otherwise
-  std::size_t missing_runs = 0;  ///< of the output alone: the reference went on
+  std::size_t missing = 0, missing_runs = 0;  ///< of the output alone: the reference went on
+  std::size_t reference_missing = 0;          ///< of the reference alone
+  double missing_variance = 0.0;              ///< of the difference of the two if runs come independently: the sum of their squared lengths
   std::size_t lone_zeros =
       0;  ///< single samples at the low end: a lost sample, or a spike that was cut off there
   double outlier_square_V2 = 0.0;           ///< sum over the outliers of what they stand off by, squared
@@ -58,11 +60,13 @@ struct HealthScales {
   double gain_V_per_N = 2.0;
   double range_N = 5.0, U_range_V = 10.0;
   double step_N = 0.0, step_V = 0.0;  ///< of the values of all records together; 0: none is visible
+  std::string unit = "V";             ///< of the output
 };
 
 /// Coarse static gain and spans over all records (least squares of U on F).
 HealthScales health_scales(const Campaign& campaign);
 
+/// Force and output on one clock (hil/trace/common_clock.h).
 RecordHealth check_raw_health(const Record& record, const HealthScales& scales, const BenchFacts& bench);
 
 /// A line far above its neighbours and of a size that matters.

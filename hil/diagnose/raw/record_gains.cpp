@@ -39,13 +39,22 @@ Result<void> check_record_gains(const std::vector<RecordInput>& records, std::ve
   for (const RecordSlope& s : slopes) sorted.push_back(s.V_per_N);
   std::ranges::sort(sorted);
   const double typical = sorted[sorted.size() / 2];
+  const auto two = [](double many, double few) { return "the output per newton is " + plain_number(std::round(many / few)) + " times"; };
+  const char* const wrong_unit = "is a column of one of them in mV or mN, and its header says V or N?";
+  if (slopes.size() == 2) {
+    const bool first = slopes[0].V_per_N > slopes[1].V_per_N;
+    const RecordSlope &more = slopes[first ? 0 : 1], &less = slopes[first ? 1 : 0];
+    if (more.V_per_N < kNoDecay * less.V_per_N) return {};
+    const std::string text = two(more.V_per_N, less.V_per_N) + " that of " + less.record;
+    if (more.V_per_N >= kAnotherUnit * less.V_per_N) return fail(ErrorCode::parse, text, more.record, wrong_unit);
+    notes.push_back(more.record + ": " + text);
+    return {};
+  }
   for (const RecordSlope& s : slopes) {
     const double times = s.V_per_N / typical, far = std::max(times, 1.0 / times);
     if (far < kNoDecay) continue;
-    const std::string others = slopes.size() == 2 ? " that of the other record" : " that of most other records";
-    const std::string text = "the output per newton is " + plain_number(std::round(far)) + (times > 1.0 ? " times" : " times less than") + others;
-    if (far >= kAnotherUnit)
-      return fail(ErrorCode::parse, text, s.record, "is a column of one of them in mV or mN, and its header says V or N?");
+    const std::string text = two(far, 1.0) + (times > 1.0 ? "" : " less than") + " that of most other records";
+    if (far >= kAnotherUnit) return fail(ErrorCode::parse, text, s.record, wrong_unit);
     notes.push_back(s.record + ": " + text);
   }
   return {};

@@ -150,9 +150,14 @@ CutOut cut_out_reference_noise(const Record& smoothed, const std::vector<double>
   double least = INFINITY;
   for (std::size_t at = 0; at + kFewest <= t->size(); at += kFewest / 2) {
     double low = INFINITY, high = -INFINITY;
-    for (std::size_t i = at; i < at + kFewest; ++i) low = std::min(low, after_N[i]), high = std::max(high, after_N[i]);
-    if (high - low < least) least = high - low, first = at;
+    std::size_t there = 0;
+    for (std::size_t i = at; i < at + kFewest; ++i) {
+      there += std::isfinite(before_N[i]) ? 1 : 0;
+      if (std::isfinite(after_N[i])) low = std::min(low, after_N[i]), high = std::max(high, after_N[i]);
+    }
+    if (2 * there >= kFewest && high - low < least) least = high - low, first = at;
   }
+  if (!std::isfinite(least)) return out;
   SampleWindow& w = out.window;
   w.record = smoothed.name;
   w.quantity = "reference force";

@@ -93,5 +93,51 @@ TEST(CapacitanceWitness, too_few_blocks_carry_no_answer) {
   EXPECT_EQ(hear_capacitance(input).blocks, 0u);
 }
 
+// Blocks of 30 s in static records; the capacitance shows `share` of what the output departs by.
+CampaignInput seen_by_half(double share, double duration_s) {
+  CampaignInput input;
+  input.range_N = 5.0;
+  for (int k = 0; k < 4; ++k) {
+    RecordInput r;
+    for (double t = 0.0; t < duration_s; t += 0.5) {
+      const double F = 2.5 + 2.0 * std::sin(0.3 * t), zero_N = 0.1 * std::sin(1.0 + k + 0.012 * t);
+      r.t_s.push_back(t);
+      r.F_N.push_back(F);
+      r.U_V.push_back(0.2 + 2.0 * (F + zero_N));
+      r.C_F.push_back(1e-12 * (200.0 + 9.0 * (F + share * zero_N)));
+      r.ok.push_back(1);
+    }
+    input.records.push_back(std::move(r));
+  }
+  return input;
+}
+
+TEST(CapacitanceWitness, what_it_shows_by_half_is_told_as_that) {
+  Finding between, little, none;
+  decide_by_capacitance(seen_by_half(0.5, 300.0), between);
+  EXPECT_FALSE(between.side_witnessed);
+  EXPECT_NE(between.evidence.find("share of 0.5"), std::string::npos) << between.evidence;
+  EXPECT_EQ(between.evidence.find("without a third channel"), std::string::npos) << between.evidence;
+  decide_by_capacitance(seen_by_half(0.5, 20.0), little);
+  EXPECT_NE(little.evidence.find("too short a time"), std::string::npos) << little.evidence;
+  decide_by_capacitance(CampaignInput{}, none);
+  EXPECT_NE(none.evidence.find("without a third channel"), std::string::npos) << none.evidence;
+}
+
+TEST(CapacitanceWitness, blocks_that_hang_together_count_for_less) {
+  const auto uncertainty = [](bool in_order) {
+    CampaignInput input = seen_by_half(0.9, 900.0);
+    int block = 0;
+    for (RecordInput& r : input.records)
+      for (int b = 0; b < 30; ++b, ++block)
+        for (int i = 0; i < 60; ++i) {
+          const double slow = std::sin(0.12 * block), quick = block % 2 == 0 ? 1.0 : -1.0;
+          r.C_F[static_cast<std::size_t>(60 * b + i)] += 1e-13 * (in_order ? slow * std::sqrt(2.0) : quick);
+        }
+    return hear_capacitance(input).u_share;
+  };
+  EXPECT_GT(uncertainty(true), 1.5 * uncertainty(false));
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -136,6 +136,38 @@ TEST(RawHealth, AnOutputThatGoesMissingAgainAndAgainLosesSamples) {
   EXPECT_TRUE(missing(8, 6, 80, true).empty()) << "rows that were lost, not samples of the output";
 }
 
+TEST(RawHealth, ALoggerThatLosesCellsOfEveryColumnIsNoLossOfTheOutput) {
+  // each cell of a column with its own chance
+  const auto lost = [](double of_output, double of_reference) {
+    Campaign c = make_campaign(38, straight);
+    Rng rng(38, "cells");
+    for (Record& r : c.records)
+      for (const auto& [name, share] : {std::pair{"U", of_output}, std::pair{"F_ref", of_reference}})
+        for (double& v : r.trace.find(name)->value)
+          if (rng.uniform() < share) v = kMissing;
+    return claims_of_samples(c);
+  };
+  EXPECT_TRUE(lost(0.017, 0.017).empty());
+  EXPECT_TRUE(lost(0.06, 0.06).empty());
+  const std::vector<HealthClaim> more = lost(0.05, 0.01);
+  ASSERT_EQ(more.size(), 1u);
+  EXPECT_EQ(more[0].effect, "dropouts");
+  EXPECT_NEAR(more[0].value, 0.04, 2e-3) << more[0].evidence;
+}
+
+TEST(RawHealth, ClaimsAreInTheUnitOfTheOutput) {
+  Campaign c = make_campaign(39, straight);
+  for (Record& r : c.records) {
+    Channel& U = *r.trace.find("U");
+    U.unit = "S";
+    for (std::size_t i = 0; i < U.value.size(); ++i) U.value[i] += 0.2 * std::sin(2.0 * std::numbers::pi * 50.0 * static_cast<double>(i) / 200.0 + 0.5);
+  }
+  const std::vector<HealthClaim> claims = claims_of_samples(c);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "hum");
+  EXPECT_EQ(claims[0].unit, "S");
+}
+
 TEST(RawHealth, NoiseThatGrowsWithTheLoadIsNoSpike) {
   Campaign c = make_campaign(37, straight);
   Rng rng(37, "load noise");

@@ -125,5 +125,18 @@ TEST(SampleWindows, WithoutPicturesNothingIsKept) {
   EXPECT_TRUE(d->findings.front().samples.empty());
 }
 
+TEST(SampleWindows, AHoleInTheReferenceIsNotWhereItMovesLeast) {
+  Campaign c = make_campaign(40, straight);
+  Record& r = c.records[3];
+  std::vector<double>& F = r.trace.find("F_ref")->value;
+  for (std::size_t i = 2000; i < 2800; ++i) F[i] = kMissing;
+  const CutOut cut = cut_out_reference_noise(r, F, 1.0);
+  ASSERT_FALSE(cut.window.recorded.empty());
+  const auto there = std::ranges::count_if(cut.window.recorded, [](double v) { return std::isfinite(v); });
+  EXPECT_GE(2 * there, static_cast<std::ptrdiff_t>(cut.window.recorded.size()));
+  std::ranges::fill(F, kMissing);
+  EXPECT_TRUE(cut_out_reference_noise(r, F, 1.0).window.recorded.empty()) << "there is nothing to show";
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -104,5 +104,28 @@ TEST(RecordGains, AnotherAmplifierIsANoteAndADecayIsNone) {
   EXPECT_EQ(notes.front(), "b: the output per newton is 10 times that of most other records");
 }
 
+TEST(RecordGains, OfTwoRecordsBothAreNamed) {
+  std::vector<RecordInput> records(2);
+  for (int k = 0; k < 2; ++k) {
+    RecordInput& r = records[static_cast<std::size_t>(k)];
+    r.name = k == 0 ? "first" : "second";
+    for (int i = 0; i < 100; ++i) {
+      r.t_s.push_back(0.02 * i);
+      r.F_N.push_back(0.05 * i);
+      r.U_V.push_back((k == 0 ? 0.01 : 0.1) * i);
+      r.ok.push_back(1);
+    }
+  }
+  std::vector<std::string> notes;
+  ASSERT_TRUE(check_record_gains(records, notes));
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes.front(), "second: the output per newton is 10 times that of first");
+  for (double& u : records[1].U_V) u *= 100.0;
+  const auto refused = check_record_gains(records, notes);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().to_text().find("first"), std::string::npos);
+  EXPECT_NE(refused.error().to_text().find("second"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
