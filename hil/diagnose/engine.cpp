@@ -100,6 +100,24 @@ bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out)
   return together >= kTogether;
 }
 
+// Spikes are told apart from what is left without them. Where that stands far above the noise and has no name, they may be its tips: the
+// slips of a film that sticks. True when they were withdrawn.
+bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
+  constexpr double kWithdrawn = 0.2;
+  constexpr int kSeveral = 2;
+  if (!rest.structured() && rest.records_far_above < kSeveral) return false;
+  const auto is_tip = [](const Finding& f) { return f.effect == "outliers" && f.form == "raw"; };
+  if (std::ranges::any_of(findings, [&](const Finding& f) { return !is_tip(f) && f.probability > kNoClaim; })) return false;
+  bool out = false;
+  for (Finding& f : findings)
+    if (is_tip(f) && f.probability > kNoClaim) {
+      f.probability = kWithdrawn;
+      f.evidence += "; not claimed: what is left without them is far above the noise, and they may belong to it";
+      out = true;
+    }
+  return out;
+}
+
 // In the words of what explains most of it, and its coordinate before those of the maps.
 void tell_what_it_follows(const std::vector<Outdone>& outdone, Diagnosis& out) {
   constexpr std::size_t kMost = 3;
@@ -172,6 +190,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
     for (Finding& f : out.findings)
       if (f.form != "raw") f.probability *= 0.5;
+  const bool tips = withdraw_tips(rest, out.findings);
   put_in_order(out.findings);
   tell_not_separable(selection, out);
   if (w.has_rig && search.rig.base.valid) tell_not_separable(search.rig, out);
@@ -179,7 +198,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.probability >= 0.5; });
   const bool follows = follows_force(w.output, selection.base);
   if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
-  const bool open = !follows || rest.structured() || withdrawn || name_is_open(out, search.suspicions) || rest.records_far_above >= 2;
+  const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.records_far_above >= 2;
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
   out.residual_unknown = claims && (rest.beside_claims || some_outdone);
 

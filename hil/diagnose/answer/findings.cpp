@@ -185,7 +185,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
       f.probability = std::min(f.probability, kNoClaim);
       f.evidence += kDoesNotFall;
     }
-    reserve(w.input, channel, f);
+    reserve(w, channel, f);
     for (const FamilyScore& rival : selection.first.families) {
       if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
       const double cosine =
@@ -290,8 +290,10 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.form == "raw" && f.probability > kNoClaim; });
   if (!(after.rms > above * allowed_rms(channel)) && (named || !(after.log_factor > std::log(above)))) return false;
   const bool leaves_most = after.rms > kMost * before.rms;
+  // of another machine the forms of the library are rough, and the right one leaves much as well
+  const bool rough = !channel.signs_known;
   if (!(selection.excess_after > kMostOfFamily * kMostOfFamily * selection.excess_before)) return false;
-  const auto of_course = [&](const ChosenEffect& c) { return !c.between && (leaves_most || (remains && c.kind->traits.any_course)); };
+  const auto of_course = [&](const ChosenEffect& c) { return !c.between && (leaves_most || (remains && c.kind->traits.any_course && !rough)); };
   const auto claimed = [](const Finding& f) { return f.form != "raw" && f.probability > kNoClaim; };
   const auto finding_of = [&](const ChosenEffect& c, const Finding& f) { return f.effect == c.kind->name && claimed(f); };
   const bool withdrawn = std::ranges::any_of(selection.chosen, [&](const ChosenEffect& c) {

@@ -22,7 +22,7 @@ struct Reservation {
   const char* why = "";
 };
 
-Reservation reservation(const Finding& f, const ResidualChannel& channel, const CampaignInput& campaign) {
+Reservation reservation(const Finding& f, const ResidualChannel& channel, const CampaignInput& campaign, double resolution_N) {
   constexpr double kOrdinaryCurve = 8e-4;      // of the span, RMS: amplifiers, converters and references are bent by as much
   constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
   constexpr double kOrdinaryLead_pct = 1.0;   // the same of a loop that runs ahead of the load
@@ -34,9 +34,8 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
   if (f.form == kUnrecorded) return {kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"};
   if (f.effect == "static_nonlinearity" && f.effect_rms < kOrdinaryCurve * channel.scale)
     return {kNothingToFind, "honest amplifiers and references are as bent as that"};
-  const double resolution_N = campaign.bench.reference_resolution_N;
-  if (f.effect == "reference_drift" && f.effect_rms * campaign.range_N / channel.scale < resolution_N / std::sqrt(12.0))
-    return {kNothingToFind, "its zero moves by less than the resolution that the reference is declared with"};
+  if (f.form == "as_rig_shows" && f.effect_rms * campaign.range_N / channel.scale < 0.5 * resolution_N)
+    return {kNothingToFind, "a zero is taken to half a step of the reference before a record, and this one jumps by no more"};
   if (f.effect == "clipping" && !f.parameters.empty()) {
     double taken = 0.0;
     for (const FoundParameter& p : f.parameters)
@@ -58,6 +57,9 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
       if (p.name == "loop_width" && std::abs(p.value) < kErrors * p.u) return {kNothingToFind, "its loop is no wider than that is known"};
   if (f.effect == "backlash" && !campaign.has_theta)
     for (const FoundParameter& p : f.parameters)
+      if (p.name == "loop_width" && p.value < 0.0) return {kNothingToFind, "nobody reads the angle, and no play is ahead of its command"};
+  if (f.effect == "backlash" && !campaign.has_theta)
+    for (const FoundParameter& p : f.parameters)
       if (p.name == "loop_width" && std::abs(p.value) < kOrdinaryServo_pct)
         return {kNothingToFind, "nobody reads the angle, and a servo leaves as much between command and force"};
   return {};
@@ -65,8 +67,9 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
 
 }  // namespace
 
-void reserve(const CampaignInput& campaign, const ResidualChannel& channel, Finding& f) {
-  const Reservation r = reservation(f, channel, campaign);
+void reserve(const Workspace& w, const ResidualChannel& channel, Finding& f) {
+  const double declared_N = w.input.bench.reference_resolution_N;
+  const Reservation r = reservation(f, channel, w.input, std::isfinite(declared_N) ? declared_N : w.scales.step_N);
   if (!(f.probability > r.most)) return;
   f.probability = r.most;
   f.evidence += std::string("; not claimed: ") + r.why;
