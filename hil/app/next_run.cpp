@@ -10,7 +10,9 @@
 #include "hil/app/mystery.h"
 #include "hil/app/write_file.h"
 #include "hil/base/plain_number.h"
+#include "hil/base/text.h"
 #include "hil/diagnose/next/rival_odds.h"
+#include "hil/trace/campaign_description.h"
 #include "hil/trace/csv.h"
 
 namespace forcegate {
@@ -47,36 +49,88 @@ void forget_copy(const fs::path& folder, bool keep_profiles) {
   }
   for (const auto& entry : fs::directory_iterator(folder, error))
     if (entry.path().filename() != kProfiles) fs::remove_all(entry.path(), error);
+  fs::remove(folder, error);  // where it is empty
 }
 
-// A whole campaign with a description, in a new folder.
+// Until the records are there: whatever ends the run before leaves the folder as it was found.
+class Copy {
+ public:
+  Copy(fs::path folder, bool keep_profiles) : folder_(std::move(folder)), keep_profiles_(keep_profiles) {}
+  Copy(const Copy&) = delete;
+  Copy& operator=(const Copy&) = delete;
+  ~Copy() {
+    if (!kept_) forget_copy(folder_, keep_profiles_);
+  }
+  void keep() { kept_ = true; }
+
+ private:
+  fs::path folder_;
+  bool keep_profiles_, kept_ = false;
+};
+
+Result<void> check_new(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !holds_only_profiles(folder))
+    return fail(ErrorCode::usage, "the output exists already", folder.string(), "choose another folder with -o");
+  return {};
+}
+
+bool leaves_folder(const fs::path& file) { return file.is_absolute() || *file.lexically_normal().begin() == ".."; }
+
+// The records of a description that stand in subfolders are copied to their place, those outside of the folder are named where they are.
+Result<void> copy_listed(const std::vector<DescribedRecord>& listed, const fs::path& from, const fs::path& to, Json& description) {
+  std::error_code error;
+  for (std::size_t k = 0; k < listed.size(); ++k) {
+    const fs::path file = listed[k].file;
+    if (leaves_folder(file)) {
+      description["records"][k]["file"] = fs::absolute(from / file).lexically_normal().string();
+      continue;
+    }
+    if (fs::exists(to / file, error)) continue;
+    fs::create_directories((to / file).parent_path(), error);
+    fs::copy_file(from / file, to / file, error);
+    if (error) return fail(ErrorCode::io, "the record cannot be copied: " + error.message(), (from / file).string(), "is the disk full?");
+  }
+  return {};
+}
+
+// A whole campaign with a description that lists its records, in a new folder.
 Result<void> copy_campaign(const fs::path& from, const fs::path& to) {
   std::error_code error;
-  if (fs::exists(to, error) && !holds_only_profiles(to))
-    return fail(ErrorCode::usage, "the output exists already", to.string(), "choose another folder with -o");
-  const bool single = fs::is_regular_file(from, error) && from.filename() != "campaign.json";
-  const fs::path folder = single ? fs::path() : fs::is_directory(from, error) ? from : from.parent_path();
+  const bool is_file = fs::is_regular_file(from, error), single = is_file && from.extension() != ".json";
+  const fs::path folder = is_file ? from.parent_path() : from;
+  const fs::path described = single ? fs::path() : is_file ? from : from / "campaign.json";
   fs::create_directories(to, error);
-  std::vector<fs::path> records;
-  if (single) {
-    fs::copy_file(from, to / from.filename(), error);
-    records.push_back(from.filename());
-  } else {
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-      if (!entry.is_regular_file()) continue;
-      fs::copy_file(entry.path(), to / entry.path().filename(), error);
-      if (error) break;
-      const std::string ending = entry.path().extension().string();
-      if (ending == ".csv" || ending == ".h5" || ending == ".mat") records.push_back(entry.path().filename());
+  std::vector<fs::path> files;
+  if (single)
+    files.push_back(from);
+  else
+    for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error))
+      if (entry.is_regular_file()) files.push_back(entry.path());
+  std::vector<std::string> records;
+  for (const fs::path& file : files) {
+    fs::copy_file(file, to / file.filename(), error);
+    if (error) return fail(ErrorCode::io, "the campaign cannot be copied: " + error.message(), to.string(), "is the disk full?");
+    const std::string ending = file.extension().string();
+    if (single || ending == ".csv" || ending == ".h5" || ending == ".hdf5" || ending == ".mat") records.push_back(file.filename().string());
+  }
+  Json json = {{"campaign", to.filename().string()}};
+  if (fs::exists(described, error)) {
+    FORCEGATE_TRY(const CampaignDescription description, read_description(described));
+    std::ifstream text(described, std::ios::binary);
+    json = Json::parse(text, nullptr, false, true);
+    if (description.records) {
+      const Json before = json;
+      FORCEGATE_CHECK_OK(copy_listed(*description.records, folder, to, json));
+      if (json == before && described.filename() == "campaign.json") return {};  // copied as it was written
+      return write_file_atomically(to / "campaign.json", json.dump(1) + "\n");
     }
   }
-  if (error) return fail(ErrorCode::io, "the campaign cannot be copied: " + error.message(), to.string());
-  if (fs::exists(to / "campaign.json", error)) return {};
-  std::sort(records.begin(), records.end());
+  std::ranges::sort(records, natural_less);
   Json list = Json::array();
-  for (const fs::path& file : records) list.push_back({{"file", file.string()}});
-  return write_file_atomically(to / "campaign.json",
-                               Json{{"campaign", to.filename().string()}, {"records", list}}.dump(1) + "\n");
+  for (const std::string& file : records) list.push_back({{"file", file}});
+  json["records"] = list;
+  return write_file_atomically(to / "campaign.json", json.dump(1) + "\n");
 }
 
 Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folder, std::size_t number) {
@@ -167,9 +221,7 @@ fs::path next_folder(const fs::path& campaign) {
 }
 
 Result<std::vector<fs::path>> write_profiles(const NextExperiment& planned, const fs::path& folder) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !holds_only_profiles(folder))
-    return fail(ErrorCode::usage, "the output exists already", folder.string(), "choose another folder with -o");
+  FORCEGATE_CHECK_OK(check_new(folder));
   std::vector<fs::path> out;
   for (std::size_t k = 0; k < planned.segments.size(); ++k) {
     FORCEGATE_TRY(fs::path path, write_profile(planned.segments[k], folder, k + 1));
@@ -195,6 +247,9 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   if (from.filename().empty()) from = from.parent_path();
   out.folder = !request.output.empty() ? request.output : next_folder(from);
   FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
+  FORCEGATE_CHECK_OK(check_new(out.folder));
+  const bool on_rig = request.bench.rig != "replay";
+  Copy copy(out.folder, !on_rig || fs::exists(out.folder, error));
   FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
   std::vector<ProfileToRecord> profiles;
   std::vector<MysterySegment> asked;
@@ -247,15 +302,20 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
     FORCEGATE_TRY(const std::vector<std::string> files, play_on_mystery(out.folder, asked));
     for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k];
   }
-  if (out.segments.empty()) {
-    forget_copy(out.folder, request.bench.rig == "replay");
+  if (out.segments.empty())
     return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(),
                 from.string(), "record one of them and give it with --record");
-  }
+  if (on_rig) copy.keep();  // what was played is worth more than a second try
   if (progress) progress(0.8, "diagnosing again");
   CampaignRequest again = request.campaign;
   again.campaign = out.folder;
-  FORCEGATE_TRY(out.after, diagnose_request(again));
+  auto after = diagnose_request(again);
+  if (!after) {
+    if (on_rig) after.error().hint += (after.error().hint.empty() ? "" : "; ") + std::string("what was recorded is in ") + out.folder.string();
+    return tl::unexpected(std::move(after).error());
+  }
+  out.after = std::move(*after);
+  copy.keep();
   for (SegmentOdds& odds : out.segments) {
     const std::size_t at = odds.rivals.find(" / ");
     const std::string first = odds.rivals.substr(0, at),
@@ -263,10 +323,10 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
     for (const ExperimentSegment& s : out.planned.segments)
       if (s.name == odds.segment) odds.expected = s.odds_after;
     if (const auto before = diagnose::rival_odds(out.before, first, second)) odds.log_before = before->log_odds;
-    const auto after = diagnose::rival_odds(out.after, first, second);
-    if (!after) continue;
-    odds.log_after = after->log_odds;
-    odds.leads = after->log_odds >= 0.0 ? first : second;
+    const auto now = diagnose::rival_odds(out.after, first, second);
+    if (!now) continue;
+    odds.log_after = now->log_odds;
+    odds.leads = now->log_odds >= 0.0 ? first : second;
   }
   return out;
 }

@@ -34,8 +34,9 @@ struct NextRunResult {
   Diagnosis before, after;
 };
 
-/// Nothing of the old campaign is changed or overwritten. Errors: those of the diagnosis and of the rig; usage when the
-/// output exists, or when nothing competes.
+/// Nothing of the old campaign is changed or overwritten; records that its description lists in subfolders are copied, those outside of its folder named
+/// where they are. Errors: those of the diagnosis and of the rig; usage when the
+/// output exists, or when nothing competes. After an error the new folder is gone but for the forces to record, and for what a rig has played.
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress = {},
                                const std::atomic<bool>* cancelled = nullptr);
 

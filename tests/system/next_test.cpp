@@ -133,5 +133,35 @@ TEST(NextVerb, WhereOneEffectExplainsItAllTheNextStepIsToAddIt) {
   EXPECT_THAT(r.out, AllOf(HasSubstr("nothing competes with hysteresis"), HasSubstr("next: forcegate add hysteresis --fit ")));
 }
 
+TEST(NextVerb, CopiesRecordsOutOfSubfoldersAndForgetsTheCopyWhereTheRunFails) {
+  TemporaryFolder folder;
+  const fs::path campaign = fs::path(folder / "bench"), out = fs::path(folder / "more");
+  fs::create_directories(campaign / "day1");
+  write_text((campaign / "day1" / "sine.csv").string(), slow_sine());
+  write_text((campaign / "campaign.json").string(), R"({"campaign": "bench", "records": [{"file": "day1/sine.csv"}]})");
+  const ProcessResult written = forcegate({"next", campaign.string(), "-o", out.string()});
+  ASSERT_EQ(written.exit_code, 0) << written.err;
+  fs::path profile;
+  for (const auto& file : fs::directory_iterator(out / "profiles"))
+    if (profile.empty() || file.path() < profile) profile = file.path();
+  ASSERT_FALSE(profile.empty());
+  const std::string force = recorded(read_text(profile.string())), wrong = folder / "campaign.json", played = folder / "played.csv";
+  write_text(wrong, force);
+  write_text(played, force);
+  const auto run = [&](const std::string& record) { return forcegate({"next", campaign.string(), "--run", "--record", record, "-o", out.string()}); };
+
+  const ProcessResult failed = run(wrong);
+  EXPECT_EQ(failed.exit_code, 2);
+  EXPECT_THAT(failed.err, HasSubstr("there is such a record already"));
+  EXPECT_FALSE(fs::exists(out / "campaign.json")) << "a copy without its records must not stand in the way";
+  EXPECT_FALSE(fs::exists(out / "day1"));
+  EXPECT_TRUE(fs::exists(profile)) << "forces that somebody asked for stay";
+
+  const ProcessResult done = run(played);
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_TRUE(fs::exists(out / "day1" / "sine.csv"));
+  EXPECT_EQ(nlohmann::json::parse(read_text((out / "campaign.json").string()))["records"].size(), 2u);
+}
+
 }  // namespace
 }  // namespace forcegate::test
