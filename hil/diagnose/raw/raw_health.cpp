@@ -10,6 +10,7 @@
 #include "hil/base/portable_math.h"
 #include "hil/diagnose/raw/mains_line.h"
 #include "hil/diagnose/raw/reference_scatter.h"
+#include "hil/diagnose/raw/sample_noise.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -22,66 +23,6 @@ const std::vector<double>& aligned(const Channel& channel, std::size_t n, std::v
   room = channel.value;
   room.resize(n, kMissing);
   return room;
-}
-
-// Robust white noise from fourth differences (1 -4 6 -4 1, norm sqrt 70): smooth signals vanish.
-double white_noise(const std::vector<double>& x) {
-  std::vector<double> d;
-  const std::size_t stride = std::max<std::size_t>(1, x.size() / 20000);
-  for (std::size_t i = 2; i + 2 < x.size(); i += stride) {
-    const double v = x[i - 2] - 4.0 * x[i - 1] + 6.0 * x[i] - 4.0 * x[i + 1] + x[i + 2];
-    if (std::isfinite(v)) d.push_back(std::abs(v));
-  }
-  const double median = quantile(std::move(d), 0.5);
-  return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
-}
-
-// The same from what a polynomial through four samples on either side, at their own times, leaves of a sample: a force of ten samples a
-// cycle is smooth to it, and a jittering clock does not make it noise.
-double restless_noise(std::span<const double> t_s, const std::vector<double>& x) {
-  constexpr std::size_t kSide = 4, kMost = 8000;
-  std::vector<double> d;
-  const std::size_t n = std::min(t_s.size(), x.size()), stride = std::max<std::size_t>(1, n / kMost);
-  for (std::size_t i = kSide; i + kSide < n; i += stride) {
-    double left = x[i], norm2 = 1.0;
-    for (std::size_t k = i - kSide; k <= i + kSide; ++k) {
-      if (k == i) continue;
-      double weight = 1.0;
-      for (std::size_t j = i - kSide; j <= i + kSide; ++j)
-        if (j != i && j != k) weight *= (t_s[i] - t_s[j]) / (t_s[k] - t_s[j]);
-      left -= weight * x[k];
-      norm2 += weight * weight;
-    }
-    if (const double v = std::abs(left) / std::sqrt(norm2); std::isfinite(v)) d.push_back(v);
-  }
-  const double median = quantile(std::move(d), 0.5);
-  return std::isfinite(median) ? 1.4826 * median : 0.0;
-}
-
-constexpr std::size_t kFewestValues = 8;
-
-std::vector<double> values_of(const std::vector<double>& x) {
-  std::vector<double> v;
-  const std::size_t stride = std::max<std::size_t>(1, x.size() / 6000);
-  for (std::size_t i = 0; i < x.size(); i += stride)
-    if (std::isfinite(x[i])) v.push_back(x[i]);
-  std::sort(v.begin(), v.end());
-  v.erase(std::unique(v.begin(), v.end()), v.end());
-  return v;
-}
-
-// Step of the values: the smallest common gap, when nearly all gaps are multiples of it.
-double value_step(const std::vector<double>& x) {
-  const std::vector<double> v = values_of(x);
-  if (v.size() < kFewestValues) return 0.0;
-  std::vector<double> gaps;
-  for (std::size_t i = 1; i < v.size(); ++i) gaps.push_back(v[i] - v[i - 1]);
-  // the smallest too: where the levels of a staircase lie far apart most gaps are theirs
-  for (const double step : {quantile(gaps, 0.2), *std::ranges::min_element(gaps)}) {
-    const auto fits = [&](double gap) { return std::round(gap / step) >= 1.0 && std::abs(gap / step - std::round(gap / step)) < 0.12; };
-    if (step > 0.0 && static_cast<double>(std::ranges::count_if(gaps, fits)) > 0.9 * static_cast<double>(gaps.size())) return step;
-  }
-  return 0.0;
 }
 
 // Of the samples that are there; a lost one of the reference does not hide what the output does meanwhile.
@@ -304,7 +245,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   // a few levels of a staircase show no step: it is then that of all records, or the one that the converter is said to have
   if (out.lsb_F_N == 0.0) out.lsb_F_N = scales.step_N;
   if (out.lsb_U_V == 0.0) out.lsb_U_V = scales.step_V;
-  if (out.lsb_U_V == 0.0 && bench.adc_bits > 0 && values_of(U).size() < kFewestValues)
+  if (out.lsb_U_V == 0.0 && bench.adc_bits > 0 && shows_few_values(U))
     out.lsb_U_V = (std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - low_rail : scales.U_range_V) / std::exp2(bench.adc_bits);
   const double gain = std::abs(scales.gain_V_per_N);
   const double quiet = 8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V;

@@ -1,0 +1,22 @@
+#pragma once
+// Noise and step of the samples of one channel, in its unit.
+
+#include <span>
+#include <vector>
+
+namespace forcegate::diagnose {
+
+/// Robust white noise from fourth differences (1 -4 6 -4 1, norm sqrt 70): smooth signals vanish. 0: too few samples in a row.
+double white_noise(const std::vector<double>& x);
+
+/// The same from what a polynomial through four samples on either side, at their own times, leaves of a sample: a force of ten samples a
+/// cycle is smooth to it, and a jittering clock does not make it noise.
+double restless_noise(std::span<const double> t_s, const std::vector<double>& x);
+
+/// Fewer than eight: no step can be told from them.
+bool shows_few_values(const std::vector<double>& x);
+
+/// Step of the values: the smallest common gap, when nearly all gaps are multiples of it; 0 when none is visible.
+double value_step(const std::vector<double>& x);
+
+}  // namespace forcegate::diagnose
