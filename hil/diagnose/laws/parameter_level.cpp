@@ -310,6 +310,10 @@ Result<ParameterAnswer> missing_dependence(const ParameterQuestion& q) {
     if (column.size() == 0)
       return fail(ErrorCode::usage, "the table does not determine the term " + to_string(term), q.name,
                   "is there such a covariate, and does it vary?");
+    const VectorXd beside = column - X * X.colPivHouseholderQr().solve(column);
+    if (beside.squaredNorm() <= kCollinear * (column.array() - column.mean()).matrix().squaredNorm())
+      return fail(ErrorCode::usage, to_string(term) + " says nothing that the terms before it do not say already", q.name,
+                  "leave it out of the law");
     append(column);
   }
   if (n - X.cols() < kSpare)

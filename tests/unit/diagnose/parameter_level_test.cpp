@@ -53,6 +53,17 @@ TEST(ParameterLevel, APlantedDependenceOnTheMeanIsFoundBesideTheLaw) {
   EXPECT_NE(a->sentence.find("lacks"), std::string::npos);
 }
 
+TEST(ParameterLevel, ALawWhoseTermsSayTheSameIsRefused) {
+  ParameterQuestion q = records(5, 20, 0.0004);
+  q.covariates.push_back({"mHz", "mHz", {}});
+  for (const double f : q.covariates[0].value) q.covariates.back().value.push_back(1e3 * f);
+  q.law = {kF, {TermForm::linear, "mHz", {}}};
+  const auto a = missing_dependence(q);
+  ASSERT_FALSE(a);
+  EXPECT_EQ(a.error().code, ErrorCode::usage);
+  EXPECT_NE(a.error().text.find("mHz says nothing"), std::string::npos) << a.error().to_text();
+}
+
 TEST(ParameterLevel, FormsThatTheTableCannotTellApartAreNamed) {
   ParameterQuestion q = records(5, 20, 0.0002);
   q.law = {kF};
