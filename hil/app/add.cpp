@@ -37,6 +37,7 @@ AddedEffect added_effect(const diagnose::Refit& refit, const std::string& effect
                   .parameters = {}};
   double error = refit.waterfall.start;
   for (const diagnose::Waterfall::Bar& bar : refit.waterfall.bars) {
+    if (!std::isfinite(bar.as_added)) continue;  // a fit on the way failed: no step that could be drawn
     out.steps.push_back({bar.effect, error, error - bar.as_added, 0.0, !bar.hollow});
     error -= bar.as_added;
   }

@@ -45,7 +45,7 @@ RecordInput synthetic(const Force& force_N, double duration_s) {
   return r;
 }
 
-// One temperature throughout: effects of the library are zero at the campaign's mean, which is then this one.
+// One temperature throughout: effects of the library are zero there, at the model's own or at the mean of this one record.
 void set_temperature(CampaignInput& input, RecordInput& r, double temperature_C) {
   if (!std::isfinite(temperature_C)) return;
   r.temp_C.assign(r.rows(), temperature_C);
@@ -62,7 +62,7 @@ Result<void> sweeps(const Model& model, CampaignInput input, const PlanCalibrati
   RecordInput r = synthetic(force, c.sweep_s * c.sweeps);
   set_temperature(input, r, temperature_C);
   set_decay(r, model.law);
-  FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
+  FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, CampaignInFrame(model.frame, std::move(input)), r));
   // F = alpha (G U + F0) + beta by least squares, as the calibration does it
   double su = 0, sf = 0, suu = 0, suf = 0;
   const double n = static_cast<double>(r.rows());
@@ -79,7 +79,7 @@ struct Identified {
   double b_scale = 0.0, q_scale = 0.0;
 };
 
-Result<Identified> identify(const Model& model, const CampaignInput& input, RecordInput& r,
+Result<Identified> identify(const Model& model, const CampaignInFrame& input, RecordInput& r,
                             const StimulusFacts& facts, const BaseLaw& law) {
   Model changed = model;
   changed.law = law;
@@ -99,19 +99,20 @@ Result<Identified> identify(const Model& model, const CampaignInput& input, Reco
   double u_min_V = 0.0;
   for (double v : minima_V) u_min_V += v / static_cast<double>(minima_V.size());
   FORCEGATE_TRY(const DecayParameters fit, fit_decay(t_s, maxima_V, u_min_V));
-  const double A = facts.amplitude_N;
-  return Identified{fit.b_per_s / (0.0019 * facts.lowest_frequency_Hz + 0.0056),
-                    fit.c_V / fit.a_V * (1.0 + 1.377 * A * A)};
+  BaseLaw unscaled = model.law;
+  unscaled.b_scale = unscaled.q_scale = 1.0;
+  return Identified{fit.b_per_s / unscaled.decay_rate_per_s(facts.lowest_frequency_Hz),
+                    fit.c_V / fit.a_V / unscaled.depth_ratio(facts.amplitude_N)};
 }
 
 }  // namespace
 
-Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan, double temperature_C) {
+Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan, double given_C) {
+  const double temperature_C = std::isfinite(model.frame.temperature_C) ? model.frame.temperature_C : given_C;
   CalibrationMap map;
   const PlanCalibration& c = plan.calibration;
   if (c.level == CalibrationLevel::nominal) return map;
   CampaignInput input;
-  input.range_N = model.span_N;
   map.known = true;
   FORCEGATE_CHECK_OK(sweeps(model, input, c, temperature_C, map));
   map.protocol = fmt::format("{} sweeps of {:g} s from {:g} to {:g} N", c.sweeps, c.sweep_s, c.sweep_low_N,
@@ -129,6 +130,7 @@ Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan, dou
   r.A_N = facts.amplitude_N;
   r.F_min_N = facts.mean_N - facts.amplitude_N;
   set_temperature(input, r, temperature_C);
+  const CampaignInFrame in_frame(model.frame, std::move(input));
   Eigen::MatrixXd X(9, 3), Y(9, 2);
   Eigen::Index row = 0;
   for (double b : kAround)
@@ -136,7 +138,7 @@ Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan, dou
       BaseLaw law = model.law;
       law.b_scale *= b;
       law.q_scale *= q;
-      FORCEGATE_TRY(const Identified seen, identify(model, input, r, facts, law));
+      FORCEGATE_TRY(const Identified seen, identify(model, in_frame, r, facts, law));
       X.row(row) << 1.0, seen.b_scale, seen.q_scale;
       Y.row(row++) << law.b_scale, law.q_scale;
     }

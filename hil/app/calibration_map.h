@@ -8,7 +8,8 @@
 
 namespace forcegate {
 
-/// The map of b and c/a is fitted over +-30 % around the model's own values, at the temperature where the effects are zero. Errors: of the
+/// The map of b and c/a is fitted over +-30 % around the model's own values, at the temperature where the effects are zero: the
+/// model's own, else `temperature_C`. Errors: of the
 /// model's equations, also when one of them asks for the temperature and none is given, or for the angle; config when the plan does not identify a specimen and asks for it, or its identification record is not a cyclic one.
 Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan, double temperature_C = kMissing);
 

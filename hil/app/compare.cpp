@@ -5,11 +5,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/clean_input.h"
 #include "hil/app/record_pictures.h"
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/residual_map.h"
-#include "hil/model/rows.h"
 
 namespace forcegate {
 
@@ -29,17 +29,17 @@ Comparison::AsWritten as_written(const RecordInput& r, const std::vector<double>
   return {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0};
 }
 
-Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, const Campaign& campaign,
-                                                      unsigned threads) {
+Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, Campaign campaign, unsigned threads) {
   // the base law is one of the rows alone
   const bool effects = !model.effects.empty() || !model.user_effects.empty();
-  FORCEGATE_TRY(CampaignInput input,
-                make_campaign_input(campaign, threads, {.full_rate = effects, .angle = effects}));
-  for (RecordInput& r : input.records) set_decay(r, model.law);
-  std::vector<Result<Comparison::AsWritten>> made(input.records.size());
+  FORCEGATE_TRY(CampaignInput rows, clean_input(std::move(campaign), threads, {.full_rate = effects, .angle = effects}));
+  for (RecordInput& r : rows.records) set_decay(r, model.law);
+  const CampaignInFrame input(model.frame, std::move(rows));
+  const std::vector<RecordInput>& records = input.input().records;
+  std::vector<Result<Comparison::AsWritten>> made(records.size());
   parallel_for(made.size(), threads, [&](std::size_t k) {
-    made[k] = model_output_V(model, input, input.records[k]).map([&](const std::vector<double>& U) {
-      return as_written(input.records[k], U);
+    made[k] = model_output_V(model, input, records[k]).map([&](const std::vector<double>& U) {
+      return as_written(records[k], U);
     });
   });
   std::vector<Comparison::AsWritten> out;
@@ -62,6 +62,9 @@ Result<Comparison> compare_request(const CampaignRequest& request, bool pictures
   options.pictures = pictures;
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), options));
   out.view = diagnose::compare_workspace(*w, options);
+  if (out.view.records.empty())
+    return fail(ErrorCode::parse, "the records do not determine the starting model", out.view.campaign,
+                "more records, or records with more force");
   if (pictures) out.pictures = record_pictures(*w, model);
   return out;
 }

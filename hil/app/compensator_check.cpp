@@ -225,8 +225,9 @@ std::vector<std::string> objections(const CompensatorCheck& check) {
 Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz,
                                            const Campaign& campaign, double most_s) {
   FORCEGATE_TRY(const std::unique_ptr<Library> library, Library::build(compensator.header));
-  FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
-  input.range_N = model.span_N;
+  FORCEGATE_TRY(CampaignInput own, make_campaign_input(campaign));
+  const CampaignInFrame in_frame(model.frame, std::move(own));
+  const CampaignInput& input = in_frame.input();
   CompensatorCheck out;
   out.compiler = "cc -std=c11 -O2 -ffp-contract=off";
   const double range_V = std::isfinite(campaign.bench.voltage_max_V) ? campaign.bench.voltage_max_V : 10.0;
@@ -241,7 +242,7 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     set_decay(r, model.law);
     r.recording =
         input.records.front().recording;  // no history: the firmware is switched on where the record begins
-    FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
+    FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, in_frame, r));
     const std::size_t n = r.rows();
     std::vector<float> u(n), shrink(n), low(n, static_cast<float>(r.F_min_N)), T(n, 0.0f), recorded(n);
     for (std::size_t i = 0; i < n; ++i) {

@@ -15,13 +15,15 @@
 namespace forcegate {
 namespace {
 
-void mean_temperature(const Campaign& campaign, double& out) {
-  double sum = 0.0, n = 0.0;
-  for (const Record& r : campaign.records)
-    if (const Channel* temp = r.trace.find("temp"))
-      for (double v : temp->value)
-        if (std::isfinite(v)) sum += v, n += 1.0;
-  if (n > 0.0) out = sum / n;
+// A strength belongs to the temperature from which it was fitted: another one makes another model of it.
+Result<void> set_reference(Model& model, double given_C) {
+  constexpr double kSame_degC = 1e-3;
+  if (std::isnan(given_C)) return {};
+  if (std::isfinite(model.frame.temperature_C) && std::fabs(model.frame.temperature_C - given_C) > kSame_degC)
+    return fail(ErrorCode::usage, fmt::format("the effects of {} are zero at {:.4g} degC, not at {:.4g}", model.name, model.frame.temperature_C, given_C),
+                "--reference-temperature", "leave it out: the model says it");
+  if (!std::isfinite(model.frame.temperature_C)) model.frame.temperature_C = given_C;
+  return {};
 }
 
 }  // namespace
@@ -32,24 +34,19 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   CompensatorOptions options;
   options.rate_Hz = request.rate_Hz;
   options.reference_temperature_C = request.reference_temperature_C;
-  Campaign campaign, records;
   if (request.fit) {
-    FORCEGATE_TRY(records, load_campaign(*request.fit));
-  }
-  if (request.check) {
-    FORCEGATE_TRY(campaign, load_campaign(*request.check));
-  }
-  if (std::isnan(options.reference_temperature_C)) mean_temperature(request.check ? campaign : records, options.reference_temperature_C);
-  if (request.fit) {
-    FORCEGATE_TRY(out.fit, diagnose::fit_one_law(records, model, [&](const Model& m) { return make_compensator(m, options).has_value(); }));
+    FORCEGATE_TRY(Campaign records, load_campaign(*request.fit));
+    FORCEGATE_TRY(out.fit, diagnose::fit_one_law(std::move(records), model, [&](const Model& m) { return make_compensator(m, options).has_value(); },
+                                                 request.fit->threads));
     model = out.fit->model;
     if (!request.fitted.empty())
       FORCEGATE_CHECK_OK(write_file_atomically(request.fitted, write_model(model)));
   }
+  FORCEGATE_CHECK_OK(set_reference(model, request.reference_temperature_C));
   if (request.plan != "none") {
     FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
     FORCEGATE_TRY(const Plan plan, read_plan(path));
-    FORCEGATE_TRY(options.calibration, calibration_map(model, plan, options.reference_temperature_C));
+    FORCEGATE_TRY(options.calibration, calibration_map(model, plan));
     if (options.calibration.known)
       options.calibration.protocol = "plan " + plan.name + ": " + options.calibration.protocol;
   }
@@ -75,6 +72,7 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   FORCEGATE_TRY(out.compensator, make_compensator(model, options));
   out.calibration = options.calibration;
   if (request.check) {
+    FORCEGATE_TRY(const Campaign campaign, load_campaign(*request.check));
     FORCEGATE_TRY(out.check, check_compensator(model, out.compensator, request.rate_Hz, campaign));
   }
   if (!request.header.empty()) {

@@ -19,7 +19,7 @@ struct ExportRequest {
   std::optional<CampaignRequest> fit;    ///< refit one law for all records of this campaign first
   std::filesystem::path fitted;          ///< model file to write after the refit; empty: none
   std::optional<CampaignRequest> check;  ///< campaign to replay
-  double reference_temperature_C = kMissing;  ///< where a thermal effect is zero; missing: the mean of `check`, else of `fit`
+  double reference_temperature_C = kMissing;  ///< where a thermal effect is zero, for a model that does not say
   std::string command_line;
 };
 

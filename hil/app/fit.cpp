@@ -42,14 +42,15 @@ std::string waterfall_text(const diagnose::Waterfall& w) {
   const double full = std::max(w.start, 1e-12);
   // below a ten thousandth of the error a change is rounding of the fit, in whatever digits it comes
   constexpr double kNone = 1e-4;
-  const auto change = [&](double fall) { return std::abs(fall) < kNone * full ? std::string("0") : fmt::format("{:+.3g}", -unit.factor * fall); };
+  const auto change = [&](double fall) { return !std::isfinite(fall) ? std::string("?") : std::abs(fall) < kNone * full ? std::string("0") : fmt::format("{:+.3g}", -unit.factor * fall); };
   for (const auto& bar : w.bars) {
-    const auto length = static_cast<std::size_t>(std::clamp(40.0 * bar.as_added / full, 0.0, 40.0));
+    const double shown = std::isfinite(bar.as_added) ? std::clamp(40.0 * bar.as_added / full, 0.0, 40.0) : 0.0;
+    const auto length = static_cast<std::size_t>(shown);
     std::string picture;
     for (std::size_t k = 0; k < length; ++k) picture += bar.hollow ? "o" : "#";
-    out +=
-        fmt::format("  {:<22} {:>8} {}  {:<40} over all orders {} [{}, {}]\n", bar.effect, change(bar.as_added), unit.name, picture,
-                    change(bar.average), change(bar.high), change(bar.low));
+    const std::string orders =
+        w.all_orders ? fmt::format("over all orders {} [{}, {}]", change(bar.average), change(bar.high), change(bar.low)) : "in this order";
+    out += fmt::format("  {:<22} {:>8} {}  {:<40} {}\n", bar.effect, change(bar.as_added), unit.name, picture, orders);
   }
   out += fmt::format("  {:<22} {:>8} {}\n  {:<22} {:>8} {}\n", "what is left", number(w.end), unit.name, "floor",
                      number(w.floor), unit.name);

@@ -48,18 +48,18 @@ double median(std::vector<double> v) {
   return *middle;
 }
 
-std::vector<double> model_rows(const diagnose::Workspace& w, const Model& model, const RecordInput& r) {
+// `in_frame`: nullptr where the model has no effects.
+std::vector<double> model_rows(const CampaignInFrame* in_frame, const Model& model, const RecordInput& r) {
   RecordInput all;
   const RecordInput* input = &r;
-  const bool effects = !model.effects.empty() || !model.user_effects.empty();
-  if (effects || r.decay.size() != r.rows()) {
+  if (in_frame != nullptr || r.decay.size() != r.rows()) {
     all = r;
     all.wanted.clear();
     if (all.decay.size() != all.rows()) set_decay(all, model.law);
     input = &all;
   }
-  if (effects)
-    if (auto out = model_output_V(model, w.input, *input)) return std::move(*out);
+  if (in_frame != nullptr)
+    if (auto out = model_output_V(model, *in_frame, *input)) return std::move(*out);
   std::vector<double> out(input->rows());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = input->base_force_N(i);
   return out;
@@ -83,12 +83,14 @@ bool finish(ModelledRecord& m) {
 
 std::vector<ModelledRecord> modelled(const diagnose::Workspace& w, const Model& model) {
   std::vector<ModelledRecord> out;
+  std::optional<CampaignInFrame> in_frame;
+  if (!model.effects.empty() || !model.user_effects.empty()) in_frame.emplace(model.frame, w.input);
   for (std::size_t k = 0; k < w.input.records.size(); ++k) {
     const RecordInput& r = w.input.records[k];
     if (r.rows() == 0 || r.U_V.size() != r.rows()) continue;
     // the blocks of one recording have the same rows
     ModelledRecord m{r.name, &r, r.ok, {}};
-    m.model = w.input.single && !out.empty() ? out.front().model : model_rows(w, model, r);
+    m.model = w.input.single && !out.empty() ? out.front().model : model_rows(in_frame ? &*in_frame : nullptr, model, r);
     if (k < w.noise_V.size()) m.noise = w.noise_V[k];
     if (finish(m)) out.push_back(std::move(m));
   }

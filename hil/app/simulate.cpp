@@ -4,30 +4,31 @@
 
 #include <cmath>
 
+#include "hil/app/clean_input.h"
 #include "hil/app/write_file.h"
 #include "hil/base/plain_number.h"
-#include "hil/model/rows.h"
 
 namespace forcegate {
 
 Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder) {
   FORCEGATE_TRY(const Model model, load_model(request.model));
-  FORCEGATE_TRY(const Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  Simulation out;
   const Channel* output = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("U");
-  FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
+  if (output != nullptr && (output->quantity == "ratio" || (!output->unit.empty() && output->unit != "1"))) out.unit = output->unit;
+  FORCEGATE_TRY(CampaignInput rows, clean_input(std::move(campaign), request.threads));
+  for (RecordInput& r : rows.records) set_decay(r, model.law);
+  const CampaignInFrame input(model.frame, std::move(rows));
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "");
-  Simulation out;
-  if (output != nullptr && (output->quantity == "ratio" || (!output->unit.empty() && output->unit != "1"))) out.unit = output->unit;
-  for (RecordInput& r : input.records) {
-    set_decay(r, model.law);
+  for (const RecordInput& r : input.input().records) {
     FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
     std::string text = "t_s,F_ref_N,U_V,U_model_V\n";
     double square = 0.0;
     std::size_t counted = 0;
     for (std::size_t i = 0; i < r.rows(); ++i) {
-      // a row without a sample of force or output has no error; its model is what the force before it makes of it
+      // a row without a sample of force or output, or with one that is none of the sensor's, has no error; its model is what the force before it makes of it
       if (r.ok[i] == 0) {
         text += fmt::format("{:.6g},,,{:.6g}\n", r.t_s[i], U[i]);
         continue;

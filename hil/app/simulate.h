@@ -18,7 +18,7 @@ struct Simulation {
   std::string unit = "V";  ///< of the measured output
 };
 
-/// Columns t_s, F_ref_N, U_V (measured), U_model_V on the rows (at most 50 a second).
+/// Columns t_s, F_ref_N, U_V (measured), U_model_V on the rows (at most 50 a second); rows that a fit would not use have no measured values.
 Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder);
 
 std::string simulation_text(const Simulation& simulation);

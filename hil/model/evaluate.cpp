@@ -19,7 +19,7 @@ ModelEffect model_effect(const EffectKind& kind, const EffectForm& form, std::sp
   return out;
 }
 
-Result<std::vector<double>> model_output_V(const Model& model, const CampaignInput& campaign,
+Result<std::vector<double>> model_output_V(const Model& model, const CampaignInFrame& campaign,
                                            const RecordInput& record) {
   std::vector<double> out = base_output_V(record, model.law);
   const double gain = 1.0 / model.law.gain_N_per_V;
@@ -31,7 +31,7 @@ Result<std::vector<double>> model_output_V(const Model& model, const CampaignInp
     for (const ModelParameter& p : effect.shape) shape.push_back(p.value);
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(record.rows()),
                                                     static_cast<Eigen::Index>(effect.strength.size()));
-    form->columns(campaign, record, shape, columns);
+    form->columns(campaign.input(), record, shape, columns);
     for (std::size_t j = 0; j < effect.strength.size(); ++j)
       for (std::size_t i = 0; i < record.rows(); ++i)
         out[i] += gain * effect.strength[j].value *

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/model/model_frame.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
@@ -12,14 +13,8 @@ namespace {
 
 constexpr double kWalk_s = 1.0;  // step through earlier records: the lags are minutes
 
-double mean_of(const CampaignInput& c, AirChannel channel) {
-  double sum = 0.0, n = 0.0;
-  for (const RecordInput& r : c.records)
-    for (const double x : r.*channel) {
-      sum += x;
-      n += 1.0;
-    }
-  return n > 0.0 ? sum / n : 0.0;
+double reference_of(const CampaignInput& c, AirChannel channel) {
+  return channel == &RecordInput::temp_C ? reference_temperature_C(c) : reference_humidity_pct(c);
 }
 
 double state_at_start(const CampaignInput& c, const RecordInput& record, AirChannel channel, double tau_s, FilmStart start) {
@@ -28,7 +23,7 @@ double state_at_start(const CampaignInput& c, const RecordInput& record, AirChan
   bool running = false;
   const auto to = [&](double x, double t_s) {
     if (!running)
-      film = LowPass(tau_s, start == FilmStart::mean ? mean_of(c, channel) : x);
+      film = LowPass(tau_s, start == FilmStart::mean ? reference_of(c, channel) : x);
     else if (t_s > at_s)
       film.step(before, x, t_s - at_s);
     running = true;
@@ -67,12 +62,12 @@ ParameterSpec lag_of_film() {
   return {"tau_s", "s", 0.0, 1e5, 60.0, "time constant of the sensor behind the instrument in the air"};
 }
 
-// Columns of gain and zero, `phi` of the lagged channel's distance from its mean.
+// Columns of gain and zero, `phi` of the lagged channel's distance from its reference.
 template <class Phi>
 void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, double tau_s, FilmStart start, ColumnsRef out, const Phi& phi) {
   out.setZero();
   if ((r.*channel).empty()) return;
-  const double reference = mean_of(c, channel);
+  const double reference = reference_of(c, channel);
   const std::vector<double> x = lagged_channel(c, r, channel, tau_s, start);
   for (std::size_t i = 0; i < r.rows(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);

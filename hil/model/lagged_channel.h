@@ -1,6 +1,6 @@
 #pragma once
 // Gain and zero that follow a slow channel of the air (temperature, humidity) behind a first-order lag:
-//   dU = g (c_gain W + c_offset R)(x_s - x_ref),  tau x_s' + x_s = x,  R the force span, x_ref the mean of x.
+//   dU = g (c_gain W + c_offset R)(x_s - x_ref),  tau x_s' + x_s = x,  R the force span, x_ref the mean of x where the model was fitted.
 // The state runs through the whole campaign: between two records x is taken along a straight line.
 
 #include <string>

@@ -11,6 +11,7 @@
 #include "hil/base/result.h"
 #include "hil/model/base_law.h"
 #include "hil/model/effect.h"
+#include "hil/model/model_frame.h"
 
 namespace forcegate {
 
@@ -59,7 +60,7 @@ struct Model {
   std::string source;
   BaseLaw law;
   double se_gain = 0.0, se_offset = 0.0, se_b_scale = 0.0, se_q_scale = 0.0;
-  double span_N = 5.0;  ///< force span that the shares in the shapes refer to
+  ModelFrame frame;  ///< of the campaign that its effects were fitted on
   std::vector<ModelEffect> effects;
   std::vector<UserEffect> user_effects;
   std::vector<HistoryStep> history;
@@ -76,9 +77,9 @@ std::string write_model(const Model& model);
 Result<Model> library_model(std::string_view name);
 std::vector<std::string> library_model_names();
 
-/// Output of every row of a record, volts: base law and all effects.
+/// Output of every row of a record, volts: base law and all effects. `campaign`: in the frame of the model, for what its records did before.
 /// The record's decay must be set (set_decay with model.law).
-Result<std::vector<double>> model_output_V(const Model& model, const CampaignInput& campaign,
+Result<std::vector<double>> model_output_V(const Model& model, const CampaignInFrame& campaign,
                                            const RecordInput& record);
 
 /// Rows x 1: what a user effect adds in newtons at the given parameter values (explicit midpoint rule on the rows).

@@ -30,6 +30,28 @@ Result<void> known_keys(const toml::table& table, const std::vector<std::string>
   return {};
 }
 
+// A table below `table`, nullptr where there is none.
+Result<const toml::table*> section_of(const toml::table& table, const char* name, const std::string& where) {
+  const toml::node* node = table[name].node();
+  if (node == nullptr) return nullptr;
+  if (const toml::table* section = node->as_table()) return section;
+  return fail(ErrorCode::config, fmt::format("{} is no table", name), place(where, *node), fmt::format("write {}.NAME = ...", name));
+}
+
+// The tables under [[name]].
+Result<std::vector<const toml::table*>> tables_of(const toml::table& root, const char* name, const std::string& where) {
+  std::vector<const toml::table*> out;
+  const toml::node* node = root[name].node();
+  if (node == nullptr) return out;
+  const toml::array* tables = node->as_array();
+  if (tables != nullptr)
+    for (const toml::node& one : *tables)
+      if (one.is_table()) out.push_back(one.as_table());
+  if (tables == nullptr || out.size() != tables->size())
+    return fail(ErrorCode::config, fmt::format("{} is no list of tables", name), place(where, *node), fmt::format("write [[{}]]", name));
+  return out;
+}
+
 std::vector<std::string> names_of(const std::vector<ParameterSpec>& specs) {
   std::vector<std::string> out;
   for (const ParameterSpec& s : specs) out.push_back(s.name);
@@ -97,11 +119,19 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
   if (!is_name) return bad("\"" + name + "\" is no name for an effect", "a letter, then letters, digits and _");
   UserEffect out;
   out.name = name;
-  out.output = table["output"].value_or(std::string());
-  if (const toml::table* states = table["state"].as_table())
-    for (const auto& [key, node] : *states)
-      out.states.emplace_back(std::string(key.str()), node.value_or(std::string("0")));
-  if (const toml::table* parameters = table["parameter"].as_table())
+  const auto equation = [&](const toml::node& node, const std::string& of) -> Result<std::string> {
+    if (const auto text = node.value_exact<std::string>(); text && !text->empty()) return *text;
+    return fail(ErrorCode::config, of + " is no equation", place(where, node), "write it in quotes: \"F * F\"");
+  };
+  FORCEGATE_TRY(out.output, equation(*table["output"].node(), "output"));
+  FORCEGATE_TRY(const toml::table* const states, section_of(table, "state", where));
+  FORCEGATE_TRY(const toml::table* const parameters, section_of(table, "parameter", where));
+  if (states != nullptr)
+    for (const auto& [key, node] : *states) {
+      FORCEGATE_TRY(std::string derivative, equation(node, fmt::format("state.{}", std::string(key.str()))));
+      out.states.emplace_back(std::string(key.str()), std::move(derivative));
+    }
+  if (parameters != nullptr)
     for (const auto& [key, node] : *parameters) {
       FORCEGATE_TRY(ModelParameter p, read_parameter(node, std::string(key.str()), where));
       out.parameters.push_back(std::move(p));
@@ -132,9 +162,10 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
                 "its forms are " + join(names, ", "));
   }
   FORCEGATE_CHECK_OK(known_keys(table, {"name", "form", "shape", "strength"}, where));
-  for (const auto& [section, specs] : {std::pair{"shape", &form->shape}, std::pair{"strength", &form->strength}})
-    if (const toml::table* given = table[section].as_table())
-      FORCEGATE_CHECK_OK(known_keys(*given, names_of(*specs), where));
+  for (const auto& [section, specs] : {std::pair{"shape", &form->shape}, std::pair{"strength", &form->strength}}) {
+    FORCEGATE_TRY(const toml::table* const given, section_of(table, section, where));
+    if (given != nullptr) FORCEGATE_CHECK_OK(known_keys(*given, names_of(*specs), where));
+  }
   const auto fill = [&](const char* section, const std::vector<ParameterSpec>& specs,
                         std::vector<ModelParameter>& parameters) -> Result<bool> {
     for (const ParameterSpec& spec : specs) {
@@ -158,6 +189,44 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
   FORCEGATE_CHECK_OK(fill("shape", form->shape, out.shape));
   FORCEGATE_CHECK_OK(fill("strength", form->strength, out.strength));
   return out;
+}
+
+// Keys of [law].
+struct FrameKey {
+  const char* name;
+  double ModelFrame::*value;
+  bool above_0 = false;
+};
+constexpr FrameKey kFrame[] = {{"span_N", &ModelFrame::span_N, true}, {"lowest_N", &ModelFrame::lowest_N},
+                               {"temperature_C", &ModelFrame::temperature_C}, {"humidity_pct", &ModelFrame::humidity_pct},
+                               {"drive_V", &ModelFrame::drive_V, true},       {"travel_N", &ModelFrame::travel_N, true}};
+
+Result<ModelFrame> read_frame(const toml::table& law, const std::string& where) {
+  ModelFrame out;
+  for (const FrameKey& key : kFrame)
+    if (const toml::node* node = law[key.name].node()) {
+      const auto value = node->value<double>();
+      if (!value || !std::isfinite(*value) || (key.above_0 && !(*value > 0.0)))
+        return fail(ErrorCode::config, fmt::format("{} is no number{}", key.name, key.above_0 ? " above 0" : ""), place(where, *node),
+                    "it is what the effects were fitted with; forcegate fit writes it");
+      out.*key.value = *value;
+    }
+  return out;
+}
+
+Result<HistoryStep> read_step(const toml::table& t, const std::string& where) {
+  FORCEGATE_CHECK_OK(known_keys(t, {"effect", "campaign", "error_before", "error_after", "plain_before", "plain_after", "floor", "unit", "accepted"}, where));
+  HistoryStep step;
+  step.effect = t["effect"].value_or(std::string());
+  step.campaign = t["campaign"].value_or(std::string());
+  step.error_before = t["error_before"].value_or(0.0);
+  step.error_after = t["error_after"].value_or(0.0);
+  step.plain_before = t["plain_before"].value_or(0.0);
+  step.plain_after = t["plain_after"].value_or(0.0);
+  step.floor = t["floor"].value_or(0.0);
+  step.unit = t["unit"].value_or(std::string("V"));
+  step.accepted = t["accepted"].value_or(true);
+  return step;
 }
 
 std::string number(double v) {
@@ -189,6 +258,7 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
     return fail(ErrorCode::config, std::string(error.description()),
                 fmt::format("{}:{}:{}", where, error.source().begin.line, error.source().begin.column), "");
   }
+  FORCEGATE_CHECK_OK(known_keys(root, {"format", "name", "sensor", "source", "law", "effect", "history"}, where));
   Model out;
   const auto format = root["format"].value_or<std::int64_t>(1);
   if (format != 1)
@@ -197,17 +267,18 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   out.name = root["name"].value_or(std::string("model"));
   out.sensor = root["sensor"].value_or(std::string());
   out.source = root["source"].value_or(std::string());
-  const toml::table* law = root["law"].as_table();
+  FORCEGATE_TRY(const toml::table* const law, section_of(root, "law", where));
   if (law == nullptr)
     return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
   FORCEGATE_CHECK_OK(known_keys(*law, {"kind", "span_N", "gain_N_per_V", "offset_N", "b_scale", "q_scale", "b_slope_s_per_s",
-                                       "b_intercept_per_s", "q_curvature_per_N2"}, where));
+                                       "b_intercept_per_s", "q_curvature_per_N2", "lowest_N", "temperature_C", "humidity_pct", "drive_V",
+                                       "travel_N"}, where));
   const std::string kind_of_law = (*law)["kind"].value_or(std::string("decaying"));
   if (kind_of_law != "static" && kind_of_law != "decaying")
     return fail(ErrorCode::config, "there is no law of kind \"" + kind_of_law + "\"", place(where, *(*law)["kind"].node()),
                 "write \"decaying\" or \"static\"");
   out.law.decays = kind_of_law == "decaying";
-  out.span_N = (*law)["span_N"].value_or(5.0);
+  FORCEGATE_TRY(out.frame, read_frame(*law, where));
   const auto take = [&](const char* name, double& value, double* se) -> Result<bool> {
     if (const toml::node* node = (*law)[name].node()) {
       FORCEGATE_TRY(const ModelParameter p, read_parameter(*node, name, where));
@@ -232,44 +303,31 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   FORCEGATE_CHECK_OK(take("q_curvature_per_N2", out.law.q_curvature, nullptr));
   if (out.law.gain_N_per_V == 0.0) return fail(ErrorCode::config, "gain_N_per_V must not be 0", where, "");
 
-  if (const toml::array* effects = root["effect"].as_array())
-    for (const toml::node& node : *effects) {
-      const toml::table* table = node.as_table();
-      if (table == nullptr) continue;
-      const std::string name = (*table)["name"].value_or(std::string());
-      const bool twice = std::any_of(out.user_effects.begin(), out.user_effects.end(), [&](const UserEffect& e) { return e.name == name; });
-      if (twice) return fail(ErrorCode::config, "two effects are called \"" + name + "\"", place(where, node), "rename one of them");
-      if (!(*table)["output"].value_or(std::string()).empty()) {
-        FORCEGATE_TRY(UserEffect user, read_user_effect(*table, name, where));
-        out.user_effects.push_back(std::move(user));
-        continue;
-      }
-      const EffectKind* kind = EffectRegistry::instance().find(name);
-      if (kind == nullptr || kind->forms.empty()) {
-        const std::string near = nearest_name(name, EffectRegistry::instance().names());
-        return fail(ErrorCode::config, "no effect \"" + name + "\"", place(where, node),
-                    near.empty() ? "give equations (output = ...) for an effect of your own"
-                                 : "did you mean \"" + near + "\"?");
-      }
-      FORCEGATE_TRY(ModelEffect effect, read_effect(*table, *kind, where));
-      out.effects.push_back(std::move(effect));
+  FORCEGATE_TRY(const std::vector<const toml::table*> effects, tables_of(root, "effect", where));
+  for (const toml::table* table : effects) {
+    const std::string name = (*table)["name"].value_or(std::string());
+    const bool twice = std::any_of(out.user_effects.begin(), out.user_effects.end(), [&](const UserEffect& e) { return e.name == name; });
+    if (twice) return fail(ErrorCode::config, "two effects are called \"" + name + "\"", place(where, *table), "rename one of them");
+    if (table->contains("output")) {
+      FORCEGATE_TRY(UserEffect user, read_user_effect(*table, name, where));
+      out.user_effects.push_back(std::move(user));
+      continue;
     }
-  if (const toml::array* history = root["history"].as_array())
-    for (const toml::node& node : *history) {
-      const toml::table* t = node.as_table();
-      if (t == nullptr) continue;
-      HistoryStep step;
-      step.effect = (*t)["effect"].value_or(std::string());
-      step.campaign = (*t)["campaign"].value_or(std::string());
-      step.error_before = (*t)["error_before"].value_or(0.0);
-      step.error_after = (*t)["error_after"].value_or(0.0);
-      step.plain_before = (*t)["plain_before"].value_or(0.0);
-      step.plain_after = (*t)["plain_after"].value_or(0.0);
-      step.floor = (*t)["floor"].value_or(0.0);
-      step.unit = (*t)["unit"].value_or(std::string("V"));
-      step.accepted = (*t)["accepted"].value_or(true);
-      out.history.push_back(std::move(step));
+    const EffectKind* kind = EffectRegistry::instance().find(name);
+    if (kind == nullptr || kind->forms.empty()) {
+      const std::string near = nearest_name(name, EffectRegistry::instance().names());
+      return fail(ErrorCode::config, "no effect \"" + name + "\"", place(where, *table),
+                  near.empty() ? "give equations (output = ...) for an effect of your own"
+                               : "did you mean \"" + near + "\"?");
     }
+    FORCEGATE_TRY(ModelEffect effect, read_effect(*table, *kind, where));
+    out.effects.push_back(std::move(effect));
+  }
+  FORCEGATE_TRY(const std::vector<const toml::table*> history, tables_of(root, "history", where));
+  for (const toml::table* table : history) {
+    FORCEGATE_TRY(HistoryStep step, read_step(*table, where));
+    out.history.push_back(std::move(step));
+  }
   return out;
 }
 
@@ -287,7 +345,9 @@ std::string write_model(const Model& m) {
   std::string out = "format = 1\n";
   out +=
       fmt::format("name = {}\nsensor = {}\nsource = {}\n\n[law]\n", quoted(m.name), quoted(m.sensor), quoted(m.source));
-  out += fmt::format("kind = \"{}\"\nspan_N = {}\n", m.law.decays ? "decaying" : "static", number(m.span_N));
+  out += fmt::format("kind = \"{}\"\n", m.law.decays ? "decaying" : "static");
+  for (const FrameKey& key : kFrame)
+    if (std::isfinite(m.frame.*key.value)) out += fmt::format("{} = {}\n", key.name, number(m.frame.*key.value));
   const auto line = [&](const char* name, double value, double se, const char* unit) {
     out +=
         fmt::format("{} = {{ value = {}, se = {}, unit = \"{}\" }}\n", name, number(value), number(se), unit);

@@ -39,9 +39,9 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads = 1);
 /// Samples of every record.
 std::vector<std::size_t> sample_counts(const Campaign& campaign);
 
-/// Reads nothing; convenience for callers that need no raw health: all records, then finish.
-Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads = 1,
-                                          const RowParts& parts = {});
+/// Reads nothing; convenience for callers that fit nothing: all records, then finish. `bad`: of each record, as in make_record_input; empty: none.
+Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads = 1, const RowParts& parts = {},
+                                          std::span<const std::vector<std::uint8_t>> bad = {});
 
 /// q-quantile (0..1) of finite values; NaN when there are none.
 double quantile(std::vector<double> values, double q);

@@ -213,13 +213,14 @@ std::vector<std::size_t> sample_counts(const Campaign& campaign) {
   return out;
 }
 
-Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads, const RowParts& parts) {
+Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads, const RowParts& parts,
+                                          std::span<const std::vector<std::uint8_t>> bad) {
   CampaignInput out;
   out.name = campaign.name;
   out.bench = campaign.bench;
   std::vector<Result<RecordInput>> made(campaign.records.size());
   parallel_for_largest_first(sample_counts(campaign), threads, [&](std::size_t k) {
-    made[k] = make_record_input(campaign.records[k], {}, kRowStep_s, parts);
+    made[k] = make_record_input(campaign.records[k], bad.empty() ? std::span<const std::uint8_t>() : bad[k], kRowStep_s, parts);
   });
   for (Result<RecordInput>& one : made) {
     FORCEGATE_TRY(RecordInput input, std::move(one));

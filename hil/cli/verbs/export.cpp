@@ -84,7 +84,7 @@ const Registration<Command> kRow{Command{
           .fallback = "smoke"},
          {.name = "reference-temperature",
           .value_name = "DEGC",
-          .doc = "Where a thermal effect is zero; default: mean of --check, else of --fit."},
+          .doc = "Where a thermal effect is zero, for a model file that does not say; forcegate fit and --fit write it."},
          {.name = "map",
           .value_name = "COLUMN=NAME",
           .doc = "Foreign column of the campaign.",

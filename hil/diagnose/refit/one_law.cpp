@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "hil/diagnose/candidates/user_candidates.h"
-#include "hil/model/rows.h"
+#include "hil/diagnose/engine.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -56,16 +56,16 @@ class Fitter {
     }
     VectorXd y(n);
     for (Index i = 0; i < n; ++i) y[i] = r.U_V[static_cast<std::size_t>(i)];
-    double used = 0.0, known = 0.0;
+    double used = 0.0, above_0 = 0.0;
     for (Index i = 0; i < n; ++i)
-      if (r.ok[static_cast<std::size_t>(i)] == 0 || !std::isfinite(y[i]) || y[i] <= 0.0) {
+      if (r.ok[static_cast<std::size_t>(i)] == 0 || !std::isfinite(y[i])) {
         X.row(i).setZero();
         y[i] = 0.0;
       } else {
         used += 1.0;
+        above_0 += y[i] > 0.0 ? 1.0 : 0.0;
       }
-    for (Index i = 0; i < n; ++i) known += r.ok[static_cast<std::size_t>(i)] != 0 ? 1.0 : 0.0;
-    if (used < 0.5 * known)
+    if (above_0 < 0.5 * used)
       return fail(ErrorCode::parse, "most of the output is not above 0", r.name,
                   "a compensator divides by an output that grows from 0: turn the sign of an inverting amplifier");
     used = std::max(1.0, used);
@@ -190,7 +190,7 @@ Model assembled(const Model& start, const CampaignInput& input, const BaseLaw& l
   const VectorXd se = ((square - mean.cwiseProduct(mean)).cwiseMax(0.0) * (n - 1.0)).cwiseSqrt();
   Model m = start;
   m.law = law;
-  m.span_N = input.range_N;
+  m.frame = frame_of(input);
   const double g = all[0];
   m.law.gain_N_per_V = 1.0 / g;
   m.law.offset_N = -all[1] / g;
@@ -235,6 +235,25 @@ struct Trial {
   BaseLaw law;
 };
 
+// Samples that a fit throws out are thrown out here too, and it is decided from the output which records decay. Every row counts.
+Result<CampaignInput> rows_as_fitted(Campaign campaign, const Model& start, unsigned threads) {
+  constexpr std::size_t kFewest = 3;
+  const auto too_few = [name = campaign.name] {
+    return fail(ErrorCode::config, "one law for all records needs at least three of them", name, "forcegate record makes a campaign");
+  };
+  if (campaign.records.size() < kFewest) return too_few();
+  EngineOptions options;
+  options.law = start.law;
+  options.model_name = start.name;
+  options.in_model = start.effect_names();
+  options.threads = threads;
+  options.pictures = options.search = false;
+  FORCEGATE_TRY(const std::unique_ptr<Workspace> w, prepare(std::move(campaign), options));
+  if (w->input.records.size() < kFewest) return too_few();
+  for (RecordInput& r : w->input.records) r.wanted.clear();
+  return std::move(w->input);
+}
+
 std::string cost_of(const Trial& usable, const Trial& best) {
   return fmt::format("{}: the form {} predicts best, but it cannot be undone; {} can, and leaves {:.3g} mV of error instead of {:.3g}",
                      best.effects.back().kind->name, best.effects.back().form->name, usable.effects.back().form->name,
@@ -243,14 +262,14 @@ std::string cost_of(const Trial& usable, const Trial& best) {
 
 }  // namespace
 
-Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start, const IsUsable& is_usable) {
-  FORCEGATE_TRY(CampaignInput input, make_campaign_input(campaign));
-  if (input.records.size() < 3)
-    return fail(ErrorCode::config, "one law for all records needs at least three of them", campaign.name,
-                "forcegate record makes a campaign");
+Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsable& is_usable, unsigned threads) {
+  FORCEGATE_TRY(CampaignInput input, rows_as_fitted(std::move(campaign), start, threads));
+  const std::string name = input.name;
+  std::vector<std::string> notes = std::move(input.notes);
   FORCEGATE_TRY(const auto own_kinds, make_user_kinds(start.user_effects, input));
   Fitter fitter(std::move(input));
   OneLawFit out;
+  out.notes = std::move(notes);
   FORCEGATE_TRY(BaseLaw law, fitter.refine(start.law, {}));
   FORCEGATE_TRY(std::vector<Gram> grams, fitter.grams(law, {}));
   std::vector<Chosen> effects;
@@ -284,7 +303,7 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start, cons
   if (!effects.empty() && now > kWorth * out.law_left_out_V)
     return fail(ErrorCode::config,
                 "with one law for all records the effects do not lower the error of records left out",
-                campaign.name,
+                name,
                 "they may differ from record to record: forcegate compare shows where the error sits");
 
   out.model = assembled(start, fitter.input(), law, effects, grams);
@@ -294,7 +313,7 @@ Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start, cons
                            std::sqrt(Fitter::square_error(bare[k], bare_beta)),
                            std::sqrt(Fitter::square_error(grams[k], all))});
   HistoryStep step;
-  step.campaign = campaign.name;
+  step.campaign = name;
   step.error_before = step.plain_before = out.law_left_out_V;
   step.error_after = step.plain_after = out.left_out_V;
   out.model.history.push_back(step);

@@ -28,14 +28,16 @@ struct OneLawFit {
   std::vector<Item> records;
   double law_left_out_V = 0.0,
          left_out_V = 0.0;  ///< RMS over records that were left out of the linear fit in turn
-  std::vector<std::string> notes;  ///< what a form that can be used costs against the best one
+  std::vector<std::string> notes;  ///< of the records; what a form that can be used costs against the best one
 };
 
 /// Whether a model can be used, for instance inverted; empty: every one.
 using IsUsable = std::function<bool(const Model&)>;
 
 /// Uncertainties in the model are those of the jackknife over records. Where no form of an effect is usable, the best one is taken.
-/// Errors (config): fewer than 3 records, an effect that these records do not excite or whose channels are missing.
-Result<OneLawFit> fit_one_law(const Campaign& campaign, const Model& start, const IsUsable& is_usable = {});
+/// The rows are those that refit_campaign judges by: without spikes, lost and held samples, rails and hum.
+/// Errors (config): fewer than 3 records that can be used, an effect that these records do not excite or whose channels are missing, the
+/// effects do not lower the error of records left out; (parse): most of the output is not above 0, no usable rows.
+Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsable& is_usable = {}, unsigned threads = 0);
 
 }  // namespace forcegate::diagnose

@@ -65,29 +65,30 @@ Waterfall waterfall_of(const Workspace& w,
                        const MixedFit& base, bool levels) {
   Waterfall out;
   const std::size_t n = effects.size();
+  out.all_orders = n <= 4;
   const auto error_of = [&](unsigned mask) {
     std::vector<int> columns = base.columns;
     for (std::size_t k = 0; k < n; ++k)
       if ((mask >> k & 1u) != 0)
         columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
     const MixedFit fit = fit_mixed(w.output.problem, columns, &base, 10);
-    return fit.valid ? held_out_rms(w, fit, base, levels) : 0.0;
+    return fit.valid ? held_out_rms(w, fit, base, levels) : kMissing;
   };
   const unsigned all = (1u << std::min<std::size_t>(n, 16)) - 1u;
-  std::vector<double> error(n <= 4 ? all + 1u : 0u);
+  std::vector<double> error(out.all_orders ? all + 1u : 0u);
   for (unsigned mask = 0; mask < error.size(); ++mask) error[mask] = error_of(mask);
-  out.start = n <= 4 ? error[0] : error_of(0);
-  out.end = n <= 4 ? error[all] : error_of(all);
+  out.start = out.all_orders ? error[0] : error_of(0);
+  out.end = out.all_orders ? error[all] : error_of(all);
   unsigned mask = 0;
   double now = out.start;
   for (std::size_t k = 0; k < n; ++k) {
     Waterfall::Bar bar;
     bar.effect = effects[k].first;
     mask |= 1u << k;
-    const double next = n <= 4 ? error[mask] : error_of(mask);
+    const double next = out.all_orders ? error[mask] : error_of(mask);
     bar.as_added = bar.average = bar.low = bar.high = now - next;
-    now = next;
-    if (n <= 4) {
+    if (std::isfinite(next)) now = next;
+    if (out.all_orders) {
       // mean over subsets with the Shapley weights; range over all subsets
       bar.low = 1e300;
       bar.high = -1e300;
@@ -104,8 +105,9 @@ Waterfall waterfall_of(const Workspace& w,
         bar.low = std::min(bar.low, fall);
         bar.high = std::max(bar.high, fall);
       }
+      if (!std::isfinite(bar.average)) bar.low = bar.high = kMissing;  // an order that cannot be fitted
     }
-    bar.hollow = bar.low <= 0.0;
+    bar.hollow = !(bar.low > 0.0);
     out.bars.push_back(bar);
   }
   return out;
@@ -182,7 +184,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   if (add.empty()) before = base;
 
   out.model = start;
-  out.model.span_N = w.input.range_N;
+  out.model.frame = frame_of(w.input);
   Model& m = out.model;
   m.law = w.law;
   // a law of decay that no record shows and some contradict would bend every later record

@@ -16,11 +16,12 @@ struct ParameterMove {
 struct Waterfall {
   struct Bar {
     std::string effect;
-    double as_added = 0.0;  ///< fall of the held-out error in the order given
+    double as_added = 0.0;  ///< fall of the held-out error in the order given; NaN: a fit on the way failed
     double average = 0.0, low = 0.0,
-           high = 0.0;    ///< over all orders (at most 4 effects: all; more: as added only)
-    bool hollow = false;  ///< the range holds 0
+           high = 0.0;    ///< over all orders where they were asked, else as added; NaN as above
+    bool hollow = false;  ///< the range holds 0, or is not known
   };
+  bool all_orders = true;  ///< false: more than 4 effects, asked in the order given only
   double start = 0.0, end = 0.0, floor = 0.0;
   std::string unit = "V";  ///< of the output's column
   std::vector<Bar> bars;

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <vector>
 
@@ -49,6 +52,12 @@ class Reader {
     return text;
   }
 
+  // A sum, product or quotient.
+  std::string of_two(const std::string& a, const char* op, const std::string& b) {
+    std::string out = count(fmt::format("({} {} {})", a, op, b));
+    return not_negative_.count(a) > 0 && not_negative_.count(b) > 0 ? never_negative(out) : out;
+  }
+
   std::string choice() {
     std::string test = disjunction();
     if (!take("?")) return test;
@@ -79,7 +88,7 @@ class Reader {
     std::string out = product();
     for (;;) {
       if (take("+")) {
-        out = count(fmt::format("({} + {})", out, product()));
+        out = of_two(out, "+", product());
       } else if (take("-")) {
         out = count(fmt::format("({} - {})", out, product()));
       } else {
@@ -91,9 +100,9 @@ class Reader {
     std::string out = unary();
     for (;;) {
       if (take("*")) {
-        out = count(fmt::format("({} * {})", out, unary()));
+        out = of_two(out, "*", unary());
       } else if (take("/")) {
-        out = count(fmt::format("({} / {})", out, unary()));
+        out = of_two(out, "/", unary());
       } else {
         return out;
       }
@@ -105,25 +114,54 @@ class Reader {
     return power();
   }
   std::string power() {
+    const std::size_t begin = at_;
     const std::string base = primary();
+    const std::size_t end = at_;
     if (!take("^")) return base;
     const std::size_t from = at_;
     const std::string exponent = unary();
-    double value = 0.0;
-    const std::string_view written = text_.substr(from, at_ - from);
-    const std::size_t begin = written.find_first_not_of(" (");
-    const auto [end, bad] = std::from_chars(written.data() + (begin == std::string_view::npos ? 0 : begin),
-                                            written.data() + written.size(), value);
-    if (bad == std::errc{} && end <= written.data() + written.size() && value == std::floor(value) &&
-        value >= 1.0 && value <= 6.0 &&
-        written.find_first_not_of("0123456789. ()") == std::string_view::npos) {
-      std::string out = base;
-      for (int k = 1; k < static_cast<int>(value); ++k) out = count(fmt::format("({} * {})", out, base));
-      return out;
+    if (const auto n = whole_number(text_.substr(from, at_ - from))) return whole_power(base, *n);
+    if (!error_ && not_negative_.count(base) == 0) {
+      const std::string written(text_.substr(begin, end - begin));
+      at_ = from;
+      complain("\"" + written + "\" may be negative, and its power is no whole number", "write abs(x)^y or max(x, 0)^y");
+      return "";
     }
-    result_.functions.insert({"fg_exp", "fg_ln"});
+    result_.functions.insert({"fg_exp", "fg_ln", "fg_pow"});
     result_.operations += 40;
-    return fmt::format("fg_exp({} * fg_ln({}))", exponent, base);
+    return never_negative(fmt::format("fg_pow({}, {})", base, exponent));
+  }
+  std::string whole_power(const std::string& base, int n) {
+    constexpr int kInline = 6;
+    const int times = std::abs(n);
+    std::string out = times == 0 ? c_float(1.0) : base;
+    if (times <= kInline) {
+      for (int k = 1; k < times; ++k) out = count(fmt::format("({} * {})", out, base));
+    } else {
+      result_.functions.insert("fg_power");
+      result_.operations += 2 * std::bit_width(static_cast<unsigned>(times));
+      out = fmt::format("fg_power({}, {})", base, times);
+    }
+    if (n < 0) out = count(fmt::format("(1.0f / {})", out));
+    return n % 2 == 0 ? never_negative(out) : out;
+  }
+  // Of an exponent as it is written, "2", "(-3)" or "4.0".
+  static std::optional<int> whole_number(std::string_view written) {
+    constexpr double kLargest = 1000.0;
+    const auto strip = [&](std::string_view what) {
+      while (!written.empty() && what.find(written.front()) != std::string_view::npos) written.remove_prefix(1);
+    };
+    strip(" \t(+");
+    while (!written.empty() && (written.back() == ')' || written.back() == ' ' || written.back() == '\t')) written.remove_suffix(1);
+    double value = 0.0;
+    const auto [end, bad] = std::from_chars(written.data(), written.data() + written.size(), value);
+    if (bad != std::errc{} || end != written.data() + written.size() || value != std::floor(value) || std::fabs(value) > kLargest)
+      return std::nullopt;
+    return static_cast<int>(value);
+  }
+  std::string never_negative(std::string text) {
+    not_negative_.insert(text);
+    return text;
   }
   std::string primary() {
     skip();
@@ -139,7 +177,7 @@ class Reader {
       const auto [end, bad] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
       if (bad != std::errc{}) return complain("this is no number"), "";
       at_ = static_cast<std::size_t>(end - text_.data());
-      return c_float(value);
+      return never_negative(c_float(value));
     }
     std::size_t end = at_;
     while (end < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[end])) || text_[end] == '_'))
@@ -149,8 +187,8 @@ class Reader {
     const std::size_t begin = at_;
     at_ = end;
     if (take("(")) return call(name, begin);
-    if (name == "_pi") return c_float(3.14159265358979323846);
-    if (name == "_e") return c_float(2.71828182845904523536);
+    if (name == "_pi") return never_negative(c_float(3.14159265358979323846));
+    if (name == "_e") return never_negative(c_float(2.71828182845904523536));
     const auto known = names_.find(name);
     if (known == names_.end()) {
       at_ = begin;
@@ -158,7 +196,7 @@ class Reader {
                "known names: F, dF, t, T, the states and the parameters");
       return "";
     }
-    return known->second;
+    return name == "t" ? never_negative(known->second) : known->second;
   }
   std::string call(const std::string& name, std::size_t begin) {
     std::vector<std::string> arguments;
@@ -174,15 +212,18 @@ class Reader {
       std::string out = arguments[0];
       for (std::size_t k = 1; k < arguments.size(); ++k)
         out = count(fmt::format("fg_{}({}, {})", name, out, arguments[k]));
-      return out;
+      const auto known = std::ranges::count_if(arguments, [&](const std::string& a) { return not_negative_.count(a) > 0; });
+      return known == std::ssize(arguments) || (name == "max" && known > 0) ? never_negative(out) : out;
     }
-    if (name == "abs" || name == "sign")
-      return needs(1) ? count(fmt::format("fg_{}({})", name, arguments[0])) : "";
+    if (name == "sign") return needs(1) ? count(fmt::format("fg_sign({})", arguments[0])) : "";
+    if (name == "abs") return needs(1) ? never_negative(count(fmt::format("fg_abs({})", arguments[0]))) : "";
     if (name == "exp" || name == "ln" || name == "sqrt" || name == "tanh") {
       result_.functions.insert("fg_" + name);
       if (name == "tanh") result_.functions.insert("fg_exp");
       result_.operations += 25;
-      return needs(1) ? fmt::format("fg_{}({})", name, arguments[0]) : "";
+      if (!needs(1)) return "";
+      const std::string out = fmt::format("fg_{}({})", name, arguments[0]);
+      return name == "exp" || name == "sqrt" ? never_negative(out) : out;
     }
     at_ = begin;
     complain("the function " + name + " has no version without libm");
@@ -194,6 +235,7 @@ class Reader {
   const std::map<std::string, std::string>& names_;
   std::size_t at_ = 0;
   CExpression result_;
+  std::set<std::string> not_negative_;  // texts of C that are known not to be
   std::optional<Error> error_;
 };
 

@@ -13,12 +13,13 @@ namespace forcegate {
 struct CExpression {
   std::string text;  ///< C11, single precision
   std::set<std::string>
-      functions;       ///< of fg_exp, fg_ln, fg_sqrt, fg_tanh: what the text calls besides fg_min, fg_max
+      functions;       ///< of fg_exp, fg_ln, fg_sqrt, fg_tanh, fg_pow, fg_power: what the text calls besides fg_min, fg_max
   int operations = 0;  ///< floating-point operations of one evaluation, an upper bound
 };
 
 /// `names`: identifiers allowed, each with what stands for it in C ("tau" -> "kUser0_tau"). Known: + - * / ^ with
-/// parentheses, comparisons, && ||, ?:, exp ln sqrt abs min max sign tanh. Errors (config) name the function or the
+/// parentheses, comparisons, && ||, ?:, exp ln sqrt abs min max sign tanh. A whole power is a product, of
+/// negative numbers too; another one is refused where its base may be negative. Errors (config) name the function or the
 /// identifier that cannot go on a microcontroller, and its place in the equation.
 Result<CExpression> c_expression(std::string_view equation, const std::string& where,
                                  const std::map<std::string, std::string>& names);

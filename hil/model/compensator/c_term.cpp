@@ -141,6 +141,8 @@ Result<CTerm> c_term(const UserEffect& e, const CTermContext& x) {
   t.needs_ln = used.count("fg_ln") > 0;
   t.needs_sqrt = used.count("fg_sqrt") > 0;
   t.needs_tanh = used.count("fg_tanh") > 0;
+  t.needs_pow = used.count("fg_pow") > 0;
+  t.needs_power = used.count("fg_power") > 0;
   t.needs_temperature = t.value.find("temperature_C") != std::string::npos ||
                         t.commit.find("temperature_C") != std::string::npos;
   if (t.value.find(id + "_rate") != std::string::npos || t.commit.find(id + "_rate") != std::string::npos) {

@@ -25,7 +25,8 @@ struct CTerm {
   int each = 0;            ///< of value
   std::size_t bytes = 0;   ///< of state
   bool needs_temperature = false;
-  bool needs_exp = false, needs_ln = false, needs_sqrt = false, needs_tanh = false;
+  bool needs_exp = false, needs_ln = false, needs_sqrt = false, needs_tanh = false,
+       needs_pow = false, needs_power = false;
 };
 
 struct CTermContext {

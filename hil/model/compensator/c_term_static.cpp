@@ -13,7 +13,7 @@ namespace forcegate::c_terms {
 Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
   if (std::isnan(x.reference_temperature_C))
     return refuse("thermal", "the model file does not say at which temperature the effect is zero",
-                  "give the campaign it was fitted on with --fit or --check, or --reference-temperature");
+                  "temperature_C under [law] says it, which forcegate fit writes; or give the campaign with --fit, or --reference-temperature");
   CTerm t;
   const std::string& id = x.id;
   const double tau = shape_of(e, 0), gain = strength_of(e, 0), offset = strength_of(e, 1) * x.span_N;

@@ -84,6 +84,28 @@ static inline float fg_tanh(float x) {
   return out + "\n";
 }
 
+std::string powers(bool real, bool whole) {
+  std::string out;
+  if (real)
+    out += R"(
+/* x^y, 0 for x <= 0. */
+static inline float fg_pow(float x, float y) { return x > 1.17549435e-38f ? fg_exp(y * fg_ln(x)) : (y == 0.0f ? 1.0f : 0.0f); }
+)";
+  if (whole)
+    out += R"(
+/* x^n, n > 0, by squaring. */
+static inline float fg_power(float x, int n) {
+  float out = 1.0f;
+  for (; n > 0; n >>= 1) {
+    if (n & 1) out = out * x;
+    x = x * x;
+  }
+  return out;
+}
+)";
+  return out;
+}
+
 std::string residual() {
   return R"(static inline float fg_comp_residual(const FgComp* c, float F) {
   return ((c->low_N + c->shrink * (F - c->low_N)) + fg_comp_added(c, F)) - c->u_N;

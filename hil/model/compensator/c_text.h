@@ -8,6 +8,9 @@ namespace forcegate::c_text {
 /// fg_min, fg_max, fg_clamp ... and those of exp, ln, sqrt, tanh that are needed (relative error below 5e-7).
 std::string elementary(bool exponential, bool logarithm, bool root, bool tangent);
 
+/// fg_pow(x, y) of real y and x >= 0 (it calls fg_exp and fg_ln); fg_power(x, n) of whole n > 0 and any x.
+std::string powers(bool real, bool whole);
+
 /// fg_comp_residual(c, F): right side less u.
 std::string residual();
 

@@ -26,6 +26,9 @@ std::string define(const char* name, double value) {
   return fmt::format("#define {} {}\n", name, c_float(value));
 }
 
+// Whole, as the preprocessor compares it; else as it is.
+std::string rate_text(double rate_Hz) { return rate_Hz == std::round(rate_Hz) ? fmt::format("{:.0f}", rate_Hz) : c_float(rate_Hz); }
+
 std::string short_id(const Model& model) {
   std::string id;
   std::set<std::string> named;  // an effect may stand in the model with several forms
@@ -84,9 +87,9 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
   out.id = short_id(model);
   CTermContext context;
   context.rate_Hz = options.rate_Hz;
-  context.span_N = model.span_N;
+  context.span_N = model.frame.span_N;
   context.lowest_N = options.lowest_N;
-  context.reference_temperature_C = options.reference_temperature_C;
+  context.reference_temperature_C = std::isfinite(model.frame.temperature_C) ? model.frame.temperature_C : options.reference_temperature_C;
   std::vector<CTerm> terms;
   for (const ModelEffect& e : merged(model.effects)) {
     context.id = fmt::format("e{}", terms.size());
@@ -99,7 +102,7 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
     terms.push_back(std::move(term));
   }
   double slope = 1.0;
-  bool needs_exp = false, needs_ln = false, needs_sqrt = false, needs_tanh = false;
+  bool needs_exp = false, needs_ln = false, needs_sqrt = false, needs_tanh = false, needs_pow = false, needs_power = false;
   int once = 40, each = 6;
   out.state_bytes = 48;
   for (const CTerm& t : terms) {
@@ -111,6 +114,8 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
     needs_ln |= t.needs_ln;
     needs_sqrt |= t.needs_sqrt;
     needs_tanh |= t.needs_tanh;
+    needs_pow |= t.needs_pow;
+    needs_power |= t.needs_power;
     out.needs_temperature |= t.needs_temperature;
     out.effects.push_back(t.title);
   }
@@ -150,8 +155,8 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
       "#ifndef FORCEGATE_COMPENSATION_H\n#define FORCEGATE_COMPENSATION_H\n\n#include <stdint.h>\n#include <string.h>\n\n"
       "#ifdef __FAST_MATH__\n#error \"the compensator needs IEEE 754 arithmetic: build without -ffast-math\"\n#endif\n\n";
   h += fmt::format(
-      "#define FG_COMP_ID \"{}\"\n#define FG_COMP_RATE_HZ {:.0f}\n#define FG_COMP_NEEDS_TEMPERATURE {}\n\n",
-      out.id, options.rate_Hz, out.needs_temperature ? 1 : 0);
+      "#define FG_COMP_ID \"{}\"\n#define FG_COMP_RATE_HZ {}\n#define FG_COMP_NEEDS_TEMPERATURE {}\n\n",
+      out.id, rate_text(options.rate_Hz), out.needs_temperature ? 1 : 0);
   h +=
       "/* The fitted law, for those who calibrate by the model itself: F = G U + F0; b = b_scale (slope f + constant), f in Hz;\n"
       "   q = q_scale / (1 + curvature A^2), A in N; D = (exp(-b t) + q)/(1 + q). */\n";
@@ -160,7 +165,7 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
        define("FG_COMP_B_CONSTANT_PER_S", model.law.b_intercept_per_s) +
        define("FG_COMP_Q_CURVATURE_PER_N2", model.law.q_curvature) +
        define("FG_COMP_B_SCALE", model.law.b_scale) + define("FG_COMP_Q_SCALE", model.law.q_scale) + "\n";
-  h += c_text::elementary(needs_exp, needs_ln, needs_sqrt, needs_tanh);
+  h += c_text::elementary(needs_exp, needs_ln, needs_sqrt, needs_tanh) + c_text::powers(needs_pow, needs_power);
   h += "typedef struct {\n"
        "  float u_N, shrink, low_N, temperature_C, t_s; /* of this sample */\n"
        "  float force_N;                                /* found */\n"

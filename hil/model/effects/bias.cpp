@@ -7,19 +7,10 @@
 #include <cmath>
 
 #include "hil/model/effect.h"
+#include "hil/model/model_frame.h"
 
 namespace forcegate {
 namespace {
-
-double reference_drive(const CampaignInput& c) {
-  double sum = 0.0, n = 0.0;
-  for (const RecordInput& r : c.records)
-    if (r.drive_mean_V == r.drive_mean_V) {
-      sum += r.drive_mean_V;
-      n += 1.0;
-    }
-  return n > 0.0 ? sum / n : 1.0;
-}
 
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "bias",
@@ -42,7 +33,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
              [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                out.setZero();
                if (!(r.drive_mean_V == r.drive_mean_V)) return;
-               const double mean = reference_drive(c);
+               const double mean = reference_drive_V(c);
                for (std::size_t i = 0; i < r.rows(); ++i) {
                  const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
                  const double v = (V - mean) / mean;
@@ -65,7 +56,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                out.setZero();
                if (!(r.drive_mean_V == r.drive_mean_V)) return;
-               const double reference = std::tanh(reference_drive(c) / shape[0]);
+               const double reference = std::tanh(reference_drive_V(c) / shape[0]);
                for (std::size_t i = 0; i < r.rows(); ++i) {
                  const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
                  const double v = std::tanh(V / shape[0]) / reference - 1.0;
@@ -84,7 +75,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
              [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                out.setZero();
                if (!(r.drive_mean_V > 0.0)) return;
-               const double v = 1.0 - reference_drive(c) / r.drive_mean_V;
+               const double v = 1.0 - reference_drive_V(c) / r.drive_mean_V;
                for (std::size_t i = 0; i < r.rows(); ++i)
                  out(static_cast<Eigen::Index>(i), 0) = v * r.base_force_N(i);
              }}}}};

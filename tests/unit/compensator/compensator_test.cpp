@@ -32,7 +32,7 @@ ModelEffect effect(const std::string& name, const std::string& form, const std::
 Model model_with(std::vector<ModelEffect> effects) {
   Model m;
   m.name = "tested";
-  m.span_N = 4.0;
+  m.frame.span_N = 4.0;
   m.law.gain_N_per_V = 0.5;
   m.law.offset_N = 0.12;
   m.effects = std::move(effects);
@@ -293,6 +293,45 @@ TEST(Compensator, TheHeaderStatesItsCostAndUsesNoLibraryBeyondFixedIntegers) {
   EXPECT_EQ(made->header.find("double "), std::string::npos);
   EXPECT_EQ(made->header.find("malloc"), std::string::npos);
   EXPECT_EQ(made->id, "creep");
+}
+
+TEST(Compensator, TheHeaderSaysTheRateThatItWasMadeFor) {
+  CompensatorOptions options;
+  options.rate_Hz = 312.5;
+  const auto odd = make_compensator(model_with({}), options), whole = make_compensator(model_with({}), {});
+  ASSERT_TRUE(odd && whole);
+  EXPECT_NE(odd->header.find("#define FG_COMP_RATE_HZ 312.5f\n"), std::string::npos);
+  EXPECT_NE(whole->header.find("#define FG_COMP_RATE_HZ 1000\n"), std::string::npos);
+}
+
+TEST(Compensator, AThermalEffectIsZeroWhereTheModelSaysSo) {
+  Model m = model_with({effect("thermal", "lagged", {0.003, 0.001}, {0.0, 0.0})});
+  EXPECT_FALSE(make_compensator(m, {}));
+  m.frame.temperature_C = 31.0;
+  const auto made = make_compensator(m, {});
+  ASSERT_TRUE(made) << made.error().to_text();
+  EXPECT_NE(made->header.find("from 31 degC"), std::string::npos);
+  // the campaign that it is replayed on is colder
+  const auto check = check_compensator(m, *made, 1000.0, campaign());
+  ASSERT_TRUE(check) << check.error().to_text();
+  EXPECT_LT(check->largest_N, 0.1 * check->lsb_N);
+}
+
+TEST(CalibrationMap, IsThatOfTheModelsOwnLaw) {
+  const auto path = find_plan("smoke");
+  ASSERT_TRUE(path);
+  const auto plan = read_plan(*path);
+  ASSERT_TRUE(plan);
+  Model m = model_with({});
+  m.law.b_slope = 0.004;
+  m.law.b_intercept_per_s = 0.008;
+  m.law.q_curvature = 0.9;
+  const auto map = calibration_map(m, *plan);
+  ASSERT_TRUE(map);
+  EXPECT_NEAR(map->b[0] + map->b[1], 1.0, 0.02);
+  EXPECT_NEAR(map->q[0] + map->q[2], 1.0, 0.02);
+  EXPECT_NEAR(map->b[1], 1.0, 0.03);
+  EXPECT_NEAR(map->q[2], 1.0, 0.03);
 }
 
 TEST(CalibrationMap, AnEquationInTheTemperatureIsCalibratedWhereTheEffectsAreZero) {

@@ -57,5 +57,43 @@ TEST(OneLaw, OfTheFormsThatCanBeUsedTheBestIsTakenAndItsCostIsTold) {
   EXPECT_EQ(form_of(fit_one_law(make_campaign(83, late, 0.002), lag, [](const Model&) { return false; })), "one_pole");
 }
 
+TEST(OneLaw, IsFittedToTheSamplesThatADiagnosisWouldUse) {
+  const Model law = model_of("");
+  const auto clean = fit_one_law(make_campaign(84, straight, 0.002), law);
+  ASSERT_TRUE(clean) << clean.error().to_text();
+  Campaign spikes = make_campaign(84, straight, 0.002), lost = spikes;
+  Rng rng(84, "spikes");
+  for (std::size_t k = 0; k < spikes.records.size(); ++k) {
+    auto& U = spikes.records[k].trace.channels[1].value;
+    for (double& u : U)
+      if (rng.uniform() < 0.004) u = 9.9;
+    auto& V = lost.records[k].trace.channels[1].value;
+    for (std::size_t i = 2000; i < V.size(); i += 3000) std::fill_n(V.begin() + static_cast<std::ptrdiff_t>(i), std::min<std::size_t>(150, V.size() - i), 0.001);
+  }
+  for (const Campaign& c : {spikes, lost}) {
+    const auto fit = fit_one_law(c, law);
+    ASSERT_TRUE(fit) << fit.error().to_text();
+    EXPECT_NEAR(fit->model.law.gain_N_per_V, clean->model.law.gain_N_per_V, 2e-4);
+    EXPECT_LT(fit->left_out_V, 1.5 * clean->left_out_V);
+  }
+}
+
+TEST(OneLaw, TheModelKnowsTheCampaignThatItsEffectsWereFittedOn) {
+  Campaign c = make_campaign(85, straight, 0.002);
+  for (std::size_t k = 0; k < c.records.size(); ++k) c.records[k].temp_C = 20.0 + static_cast<double>(k);
+  const auto fit = fit_one_law(c, model_of(""));
+  ASSERT_TRUE(fit) << fit.error().to_text();
+  EXPECT_NEAR(fit->model.frame.temperature_C, 23.5, 0.01);
+  EXPECT_NEAR(fit->model.frame.span_N, 4.2, 0.1);
+}
+
+TEST(OneLaw, OneRecordingIsNoCampaign) {
+  Campaign c = make_campaign(86, straight, 0.002);
+  c.records.resize(1);
+  const auto fit = fit_one_law(std::move(c), model_of(""));
+  ASSERT_FALSE(fit);
+  EXPECT_NE(fit.error().text.find("at least three"), std::string::npos) << fit.error().to_text();
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

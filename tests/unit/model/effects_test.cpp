@@ -118,12 +118,14 @@ TEST_P(EveryForm, ChangesNothingAtItsNeutralValueAndFollowsItsDerivativeElsewher
   const CampaignInput campaign = input_for(kind, form);
   const RecordInput& r = campaign.records[1];
   Model plain = *library_model("flexiforce");
-  const auto base = model_output_V(plain, campaign, r);
+  plain.frame = frame_of(campaign);
+  const CampaignInFrame in_frame(plain.frame, campaign);
+  const auto base = model_output_V(plain, in_frame, r);
   ASSERT_TRUE(base.has_value());
   const ModelEffect effect = at_first_shape(kind, form, campaign);
   Model with = plain;
   with.effects.push_back(effect);
-  const auto neutral = model_output_V(with, campaign, r);
+  const auto neutral = model_output_V(with, in_frame, r);
   ASSERT_TRUE(neutral.has_value());
   EXPECT_EQ(*neutral, *base);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(r.rows()),
@@ -134,7 +136,7 @@ TEST_P(EveryForm, ChangesNothingAtItsNeutralValueAndFollowsItsDerivativeElsewher
   for (std::size_t j = 0; j < form.strength.size(); ++j) {
     const double step = 1e-3;
     with.effects[0].strength[j].value = step;
-    const auto moved = model_output_V(with, campaign, r);
+    const auto moved = model_output_V(with, in_frame, r);
     with.effects[0].strength[j].value = 0.0;
     for (std::size_t i = 0; i < r.rows(); i += 97)
       EXPECT_NEAR(

@@ -161,6 +161,30 @@ TEST(ModelFile, WhatIsNotReadIsAnError) {
   EXPECT_NE(text_of("", mine + mine).find("two effects are called \"mine\""), std::string::npos);
 }
 
+TEST(ModelFile, AKeyThatIsNotReadIsAnErrorAtEveryLevel) {
+  const auto text_of = [](const std::string& text) {
+    const auto model = parse_model(text, "m.toml");
+    return model ? std::string("accepted") : model.error().to_text();
+  };
+  const std::string law = "[law]\nkind = \"static\"\n", mine = law + "[[effect]]\nname = \"mine\"\noutput = \"k*x\"\nparameter.k = 1.0\n";
+  for (const auto& [text, wanted] : std::initializer_list<std::pair<std::string, std::string>>{
+           {law + "[[effects]]\nname = \"creep\"\n", "did you mean \"effect\"?"},
+           {law + "[effect]\nname = \"creep\"\n", "write [[effect]]"},
+           {law + "[history]\neffect = \"creep\"\n", "write [[history]]"},
+           {law + "[[history]]\nerror_bevore = 0.1\n", "did you mean \"error_before\"?"},
+           {"span = 3\n" + law, "\"span\" means nothing here"},
+           {"law = 5\n", "law is no table"},
+           {law + "span_N = -3.0\n", "span_N is no number above 0"},
+           {law + "span_N = \"five\"\n", "span_N is no number above 0"},
+           {law + "temperature_C = \"warm\"\n", "temperature_C is no number"},
+           {mine + "state.x = 0.5\n", "state.x is no equation"},
+           {mine + "state = \"x\"\n", "state is no table"},
+           {law + "[[effect]]\nname = \"mine\"\noutput = 5.0\n", "output is no equation"},
+           {law + "[[effect]]\nname = \"lag\"\nshape = 0.1\n", "shape is no table"}})
+    EXPECT_NE(text_of(text).find(wanted), std::string::npos) << text << text_of(text);
+  EXPECT_EQ(text_of(mine + "state.x = \"F - x\"\n"), "accepted");
+}
+
 TEST(ModelFile, AnyTextAndAnyFittedValueSurviveWriting) {
   Model model = *library_model("fsr");
   model.name = "q\"x\\y";
