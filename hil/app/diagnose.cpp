@@ -20,7 +20,7 @@ namespace {
 
 // A column that Forcegate knows nothing of may be the force: where nobody mapped it, only drift could be judged, and wrongly.
 bool has_unknown_column(const Campaign& campaign) {
-  constexpr std::array kKnown = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "humidity"};
+  constexpr std::array kKnown = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "supply", "humidity"};
   for (const Record& record : campaign.records)
     for (const Channel& channel : record.trace.channels)
       if (std::ranges::find(kKnown, channel.name) == kKnown.end()) return true;

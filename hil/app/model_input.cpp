@@ -50,7 +50,7 @@ Result<void> check_channels(const Campaign& campaign) {
         if (std::string_view(name) == "F_ref" && c.unit.empty() && (c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
           in_grams = c.name;
         if (c.unit == unit && c.name != "F_ref" && c.name != "F_cmd" && c.name != "F_dut" &&
-            c.name != "drive" && likely == "NAME")
+            c.name != "drive" && c.name != "supply" && likely == "NAME")
           likely = columns.back();
       }
       return fail(ErrorCode::parse,

@@ -6,13 +6,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "hil/diagnose/laws/drift.h"
 #include "hil/trace/extrema.h"
 
 namespace forcegate {
 namespace {
 
-constexpr std::size_t kMostPictures = 3;
 constexpr double kPi = 3.14159265358979323846;
 
 struct ModelledRecord {
@@ -319,28 +317,6 @@ std::vector<RecordLevel> levels_of(const diagnose::Workspace& w, const std::vect
   return out;
 }
 
-double law_of_time(const diagnose::DriftFit& fit, double t_s) {
-  const double s = std::max(0.0, t_s - fit.onset_s);
-  double course = 0.0;
-  if (fit.form == "line") course = s;
-  if (fit.form == "exponential") course = std::exp(-s / fit.shape);
-  if (fit.form == "logarithm") course = std::log10(1.0 + s / fit.shape);
-  if (fit.form == "power") course = std::pow(s, fit.shape);
-  return fit.constant + fit.size * course;
-}
-
-// The output of a recording whose columns are not all named: the only one beside the force.
-const Channel* output_of(const Record& record) {
-  if (const Channel* U = record.trace.find("U")) return U;
-  const Channel* only = nullptr;
-  for (const Channel& c : record.trace.channels) {
-    if (c.name == "F_ref") continue;
-    if (only != nullptr) return nullptr;
-    only = &c;
-  }
-  return only;
-}
-
 }  // namespace
 
 RecordPictures record_pictures(const diagnose::Workspace& w, const Model& model, const Model* after) {
@@ -356,45 +332,14 @@ RecordPictures record_pictures(const diagnose::Workspace& w, const Model& model,
   for (const ModelledRecord& m : records) {
     const auto at = std::ranges::find(with_effects, m.name, &ModelledRecord::name);
     const ModelledRecord* const same = at == with_effects.end() ? nullptr : &*at;
-    if (out.spectra.size() < kMostPictures)
+    if (out.spectra.size() < kMostRecordPictures)
       if (auto spectrum = spectrum_of(m, same)) out.spectra.push_back(std::move(*spectrum));
-    if (out.extrema.size() < kMostPictures)
+    if (out.extrema.size() < kMostRecordPictures)
       if (auto extrema = extrema_of(m, same)) out.extrema.push_back(std::move(*extrema));
   }
   if (out.spectra.empty()) out.missing.emplace_back("No spectrum of the residual: no record has 128 rows (means of up to 20 ms) without a gap.");
   if (out.extrema.empty()) out.missing.emplace_back("No maxima and minima over time: no record turns four times up and four times down over a quarter of its span.");
   if (out.levels.empty()) out.missing.emplace_back("No level over the records: that takes three records.");
-  return out;
-}
-
-RecordPictures drift_pictures(const Campaign& campaign, const std::string& form) {
-  constexpr std::size_t kBlocks = 200;
-  RecordPictures out;
-  for (const Record& record : campaign.records) {
-    if (out.drift.size() == kMostPictures) break;
-    const Channel* U = output_of(record);
-    if (U == nullptr) continue;
-    out.unit = U->unit;
-    const std::vector<double>& t_s = record.trace.time_bases[U->time_base].t_s;
-    const auto fitted = diagnose::fit_drift(record.name, t_s, U->value);
-    if (!fitted) continue;
-    const auto fit = std::find_if(fitted->fits.begin(), fitted->fits.end(), [&](const auto& f) { return form.empty() || f.form == form; });
-    if (fit == fitted->fits.end()) continue;
-    std::vector<std::size_t> good;
-    for (std::size_t i = 0; i < U->value.size(); ++i)
-      if (std::isfinite(U->value[i])) good.push_back(i);
-    DriftCourse course{record.name, fit->form, {}, {}, {}, fitted->noise};
-    const std::size_t n = std::min(kBlocks, good.size());
-    for (std::size_t b = 0; b < n; ++b) {
-      const std::size_t from = b * good.size() / n, to = (b + 1) * good.size() / n;
-      double t = 0.0, y = 0.0;
-      for (std::size_t k = from; k < to; ++k) t += t_s[good[k]] - t_s[good.front()], y += U->value[good[k]];
-      course.t_s.push_back(t / static_cast<double>(to - from));
-      course.measured.push_back(y / static_cast<double>(to - from));
-      course.modelled.push_back(law_of_time(*fit, course.t_s.back()));
-    }
-    out.drift.push_back(std::move(course));
-  }
   return out;
 }
 

@@ -30,11 +30,12 @@ void set_scales(const Workspace& w, const EngineOptions& options, Diagnosis& out
   out.voltage_range_V = w.input.U_range_V;
 }
 
-Finding of_raw_samples(const HealthClaim& claim) {
+Finding of_raw_samples(const HealthClaim& claim, const std::string& unit) {
   const EffectKind* kind = EffectRegistry::instance().find(claim.effect);
   Finding out;
   out.effect = claim.effect;
   out.side = kind != nullptr ? kind->side : "instrument";
+  out.unit = unit;  // of its errors, which are the output's
   out.probability = claim.probability;
   out.evidence = claim.evidence;
   out.parameters.push_back({claim.parameter, claim.value, claim.u, claim.unit});
@@ -61,7 +62,7 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
   out.findings.insert(out.findings.end(), search.suspicions.begin(), search.suspicions.end());
   for (Finding& f : out.findings)
     if (f.effect == "reference_drift" && f.unit == w.output.unit && !w.rig_sees_zero) decide_by_capacitance(w.input, f);
-  for (const HealthClaim& claim : w.raw_claims) out.findings.push_back(of_raw_samples(claim));
+  for (const HealthClaim& claim : w.raw_claims) out.findings.push_back(of_raw_samples(claim, w.output.unit));
   if (w.has_rig && search.rig.base.valid) {
     const Selection& rig = search.rig;
     add_findings(w, w.rig, rig, std::max(rig.excess_before > 0.0 ? 1.0 - rig.excess_after / rig.excess_before : 1.0, kOfRig), out);

@@ -228,7 +228,7 @@ void suspect_refused(Diagnosis& out) {
   Finding f;
   f.effect = kind->name;
   f.side = kind->side;
-  f.unit = out.unit;
+  f.unit = kind->channel == EffectChannel::rig ? "N" : out.unit;
   const bool any_claim = std::ranges::any_of(out.findings, [](const Finding& o) { return o.probability > kNoClaim; });
   f.probability = suspicion_probability(strongest->reason, any_claim);
   f.evidence = kind->summary + "; not claimed: " + strongest->reason;
