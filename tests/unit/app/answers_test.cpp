@@ -32,5 +32,24 @@ TEST(WaterfallText, PrintsNoRoundingOfTheFitAsAChange) {
   EXPECT_THAT(text, Not(HasSubstr("e-1")));
 }
 
+TEST(WaterfallText, SpeaksOfAllOrdersOnlyWhereTheyWereAsked) {
+  diagnose::Waterfall w;
+  w.start = 2.5e-3;
+  w.end = 1.2e-3;
+  w.all_orders = false;
+  w.bars = {{.effect = "creep", .as_added = 1.3e-3, .average = 1.3e-3, .low = 1.3e-3, .high = 1.3e-3, .hollow = false}};
+  EXPECT_THAT(waterfall_text(w), Not(HasSubstr("over all orders")));
+  EXPECT_THAT(waterfall_text(w), HasSubstr("in this order"));
+}
+
+TEST(WaterfallText, AFitThatFailsIsNoFallToNothing) {
+  diagnose::Waterfall w;
+  w.start = w.end = 2.5e-3;
+  w.bars = {{.effect = "creep", .as_added = kMissing, .average = kMissing, .low = kMissing, .high = kMissing, .hollow = true}};
+  EXPECT_THAT(waterfall_text(w), HasSubstr("over all orders ? [?, ?]"));
+  EXPECT_THAT(waterfall_text(w), Not(HasSubstr("nan")));
+  EXPECT_THAT(waterfall_json(w), HasSubstr("\"as_added\":null"));
+}
+
 }  // namespace
 }  // namespace forcegate

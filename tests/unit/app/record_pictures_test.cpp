@@ -69,6 +69,21 @@ TEST(RecordPictures, AZeroThatMovesStandsFarOutsideItsWhiskers) {
   EXPECT_TRUE(std::isnan(p.levels[4].reference_N));
 }
 
+TEST(RecordPictures, AModelsCurveIsDrawnWithTheSpanThatItWasFittedOn) {
+  diagnose::Workspace w = workspace(1, 7.0, 0.0);
+  for (std::size_t i = 0; i < 5000; ++i) {
+    const double F = w.input.records[0].F_N[i];
+    w.input.records[0].U_V[i] = 2.0 * (F + 0.3 * F * F / 5.0);
+  }
+  w.input.range_N = 2.0;
+  const auto model = parse_model("[law]\nspan_N = 5.0\ngain_N_per_V = 0.5\noffset_N = 0.0\n[[effect]]\nname = \"static_nonlinearity\"\n"
+                                 "form = \"polynomial\"\nstrength.c2 = 0.3\n", "m.toml");
+  ASSERT_TRUE(model) << model.error().to_text();
+  const RecordPictures p = record_pictures(w, *model);
+  ASSERT_EQ(p.extrema.size(), 1u);
+  EXPECT_NEAR(p.extrema.front().maxima.modelled.front(), p.extrema.front().maxima.measured.front(), 1e-6);
+}
+
 TEST(RecordPictures, WhatTheRecordsCannotShowIsSaid) {
   diagnose::Workspace w = workspace(1, 7.0, 0.0);
   for (std::size_t i = 0; i < 5000; ++i) w.input.records[0].ok[i] = i % 100 < 60 ? 1 : 0;
