@@ -29,10 +29,7 @@ Comparison::AsWritten as_written(const RecordInput& r, const std::vector<double>
   return {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0};
 }
 
-Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, Campaign campaign, unsigned threads) {
-  // the base law is one of the rows alone
-  const bool effects = !model.effects.empty() || !model.user_effects.empty();
-  FORCEGATE_TRY(CampaignInput rows, clean_input(std::move(campaign), threads, {.full_rate = effects, .angle = effects}));
+Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads) {
   for (RecordInput& r : rows.records) set_decay(r, model.law);
   const CampaignInFrame input(model.frame, std::move(rows));
   const std::vector<RecordInput>& records = input.input().records;
@@ -56,11 +53,18 @@ Result<Comparison> compare_request(const CampaignRequest& request, bool pictures
   FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   Comparison out;
-  FORCEGATE_TRY(out.as_written, as_written(model, campaign, request.threads));
+  if (campaign.records.size() == 1) {  // the comparison cuts it into blocks, and the model is asked about the whole
+    FORCEGATE_TRY(CampaignInput whole, clean_input(campaign, request.threads));
+    FORCEGATE_TRY(out.as_written, as_written(model, std::move(whole), request.threads));
+  }
   diagnose::EngineOptions options = engine_options(model, request.threads);
   options.search = false;
   options.pictures = pictures;
-  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), options));
+  FORCEGATE_TRY(diagnose::CampaignRows rows, diagnose::take_rows(std::move(campaign), options));
+  if (out.as_written.empty()) {
+    FORCEGATE_TRY(out.as_written, as_written(model, rows.input, request.threads));
+  }
+  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(rows), options));
   out.view = diagnose::compare_workspace(*w, options);
   if (out.view.records.empty())
     return fail(ErrorCode::parse, "the records do not determine the starting model", out.view.campaign,
