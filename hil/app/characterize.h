@@ -45,7 +45,7 @@ Result<Characterization> characterize_request(
     const CharacterizeRequest& request, const std::function<void(double, std::string_view)>& progress = {},
     const std::atomic<bool>* cancelled = nullptr);
 
-/// Model file of a sensor (docs/diagnosis.md) from a study: values are means, standard errors the spread between what
+/// Model file of a sensor (docs/model.md) from a study: values are means, standard errors the spread between what
 /// was measured. FSR: static law and one lag, ours (the paper gives no model of it).
 Result<std::string> model_of_study(const characterize::SensorStudy& study);
 

@@ -1,6 +1,6 @@
 #pragma once
 // What we believe about a sensor: the base law, then effects in the order of their stage, each with its parameters,
-// standard errors and the history of how it came in. A TOML file (docs/diagnosis.md shows one).
+// standard errors and the history of how it came in. A TOML file (docs/model.md).
 
 #include <filesystem>
 #include <span>
