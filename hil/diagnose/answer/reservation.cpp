@@ -56,12 +56,11 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
     for (const FoundParameter& p : f.parameters)
       if (p.name == "loop_width" && std::abs(p.value) < kErrors * p.u) return {kNothingToFind, "its loop is no wider than that is known"};
   if (f.effect == "backlash" && !campaign.has_theta)
-    for (const FoundParameter& p : f.parameters)
-      if (p.name == "loop_width" && p.value < 0.0) return {kNothingToFind, "nobody reads the angle, and no play is ahead of its command"};
-  if (f.effect == "backlash" && !campaign.has_theta)
-    for (const FoundParameter& p : f.parameters)
-      if (p.name == "loop_width" && std::abs(p.value) < kOrdinaryServo_pct)
-        return {kNothingToFind, "nobody reads the angle, and a servo leaves as much between command and force"};
+    for (const FoundParameter& p : f.parameters) {
+      if (p.name != "loop_width") continue;
+      if (p.value < 0.0) return {kNothingToFind, "nobody reads the angle, and no play is ahead of its command"};
+      if (p.value < kOrdinaryServo_pct) return {kNothingToFind, "nobody reads the angle, and a servo leaves as much between command and force"};
+    }
   return {};
 }
 
