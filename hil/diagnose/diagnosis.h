@@ -48,6 +48,12 @@ struct SampleWindow {
   std::vector<double> named_t_s, named;      ///< where and what the named samples are; empty: all of them
 };
 
+/// Why a finding is less sure than what bears it out.
+struct Reservation {
+  double most = 1.0;  ///< probability that it leaves
+  std::string why;
+};
+
 struct Finding {
   std::string effect;
   std::string side;          ///< sensor, rig, reference, instrument
@@ -65,6 +71,11 @@ struct Finding {
   std::vector<SampleWindow> samples;  ///< of a claim about raw samples
   bool side_witnessed =
       true;  ///< false: no third channel could tell sensor from reference; said in `evidence`
+  std::vector<Reservation> reservations;  ///< in the order in which they were made
+
+  /// Lowers a probability above `most` to it, and says why in `reservations` and at the end of `evidence`. The only way to a lower one.
+  /// True when it was above.
+  bool limit(double most, const std::string& why);
 };
 
 /// One row of the ranking: every effect of the library that the data can excite.

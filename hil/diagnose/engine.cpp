@@ -111,11 +111,8 @@ bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
   if (std::ranges::any_of(findings, [&](const Finding& f) { return !is_tip(f) && f.probability > kNoClaim; })) return false;
   bool out = false;
   for (Finding& f : findings)
-    if (is_tip(f) && f.probability > kNoClaim) {
-      f.probability = kWithdrawn;
-      f.evidence += "; not claimed: what is left without them is far above the noise, and they may belong to it";
-      out = true;
-    }
+    if (is_tip(f) && f.probability > kNoClaim)
+      out |= f.limit(kWithdrawn, "what is left without them is far above the noise, and they may belong to it");
   return out;
 }
 
@@ -190,7 +187,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
     for (Finding& f : out.findings)
-      if (f.form != "raw") f.probability *= 0.5;
+      if (f.form != "raw") f.limit(0.5 * f.probability, "the noise of the reference bends and delays whatever is compared with it");
   const bool tips = withdraw_tips(rest, out.findings);
   put_in_order(out.findings);
   tell_not_separable(selection, out);

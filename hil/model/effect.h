@@ -56,6 +56,7 @@ struct EffectForm {
   bool singles = false;  ///< screen each column alone too (banks)
   bool bank = false;     ///< the family's most flexible form, used to soak up a wrong form's remains
   bool from_rig = false; ///< of the output, after what another channel has shown
+  bool groups = false;   ///< a column belongs to one group of records each, the first group has none
 };
 
 /// What the judge must know of a family beside its columns.

@@ -44,7 +44,7 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
   return out;
 }
 
-constexpr const char* kDoesNotFall = "; not claimed: the error of records left out does not fall";
+constexpr const char* kDoesNotFall = "the error of records left out does not fall";
 
 }  // namespace
 
@@ -144,8 +144,9 @@ std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selecti
     f.effect = chosen.kind->name;
     f.side = chosen.kind->side;
     f.unit = channel.unit;
-    f.probability = std::min(kNoClaim, chosen.share_of_family);
-    f.evidence = chosen.kind->summary + kDoesNotFall;
+    f.probability = chosen.share_of_family;
+    f.evidence = chosen.kind->summary;
+    f.limit(kNoClaim, kDoesNotFall);
     out.push_back(std::move(f));
   }
   return out;
@@ -181,10 +182,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
     f.evidence = sentence(chosen, channel, w.judges, f);
-    if (!chosen.borne_out) {
-      f.probability = std::min(f.probability, kNoClaim);
-      f.evidence += kDoesNotFall;
-    }
+    if (!chosen.borne_out) f.limit(kNoClaim, kDoesNotFall);
     reserve(w, channel, f);
     for (const FamilyScore& rival : selection.first.families) {
       if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
@@ -247,7 +245,7 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
   for (const ChosenEffect* c : timing)
     for (Finding& f : findings)
       if (f.effect == c->kind->name && f.form != "raw") {
-        f.probability = std::min(f.probability, std::max(0.0, left));
+        f.limit(std::max(0.0, left), "one residual has one cause in time");
         left -= f.probability;
       }
 }
@@ -279,7 +277,8 @@ LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const Mi
 
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
                                    std::vector<Finding>& findings) {
-  constexpr double kMost = 0.75, kMostOfFamily = 0.45;  // of the RMS error: over half of the mean square, a fifth
+  constexpr double kMost = 0.75;                                    // of the RMS error: over half of the mean square
+  constexpr double kMostOfFamily = 0.36, kBesideRaw = 0.45;  // the same of all forms: an eighth; a fifth beside claims about raw samples
   constexpr double kAbove = 2.5, kFarAbove = 8.0;               // of the instruments' noise
   constexpr double kWithdrawn = 0.2;
   const bool remains = rest.beside_claims;
@@ -292,7 +291,8 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   const bool leaves_most = after.rms > kMost * before.rms;
   // of another machine the forms of the library are rough, and the right one leaves much as well
   const bool rough = !channel.signs_known;
-  if (!(selection.excess_after > kMostOfFamily * kMostOfFamily * selection.excess_before)) return false;
+  const double of_family = named ? kBesideRaw : kMostOfFamily;
+  if (!(selection.excess_after > of_family * of_family * selection.excess_before)) return false;
   const auto of_course = [&](const ChosenEffect& c) { return !c.between && (leaves_most || (remains && c.kind->traits.any_course && !rough)); };
   const auto claimed = [](const Finding& f) { return f.form != "raw" && f.probability > kNoClaim; };
   const auto finding_of = [&](const ChosenEffect& c, const Finding& f) { return f.effect == c.kind->name && claimed(f); };
@@ -304,9 +304,8 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   for (const ChosenEffect& c : selection.chosen)
     for (Finding& f : findings)
       if (!c.between && finding_of(c, f)) {
-        f.probability = kWithdrawn;
-        f.evidence += of_course(c) ? "; not claimed: it leaves too much of the error, far above the noise"
-                                   : "; not claimed: what stands beside it leaves too much of the error, far above the noise";
+        f.limit(kWithdrawn, of_course(c) ? "it leaves too much of the error, far above the noise"
+                                         : "what stands beside it leaves too much of the error, far above the noise");
       }
   return true;
 }

@@ -17,11 +17,6 @@ bool has_declared_law(const CampaignInput& c) {
          std::any_of(c.records.begin(), c.records.end(), [](const RecordInput& r) { return std::isfinite(r.eccentricity_mm); });
 }
 
-struct Reservation {
-  double most = 1.0;
-  const char* why = "";
-};
-
 Reservation reservation(const Finding& f, const ResidualChannel& channel, const CampaignInput& campaign, double resolution_N) {
   constexpr double kOrdinaryCurve = 8e-4;      // of the span, RMS: amplifiers, converters and references are bent by as much
   constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
@@ -69,9 +64,19 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
 void reserve(const Workspace& w, const ResidualChannel& channel, Finding& f) {
   const double declared_N = w.input.bench.reference_resolution_N;
   const Reservation r = reservation(f, channel, w.input, std::isfinite(declared_N) ? declared_N : w.scales.step_N);
-  if (!(f.probability > r.most)) return;
-  f.probability = r.most;
-  f.evidence += std::string("; not claimed: ") + r.why;
+  f.limit(r.most, r.why);
 }
 
 }  // namespace forcegate::diagnose
+
+namespace forcegate {
+
+bool Finding::limit(double most, const std::string& why) {
+  if (!(probability > most)) return false;
+  probability = most;
+  reservations.push_back({most, why});
+  evidence += (most < 0.5 ? "; not claimed: " : "; less sure: ") + why;
+  return true;
+}
+
+}  // namespace forcegate

@@ -52,6 +52,8 @@ Json finding_json(const Finding& f) {
   out["confounded_with"] = others;
   out["rival_of"] = f.rival_of;
   out["evidence"] = f.evidence;
+  out["reservations"] = Json::array();
+  for (const Reservation& r : f.reservations) out["reservations"].push_back({{"most", r.most}, {"why", r.why}});
   out["records_improved"] = f.records_improved;
   out["records_excited"] = f.records_excited;
   out["side_witnessed"] = f.side_witnessed;

@@ -61,6 +61,20 @@ bool is_unrecorded(const ResidualChannel& channel, int variant) {
   return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)].form->name == kUnrecorded;
 }
 
+// One column for each group of records, the first included: which one is the first must not matter.
+RecordPredictor of_groups(const MatrixXd& map, const std::vector<int>& columns) {
+  const auto groups = static_cast<Index>(columns.size()) + 1;
+  MatrixXd member = MatrixXd::Zero(map.rows(), groups);
+  for (Index i = 0; i < map.rows(); ++i) {
+    Index group = 0;
+    double most = 0.0;
+    for (Index j = 1; j < groups; ++j)
+      if (const double of = std::abs(map(i, columns[static_cast<std::size_t>(j - 1)])); of > most) most = of, group = j;
+    member(i, group) = 1.0;
+  }
+  return {member, VectorXd::Ones(groups)};
+}
+
 Family ask(const ResidualChannel& channel, const RecordLevels& levels, const EffectKind& kind) {
   Family out;
   for (std::size_t v = 0; v < channel.variants.size(); ++v) {
@@ -70,6 +84,11 @@ Family ask(const ResidualChannel& channel, const RecordLevels& levels, const Eff
     if (candidate.kind != &kind || (candidate.form->singles && variant.columns.size() > 1)) continue;
     const bool gain = moves_gain(channel, levels, variant.columns);
     const MatrixXd& map = gain ? levels.gain_of_column : levels.zero_of_column;
+    if (candidate.form->groups) {
+      RecordPredictor p = of_groups(map, variant.columns);
+      if (normalise(p) > 0.0) (gain ? out.gain : out.zero).push_back({static_cast<int>(v), std::move(p)});
+      continue;
+    }
     for (const VectorXd& weight : priors_of(candidate, variant.columns.size())) {
       RecordPredictor p{MatrixXd(map.rows(), weight.size()), weight};
       for (Index j = 0; j < weight.size(); ++j) p.column.col(j) = map.col(variant.columns[static_cast<std::size_t>(j)]);
@@ -95,7 +114,7 @@ double prior_of(const ResidualChannel& channel, int variant) {
 struct Answer {
   RecordEvidence evidence;
   bool of_gain = true;  // what the best variant moves
-  VectorXd added;
+  VectorXd added, added_to_other;              // what it adds to that, and the best variant of the other to the other; empty: nothing
   std::vector<std::pair<double, int>> ranked;  // variants, best first
 };
 
@@ -119,24 +138,40 @@ Answer evidence(const ResidualChannel& channel, const RecordLevels& levels, cons
     for (std::size_t a = 0; a < scores.size(); ++a) {
       of_part.push_back(scores[a].gain + prior_of(channel, part[a].variant));
       out.ranked.emplace_back(of_part.back(), part[a].variant);
-      if (of_part.back() <= highest) continue;
-      highest = of_part.back();
-      out.of_gain = gain;
-      out.added = scores[a].added;
-      out.evidence.explained = scores[a].explained;
-      out.evidence.left_out = scores[a].left_out;
     }
-    if (!of_part.empty()) gains.push_back(log_mean_exp(of_part));
+    if (of_part.empty()) continue;
+    gains.push_back(log_mean_exp(of_part));
+    const auto top = std::ranges::max_element(of_part);
+    const RecordScore& best = scores[static_cast<std::size_t>(top - of_part.begin())];
+    if (*top <= highest) {
+      out.added_to_other = best.added;
+      continue;
+    }
+    highest = *top;
+    out.of_gain = gain;
+    out.added_to_other = std::move(out.added);
+    out.added = best.added;
+    out.evidence.explained = best.explained;
+    out.evidence.left_out = best.left_out;
   }
   out.evidence.valid = highest > -1e299;
   if (!out.evidence.valid) return out;
   out.evidence.gain = joint_gain(gains);
   std::stable_sort(out.ranked.begin(), out.ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (gains.size() == 2 && std::min(gains[0], gains[1]) > kBoth) {
-    const int whole = whole_of(channel, out.ranked.front().second);
-    out.ranked.insert(out.ranked.begin(), {out.ranked.front().first + kBoth, whole});
-  }
+  if (gains.size() == 2 && std::min(gains[0], gains[1]) > kBoth)
+    for (auto& [gain, variant] : out.ranked) variant = whole_of(channel, variant);
   out.evidence.variant = out.ranked.front().second;
+  return out;
+}
+
+// The best one not among them.
+std::vector<int> nearly_as_good(const Answer& answer, double nats) {
+  constexpr std::size_t kMost = 16;
+  std::vector<int> out;
+  for (const auto& [gain, variant] : answer.ranked) {
+    if (gain < answer.ranked.front().first - nats || out.size() == kMost) break;
+    if (variant != answer.evidence.variant && std::ranges::find(out, variant) == out.end()) out.push_back(variant);
+  }
   return out;
 }
 
@@ -266,12 +301,17 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
     VariantScore best = score_variant(channel, present, result.base, answer.evidence.variant, nullptr);
     // of forms that the records hardly tell apart the one that the rows within them agree with
     constexpr double kNear = 2.0;  // nats
-    constexpr std::size_t kMost = 6;
-    if (answer.evidence.gain > kNear && channel.variants[static_cast<std::size_t>(answer.evidence.variant)].columns.size() == 1)
-      for (std::size_t k = 1; k < std::min(kMost, answer.ranked.size()) && answer.ranked[k].first > answer.ranked[0].first - kNear; ++k) {
-        VariantScore other = score_variant(channel, present, result.base, answer.ranked[k].second, nullptr);
+    const Variant& variant = channel.variants[static_cast<std::size_t>(answer.evidence.variant)];
+    const bool may_choose = variant.columns.size() == 1 || channel.candidates[static_cast<std::size_t>(variant.candidate)].form->singles;
+    const auto choose_within = [&](double nats) {
+      for (const int near : nearly_as_good(answer, nats)) {
+        VariantScore other = score_variant(channel, present, result.base, near, nullptr);
         if (other.gain > best.gain) best = std::move(other);
       }
+    };
+    if (may_choose && answer.evidence.gain > kNear) choose_within(kNear);
+    // where the rows speak against all of these, any that the records alone would pass
+    if (may_choose && answer.evidence.gain > rules.between_gain && best.gain < 0.0) choose_within(answer.ranked.front().first - rules.between_gain);
     if (!best.fit.valid || !(best.gain > -1e299)) continue;
     family.records.variant = best.variant;
     family.best = std::move(best);
@@ -302,6 +342,7 @@ double visible_between_records(const CampaignInput& input, const ResidualChannel
   const Answer now = evidence(channel, levels, asked);
   if (!now.evidence.valid) return 0.0;
   RecordSeries& series = now.of_gain ? levels.gain : levels.zero;
+  if (now.added_to_other.size() > 0) (now.of_gain ? levels.zero : levels.gain).value -= now.added_to_other;
   const VectorXd rest = series.value - now.added;
   const double rms = std::sqrt(now.added.squaredNorm() / static_cast<double>(now.added.size()));
   if (!(rms > 0.0)) return 0.0;

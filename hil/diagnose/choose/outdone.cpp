@@ -111,10 +111,7 @@ void withdraw_outdone(const std::vector<Outdone>& outdone, Diagnosis& out) {
   constexpr double kWithdrawn = 0.2;
   for (const Outdone& o : outdone) {
     for (Finding& f : out.findings)
-      if (!o.effect.empty() && f.effect == o.effect && f.form != "raw" && f.probability > kWithdrawn) {
-        f.probability = kWithdrawn;
-        f.evidence += "; not claimed: " + o.by + " explains more of it";
-      }
+      if (!o.effect.empty() && f.effect == o.effect && f.form != "raw") f.limit(kWithdrawn, o.by + " explains more of it");
     char text[240];
     if (o.effect.empty()) std::snprintf(text, sizeof text, "no effect of the library: what is left follows %s (log evidence %.0f)", o.by.c_str(), o.by_gain);
     else

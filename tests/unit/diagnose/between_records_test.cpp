@@ -53,6 +53,31 @@ TEST(BetweenRecords, OneReadingOfTheHumidityInEveryRecordNamesIt) {
   }
 }
 
+TEST(BetweenRecords, AHumidityThatMovesGainAndZeroIsNamedByTheFormThatTheRowsAgreeWith) {
+  Campaign c = make_campaign(74, [&](const std::vector<double>&, const std::vector<double>& F, int record) {
+    const double air = kAir[record] - 22.0;
+    std::vector<double> U;
+    for (const double f : F) U.push_back(2.0 * f * (1.0 + 0.01 * air) + 0.2 + 0.03 * air);
+    return U;
+  });
+  for (std::size_t k = 0; k < c.records.size(); ++k) c.records[k].humidity_pct = kAir[k] + 30.0;
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_GE(probability(d, "humidity"), 0.5) << told(d);
+}
+
+TEST(BetweenRecords, WhichMountingIsTheFirstDoesNotMatter) {
+  for (const int odd : {0, 1}) {
+    Campaign c = make_campaign(79, [odd](const std::vector<double>&, const std::vector<double>& F, int record) {
+      std::vector<double> U;
+      for (const double f : F) U.push_back((record / 3 == odd ? 1.7 : 2.0) * f + 0.2);
+      return U;
+    });
+    for (std::size_t k = 0; k < c.records.size(); ++k) c.records[k].mounting = std::to_string(k / 3);
+    const Diagnosis d = answer(std::move(c));
+    EXPECT_GE(probability(d, "mounting"), 0.9) << odd << ": " << told(d);
+  }
+}
+
 // One wave of the gain over sixteen records, and nobody wrote down what the air did.
 TEST(BetweenRecords, ACourseThatNothingRecordedExplainsIsSeenAndNotNamed) {
   const auto half = [](int first) {

@@ -5,6 +5,21 @@
 namespace forcegate::diagnose {
 namespace {
 
+TEST(Reservation, EachSaysWhyAndOnlyOneThatLowersCounts) {
+  Finding f;
+  f.effect = "creep";
+  f.probability = 0.98;
+  f.evidence = "it creeps";
+  EXPECT_TRUE(f.limit(0.6, "a rival holds the rest"));
+  EXPECT_FALSE(f.limit(0.7, "said before"));
+  EXPECT_TRUE(f.limit(0.2, "it leaves too much"));
+  EXPECT_EQ(f.probability, 0.2);
+  EXPECT_EQ(f.evidence, "it creeps; less sure: a rival holds the rest; not claimed: it leaves too much");
+  ASSERT_EQ(f.reservations.size(), 2U);
+  EXPECT_EQ(f.reservations[1].most, 0.2);
+  EXPECT_EQ(f.reservations[1].why, "it leaves too much");
+}
+
 // A curve of `sag` of the span at its middle, and a reference that is fine enough to show it.
 Diagnosis of_curved_amplifier(double sag) {
   std::vector<std::vector<double>> exact_N;
