@@ -40,6 +40,12 @@ enum class StrengthSign { either, positive, negative };
 
 using ColumnsRef = Eigen::Ref<Eigen::MatrixXd>;
 
+/// What was recorded or written down of the cause of an effect between records, one number for each record: what its evidence is drawn against.
+struct RecordedCause {
+  std::string name, unit;
+  std::function<double(const RecordInput&)> of_record;  ///< empty: nobody recorded it
+};
+
 struct EffectForm {
   std::string name;  ///< "play_bank", "bouc_wen"
   std::vector<ParameterSpec> shape;
@@ -57,6 +63,7 @@ struct EffectForm {
   bool bank = false;     ///< the family's most flexible form, used to soak up a wrong form's remains
   bool from_rig = false; ///< of the output, after what another channel has shown
   bool groups = false;   ///< a column belongs to one group of records each, the first group has none
+  RecordedCause cause = {};
 };
 
 /// What the judge must know of a family beside its columns.

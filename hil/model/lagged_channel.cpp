@@ -77,6 +77,15 @@ void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, doub
   }
 }
 
+RecordedCause mean_of_record(AirChannel channel, const std::string& unit) {
+  return {channel == &RecordInput::temp_C ? "temperature" : "humidity", unit, [channel](const RecordInput& r) {
+            double sum = 0.0, n = 0.0;
+            for (const double x : r.*channel)
+              if (std::isfinite(x)) sum += x, n += 1.0;
+            return n > 0.0 ? sum / n : kMissing;
+          }};
+}
+
 }  // namespace
 
 EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
@@ -99,7 +108,8 @@ EffectForm lagged_form(AirChannel channel, bool CampaignInput::*recorded, const 
                                ColumnsRef out) {
             fill(channel, c, r, shape[0], shape[1] != 0.0 ? FilmStart::mean : FilmStart::equilibrium, out, [](double x) { return x; });
           },
-          .singles = true};
+          .singles = true,
+          .cause = mean_of_record(channel, unit)};
 }
 
 EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, const std::string& suffix,
@@ -123,7 +133,8 @@ EffectForm isotherm_form(AirChannel channel, bool CampaignInput::*recorded, cons
                 fill(channel, c, r, shape[0], FilmStart::equilibrium, out,
                      [k](double x) { return std::abs(k) > 1e-9 ? std::expm1(std::clamp(k * x, -20.0, 20.0)) / k : x; });
               },
-          .singles = true};
+          .singles = true,
+          .cause = mean_of_record(channel, unit)};
 }
 
 EffectForm unrecorded_form(std::function<bool(const CampaignInput&)> possible) {

@@ -148,15 +148,18 @@ std::optional<EvidenceSeries> between_series(const Chosen& c, const ChosenEffect
   const Pair of_all = fit_both(c.channel, c.selection, effect, std::nullopt);
   EvidenceSeries s;
   s.title = "mean " + c.axes.residual + " of every record" + (can_leave_out ? ", each left out in turn" : "");
-  s.x_name = input.has_start_times || input.single ? "start in campaign time" : "record, in order";
-  s.x_unit = s.x_name == "record, in order" ? "1" : "min";
+  const Variant& variant = c.channel.variants[static_cast<std::size_t>(effect.variant)];
+  const RecordedCause& cause = c.channel.candidates[static_cast<std::size_t>(variant.candidate)].form->cause;
+  const bool timed = input.has_start_times || input.single;
+  s.x_name = cause.of_record ? cause.name : timed ? "start in campaign time" : "record, in order";
+  s.x_unit = cause.of_record ? cause.unit : timed ? "min" : "1";
   s.y_unit = c.channel.unit;
   for (std::size_t k = 0; k < n; ++k) {
     const Pair own = can_leave_out ? fit_both(c.channel, c.selection, effect, k) : of_all;
     const auto& rows = c.channel.rows[k].row;
     if (!own.valid() || rows.empty()) continue;
     const RecordInput& r = c.record(k);
-    s.x.push_back(s.x_unit == "1" ? static_cast<double>(k) + 1.0 : (r.start_s + (input.single ? r.t_s[rows.front()] : 0.0)) / 60.0);
+    s.x.push_back(cause.of_record ? cause.of_record(r) : timed ? (r.start_s + (input.single ? r.t_s[rows.front()] : 0.0)) / 60.0 : static_cast<double>(k) + 1.0);
     s.before.push_back(mean_without_own(c.channel, own.without, k));
     s.after.push_back(mean_without_own(c.channel, own.with, k));
   }

@@ -12,6 +12,10 @@
 namespace forcegate {
 namespace {
 
+RecordedCause drive() {
+  return {"drive", "V", [](const RecordInput& r) { return r.drive_mean_V; }};
+}
+
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "bias",
     .side = "sensor",
@@ -42,7 +46,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
                  out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
                }
              },
-         .singles = true},
+         .singles = true,
+         .cause = drive()},
         {.name = "saturating",
          .shape = {{"V0_V", "V", 0.05, 100.0, 1.5, "drive at which the output levels off"}},
          .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "share of the output that follows tanh(V/V0)"},
@@ -65,7 +70,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
                  out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
                }
              },
-         .singles = true},
+         .singles = true,
+         .cause = drive()},
         {.name = "inverse",
          .shape = {},
          .strength = {{"c_gain", "1", -3.0, 3.0, 0.0, "relative gain lost per Vref/V"}},
@@ -78,7 +84,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
                const double v = 1.0 - reference_drive_V(c) / r.drive_mean_V;
                for (std::size_t i = 0; i < r.rows(); ++i)
                  out(static_cast<Eigen::Index>(i), 0) = v * r.base_force_N(i);
-             }}}}};
+             },
+         .cause = drive()}}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -81,7 +81,7 @@ Figure before_after_rows(const std::string& title, const std::vector<BeforeAfter
 
 void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
                   const std::vector<double>& direction, double y_reach) {
-  constexpr std::size_t kMostMarks = 800;
+  constexpr std::size_t kFew = 60, kMostMarks = 800;
   const std::size_t n = std::min(x.size(), y.size());
   const bool split = direction.size() >= n && n > 0;
   double x_low = kAuto, x_high = kAuto, y_low = -y_reach, y_high = y_reach;
@@ -108,6 +108,7 @@ void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<
                              {0.0, Role::muted, Marker::dot, "held", "\u25cf held"}};
   if (!split) sides = {{0.0, Role::model, Marker::dot, "", ""}};
   const auto sign_of = [&](std::size_t i) { return !split ? 0.0 : direction[i] > 0.0 ? 1.0 : direction[i] < 0.0 ? -1.0 : 0.0; };
+  const double dot = n <= kFew ? 6.0 : 3.0;
   const bool marks = n <= kMostMarks || panel.x_axis.scale == Scale::logarithmic;
   for (const Side& side : sides) {
     std::vector<double> sx, sy;
@@ -115,7 +116,7 @@ void add_directed(Panel& panel, const std::vector<double>& x, const std::vector<
       if (sign_of(i) == side.sign) sx.push_back(x[i]), sy.push_back(y[i]);
     if (sx.empty()) continue;
     if (marks) {
-      panel.points(std::move(sx), std::move(sy), {side.role, Dash::solid, 1.0, side.marker, side.marker == Marker::dot ? 3.0 : 4.0, 0.75}, side.label);
+      panel.points(std::move(sx), std::move(sy), {side.role, Dash::solid, 1.0, side.marker, side.marker == Marker::dot ? dot : 4.0, 0.75}, side.label);
       continue;
     }
     Density cells{x_low, x_high, y_low, y_high, 64, 36, {}, side.role, side.block};
