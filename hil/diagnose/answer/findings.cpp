@@ -277,9 +277,9 @@ LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const Mi
 
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
                                    std::vector<Finding>& findings) {
-  constexpr double kMost = 0.75;                                    // of the RMS error: over half of the mean square
+  constexpr double kMost = 0.75;                             // of the RMS error: over half of the mean square
   constexpr double kMostOfFamily = 0.36, kBesideRaw = 0.45;  // the same of all forms: an eighth; a fifth beside claims about raw samples
-  constexpr double kAbove = 2.5, kFarAbove = 8.0;               // of the instruments' noise
+  constexpr double kAbove = 2.5, kFarAbove = 8.0;            // of the instruments' noise
   constexpr double kWithdrawn = 0.2;
   const bool remains = rest.beside_claims;
   const LeftOver before = left_over(channel, selection.base, selection.base, rest.of_hum, by),

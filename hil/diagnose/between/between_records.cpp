@@ -164,7 +164,7 @@ Answer evidence(const ResidualChannel& channel, const RecordLevels& levels, cons
   return out;
 }
 
-// The best one not among them.
+// Variants that the records like by at most so much less than the best one, without it.
 std::vector<int> nearly_as_good(const Answer& answer, double nats) {
   constexpr std::size_t kMost = 16;
   std::vector<int> out;

@@ -35,6 +35,17 @@ TEST(BetweenRecords, ATemperatureIsJudgedWhereGainAndZeroAreThoseOfAllRecords) {
   EXPECT_LT(d.findings.front().error_after, 0.5 * d.findings.front().error_before);
 }
 
+TEST(BetweenRecords, TheEvidenceIsDrawnAgainstWhatWasRecorded) {
+  const Diagnosis d = answer(in_a_warm_room(71, 0.01));
+  ASSERT_FALSE(d.findings.empty());
+  ASSERT_EQ(d.findings.front().series.size(), 1U);
+  const EvidenceSeries& s = d.findings.front().series.front();
+  EXPECT_EQ(s.x_name, "temperature");
+  EXPECT_EQ(s.x_unit, "degC");
+  ASSERT_EQ(s.x.size(), std::size(kAir));
+  for (std::size_t k = 0; k < s.x.size(); ++k) EXPECT_NEAR(s.x[k], kAir[k], 1e-9) << k;
+}
+
 TEST(BetweenRecords, ATemperatureThatTheSensorDoesNotMindIsNoFinding) {
   for (std::uint64_t seed = 71; seed <= 73; ++seed) {
     const Diagnosis d = answer(in_a_warm_room(seed, 0.0));
@@ -53,11 +64,14 @@ TEST(BetweenRecords, OneReadingOfTheHumidityInEveryRecordNamesIt) {
   }
 }
 
+// A film that takes water up between the records and stands still within them: the records like a form that creeps, and their rows do not.
 TEST(BetweenRecords, AHumidityThatMovesGainAndZeroIsNamedByTheFormThatTheRowsAgreeWith) {
+  constexpr double kTakenUp = 0.675;  // from one record to the next
+  double film = 22.0;
   Campaign c = make_campaign(74, [&](const std::vector<double>&, const std::vector<double>& F, int record) {
-    const double air = kAir[record] - 22.0;
+    film += kTakenUp * (kAir[record] - film);
     std::vector<double> U;
-    for (const double f : F) U.push_back(2.0 * f * (1.0 + 0.01 * air) + 0.2 + 0.03 * air);
+    for (const double f : F) U.push_back(2.0 * f * (1.0 + 0.01 * (film - 22.0)) + 0.2 + 0.03 * (film - 22.0));
     return U;
   });
   for (std::size_t k = 0; k < c.records.size(); ++k) c.records[k].humidity_pct = kAir[k] + 30.0;
