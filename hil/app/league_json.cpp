@@ -28,6 +28,9 @@ Json to_json(const TierTally& tier) {
           {"top2", to_json(tier.top2)},
           {"top3", to_json(tier.top3)},
           {"top1_excited", to_json(tier.named_excited)},
+          {"top1_within_records", to_json(tier.within)},
+          {"top1_between_records", to_json(tier.between)},
+          {"top1_between_records_plain", to_json(tier.between_plain)},
           {"look_alike", to_json(tier.look_alike)},
           {"side_right", to_json(tier.side)},
           {"with_false_claim", to_json(tier.false_claims)},
@@ -46,6 +49,9 @@ Json to_json(const LeagueMatch& m) {
                      {"rms_pct", e.rms_pct},
                      {"rms_voltage_pct", e.rms_voltage_pct},
                      {"excited", e.excited},
+                     {"between_records", e.between_records},
+                     {"detectability", e.detectability},
+                     {"cause_recorded", e.cause_recorded},
                      {"form", e.form}});
   for (const auto& f : m.answer.findings)
     findings.push_back({{"effect", f.effect}, {"side", f.side}, {"probability", f.probability}});

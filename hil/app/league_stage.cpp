@@ -32,7 +32,8 @@ Miss lost(const LeagueMatch& m, const hidden::TruthEffect& effect) {
   };
   if (!effect.excited)
     return at(MissStage::not_excited, "",
-              fmt::format("RMS {:.2f} % of the span is hidden by the noise", effect.rms_pct));
+              effect.between_records ? fmt::format("d' {:.1f}: hidden by the scatter of gain and zero", effect.detectability)
+                                     : fmt::format("RMS {:.2f} % of the span is hidden by the noise", effect.rms_pct));
   const Answer& answer = m.answer;
   const AnswerFinding* claim = first_claim(answer);
   const auto& ranking = answer.ranking;

@@ -39,8 +39,10 @@ std::string first_answer(const LeagueMatch& m) {
 
 std::string miss_line(const LeagueMatch& m) {
   std::string line = fmt::format("  {:<40} {:>14}", m.id, m.seed);
-  for (const auto& effect : m.truth.effects)
+  for (const auto& effect : m.truth.effects) {
     line += fmt::format("  rms {:.2f} %{}", effect.rms_pct, effect.excited ? "" : " (not excited)");
+    if (effect.between_records) line += fmt::format(", d' {:.1f}{}", effect.detectability, effect.cause_recorded ? "" : ", cause not recorded");
+  }
   line += "  -> " + first_answer(m);
   const Miss miss = miss_of(m);
   line += fmt::format("; {}", to_string(miss.stage));
@@ -104,6 +106,9 @@ std::string league_text(const LeagueResult& result) {
   row("  within the first three", &TierTally::top3, "");
   row("  told as inseparable look-alike", &TierTally::look_alike, "");
   row("  named first, where excited", &TierTally::named_excited, "");
+  row("    within records", &TierTally::within, "");
+  row("    between records", &TierTally::between, "");
+  row("      plain and cause recorded", &TierTally::between_plain, "");
   row("  side right, of those listed", &TierTally::side, "97 %");
   row("  with a false claim beside", &TierTally::false_claims, "");
   const auto medians = [&](const char* label, auto member, const char* target) {

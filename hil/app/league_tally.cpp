@@ -37,7 +37,12 @@ void count_single(const LeagueMatch& m, LeagueTally& t) {
   tier.top2.add(s.top2);
   tier.top3.add(s.top3);
   tier.look_alike.add(s.look_alike);
-  if (!m.truth.effects.empty() && m.truth.effects[0].excited) tier.named_excited.add(s.named);
+  if (!m.truth.effects.empty()) {
+    const hidden::TruthEffect& hidden = m.truth.effects[0];
+    if (hidden.excited) tier.named_excited.add(s.named);
+    (hidden.between_records ? tier.between : tier.within).add(s.named);
+    if (hidden.between_records && hidden.cause_recorded && hidden.detectability >= kPlainDetectability) tier.between_plain.add(s.named);
+  }
   if (s.rank > 0) tier.side.add(s.side_right);
   tier.false_claims.add(s.false_claims > 0);
   if (s.reduction) {

@@ -10,6 +10,9 @@
 
 namespace forcegate {
 
+/// d' from which an effect between records is plain to an observer who knows its course (rigs/emulated/hidden/detectability.h).
+inline constexpr double kPlainDetectability = 4.0;
+
 struct Count {
   std::size_t k = 0, n = 0;
   void add(bool hit) { k += hit, ++n; }
@@ -18,6 +21,9 @@ struct Count {
 /// Matches with one effect of the catalogue, of one strength.
 struct TierTally {
   Count named, top2, top3, look_alike, named_excited, side, false_claims;
+  Count within;         ///< of these named first: effects within records
+  Count between;        ///< effects that move gain and zero from record to record
+  Count between_plain;  ///< of those with kPlainDetectability or more and a recorded cause
   std::vector<double> removed;        ///< share of the reducible error, 0 of a miss, where there is any
   std::vector<double> removed_named;  ///< the same of those named first
 };

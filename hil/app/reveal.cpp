@@ -86,6 +86,8 @@ std::string truth_text(const hidden::Truth& truth) {
         e.rms_pct, e.measure == "force" ? "F_ref" : "U",
         e.measure == "force" ? truth.force_noise_pct : truth.voltage_noise_pct,
         e.excited ? "" : "; not excited by these records");
+    if (e.between_records)
+      text += fmt::format("        between records d' = {:.1f}{}\n", e.detectability, e.cause_recorded ? "" : ", and what moves it was not recorded");
   }
   return text;
 }

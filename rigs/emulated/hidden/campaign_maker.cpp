@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/base/text.h"
+#include "rigs/emulated/hidden/detectability.h"
 #include "rigs/emulated/hidden/difference.h"
 #include "rigs/emulated/hidden/documentation.h"
 #include "rigs/emulated/hidden/numeric.h"
@@ -158,6 +159,21 @@ TruthEffect describe(const HiddenKind& kind, const HiddenEffect& effect, const D
   return t;
 }
 
+/// Whether a reader of the columns and of campaign.json can know what differed between the records.
+bool is_recorded(Cause cause, const Conditions& c, const BenchNotes& notes) {
+  const auto every = [&](auto member) {
+    return std::all_of(notes.records.begin(), notes.records.end(), [&](const RecordNotes& r) { return (r.*member).has_value(); });
+  };
+  switch (cause) {
+    case Cause::loading: return every(&RecordNotes::start_s) || every(&RecordNotes::rest_before_s);
+    case Cause::temperature: return c.log_temperature;
+    case Cause::humidity: return c.log_humidity;
+    case Cause::drive: return every(&RecordNotes::drive_V);
+    case Cause::mounting: return every(&RecordNotes::mounting);
+  }
+  return true;
+}
+
 std::map<std::string, std::string> describe(const Conditions& c) {
   return {{"decay_law", std::string(to_string(c.decay))},
           {"gain_N_per_V", shortest(c.gain_N_per_V)},
@@ -209,11 +225,18 @@ MadeCampaign perform(const CampaignRequest& request, const Stage& stage,
       100.0 * std::sqrt(c.voltage_noise_V * c.voltage_noise_V + lsb_V * lsb_V) / truth.voltage_span_V;
   truth.force_noise_pct = reference_noise_pct(c);
   truth.repeatability_pct = repeatability_pct(c);
+  const BenchNotes notes = write_down(request.seed, request.name, c, made.records);
   for (std::size_t k = 0; k < stage.kinds.size(); ++k) {
+    const HiddenKind& kind = *stage.kinds[k];
     const auto without = run(effects_but(k), Clocking{800.0, 1e9, false});
-    truth.effects.push_back(describe(*stage.kinds[k], *all[k],
-                                     difference(made.records, without, Measure::voltage),
+    truth.effects.push_back(describe(kind, *all[k], difference(made.records, without, Measure::voltage),
                                      difference(made.records, without, Measure::force), truth));
+    if (kind.rival != Rival::repeatability) continue;
+    TruthEffect& told = truth.effects.back();
+    told.between_records = true;
+    told.detectability = detectability_between(made.records, without, c, kind.measure);
+    told.excited = told.excited && told.detectability >= 2.0;
+    told.cause_recorded = is_recorded(kind.cause, c, notes);
   }
   return made;
 }
@@ -340,6 +363,8 @@ Campaign to_campaign(MadeCampaign&& made) {
     add("U", "V", "voltage", data.voltage_V);
     add("theta", "rad", "angle", data.theta_rad);
     add("temp", "C", "temperature", data.temperature_C);
+    for (double& humidity : data.humidity_pct) humidity *= 0.01;  // a channel holds a share
+    add("humidity", "1", "ratio", data.humidity_pct);
     add("C", "F", "capacitance", data.capacitance_F);
     add("F_cmd", "N", "force", data.setpoint_N);
     campaign.records.push_back(std::move(record));

@@ -43,6 +43,7 @@ std::string csv_text(const RecordData& record) {
       {"t_s", &record.stamp_s, 6}, {"F_ref_N", &record.force_ref_N, 3}, {"U_V", &record.voltage_V, 5}};
   if (!record.theta_rad.empty()) columns.push_back({"theta_rad", &record.theta_rad, 4});
   if (!record.temperature_C.empty()) columns.push_back({"temp_C", &record.temperature_C, 2});
+  if (!record.humidity_pct.empty()) columns.push_back({"humidity_pct", &record.humidity_pct, 1});
   if (!record.capacitance_F.empty()) columns.push_back({"C_F", &record.capacitance_F, 0, 1e15, "e-15"});
   if (!record.setpoint_N.empty()) columns.push_back({"F_cmd_N", &record.setpoint_N, 4});
   std::string text;

@@ -60,6 +60,8 @@ Conditions draw_conditions(std::uint64_t seed, const ConditionNeeds& needs) {
   c.log_command = chance(rng, 0.3) || needs.command;
   c.log_temperature = chance(rng, 0.6);
   c.log_capacitance = chance(rng, 0.15);
+  Rng air(seed, "conditions/air");
+  c.log_humidity = chance(air, needs.climate ? 0.7 : 0.25);
 
   const double law = rng.uniform();
   c.decay = law < 0.46   ? DecayLaw::ratio

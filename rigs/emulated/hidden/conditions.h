@@ -23,7 +23,7 @@ struct Conditions {
   double jitter_share = 0.0;                          ///< sd of a sampling instant / period
   double clock_ppm = 0.0;
   bool stamps_true = false;  ///< recorder stamps true instants (else nominal ones)
-  bool log_theta = true, log_command = false, log_temperature = false, log_capacitance = false;
+  bool log_theta = true, log_command = false, log_temperature = false, log_humidity = false, log_capacitance = false;
   // sensor
   DecayLaw decay = DecayLaw::ratio;
   double gain_N_per_V = 0.5, offset_N = -0.1, b_scale = 1.0, q_scale = 1.0;

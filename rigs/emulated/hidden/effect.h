@@ -53,6 +53,9 @@ enum class Measure { voltage, force };
 /// What can hide the effect; its tiers are raised to stand out from it.
 enum class Rival { none, repeatability, reference_noise };
 
+/// What the lab must have recorded of an effect between records so that it can be told from others.
+enum class Cause { loading, temperature, humidity, drive, mounting };
+
 struct HiddenKind {
   std::string name = {};
   std::string side = {};                    ///< "sensor", "rig", "reference", "instrument"; foreign ones too
@@ -66,6 +69,7 @@ struct HiddenKind {
        needs_fast_reference = false;          ///< variations; a reference without lag of its own
   std::vector<std::string> needs_kinds = {};  ///< records without which it is not excited
   std::vector<std::string> depends_on = {};   ///< foreign: coordinates a good answer may name
+  Cause cause = Cause::loading;
   double strength_max = 50.0;
   std::function<std::unique_ptr<HiddenEffect>(Rng&)> make = {};
 };

@@ -148,6 +148,19 @@ void slow_columns(const Conditions& c, const RecordContext& context, const Waves
       record.temperature_C[i] = held;
     }
   }
+  if (c.log_humidity) {
+    Rng hygrometer(plan.seed, "hygrometer");
+    record.humidity_pct.resize(n);
+    double held = 0.0, next_s = -1.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (record.stamp_s[i] >= next_s) {  // read every ten seconds, to a tenth
+        held = context.climate.humidity_pct(plan.start_s + record.stamp_s[i]) + 0.2 * hygrometer.normal();
+        held = std::round(held * 10.0) / 10.0;
+        next_s = record.stamp_s[i] + 10.0;
+      }
+      record.humidity_pct[i] = held;
+    }
+  }
   if (c.log_capacitance) {
     record.capacitance_F.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -175,7 +188,7 @@ void lose_rows(const Conditions& c, RecordData& record) {
   }
   for (auto* column :
        {&record.stamp_s, &record.force_ref_N, &record.voltage_V, &record.theta_rad, &record.setpoint_N,
-        &record.temperature_C, &record.capacitance_F, &record.force_unrounded_N}) {
+        &record.temperature_C, &record.humidity_pct, &record.capacitance_F, &record.force_unrounded_N}) {
     if (column->empty()) continue;
     for (std::size_t k = 0; k < keep.size(); ++k) (*column)[k] = (*column)[keep[k]];
     column->resize(keep.size());

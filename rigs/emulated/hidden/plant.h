@@ -14,7 +14,7 @@ namespace forcegate::hidden {
 struct RecordData {
   RecordPlan plan;
   RecordTruth truth;
-  std::vector<double> stamp_s, force_ref_N, voltage_V, theta_rad, setpoint_N, temperature_C, capacitance_F;
+  std::vector<double> stamp_s, force_ref_N, voltage_V, theta_rad, setpoint_N, temperature_C, humidity_pct, capacitance_F;
   std::vector<double> force_unrounded_N;  ///< reference reading before its resolution
 };
 

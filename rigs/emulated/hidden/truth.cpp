@@ -21,6 +21,9 @@ Json to_object(const TruthEffect& e) {
               {"rms_force_pct", e.rms_force_pct},
               {"heldout_rms", e.heldout_rms},
               {"excited", e.excited},
+              {"between_records", e.between_records},
+              {"detectability", e.detectability},
+              {"cause_recorded", e.cause_recorded},
               {"record_rms_pct", e.record_rms_pct},
               {"depends_on", e.depends_on}};
 }
@@ -40,6 +43,9 @@ TruthEffect effect_of(const Json& j) {
   j.at("rms_force_pct").get_to(e.rms_force_pct);
   j.at("heldout_rms").get_to(e.heldout_rms);
   j.at("excited").get_to(e.excited);
+  e.between_records = j.value("between_records", false);
+  e.detectability = j.value("detectability", 0.0);
+  e.cause_recorded = j.value("cause_recorded", true);
   j.at("record_rms_pct").get_to(e.record_rms_pct);
   j.at("depends_on").get_to(e.depends_on);
   return e;

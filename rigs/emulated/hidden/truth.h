@@ -28,7 +28,10 @@ struct TruthEffect {
   double rms_pct = 0.0;                               ///< % of its channel's span, see campaign_maker.h
   double rms_voltage_pct = 0.0, rms_force_pct = 0.0;  ///< plain differences with and without the effect
   double heldout_rms = 0.0;                           ///< as rms_pct over the held-out records, in V or N
-  bool excited = false;                 ///< rms_pct above a fifth of the channel's noise and above 0.02 %
+  bool excited = false;  ///< rms_pct above a fifth of the channel's noise and above 0.02 %; between records d' of at least 2 too
+  bool between_records = false;         ///< moves gain and zero from record to record: `detectability` is told
+  double detectability = 0.0;           ///< d' of an observer who knows its course, detectability.h
+  bool cause_recorded = true;           ///< the columns and notes tell what moves it
   std::vector<double> record_rms_pct;   ///< plain, per record
   std::vector<std::string> depends_on;  ///< foreign: coordinates that a good answer may name
 };

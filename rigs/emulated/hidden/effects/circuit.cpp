@@ -141,6 +141,7 @@ const HiddenRegistration kBias{{.name = "bias",
                                 .rival = Rival::repeatability,
                                 .needs_drive = true,
                                 .needs_kinds = {"ramp", "ramp", "ramp"},
+                                .cause = Cause::drive,
                                 .strength_max = 15.0,
                                 .make = [](Rng& rng) { return std::make_unique<DriveDependence>(rng); }}};
 
@@ -150,6 +151,7 @@ const HiddenRegistration kMounting{{.name = "mounting",
                                     .rival = Rival::repeatability,
                                     .needs_remounting = true,
                                     .needs_kinds = {"ramp", "ramp", "staircase"},
+                                    .cause = Cause::mounting,
                                     .strength_max = 15.0,
                                     .make = [](Rng& rng) { return std::make_unique<Remounted>(rng); }}};
 

@@ -152,6 +152,7 @@ const HiddenRegistration kThermal{{.name = "thermal",
                                    .rival = Rival::repeatability,
                                    .needs_climate = true,
                                    .needs_kinds = {"ramp", "ramp", "hold"},
+                                   .cause = Cause::temperature,
                                    .strength_max = 12.0,
                                    .make = [](Rng& rng) { return std::make_unique<ThermalFilm>(rng); }}};
 
@@ -160,6 +161,7 @@ const HiddenRegistration kHumidity{{.name = "humidity",
                                     .rival = Rival::repeatability,
                                     .needs_climate = true,
                                     .needs_kinds = {"ramp", "ramp", "hold"},
+                                    .cause = Cause::humidity,
                                     .strength_max = 15.0,
                                     .make = [](Rng& rng) { return std::make_unique<HumidFilm>(rng); }}};
 
