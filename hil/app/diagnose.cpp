@@ -124,7 +124,7 @@ std::string diagnosis_text(const Diagnosis& d) {
                        d.maps.front().sentence, 100.0 * d.maps.front().share);
   if (!d.next_experiment.sentence.empty()) out += "measure next: " + d.next_experiment.sentence + "\n";
   // what hardly shows is no doubt of the verdict: the page and the JSON list it
-  for (const RefusedEffect& r : refused_beside_findings(d)) out += "not taken: " + r.effect + ": " + r.reason + "\n";
+  for (const RefusedEffect& r : refused_beside_findings(d)) out += "not taken: " + r.effect + ": " + std::string(diagnose::traits_of(r.reason).sentence) + "\n";
   return out;
 }
 

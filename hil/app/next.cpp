@@ -43,7 +43,7 @@ std::string without_segments(const Diagnosis& d) {
     return "nothing competes with " + first->effect + ": no further measurement is needed to tell it from others\n";
   if (const RefusedEffect* refused = strongest_refused(d))
     return "no two effects compete, but " + refused->effect + " has evidence and was not taken: " +
-           refused->reason + "\nto settle it, record more of what shows it: " + what_parts(refused->effect) + "\n";
+           std::string(diagnose::traits_of(refused->reason).sentence) + "\nto settle it, record more of what shows it: " + what_parts(refused->effect) + "\n";
   return "nothing competes: no further measurement is needed to tell effects apart\n"
          "What these records do not excite they cannot show: slow ramps, a staircase with long holds, long sines of two\n"
          "frequencies and swings, a rest, and one ramp again at the end (docs/campaign.md)\n";

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "hil/diagnose/choose/refusal.h"
+
 namespace forcegate {
 
 enum class DiagnosisVerdict { none, known, unknown };
@@ -93,9 +95,9 @@ struct RankedEffect {
 
 /// An effect that came up and was not taken.
 struct RefusedEffect {
-  std::string effect, reason;
-  double score = 0.0;   ///< log evidence beside what had been taken, natural units
-  bool suspicion = true;  ///< false: too little of it to begin with, or of the wrong sign
+  std::string effect;
+  diagnose::Refusal reason = diagnose::Refusal::none;
+  double score = 0.0;  ///< log evidence beside what had been taken, natural units
 };
 
 /// Which records tell the error of a model.
@@ -200,7 +202,7 @@ struct Diagnosis {
 inline std::vector<RefusedEffect> refused_beside_findings(const Diagnosis& d) {
   std::vector<RefusedEffect> out;
   for (const RefusedEffect& r : d.refused)
-    if (r.suspicion && std::none_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == r.effect; }))
+    if (diagnose::traits_of(r.reason).suspicion && std::none_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == r.effect; }))
       out.push_back(r);
   return out;
 }

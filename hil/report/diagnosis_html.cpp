@@ -285,7 +285,7 @@ std::string diagnosis_html(const Diagnosis& d, const DiagnosisPage& page) {
   if (!d.notes.empty() || !refused.empty()) {
     html.body += "<section><h2>Notes</h2><ul>";
     for (const std::string& note : d.notes) html.body += "<li>" + escape(note) + "</li>";
-    for (const RefusedEffect& r : refused) html.body += "<li>" + escape("not taken: " + r.effect + ": " + r.reason) + "</li>";
+    for (const RefusedEffect& r : refused) html.body += "<li>" + escape("not taken: " + r.effect + ": " + std::string(diagnose::traits_of(r.reason).sentence)) + "</li>";
     html.body += "</ul></section>\n";
   }
   if (!page.command_line.empty())

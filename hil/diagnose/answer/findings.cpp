@@ -229,7 +229,7 @@ void suspect_refused(Diagnosis& out) {
   f.unit = kind->channel == EffectChannel::rig ? "N" : out.unit;
   const bool any_claim = std::ranges::any_of(out.findings, [](const Finding& o) { return o.probability > kNoClaim; });
   f.probability = suspicion_probability(strongest->reason, any_claim);
-  f.evidence = kind->summary + "; not claimed: " + strongest->reason;
+  f.evidence = kind->summary + "; not claimed: " + std::string(traits_of(strongest->reason).sentence);
   const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [&](const Finding& o) { return o.probability < f.probability; });
   out.findings.insert(weaker, std::move(f));
 }

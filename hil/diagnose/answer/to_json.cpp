@@ -149,7 +149,10 @@ std::string to_json(const Diagnosis& d) {
                             {"sentence", d.next_experiment.sentence}};
   Json refused = Json::array();
   for (const RefusedEffect& r : d.refused)
-    refused.push_back({{"effect", r.effect}, {"reason", r.reason}, {"score", number(r.score)}, {"suspicion", r.suspicion}});
+  {
+    const diagnose::RefusalTraits& why = diagnose::traits_of(r.reason);
+    refused.push_back({{"effect", r.effect}, {"code", why.code}, {"reason", why.sentence}, {"score", number(r.score)}, {"suspicion", why.suspicion}});
+  }
   out["refused"] = refused;
   out["notes"] = d.notes;
   return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "hil/base/rng.h"
-#include "hil/diagnose/choose/objection.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
@@ -224,11 +223,11 @@ bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& fami
   return form == kUnrecorded || form == "step" || family.kind->name == "wear" || family.kind->name == "reference_drift";
 }
 
-std::string objection(const RecordEvidence& records, bool with_time, const SelectionRules& rules) {
-  if (!records.valid || records.gain < rules.between_gain) return kTooLittleEvidence;
-  if (records.explained < (with_time ? rules.between_course_fall : rules.between_fall)) return "it does not make records predictable from each other";
-  if (records.left_out > rules.between_left_out) return "records that were left out are not predicted better";
-  return {};
+Refusal objection(const RecordEvidence& records, bool with_time, const SelectionRules& rules) {
+  if (!records.valid || records.gain < rules.between_gain) return Refusal::too_little_evidence;
+  if (records.explained < (with_time ? rules.between_course_fall : rules.between_fall)) return Refusal::records_scatter_on;
+  if (records.left_out > rules.between_left_out) return Refusal::helps_no_left_levels;
+  return Refusal::none;
 }
 
 // Two or three mountings of a handful of records leave few different orders: where none does better, the records of each must agree all the
@@ -325,13 +324,13 @@ RecordTest test_records(const CampaignInput& input, const ResidualChannel& chann
   RecordTest out;
   const bool with_time = only_goes_with_time(channel, family);
   out.objection = objection(family.records, with_time, rules);
-  if (out.objection.empty() && with_time && family.kind->name != "wear" && family.kind->name != "mounting" && !input.has_start_times)
-    out.objection = "nobody wrote down when the records were taken: a course over time cannot be told";
-  if (!out.objection.empty()) return out;
+  if (out.objection == Refusal::none && with_time && family.kind->name != "wear" && family.kind->name != "mounting" && !input.has_start_times)
+    out.objection = Refusal::start_unknown;
+  if (out.objection != Refusal::none) return out;
   const RecordLevels levels = record_levels(input, channel, base);
   const RecordChance chances = chance(levels, ask(channel, levels, *family.kind), family.kind->name, kDraws);
   out.chance = chances.of_directions;
-  if (as_good_by_chance(chances, rules)) out.objection = "the records in another order show as much";
+  if (as_good_by_chance(chances, rules)) out.objection = Refusal::any_order;
   return out;
 }
 
@@ -350,7 +349,7 @@ double visible_between_records(const CampaignInput& input, const ResidualChannel
   constexpr int kDraws = 199;
   const auto passes = [&](double size) {
     series.value = rest + size / rms * now.added;
-    return objection(evidence(channel, levels, asked).evidence, with_time, rules).empty() &&
+    return objection(evidence(channel, levels, asked).evidence, with_time, rules) == Refusal::none &&
            !as_good_by_chance(chance(levels, asked, family.kind->name, kDraws), rules);
   };
   double low = 1e-5, high = 0.5;

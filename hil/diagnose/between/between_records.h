@@ -33,7 +33,7 @@ double visible_between_records(const CampaignInput& input, const ResidualChannel
 
 /// What one number for each record says against a claim.
 struct RecordTest {
-  std::string objection;  ///< empty: nothing
+  Refusal objection = Refusal::none;
   double chance = 1.0;    ///< that the records in another order show as much; tested where nothing else stands against it
 };
 RecordTest test_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,

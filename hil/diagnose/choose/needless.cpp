@@ -32,7 +32,7 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& carri
     if (!out.chosen[k].by_records() && !out.chosen[k].completes_whole &&
         (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
          !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps()))) {
-      out.refused.push_back({out.chosen[k].kind->name, "needless beside the others", lost, true});
+      out.refused.push_back({out.chosen[k].kind->name, Refusal::needless, lost});
       out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
       dropped = true;
       k = 0;

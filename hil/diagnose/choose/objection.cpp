@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "hil/diagnose/choose/instrument_error.h"
 #include "hil/diagnose/choose/reference_jitter.h"
@@ -98,70 +97,56 @@ double resemblance(const ResidualChannel& channel, const MixedFit& base, const F
 
 }  // namespace
 
-bool is_suspicion(const std::string& reason) {
-  return reason != kTooLittleEvidence && reason != kUnphysical && reason != kLeads && reason != kInStep && reason != kJitter;
-}
-
-double suspicion_probability(const std::string& reason, bool beside_claim) {
-  constexpr double kOrdinary = 0.2, kRemains = 0.1;
-  if (beside_claim && reason == kTooSmall) return kRemains;
-  const std::pair<const char*, double> counted[] = {{kLeavesMost, 0.08}, {kWithinForm, 0.08}, {kHelpsNoRecords, 0.1}, {kHelpsNoParts, 0.1},
-                                                    {kDiffers, 0.25},    {kTooSmall, 0.35},   {kFewJumps, 0.4}};
-  for (const auto& [text, probability] : counted)
-    if (reason == text) return probability;
-  return kOrdinary;
-}
-
-std::string objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, ChosenEffect& chosen,
+Refusal objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, ChosenEffect& chosen,
                       const std::vector<ChosenEffect>& earlier, double removed_before, const SelectionRules& rules) {
   const bool first = removed_before == 0.0;
   const double excess = excess_mean_square(channel, result.base);
   const double total_rms = std::sqrt(std::max(0.0, family.best.total_fall * mean_adapted(channel, result.base)));
   const double removed_rms = std::sqrt(std::max(0.0, chosen.fall * excess));
   const std::string& name = family.kind->name;
-  if (family.best.wrong_sign) return kUnphysical;
+  if (family.best.wrong_sign) return Refusal::unphysical;
   const bool another_between = std::any_of(earlier.begin(), earlier.end(), [](const ChosenEffect& e) { return e.between; });
-  if (chosen.by_records() && another_between) return "another effect between the records is in: what its form leaves is no second one";
-  if (chosen.by_records() && chosen.effect_rms < rules.smallest_rms) return kTooSmall;
-  if (chosen.between && (chosen.not_by_records.empty() || family.best.total_fall < rules.first_total_fall)) return chosen.not_by_records;
+  if (chosen.by_records() && another_between) return Refusal::second_between;
+  if (chosen.by_records() && chosen.effect_rms < rules.smallest_rms) return Refusal::too_small;
+  if (chosen.between && (chosen.by_records() || family.best.total_fall < rules.first_total_fall)) return chosen.not_by_records;
   const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
   const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
   const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
-  if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return kTooLittleEvidence;
+  if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return Refusal::too_little_evidence;
   const bool explains_its_own = rules.where_it_acts && chosen.left_out.share > (first ? rules.first_fall : rules.later_fall);
   const bool leaves_most = !explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
       family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);
   chosen.stands_out = leaves_most && stands_out(channel, result, family, chosen, earlier);
-  if (leaves_most && !chosen.stands_out) return kLeavesMost;
+  if (leaves_most && !chosen.stands_out) return Refusal::leaves_most;
   // bits soak up a little of many things, but then others soak it up as well
   const double least_of_codes = first && is_alone(result, family) ? 0.3 : 0.5;
-  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < least_of_codes) return kFewJumps;
+  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < least_of_codes) return Refusal::few_jumps;
   const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
   // seen where it acts
   const double where = rules.where_it_acts && chosen.left_out.excited > 0 && !chosen.left_out.blocks
                            ? std::sqrt(static_cast<double>(chosen.left_out.parts) / chosen.left_out.excited)
                            : 1.0;
   const double seen_rms = where * std::max(removed_rms, total_rms);
-  if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return kTooSmall;
-  if (seen_rms < kOfSmoothed * smoothed_rms(channel)) return kTooSmall;
-  if (family.kind->traits.timing && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return kTooSmall;
+  if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return Refusal::too_small;
+  if (seen_rms < kOfSmoothed * smoothed_rms(channel)) return Refusal::too_small;
+  if (family.kind->traits.timing && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return Refusal::too_small;
   // a form that is not quite right has another strength in every manner of moving; yet every record then gains by that of the others
   // (a play has one width)
   const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited && name != "backlash";
   const bool known_form = family.kind->traits.known_form || (chosen.between && !chosen.by_records());
   if (known_form ? chosen.strength_scatter > kSameOfKnownForm : chosen.strength_scatter > kSameStrength && !helps_all)
-    return kDiffers;
+    return Refusal::differs;
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *
                         resemblance(channel, result.base, family, variant.columns, earlier) &&
       !takes_the_rest(family, chosen, earlier))
-    return kWithinForm;
-  if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return "only one or two records show it";
+    return Refusal::within_form;
+  if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return Refusal::in_few_records;
   if (!chosen.describes_whole && (!chosen.left_out.helps() || chosen.left_out.share < 0.02))
-    return chosen.left_out.blocks ? kHelpsNoParts : kHelpsNoRecords;
-  if (!chosen.between && share_of_jitter(channel, result.base, family.best.fit) > (name == "adc_codes" ? kOfJitterOfCodes : kOfJitter)) return kJitter;
-  return {};
+    return chosen.left_out.blocks ? Refusal::helps_no_parts : Refusal::helps_no_records;
+  if (!chosen.between && share_of_jitter(channel, result.base, family.best.fit) > (name == "adc_codes" ? kOfJitterOfCodes : kOfJitter)) return Refusal::jitter;
+  return Refusal::none;
 }
 
 }  // namespace forcegate::diagnose

@@ -47,7 +47,7 @@ void reconsider(const CampaignInput& input, ResidualChannel& channel, const std:
     if (at == again.families.size()) continue;
     ChosenEffect better = as_chosen(input, channel, again.base, again.families[at], rules);
     if (better.kind != place.kind &&
-        !objection(channel, again, again.families[at], better, others, removed, rules).empty())
+        objection(channel, again, again.families[at], better, others, removed, rules) != Refusal::none)
       continue;
     set_shares(channel, again, at, rules, !others.empty(), better);
     if (better.kind == place.kind) {

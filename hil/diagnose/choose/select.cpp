@@ -172,8 +172,8 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
   chosen.describes_whole = rules.one_zero && !chosen.between && describes_whole(input, channel, base, family.best.fit);
   chosen.records = family.records;
   if (chosen.between) {
-    RecordTest test = test_records(input, channel, base, family, rules);
-    chosen.not_by_records = std::move(test.objection);
+    const RecordTest test = test_records(input, channel, base, family, rules);
+    chosen.not_by_records = test.objection;
     chosen.chance = test.chance;
   }
   chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, chosen.columns);
@@ -204,12 +204,12 @@ class ForwardChoice {
         if (!carry_along(family, clocks)) return;
         continue;
       }
-      const std::string why = lead.plain() || (leads_ && family.kind->traits.late)
-                                  ? kLeads
+      const Refusal why = lead.plain() || (leads_ && family.kind->traits.late)
+                                  ? Refusal::leads
                               : only_repairs_smoothing(family)
-                                  ? kInStep
+                                  ? Refusal::in_step
                                   : objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
-      if (!(why.empty() ? take(family, chosen) : turn_down(family, why))) return;
+      if (!(why == Refusal::none ? take(family, chosen) : turn_down(family, why))) return;
     }
   }
 
@@ -289,14 +289,14 @@ class ForwardChoice {
 
   // The scatter within records and the spread between them are different questions: the next family may answer the other. What fits worse
   // than a refused family answers the same question no better; yet evidence from strengths that left-out records do not share is no fit.
-  bool turn_down(const FamilyScore& family, const std::string& why) {
+  bool turn_down(const FamilyScore& family, Refusal why) {
     constexpr std::size_t kMostPlaces = 4;
-    out_.refused.push_back({family.kind->name, why, family.gain, is_suspicion(why)});
-    const bool unphysical = family.best.wrong_sign || family.gain < rules_.first_gain || why == kTooSmall || why == kJitter;
+    out_.refused.push_back({family.kind->name, why, family.gain});
+    const bool unphysical = family.best.wrong_sign || family.gain < rules_.first_gain || why == Refusal::too_small || why == Refusal::jitter;
     const auto& families = result_.families;
     const bool between = asks_between_records(family);
     const auto fits_worse = [&](const FamilyScore& next) {
-      return asks_between_records(next) == between && (why != kHelpsNoRecords || next.best.fall <= family.best.fall);
+      return asks_between_records(next) == between && (why != Refusal::helps_no_records || next.best.fall <= family.best.fall);
     };
     ++place_;
     const bool far_down = unphysical && place_ >= kMostPlaces;  // only the other question is left

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/diagnose/base/left_out.h"
+#include "hil/diagnose/choose/refusal.h"
 #include "hil/diagnose/choose/screen.h"
 #include "hil/diagnose/diagnosis.h"
 
@@ -27,7 +28,7 @@ struct ChosenEffect {
   bool between = false;           ///< it acts from record to record
   RecordEvidence records;         ///< of an effect between records
   double chance = 1.0;            ///< that its records in another order would show as much
-  std::string not_by_records;     ///< why one number for each record does not bear it; empty: it does
+  Refusal not_by_records = Refusal::none;  ///< why one number for each record does not bear it
   CrossFit left_out;              ///< against the model before it entered
   double error_before = 0.0, error_after = 0.0;  ///< RMS of records that were left out, channel's unit; plain where it acts between them
   bool describes_whole = false;   ///< hil/diagnose/base/whole_recording.h
@@ -37,7 +38,7 @@ struct ChosenEffect {
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share
   MixedFit fit;                                        ///< of the model with everything up to this effect
 
-  bool by_records() const { return between && not_by_records.empty(); }
+  bool by_records() const { return between && not_by_records == Refusal::none; }
 };
 
 struct Selection {

@@ -86,7 +86,7 @@ inline double probability(const Diagnosis& d, const std::string& effect) {
 inline std::string told(const Diagnosis& d) {
   std::string out;
   for (const Finding& f : d.findings) out += f.effect + " " + std::to_string(f.probability) + ": " + f.evidence + "\n";
-  for (const RefusedEffect& r : d.refused) out += "refused " + r.effect + ": " + r.reason + "\n";
+  for (const RefusedEffect& r : d.refused) out += "refused " + r.effect + ": " + std::string(traits_of(r.reason).sentence) + "\n";
   for (const std::string& note : d.notes) out += "\n" + note;
   return out;
 }

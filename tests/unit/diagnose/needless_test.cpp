@@ -21,7 +21,7 @@ TEST_F(Needless, ACompromiseGoesOnceTheEffectThatItStoodForIsIn) {
   EXPECT_EQ(selection_.chosen[1].kind->name, "hysteresis");
   ASSERT_EQ(selection_.refused.size(), 1u);
   EXPECT_EQ(selection_.refused[0].effect, "delay");
-  EXPECT_EQ(selection_.refused[0].reason, "needless beside the others");
+  EXPECT_EQ(selection_.refused[0].reason, Refusal::needless);
   EXPECT_FALSE(has_any(selection_.final.columns, gone)) << "the model is fitted anew";
   EXPECT_FALSE(has_any(selection_.chosen[1].fit.columns, gone));
   EXPECT_TRUE(has_any(selection_.chosen[1].fit.columns, selection_.chosen[0].columns));
@@ -58,7 +58,7 @@ TEST(DropNeedless, TheSearchTellsWhatItDoesWithout) {
     return U;
   }));
   EXPECT_TRUE(std::any_of(d.refused.begin(), d.refused.end(), [](const RefusedEffect& r) {
-    return r.effect == "hysteresis" && r.reason == "needless beside the others";
+    return r.effect == "hysteresis" && r.reason == Refusal::needless;
   })) << told(d);
   EXPECT_LT(probability(d, "hysteresis"), 0.5) << told(d);
   EXPECT_GT(probability(d, "static_nonlinearity"), 0.5) << told(d);

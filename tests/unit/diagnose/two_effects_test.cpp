@@ -59,7 +59,7 @@ TEST(TwoEffects, WhatIsRefusedWithMuchEvidenceIsASuspicionAndNoClaim) {
   }));
   ASSERT_TRUE(claims(d, "hysteresis")) << told(d);
   for (const Finding& f : d.findings) EXPECT_TRUE(f.effect == "hysteresis" || f.probability < 0.5) << told(d);
-  for (const RefusedEffect& r : d.refused) EXPECT_FALSE(r.reason.empty()) << r.effect;
+  for (const RefusedEffect& r : d.refused) EXPECT_FALSE(traits_of(r.reason).sentence.empty()) << r.effect;
 }
 
 TEST(TwoEffects, AGrowthBesideALoopIsAmongTheFirstTwo) {

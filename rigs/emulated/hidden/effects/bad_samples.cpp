@@ -54,19 +54,20 @@ class LostRuns final : public HiddenEffect {
   }
   void logged(Samples& samples, const RecordContext& context) override {
     if (strength_ == 0.0) return;
+    // instants are drawn in time, so that a coarse preview loses the same runs
     Rng rng(seed_ ^ context.plan.seed, "lost");
-    double until_s = -1.0, held_V = 0.0, before_s = 0.0;
+    const auto gap_s = [&] { return -portable::log(1.0 - rng.uniform()) / rate_Hz(); };
+    double next_s = gap_s(), until_s = -1.0, held_V = 0.0;
     bool blank = false;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const double t = samples.stamp_s[i], dt = std::max(0.0, t - before_s), draw = rng.uniform();
-      before_s = t;
-      if (t >= until_s && i > 0 && draw < rate_Hz() * dt) {
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      const double t = samples.stamp_s[i];
+      if (t >= until_s && t >= next_s) {
         until_s = t + length_s_ * (0.4 + 1.2 * rng.uniform());
+        next_s = until_s + gap_s();
         held_V = samples.voltage_V[i - 1];
         blank = rng.uniform() < empty_;
       }
-      if (t >= until_s) continue;
-      samples.voltage_V[i] = blank ? std::numeric_limits<double>::quiet_NaN() : stale_ ? held_V : 0.0;
+      if (t < until_s) samples.voltage_V[i] = blank ? std::numeric_limits<double>::quiet_NaN() : stale_ ? held_V : 0.0;
     }
   }
 
