@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hil/base/text.h"
+#include "hil/trace/air_notes.h"
 
 namespace forcegate {
 namespace {
@@ -142,6 +143,10 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   FORCEGATE_CHECK_OK(m.number("preload_mm", into(record.preload_mm)));
   for (const char* key : {"temperature_C", "temp_C"}) FORCEGATE_CHECK_OK(m.number(key, into(record.temp_C)));
   for (const char* key : {"rh_pct", "RH_pct", "humidity_pct"}) FORCEGATE_CHECK_OK(m.number(key, into(record.humidity_pct)));
+  const AirNotes air = air_notes(object);
+  if (!record.temp_C) record.temp_C = air.temp_C;
+  if (!record.humidity_pct) record.humidity_pct = air.humidity_pct;
+  if (!record.drive_V) record.drive_V = air.drive_V;
   FORCEGATE_CHECK_OK(m.flag("dynamic", record.dynamic));
   FORCEGATE_CHECK_OK(m.label("mounting", record.mounting));
   for (const auto& [key, value] : {std::pair{"fs_Hz", record.rate_Hz}, std::pair{"f_min_Hz", record.f_min_Hz}})
