@@ -55,8 +55,8 @@ Result<diagnose::Refit> add_request(const AddRequest& request) {
 }
 
 Result<std::string> added_page(const AddRequest& request, const diagnose::Refit& refit, const std::string& command_line) {
-  FORCEGATE_TRY(const Model start, load_model(request.campaign.model));
   FORCEGATE_TRY(Campaign campaign, load_campaign(request.campaign));
+  FORCEGATE_TRY(const Model start, load_model(request.campaign, campaign));
   const bool single = campaign.records.size() == 1;
   std::optional<Shown> one_zero;  // the refit of one recording took the better of two ways
   if (single) {

@@ -50,8 +50,8 @@ Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, Campai
 }  // namespace
 
 Result<Comparison> compare_request(const CampaignRequest& request, bool pictures) {
-  FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
   Comparison out;
   if (campaign.records.size() == 1) {  // the comparison cuts it into blocks, and the model is asked about the whole
     FORCEGATE_TRY(CampaignInput whole, clean_input(campaign, request.threads));

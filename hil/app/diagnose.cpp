@@ -41,8 +41,8 @@ std::optional<Model> with_claims(diagnose::Workspace& w, const Model& model, con
 }  // namespace
 
 Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPictures* pictures) {
-  FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_recordings(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
   if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
   if (diagnose::is_drift_only(campaign)) {
     FORCEGATE_TRY(Diagnosis drift, diagnose::diagnose_drift(campaign));

@@ -22,11 +22,11 @@ bool has_effect(const Model& model, const std::string& name) {
 }  // namespace
 
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add) {
-  FORCEGATE_TRY(const Model model, load_model(request.model));
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
   if (!add.empty() && has_effect(model, add))
     return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
                 "forcegate fit refits it");
-  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   auto out = diagnose::refit_campaign(std::move(campaign), engine_options(model, request.threads), model, add);
   const auto own = std::ranges::find(model.user_effects, add, &UserEffect::name);
   if (!out && own != model.user_effects.end() && out.error().text.starts_with("the campaign cannot show"))

@@ -17,6 +17,14 @@ Result<Model> load_model(const std::string& name) {
   return read_model(name);
 }
 
+Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
+  if (!request.model.empty()) return load_model(request.model);
+  const std::string name = library_model_of(campaign.sensor);
+  if (name != "flexiforce")
+    campaign.notes.push_back("sensor \"" + campaign.sensor + "\": the model is " + name + " (--model flexiforce for the other one)");
+  return library_model(name);
+}
+
 Result<Campaign> load_recordings(const CampaignRequest& request) {
   CampaignOptions options;
   options.assumed_rate_Hz = request.assumed_rate_Hz;

@@ -14,13 +14,16 @@ namespace forcegate {
 
 struct CampaignRequest {
   std::filesystem::path campaign;
-  std::string model;              ///< "" = flexiforce; a name of the library, or a file
+  std::string model;              ///< a name of the library, or a file; "" = the library's model of the campaign's sensor
   std::vector<std::string> maps;  ///< "pressure_bar=F_ref_N"
   double assumed_rate_Hz = 0.0;
   unsigned threads = 0;
 };
 
+/// "": flexiforce.
 Result<Model> load_model(const std::string& name_or_file);
+/// The request's model, or the library's for the sensor that the campaign names; then a note of the campaign tells of any but flexiforce.
+Result<Model> load_model(const CampaignRequest& request, Campaign& campaign);
 /// The files as they are, columns mapped.
 Result<Campaign> load_recordings(const CampaignRequest& request);
 /// The same, where every record must have force and output (check_channels).

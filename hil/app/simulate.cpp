@@ -11,8 +11,8 @@
 namespace forcegate {
 
 Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder) {
-  FORCEGATE_TRY(const Model model, load_model(request.model));
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
   Simulation out;
   const Channel* output = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("U");
   if (output != nullptr && (output->quantity == "ratio" || (!output->unit.empty() && output->unit != "1"))) out.unit = output->unit;

@@ -6,6 +6,7 @@
 
 #include "hil/diagnose/answer/capacitance_witness.h"
 #include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/answer/guessed_effects.h"
 #include "hil/diagnose/answer/null_calibration.h"
 #include "hil/diagnose/answer/pictures.h"
 #include "hil/diagnose/answer/ranking.h"
@@ -229,6 +230,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_refused(search, out);
   suspect_refused(out);
+  tell_guessed_effects(w, selection.claimed.valid ? selection.claimed : selection.base, search.rules.first_gain, out);
   state_probabilities(out);
   if (options.pictures) add_pictures(w, search, selection.claimed, options.threads, out);
   return out;

@@ -24,6 +24,8 @@ struct Candidate {
   std::vector<double> shape;
   int first = 0, count = 0;  ///< columns of S
   bool is_read = true;       ///< false: nothing reads its columns, they stay zero
+  bool of_model = false;     ///< the model has it already, at the shape of its file
+  bool is_guess = false;     ///< of_model, and no fit has said how sure that shape is
 };
 
 /// What a channel lists when it does not list everything.

@@ -76,6 +76,8 @@ std::string write_model(const Model& model);
 /// Models that come with the program: "flexiforce", "fsr".
 Result<Model> library_model(std::string_view name);
 std::vector<std::string> library_model_names();
+/// The library's model of a sensor as a lab writes it down: fsr for "FSR 402" or "Interlink ...", flexiforce for all others and for none.
+std::string library_model_of(std::string_view sensor);
 
 /// Output of every row of a record, volts: base law and all effects. `campaign`: in the frame of the model, for what its records did before.
 /// The record's decay must be set (set_decay with model.law).

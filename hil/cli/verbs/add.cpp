@@ -14,7 +14,7 @@ namespace {
 Result<int> run(const Invocation& in) {
   AddRequest request;
   request.effect = in.text("EFFECT");
-  FORCEGATE_TRY(request.campaign, campaign_request(in, in.text("fit"), in.text("model")));
+  FORCEGATE_TRY(request.campaign, campaign_request(in, in.text("fit"), named_model(in)));
   request.output = in.text("output");
   FORCEGATE_TRY(const diagnose::Refit answer, add_request(request));
   if (const std::string html = in.text("html"); !html.empty()) {

@@ -7,8 +7,7 @@ namespace forcegate {
 Option model_row() {
   return {.name = "model",
           .value_name = "MODEL",
-          .doc = "flexiforce, fsr, or a model file.",
-          .fallback = "flexiforce"};
+          .doc = "flexiforce, fsr, or a model file; else the one of the sensor that the campaign names, and flexiforce where it names none."};
 }
 
 std::vector<Option> campaign_rows() {

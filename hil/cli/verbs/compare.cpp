@@ -12,7 +12,7 @@ namespace forcegate {
 namespace {
 
 Result<int> run(const Invocation& in) {
-  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
+  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(const Comparison answer, compare_request(request, !in.text("html").empty()));
   if (const std::string html = in.text("html"); !html.empty())
     FORCEGATE_CHECK_OK(

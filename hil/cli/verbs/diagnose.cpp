@@ -14,7 +14,7 @@ namespace forcegate {
 namespace {
 
 Result<int> run(const Invocation& in) {
-  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
+  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   Console& console = in.console();
   RecordPictures pictures;
   const bool drawn = !in.text("html").empty() || !in.text("pictures").empty();

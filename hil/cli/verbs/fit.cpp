@@ -12,7 +12,7 @@ namespace forcegate {
 namespace {
 
 Result<int> run(const Invocation& in) {
-  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
+  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(const diagnose::Refit answer, fit_request(request, ""));
   const std::string output = in.text("output");
   if (!output.empty()) FORCEGATE_CHECK_OK(write_file_atomically(output, write_model(answer.model)));

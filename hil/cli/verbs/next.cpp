@@ -13,7 +13,7 @@ std::string given_words(const Invocation& in) { return campaign_words(in, in.tex
 
 Result<int> play(const Invocation& in) {
   NextRunRequest request;
-  FORCEGATE_TRY(request.campaign, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
+  FORCEGATE_TRY(request.campaign, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(RigChoice rig, rig_choice(in));
   request.bench.rig = std::move(rig.rig);
   request.bench.rig_options = std::move(rig.options);
@@ -48,7 +48,7 @@ Result<int> write(const Invocation& in, const NextExperiment& planned) {
 
 Result<int> run(const Invocation& in) {
   if (in.flag("run")) return play(in);
-  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
+  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(const Diagnosis diagnosis, diagnose_request(request));
   const NextExperiment& answer = diagnosis.next_experiment;
   in.console().print(next_text(diagnosis));

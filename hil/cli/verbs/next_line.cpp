@@ -36,15 +36,17 @@ std::optional<std::string> export_line(const Invocation& in, const std::string& 
 }
 
 std::string line_after_diagnosis(const Invocation& in, const Diagnosis& d, const AskedAbout& about) {
-  const std::string words = campaign_words(in, about.campaign), both = words + with_model(about.model);
+  // a model that the sensor's name chose is named, for not every verb sees the campaign
+  const std::string model = about.model.empty() && is_shipped_model(d.model) && d.model != "flexiforce" ? d.model : about.model;
+  const std::string words = campaign_words(in, about.campaign), both = words + with_model(model);
   std::optional<std::string> exported;
-  Standing standing{.page = about.page, .model_file = !is_shipped_model(about.model), .experiment = about.experiment};
-  standing.in_model = effects_of(about.model);
-  standing.is_exportable = [&] { return (exported = export_line(in, about.model, about.campaign)).has_value(); };
+  Standing standing{.page = about.page, .model_file = !is_shipped_model(model), .experiment = about.experiment};
+  standing.in_model = effects_of(model);
+  standing.is_exportable = [&] { return (exported = export_line(in, model, about.campaign)).has_value(); };
   const WhatNext what = after_diagnosis(d, standing);
   switch (what.step) {
     case Step::add:
-      return "forcegate add " + shell_quoted(what.word) + " --fit " + both + " -o " + shell_quoted(better_model_name(about.model));
+      return "forcegate add " + shell_quoted(what.word) + " --fit " + both + " -o " + shell_quoted(better_model_name(model));
     case Step::experiment: return "forcegate next " + both;
     case Step::page: return "forcegate diagnose " + both + " --html diagnosis.html";
     case Step::fit: return "forcegate fit " + both + " -o model.toml";

@@ -10,7 +10,7 @@ namespace forcegate {
 namespace {
 
 Result<int> run(const Invocation& in) {
-  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), in.text("model")));
+  FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(const Simulation answer, simulate_request(request, in.text("output")));
   in.console().print(simulation_text(answer));
   std::string json = "{\"format\": 1, \"records\": [";

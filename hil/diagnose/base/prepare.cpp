@@ -6,6 +6,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/base/base_fit.h"
 #include "hil/diagnose/candidates/command_channel.h"
+#include "hil/diagnose/candidates/guessed_shapes.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/candidates/rig_law.h"
 #include "hil/diagnose/candidates/signatures.h"
@@ -262,6 +263,7 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
   }
   if (options.search) {
     build_output_channel(*w, options.threads, of_model);
+    fit_guessed_shapes(*w, options.threads);
     return w;
   }
   ListedOnly only{options.in_model, {}};
@@ -271,6 +273,7 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
     only.is_read = [](const Candidate& c) { return c.kind->name != kLatencyEffect || is_allowed_lead(c); };
   }
   build_output_channel(*w, options.threads, of_model, &only);
+  fit_guessed_shapes(*w, options.threads);
   return w;
 }
 

@@ -31,7 +31,11 @@ std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std
   for (const ModelEffect& effect : effects) {
     const EffectKind* kind = kind_of(effect);
     const EffectForm* form = kind != nullptr && is_available(*kind, campaign) ? find_form(*kind, effect.form) : nullptr;
-    if (form != nullptr) out.push_back({kind, form, shape_of(effect), 0, static_cast<int>(form->strength.size())});
+    if (form == nullptr) continue;
+    Candidate c{kind, form, shape_of(effect), 0, static_cast<int>(form->strength.size())};
+    c.of_model = true;
+    c.is_guess = std::ranges::none_of(effect.shape, [](const ModelParameter& p) { return p.se > 0.0; });
+    out.push_back(std::move(c));
   }
   return out;
 }
@@ -41,16 +45,8 @@ std::vector<int> model_columns(const ResidualChannel& channel, const EngineOptio
   const auto add = [&](const Candidate& c) {
     for (int j = 0; j < c.count; ++j) add_columns(out, {c.first + j});
   };
-  for (const ModelEffect& effect : options.model_effects) {
-    const std::vector<double> shape = shape_of(effect);
-    // behind the candidates of the grid, one of which may have the same shape
-    const auto own = std::find_if(channel.candidates.rbegin(), channel.candidates.rend(), [&](const Candidate& c) {
-      return c.kind == kind_of(effect) && c.form->name == effect.form && c.shape == shape;
-    });
-    if (own != channel.candidates.rend()) add(*own);
-  }
   for (const Candidate& c : channel.candidates)
-    if (is_own(c, options)) add(c);
+    if (c.of_model || is_own(c, options)) add(c);
   return out;
 }
 

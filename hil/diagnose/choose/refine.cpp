@@ -23,6 +23,34 @@ double vertex(double low, double middle, double high) {
 
 }  // namespace
 
+void climb(const EffectForm& form, std::vector<double> start, const std::function<double(const std::vector<double>&)>& gain_at) {
+  std::vector<double> best_shape = std::move(start);
+  double best = gain_at(best_shape);
+  const auto score_at = [&](const std::vector<double>& shape) {
+    const double gain = gain_at(shape);
+    if (gain > best) best = gain, best_shape = shape;
+    return gain;
+  };
+  for (std::size_t k = 0; k < best_shape.size(); ++k) {
+    const ParameterSpec& spec = form.shape[k];
+    if (spec.choice) continue;
+    double step = 0.35;  // of ln(shape): half the way to the next point of the grid
+    for (int round = 0; round < kRounds; ++round, step *= 0.4) {
+      const std::vector<double> centre = best_shape;
+      if (centre[k] == 0.0) break;
+      const auto moved = [&](double steps) {
+        std::vector<double> shape = centre;
+        shape[k] = std::clamp(centre[k] * std::exp(steps * step), spec.minimum, spec.maximum);
+        return shape;
+      };
+      const double middle = best, low = score_at(moved(-1.0)), high = score_at(moved(1.0));
+      const double at = vertex(low, middle, high);
+      if (std::abs(at) != 1.0) score_at(moved(at));
+      if (best - middle < 0.05 && round > 0) break;
+    }
+  }
+}
+
 bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
                    const MixedFit& base, FamilyScore& family, unsigned threads) {
   const Variant old = channel.variants[static_cast<std::size_t>(family.best.variant)];
@@ -50,25 +78,7 @@ bool refine_family(const CampaignInput& input, ResidualChannel& channel, const s
     }
     return gain;
   };
-  score_at(from.shape);
-  for (std::size_t k = 0; k < from.shape.size(); ++k) {
-    const ParameterSpec& spec = from.form->shape[k];
-    if (spec.choice) continue;
-    double step = 0.35;  // of ln(shape): half the way to the next point of the grid
-    for (int round = 0; round < kRounds; ++round, step *= 0.4) {
-      const std::vector<double> centre = best_shape;
-      if (centre[k] == 0.0) break;
-      const auto moved = [&](double steps) {
-        std::vector<double> shape = centre;
-        shape[k] = std::clamp(centre[k] * std::exp(steps * step), spec.minimum, spec.maximum);
-        return shape;
-      };
-      const double middle = best.gain, low = score_at(moved(-1.0)), high = score_at(moved(1.0));
-      const double at = vertex(low, middle, high);
-      if (std::abs(at) != 1.0) score_at(moved(at));
-      if (best.gain - middle < 0.05 && round > 0) break;
-    }
-  }
+  climb(*from.form, from.shape, score_at);
   Candidate& c = channel.candidates[static_cast<std::size_t>(copy)];
   c.shape = best_shape;
   fill_candidate(input, channel, c, threads);

@@ -3,9 +3,16 @@
 // whole model is largest, everything else (law, variances, strengths, other effects) following by a linear fit
 // (variable projection, Golub and Pereyra 1973).
 
+#include <functional>
+#include <vector>
+
 #include "hil/diagnose/choose/screen.h"
 
 namespace forcegate::diagnose {
+
+/// From `start` to where gain_at is largest near it: parabolas along each continuous shape's logarithm, within the bounds. Sees every
+/// shape that it tries; the last one need not be the best.
+void climb(const EffectForm& form, std::vector<double> start, const std::function<double(const std::vector<double>&)>& gain_at);
 
 /// Refines the best variant of a family in spare columns of the channel and adds what that gains to the family's score.
 /// `taken` columns stay in the model. False (and nothing changed) when the form has no continuous shape or there is no

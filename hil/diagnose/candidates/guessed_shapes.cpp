@@ -1,0 +1,70 @@
+#include "hil/diagnose/candidates/guessed_shapes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hil/diagnose/candidates/signatures.h"
+#include "hil/diagnose/choose/refine.h"
+#include "hil/diagnose/choose/screen.h"
+#include "hil/diagnose/choose/select.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr double kWorthMoving = 3.0;  // nats
+
+std::vector<int> columns_of(const Candidate& c) {
+  std::vector<int> out;
+  for (int j = 0; j < c.count; ++j) out.push_back(c.first + j);
+  return out;
+}
+
+std::vector<int> other_model_columns(const ResidualChannel& channel, std::size_t but) {
+  std::vector<int> out;
+  for (std::size_t k = 0; k < channel.candidates.size(); ++k)
+    if (channel.candidates[k].of_model && k != but) add_columns(out, columns_of(channel.candidates[k]));
+  return out;
+}
+
+}  // namespace
+
+void fit_guessed_shapes(Workspace& w, unsigned threads) {
+  ResidualChannel& channel = w.output;
+  for (std::size_t own = 0; own < channel.candidates.size(); ++own) {
+    const Candidate written = channel.candidates[own];
+    const bool continuous = std::ranges::any_of(written.form->shape, [](const ParameterSpec& p) { return !p.choice; });
+    if (!written.is_guess || !continuous || !written.form->refine) continue;
+    const std::vector<int> present = other_model_columns(channel, own);
+    const MixedFit base = fit_mixed(channel.problem, present, nullptr);
+    if (!base.valid) continue;
+    const int variant = static_cast<int>(channel.variants.size());
+    channel.variants.push_back({static_cast<int>(own), columns_of(written)});
+    std::vector<double> best_shape = written.shape;
+    double best = -1e300;
+    const auto gain_at = [&](const std::vector<double>& shape) {
+      Candidate& c = channel.candidates[own];
+      c.shape = shape;
+      fill_candidate(w.input, channel, c, threads);
+      const double gain = score_variant(channel, present, base, variant, nullptr).gain;
+      if (gain > best) best = gain, best_shape = shape;
+      return gain;
+    };
+    const double as_written = gain_at(written.shape);
+    for (const std::vector<double>& shape : written.form->grid(w.input)) gain_at(shape);
+    climb(*written.form, best_shape, gain_at);
+    const bool moves = best > as_written + kWorthMoving;
+    Candidate& c = channel.candidates[own];
+    c.shape = moves ? best_shape : written.shape;
+    fill_candidate(w.input, channel, c, threads);
+    channel.variants.pop_back();
+    if (!moves) continue;
+    for (std::size_t k = 0; k < c.shape.size(); ++k)
+      if (c.shape[k] != written.shape[k])
+        w.input.notes.push_back(fmt::format("the model's {} was a guess: {} = {:.3g} {} fits these records, {:.3g} is written", written.kind->name,
+                                            written.form->shape[k].name, c.shape[k], written.form->shape[k].unit, written.shape[k]));
+  }
+}
+
+}  // namespace forcegate::diagnose
