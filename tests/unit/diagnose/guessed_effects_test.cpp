@@ -1,0 +1,60 @@
+#include "hil/model/model.h"
+#include "tests/unit/diagnose/made_campaign.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+/// One pole of 30 ms between force and output.
+std::vector<double> lagging(const std::vector<double>& t, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  double y = F.front();
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (i > 0) y += (F[i] - y) * -std::expm1(-(t[i] - t[i - 1]) / 0.03);
+    U.push_back(2.0 * y + 0.2);
+  }
+  return U;
+}
+
+Diagnosis answer_of(const Model& model, const Sensor& sensor) {
+  EngineOptions options;
+  options.threads = 1;
+  options.law = model.law;
+  options.model_name = model.name;
+  options.in_model = model.effect_names();
+  options.model_effects = model.effects;
+  auto out = diagnose_campaign(make_campaign(7, sensor), options);
+  EXPECT_TRUE(out.has_value()) << (out ? "" : out.error().to_text());
+  return out ? *out : Diagnosis{};
+}
+
+bool has_note(const Diagnosis& d, const std::string& part) {
+  return std::ranges::any_of(d.notes, [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+TEST(GuessedEffects, ALagThatTheModelHasIsFittedAndIsNoClaim) {
+  EXPECT_EQ(answer(make_campaign(7, lagging)).verdict, DiagnosisVerdict::known) << "the model without it misses it";
+  const Diagnosis d = answer_of(*library_model("fsr"), lagging);
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+  EXPECT_GT(probability(d, "lag"), 0.4) << told(d);
+  EXPECT_LT(probability(d, "lag"), 0.5) << told(d);
+  EXPECT_TRUE(has_note(d, "the model's lag was a guess: tau_s = 0.0")) << told(d);
+  EXPECT_LT(d.error_after, 1.2 * d.floor) << told(d);
+}
+
+TEST(GuessedEffects, OneThatTheRecordsDoNotShowIsANote) {
+  const Diagnosis d = answer_of(*library_model("fsr"), straight);
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+  EXPECT_EQ(probability(d, "lag"), 0.0) << told(d);
+  EXPECT_TRUE(has_note(d, "these records do not show it")) << told(d);
+}
+
+TEST(GuessedEffects, AShapeThatAFitHasEstimatedStays) {
+  Model model = *library_model("fsr");
+  model.effects.front().shape.front().se = 0.001;
+  const Diagnosis d = answer_of(model, lagging);
+  EXPECT_FALSE(has_note(d, "was a guess")) << told(d);
+  EXPECT_EQ(probability(d, "lag"), 0.0) << told(d);
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
