@@ -25,7 +25,7 @@ struct Candidate {
   int first = 0, count = 0;  ///< columns of S
   bool is_read = true;       ///< false: nothing reads its columns, they stay zero
   bool of_model = false;     ///< the model has it already, at the shape of its file
-  bool is_guess = false;     ///< of_model, and no fit has said how sure that shape is
+  bool is_guess = false;     ///< of_model, and no parameter has a standard error: no fit has estimated it
 };
 
 /// What a channel lists when it does not list everything.

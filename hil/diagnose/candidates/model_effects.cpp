@@ -34,7 +34,8 @@ std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std
     if (form == nullptr) continue;
     Candidate c{kind, form, shape_of(effect), 0, static_cast<int>(form->strength.size())};
     c.of_model = true;
-    c.is_guess = std::ranges::none_of(effect.shape, [](const ModelParameter& p) { return p.se > 0.0; });
+    const auto estimated = [](const ModelParameter& p) { return p.se > 0.0; };
+    c.is_guess = std::ranges::none_of(effect.shape, estimated) && std::ranges::none_of(effect.strength, estimated);
     out.push_back(std::move(c));
   }
   return out;

@@ -56,5 +56,18 @@ TEST(GuessedEffects, AShapeThatAFitHasEstimatedStays) {
   EXPECT_EQ(probability(d, "lag"), 0.0) << told(d);
 }
 
+TEST(GuessedEffects, AnEffectWithoutAShapeThatAFitHasEstimatedIsNone) {
+  Model model = *library_model("flexiforce");
+  const EffectKind& kind = *EffectRegistry::instance().find("static_nonlinearity");
+  const EffectForm& form = *std::ranges::find_if(kind.forms, [](const EffectForm& f) { return f.shape.empty(); });
+  model.effects.push_back(model_effect(kind, form, {}, std::vector<Estimate>(form.strength.size(), Estimate{-0.02, 0.001})));
+  const auto bent = [](const std::vector<double>&, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    for (const double f : F) U.push_back(8.0 * std::pow(f / 4.6, 0.97) + 0.2);
+    return U;
+  };
+  EXPECT_EQ(probability(answer_of(model, bent), "static_nonlinearity"), 0.0);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
