@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "hil/base/text.h"
@@ -43,14 +42,9 @@ void take(const std::string& key, double value, AirNotes& out) {
 
 }  // namespace
 
-AirNotes air_notes(const nlohmann::json& record) {
+AirNotes air_notes(const std::vector<std::pair<std::string, double>>& numbers) {
   AirNotes out;
-  for (const auto& [key, value] : record.items()) {
-    if (value.is_number()) take(key, value.get<double>(), out);
-    if (!value.is_object() || key == "stimulus") continue;
-    for (const auto& [inner, of_it] : value.items())
-      if (of_it.is_number()) take(inner, of_it.get<double>(), out);
-  }
+  for (const auto& [name, value] : numbers) take(name, value, out);
   return out;
 }
 

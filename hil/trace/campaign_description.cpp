@@ -125,6 +125,19 @@ Result<BenchFacts> bench_of(const Json& object, const Source& source) {
   return bench;
 }
 
+/// Numbers of a record by name, those inside an object of it ("environment": {...}) too. What a stimulus asks for is no note of the air.
+std::vector<std::pair<std::string, double>> numbers_of(const Json& record) {
+  std::vector<std::pair<std::string, double>> out;
+  const auto add = [&](const Json& object) {
+    for (const auto& [key, value] : object.items())
+      if (value.is_number()) out.emplace_back(key, value.get<double>());
+  };
+  add(record);
+  for (const auto& [key, value] : record.items())
+    if (value.is_object() && key != "stimulus") add(value);
+  return out;
+}
+
 Result<Record> facts_of(const Json& object, const Source& source, const std::string& file) {
   Record record;
   record.name = fs::path(file).stem().string();
@@ -143,7 +156,7 @@ Result<Record> facts_of(const Json& object, const Source& source, const std::str
   FORCEGATE_CHECK_OK(m.number("preload_mm", into(record.preload_mm)));
   for (const char* key : {"temperature_C", "temp_C"}) FORCEGATE_CHECK_OK(m.number(key, into(record.temp_C)));
   for (const char* key : {"rh_pct", "RH_pct", "humidity_pct"}) FORCEGATE_CHECK_OK(m.number(key, into(record.humidity_pct)));
-  const AirNotes air = air_notes(object);
+  const AirNotes air = air_notes(numbers_of(object));
   if (!record.temp_C) record.temp_C = air.temp_C;
   if (!record.humidity_pct) record.humidity_pct = air.humidity_pct;
   if (!record.drive_V) record.drive_V = air.drive_V;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/choose/screen.h"
@@ -27,14 +27,13 @@ void tell_guessed_effects(const Workspace& w, const MixedFit& fit, double first_
       out.notes.push_back("the model's " + c.kind->name + " was a guess, and these records do not show it");
       continue;
     }
+    if (std::ranges::any_of(out.findings, [&](const Finding& o) { return o.effect == c.kind->name; })) continue;  // two forms of one effect
     Finding f;
     f.effect = c.kind->name;
     f.side = c.kind->side;
     f.form = c.form->name;
     f.unit = out.unit;
     f.probability = kNoClaim;
-    f.error_before = channel.scale * std::sqrt(before);
-    f.error_after = channel.scale * std::sqrt(left);
     std::string values;
     for (std::size_t k = 0; k < c.shape.size(); ++k) values += fmt::format(", {} = {:.3g} {}", c.form->shape[k].name, c.shape[k], c.form->shape[k].unit);
     f.evidence = c.kind->summary + "; the model has it already, as a guess that these records bear out" + values + ": it is not missing";
