@@ -13,7 +13,7 @@ struct AirNotes {
 };
 
 /// Out of named numbers those whose name tells quantity and unit as a column header does: "rh_percent" 58, "room_temp_degC" 23,
-/// "excitation_mV" 3300. The first of a quantity counts. Words that only say where ("room", "air", "ambient",
+/// "drive_mV" 3300. The first of a quantity counts. Words that only say where ("room", "air", "ambient",
 /// "mean") do not count; humidity without a unit is a share up to 1 and in percent above.
 AirNotes air_notes(const std::vector<std::pair<std::string, double>>& numbers);
 

@@ -36,7 +36,7 @@ constexpr std::array kSynonyms = {
              "voltage",
              "V",
              {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal", "spannung"}},
-    Synonyms{"drive", "voltage", "V", {"drive", "v_drive", "u_drive", "excitation", "v_exc", "u_exc", "v_bias", "bias_voltage"}},
+    Synonyms{"drive", "voltage", "V", {"drive", "v_drive", "u_drive"}},
     Synonyms{"supply", "voltage", "V", {"supply", "vcc", "v_supply", "versorgung"}},
     Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel", "winkel"}},
     Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb", "temperatur"}},

@@ -3,16 +3,14 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "rigs/emulated/hidden/difference.h"
+
 namespace forcegate::hidden {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-const std::vector<double>& column(const RecordData& record, Measure measure) {
-  return measure == Measure::voltage ? record.voltage_V : record.force_unrounded_N;
-}
 
 struct Level {
   Eigen::Vector2d added = Eigen::Vector2d::Zero();        // relative gain, zero in V or N
@@ -57,7 +55,7 @@ double detectability_between(const std::vector<RecordData>& with, const std::vec
   MatrixXd C = MatrixXd::Zero(2 * n, 2 * n), X = MatrixXd::Zero(2 * n, 2);
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const Level level = level_of(column(with[k], measure), column(without[k], measure), noise);
+    const Level level = level_of(column_of(with[k], measure), column_of(without[k], measure), noise);
     added.segment<2>(2 * i) = level.added;
     X.block<2, 2>(2 * i, 0).setIdentity();
     for (Index j = 0; j < n; ++j) {

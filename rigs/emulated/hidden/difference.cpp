@@ -6,20 +6,17 @@
 #include <limits>
 
 namespace forcegate::hidden {
-namespace {
 
-const std::vector<double>& column(const RecordData& record, Measure measure) {
+const std::vector<double>& column_of(const RecordData& record, Measure measure) {
   return measure == Measure::voltage ? record.voltage_V : record.force_unrounded_N;
 }
-
-}  // namespace
 
 Difference difference(const std::vector<RecordData>& with, const std::vector<RecordData>& without,
                       Measure measure) {
   double n = 0, sx = 0, sxx = 0, sd = 0, sxd = 0, sdd = 0;
   Difference out;
   for (std::size_t r = 0; r < with.size(); ++r) {
-    const auto &a = column(with[r], measure), &b = column(without[r], measure);
+    const auto &a = column_of(with[r], measure), &b = column_of(without[r], measure);
     double square = 0, count = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
       const double d = a[i] - b[i], x = b[i];
@@ -36,7 +33,7 @@ Difference difference(const std::vector<RecordData>& with, const std::vector<Rec
   std::vector<double> squares;
   double held_square = 0, held_count = 0;
   for (std::size_t r = 0; r < with.size(); ++r) {
-    const auto &a = column(with[r], measure), &b = column(without[r], measure);
+    const auto &a = column_of(with[r], measure), &b = column_of(without[r], measure);
     double square = 0, count = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
       const double e = a[i] - b[i] - gain * b[i] - offset;
@@ -58,7 +55,7 @@ Difference difference(const std::vector<RecordData>& with, const std::vector<Rec
 double span_of(const std::vector<RecordData>& records, Measure measure) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const RecordData& record : records)
-    for (const double v : column(record, measure))
+    for (const double v : column_of(record, measure))
       if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
   return high > low ? high - low : 0.0;
 }

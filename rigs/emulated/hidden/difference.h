@@ -15,6 +15,9 @@ struct Difference {
   std::vector<double> record_rms;  ///< plain, per record
 };
 
+/// The channel that a measure is of; the force as it was before rounding.
+const std::vector<double>& column_of(const RecordData& record, Measure measure);
+
 /// `with` and `without` have the same plans; missing samples are left out.
 Difference difference(const std::vector<RecordData>& with, const std::vector<RecordData>& without,
                       Measure measure);

@@ -136,30 +136,24 @@ void slow_columns(const Conditions& c, const RecordContext& context, const Waves
   const RecordPlan& plan = context.plan;
   Rng rng(plan.seed, "slow");
   const std::size_t n = record.stamp_s.size();
-  if (c.log_temperature) {
-    record.temperature_C.resize(n);
-    double held = 0.0, next_s = -1.0;
+  // a slow instrument holds each reading for a while
+  const auto held = [&](double every_s, const auto& read) {
+    std::vector<double> out(n);
+    double value = 0.0, next_s = -1.0;
     for (std::size_t i = 0; i < n; ++i) {
-      if (record.stamp_s[i] >= next_s) {  // a slow thermometer of 0.05 degrees
-        held = context.climate.temperature_C(plan.start_s + record.stamp_s[i]) + 0.02 * rng.normal();
-        held = std::round(held / 0.05) * 0.05;
-        next_s = record.stamp_s[i] + 1.0;
+      if (record.stamp_s[i] >= next_s) {
+        value = read(plan.start_s + record.stamp_s[i]);
+        next_s = record.stamp_s[i] + every_s;
       }
-      record.temperature_C[i] = held;
+      out[i] = value;
     }
-  }
+    return out;
+  };
+  if (c.log_temperature)
+    record.temperature_C = held(1.0, [&](double at_s) { return std::round((context.climate.temperature_C(at_s) + 0.02 * rng.normal()) / 0.05) * 0.05; });
   if (c.log_humidity) {
     Rng hygrometer(plan.seed, "hygrometer");
-    record.humidity_pct.resize(n);
-    double held = 0.0, next_s = -1.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (record.stamp_s[i] >= next_s) {  // read every ten seconds, to a tenth
-        held = context.climate.humidity_pct(plan.start_s + record.stamp_s[i]) + 0.2 * hygrometer.normal();
-        held = std::round(held * 10.0) / 10.0;
-        next_s = record.stamp_s[i] + 10.0;
-      }
-      record.humidity_pct[i] = held;
-    }
+    record.humidity_pct = held(10.0, [&](double at_s) { return std::round((context.climate.humidity_pct(at_s) + 0.2 * hygrometer.normal()) * 10.0) / 10.0; });
   }
   if (c.log_capacitance) {
     record.capacitance_F.resize(n);

@@ -32,12 +32,12 @@ TEST(AirNotes, TemperatureIsReadInItsUnit) {
 }
 
 TEST(AirNotes, DriveIsReadInVolt) {
-  EXPECT_NEAR(note("excitation_mV", 3300.0).drive_V.value_or(0.0), 3.3, 1e-12);
+  EXPECT_NEAR(note("drive_mV", 3300.0).drive_V.value_or(0.0), 3.3, 1e-12);
   EXPECT_NEAR(note("drive_V", 5.0).drive_V.value_or(0.0), 5.0, 1e-12);
 }
 
 TEST(AirNotes, OtherNumbersAreNoAir) {
-  for (const char* name : {"start_s", "A_N", "m_N", "f_min_Hz", "T", "duration_s", "fs_Hz", "eccentricity_mm", "t", "excitation_start_s", "number", ""}) {
+  for (const char* name : {"start_s", "A_N", "m_N", "f_min_Hz", "T", "duration_s", "fs_Hz", "eccentricity_mm", "t", "excitation_start_s", "excitation_V", "number", ""}) {
     const AirNotes n = note(name, 2.0);
     EXPECT_FALSE(n.temp_C || n.humidity_pct || n.drive_V) << name;
   }
