@@ -29,10 +29,9 @@ bool has_unknown_column(const Campaign& campaign) {
 
 // The model as it would be with every claim that it has a place for. nullopt: there is none.
 std::optional<Model> with_claims(diagnose::Workspace& w, const Model& model, const Diagnosis& d, unsigned threads) {
-  constexpr double kClaim = 0.5;
   std::optional<Model> out;
   for (const Finding& f : d.findings) {
-    if (f.probability < kClaim || f.form == "raw" || f.unit != d.unit) continue;
+    if (!f.claimed() || f.form == "raw" || f.unit != d.unit) continue;
     if (auto refit = diagnose::refit_model(w, out ? *out : model, f.effect, threads)) out = std::move(refit->model);
   }
   return out;
@@ -62,11 +61,11 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPicture
 }
 
 const Finding* worth_adding(const Diagnosis& d) {
-  constexpr double kClaim = 0.5, kSame = 1.02;
+  constexpr double kSame = 1.02;
   if (d.error_after > kSame * d.error_before) return nullptr;
   for (const Finding& f : d.findings) {
     const EffectKind* kind = EffectRegistry::instance().find(f.effect);
-    if (f.probability >= kClaim && f.form != "raw" && f.effect != "drift" && f.unit == d.unit &&
+    if (f.claimed() && f.form != "raw" && f.effect != "drift" && f.unit == d.unit &&
         f.error_after < f.error_before && (kind == nullptr || kind->channel == EffectChannel::output))
       return &f;
   }
@@ -92,10 +91,10 @@ std::string diagnosis_text(const Diagnosis& d) {
   }
   for (const Finding& f : d.findings) {
     if (f.probability < 0.05) continue;
-    out += fmt::format("  {} {:<20} {:<11} probability {:.2f}\n", f.probability >= 0.5 ? "*" : " ", f.effect,
-                       shown_side(f), f.probability);
+    out += fmt::format("  {} {:<20} {:<11} {}\n", f.claimed() ? "*" : " ", f.effect, shown_side(f),
+                       f.in_model ? "in the model already" : fmt::format("probability {:.2f}", f.probability));
     out += "      " + f.evidence + "\n";
-    if (f.probability < 0.5) continue;
+    if (!f.claimed()) continue;
     for (const FoundParameter& p : f.parameters)
       out += fmt::format("      {} = {} {}\n", p.name, with_uncertainty(p.value, p.u),
                          p.unit == "1" ? "" : p.unit);

@@ -20,7 +20,7 @@ Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, co
   if (!d.maps.empty()) FORCEGATE_CHECK_OK(put("map_before", residual_map_figure(d, false)));
   if (has_after(d)) FORCEGATE_CHECK_OK(put("map_after", residual_map_figure(d, true)));
   for (const Finding& f : d.findings) {
-    if (f.probability < 0.5) continue;
+    if (!f.claimed()) continue;
     int number = 0;
     for (const EvidenceSeries& s : f.series)
       FORCEGATE_CHECK_OK(put(fmt::format("{}_{}", f.effect, ++number), evidence_figure(s)));

@@ -59,9 +59,6 @@ struct Reduction {
   double share() const;
 };
 
-/// A finding of probability 0.5 or more is a claim.
-inline constexpr double kClaim = 0.5;
-
 struct Score {
   int rank = 0;        ///< place of the first true effect among the findings; 0 = not listed
   bool named = false;  ///< verdict "known" and the first finding is true

@@ -10,14 +10,13 @@
 namespace forcegate {
 namespace {
 
-constexpr double kClaim = 0.5;
 
 // What a person must mend who cannot mend it in the model: the side of the first claim.
 std::string word_of(const Diagnosis& d) {
   if (d.verdict == DiagnosisVerdict::none) return "none";
   if (d.verdict == DiagnosisVerdict::unknown) return d.not_separable.empty() ? "unknown" : "not separable";
   for (const Finding& f : d.findings)
-    if (f.probability >= kClaim) return f.effect == "drift" ? "drift" : f.side;
+    if (f.claimed()) return f.effect == "drift" ? "drift" : f.side;
   return "known";
 }
 

@@ -56,15 +56,19 @@ struct Reservation {
   std::string why;
 };
 
+/// A finding at least this probable is a claim.
+inline constexpr double kClaim = 0.5;
+
 struct Finding {
   std::string effect;
   std::string side;          ///< sensor, rig, reference, instrument
-  double probability = 0.0;  ///< >= 0.5 is a claim
+  double probability = 0.0;  ///< a claim from kClaim on
   std::vector<FoundParameter> parameters;
   double error_before = 0.0, error_after = 0.0;  ///< held-out, adapted, in `unit`
   std::string unit = "V";
   std::vector<LookAlike> confounded_with;
   std::string evidence;     ///< one sentence a person understands
+  bool in_model = false;    ///< the model has it already, as a guess that these records bear out: it is not missing
   std::string rival_of;     ///< the effect that it fits nearly as well as, and shares the probability with; else empty
   std::string form;         ///< which form of the effect was fitted
   double effect_rms = 0.0;  ///< RMS of what the effect adds, same unit
@@ -74,6 +78,8 @@ struct Finding {
   bool side_witnessed =
       true;  ///< false: no third channel could tell sensor from reference; said in `evidence`
   std::vector<Reservation> reservations;  ///< in the order in which they were made
+
+  bool claimed() const { return probability >= kClaim; }
 
   /// Lowers a probability above `most` to it, and says why in `reservations` and at the end of `evidence`. The only way to a lower one.
   /// True when it was above.

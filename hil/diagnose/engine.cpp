@@ -79,7 +79,7 @@ void put_in_order(std::vector<Finding>& findings) {
   for (const Finding& f : findings) most[f.unit] = std::max(most[f.unit], f.error_before);
   const auto rank = [&](const Finding& f) {
     const double of = most[f.unit], fall = of > 0.0 ? (f.error_before * f.error_before - f.error_after * f.error_after) / (of * of) : 0.0;
-    const double sure = f.probability >= 0.8 ? 1.0 : f.probability >= 0.5 ? std::floor(10.0 * f.probability) / 10.0 : f.probability;
+    const double sure = f.probability >= 0.8 ? 1.0 : f.claimed() ? std::floor(10.0 * f.probability) / 10.0 : f.probability;
     return std::pair{sure, f.form == "raw" ? 0.0 : fall};
   };
   std::stable_sort(findings.begin(), findings.end(), [&](const Finding& a, const Finding& b) { return rank(a) > rank(b); });
@@ -194,7 +194,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   tell_not_separable(selection, out);
   if (w.has_rig && search.rig.base.valid) tell_not_separable(search.rig, out);
 
-  const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.probability >= 0.5; });
+  const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed(); });
   const bool follows = follows_force(w.output, selection.base);
   if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
   const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.records_far_above >= 2;

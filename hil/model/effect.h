@@ -64,6 +64,7 @@ struct EffectForm {
   bool from_rig = false; ///< of the output, after what another channel has shown
   bool groups = false;   ///< a column belongs to one group of records each, the first group has none
   RecordedCause cause = {};
+  std::string beside = {};  ///< an effect that the model must have: the form is how this one and that one act together
 };
 
 /// What the judge must know of a family beside its columns.

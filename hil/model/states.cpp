@@ -34,6 +34,25 @@ std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int p
   return out;
 }
 
+std::vector<double> lagged_curve_rows(const RecordInput& record, double tau_s, LagAndCurve order, const std::function<double(double)>& h) {
+  if (record.fast_F_N.empty()) return std::vector<double>(record.rows(), 0.0);
+  const auto& F = record.fast_F_N;
+  const auto& t = record.fast_t_s;
+  const bool bends_first = order == LagAndCurve::lag_of_curve;
+  double before = bends_first ? h(F[0]) : F[0];
+  LowPass pole(tau_s, before);
+  const auto sample = [&](std::uint32_t k) {
+    if (k == 0) return bends_first ? before : h(before);
+    const double now = bends_first ? h(F[k]) : F[k];
+    const double y = pole.step(before, now, t[k] - t[k - 1]);
+    before = now;
+    return bends_first ? y : h(y);
+  };
+  std::vector<double> out(record.rows());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = row_mean(record, i, sample);
+  return out;
+}
+
 std::vector<double> delayed_rows(const RecordInput& record, double delay_s, double skew) {
   if (record.fast_F_N.empty()) return std::vector<double>(record.rows(), 0.0);
   const auto& F = record.fast_F_N;

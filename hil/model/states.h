@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -72,6 +73,10 @@ inline double soft_hinge(double x, double w) {
 
 /// Low pass of the full-rate force, averaged over each row. start: first state.
 std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int poles = 1);
+
+/// h(L[F]), or L[h(F)], of the full-rate force, averaged over each row; L one pole of tau_s that starts settled.
+enum class LagAndCurve { curve_of_lagged, lag_of_curve };
+std::vector<double> lagged_curve_rows(const RecordInput& record, double tau_s, LagAndCurve order, const std::function<double(double)>& h);
 
 /// F(t - delay_s), linear between full-rate samples, averaged over each wanted row; 0 in the others.
 std::vector<double> delayed_rows(const RecordInput& record, double delay_s, double skew = 0.0);

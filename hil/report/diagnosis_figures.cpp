@@ -15,7 +15,7 @@ namespace {
 
 using namespace figures;
 
-constexpr double kWidth = 560.0, kMapWidth = 640.0, kClaim = 0.5;
+constexpr double kWidth = 560.0, kMapWidth = 640.0;
 constexpr int kBlocksNeeded = 3;
 
 bool spans_decades(const std::vector<double>& x) {
@@ -97,11 +97,11 @@ Figure diagnosis_waterfall(const Diagnosis& d) {
   std::vector<WaterfallStep> steps;
   double error = d.error_before;
   const auto claims = [&](const std::string& effect) {
-    return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.form != "raw" && f.probability >= kClaim; });
+    return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.form != "raw" && f.claimed(); });
   };
   std::vector<std::string> raw;
   for (const Finding& f : d.findings)
-    if (f.form == "raw" && f.probability >= kClaim) raw.push_back(f.effect);
+    if (f.form == "raw" && f.claimed()) raw.push_back(f.effect);
   for (const ModelStep& step : d.steps) {
     const std::string name = step.effect.empty() ? join(raw, ", ") : step.effect;
     if (name.empty()) continue;

@@ -22,7 +22,6 @@ using figures::display;
 using figures::escape;
 
 using Answer = decltype(Diagnosis::verdict);
-constexpr double kClaim = 0.5;
 constexpr std::size_t kMostOverlays = 12, kMostMaps = 6;
 
 // What the same search finds where there is nothing to find: chance when the residual is noise, leftovers when it is not.
@@ -79,11 +78,11 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
 
 // `more`: the level of the records beside the first claim that acts between them.
 std::string finding(const Finding& f, JudgedBy judged_by, bool open, const std::string& more) {
-  const bool claim = f.probability >= kClaim;
+  const bool claim = f.claimed();
   std::string out =
       "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") +
       "><summary><span class=\"id\">" + escape(f.effect) + "</span><span>" + escape(shown_side(f)) + "</span><span class=\"w " + (claim ? "wa" : "mu") +
-      "\">" + (claim ? "claimed" : "not claimed") + ", probability " + fmt::format("{:.2f}", f.probability) +
+      "\">" + (f.in_model ? "in the model already" : fmt::format("{}, probability {:.2f}", claim ? "claimed" : "not claimed", f.probability)) +
       "</span></summary><div class=\"in\">\n<p>" + escape(f.evidence) + "</p>\n<dl>";
   const auto fact = [&](std::string_view name, const std::string& html) {
     if (!html.empty()) out += "<dt>" + std::string(name) + "</dt><dd>" + html + "</dd>";
@@ -114,7 +113,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool open, const std::
   return out + "</div></details>\n";
 }
 
-bool is_claimed_between_records(const Finding& f) { return f.probability >= kClaim && shows_between_records(f.effect); }
+bool is_claimed_between_records(const Finding& f) { return f.claimed() && shows_between_records(f.effect); }
 
 std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
   std::string out = "<section id=\"missing\"><h2>What is missing</h2>\n";
@@ -130,10 +129,10 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
   for (const Finding& f : d.findings) {
     const bool here = !drawn && is_claimed_between_records(f);
     drawn |= here;
-    out += finding(f, d.judged_by, f.probability >= kClaim && opened++ < 3, here ? between_records(pictures) : "");
+    out += finding(f, d.judged_by, f.claimed() && opened++ < 3, here ? between_records(pictures) : "");
   }
   const bool moves = !d.not_separable.empty() ||
-                     std::ranges::any_of(d.findings, [](const Finding& f) { return f.probability >= kClaim; });
+                     std::ranges::any_of(d.findings, [](const Finding& f) { return f.claimed(); });
   if (moves) out += "<h3>Error over the versions of the model</h3>\n" + picture(diagnosis_waterfall(d));
   return out + "</section>\n";
 }
@@ -265,7 +264,7 @@ std::string diagnosis_headline(const Diagnosis& d) {
                                    : "; it depends on " + join(d.depends_on, ", "));
   std::string out = "Missing: ", separator;
   for (const Finding& f : d.findings) {
-    if (f.probability < kClaim) continue;
+    if (!f.claimed()) continue;
     out +=
         separator + f.effect + " (" + shown_side(f) + ", probability " + fmt::format("{:.2f}", f.probability) + ")";
     separator = ", ";

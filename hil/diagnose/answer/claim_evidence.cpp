@@ -192,13 +192,12 @@ EvidenceSeries residual_series(const Chosen& c, std::size_t k, const std::string
 
 void add_claim_evidence(const Workspace& w, const ResidualChannel& channel, const Selection& selection, const EvidenceAxes& axes,
                         std::vector<Finding>& findings) {
-  constexpr double kClaim = 0.5;
   constexpr std::size_t kMostAxes = 3;
   if (!selection.claimed.valid) return;
   const Chosen chosen{w, channel, selection, axes};
   for (const ChosenEffect& effect : selection.chosen) {
     const auto claim = std::ranges::find_if(findings, [&](const Finding& f) {
-      return f.effect == effect.kind->name && f.form != "raw" && f.unit == channel.unit && f.probability >= kClaim && f.series.empty();
+      return f.effect == effect.kind->name && f.form != "raw" && f.unit == channel.unit && f.claimed() && f.series.empty();
     });
     if (claim == findings.end()) continue;
     if (effect.between) {

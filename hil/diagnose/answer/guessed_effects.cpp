@@ -34,6 +34,7 @@ void tell_guessed_effects(const Workspace& w, const MixedFit& fit, double first_
     f.form = c.form->name;
     f.unit = out.unit;
     f.probability = kNoClaim;
+    f.in_model = true;
     std::string values;
     for (std::size_t k = 0; k < c.shape.size(); ++k) values += fmt::format(", {} = {:.3g} {}", c.form->shape[k].name, c.shape[k], c.form->shape[k].unit);
     f.evidence = c.kind->summary + "; the model has it already, as a guess that these records bear out" + values + ": it is not missing";

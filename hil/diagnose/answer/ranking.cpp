@@ -31,7 +31,7 @@ double visible_from(const ResidualChannel& channel, const FamilyScore& family, d
 }
 
 bool is_claimed(const Diagnosis& d, const std::string& effect) {
-  return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.probability >= 0.5; });
+  return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.claimed(); });
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ Json finding_json(const Finding& f) {
   for (const LookAlike& a : f.confounded_with)
     others.push_back({{"effect", a.effect}, {"cos", number(a.cosine)}, {"separates", a.separates}});
   out["confounded_with"] = others;
+  out["in_model"] = f.in_model;
   out["rival_of"] = f.rival_of;
   out["evidence"] = f.evidence;
   out["reservations"] = Json::array();

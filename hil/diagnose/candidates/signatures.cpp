@@ -168,7 +168,7 @@ int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int can
 }
 
 void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_output, ResidualChannel& out,
-                     const std::vector<std::string>* only) {
+                     const std::vector<std::string>* only, const std::vector<Candidate>& of_model) {
   const auto add = [&](const EffectKind& kind) {
     // one recording has no other to be compared with
     if (w.input.single && kind.traits.needs_records) return;
@@ -178,6 +178,7 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
     const bool rig_tells = which == EffectChannel::output && w.rig_sees_zero && kind.name == "reference_drift";
     for (const EffectForm& form : kind.forms) {
       if (form.from_rig && !rig_tells) continue;
+      if (!form.beside.empty() && std::ranges::none_of(of_model, [&](const Candidate& c) { return c.kind->name == form.beside; })) continue;
       for (const std::vector<double>& shape : form.grid(w.input)) {
         Candidate c{&kind, &form, shape, out.problem.ns, static_cast<int>(form.strength.size())};
         const int index = static_cast<int>(out.candidates.size());
@@ -209,7 +210,7 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<Cand
   channel.scale = w.input.U_range_V;
   channel.unit = std::move(unit);
   set_repeatability(channel.problem, w.input.single, w.zero_wanders);
-  list_candidates(w, EffectChannel::output, true, channel, only != nullptr ? &only->families : nullptr);
+  list_candidates(w, EffectChannel::output, true, channel, only != nullptr ? &only->families : nullptr, of_model);
   if (only != nullptr && only->is_read)
     for (Candidate& c : channel.candidates) c.is_read = only->is_read(c);
   for (Candidate c : of_model) {

@@ -7,7 +7,7 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr double kClaim = 0.5, kMost = 20.0;
+constexpr double kMost = 20.0;
 
 const Finding* finding_of(const Diagnosis& d, const std::string& effect) {
   const auto at = std::find_if(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == effect; });
@@ -29,7 +29,7 @@ std::optional<RivalOdds> rival_odds(const Diagnosis& d, const std::string& first
   const Finding *a = finding_of(d, first), *b = finding_of(d, second);
   if (a == nullptr || b == nullptr)
     return RivalOdds{std::clamp(evidence_between(d, first, second), -kMost, kMost), false};
-  if (a->probability >= kClaim && b->probability >= kClaim) return std::nullopt;
+  if (a->claimed() && b->claimed()) return std::nullopt;
   constexpr double kLeast = 1e-9;
   return RivalOdds{std::clamp(std::log(std::max(kLeast, a->probability) / std::max(kLeast, b->probability)), -kMost, kMost), true};
 }

@@ -167,11 +167,12 @@ class Fitter {
   CampaignInput input_;
 };
 
-std::vector<Chosen> variants_of(const EffectKind& kind, const CampaignInput& input) {
+std::vector<Chosen> variants_of(const EffectKind& kind, const std::vector<Chosen>& beside, const CampaignInput& input) {
   std::vector<Chosen> out;
   for (const EffectForm& form : kind.forms) {
     // the widest banks exist to soak up remains, not to be a law
     if (form.bank && kind.forms.size() > 1 && form.sign == StrengthSign::either) continue;
+    if (!form.beside.empty() && std::ranges::none_of(beside, [&](const Chosen& c) { return c.kind->name == form.beside; })) continue;
     for (std::vector<double>& shape : form.grid(input)) out.push_back({&kind, &form, std::move(shape)});
   }
   return out;
@@ -280,7 +281,7 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
   FORCEGATE_TRY(const std::vector<const EffectKind*> kinds, wanted_kinds(start, own_kinds, fitter.input()));
   for (const EffectKind* kind : kinds) {
     Trial best, usable;
-    for (Chosen& variant : variants_of(*kind, fitter.input())) {
+    for (Chosen& variant : variants_of(*kind, effects, fitter.input())) {
       std::vector<Chosen> with = effects;
       with.push_back(variant);
       // b and q have soaked up what is missing: each form is judged with its own

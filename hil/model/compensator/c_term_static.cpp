@@ -45,6 +45,30 @@ Result<CTerm> thermal(const ModelEffect& e, const CTermContext& x) {
   return t;
 }
 
+// A bent curve behind a lag, h(y), or before one, L[h(F)] (LagAndCurve of hil/model/states.h): one pole on F or on h(F).
+void put_behind_pole(const ModelEffect& e, const CTermContext& x, CTerm& t) {
+  const std::string& id = x.id;
+  const bool bends_first = e.form.ends_with("_before_lag");
+  const LowPassWeights w = low_pass_weights(shape_of(e, 0), x.rate_Hz);
+  const std::string drive = bends_first ? id + "_h(F)" : "F";
+  t.constants += constant("k_" + id + "_old", w.to_old) + constant("k_" + id + "_new", w.to_new);
+  t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
+  t.prepare = fmt::format(
+      "  if (c->running) {{\n"
+      "    c->{0}_a = c->{0}_y + (k_{0}_old * (c->{0}_x - c->{0}_y) - k_{0}_new * c->{0}_y);\n"
+      "    c->{0}_b = k_{0}_new;\n"
+      "  }} else {{\n"
+      "    c->{0}_a = 0.0f;\n"
+      "    c->{0}_b = 1.0f;\n"
+      "  }}\n",
+      id);
+  const std::string now = fmt::format("c->{0}_a + c->{0}_b * {1}", id, drive);
+  t.value = fmt::format("{0}_h(c->low_N) + c->shrink * ({1} - {0}_h(c->low_N))", id, bends_first ? "(" + now + ")" : fmt::format("{}_h({})", id, now));
+  t.commit = fmt::format("  c->{0}_x = {1};\n  c->{0}_y = c->{0}_a + c->{0}_b * c->{0}_x;\n", id, drive);
+  t.once += 10;
+  t.bytes += 16;
+}
+
 // A curve h of the force: on the film's force, on the decayed one, or of the swing (CurveAt of hil/model/states.h).
 std::string curve_value(const std::string& form, const std::string& id) {
   if (form.ends_with("_after_decay")) return id + "_h(W)";
@@ -96,7 +120,10 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
   }
   t.title = fmt::format("{}: {}", e.effect, e.form);
   t.constants += fmt::format("static inline float {}_h(float F) {{\n  {}\n}}\n", id, body);
-  t.value = curve_value(e.form, id);
+  if (e.form.ends_with("_lag"))
+    put_behind_pole(e, x, t);
+  else
+    t.value = curve_value(e.form, id);
   t.each = after ? t.each : 2 * t.each + 3;
   for (int k = 0; k < 200; ++k) {
     const double F = x.lowest_N + 1.2 * R * (k + 0.5) / 200.0, step = 1e-4 * R;

@@ -2,9 +2,12 @@
 //   dU = g [h(Fmin) + D (h(F) - h(Fmin))], h = c2 F^2/R + c3 F^3/R^2 (polynomial), c F ln(F/R) (tangent of F^n),
 //   or -c softplus(F - F1) (saturation); R the force span. The same curves on the decayed force W, and beside the load's own lowest
 //   force (D h(F)), are further forms.
+// Beside a lag of the model a bent curve lags too: h(y) of the lagged force (after_lag) or L[h(F)] (before_lag), tau y' + y = F; h(F) alone
+// would leave the lag of what the curve adds, which looks like a second time constant.
 // FlexiForce within +-3 % (Tekscan manual, rev. G); amplitude nonlinearity: Sensors 11 (2011) 8836.
 
 #include <cmath>
+#include <functional>
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
@@ -30,6 +33,9 @@ EffectForm polynomial(const char* name, CurveAt at) {
           .singles = true};
 }
 
+// Tangent of F^n at n = 1.
+double power_term(double F, double R) { return F > 1e-3 * R ? F * std::log(F / R) : F * std::log(1e-3); }
+
 EffectForm power(const char* name, CurveAt at) {
   return {.name = name,
           .shape = {},
@@ -39,7 +45,7 @@ EffectForm power(const char* name, CurveAt at) {
           .columns =
               [at](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 const double R = c.range_N;
-                add_curve(r, at, [R](double F) { return F > 1e-3 * R ? F * std::log(F / R) : F * std::log(1e-3); }, out.col(0));
+                add_curve(r, at, [R](double F) { return power_term(F, R); }, out.col(0));
               }};
 }
 
@@ -90,6 +96,49 @@ EffectForm bank() {
           .bank = true};
 }
 
+using Curves = std::vector<std::function<double(double)>>;
+
+void add_lagged(const RecordInput& r, double tau_s, LagAndCurve order, const Curves& h, ColumnsRef out) {
+  for (std::size_t k = 0; k < h.size(); ++k) {
+    const std::vector<double> y = lagged_curve_rows(r, tau_s, order, h[k]);
+    const double low = r.dynamic ? h[k](r.F_min_N) : 0.0;
+    for (std::size_t i = 0; i < y.size(); ++i)
+      out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = low + (r.dynamic ? r.decay[i] : 1.0) * (y[i] - low);
+  }
+}
+
+// `plain`: the curve that it is without a lag, with its strengths.
+EffectForm lagged(EffectForm plain, const char* name, LagAndCurve order, std::function<Curves(double R)> curves) {
+  plain.name = name;
+  plain.shape = {{"tau_s", "s", 1e-4, 10.0, 0.05, "time constant of the lag"}};
+  plain.grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.02}, {0.06}, {0.2}}; };
+  plain.columns = [order, curves](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+    add_lagged(r, shape[0], order, curves(c.range_N), out);
+  };
+  plain.singles = false;
+  plain.beside = "lag";
+  return plain;
+}
+
+Curves squares_and_cubes(double R) {
+  return {[R](double F) { return F * F / R; }, [R](double F) { return F * F * F / (R * R); }};
+}
+
+Curves power_curve(double R) {
+  return {[R](double F) { return power_term(F, R); }};
+}
+
+EffectForm lagged_bank(const char* name, LagAndCurve order) {
+  EffectForm out = lagged(bank(), name, order, [](double R) {
+    Curves h = squares_and_cubes(R);
+    h.emplace_back([R](double F) { return F * F * F * F / (R * R * R); });
+    h.emplace_back([R](double F) { return std::sqrt(std::max(F, 0.0) * R); });
+    return h;
+  });
+  out.strength.resize(4);
+  return out;
+}
+
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "static_nonlinearity",
     .side = "sensor",
@@ -103,7 +152,13 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .forms = {polynomial("polynomial", CurveAt::force), polynomial("polynomial_after_decay", CurveAt::decayed),
               polynomial("polynomial_of_swing", CurveAt::swing), power("power_law", CurveAt::force),
               power("power_law_after_decay", CurveAt::decayed), saturation("saturation", CurveAt::force),
-              saturation("saturation_after_decay", CurveAt::decayed), bank()}}};
+              saturation("saturation_after_decay", CurveAt::decayed),
+              lagged(polynomial("", CurveAt::force), "polynomial_after_lag", LagAndCurve::curve_of_lagged, squares_and_cubes),
+              lagged(polynomial("", CurveAt::force), "polynomial_before_lag", LagAndCurve::lag_of_curve, squares_and_cubes),
+              lagged(power("", CurveAt::force), "power_law_after_lag", LagAndCurve::curve_of_lagged, power_curve),
+              lagged(power("", CurveAt::force), "power_law_before_lag", LagAndCurve::lag_of_curve, power_curve),
+              bank(), lagged_bank("quartic_after_lag", LagAndCurve::curve_of_lagged),
+              lagged_bank("quartic_before_lag", LagAndCurve::lag_of_curve)}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -136,6 +136,14 @@ TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "hard", {0.5}, {0.2})})), 0.3);
 }
 
+TEST(Compensator, CurvesThatLagAreUndoneBesideTheLag) {
+  const ModelEffect lag = effect("lag", "one_pole", {1.0}, {0.05});
+  for (const char* form : {"polynomial_after_lag", "polynomial_before_lag"})
+    EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {0.05, -0.03}, {0.05})})), 0.3) << form;
+  for (const char* form : {"power_law_after_lag", "power_law_before_lag"})
+    EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {-0.1}, {0.05})})), 0.5) << form;
+}
+
 // A form that is exported as another one would be found on the user's bench.
 TEST(Compensator, EveryFormOfTheLibraryIsUndoneOrRefused) {
   int undone = 0;

@@ -15,6 +15,30 @@ std::vector<double> lagging(const std::vector<double>& t, const std::vector<doub
   return U;
 }
 
+double conductance(double F) { return 8.0 * std::pow(std::max(F, 0.0) / 4.6, 0.8) + 0.2; }
+
+/// The film lags and its conductance bends.
+std::vector<double> bent_behind_lag(const std::vector<double>& t, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  double y = F.front();
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (i > 0) y += (F[i] - y) * -std::expm1(-(t[i] - t[i - 1]) / 0.06);
+    U.push_back(conductance(y));
+  }
+  return U;
+}
+
+/// The conductance bends and a filter lags.
+std::vector<double> bent_before_lag(const std::vector<double>& t, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  double y = conductance(F.front());
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (i > 0) y += (conductance(F[i]) - y) * -std::expm1(-(t[i] - t[i - 1]) / 0.06);
+    U.push_back(y);
+  }
+  return U;
+}
+
 Diagnosis answer_of(const Model& model, const Sensor& sensor) {
   EngineOptions options;
   options.threads = 1;
@@ -27,6 +51,13 @@ Diagnosis answer_of(const Model& model, const Sensor& sensor) {
   return out ? *out : Diagnosis{};
 }
 
+std::vector<std::string> claims_of(const Diagnosis& d) {
+  std::vector<std::string> out;
+  for (const Finding& f : d.findings)
+    if (f.claimed()) out.push_back(f.effect);
+  return out;
+}
+
 bool has_note(const Diagnosis& d, const std::string& part) {
   return std::ranges::any_of(d.notes, [&](const std::string& note) { return note.find(part) != std::string::npos; });
 }
@@ -37,8 +68,19 @@ TEST(GuessedEffects, ALagThatTheModelHasIsFittedAndIsNoClaim) {
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
   EXPECT_GT(probability(d, "lag"), 0.4) << told(d);
   EXPECT_LT(probability(d, "lag"), 0.5) << told(d);
+  EXPECT_TRUE(std::ranges::find(d.findings, "lag", &Finding::effect)->in_model) << told(d);
   EXPECT_TRUE(has_note(d, "the model's lag was a guess: tau_s = 0.0")) << told(d);
   EXPECT_LT(d.error_after, 1.2 * d.floor) << told(d);
+}
+
+// The lag of what the curve adds is no second time constant.
+TEST(GuessedEffects, ACurveBesideTheLagLagsToo) {
+  for (const Sensor& sensor : {Sensor{bent_behind_lag}, Sensor{bent_before_lag}}) {
+    const Diagnosis d = answer_of(*library_model("fsr"), sensor);
+    EXPECT_EQ(claims_of(d), std::vector<std::string>{"static_nonlinearity"}) << told(d);
+    EXPECT_FALSE(d.residual_unknown) << told(d);
+    EXPECT_LT(d.error_after, 1.5 * d.floor) << told(d);
+  }
 }
 
 TEST(GuessedEffects, OneThatTheRecordsDoNotShowIsANote) {
