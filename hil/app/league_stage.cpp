@@ -17,7 +17,7 @@ bool is_raw(const std::string& name) {
 
 const AnswerFinding* first_claim(const Answer& answer) {
   for (const AnswerFinding& f : answer.findings)
-    if (f.claimed()) return &f;
+    if (f.probability >= kClaim) return &f;
   return nullptr;
 }
 

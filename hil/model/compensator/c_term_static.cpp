@@ -125,9 +125,11 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
   else
     t.value = curve_value(e.form, id);
   t.each = after ? t.each : 2 * t.each + 3;
+  // of a curve that lags a sample shows its first part only
+  const double direct = e.form.ends_with("_lag") ? low_pass_weights(shape_of(e, 0), x.rate_Hz).to_new : 1.0;
   for (int k = 0; k < 200; ++k) {
     const double F = x.lowest_N + 1.2 * R * (k + 0.5) / 200.0, step = 1e-4 * R;
-    t.slope_min = std::min(t.slope_min, (h(F + step) - h(F - step)) / (2.0 * step));
+    t.slope_min = std::min(t.slope_min, direct * (h(F + step) - h(F - step)) / (2.0 * step));
   }
   return t;
 }

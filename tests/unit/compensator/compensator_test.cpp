@@ -137,7 +137,7 @@ TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
 }
 
 TEST(Compensator, CurvesThatLagAreUndoneBesideTheLag) {
-  const ModelEffect lag = effect("lag", "one_pole", {1.0}, {0.05});
+  const ModelEffect lag = effect("lag", "one_pole", {0.6}, {0.05});
   for (const char* form : {"polynomial_after_lag", "polynomial_before_lag"})
     EXPECT_LT(replay_LSB(model_with({lag, effect("static_nonlinearity", form, {0.05, -0.03}, {0.05})})), 0.3) << form;
   for (const char* form : {"power_law_after_lag", "power_law_before_lag"})
