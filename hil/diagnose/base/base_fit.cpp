@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "hil/base/parallel.h"
+#include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
@@ -181,49 +183,6 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
 
 namespace {
 
-// One record on its own: U = c0 + c1 F - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates. Without the last
-// column it is a static record; c2/c1 is the depth of the decay.
-struct OwnDecay {
-  double rate_per_s = 0.0, depth = 0.0;
-  double static_mean_square = 0.0, mean_square = 0.0;
-};
-
-OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
-  constexpr int kRates = 14;
-  OwnDecay best;
-  best.mean_square = 1e300;
-  const double longest = std::max(1.0, r.duration_s - r.onset_s);
-  for (int step = 0; step < kRates; ++step) {
-    const double rate =
-        std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
-    Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
-    for (const std::size_t i : rows) {
-      const double since = std::max(0.0, r.t_s[i] - r.onset_s);
-      const Eigen::Vector4d x(1.0, r.F_N[i], std::expm1(-rate * since) * (r.F_N[i] - r.F_min_N), r.U_V[i]);
-      M += x * x.transpose();
-    }
-    const double n = std::max<double>(1.0, static_cast<double>(rows.size()));
-    if (step == 0) {
-      const Eigen::Vector2d c = M.topLeftCorner<2, 2>().ldlt().solve(M.topRightCorner<2, 1>());
-      best.static_mean_square = std::max(0.0, M(3, 3) - c.dot(M.topRightCorner<2, 1>())) / n;
-    }
-    const Eigen::Vector3d c = M.topLeftCorner<3, 3>().ldlt().solve(M.topRightCorner<3, 1>());
-    const double mean_square = std::max(0.0, M(3, 3) - c.dot(M.topRightCorner<3, 1>())) / n;
-    const double depth = c[1] != 0.0 ? c[2] / c[1] : 0.0;
-    if (!(depth > 0.0 && depth < 1.1) || mean_square >= best.mean_square) continue;
-    best.mean_square = mean_square;
-    best.rate_per_s = rate;
-    best.depth = std::min(depth, 0.99);
-  }
-  return best;
-}
-
-// Explains most of what a straight line leaves.
-bool is_decay(const OwnDecay& own) {
-  constexpr double kExplains = 0.6;
-  return own.mean_square < (1.0 - kExplains) * own.static_mean_square && own.depth > 0.03;
-}
-
 // Where the law's constants are far off (a sensor of another range), the search starts from the record's own.
 RecordShift start_of(const Workspace& w, const RecordInput& r, const OwnDecay& own) {
   constexpr double kFar = 1.2;
@@ -239,7 +198,7 @@ void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>
     RecordInput& r = w.input.records[k];
     if (!r.dynamic) continue;
     const OwnDecay own = own_decay(r, rows[k]);
-    if (is_decay(own)) {
+    if (own.is_decay()) {
       w.shifts[k] = start_of(w, r, own);
     } else if (r.dynamic_assumed) {
       // a change of frequency is looked for where nothing decays too: D stays at 1
@@ -258,7 +217,7 @@ void start_blocks(Workspace& w, const std::vector<std::vector<std::size_t>>& row
   if (!whole.dynamic) return;
   std::vector<std::size_t> all;
   for (const auto& block : rows) all.insert(all.end(), block.begin(), block.end());
-  if (const OwnDecay own = own_decay(whole, all); is_decay(own))
+  if (const OwnDecay own = own_decay(whole, all); own.is_decay())
     w.shifts.assign(w.shifts.size(), start_of(w, whole, own));
 }
 
@@ -281,17 +240,28 @@ double slope_at_rest(const CampaignInput& input) {
   return FF > all * least_N * least_N ? FU / FF : 0.0;
 }
 
+// Without a decay, which bends them but slowly.
+Eigen::MatrixXd columns_beside(const Workspace& w, RecordInput record, const std::vector<Candidate>& beside, const std::vector<std::size_t>& rows) {
+  int count = 0;
+  for (const Candidate& c : beside) count += c.count;
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), count);
+  if (count == 0) return out;
+  record.decay.assign(record.rows(), 1.0);
+  record.wanted.clear();
+  Eigen::Index at = 0;
+  for (const Candidate& c : beside) {
+    Eigen::MatrixXd full = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(record.rows()), c.count);
+    c.form->columns(w.input, record, c.shape, full);
+    for (std::size_t j = 0; j < rows.size(); ++j)
+      out.row(static_cast<Eigen::Index>(j)).segment(at, c.count) = full.row(static_cast<Eigen::Index>(rows[j])) / w.input.range_N;
+    at += c.count;
+  }
+  return out;
+}
+
 }  // namespace
 
-bool decays_by_itself(const RecordInput& record) {
-  return is_decay(own_decay(record, choose_rows(record, 4000)));
-}
-
-double left_by_decay(const RecordInput& record) {
-  return own_decay(record, choose_rows(record, 4000)).mean_square;
-}
-
-void fit_base(Workspace& w, unsigned threads) {
+void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& beside) {
   const std::size_t n = w.input.records.size();
   w.shifts.assign(n, {});
   w.gain_V_per_N = w.scales.gain_V_per_N;
@@ -303,19 +273,28 @@ void fit_base(Workspace& w, unsigned threads) {
     choose_excitation(w, rows);
   if (const double slope = slope_at_rest(w.input); slope != 0.0) w.gain_V_per_N = slope;
 
+  constexpr double kOpen = 1.0;  // of the span: whatever they need
+  std::vector<Eigen::MatrixXd> S(n);
+  parallel_for(n, threads, [&](std::size_t k) { S[k] = columns_beside(w, w.input.records[k], beside, rows[k]); });
+  const auto ns = static_cast<int>(S.front().cols());
+  std::vector<int> columns(static_cast<std::size_t>(ns));
+  std::iota(columns.begin(), columns.end(), 0);
+
   const auto run = [&](int rounds) {
     MixedFit fit;
     for (int round = 0; round < rounds; ++round) {
       MixedProblem problem;
       set_repeatability(problem, w.input.single, w.zero_wanders);
-      problem.column_prior_sd.resize(0);
+      problem.ns = ns;
+      problem.column_prior_sd = Eigen::VectorXd::Constant(ns, kOpen);
       problem.records.resize(n);
       parallel_for(n, threads, [&](std::size_t k) {
         const Eigen::MatrixXd Z = repeatability_columns(w, k, rows[k]);
-        Eigen::MatrixXd A(Z.rows(), Z.cols() + 1);
+        Eigen::MatrixXd A(Z.rows(), Z.cols() + ns + 1);
         A.leftCols(Z.cols()) = Z;
+        A.middleCols(Z.cols(), ns) = S[k];
         for (Eigen::Index j = 0; j < Z.rows(); ++j)
-          A(j, Z.cols()) = w.input.records[k].U_V[rows[k][static_cast<std::size_t>(j)]] / w.input.U_range_V +
+          A(j, Z.cols() + ns) = w.input.records[k].U_V[rows[k][static_cast<std::size_t>(j)]] / w.input.U_range_V +
                            Z(j, 2) * w.shifts[k].log_b + Z(j, 3) * w.shifts[k].log_q;
         RecordGram& gram = problem.records[k];
         gram.gram = (A.transpose() * A) / std::max<double>(1.0, static_cast<double>(A.rows()));
@@ -323,7 +302,7 @@ void fit_base(Workspace& w, unsigned threads) {
         gram.noise_variance = 1e-6;
         gram.heldout = w.input.records[k].heldout && w.judges == JudgedBy::heldout;
       });
-      fit = fit_mixed(problem, {}, nullptr, 15);
+      fit = fit_mixed(problem, columns, nullptr, 15);
       if (!fit.valid) return fit;
       for (std::size_t k = 0; k < n; ++k) {
         const double b = fit.coefficient[2] + fit.zeta[k][2], q = fit.coefficient[3] + fit.zeta[k][3];

@@ -12,8 +12,9 @@ namespace forcegate::diagnose {
 std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limit);
 
 /// Fits the base law with per-record repeatability (b, q by Gauss-Newton at the record's own values, the rest linear)
-/// and leaves D(t) in the inputs, the shifts and the row noise in the workspace.
-void fit_base(Workspace& workspace, unsigned threads = 1);
+/// and leaves D(t) in the inputs, the shifts and the row noise in the workspace. Where the maxima do not decay the law becomes static.
+/// `beside`: effects that take part in this fit and stay open, as what they add is no decay.
+void fit_base(Workspace& workspace, unsigned threads = 1, const std::vector<Candidate>& beside = {});
 
 /// Columns of Z for the chosen rows at the workspace's shifts, each divided by the voltage span.
 Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record,
@@ -23,10 +24,6 @@ void add_waves(const RecordInput& record, const std::vector<std::size_t>& rows, 
 /// The ordinary lag of a drive behind its command as two columns of Z: (L_tau[C] - C) / scale, tau 30 and 100 ms.
 void add_drive_lag(const RecordInput& record, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
                    Eigen::Index first, Eigen::MatrixXd& Z);
-/// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
-bool decays_by_itself(const RecordInput& record);
-/// Mean square, V^2, that a straight line whose slope decays from the record's onset on leaves of it, at the best rate and depth.
-double left_by_decay(const RecordInput& record);
 /// Sets nz, components and priors of the output channel.
 void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders);
 

@@ -5,6 +5,7 @@
 #include "hil/base/largest_first.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/base/base_fit.h"
+#include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/candidates/command_channel.h"
 #include "hil/diagnose/candidates/guessed_shapes.h"
 #include "hil/diagnose/candidates/model_effects.h"
@@ -255,8 +256,8 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
   w->judges = rows.judges;
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   choose_wanted_rows(w->input);
-  fit_base(*w, options.threads);
   const std::vector<Candidate> of_model = model_candidates(w->input, options.model_effects);
+  fit_base(*w, options.threads, beside_guesses(w->input, of_model));
   if (options.search) {
     build_rig_channel(*w, options.threads);
     build_command_channel(*w, options.threads);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/choose/refine.h"
 #include "hil/diagnose/choose/screen.h"
@@ -21,10 +22,14 @@ std::vector<int> columns_of(const Candidate& c) {
   return out;
 }
 
-std::vector<int> other_model_columns(const ResidualChannel& channel, std::size_t but) {
+// Of the model; and of what acts together with this effect, which would bend its shape where it is missing, in the form that it has alone.
+std::vector<int> columns_beside(const ResidualChannel& channel, std::size_t own) {
   std::vector<int> out;
-  for (std::size_t k = 0; k < channel.candidates.size(); ++k)
-    if (channel.candidates[k].of_model && k != but) add_columns(out, columns_of(channel.candidates[k]));
+  for (std::size_t k = 0; k < channel.candidates.size(); ++k) {
+    const Candidate& c = channel.candidates[k];
+    if (c.of_model && k != own) add_columns(out, columns_of(c));
+    if (acts_together(*c.kind, *channel.candidates[own].kind) && c.form->bank && c.form->beside.empty()) add_columns(out, columns_of(c));
+  }
   return out;
 }
 
@@ -36,7 +41,7 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     const Candidate written = channel.candidates[own];
     const bool continuous = std::ranges::any_of(written.form->shape, [](const ParameterSpec& p) { return !p.choice; });
     if (!written.is_guess || !continuous || !written.form->refine) continue;
-    const std::vector<int> present = other_model_columns(channel, own);
+    const std::vector<int> present = columns_beside(channel, own);
     const MixedFit base = fit_mixed(channel.problem, present, nullptr);
     if (!base.valid) continue;
     const int variant = static_cast<int>(channel.variants.size());

@@ -41,6 +41,26 @@ std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std
   return out;
 }
 
+bool acts_together(const EffectKind& other, const EffectKind& with) {
+  return std::ranges::any_of(other.forms, [&](const EffectForm& form) { return form.beside == with.name; });
+}
+
+std::vector<Candidate> beside_guesses(const CampaignInput& campaign, const std::vector<Candidate>& of_model) {
+  std::vector<Candidate> out;
+  const auto add = [&](const EffectKind& kind, const EffectForm& form) {
+    for (const std::vector<double>& shape : form.grid(campaign)) out.push_back({&kind, &form, shape, 0, static_cast<int>(form.strength.size())});
+  };
+  for (const Candidate& guess : of_model) {
+    if (!guess.is_guess) continue;
+    add(*guess.kind, *guess.form);
+    for (const EffectKind& other : EffectRegistry::instance().all())
+      if (acts_together(other, *guess.kind))
+        for (const EffectForm& form : other.forms)
+          if (form.bank && form.beside.empty()) add(other, form);
+  }
+  return out;
+}
+
 std::vector<int> model_columns(const ResidualChannel& channel, const EngineOptions& options) {
   std::vector<int> out;
   const auto add = [&](const Candidate& c) {

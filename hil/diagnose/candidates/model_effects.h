@@ -11,6 +11,13 @@ namespace forcegate::diagnose {
 /// One candidate for each effect of the library that acts on the output and that the campaign's channels allow. No columns yet.
 std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std::vector<ModelEffect>& effects);
 
+/// Whether the other effect has forms for acting together with this one.
+bool acts_together(const EffectKind& other, const EffectKind& with);
+
+/// What may hide a wrong guess of the model and a decay that is none, while neither has been fitted: the guessed effects at the shapes of
+/// their grids, and the most flexible forms of what acts together with them. Empty where the model has no guess.
+std::vector<Candidate> beside_guesses(const CampaignInput& campaign, const std::vector<Candidate>& of_model);
+
 /// Their columns, and those of the fitted equations of the user's own.
 std::vector<int> model_columns(const ResidualChannel& channel, const EngineOptions& options);
 

@@ -97,6 +97,13 @@ Result<CTerm> curve(const ModelEffect& e, const CTermContext& x) {
     h = [=](double F) { return c * F * (F > 1e-3 * R ? std::log(F / R) : std::log(1e-3)); };
     t.each = 28;
     t.needs_ln = true;
+  } else if (e.form.starts_with("power")) {
+    const double c = strength_of(e, 0), n = shape_of(e, 1);
+    t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_n", n) + constant("k_" + id + "_R", R);
+    body = fmt::format("return k_{0}_c * ((F > 0.0f ? k_{0}_R * fg_pow(F / k_{0}_R, k_{0}_n) : 0.0f) - F);", id);
+    h = [=](double F) { return c * ((F > 0.0 ? R * std::pow(F / R, n) : 0.0) - F); };
+    t.each = 64;
+    t.needs_pow = t.needs_exp = t.needs_ln = true;
   } else if (e.form.starts_with("saturation")) {
     const double c = strength_of(e, 0), F1 = shape_of(e, 0), width = shape_of(e, 1);
     t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_F1", F1) +

@@ -2,12 +2,13 @@
 //   dU = g [h(Fmin) + D (h(F) - h(Fmin))], h = c2 F^2/R + c3 F^3/R^2 (polynomial), c F ln(F/R) (tangent of F^n),
 //   or -c softplus(F - F1) (saturation); R the force span. The same curves on the decayed force W, and beside the load's own lowest
 //   force (D h(F)), are further forms.
-// Beside a lag of the model a bent curve lags too: h(y) of the lagged force (after_lag) or L[h(F)] (before_lag), tau y' + y = F; h(F) alone
+// power: c (R (F/R)^n - F), a share c that goes with F^n. Beside a lag of the model a bent curve lags too: h(y) of the lagged force (after_lag) or L[h(F)] (before_lag), tau y' + y = F; h(F) alone
 // would leave the lag of what the curve adds, which looks like a second time constant.
 // FlexiForce within +-3 % (Tekscan manual, rev. G); amplitude nonlinearity: Sensors 11 (2011) 8836.
 
 #include <cmath>
 #include <functional>
+#include <span>
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
@@ -33,9 +34,6 @@ EffectForm polynomial(const char* name, CurveAt at) {
           .singles = true};
 }
 
-// Tangent of F^n at n = 1.
-double power_term(double F, double R) { return F > 1e-3 * R ? F * std::log(F / R) : F * std::log(1e-3); }
-
 EffectForm power(const char* name, CurveAt at) {
   return {.name = name,
           .shape = {},
@@ -45,7 +43,7 @@ EffectForm power(const char* name, CurveAt at) {
           .columns =
               [at](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 const double R = c.range_N;
-                add_curve(r, at, [R](double F) { return power_term(F, R); }, out.col(0));
+                add_curve(r, at, [R](double F) { return F > 1e-3 * R ? F * std::log(F / R) : F * std::log(1e-3); }, out.col(0));
               }};
 }
 
@@ -107,35 +105,55 @@ void add_lagged(const RecordInput& r, double tau_s, LagAndCurve order, const Cur
   }
 }
 
-// `plain`: the curve that it is without a lag, with its strengths.
-EffectForm lagged(EffectForm plain, const char* name, LagAndCurve order, std::function<Curves(double R)> curves) {
-  plain.name = name;
-  plain.shape = {{"tau_s", "s", 1e-4, 10.0, 0.05, "time constant of the lag"}};
-  plain.grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.02}, {0.06}, {0.2}}; };
-  plain.columns = [order, curves](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-    add_lagged(r, shape[0], order, curves(c.range_N), out);
+// Of the force span and the shape, tau_s first.
+using CurvesOf = std::function<Curves(double R, std::span<const double> shape)>;
+
+EffectForm lagged(const char* name, LagAndCurve order, std::vector<ParameterSpec> strength, const CurvesOf& curves) {
+  return {.name = name,
+          .shape = {{"tau_s", "s", 1e-4, 10.0, 0.05, "time constant of the lag"}},
+          .strength = std::move(strength),
+          .sign = StrengthSign::either,
+          .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{0.02}, {0.06}, {0.2}}; },
+          .columns =
+              [order, curves](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                add_lagged(r, shape[0], order, curves(c.range_N, shape), out);
+              },
+          .beside = "lag"};
+}
+
+EffectForm lagged_polynomial(const char* name, LagAndCurve order) {
+  return lagged(name, order, polynomial("", CurveAt::force).strength, [](double R, std::span<const double>) {
+    return Curves{[R](double F) { return F * F / R; }, [R](double F) { return F * F * F / (R * R); }};
+  });
+}
+
+// Far from 1 the tangent at n = 1 is not the power any more.
+EffectForm lagged_power(const char* name, LagAndCurve order) {
+  EffectForm out = lagged(name, order, {{"c", "1", -2.0, 2.0, 0.0, "share of the output that goes with the power"}}, [](double R, std::span<const double> shape) {
+    const double n = shape[1];
+    return Curves{[R, n](double F) { return F > 0.0 ? R * std::pow(F / R, n) - F : -F; }};
+  });
+  out.shape.push_back({"n", "1", 0.2, 3.0, 0.8, "exponent"});
+  out.sign = StrengthSign::positive;
+  out.grid = [](const CampaignInput&) {
+    std::vector<std::vector<double>> shapes;
+    for (const double tau_s : {0.02, 0.06, 0.2})
+      for (const double n : {0.75, 1.3}) shapes.push_back({tau_s, n});
+    return shapes;
   };
-  plain.singles = false;
-  plain.beside = "lag";
-  return plain;
-}
-
-Curves squares_and_cubes(double R) {
-  return {[R](double F) { return F * F / R; }, [R](double F) { return F * F * F / (R * R); }};
-}
-
-Curves power_curve(double R) {
-  return {[R](double F) { return power_term(F, R); }};
+  return out;
 }
 
 EffectForm lagged_bank(const char* name, LagAndCurve order) {
-  EffectForm out = lagged(bank(), name, order, [](double R) {
-    Curves h = squares_and_cubes(R);
-    h.emplace_back([R](double F) { return F * F * F * F / (R * R * R); });
-    h.emplace_back([R](double F) { return std::sqrt(std::max(F, 0.0) * R); });
-    return h;
+  std::vector<ParameterSpec> strength = bank().strength;
+  strength.resize(4);
+  strength.push_back({"p", "1", -4.0, 4.0, 0.0, "R (F/R)^0.75"});
+  EffectForm out = lagged(name, order, std::move(strength), [](double R, std::span<const double>) {
+    return Curves{[R](double F) { return F * F / R; }, [R](double F) { return F * F * F / (R * R); },
+                  [R](double F) { return F * F * F * F / (R * R * R); }, [R](double F) { return std::sqrt(std::max(F, 0.0) * R); },
+                  [R](double F) { return R * std::pow(std::max(F, 0.0) / R, 0.75); }};
   });
-  out.strength.resize(4);
+  out.bank = true;
   return out;
 }
 
@@ -153,10 +171,9 @@ const Registration<EffectKind> kRegistered{EffectKind{
               polynomial("polynomial_of_swing", CurveAt::swing), power("power_law", CurveAt::force),
               power("power_law_after_decay", CurveAt::decayed), saturation("saturation", CurveAt::force),
               saturation("saturation_after_decay", CurveAt::decayed),
-              lagged(polynomial("", CurveAt::force), "polynomial_after_lag", LagAndCurve::curve_of_lagged, squares_and_cubes),
-              lagged(polynomial("", CurveAt::force), "polynomial_before_lag", LagAndCurve::lag_of_curve, squares_and_cubes),
-              lagged(power("", CurveAt::force), "power_law_after_lag", LagAndCurve::curve_of_lagged, power_curve),
-              lagged(power("", CurveAt::force), "power_law_before_lag", LagAndCurve::lag_of_curve, power_curve),
+              lagged_polynomial("polynomial_after_lag", LagAndCurve::curve_of_lagged),
+              lagged_polynomial("polynomial_before_lag", LagAndCurve::lag_of_curve),
+              lagged_power("power_after_lag", LagAndCurve::curve_of_lagged), lagged_power("power_before_lag", LagAndCurve::lag_of_curve),
               bank(), lagged_bank("quartic_after_lag", LagAndCurve::curve_of_lagged),
               lagged_bank("quartic_before_lag", LagAndCurve::lag_of_curve)}}};
 

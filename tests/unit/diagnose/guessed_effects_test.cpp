@@ -15,7 +15,7 @@ std::vector<double> lagging(const std::vector<double>& t, const std::vector<doub
   return U;
 }
 
-double conductance(double F) { return 8.0 * std::pow(std::max(F, 0.0) / 4.6, 0.8) + 0.2; }
+double conductance(double F) { return 8.0 * std::pow(std::max(F, 0.0) / 4.6, 0.75) + 0.2; }
 
 /// The film lags and its conductance bends.
 std::vector<double> bent_behind_lag(const std::vector<double>& t, const std::vector<double>& F, int) {
@@ -39,17 +39,19 @@ std::vector<double> bent_before_lag(const std::vector<double>& t, const std::vec
   return U;
 }
 
-Diagnosis answer_of(const Model& model, const Sensor& sensor) {
+Diagnosis answer_of(const Model& model, Campaign campaign) {
   EngineOptions options;
   options.threads = 1;
   options.law = model.law;
   options.model_name = model.name;
   options.in_model = model.effect_names();
   options.model_effects = model.effects;
-  auto out = diagnose_campaign(make_campaign(7, sensor), options);
+  auto out = diagnose_campaign(std::move(campaign), options);
   EXPECT_TRUE(out.has_value()) << (out ? "" : out.error().to_text());
   return out ? *out : Diagnosis{};
 }
+
+Diagnosis answer_of(const Model& model, const Sensor& sensor) { return answer_of(model, make_campaign(7, sensor)); }
 
 std::vector<std::string> claims_of(const Diagnosis& d) {
   std::vector<std::string> out;
@@ -81,6 +83,24 @@ TEST(GuessedEffects, ACurveBesideTheLagLagsToo) {
     EXPECT_FALSE(d.residual_unknown) << told(d);
     EXPECT_LT(d.error_after, 1.5 * d.floor) << told(d);
   }
+}
+
+// Cyclic records that do not lose their maxima: neither the bend nor the lag is a decay.
+TEST(GuessedEffects, ACurveBesideTheLagIsNoDecay) {
+  Campaign campaign = make_campaign(7, bent_before_lag);
+  for (Record& r : campaign.records)
+    if (r.name == "r1" || r.name == "r4" || r.name == "r5") {
+      r.kind = "sine", r.dynamic = true, r.excitation_start_s = 0.0;
+      std::vector<double>&F = r.trace.find("F_ref")->value, &U = r.trace.find("U")->value;
+      const std::vector<double>& t = r.trace.time_bases.front().t_s;
+      const double mean = r.name == "r1" ? 0.8 : r.name == "r4" ? 3.6 : 2.2, swing = r.name == "r5" ? 2.1 : 0.7;
+      for (std::size_t i = 0; i < F.size(); ++i) F[i] = mean - swing * std::cos(4.0 * t[i]);
+      U = bent_before_lag(t, F, 0);
+      for (double& u : U) u = std::round(u / 10.0 * 4096.0) / 4096.0 * 10.0;
+    }
+  const Diagnosis d = answer_of(*library_model("fsr"), campaign);
+  EXPECT_TRUE(has_note(d, "no decay of the maxima is seen")) << told(d);
+  EXPECT_EQ(claims_of(d), std::vector<std::string>{"static_nonlinearity"}) << told(d);
 }
 
 TEST(GuessedEffects, OneThatTheRecordsDoNotShowIsANote) {

@@ -1,0 +1,28 @@
+#pragma once
+// Whether and how fast the swing of one record decays, asked of that record alone.
+
+#include <cstddef>
+#include <vector>
+
+#include "hil/model/record_input.h"
+
+namespace forcegate::diagnose {
+
+/// U = c0 + c1 F - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates; without the last column it is a static record.
+struct OwnDecay {
+  double rate_per_s = 0.0;
+  double depth = 0.0;  ///< c2 / c1
+  double static_mean_square = 0.0, mean_square = 0.0;  ///< V^2
+
+  /// It explains most of what a straight line leaves.
+  bool is_decay() const;
+};
+
+OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows);
+
+/// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
+bool decays_by_itself(const RecordInput& record);
+/// Mean square, V^2, that a straight line whose slope decays from the record's onset on leaves of it, at the best rate and depth.
+double left_by_decay(const RecordInput& record);
+
+}  // namespace forcegate::diagnose
