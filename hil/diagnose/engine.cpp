@@ -11,6 +11,7 @@
 #include "hil/diagnose/answer/pictures.h"
 #include "hil/diagnose/answer/ranking.h"
 #include "hil/diagnose/answer/record_errors.h"
+#include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/base/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
@@ -71,6 +72,7 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
   }
   if (w.has_command && search.drive.base.valid) add_findings(w, w.command, search.drive, kNamedEnough, out);
   share_among_timing(search.output, out.findings);
+  leave_curves_to_loops(out.findings);
 }
 
 // One entry for each effect, claims first; of equally sure ones what explains more of the error first.

@@ -11,6 +11,8 @@ namespace forcegate::diagnose {
 
 namespace {
 
+bool bends_as_loops_do(const std::string& effect) { return effect == "static_nonlinearity" || effect == "dead_zone"; }
+
 // Whether the lab wrote down that the angle drives a spring.
 bool has_declared_law(const CampaignInput& c) {
   return !c.bench.law.empty() || std::isfinite(c.bench.spring_N_per_mm) ||
@@ -65,6 +67,14 @@ void reserve(const Workspace& w, const ResidualChannel& channel, Finding& f) {
   const double declared_N = w.input.bench.reference_resolution_N;
   const Reservation r = reservation(f, channel, w.input, std::isfinite(declared_N) ? declared_N : w.scales.step_N);
   f.limit(r.most, r.why);
+}
+
+void leave_curves_to_loops(std::vector<Finding>& findings) {
+  const auto loop = std::ranges::find_if(findings, [](const Finding& f) { return f.effect == "hysteresis" && f.claimed(); });
+  if (loop == findings.end()) return;
+  for (Finding& f : findings)
+    if (bends_as_loops_do(f.effect) && f.form != "raw" && f.unit == loop->unit && f.effect_rms < loop->effect_rms)
+      f.limit(kNoClaim, "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model");
 }
 
 }  // namespace forcegate::diagnose

@@ -301,6 +301,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     }
   }
   // runs of one value: held while the force moves on, flat tops at the largest value of all
+  constexpr std::size_t kFlatTop = 8;  // samples
   const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {
     return (std::isfinite(a) ? a : -1e300) < (std::isfinite(b) ? b : -1e300);
   });
@@ -322,7 +323,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       const double next = end + 1 < n ? std::abs(U[end + 1] - U[end]) : 0.0;
       const bool late = release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next;
       const bool at_end = U[i] >= top - 1e-12 || std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
-      const bool allowed = (ends.holds(U[i]) && !falls_there(i)) || (late && !at_end);
+      // noise breaks the flat top of an output that stops there into short runs at its last codes
+      const bool of_top = U[i] >= top - 1.5 * out.lsb_U_V && !(at_top && length >= kFlatTop);
+      const bool allowed = (ends.holds(U[i]) && !falls_there(i)) || (late && !at_end) || of_top;
       const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
       // down and up again though the force stays where it is, before and after too: an output at the end of its range glides there
       double around_low = low, around_high = high;
@@ -334,7 +337,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
                          std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
       out.zero_runs += falls ? 1 : 0;
       if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
-        const bool rail = at_top && length >= 8;
+        const bool rail = at_top && length >= kFlatTop;
         const BadSample why = rail ? BadSample::rail : at_bottom ? BadSample::zero : BadSample::held;
         for (std::size_t k = i; k < end; ++k) mark(k, why, 0.5 * gain * (high - low));
         if (!at_bottom && i > 0) out.runs.push_back({U[i], U[i - 1], length});

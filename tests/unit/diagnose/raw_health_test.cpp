@@ -327,6 +327,21 @@ TEST(RawHealth, AReferenceNoisierThanDeclaredIsSeenWhereTheOutputStandsStill) {
   EXPECT_NEAR(noisy[0].value, std::hypot(0.0094, 0.03 * std::sqrt(0.5)), 0.004);
 }
 
+// Noise behind the limit breaks the flat top into short runs, and they are no held samples.
+TEST(RawHealth, AnOutputThatStopsBelowItsNoiseHoldsNoSamples) {
+  Campaign c = make_campaign(44, straight);
+  Rng rng(45, "output");
+  for (Record& r : c.records) {
+    const std::vector<double>& t = r.trace.time_bases.front().t_s;
+    std::vector<double>&F = r.trace.find("F_ref")->value, &U = r.trace.find("U")->value;
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      F[i] = 2.5 + 2.0 * std::sin(20.0 * t[i]);
+      U[i] = std::round((std::min(2.0 * F[i] + 0.2, 7.5011) + 0.0007 * rng.normal()) / 10.0 * 4096.0) / 4096.0 * 10.0;
+    }
+  }
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "dropouts") << claim.evidence;
+}
+
 TEST(RawHealth, OneLongLossWhileTheForceHardlyMovesIsADropout) {
   Campaign c = make_campaign(32, straight);
   auto& U = c.records[2].trace.find("U")->value;

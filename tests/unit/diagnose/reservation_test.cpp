@@ -1,5 +1,6 @@
 // What is there, and is no finding: an ordinary curve.
 
+#include "hil/diagnose/answer/reservation.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {
@@ -79,6 +80,46 @@ TEST(Reservation, ANarrowLoopThatRunsAheadOfTheLoadIsNoHysteresis) {
   }));
   EXPECT_LT(probability(d, "hysteresis"), 0.5) << told(d);
   EXPECT_NE(told(d).find("ahead of it by so little"), std::string::npos) << told(d);
+}
+
+// Relays that close around 1.5 N (Preisach): their loop has a curve of its own.
+TEST(Reservation, TheCurveOfALoopIsNotClaimedBesideIt) {
+  const auto relays = [](const std::vector<double>&, const std::vector<double>& F, int) {
+    constexpr int kRelays = 300;
+    std::vector<double> up, down, U;
+    std::vector<char> closed(kRelays, 0);
+    for (int k = 0; k < kRelays; ++k) {
+      const double share = (k + 0.5) / kRelays;
+      up.push_back(1.5 * std::exp(0.9 * (2.0 * share - 1.0)));
+      down.push_back(up.back() - 0.1 - 0.9 * std::fmod(0.618 * k, 1.0));
+    }
+    for (const double f : F) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < up.size(); ++k) {
+        closed[k] = f >= up[k] ? 1 : f <= down[k] ? 0 : closed[k];
+        sum += closed[k];
+      }
+      U.push_back(1.6 * f + 1.5 * sum / kRelays + 0.2);
+    }
+    return U;
+  };
+  const Diagnosis d = answer(make_campaign(94, relays));
+  EXPECT_GT(probability(d, "hysteresis"), 0.5) << told(d);
+  EXPECT_LT(probability(d, "static_nonlinearity"), 0.5) << told(d);
+}
+
+TEST(Reservation, ACurveLargerThanTheLoopIsItsOwn) {
+  Finding loop, curve, small;
+  loop.effect = "hysteresis", loop.probability = 0.9, loop.effect_rms = 0.02;
+  curve.effect = "static_nonlinearity", curve.probability = 0.9, curve.effect_rms = 0.03;
+  small.effect = "dead_zone", small.probability = 0.9, small.effect_rms = 0.01;
+  std::vector<Finding> findings{loop, curve, small};
+  leave_curves_to_loops(findings);
+  EXPECT_TRUE(findings[1].claimed());
+  EXPECT_FALSE(findings[2].claimed());
+  findings[0].probability = 0.3, findings[2] = small;
+  leave_curves_to_loops(findings);
+  EXPECT_TRUE(findings[2].claimed()) << "no loop is claimed";
 }
 
 }  // namespace
