@@ -70,7 +70,7 @@ void reserve(const Workspace& w, const ResidualChannel& channel, Finding& f) {
 }
 
 void leave_curves_to_loops(std::vector<Finding>& findings) {
-  const auto loop = std::ranges::find_if(findings, [](const Finding& f) { return f.effect == "hysteresis" && f.claimed(); });
+  const auto loop = std::ranges::find_if(findings, [](const Finding& f) { return f.effect == "hysteresis" && f.effect_rms > 0.0; });
   if (loop == findings.end()) return;
   for (Finding& f : findings)
     if (bends_as_loops_do(f.effect) && f.form != "raw" && f.unit == loop->unit && f.effect_rms < loop->effect_rms)

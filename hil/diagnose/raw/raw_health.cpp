@@ -11,6 +11,7 @@
 #include "hil/diagnose/raw/mains_line.h"
 #include "hil/diagnose/raw/reference_scatter.h"
 #include "hil/diagnose/raw/sample_noise.h"
+#include "hil/diagnose/raw/short_spikes.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -269,8 +270,19 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const auto stands_alone = [&](std::size_t i, double jump) {
     return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump && std::abs(U[i - 1] + U[i + 1] - U[i - 2] - U[i + 2]) < 0.8 * jump;
   };
+  // one or two may be what the contact did
+  constexpr std::size_t kFewestTails = 6;
+  std::vector<ShortSpike> tailed = find_short_spikes(t, F, U, {quiet, gain});
+  if (tailed.size() < kFewestTails) tailed.clear();
+  for (const ShortSpike& s : tailed)
+    for (std::size_t i = s.begin; i < s.begin + s.length; ++i) {
+      mark(i, BadSample::outlier, s.peak_V);
+      ++out.outliers;
+      out.outlier_square_V2 += s.peak_V * s.peak_V;
+    }
   // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
   for (std::size_t i = 2; i + 2 < n; ++i) {
+    if (out.bad[i] != 0) continue;
     if (!std::isfinite(U[i])) {
       out.bad[i] = static_cast<std::uint8_t>(BadSample::missing);
       continue;
@@ -282,6 +294,15 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
     const auto at_low_end = [&](std::size_t k) { return std::abs(U[k] - low_rail) < 1e-9 + out.lsb_U_V; };
     if (at_low_end(i)) {
+      // among spikes with tails, one that the end of the range cuts off whole
+      std::size_t first = i, end = i + 1;
+      while (first > 0 && at_low_end(first - 1)) --first;
+      while (end < n && at_low_end(end)) ++end;
+      if (!tailed.empty() && end - first <= kLongestSpike) {
+        ++out.lone_zeros;
+        mark(i, BadSample::zero, jump);
+        continue;
+      }
       out.zero_runs += at_low_end(i - 1) ? 0 : 1;
       ++(at_low_end(i - 1) || at_low_end(i + 1) ? out.zeros : out.lone_zeros);
       mark(i, BadSample::zero, jump);
@@ -294,10 +315,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     std::vector<double> size;
     for (std::size_t k = 0; k < spike.size(); ++k) size.push_back(std::abs(U[spike[k]] - spike_level[k]));
     out.bit_V = common_bit_V(size, bench.voltage_max_V - low_rail);
-    (out.bit_V > 0.0 ? out.bit_errors : out.outliers) = spike.size();
+    (out.bit_V > 0.0 ? out.bit_errors : out.outliers) += spike.size();
     for (std::size_t k = 0; k < spike.size(); ++k) {
       mark(spike[k], out.bit_V > 0.0 ? BadSample::bit : BadSample::outlier, size[k]);
-      if (out.outliers > 0) out.outlier_square_V2 += size[k] * size[k];
+      if (out.bit_V == 0.0) out.outlier_square_V2 += size[k] * size[k];
     }
   }
   // runs of one value: held while the force moves on, flat tops at the largest value of all

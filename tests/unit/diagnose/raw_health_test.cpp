@@ -342,6 +342,30 @@ TEST(RawHealth, AnOutputThatStopsBelowItsNoiseHoldsNoSamples) {
   for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "dropouts") << claim.evidence;
 }
 
+// Of either sign, cut off at both ends of the range; `keep`: what is left of it a sample later.
+Campaign with_tailed_spikes(double keep) {
+  Campaign c = make_campaign(46, straight);
+  Rng rng(47, "spikes");
+  for (Record& r : c.records) {
+    auto& U = r.trace.find("U")->value;
+    for (std::size_t i = 300; i + 300 < U.size(); i += 700) {
+      double spike = rng.normal();
+      spike = std::copysign(2.0 + 2.0 * std::abs(spike), spike);
+      for (std::size_t k = i; std::abs(spike) > 0.02; ++k, spike *= keep) U[k] = std::clamp(U[k] + spike, 0.0, 10.0);
+    }
+  }
+  return c;
+}
+
+TEST(RawHealth, ASpikeMayHaveATailOfAFewSamples) {
+  const std::vector<HealthClaim> claims = claims_of_samples(with_tailed_spikes(0.15));
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "outliers");
+  const Diagnosis d = answer(with_tailed_spikes(0.15));
+  EXPECT_FALSE(d.residual_unknown) << told(d);
+  for (const HealthClaim& claim : claims_of_samples(with_tailed_spikes(0.9))) EXPECT_NE(claim.effect, "outliers") << "a film that slips and creeps back is no spike";
+}
+
 TEST(RawHealth, OneLongLossWhileTheForceHardlyMovesIsADropout) {
   Campaign c = make_campaign(32, straight);
   auto& U = c.records[2].trace.find("U")->value;

@@ -117,9 +117,9 @@ TEST(Reservation, ACurveLargerThanTheLoopIsItsOwn) {
   leave_curves_to_loops(findings);
   EXPECT_TRUE(findings[1].claimed());
   EXPECT_FALSE(findings[2].claimed());
-  findings[0].probability = 0.3, findings[2] = small;
+  findings[0] = curve, findings[2] = small;
   leave_curves_to_loops(findings);
-  EXPECT_TRUE(findings[2].claimed()) << "no loop is claimed";
+  EXPECT_TRUE(findings[2].claimed()) << "there is no loop";
 }
 
 }  // namespace
