@@ -14,8 +14,8 @@ namespace forcegate::diagnose {
 /// unrecorded channel.
 void reserve(const Workspace& workspace, const ResidualChannel& channel, Finding& finding);
 
-/// To kNoClaim: a curve beside a loop that is larger than it, whether or not the loop is claimed. Loops whose elements do not close evenly over the force (Preisach) have a
-/// curve of their own, of up to their own size, and no record tells it from another one.
+/// To kNoClaim: a curve of a sensor beside a loop that is larger than it, whether or not the loop is claimed. Loops whose elements do not close
+/// evenly over the force (Preisach) have a curve of their own, of up to their own size, and no record tells it from another one.
 void leave_curves_to_loops(std::vector<Finding>& findings);
 
 }  // namespace forcegate::diagnose
