@@ -24,10 +24,10 @@ function(forcegate_plugins)
   add_dependencies(forcegate_${ARG_NAME} forcegate_${ARG_NAME}_objects)
 endfunction()
 
-# forcegate_unit_tests(trace DEPS ...): all *_test.cpp of the folder become one GoogleTest program unit_trace.
+# forcegate_unit_tests(trace DEPS ...): all *_test.cpp of the folder and below it become one GoogleTest program unit_trace.
 function(forcegate_unit_tests name)
   cmake_parse_arguments(ARG "" "" "DEPS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
   if(NOT sources)
     return()
   endif()

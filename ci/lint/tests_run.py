@@ -38,8 +38,8 @@ def check(root):
         if built is not None:
             if name not in built:
                 complaints.append(f"{name}:1: no target builds this test")
-        elif not (Path(root) / name).with_name("CMakeLists.txt").is_file():
-            complaints.append(f"{name}:1: its folder has no CMakeLists.txt, so nothing builds it")
+        elif not any((Path(root) / folder / "CMakeLists.txt").is_file() for folder in Path(name).parents if len(folder.parts) > 1):
+            complaints.append(f"{name}:1: neither its folder nor one above it has a CMakeLists.txt, so nothing builds it")
     return complaints
 
 

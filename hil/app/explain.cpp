@@ -95,9 +95,30 @@ const std::vector<Explanation>& explanations() {
   return kAll;
 }
 
+namespace {
+
+std::string parameters_of(const std::vector<ParameterSpec>& specs) {
+  std::vector<std::string> out;
+  for (const ParameterSpec& p : specs) out.push_back(p.unit == "1" || p.unit.empty() ? p.name : p.name + " in " + p.unit);
+  return join(out, ", ");
+}
+
+// What a person writes into a model file, or meets there after `add`.
+std::string forms_of(const EffectKind& effect) {
+  std::string out = "Forms, with their strengths and, behind |, shapes:";
+  for (const EffectForm& form : effect.forms) {
+    out += "\n  " + form.name + ": " + parameters_of(form.strength) + (form.shape.empty() ? "" : " | " + parameters_of(form.shape));
+    if (!form.beside.empty()) out += " (where the model has " + form.beside + ")";
+  }
+  return out;
+}
+
+}  // namespace
+
 Explanation explanation_of(const EffectKind& effect) {
   std::string meaning = effect.summary + ".";
   if (!effect.equation.empty()) meaning += "\n" + effect.equation + (effect.source.empty() ? "" : "  (" + effect.source + ")");
+  if (effect.channel != EffectChannel::raw) meaning += "\n" + forms_of(effect);
   std::string todo;
   if (!effect.look_alikes.empty()) todo = "It can look like " + join(effect.look_alikes, ", ") + "; what parts them: ";
   todo += effect.separates + ".";

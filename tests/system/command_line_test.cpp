@@ -78,6 +78,13 @@ TEST(CommandLine, WrongWordsAreUsageErrorsWithASuggestion) {
   }
 }
 
+TEST(CommandLine, ExplainTellsTheFormsOfAnEffect) {
+  const ProcessResult r = forcegate({"explain", "static_nonlinearity"});
+  EXPECT_EQ(r.exit_code, 0);
+  EXPECT_THAT(r.out, ::testing::HasSubstr("saturation: c | F1_N in N, width_N in N"));
+  EXPECT_THAT(r.out, ::testing::HasSubstr("power_before_lag: c | tau_s in s, n (where the model has lag)"));
+}
+
 TEST(CommandLine, ExplainsEveryMeaningOfAWord) {
   const ProcessResult r = forcegate({"explain", "none"});
   EXPECT_EQ(r.exit_code, 0);

@@ -10,7 +10,7 @@ const Registration<EffectKind> kRegistered{
     EffectKind{.name = "outliers",
                .side = "instrument",
                .channel = EffectChannel::raw,
-               .summary = "single samples stand far off their neighbours",
+               .summary = "single samples, or a few that fade, stand far off their neighbours",
                .equation = "U + spikes",
                .source = "electrostatic discharge, loose contacts",
                .look_alikes = {"dropouts"},
