@@ -241,11 +241,12 @@ double slope_at_rest(const CampaignInput& input) {
 }
 
 // Without a decay, which bends them but slowly.
-Eigen::MatrixXd columns_beside(const Workspace& w, RecordInput record, const std::vector<Candidate>& beside, const std::vector<std::size_t>& rows) {
+Eigen::MatrixXd columns_beside(const Workspace& w, const RecordInput& of, const std::vector<Candidate>& beside, const std::vector<std::size_t>& rows) {
   int count = 0;
   for (const Candidate& c : beside) count += c.count;
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), count);
   if (count == 0) return out;
+  RecordInput record = of;
   record.decay.assign(record.rows(), 1.0);
   record.wanted.clear();
   Eigen::Index at = 0;

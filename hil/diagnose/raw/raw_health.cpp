@@ -294,11 +294,14 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
     const auto at_low_end = [&](std::size_t k) { return std::abs(U[k] - low_rail) < 1e-9 + out.lsb_U_V; };
     if (at_low_end(i)) {
+      const auto is_short = [&] {
+        std::size_t first = i, end = i + 1;
+        while (first > 0 && at_low_end(first - 1)) --first;
+        while (end < n && at_low_end(end)) ++end;
+        return end - first <= kLongestSpike;
+      };
       // among spikes with tails, one that the end of the range cuts off whole
-      std::size_t first = i, end = i + 1;
-      while (first > 0 && at_low_end(first - 1)) --first;
-      while (end < n && at_low_end(end)) ++end;
-      if (!tailed.empty() && end - first <= kLongestSpike) {
+      if (!tailed.empty() && is_short()) {
         ++out.lone_zeros;
         mark(i, BadSample::zero, jump);
         continue;
