@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hil/diagnose/base/base_fit.h"
 
@@ -15,27 +16,37 @@ constexpr std::size_t kRows = 4000;
 }  // namespace
 
 OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
-  constexpr int kRates = 14;
+  constexpr int kRates = 14, kDecay = 4, kOutput = 5;
+  using Row = Eigen::Matrix<double, kOutput + 1, 1>;
+  using Moments = Eigen::Matrix<double, kOutput + 1, kOutput + 1>;
   OwnDecay best;
   best.mean_square = 1e300;
+  const double n = std::max<double>(1.0, static_cast<double>(rows.size()));
   const double longest = std::max(1.0, r.duration_s - r.onset_s);
+  // of the first `columns`, divided by the diagonal so that their units do not matter; what they leave
+  const auto fit = [&](const Moments& M, int columns) {
+    const Eigen::VectorXd size = M.diagonal().head(columns).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd A = size.asDiagonal() * M.topLeftCorner(columns, columns) * size.asDiagonal();
+    const Eigen::VectorXd y = size.asDiagonal() * M.col(kOutput).head(columns);
+    const Eigen::VectorXd c = A.ldlt().solve(y);
+    return std::pair{Eigen::VectorXd(size.asDiagonal() * c), std::max(0.0, M(kOutput, kOutput) - c.dot(y)) / n};
+  };
   for (int step = 0; step < kRates; ++step) {
     const double rate =
         std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
-    Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
+    Moments M = Moments::Zero();
     for (const std::size_t i : rows) {
       const double since = std::max(0.0, r.t_s[i] - r.onset_s);
-      const Eigen::Vector4d x(1.0, r.F_N[i], std::expm1(-rate * since) * (r.F_N[i] - r.F_min_N), r.U_V[i]);
+      // neighbours of a lost row have none
+      const auto known = [](double v) { return std::isfinite(v) ? v : 0.0; };
+      const double bend = i > 0 && i + 1 < r.rows() ? r.F_N[i - 1] - 2.0 * r.F_N[i] + r.F_N[i + 1] : 0.0;
+      Row x;
+      x << 1.0, r.F_N[i], known(r.rate_N_per_s[i]), known(bend), std::expm1(-rate * since) * (r.F_N[i] - r.F_min_N), r.U_V[i];
       M += x * x.transpose();
     }
-    const double n = std::max<double>(1.0, static_cast<double>(rows.size()));
-    if (step == 0) {
-      const Eigen::Vector2d c = M.topLeftCorner<2, 2>().ldlt().solve(M.topRightCorner<2, 1>());
-      best.static_mean_square = std::max(0.0, M(3, 3) - c.dot(M.topRightCorner<2, 1>())) / n;
-    }
-    const Eigen::Vector3d c = M.topLeftCorner<3, 3>().ldlt().solve(M.topRightCorner<3, 1>());
-    const double mean_square = std::max(0.0, M(3, 3) - c.dot(M.topRightCorner<3, 1>())) / n;
-    const double depth = c[1] != 0.0 ? c[2] / c[1] : 0.0;
+    if (step == 0) best.static_mean_square = fit(M, kDecay).second;
+    const auto [c, mean_square] = fit(M, kDecay + 1);
+    const double depth = c[1] != 0.0 ? c[kDecay] / c[1] : 0.0;
     if (!(depth > 0.0 && depth < 1.1) || mean_square >= best.mean_square) continue;
     best.mean_square = mean_square;
     best.rate_per_s = rate;

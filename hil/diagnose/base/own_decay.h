@@ -8,13 +8,14 @@
 
 namespace forcegate::diagnose {
 
-/// U = c0 + c1 F - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates; without the last column it is a static record.
+/// U = c0 + c1 F + c3 F' + c4 F'' - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates; without the last column it is a static
+/// record. F' and F'' take what lag, delay and loop add: beside them a decay of a record of fast edges would explain little of the misfit.
 struct OwnDecay {
   double rate_per_s = 0.0;
   double depth = 0.0;  ///< c2 / c1
   double static_mean_square = 0.0, mean_square = 0.0;  ///< V^2
 
-  /// It explains most of what a straight line leaves.
+  /// It explains most of what the others leave.
   bool is_decay() const;
 };
 

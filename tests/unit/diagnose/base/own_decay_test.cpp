@@ -1,0 +1,45 @@
+#include "hil/diagnose/base/own_decay.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace forcegate::diagnose {
+namespace {
+
+/// Fast edges between 0.5 and 3.5 N, and an output that is late by 12 ms and loses `depth` of its swing.
+RecordInput edges(double depth) {
+  RecordInput r;
+  const auto force = [](double t) { return 2.0 + 1.5 * std::tanh(8.0 * std::sin(1.7 * t)); };
+  r.duration_s = 60.0;
+  r.F_min_N = 0.5;
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 0.02 * i, late = t - 0.012;
+    r.t_s.push_back(t);
+    r.F_N.push_back(force(t));
+    const double D = 1.0 - depth * -std::expm1(-0.05 * t);
+    r.U_V.push_back(2.0 * (0.5 + D * (force(late) - 0.5)) + 0.01 * std::sin(37.0 * t));
+    r.ok.push_back(1);
+  }
+  r.rate_N_per_s.assign(r.rows(), 0.0);
+  for (std::size_t i = 1; i + 1 < r.rows(); ++i) r.rate_N_per_s[i] = (r.F_N[i + 1] - r.F_N[i - 1]) / 0.04;
+  return r;
+}
+
+TEST(OwnDecay, ADecayIsSeenBesideALagThatMakesMostOfTheError) {
+  EXPECT_TRUE(decays_by_itself(edges(0.06)));
+  EXPECT_FALSE(decays_by_itself(edges(0.0)));
+}
+
+TEST(OwnDecay, ALostRowHidesNone) {
+  RecordInput r = edges(0.06);
+  for (std::size_t i = 500; i < 2500; i += 400) {
+    r.F_N[i] = r.U_V[i] = r.rate_N_per_s[i - 1] = r.rate_N_per_s[i + 1] = kMissing;
+    r.ok[i] = 0;
+  }
+  EXPECT_TRUE(decays_by_itself(r));
+  EXPECT_TRUE(std::isfinite(left_by_decay(r)));
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
