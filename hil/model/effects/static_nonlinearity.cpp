@@ -2,8 +2,8 @@
 //   dU = g [h(Fmin) + D (h(F) - h(Fmin))], h = c2 F^2/R + c3 F^3/R^2 (polynomial), c F ln(F/R) (tangent of F^n),
 //   or -c softplus(F - F1) (saturation); R the force span. The same curves on the decayed force W, and beside the load's own lowest
 //   force (D h(F)), are further forms.
-// power: c (R (F/R)^n - F), a share c that goes with F^n. Beside a lag of the model a bent curve lags too: h(y) of the lagged force (after_lag) or L[h(F)] (before_lag), tau y' + y = F; h(F) alone
-// would leave the lag of what the curve adds, which looks like a second time constant.
+// Beside a lag of the model a bent curve lags too: h(y) of the lagged force (after_lag) or L[h(F)] (before_lag), tau y' + y = F. h(F) alone
+// would leave the lag of what the curve adds, which looks like a second time constant. power: h = c (R (F/R)^n - F).
 // FlexiForce within +-3 % (Tekscan manual, rev. G); amplitude nonlinearity: Sensors 11 (2011) 8836.
 
 #include <cmath>
