@@ -138,5 +138,11 @@ TEST(Text, AnOrderOfNamesIsAnOrder) {
   }
 }
 
+TEST(PlainNumber, OddsBeyondWhatAClaimStatesAreOver) {
+  EXPECT_EQ(odds_text(1.5), "1.5");
+  EXPECT_EQ(odds_text(49.0), "49");
+  EXPECT_EQ(odds_text(784.0), "over 50");
+}
+
 }  // namespace
 }  // namespace forcegate
