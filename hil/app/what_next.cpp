@@ -10,7 +10,6 @@
 namespace forcegate {
 namespace {
 
-
 // What a person must mend who cannot mend it in the model: the side of the first claim.
 std::string word_of(const Diagnosis& d) {
   if (d.verdict == DiagnosisVerdict::none) return "none";

@@ -5,13 +5,12 @@
 #include <string>
 
 #include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/choose/objection.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
 
 namespace {
-
-bool bends_as_loops_do(const std::string& effect) { return effect == "static_nonlinearity" || effect == "dead_zone"; }
 
 // Whether the lab wrote down that the angle drives a spring.
 bool has_declared_law(const CampaignInput& c) {
@@ -73,7 +72,7 @@ void leave_curves_to_loops(std::vector<Finding>& findings) {
   const auto loop = std::ranges::find_if(findings, [](const Finding& f) { return f.effect == "hysteresis" && f.effect_rms > 0.0; });
   if (loop == findings.end()) return;
   for (Finding& f : findings)
-    if (bends_as_loops_do(f.effect) && f.form != "raw" && f.unit == loop->unit && f.effect_rms < loop->effect_rms)
+    if (is_curve(f.effect) && f.side == "sensor" && f.form != "raw" && f.unit == loop->unit && f.effect_rms < loop->effect_rms)
       f.limit(kNoClaim, "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model");
 }
 

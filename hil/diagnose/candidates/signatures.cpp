@@ -184,8 +184,9 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
         const int index = static_cast<int>(out.candidates.size());
         std::vector<int> all;
         for (int j = 0; j < c.count; ++j) all.push_back(c.first + j);
-        // courses that the rig would show better are there to be carried along, and do not compete
-        if ((!rig_tells || form.from_rig) && !(form.bank && !form.beside.empty())) {
+        // courses that the rig would show better are there to be carried along, banks of what acts together to soak up: they do not compete
+        const bool only_soaks = form.bank && !form.beside.empty();
+        if ((!rig_tells || form.from_rig) && !only_soaks) {
           out.variants.push_back({index, all});
           if (form.singles && c.count > 1)
             for (int j : all) out.variants.push_back({index, {j}});

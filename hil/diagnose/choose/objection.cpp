@@ -66,10 +66,7 @@ bool is_alone(const ScreenResult& result, const FamilyScore& family) {
   });
 }
 
-// A loop that is wider at one end than at the other is a loop and a curve: the curve may be the loop's own.
-bool may_be_of_loop(const EffectKind& earlier, const EffectKind& later) {
-  return earlier.name == "hysteresis" && (later.name == "static_nonlinearity" || later.name == "dead_zone" || later.name == "clipping");
-}
+bool may_be_of_loop(const EffectKind& earlier, const EffectKind& later) { return earlier.name == "hysteresis" && is_curve(later.name); }
 
 // A second effect takes nearly all that the first one left, in every record by that of the others and with one strength; the remains of a
 // wrong form do none of it.
@@ -96,6 +93,8 @@ double resemblance(const ResidualChannel& channel, const MixedFit& base, const F
 }
 
 }  // namespace
+
+bool is_curve(const std::string& effect) { return effect == "static_nonlinearity" || effect == "dead_zone" || effect == "clipping"; }
 
 Refusal objection(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family, ChosenEffect& chosen,
                       const std::vector<ChosenEffect>& earlier, double removed_before, const SelectionRules& rules) {

@@ -18,6 +18,20 @@ LowPassWeights low_pass_weights(double tau_s, double rate_Hz) {
 }
 
 namespace c_terms {
+
+std::string prepare_pole(const std::string& id, const std::string& to_old, const std::string& to_new, const std::string& before) {
+  return fmt::format(
+      "  if (c->running) {{\n"
+      "{3}"
+      "    c->{0}_b = {2};\n"
+      "    c->{0}_a = c->{0}_y + ({1} * (c->{0}_x - c->{0}_y) - c->{0}_b * c->{0}_y);\n"
+      "  }} else {{\n"
+      "    c->{0}_a = 0.0f;\n"
+      "    c->{0}_b = 1.0f;\n"
+      "  }}\n",
+      id, to_old, to_new, before);
+}
+
 namespace {
 
 // Relaxations in parallel: sum_k c_k L_k[drive]. The states are sums of two floats: a time constant of 1000 s moves them by
@@ -182,16 +196,8 @@ CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
   t.constants = constant("k_" + id + "_c", c) + constant("k_" + id + "_up_old", up.to_old) + constant("k_" + id + "_up_new", up.to_new) +
                 constant("k_" + id + "_down_old", down.to_old) + constant("k_" + id + "_down_new", down.to_new);
   t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
-  t.prepare = fmt::format(
-      "  if (c->running) {{\n"
-      "    const int falls = c->{0}_x < c->{0}_y;\n"
-      "    c->{0}_b = falls ? k_{0}_down_new : k_{0}_up_new;\n"
-      "    c->{0}_a = c->{0}_y + ((falls ? k_{0}_down_old : k_{0}_up_old) * (c->{0}_x - c->{0}_y) - c->{0}_b * c->{0}_y);\n"
-      "  }} else {{\n"
-      "    c->{0}_a = 0.0f;\n"
-      "    c->{0}_b = 1.0f;\n"
-      "  }}\n",
-      id);
+  t.prepare = prepare_pole(id, fmt::format("(falls ? k_{0}_down_old : k_{0}_up_old)", id), fmt::format("falls ? k_{0}_down_new : k_{0}_up_new", id),
+                           fmt::format("    const int falls = c->{0}_x < c->{0}_y;\n", id));
   t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
   t.commit = fmt::format(
       "  c->{0}_y = c->{0}_a + c->{0}_b * F;\n"

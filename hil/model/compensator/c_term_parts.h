@@ -12,6 +12,10 @@ std::string array(const std::string& name, const std::vector<double>& values);
 std::string constant(const std::string& name, double value);
 tl::unexpected<Error> refuse(const std::string& effect, const std::string& why, const std::string& hint);
 
+/// Statements that leave a and b in the state, so that a pole whose state is y and last drive x stands at a + b * drive for a candidate; before the
+/// first sample it is settled at the drive. `to_old`, `to_new`: expressions (LowPassWeights); `before`: statements that they need.
+std::string prepare_pole(const std::string& id, const std::string& to_old, const std::string& to_new, const std::string& before = "");
+
 inline double shape_of(const ModelEffect& e, std::size_t k) { return e.shape[k].value; }
 inline double strength_of(const ModelEffect& e, std::size_t k) { return e.strength[k].value; }
 

@@ -53,15 +53,7 @@ void put_behind_pole(const ModelEffect& e, const CTermContext& x, CTerm& t) {
   const std::string drive = bends_first ? id + "_h(F)" : "F";
   t.constants += constant("k_" + id + "_old", w.to_old) + constant("k_" + id + "_new", w.to_new);
   t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
-  t.prepare = fmt::format(
-      "  if (c->running) {{\n"
-      "    c->{0}_a = c->{0}_y + (k_{0}_old * (c->{0}_x - c->{0}_y) - k_{0}_new * c->{0}_y);\n"
-      "    c->{0}_b = k_{0}_new;\n"
-      "  }} else {{\n"
-      "    c->{0}_a = 0.0f;\n"
-      "    c->{0}_b = 1.0f;\n"
-      "  }}\n",
-      id);
+  t.prepare = prepare_pole(id, "k_" + id + "_old", "k_" + id + "_new");
   const std::string now = fmt::format("c->{0}_a + c->{0}_b * {1}", id, drive);
   t.value = fmt::format("{0}_h(c->low_N) + c->shrink * ({1} - {0}_h(c->low_N))", id, bends_first ? "(" + now + ")" : fmt::format("{}_h({})", id, now));
   t.commit = fmt::format("  c->{0}_x = {1};\n  c->{0}_y = c->{0}_a + c->{0}_b * c->{0}_x;\n", id, drive);

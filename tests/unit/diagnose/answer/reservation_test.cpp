@@ -110,6 +110,7 @@ TEST(Reservation, TheCurveOfALoopIsNotClaimedBesideIt) {
 
 TEST(Reservation, ACurveLargerThanTheLoopIsItsOwn) {
   Finding loop, curve, small;
+  loop.side = curve.side = small.side = "sensor";
   loop.effect = "hysteresis", loop.probability = 0.9, loop.effect_rms = 0.02;
   curve.effect = "static_nonlinearity", curve.probability = 0.9, curve.effect_rms = 0.03;
   small.effect = "dead_zone", small.probability = 0.9, small.effect_rms = 0.01;
