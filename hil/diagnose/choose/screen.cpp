@@ -170,15 +170,14 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     family.kind = &kind;
     double best = -1e300, sum = 0.0, n = 0.0;
     int at = -1;
-    for (std::size_t v = 0; v < scores.size(); ++v)
-      if (used[v] != 0 &&
-          channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind) {
-        n += 1.0;
-        if (scores[v].gain > best) {
-          best = scores[v].gain;
-          at = static_cast<int>(v);
-        }
+    for (std::size_t v = 0; v < scores.size(); ++v) {
+      if (channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind != &kind) continue;
+      n += 1.0;  // one beyond its bounds had a share of the prior as well
+      if (used[v] != 0 && scores[v].gain > best) {
+        best = scores[v].gain;
+        at = static_cast<int>(v);
       }
+    }
     if (at < 0) continue;
     for (std::size_t v = 0; v < scores.size(); ++v)
       if (used[v] != 0 &&

@@ -18,6 +18,9 @@ constexpr double kSegment_s = 4.0, kShortest_s = 2.0, kFewestSegments = 3.0;
 // Slower rates than 24 Hz would make these samples longer than 5.4 s, and the grid of a quarter of a hertz too coarse for them.
 constexpr std::size_t kFewestSamples = 128;
 constexpr double kSlowest_Hz = 24.0;
+// Noise alone puts the largest of three powers some two times above the median beside them: beyond four the force has a line of its own,
+// and the output must have three times as much.
+constexpr double kOfNoise = 4.0, kOfForce = 3.0;
 
 // A unit vector that turns by the same angle at every sample.
 struct Rotation {
@@ -33,30 +36,34 @@ struct Rotation {
 // The same sample of every segment, side by side: their sums do not wait for each other.
 using Side = std::array<double, kMostSegments>;
 
-// Sums at one frequency over all segments.
+// Sums at one frequency over all segments, of the output and of the force as the output shows it.
 struct Spectrum {
   explicit Spectrum(double angle) : phase(angle) {}
-  void add(std::span<const Side> windowed) {
-    for (const Side& x : windowed) {
+  void add(std::span<const Side> U, std::span<const Side> F) {
+    for (std::size_t i = 0; i < U.size(); ++i) {
       for (std::size_t k = 0; k < kMostSegments; ++k) {
-        re[k] += x[k] * phase.re;
-        im[k] += x[k] * phase.im;
+        re[k] += U[i][k] * phase.re;
+        im[k] += U[i][k] * phase.im;
+        force_re[k] += F[i][k] * phase.re;
+        force_im[k] += F[i][k] * phase.im;
       }
       phase.step();
     }
   }
-  // (amplitude / 2)^2 for a line in the middle of the bin
-  double power(std::size_t k, double window_total) const {
-    return (re[k] * re[k] + im[k] * im[k]) / (window_total * window_total);
+  double of_output(std::size_t k) const { return re[k] * re[k] + im[k] * im[k]; }
+  double of_force(std::size_t k) const { return force_re[k] * force_re[k] + force_im[k] * force_im[k]; }
+  double of_difference(std::size_t k) const {
+    const double x = re[k] - force_re[k], y = im[k] - force_im[k];
+    return x * x + y * y;
   }
   Rotation phase;
-  Side re{}, im{};
+  Side re{}, im{}, force_re{}, force_im{};
 };
 
 struct Line {
   double mains_Hz, frequency_Hz;  // the first harmonic before, the line itself after the sampling
   double halves;  // at half the rate the two halves of a line fall on each other
-  std::vector<Spectrum> at, force, beside;
+  std::vector<Spectrum> at, beside;
 };
 
 // A gap takes time and no samples: the line would be looked for beside its place.
@@ -103,7 +110,7 @@ bool fill_short_gaps(const std::vector<double>& t, double rate_Hz, const std::ve
 std::vector<Line> mains_lines(double rate_Hz) {
   std::vector<Line> out;
   for (const auto& [mains_Hz, harmonic] : {std::pair{50.0, 1.0}, {60.0, 1.0}, {50.0, 3.0}, {60.0, 3.0}}) {
-    Line line{mains_Hz, folded_Hz(harmonic * mains_Hz, rate_Hz), 2.0, {}, {}, {}};
+    Line line{mains_Hz, folded_Hz(harmonic * mains_Hz, rate_Hz), 2.0, {}, {}};
     const double f = line.frequency_Hz;
     if (f < kSlowestLine_Hz) continue;
     if (0.5 * rate_Hz - f < 0.5) line.halves = 1.0;
@@ -111,12 +118,23 @@ std::vector<Line> mains_lines(double rate_Hz) {
       return Spectrum(2.0 * std::numbers::pi * (f + by_Hz) / rate_Hz);
     };
     for (const double by_Hz : {-0.25, 0.0, 0.25}) line.at.push_back(beside(by_Hz));
-    line.force = line.at;
     for (const double by_Hz : {-3.0, -2.25, -1.5, 1.5, 2.25, 3.0})
       if (f + by_Hz > 1.0 && f + by_Hz < 0.5 * rate_Hz) line.beside.push_back(beside(by_Hz));
     if (line.beside.size() >= 2) out.push_back(std::move(line));
   }
   return out;
+}
+
+struct Powers {
+  double at, beside;  // the largest at the line, the median beside it
+};
+
+Powers powers_of(const Line& line, double (Spectrum::*power)(std::size_t) const, std::size_t segment) {
+  double at = 0.0;
+  for (const Spectrum& s : line.at) at = std::max(at, (s.*power)(segment));
+  std::vector<double> beside;
+  for (const Spectrum& s : line.beside) beside.push_back((s.*power)(segment));
+  return {at, quantile(beside, 0.5)};
 }
 
 // Of samples that follow each other at one rate.
@@ -138,7 +156,7 @@ MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<d
   Rotation hann(2.0 * std::numbers::pi / static_cast<double>(length));
   double total = 0.0;
   std::array<bool, kMostSegments> broken{};
-  std::array<Side, kBlock> e{}, f{};
+  std::array<Side, kBlock> u{}, f{};
   for (std::size_t begin = 0; begin < length; begin += kBlock) {
     const std::size_t size = std::min(kBlock, length - begin);
     for (std::size_t i = 0; i < size; ++i, hann.step()) {
@@ -146,16 +164,14 @@ MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<d
       total += w;
       for (std::size_t k = 0; k < from.size(); ++k) {
         const std::size_t at = from[k] + begin + i;
-        const double residual = U[at] - gain * F[at];
-        broken[k] = broken[k] || !std::isfinite(residual);
-        e[i][k] = w * residual;
+        broken[k] = broken[k] || !std::isfinite(U[at] - gain * F[at]);
+        u[i][k] = w * U[at];
         f[i][k] = w * (gain * F[at]);
       }
     }
     for (Line& line : lines) {
-      for (Spectrum& s : line.at) s.add({e.data(), size});
-      for (Spectrum& s : line.force) s.add({f.data(), size});
-      for (Spectrum& s : line.beside) s.add({e.data(), size});
+      for (Spectrum& s : line.at) s.add({u.data(), size}, {f.data(), size});
+      for (Spectrum& s : line.beside) s.add({u.data(), size}, {f.data(), size});
     }
   }
 
@@ -166,13 +182,13 @@ MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<d
   for (const Line& line : lines) {
     std::vector<double> ratio, amplitude;
     for (const std::size_t k : whole) {
-      double at_line = 0.0, force = 0.0;
-      for (const Spectrum& s : line.at) at_line = std::max(at_line, s.power(k, total));
-      for (const Spectrum& s : line.force) force = std::max(force, s.power(k, total));
-      std::vector<double> beside;
-      for (const Spectrum& s : line.beside) beside.push_back(s.power(k, total));
-      ratio.push_back(at_line / (quantile(beside, 0.5) + 3.0 * force + 1e-18));
-      amplitude.push_back(line.halves * std::sqrt(at_line));
+      // a noisy reference hides in U - a F what the output alone shows
+      const Powers difference = powers_of(line, &Spectrum::of_difference, k), output = powers_of(line, &Spectrum::of_output, k),
+                   force = powers_of(line, &Spectrum::of_force, k);
+      const Powers& seen = output.beside < difference.beside ? output : difference;
+      const double of_force = std::max(0.0, force.at - kOfNoise * force.beside);
+      ratio.push_back(seen.at / (seen.beside + kOfForce * of_force + 1e-18 * total * total));
+      amplitude.push_back(line.halves * std::sqrt(seen.at) / total);
     }
     const double r = quantile(ratio, 0.5);
     const double a = quantile(amplitude, 0.5);

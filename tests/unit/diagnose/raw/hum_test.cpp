@@ -61,6 +61,28 @@ TEST(Hum, OnAForceThatStandsStillLeavesTheLevelAlone) {
   for (const double u : U_V) EXPECT_NEAR(u, 3.3, 1e-3);
 }
 
+// A coarse reference scatters by more than the line: the output alone shows it. A force that vibrates with the mains is no hum.
+TEST(Hum, IsSeenBesideACoarseReferenceAndToldFromAForceThatVibrates) {
+  for (const bool vibrates : {false, true}) {
+    Rng rng(3, "coarse");
+    std::vector<double> t_s, F_N, U_V;
+    for (int i = 0; i < 20000; ++i) {
+      t_s.push_back(i / 200.0);
+      const double line = 0.014 * std::sin(kTurn * 50.02 * t_s.back());
+      const double F = 2.0 + 1.5 * std::sin(kTurn * 0.3 * t_s.back()) + (vibrates ? line / 2.0 : 0.0);
+      F_N.push_back(0.025 * std::round((F + 0.006 * rng.normal()) / 0.025));
+      U_V.push_back(0.3 + 2.0 * F + (vibrates ? 0.0 : line) + 0.002 * rng.normal());
+    }
+    const MainsLine line = find_mains_line(t_s, F_N, U_V, 2.0);
+    if (vibrates) {
+      EXPECT_LT(line.ratio, 5.0);
+    } else {
+      EXPECT_GT(line.ratio, 100.0);
+      EXPECT_NEAR(line.amplitude_V, 0.014, 0.002);
+    }
+  }
+}
+
 // Half a period of the mains goes missing again and again: a count of samples would lose its phase there.
 TEST(Hum, IsSeenAcrossShortGapsAndInShortRecords) {
   for (const double duration_s : {7.0, 12.0}) {
