@@ -63,9 +63,9 @@ Result<void> check_channels(const Campaign& campaign) {
       }
       return fail(ErrorCode::parse,
                   std::string("no column is the ") + what + ": there are " + join(columns, ", "),
-                  (campaign.folder / record.name).string(),
-                  in_grams.empty() ? std::string("name one, for instance --map ") + likely + "=" + name + "_" + unit
-                                   : "if " + in_grams + " is a weight in grams: --map " + in_grams + "=F_ref_gf");
+                  record.place_of_header(),
+                  in_grams.empty() ? std::string("name one, for instance --map ") + shell_quoted(likely + "=" + name + "_" + unit)
+                                   : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
     }
   return {};
 }

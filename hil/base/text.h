@@ -31,6 +31,8 @@ std::string_view trim(std::string_view text);
 std::string ascii_lower(std::string_view text);
 /// Order of file names for people: "run2" before "run10". Runs of digits compare as numbers; equal ones by their bytes.
 bool natural_less(std::string_view a, std::string_view b);
+/// `text` as one word of a POSIX shell.
+std::string shell_quoted(std::string_view text);
 std::string join(std::span<const std::string> parts, std::string_view separator);
 
 }  // namespace forcegate

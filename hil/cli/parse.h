@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/text.h"
 #include "hil/cli/command.h"
 
 namespace forcegate {
@@ -30,8 +31,5 @@ bool in_family(std::string_view name, std::string_view family);
 /// `arguments` without the program's name. Never touches files. `--name value`, `--name=value`, `-o value`; "--" ends
 /// the options; an option takes the next argument whatever it looks like. Last value wins unless repeatable.
 ParsedLine parse_command_line(std::span<const std::string> arguments, const std::vector<Command>& table);
-
-/// `text` as one word of a POSIX shell.
-std::string shell_quoted(std::string_view text);
 
 }  // namespace forcegate

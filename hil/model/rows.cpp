@@ -156,11 +156,11 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   const Channel* U = trace.find("U");
   if (F == nullptr || U == nullptr)
     return fail(ErrorCode::parse, std::string("the record has no channel ") + (F == nullptr ? "F_ref" : "U"),
-                record.name, "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
+                record.place_of_header(), "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
   const std::size_t clock = F->time_base;
   const auto& t = trace.time_bases[clock].t_s;
   if (t.size() < 16)
-    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.name,
+    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.place(),
                 "at least 16 samples are needed");
 
   RecordInput out;
@@ -171,7 +171,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   constexpr double kFewestRows = 16.0;
   const double samples_of_row = std::max(1.0, std::round(row_step_s / step)), needed = kFewestRows * samples_of_row;
   if (!(static_cast<double>(t.size()) >= needed))
-    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.name,
+    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.place(),
                 "at least " + shortest(needed) + " are needed at this rate; leave the record out");
   out.row_step_s = step * samples_of_row;
   out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples_of_row));

@@ -34,6 +34,7 @@ struct Reading {
 
 void load(Reading& reading, const CampaignOptions& options) {
   Record& record = *reading.record;
+  record.file = reading.file;
   CsvOptions csv{options.column_map, options.assumed_rate_Hz};
   if (csv.assumed_rate_Hz <= 0.0 && record.rate_Hz) csv.assumed_rate_Hz = *record.rate_Hz;
   Result<TraceFile> read = read_trace(reading.file, csv);
@@ -45,6 +46,7 @@ void load(Reading& reading, const CampaignOptions& options) {
   reading.mapped = std::move(read->mapped);
   record.trace = std::move(read->trace);
   record.trace.name = record.name;
+  record.header_line = read->header_line;
   if (auto note = put_on_common_clock(record.trace)) reading.notes.push_back(std::move(*note));
   // files of Forcegate hold channels that are there to be looked at
   const std::string ending = reading.file.extension().string();

@@ -1,6 +1,7 @@
 #pragma once
 // A campaign: records of one sensor on one bench, as docs/campaign.md describes the files.
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -29,6 +30,8 @@ enum class RecordRole { fit, heldout };
 /// it from the samples and says so.
 struct Record {
   std::string name;  ///< file stem
+  std::filesystem::path file;  ///< as it was asked for; empty for a record that was never a file
+  std::uint64_t header_line = 0;  ///< of a text file; 0 elsewhere
   std::string
       kind;  ///< ramp, staircase, steps, hold, rest, sine, multisine, sweep, prbs, switch ...; "" unknown
   RecordRole role = RecordRole::fit;
@@ -38,6 +41,11 @@ struct Record {
       eccentricity_mm, preload_mm, temp_C, humidity_pct;  ///< the last two of the air, where no channel records them
   std::string mounting;  ///< name or number of the mounting; records that share it were not taken apart in between; "" unknown
   std::optional<bool> dynamic;
+
+  /// For errors about the whole record.
+  std::string place() const { return file.empty() ? name : file.string(); }
+  /// For errors about its columns.
+  std::string place_of_header() const { return place() + (header_line > 0 ? ":" + std::to_string(header_line) : ""); }
 };
 
 struct Campaign {

@@ -95,6 +95,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   TraceFile out;
   out.notes = std::move(table.notes);
   out.trace.name = name;
+  out.header_line = table.header_line;
   std::size_t clock_column = table.columns.size();
   std::vector<ColumnMeaning> meanings;
   std::vector<std::string> assumed;
@@ -147,9 +148,9 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
       }
       if (headers.size() > 8) headers.resize(8), headers.push_back("...");
       return fail(ErrorCode::parse, "there is no time column among: " + join(headers, ", "),
-                  where + ":" + std::to_string(table.header_line),
+                  table.header_line > 0 ? where + ":" + std::to_string(table.header_line) : where,
                   likely.empty() ? "give --rate HZ, or \"fs_Hz\" in campaign.json, for a file without one"
-                                 : "say which is the clock, for instance --map " + likely + "=t_s, or give --rate HZ for a file without one");
+                                 : "say which is the clock, for instance --map " + shell_quoted(likely + "=t_s") + ", or give --rate HZ for a file without one");
     }
     clock.base = invented_clock(table.rows(), options.assumed_rate_Hz);
     out.notes.push_back("the file has no clock; " + shortest(options.assumed_rate_Hz) + " Hz was assumed");

@@ -1,6 +1,7 @@
 #pragma once
 // CSV files to and from traces (docs/campaign.md).
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -23,6 +24,7 @@ struct TraceFile {
   std::vector<std::string> notes;   ///< what was assumed, converted, dropped; one sentence each
   std::vector<std::string> mapped;  ///< entries of the column map that met a column
   std::map<std::string, std::string> headers;  ///< name of a channel -> header of its column as written
+  std::uint64_t header_line = 0;  ///< of a text file; 0 elsewhere
 };
 
 /// Every column becomes a channel in its canonical unit. A column of counts beside a physical one of the same name

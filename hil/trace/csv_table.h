@@ -28,7 +28,7 @@ struct CsvTable {
   std::vector<TextColumn> text_columns;
   std::vector<std::string> notes;            ///< what was unusual about the file, one sentence each
   std::vector<std::uint64_t> skipped_lines;  ///< numbers of blank and comment lines after the header
-  std::uint64_t header_line = 1;
+  std::uint64_t header_line = 1;             ///< 0: the table comes from no text
 
   std::size_t rows() const { return columns.empty() ? 0 : columns.front().value.size(); }
   std::uint64_t line_of_row(std::size_t row) const;

@@ -113,6 +113,7 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
                 "save it with -v7");
 
   CsvTable table;
+  table.header_line = 0;
   std::map<std::string, std::string> provenance;
   std::vector<std::string> left_out;
   while (const VariablePointer variable{Mat_VarReadNext(file.get())}) {

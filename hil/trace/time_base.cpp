@@ -150,7 +150,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
       if (std::isfinite(stamps_s[i])) rows.push_back(i);
     if (rows.empty())
       return fail(ErrorCode::parse, "no row has a time stamp", where,
-                  "map another column, --map NAME=t_s, or leave the clock out: --map " + source.column + "=unused --rate HZ");
+                  "map another column, --map NAME=t_s, or leave the clock out: --map " + shell_quoted(source.column + "=unused") + " --rate HZ");
     if (rows.size() < stamps_s.size())
       clock.notes.push_back(without_stamp(stamps_s, line_of_row));
 
@@ -193,7 +193,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
       std::optional<std::vector<double>> spread = spread_packets(ordered, source.declared_rate_Hz);
       if (!spread)
         return fail(ErrorCode::parse, "the clock \"" + source.column + "\" stands still in " + std::to_string(repeated) + " of " + std::to_string(rows.size()) + " rows", where,
-                    "leave it out: --map " + source.column + "=unused --rate HZ");
+                    "leave it out: --map " + shell_quoted(source.column + "=unused") + " --rate HZ");
       clock.notes.push_back(std::to_string(repeated) + " of " + std::to_string(rows.size()) +
                             " rows repeat the time stamp before them, as in packets of " + std::to_string((rows.size() + distinct.size() / 2) / distinct.size()) +
                             ": their instants are spread evenly between the stamps");

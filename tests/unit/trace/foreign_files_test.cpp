@@ -95,6 +95,17 @@ TEST(ForeignFiles, WithoutAClockTheErrorSaysHowToGiveOne) {
   EXPECT_THAT(f.error().hint, HasSubstr("--rate HZ"));
 }
 
+TEST(ForeignFiles, AHintWithANameThatAShellReadsItsOwnWayIsQuoted) {
+  const auto f = parse_csv("row (n),F,U\n0,1,2\n1,1,2\n", "x.csv");
+  ASSERT_FALSE(f);
+  EXPECT_THAT(f.error().hint, HasSubstr("--map 'row (n)=t_s'"));
+  std::string still = "Time (s),F,U\n";
+  for (int i = 0; i < 100; ++i) still += "3,1,2\n";
+  const auto g = parse_csv(still, "x.csv");
+  ASSERT_FALSE(g);
+  EXPECT_THAT(g.error().hint, HasSubstr("--map 'Time (s)=unused' --rate HZ"));
+}
+
 TEST(ForeignFiles, ANoteOfEveryRecordIsToldOnce) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "forcegate_foreign_folder";
   std::filesystem::remove_all(folder);

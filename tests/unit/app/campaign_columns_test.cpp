@@ -1,0 +1,56 @@
+// What a verb says of a recording whose columns it cannot place: which file, which line, and a command that can be pasted.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "hil/app/model_input.h"
+#include "hil/model/rows.h"
+
+namespace forcegate {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+
+class CampaignColumns : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("forcegate-columns-" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  CampaignRequest put(const std::string& text) {
+    std::ofstream(folder_ / "run.csv", std::ios::binary) << text;
+    CampaignRequest request;
+    request.campaign = folder_ / "run.csv";
+    return request;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(CampaignColumns, TheHintForAWeightInGramsCanBePastedAndTheHeadersLineIsNamed) {
+  const auto campaign = load_campaign(put("# bench 2\nt_s,Force (g),U_V\n0,1,2\n1,2,3\n2,3,4\n"));
+  ASSERT_FALSE(campaign);
+  EXPECT_THAT(campaign.error().where, EndsWith("run.csv:2"));
+  EXPECT_THAT(campaign.error().hint, HasSubstr("--map 'Force_(g)=F_ref_gf'"));
+  const auto two = load_campaign(put("t_s,Cell A (N),Cell B (N),U_V\n0,1,2,3\n1,2,3,4\n"));
+  ASSERT_FALSE(two);
+  EXPECT_THAT(two.error().where, EndsWith("run.csv:1"));
+}
+
+TEST_F(CampaignColumns, ARecordThatIsTooShortIsNamedByItsFile) {
+  const auto campaign = load_campaign(put("t_s,F_ref_N,U_V\n0,1,2\n1,2,3\n2,3,4\n"));
+  ASSERT_TRUE(campaign);
+  const auto rows = make_campaign_input(*campaign, 1);
+  ASSERT_FALSE(rows);
+  EXPECT_THAT(rows.error().where, EndsWith("run.csv"));
+}
+
+}  // namespace
+}  // namespace forcegate
