@@ -22,6 +22,7 @@ constexpr std::array kTable = {
     Row{"ns", "s", "time", 1e-9, 0},
     Row{"min", "s", "time", 60, 0},
     Row{"h", "s", "time", 3600, 0},
+    Row{"days", "s", "time", 86400, 0},
     Row{"N", "N", "force", 1, 0},
     Row{"mN", "N", "force", 1e-3, 0},
     Row{"kN", "N", "force", 1e3, 0},

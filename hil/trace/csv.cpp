@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "hil/base/text.h"
+#include "hil/trace/clock_unit.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/time_base.h"
 
@@ -87,22 +88,11 @@ Result<void> check_text_columns(const CsvTable& table, const std::string& where,
   return {};
 }
 
-}  // namespace
-
-Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const std::string& name,
-                                 const CsvOptions& options) {
-  FORCEGATE_CHECK_OK(check_text_columns(table, where, options));
-  TraceFile out;
-  out.notes = std::move(table.notes);
-  out.trace.name = name;
-  out.header_line = table.header_line;
-  std::size_t clock_column = table.columns.size();
+std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& options, TraceFile& out) {
   std::vector<ColumnMeaning> meanings;
-  std::vector<std::string> assumed;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const std::string& header = table.columns[c].header;
-    ColumnMeaning meaning = meaning_of(header);
-    auto mapped = options.column_map.find(header);
+  for (const CsvColumn& column : table.columns) {
+    ColumnMeaning meaning = meaning_of(column.header);
+    auto mapped = options.column_map.find(column.header);
     // as notes and errors write it, unless another column is really called so
     for (const std::string& alias :
          {header_of(meaning.name, meaning.unit.symbol), header_of(meaning.name, meaning.unit.canonical),
@@ -114,22 +104,65 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
       meaning = renamed(meaning.unit, meaning_of(mapped->second));
       out.mapped.push_back(mapped->first);
     }
-    if (meaning.name.empty()) meaning.name = "column_" + std::to_string(c + 1);
-    if (meaning.is_clock && clock_column == table.columns.size()) clock_column = c;
-    if (!meaning.note.empty()) assumed.push_back(meaning.name + " in " + meaning.unit.symbol);
+    if (column.dates) {  // "Time (ms)" above 10:00:00.250 tells how fine it is
+      meaning.unit = *find_unit("s");
+      meaning.note.clear();
+    }
+    if (meaning.name.empty()) meaning.name = "column_" + std::to_string(meanings.size() + 1);
     meanings.push_back(std::move(meaning));
   }
+  return meanings;
+}
+
+/// The first column that is called a clock, else the first one that holds dates or times of day; the number of columns where there is none.
+std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& meanings, std::vector<std::string>& notes) {
+  const auto named = std::ranges::find_if(meanings, &ColumnMeaning::is_clock);
+  if (named != meanings.end()) return static_cast<std::size_t>(named - meanings.begin());
+  const auto dated = std::ranges::find_if(table.columns, &CsvColumn::dates);
+  if (dated != table.columns.end()) notes.push_back("column \"" + dated->header + "\" holds dates or times of day and was taken for the clock");
+  return static_cast<std::size_t>(dated - table.columns.begin());
+}
+
+Result<void> settle_unit_of_clock(const CsvTable& table, std::size_t clock, std::vector<ColumnMeaning>& meanings, const std::string& where,
+                                  const CsvOptions& options, std::vector<std::string>& notes) {
+  if (clock == table.columns.size() || table.columns[clock].dates || meanings[clock].unit.symbol != "s") return {};
+  ColumnMeaning& meaning = meanings[clock];
+  FORCEGATE_TRY(const ClockUnit unit, unit_of_clock(table.columns[clock].value, table.columns[clock].header, !meaning.note.empty(), options.assumed_rate_Hz, where));
+  if (unit.note.empty()) return {};
+  meaning.unit.factor = unit.factor;
+  meaning.note.clear();
+  notes.push_back(unit.note);
+  return {};
+}
+
+void convert_units(CsvTable& table, const std::vector<ColumnMeaning>& meanings, std::vector<std::string>& notes) {
+  std::vector<std::string> assumed;
+  for (const ColumnMeaning& meaning : meanings)
+    if (!meaning.note.empty()) assumed.push_back(meaning.name + " in " + meaning.unit.symbol);
   if (!assumed.empty())
-    out.notes.push_back("no unit is given: " + join(assumed, ", ") +
-                        (assumed.size() > 1 ? " were assumed" : " was assumed"));
+    notes.push_back("no unit is given: " + join(assumed, ", ") + (assumed.size() > 1 ? " were assumed" : " was assumed"));
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const Unit& unit = meanings[c].unit;
     if (unit.factor == 1.0 && unit.offset == 0.0) continue;
     if (unit.symbol != unit.canonical && unit.symbol != "pct")  // a share is shown in percent again
-      out.notes.push_back("column \"" + table.columns[c].header + "\" was converted from " + unit.symbol +
-                          " to " + unit.canonical);
+      notes.push_back("column \"" + table.columns[c].header + "\" was converted from " + unit.symbol + " to " + unit.canonical);
     for (double& v : table.columns[c].value) v = unit.factor * v + unit.offset;
   }
+}
+
+}  // namespace
+
+Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const std::string& name,
+                                 const CsvOptions& options) {
+  FORCEGATE_CHECK_OK(check_text_columns(table, where, options));
+  TraceFile out;
+  out.notes = std::move(table.notes);
+  out.trace.name = name;
+  out.header_line = table.header_line;
+  std::vector<ColumnMeaning> meanings = meanings_of(table, options, out);
+  const std::size_t clock_column = find_clock(table, meanings, out.notes);
+  FORCEGATE_CHECK_OK(settle_unit_of_clock(table, clock_column, meanings, where, options, out.notes));
+  convert_units(table, meanings, out.notes);
 
   Clock clock;
   if (clock_column < table.columns.size()) {

@@ -17,9 +17,14 @@ constexpr std::string_view kReplaced = "\xEF\xBF\xBD";
 
 }  // namespace
 
-CsvCell read_cell(std::string_view text, char point, double& out) {
+std::string_view unquoted(std::string_view text) {
   text = trim(text);
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = trim(text.substr(1, text.size() - 2));
+  return text;
+}
+
+CsvCell read_cell(std::string_view text, char point, double& out) {
+  text = unquoted(text);
   out = std::numeric_limits<double>::quiet_NaN();
   if (text.empty()) return CsvCell::missing;
   std::string plain(text.front() == '+' ? text.substr(1) : text);
@@ -76,9 +81,7 @@ void cut_cells(std::string_view line, char separator, std::vector<std::string_vi
 }
 
 std::string header_text(std::string_view cell) {
-  std::string_view text = trim(cell);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = trim(text.substr(1, text.size() - 2));
-  text = text.substr(0, kLongestHeader);
+  const std::string_view text = unquoted(cell).substr(0, kLongestHeader);
   std::string shown = printable_utf8(text);
   if (shown.find(kReplaced) == std::string::npos) return shown;
   std::string recoded;

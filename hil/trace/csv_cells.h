@@ -13,6 +13,9 @@ enum class CsvCell { number, missing, text };
 /// "nan", "NA", "null", infinite or beyond a double) or text.
 CsvCell read_cell(std::string_view text, char point, double& out);
 
+/// Without outer blanks and quotes.
+std::string_view unquoted(std::string_view text);
+
 /// The candidate that stands most often outside quotes: comma, semicolon, tab, bar; a blank where there is none of them.
 char choose_separator(std::string_view line);
 

@@ -14,6 +14,7 @@
 #include "hil/base/units.h"
 #include "hil/trace/csv_cells.h"
 #include "hil/trace/csv_preamble.h"
+#include "hil/trace/date_time.h"
 #include "hil/trace/decimal.h"
 
 namespace forcegate {
@@ -225,6 +226,8 @@ class Parser {
                          : "leave the cell empty when the value is missing");
       ++table_.columns[c].missing;
     }
+    if (!seen_data_)
+      for (std::size_t c = 0; c < row_.size(); ++c) table_.columns[c].dates = seconds_of_stamp(unquoted(cells_[c])).has_value();
     seen_data_ = true;
     for (std::size_t c = 0; c < row_.size(); ++c) table_.columns[c].value.push_back(row_[c]);
     return {};

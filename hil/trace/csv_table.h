@@ -14,6 +14,7 @@ namespace forcegate {
 struct CsvColumn {
   std::string header;  ///< as written, without quotes and outer blanks; a row of units is appended as "_mN"
   std::vector<double> value;  ///< NaN = missing
+  bool dates = false;         ///< its cells are dates or times of day, and the values seconds
   std::size_t missing = 0;    ///< empty cells, "nan", "NA", "null", infinities
 };
 

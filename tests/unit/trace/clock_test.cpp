@@ -145,5 +145,61 @@ TEST(ClockOfATable, RoundedStampsAreNoJitter) {
   EXPECT_THAT(read(table(stamps_s)).notes, Not(Contains(HasSubstr("jitter"))));
 }
 
+TEST(UnitOfTheClock, NumbersThatCannotBeSecondsAreFractionsOfOne) {
+  for (const auto& [factor, name] : {std::pair{1e3, "milliseconds"}, std::pair{1e6, "microseconds"}, std::pair{1e9, "nanoseconds"}}) {
+    for (const char* clock : {"timestamp", "t_s"}) {
+      std::string text = std::string(clock) + ",F_ref_N\n";
+      for (int i = 0; i < 100; ++i) text += std::to_string(static_cast<long long>((1.7e9 + 0.01 * i) * factor)) + ",1\n";
+      const auto f = read(text);
+      EXPECT_NEAR(f.trace.time_bases.front().nominal_rate_Hz, 100.0, 0.1) << name;
+      EXPECT_NEAR(f.trace.time_bases.front().t_s.front(), 1.7e9, 1e-3) << name;
+      EXPECT_THAT(f.notes, Contains(HasSubstr(std::string("read as ") + name)));
+      EXPECT_THAT(f.notes, Not(Contains(HasSubstr("assumed"))));
+    }
+  }
+  EXPECT_NEAR(read("timestamp,F_ref_N\n1700000000,1\n1700000001,1\n1700000002,1\n").trace.time_bases.front().nominal_rate_Hz, 1.0, 1e-9);
+  const auto ticks = parse_csv("time,F_ref_N\n638000000000000000,1\n638000000000100000,1\n", "x.csv");
+  ASSERT_FALSE(ticks) << "neither a date of this century nor seconds";
+  EXPECT_THAT(ticks.error().text, HasSubstr("cannot be seconds"));
+  EXPECT_THAT(ticks.error().hint, HasSubstr("--map time=t_us"));
+}
+
+TEST(UnitOfTheClock, WholeNumbersWithoutAUnitAreToldAndADeclaredRateDecides) {
+  std::vector<double> counts;
+  for (int i = 0; i < 200; ++i) counts.push_back(10.0 * i);
+  const auto f = read(table(counts, "time"));
+  EXPECT_NEAR(f.trace.time_bases.front().nominal_rate_Hz, 0.1, 1e-9);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("a sample every 10 s; if it counts milliseconds: --map time=t_ms")));
+  CsvOptions options;
+  options.column_map["time"] = "t_ms";
+  EXPECT_NEAR(read(table(counts, "time"), options).trace.time_bases.front().nominal_rate_Hz, 100.0, 1e-6);
+  options.column_map["time"] = "t_s";
+  EXPECT_TRUE(read(table(counts, "time"), options).notes.empty()) << "who says seconds is not asked again";
+  EXPECT_TRUE(read(table(counts, "t_s")).notes.empty());
+  CsvOptions declared;
+  declared.assumed_rate_Hz = 98.0;
+  EXPECT_NEAR(read(table(counts, "time"), declared).trace.time_bases.front().nominal_rate_Hz, 100.0, 1e-6);
+  declared.assumed_rate_Hz = 0.1;
+  EXPECT_NEAR(read(table(counts, "time"), declared).trace.time_bases.front().nominal_rate_Hz, 0.1, 1e-9);
+}
+
+TEST(UnitOfTheClock, DaysOfASpreadsheetAreSuspectedAndRead) {
+  std::string text = "time,F_ref_N\n";
+  for (int i = 0; i < 100; ++i) text += shortest(46000.4 + 0.01 * i / 86400.0) + ",1\n";
+  EXPECT_THAT(read(text).notes, Contains(HasSubstr("--map time=t_days")));
+  CsvOptions options;
+  options.column_map["time"] = "t_days";
+  EXPECT_NEAR(read(text, options).trace.time_bases.front().nominal_rate_Hz, 100.0, 0.1);
+}
+
+TEST(UnitOfTheClock, DatesNeedNoUnitAndNoName) {
+  const char* rows = "2026-11-21T10:00:00.00,1\n2026-11-21T10:00:00.01,1\n2026-11-21T10:00:00.02,1\n";
+  EXPECT_TRUE(read(std::string("time,F_ref_N\n") + rows).notes.empty());
+  EXPECT_NEAR(read(std::string("Time (ms),F_ref_N\n") + rows).trace.time_bases.front().nominal_rate_Hz, 100.0, 0.01);
+  const auto unnamed = read(std::string("Aufnahme,F_ref_N\n") + rows);
+  EXPECT_NEAR(unnamed.trace.time_bases.front().nominal_rate_Hz, 100.0, 0.01);
+  EXPECT_THAT(unnamed.notes, Contains("column \"Aufnahme\" holds dates or times of day and was taken for the clock"));
+}
+
 }  // namespace
 }  // namespace forcegate
