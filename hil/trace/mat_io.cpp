@@ -3,7 +3,11 @@
 #include <matio.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -65,6 +69,44 @@ bool column_of(const matvar_t& v, std::vector<double>& out) {
   }
 }
 
+template <class T>
+bool read_at(std::ifstream& file, std::uint64_t at, bool swapped, T& out) {
+  file.seekg(static_cast<std::streamoff>(at));
+  std::array<char, sizeof(T)> bytes;
+  if (!file.read(bytes.data(), bytes.size())) return false;
+  if (swapped) std::ranges::reverse(bytes);
+  std::memcpy(&out, bytes.data(), sizeof out);
+  return true;
+}
+
+/// Where the last variable ought to end; matio fills up what a file lacks. 0 where the file is another kind of MAT file.
+std::uint64_t claimed_end(const std::filesystem::path& path, std::uint64_t size) {
+  constexpr std::uint64_t kHeader5 = 128, kTag5 = 8, kHeader4 = 20;
+  std::ifstream file(path, std::ios::binary);
+  std::uint16_t endian = 0, version = 0;
+  if (size >= kHeader5 && read_at(file, 126, false, endian) && (endian == 0x4D49 || endian == 0x494D)) {  // "MI" as this machine writes it, or swapped
+    if (!read_at(file, 124, endian != 0x4D49, version) || version != 0x0100) return 0;  // 7.3 is HDF5
+    std::uint64_t at = kHeader5;
+    for (std::uint32_t bytes = 0; at + kTag5 <= size && read_at(file, at + 4, endian != 0x4D49, bytes);) at += kTag5 + bytes;
+    return at;
+  }
+  file.clear();
+  std::uint64_t at = 0;
+  while (at + kHeader4 <= size) {
+    std::array<std::int32_t, 5> head{};  // type, rows, columns, imaginary part, length of the name
+    for (std::size_t k = 0; k < head.size(); ++k)
+      if (!read_at(file, at + 4 * k, false, head[k])) return 0;
+    constexpr std::array<std::uint64_t, 6> kBytes = {8, 4, 4, 2, 2, 1};
+    const auto kind = static_cast<std::size_t>(head[0] / 10 % 10);
+    if (head[0] < 0 || head[0] > 99 || kind >= kBytes.size() || head[1] < 0 || head[2] < 0 || head[3] < 0 || head[3] > 1 || head[4] < 0) return 0;
+    at += kHeader4 + static_cast<std::uint64_t>(head[4]) +
+          static_cast<std::uint64_t>(head[1]) * static_cast<std::uint64_t>(head[2]) * kBytes[kind] * static_cast<std::uint64_t>(1 + head[3]);
+  }
+  return at;
+}
+
+thread_local bool inflate_failed = false;  // the library tells it in no other way
+
 }  // namespace
 
 Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
@@ -106,7 +148,13 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
   std::error_code failed;
   if (!std::filesystem::exists(path, failed))
     return fail(ErrorCode::io, "there is no such file", path.string(), "check the name");
-  Mat_LogInitFunc("forcegate", [](int, char*) {});
+  if (const std::uint64_t size = std::filesystem::file_size(path, failed), end = failed ? 0 : claimed_end(path, size); end > size)
+    return fail(ErrorCode::parse, "the MAT file is cut short: it has " + std::to_string(size) + " of at least " + std::to_string(end) + " bytes", path.string(),
+                "copy it again from where it was recorded");
+  inflate_failed = false;
+  Mat_LogInitFunc("forcegate", [](int, char* message) {
+    if (message != nullptr && std::strstr(message, "nflate") != nullptr) inflate_failed = true;
+  });
   const FilePointer file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   if (!file)
     return fail(ErrorCode::parse, "this is not a MAT file of version 4, 5 or 7.3", path.string(),
@@ -118,6 +166,7 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
   std::vector<std::string> left_out;
   while (const VariablePointer variable{Mat_VarReadNext(file.get())}) {
     const std::string name = variable->name ? printable_utf8(variable->name) : "";
+    if (inflate_failed) break;
     if (name == "provenance" && variable->class_type == MAT_C_CHAR && variable->data &&
         variable->data_size == 1) {
       const auto json = nlohmann::json::parse(
@@ -137,6 +186,8 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
       if (!std::isfinite(v)) v = kMissing, ++column.missing;
     table.columns.push_back(std::move(column));
   }
+  if (inflate_failed)
+    return fail(ErrorCode::parse, "the MAT file is damaged: a variable cannot be unpacked", path.string(), "copy it again from where it was recorded");
   // The length that most vectors share is that of the record.
   std::map<std::size_t, std::size_t> lengths;
   for (const CsvColumn& c : table.columns) ++lengths[c.value.size()];

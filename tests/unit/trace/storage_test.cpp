@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <thread>
 
@@ -128,6 +129,50 @@ TEST_F(Storage, MatReturnsTheColumns) {
   EXPECT_EQ(back->trace.provenance, trace.provenance);
   std::ofstream(folder_ / "b.mat") << "no MAT file at all";
   EXPECT_EQ(read_mat(folder_ / "b.mat").error().code, ErrorCode::parse);
+}
+
+TEST_F(Storage, AMatFileThatIsCutShortOrDamagedIsRefused) {
+  Trace trace;
+  trace.time_bases.push_back({});
+  trace.channels.resize(2);
+  trace.channels[0] = {"F_ref", "N", "force", 0, {}, {}};
+  trace.channels[1] = {"U", "V", "voltage", 0, {}, {}};
+  Rng rng(7, "mat");
+  for (int i = 0; i < 3000; ++i) {
+    trace.time_bases[0].t_s.push_back(i * 0.01);
+    for (Channel& channel : trace.channels) channel.value.push_back(rng.normal());
+  }
+  ASSERT_TRUE(write_mat(trace, folder_ / "whole.mat"));
+  std::ifstream file(folder_ / "whole.mat", std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  for (const double share : {0.1, 0.5, 0.9}) {
+    std::ofstream(folder_ / "cut.mat", std::ios::binary) << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
+    const auto cut = read_mat(folder_ / "cut.mat");
+    ASSERT_FALSE(cut) << share;
+    EXPECT_THAT(cut.error().text, ::testing::HasSubstr("cut short")) << share;
+  }
+  std::string damaged = whole;
+  damaged.replace(damaged.size() / 2, 40, 40, 'U');
+  std::ofstream(folder_ / "damaged.mat", std::ios::binary) << damaged;
+  const auto refused = read_mat(folder_ / "damaged.mat");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().text, ::testing::HasSubstr("damaged"));
+  EXPECT_TRUE(read_mat(folder_ / "whole.mat"));
+  std::string level73 = whole.substr(0, 124) + std::string("\0\2IM", 4) + std::string(384, '\0') + "\x89HDF\r\n\x1a\n";
+  std::ofstream(folder_ / "v73.mat", std::ios::binary) << level73;
+  EXPECT_THAT(read_mat(folder_ / "v73.mat").error().text, ::testing::Not(::testing::HasSubstr("cut short"))) << "its variables stand in HDF5";
+
+  std::string level4;  // three vectors as MATLAB 4 stores them
+  const std::vector<double> values(400, 1.0);
+  for (const char* name : {"t_s", "F_ref_N", "U_V"}) {
+    const std::int32_t head[] = {0, 400, 1, 0, static_cast<std::int32_t>(std::strlen(name)) + 1};
+    level4.append(reinterpret_cast<const char*>(head), sizeof head).append(name, std::strlen(name) + 1);
+    level4.append(reinterpret_cast<const char*>(values.data()), 8 * values.size());
+  }
+  std::ofstream(folder_ / "v4.mat", std::ios::binary) << level4.substr(0, level4.size() - 1500);
+  const auto cut4 = read_mat(folder_ / "v4.mat");
+  ASSERT_FALSE(cut4) << "matio leaves the last variable out";
+  EXPECT_THAT(cut4.error().text, ::testing::HasSubstr("cut short"));
 }
 
 TEST_F(Storage, ConvertGoesRoundThroughAllFormats) {
