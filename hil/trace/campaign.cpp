@@ -118,6 +118,21 @@ Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptio
   return {};
 }
 
+/// A folder holds what it holds: a record that cannot stand beside those that can is skipped. Where none can, all are kept, and who reads them says why.
+void skip_unfit(std::vector<Reading>& readings, Campaign& campaign) {
+  for (std::string Unfit::*const why : {&Unfit::too_short, &Unfit::no_column}) {
+    std::vector<std::string> reasons;
+    for (const Reading& reading : readings) reasons.push_back(unfit(reading.record->trace).*why);
+    if (std::ranges::none_of(reasons, &std::string::empty)) continue;
+    std::size_t at = 0;
+    std::erase_if(readings, [&](const Reading& reading) {
+      const std::string& reason = reasons[at++];
+      if (!reason.empty()) campaign.notes.push_back("skipped " + reading.file.filename().string() + ": " + reason);
+      return !reason.empty();
+    });
+  }
+}
+
 /// Every record file of the folder, in the order of their names. What cannot be read is skipped and noted.
 Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, Campaign& campaign) {
   std::vector<fs::path> files;
@@ -148,6 +163,7 @@ Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, 
     return true;
   });
   if (readings.empty()) return tl::unexpected(std::move(*first_error));
+  skip_unfit(readings, campaign);
   FORCEGATE_CHECK_OK(check_map(readings, options, folder));
   add_notes(readings, campaign);
   for (const Reading& reading : readings) campaign.records.push_back(std::move(*reading.record));

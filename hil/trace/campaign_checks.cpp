@@ -8,6 +8,7 @@
 
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
+#include "hil/trace/columns.h"
 
 namespace forcegate {
 namespace {
@@ -98,6 +99,20 @@ std::array<double, 3> spread_of(const Channel& channel) {
 }
 
 }  // namespace
+
+Unfit unfit(const Trace& trace) {
+  constexpr double kFewestRows = 16.0, kRow_s = 0.02;  // what a model is compared with are rows of this length
+  Unfit out;
+  const double rate_Hz = trace.time_bases.empty() ? 0.0 : trace.time_bases.front().nominal_rate_Hz;
+  const double needed = kFewestRows * std::max(1.0, std::round(kRow_s * rate_Hz));
+  if (static_cast<double>(trace.size()) < needed)
+    out.too_short = "the record has only " + std::to_string(trace.size()) + " samples, at least " + shortest(needed) + " are needed" + (needed > kFewestRows ? " at this rate" : "");
+  std::vector<std::string> columns;
+  for (const Channel& channel : trace.channels) columns.push_back(header_of(channel.name, channel.unit));
+  for (const auto& [name, what] : {std::pair{"F_ref", "reference force"}, std::pair{"U", "output"}})
+    if (trace.find(name) == nullptr && out.no_column.empty()) out.no_column = std::string("no column is the ") + what + ": there are " + join(columns, ", ");
+  return out;
+}
 
 void drop_copies(Campaign& campaign) {
   std::vector<Record> kept;

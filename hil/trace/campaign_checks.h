@@ -5,6 +5,12 @@
 
 namespace forcegate {
 
+/// What keeps a record from being compared with a model; empty for most.
+struct Unfit {
+  std::string too_short, no_column;
+};
+Unfit unfit(const Trace& trace);
+
 /// Takes out every record whose force and output repeat those of an earlier one sample by sample: a copy is no second measurement. Noted.
 void drop_copies(Campaign& campaign);
 

@@ -67,6 +67,24 @@ TEST_F(CheckedCampaign, TakesACopyOnce) {
   EXPECT_THAT(listed.notes, Contains(HasSubstr("cannot be fitted and held out at once")));
 }
 
+TEST_F(CheckedCampaign, SkipsWhatInAFolderCannotStandBesideTheOtherRecords) {
+  put_wave("a.csv", 0.0);
+  put("five.csv", "t_s,F_ref_N,U_V\n0,1,2\n1,2,3\n2,3,4\n3,4,5\n4,5,6\n");
+  put_rows("level.csv", "t_s,level_mm", [](int i) { return std::to_string(i); });
+  const Campaign campaign = read();
+  ASSERT_EQ(campaign.records.size(), 1u);
+  EXPECT_EQ(campaign.records.front().name, "a");
+  EXPECT_THAT(campaign.notes, Contains("skipped five.csv: the record has only 5 samples, at least 16 are needed"));
+  EXPECT_THAT(campaign.notes, Contains("skipped level.csv: no column is the reference force: there are level_m"));
+  put("campaign.json", R"({"records": [{"file": "a.csv"}, {"file": "five.csv"}]})");
+  EXPECT_EQ(read().records.size(), 2u) << "what is listed is meant";
+}
+
+TEST_F(CheckedCampaign, KeepsAFolderInWhichNoRecordIsLongEnough) {
+  for (const char* name : {"a.csv", "b.csv"}) put(name, "t_s,F_ref_N,U_V\n0,1,2\n1,2,3\n");
+  EXPECT_EQ(read().records.size(), 2u);
+}
+
 TEST_F(CheckedCampaign, KeepsRecordsThatRestAtTheSameCode) {
   for (const char* name : {"a.csv", "b.csv"}) put_rows(name, "t_s,F_ref_N,U_V", [](int) { return "1,2"; });
   EXPECT_EQ(read().records.size(), 2u);
