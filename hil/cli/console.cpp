@@ -1,6 +1,7 @@
 #include "hil/cli/console.h"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -144,10 +145,16 @@ void Console::look_at(const std::string& file) {
   print(paint(Paint::dim, "look at: " + file));
 }
 
+bool Console::all_written() {
+  if (std::fflush(out_) == 0 && std::ferror(out_) == 0) return true;
+  pollfd reader{::fileno(out_), POLLOUT, 0};
+  return ::poll(&reader, 1, 0) > 0 && (reader.revents & (POLLERR | POLLHUP)) != 0;
+}
+
 void Console::error(const Error& error) {
   end_progress();
   const std::lock_guard lock(bar_->mutex);
-  if (options_.json) {
+  if (options_.json && all_written()) {
     const nlohmann::ordered_json document = {{"error",
                                               {{"code", to_string(error.code)},
                                                {"exit_code", exit_code_of(error.code)},
@@ -155,7 +162,7 @@ void Console::error(const Error& error) {
                                                {"where", printable_utf8(error.where)},
                                                {"help", printable_utf8(error.hint)}}}};
     std::fputs((document.dump(2) + "\n").c_str(), out_);
-    return;
+    if (all_written()) return;
   }
   std::string text = printable_utf8(error.to_text());
   constexpr std::string_view kHead = "error:";

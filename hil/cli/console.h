@@ -45,8 +45,11 @@ class Console {
   void next(std::string_view what);
   /// A file made for people to look at: the command that opens it where this machine has one (xdg-open, open), else its name.
   void look_at(const std::string& file);
-  /// The error as text on stderr, or as {"error": {...}} on stdout with --json.
+  /// The error as text on stderr, or as {"error": {...}} on stdout with --json, as long as stdout takes it.
   void error(const Error& error);
+
+  /// Flushes stdout. False when any of it was lost (a full disk); a reader that has left is its own affair.
+  bool all_written();
 
   /// Escape codes around `text` when colour is on, else `text`.
   std::string paint(Paint role, std::string_view text) const;

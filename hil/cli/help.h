@@ -14,6 +14,10 @@ std::string overview_text(const std::vector<Command>& table, const Console& cons
 /// `forcegate VERB --help`.
 std::string command_text(const Command& command, const Console& console);
 
+/// The same two as one JSON document each, format 1.
+std::string overview_json(const std::vector<Command>& table);
+std::string command_json(const Command& command);
+
 /// "forcegate gate [OPTIONS] FIRMWARE"
 std::string usage_line(const Command& command);
 

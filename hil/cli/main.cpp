@@ -1,4 +1,3 @@
-#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -16,18 +15,28 @@ int run(const ParsedLine& line, Console& console, const std::vector<Command>& ta
     return exit_code_of(line.error->code);
   }
   if (line.version) {
-    std::puts("forcegate " FORCEGATE_VERSION);
+    console.print("forcegate " FORCEGATE_VERSION);
+    console.print_json("{\"format\": 1, \"version\": \"" FORCEGATE_VERSION "\"}");
     return kExitSuccess;
   }
   if (line.command == nullptr) {
     std::vector<Command> shown;
     for (const Command& c : table)
       if (line.family.empty() || in_family(c.name, line.family)) shown.push_back(c);
-    std::fputs(overview_text(shown, console).c_str(), line.help ? stdout : stderr);
-    return line.help ? kExitSuccess : kExitUsage;
+    if (line.help) {
+      console.print(overview_text(shown, console));
+      console.print_json(overview_json(shown));
+      return kExitSuccess;
+    }
+    if (console.json())
+      console.error({ErrorCode::usage, "no verb was given", "forcegate", "\"forcegate --help\" lists the verbs"});
+    else
+      std::fputs(overview_text(shown, console).c_str(), stderr);
+    return kExitUsage;
   }
   if (line.help) {
-    std::fputs(command_text(*line.command, console).c_str(), stdout);
+    console.print(command_text(*line.command, console));
+    console.print_json(command_json(*line.command));
     return kExitSuccess;
   }
   Invocation invocation(*line.command, console);
@@ -61,10 +70,8 @@ int main(int argc, char** argv) {
     console.error({ErrorCode::internal, std::string("unexpected exception: ") + e.what(), "forcegate",
                    "please report it with the command line"});
   }
-  // A full disk behind stdout must not look like success; a reader that has left (EPIPE) is its own affair.
-  if (std::fflush(stdout) != 0 && errno != EPIPE && code == kExitSuccess) {
-    console.error({ErrorCode::io, "cannot write to standard output", "forcegate", "is the disk full?"});
-    return kExitUsage;
-  }
-  return code;
+  // a full disk behind stdout must not look like success
+  if (console.all_written()) return code;
+  console.error({ErrorCode::io, "cannot write to standard output", "forcegate", "is the disk full?"});
+  return code == kExitSuccess ? int{kExitUsage} : code;
 }

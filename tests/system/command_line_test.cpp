@@ -107,9 +107,29 @@ TEST(CommandLine, MissingAndSuperfluousArgumentsAreNamed) {
     EXPECT_EQ(forcegate(arguments).exit_code, 2);
 }
 
+TEST(CommandLine, HelpIsJsonWhenAsked) {
+  const Json all = Json::parse(forcegate({"--help", "--json"}).out, nullptr, false);
+  ASSERT_FALSE(all.is_discarded());
+  const auto verbs = visible_verbs();
+  EXPECT_GE(all["verbs"].size(), verbs.size());
+  for (const std::string& verb : verbs) {
+    const ProcessResult r = forcegate({verb, "--help", "--json"});
+    EXPECT_EQ(r.exit_code, 0) << verb;
+    const Json one = Json::parse(r.out, nullptr, false);
+    ASSERT_FALSE(one.is_discarded()) << verb << ": " << r.out;
+    EXPECT_EQ(one["format"], 1) << verb;
+    if (one.contains("verb")) {  // not of a family, as "bench"
+      EXPECT_EQ(one["verb"], verb);
+      EXPECT_FALSE(one["examples"].empty()) << verb;
+    }
+  }
+}
+
 TEST(CommandLine, ErrorsAreJsonWhenAsked) {
   for (const auto& arguments :
-       std::vector<std::vector<std::string>>{{"stimulus", "sin", "--json"},
+       std::vector<std::vector<std::string>>{{"--json"},
+                                             {"bench", "--json"},
+                                             {"stimulus", "sin", "--json"},
                                              {"nonsense", "--json"},
                                              {"convert", "/gone.csv", "x.h5", "--json"}}) {
     const ProcessResult r = forcegate(arguments);
@@ -126,13 +146,17 @@ TEST(CommandLine, ErrorsAreJsonWhenAsked) {
 TEST(CommandLine, JsonIsOneDocumentWithAFormatNumber) {
   for (const auto& arguments :
        std::vector<std::vector<std::string>>{{"version"},
+                                             {"--version"},
+                                             {"man"},
+                                             {"completion", "bash"},
+                                             {"completion", "--words", "--", "expl"},
                                              {"explain"},
                                              {"explain", "4"},
                                              {"stimulus", "--list"},
                                              {"stimulus", "sine", "f_Hz=0.5", "A_N=1", "m_N=2"},
                                              {"doctor"}}) {
     auto with_json = arguments;
-    with_json.push_back("--json");
+    with_json.insert(with_json.begin(), "--json");
     const ProcessResult r = forcegate(with_json);
     const Json document = Json::parse(r.out, nullptr, false);
     ASSERT_FALSE(document.is_discarded()) << arguments[0] << ": " << r.out;
@@ -161,7 +185,12 @@ TEST(CommandLine, TheLastLineSaysWhatToDoNextUnlessQuiet) {
 }
 
 TEST(CommandLine, AFullDiskBehindStdoutIsNotSuccess) {
-  EXPECT_EQ(forcegate({"explain"}, {.out_file = "/dev/full"}).exit_code, 2);
+  for (const std::vector<std::string>& line :
+       {std::vector<std::string>{"explain"}, {"explain", "--json"}, {"man"}, {"simulate", "nowhere.csv", "--json"}, {"stimulus", "--help"}}) {
+    const ProcessResult r = forcegate(line, {.out_file = "/dev/full"});
+    EXPECT_EQ(r.exit_code, 2) << line.front();
+    EXPECT_THAT(r.err, HasSubstr("cannot write to standard output")) << line.front();
+  }
 }
 
 TEST(CommandLine, ForeignBytesNeverReachTheTerminalRaw) {

@@ -1,5 +1,7 @@
 #include "hil/cli/completion.h"
 
+#include <nlohmann/json.hpp>
+
 #include "hil/cli/command.h"
 
 namespace forcegate {
@@ -10,8 +12,9 @@ std::vector<std::string> shells() { return {"bash", "zsh", "fish"}; }
 Result<int> run(const Invocation& in) {
   const std::vector<std::string> words = in.texts("SHELL");
   if (in.flag("words")) {
-    for (const std::string& word : completions(words, Registry<Command>::instance().all()))
-      in.console().print(word);
+    const std::vector<std::string> offered = completions(words, Registry<Command>::instance().all());
+    for (const std::string& word : offered) in.console().print(word);
+    in.console().print_json(nlohmann::ordered_json{{"format", 1}, {"words", offered}}.dump(2));
     return kExitSuccess;
   }
   if (words.size() != 1 || completion_script(words[0]).empty())
@@ -19,6 +22,7 @@ Result<int> run(const Invocation& in) {
                 words.empty() ? "SHELL is missing" : "there is no script for \"" + words[0] + "\"",
                 "forcegate completion", "choose from: bash, zsh, fish");
   in.console().print(completion_script(words[0]));
+  in.console().print_json(nlohmann::ordered_json{{"format", 1}, {"shell", words[0]}, {"script", completion_script(words[0])}}.dump(2));
   return kExitSuccess;
 }
 

@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "hil/cli/command.h"
 #include "hil/cli/help.h"
 
@@ -5,7 +7,9 @@ namespace forcegate {
 namespace {
 
 Result<int> run(const Invocation& in) {
-  in.console().print(man_page(Registry<Command>::instance().all(), FORCEGATE_VERSION));
+  const std::string page = man_page(Registry<Command>::instance().all(), FORCEGATE_VERSION);
+  in.console().print(page);
+  in.console().print_json(nlohmann::ordered_json{{"format", 1}, {"page", page}}.dump(2));
   return kExitSuccess;
 }
 

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <limits>
 #include <thread>
 #include <vector>
@@ -51,6 +53,39 @@ TEST_F(ConsoleTest, QuietMeansNoProgressNoNotesNoNextButTheResult) {
   console.print("result");
   EXPECT_EQ(text(err_), "");
   EXPECT_EQ(text(out_), "result\n");
+}
+
+TEST_F(ConsoleTest, WhatAFullDiskDidNotTakeIsToldOnStderr) {
+  for (const std::size_t length : {std::size_t{10}, std::size_t{100000}}) {
+    std::FILE* full = std::fopen("/dev/full", "w");
+    ASSERT_NE(full, nullptr);
+    std::FILE* err = std::tmpfile();
+    {
+      Console console({.json = true}, full, err);
+      EXPECT_TRUE(console.all_written());
+      console.print_json(std::string(length, '0'));
+      EXPECT_FALSE(console.all_written()) << length;
+      console.error({ErrorCode::io, "cannot write to standard output", "forcegate", "is the disk full?"});
+    }
+    EXPECT_THAT(text(err), HasSubstr("cannot write to standard output"));
+    std::fclose(err);
+    std::fclose(full);
+  }
+}
+
+TEST_F(ConsoleTest, AReaderThatHasLeftIsNoFullDisk) {
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  ::close(ends[0]);
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  std::FILE* out = ::fdopen(ends[1], "w");
+  {
+    Console console({}, out, err_);
+    console.print(std::string(100000, 'x'));
+    EXPECT_TRUE(console.all_written());
+  }
+  std::fclose(out);
+  std::signal(SIGPIPE, before);
 }
 
 TEST_F(ConsoleTest, JsonAloneIsOnStdoutWhenAsked) {
