@@ -230,6 +230,10 @@ Result<std::vector<fs::path>> write_profiles(const NextExperiment& planned, cons
   return out;
 }
 
+bool is_playable(const NextExperiment& planned) {
+  return std::ranges::any_of(planned.segments, [](const ExperimentSegment& s) { return !s.heats; });
+}
+
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress,
                                const std::atomic<bool>* cancelled) {
   NextRunResult out;
@@ -238,11 +242,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   if (progress) progress(0.0, "diagnosing what there is");
   FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
   out.planned = out.before.next_experiment;
-  if (out.planned.segments.empty()) {
-    const std::string why = next_text(out.before);
-    return fail(ErrorCode::usage, why.substr(0, why.find('\n')), request.campaign.campaign.string(),
-                "forcegate diagnose shows the answer");
-  }
+  if (out.planned.segments.empty()) return out;
   fs::path from = request.campaign.campaign;
   if (from.filename().empty()) from = from.parent_path();
   out.folder = !request.output.empty() ? request.output : next_folder(from);

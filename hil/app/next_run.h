@@ -36,9 +36,12 @@ struct NextRunResult {
 
 /// Nothing of the old campaign is changed or overwritten; records that its description lists in subfolders are copied, those outside of its folder named
 /// where they are. Errors: those of the diagnosis and of the rig; usage when the
-/// output exists, or when nothing competes. After an error the new folder is gone but for the forces to record, and for what a rig has played.
+/// output exists. Where no segment is planned, nothing is played and no folder made. After an error the new folder is gone but for the forces to record, and for what a rig has played.
 Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress = {},
                                const std::atomic<bool>* cancelled = nullptr);
+
+/// Whether a rig that cannot heat has anything to play.
+bool is_playable(const NextExperiment& planned);
 
 /// Writes the forces of the planned segments into FOLDER/profiles as columns t_s, F_ref_N, for who records them by hand. The folder may
 /// then be the output of next_run. Errors: usage when the folder holds anything else; io.

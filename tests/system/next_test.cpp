@@ -131,6 +131,15 @@ TEST(NextVerb, WhereOneEffectExplainsItAllTheNextStepIsToAddIt) {
   const ProcessResult r = forcegate({"next", file});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_THAT(r.out, AllOf(HasSubstr("nothing competes with hysteresis"), HasSubstr("next: forcegate add hysteresis --fit ")));
+  // the same answer for who wanted to play or to write
+  const std::string out = folder / "more";
+  const ProcessResult run = forcegate({"next", file, "--run", "-o", out}), written = forcegate({"next", file, "-o", out});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("nothing competes with hysteresis"), HasSubstr("nothing was played"), HasSubstr("next: forcegate add hysteresis --fit ")));
+  EXPECT_EQ(written.exit_code, 0) << written.err;
+  EXPECT_THAT(written.out, HasSubstr("nothing was written to " + out));
+  EXPECT_FALSE(fs::exists(out));
+  EXPECT_EQ(nlohmann::json::parse(forcegate({"next", file, "--run", "--json"}).out), nlohmann::json::parse(forcegate({"next", file, "--json"}).out));
 }
 
 TEST(NextVerb, CopiesRecordsOutOfSubfoldersAndForgetsTheCopyWhereTheRunFails) {

@@ -11,6 +11,16 @@ namespace {
 
 std::string given_words(const Invocation& in) { return campaign_words(in, in.text("CAMPAIGN")) + model_words(in); }
 
+// Nothing is to be measured: an answer, whatever it was asked for.
+int settled(const Invocation& in, const Diagnosis& diagnosis) {
+  in.console().print(next_text(diagnosis));
+  if (in.flag("run")) in.console().print("nothing was played");
+  else if (in.given("output")) in.console().print("nothing was written to " + in.text("output"));
+  in.console().print_json(next_json(diagnosis));
+  in.console().next(line_after_diagnosis(in, diagnosis, {.campaign = in.text("CAMPAIGN"), .model = named_model(in), .experiment = true}));
+  return kExitSuccess;
+}
+
 Result<int> play(const Invocation& in) {
   NextRunRequest request;
   FORCEGATE_TRY(request.campaign, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
@@ -27,6 +37,7 @@ Result<int> play(const Invocation& in) {
   const auto made = next_run(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!made) return Unexpected(made.error());
+  if (made->planned.segments.empty()) return settled(in, made->before);
   in.console().print(next_run_text(*made));
   in.console().notes(made->after.notes);
   in.console().print_json(next_run_json(*made));
@@ -51,18 +62,14 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(const Diagnosis diagnosis, diagnose_request(request));
   const NextExperiment& answer = diagnosis.next_experiment;
+  if (answer.segments.empty()) return settled(in, diagnosis);
   in.console().print(next_text(diagnosis));
   in.console().print_json(next_json(diagnosis));
-  if (answer.segments.empty()) {
-    in.console().next(line_after_diagnosis(
-        in, diagnosis, {.campaign = in.text("CAMPAIGN"), .model = named_model(in), .experiment = true}));
-    return kExitSuccess;
-  }
   if (in.given("output")) return write(in, answer);
   // a rig that was named, or the sensor of a mystery, can play them; the emulated rig's own sensor is not that of the records
-  if (in.given("rig") || in.given("rig-option") || in.given("record"))
+  if (in.given("record") || (is_playable(answer) && (in.given("rig") || in.given("rig-option"))))
     in.console().next(in.command_line() + " --run");
-  else if (is_mystery(in.text("CAMPAIGN")))
+  else if (is_playable(answer) && is_mystery(in.text("CAMPAIGN")))
     in.console().next("forcegate next " + given_words(in) + " --run");
   else
     in.console().next("forcegate next " + given_words(in) + " -o " + shell_quoted(next_folder(in.text("CAMPAIGN")).string()));
