@@ -42,6 +42,7 @@ struct UserEffect {
   std::vector<ModelParameter> parameters;
   std::vector<std::pair<std::string, std::string>> states;  ///< name, derivative
   std::string output;
+  std::vector<std::string> places{};  ///< "mine.toml:8:10" of the output, then of each derivative; empty: from no file
 };
 
 /// One step of the model's growth, errors on held-out records.

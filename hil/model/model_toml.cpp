@@ -124,12 +124,14 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
     return fail(ErrorCode::config, of + " is no equation", place(where, node), "write it in quotes: \"F * F\"");
   };
   FORCEGATE_TRY(out.output, equation(*table["output"].node(), "output"));
+  out.places.push_back(place(where, *table["output"].node()));
   FORCEGATE_TRY(const toml::table* const states, section_of(table, "state", where));
   FORCEGATE_TRY(const toml::table* const parameters, section_of(table, "parameter", where));
   if (states != nullptr)
     for (const auto& [key, node] : *states) {
       FORCEGATE_TRY(std::string derivative, equation(node, fmt::format("state.{}", std::string(key.str()))));
       out.states.emplace_back(std::string(key.str()), std::move(derivative));
+      out.places.push_back(place(where, node));
     }
   if (parameters != nullptr)
     for (const auto& [key, node] : *parameters) {
@@ -147,6 +149,7 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
     if (!is_free(state)) return bad("a state of \"" + name + "\" is called " + state + ", which means something else in the equations", help);
   for (const ModelParameter& p : out.parameters)
     if (!is_free(p.name)) return bad("a parameter of \"" + name + "\" is called " + p.name + ", which means something else in the equations", help);
+  FORCEGATE_CHECK_OK(UserEquation::make(out));
   return out;
 }
 
@@ -262,7 +265,7 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   Model out;
   const auto format = root["format"].value_or<std::int64_t>(1);
   if (format != 1)
-    return fail(ErrorCode::config, fmt::format("format {} of the model file is not known", format), where,
+    return fail(ErrorCode::config, fmt::format("format {} of the model file is not known", format), place(where, *root["format"].node()),
                 "this program reads format 1");
   out.name = root["name"].value_or(std::string("model"));
   out.sensor = root["sensor"].value_or(std::string());
@@ -287,6 +290,11 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
       if (!wanted.empty() && !p.unit.empty() && p.unit != wanted)
         return fail(ErrorCode::config, fmt::format("{} is in {}, not in \"{}\"", name, wanted, p.unit), place(where, *node),
                     "convert the value");
+      constexpr double kBeyondAny = 1e12;  // a slip of the exponent, in whatever unit the output comes
+      const double size = std::abs(p.value);
+      if (is("gain_N_per_V") && p.value == 0.0) return fail(ErrorCode::config, "gain_N_per_V must not be 0", place(where, *node), "write the newtons that one volt means");
+      if (size > kBeyondAny || (is("gain_N_per_V") && size < 1.0 / kBeyondAny))
+        return fail(ErrorCode::config, fmt::format("{} = {} is beyond any sensor", name, p.value), place(where, *node), "check its exponent");
       if ((is("b_scale") || is("q_scale")) && !(p.value > 0.0))
         return fail(ErrorCode::config, fmt::format("{} = {} is not above 0", name, p.value), place(where, *node), "1 is the paper's");
       value = p.value;
@@ -301,7 +309,6 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
   FORCEGATE_CHECK_OK(take("b_slope_s_per_s", out.law.b_slope, nullptr));
   FORCEGATE_CHECK_OK(take("b_intercept_per_s", out.law.b_intercept_per_s, nullptr));
   FORCEGATE_CHECK_OK(take("q_curvature_per_N2", out.law.q_curvature, nullptr));
-  if (out.law.gain_N_per_V == 0.0) return fail(ErrorCode::config, "gain_N_per_V must not be 0", where, "");
 
   FORCEGATE_TRY(const std::vector<const toml::table*> effects, tables_of(root, "effect", where));
   for (const toml::table* table : effects) {

@@ -9,9 +9,10 @@ namespace forcegate {
 Result<std::vector<double>> user_effect_N(const UserEffect& effect, const RecordInput& record) {
   FORCEGATE_TRY(const std::unique_ptr<UserEquation> equation, UserEquation::make(effect));
   UserEquation& e = *equation;
+  const auto place = [&](std::size_t of) { return of < effect.places.size() ? effect.places[of] + ", record " + record.name : record.name; };
   const auto needs = [&](const char* name, const char* what, const char* column, const std::vector<double>& channel) -> Result<void> {
     if (!channel.empty() || !e.uses(name)) return {};
-    return fail(ErrorCode::config, fmt::format("the effect \"{}\" uses {}, and the record has no {}", effect.name, name, what), record.name,
+    return fail(ErrorCode::config, fmt::format("the effect \"{}\" uses {}, and the record has no {}", effect.name, name, what), place(0),
                 fmt::format("record a column {}, or name the one that holds it with --map COLUMN={}", column, column));
   };
   FORCEGATE_CHECK_OK(needs("T", "temperature", "temp_C", record.temp_C));
@@ -32,9 +33,9 @@ Result<std::vector<double>> user_effect_N(const UserEffect& effect, const Record
         return fail(ErrorCode::config,
                     fmt::format("the state {} of the effect \"{}\" runs away: it is not finite at {:.4g} s", effect.states[k].first, effect.name,
                                 record.t_s[i]),
-                    record.name, "its derivative must pull it back; a time constant must be longer than a row of the record");
+                    place(k + 1), "its derivative must pull it back; a time constant must be longer than a row of the record");
     return fail(ErrorCode::config, fmt::format("the effect \"{}\" gives a value that is not finite at {:.4g} s", effect.name, record.t_s[i]),
-                record.name, "check divisions and bounds of its equations");
+                place(0), "check divisions and bounds of its equations");
   };
   std::vector<double> out(record.rows()), start(states), slope(states);
   for (std::size_t i = 0; i < record.rows(); ++i) {

@@ -39,14 +39,19 @@ Result<std::unique_ptr<UserEquation>> UserEquation::make(const UserEffect& effec
     parser.Eval();
   };
   std::string now = effect.output;
+  std::size_t number = 0;
   try {
     prepare(p.output, now);
     for (std::size_t k = 0; k < effect.states.size(); ++k) {
       now = effect.states[k].second;
+      number = k + 1;
       prepare(p.derivative[k], now);
     }
   } catch (const mu::Parser::exception_type& error) {
-    return fail(ErrorCode::config, "the equation cannot be read: " + error.GetMsg(), effect.name + ": " + now,
+    const std::string equation = effect.name + ": " + now;
+    const bool from_file = number < effect.places.size();
+    return fail(ErrorCode::config, "the equation cannot be read: " + error.GetMsg() + (from_file ? " (" + equation + ")" : ""),
+                from_file ? effect.places[number] : equation,
                 "known names: F, dF, t, T, th, the states and the parameters; functions: exp, ln, log10, sqrt, abs, sign, min, max, "
                 "sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, rint; a power is x^y, a case is condition ? x : y");
   }

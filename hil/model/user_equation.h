@@ -12,7 +12,7 @@ namespace forcegate {
 
 class UserEquation {
  public:
-  /// Error (config) with muparser's message and position when an equation cannot be read.
+  /// Error (config) with muparser's message and position when an equation cannot be read; its place is that in the file.
   static Result<std::unique_ptr<UserEquation>> make(const UserEffect& effect);
   ~UserEquation();
   UserEquation(const UserEquation&) = delete;

@@ -57,6 +57,28 @@ TEST(ModelFile, NamesThePlaceOfAMistakeAndGuessesTheEffect) {
   EXPECT_FALSE(parse_model("[law]\ngain_N_per_V = { value = 5.0, max = 1.0 }\n", "m.toml").has_value());
 }
 
+TEST(ModelFile, AMistakeInAnEquationHasItsLine) {
+  const std::string head = "[law]\nkind = \"static\"\n[[effect]]\nname = \"mine\"\n";
+  const auto place_of = [&](const std::string& text) {
+    const auto model = parse_model(text, "m.toml");
+    return model ? std::string("accepted") : model.error().where;
+  };
+  EXPECT_EQ(place_of(head + "output = \"k * z\"\nparameter.k = 1.0\n"), "m.toml:5:10");
+  EXPECT_EQ(place_of(head + "output = \"x\"\nstate.x = \"(F - x\"\n"), "m.toml:6:11");
+  EXPECT_EQ(place_of("[law]\ngain_N_per_V = 0\n"), "m.toml:2:16");
+  EXPECT_EQ(place_of("[law]\ngain_N_per_V = 1e300\n"), "m.toml:2:16");
+  EXPECT_EQ(place_of("format = 2\n[law]\n"), "m.toml:1:10");
+  const auto input = make_campaign_input(test::campaign([](double, double F) { return F; }));
+  const auto lost_at = [&](const std::string& text) {
+    const auto model = parse_model(head + text, "m.toml");
+    if (!model) return model.error().to_text();
+    const auto added = user_effect_N(model->user_effects[0], input->records[0]);
+    return added ? std::string("finite") : added.error().where;
+  };
+  EXPECT_EQ(lost_at("output = \"1 / (F - F)\"\n"), "m.toml:5:10, record " + input->records[0].name);
+  EXPECT_EQ(lost_at("output = \"x\"\nstate.x = \"1 + x * x * 100\"\n"), "m.toml:6:11, record " + input->records[0].name);
+}
+
 TEST(UserEffect, FollowsItsDifferentialEquation) {
   const auto model = parse_model(
       "[law]\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\noutput = \"k*x\"\nstate.x = \"(F-x)/tau\"\n"
