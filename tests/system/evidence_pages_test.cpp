@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -80,6 +81,47 @@ TEST(EvidencePages, AnEffectThatIsAddedShowsWhatItDidToEveryRecord) {
   // a comparison has no after
   ASSERT_EQ(pasted("forcegate compare two --html compared.html", folder).exit_code, 0);
   EXPECT_THAT(read_text(folder / "compared.html"), Not(HasSubstr("residual before")));
+}
+
+// RMS over the records of one column of their table, counted from the first that holds numbers.
+double rms_of_records(const std::string& page, std::size_t column) {
+  const std::string table = page.substr(page.find("<caption>RMS error of each record"));
+  double sum = 0.0, n = 0.0;
+  std::istringstream rows(table.substr(0, table.find("</table>")));
+  for (std::string row; std::getline(rows, row);) {
+    std::vector<double> numbers;
+    for (std::size_t at = row.find("<td class=\"n\">"); at != std::string::npos; at = row.find("<td class=\"n\">", at + 1))
+      numbers.push_back(std::atof(row.c_str() + at + std::strlen("<td class=\"n\">")));
+    if (numbers.size() > column) sum += numbers[column] * numbers[column], n += 1.0;
+  }
+  return std::sqrt(sum / n);
+}
+
+TEST(EvidencePages, TheRecordsBeforeAndAfterAreThoseOfTheErrorsThatAreTold) {
+  const TemporaryFolder folder;
+  write_campaign(folder / "two");
+  for (const std::string campaign : {"two", "two/r0.csv"}) {
+    const ProcessResult r = pasted("forcegate add static_nonlinearity --fit " + campaign + " --html added.html --json", folder);
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const Json told = Json::parse(r.out);
+    const double before_mV = 1e3 * told["error_before"].get<double>(), after_mV = 1e3 * told["error_after"].get<double>();
+    const std::string page = read_text(folder / "added.html");
+    EXPECT_LT(after_mV, 0.9 * before_mV);
+    EXPECT_NEAR(rms_of_records(page, 0), before_mV, 0.01 * before_mV) << campaign;
+    EXPECT_NEAR(rms_of_records(page, 1), after_mV, 0.02 * after_mV) << campaign;
+    char floor[64];
+    std::snprintf(floor, sizeof floor, "noise floor %.3g mV", 1e3 * told["floor"].get<double>());
+    EXPECT_THAT(page, HasSubstr(floor));
+  }
+}
+
+TEST(EvidencePages, AComparisonOfOneRecordingShowsOnlyWhatThereIs) {
+  const TemporaryFolder folder;
+  write_campaign(folder / "two");
+  const ProcessResult one = pasted("forcegate compare two/r0.csv --html one.html", folder), all = pasted("forcegate compare two", folder);
+  EXPECT_THAT(one.out, AllOf(HasSubstr("against 5 blocks of one recording"), HasSubstr("as written, the whole recording: "), Not(HasSubstr("  as written  "))));
+  EXPECT_THAT(all.out, AllOf(HasSubstr("against 6 records"), HasSubstr("  as written  "), Not(HasSubstr("whole recording"))));
+  EXPECT_THAT(read_text(folder / "one.html"), AllOf(HasSubstr("time since the last turn is about "), Not(HasSubstr("log10 s")), Not(HasSubstr(">before<")), Not(HasSubstr(">Before<")), Not(HasSubstr(">After<"))));
 }
 
 TEST(EvidencePages, OneRecordingHasAPageOfWhatWasAddedToo) {

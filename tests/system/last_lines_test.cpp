@@ -125,6 +125,25 @@ TEST(LastLines, WhatExportRefusesIsNotSentToExport) {
   }
 }
 
+TEST(LastLines, WhatNoFirmwareCanUndoIsToldWhereItIsAdded) {
+  const TemporaryFolder folder;
+  write_recording(folder / "rail.csv", [](double, double F) { return std::min(2.0 * F - 0.2, 4.5); });
+  const ProcessResult added = pasted("forcegate add clipping --fit rail.csv -o better.toml", folder), other = pasted("forcegate add hysteresis --fit rail.csv", folder);
+  ASSERT_EQ(added.exit_code, 0) << added.err;
+  EXPECT_THAT(added.out, HasSubstr("note: export will refuse this model as it is: clipping cannot be compensated on a microcontroller"));
+  EXPECT_THAT(other.out, Not(HasSubstr("export will refuse")));
+}
+
+TEST(Export, WithoutPlansTheHeaderIsThatOfTheModelAlone) {
+  const TemporaryFolder folder;
+  const ProcessResult r = pasted("cp " FORCEGATE_BINARY_DIR "/forcegate alone && ./alone export flexiforce --c comp.h", folder);
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  EXPECT_THAT(r.err, HasSubstr("there is no plan smoke here"));
+  EXPECT_NE(read_text(folder / "comp.h"), "");
+  const ProcessResult named = pasted("./alone export flexiforce --plan nosuch --c other.h", folder);
+  EXPECT_EQ(named.exit_code, 2);
+}
+
 TEST(LastLines, ALawThatLacksATermIsAskedAgainWithIt) {
   const TemporaryFolder folder;
   Noise noise;
