@@ -76,24 +76,27 @@ Result<Comparison> compare_request(const CampaignRequest& request, bool pictures
 std::string comparison_text(const Comparison& c) {
   const Diagnosis& d = c.view;
   const PrintedUnit unit = printed_unit(d.unit);
-  std::string out = fmt::format("{}: model {} against {} records\n", d.campaign, d.model, d.records.size());
-  out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "record", "kind", "as written",
-                     "refitted", "adapted", "floor", "explainable");
-  out +=
-      fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12}\n", "", "", unit.name, unit.name, unit.name,
-                  unit.name, "%");
+  // of one recording the file's own numbers are asked about the whole, everything else about its blocks
+  const bool blocks = c.as_written.size() == 1 && d.records.size() > 1;
+  std::string out = fmt::format("{}: model {} against {} {}\n", d.campaign, d.model, d.records.size(), blocks ? "blocks of one recording" : "records");
+  const auto row = [&](const std::string& record, const std::string& kind, const std::string& written, const auto&... cells) {
+    out += fmt::format("  {:<22} {:<10}", record, kind);
+    if (!blocks) out += fmt::format(" {:>12}", written);
+    out += fmt::format(" {:>12} {:>12} {:>9} {:>12}", cells...);
+  };
+  row("record", "kind", "as written", "refitted", "adapted", "floor", "explainable");
+  out += "\n";
+  row("", "", unit.name, unit.name, unit.name, unit.name, "%");
+  out += "\n";
   for (const RecordError& r : d.records) {
     std::string written = "-";
     for (const auto& a : c.as_written)
       if (a.record == r.record) written = plain_number(unit.factor * a.rmse_V);
-    out += fmt::format("  {:<22} {:<10} {:>12} {:>12} {:>12} {:>9} {:>12.0f}{}\n", r.record, r.kind, written,
-                       plain_number(unit.factor * r.plain_before), plain_number(unit.factor * r.before),
-                       plain_number(unit.factor * r.floor), 100.0 * r.explainable, r.heldout ? "  held out" : "");
+    row(r.record, r.kind, written, plain_number(unit.factor * r.plain_before), plain_number(unit.factor * r.before),
+        plain_number(unit.factor * r.floor), fmt::format("{:.0f}", 100.0 * r.explainable));
+    out += r.heldout ? "  held out\n" : "\n";
   }
-  if (c.as_written.size() == 1 && d.records.size() > 1)
-    out += fmt::format("  {:<22} {:<10} {:>12}\n\none recording, judged in {} blocks",
-                       c.as_written.front().record, "whole", plain_number(unit.factor * c.as_written.front().rmse_V),
-                       d.records.size());
+  if (blocks) out += fmt::format("as written, the whole recording: {} {}\n", plain_number(unit.factor * c.as_written.front().rmse_V), unit.name);
   out +=
       "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset\n"
       "and decay within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";

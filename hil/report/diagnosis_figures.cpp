@@ -85,7 +85,7 @@ std::string named_range(const ResidualMap& m) {
     if (c.n > 0) low = std::min(low, c.x), high = std::max(high, c.x);
   if (!(high >= low)) return m.coordinate;
   const bool logarithm = m.unit == "log10 s";
-  if (logarithm) low = std::pow(10.0, low), high = std::pow(10.0, high);
+  if (logarithm) low = std::pow(10.0, low) - 1.0, high = std::pow(10.0, high) - 1.0;  // of 1 + t
   const std::string unit = logarithm ? "s" : shown_unit(m.unit);
   return m.coordinate + ", " + typographic_minus(display(low, 2)) + " to " + typographic_minus(display(high, 2)) +
          (unit.empty() ? "" : " " + unit);
@@ -115,6 +115,32 @@ Figure diagnosis_waterfall(const Diagnosis& d) {
     steps.back().after = d.error_after;
   return waterfall(error_title(d.judged_by) + " over the model's versions", "start", steps, "now", d.unit,
                    d.floor > 0.0 ? d.floor : NAN);
+}
+
+bool is_of_rig(const Diagnosis& d, const Finding& f) {
+  const auto rig = d.errors.find("F");
+  // what the drive does is held against its command
+  return rig != d.errors.end() && f.claimed() && f.form != "raw" && f.unit == rig->second.unit && f.effect != "motor";
+}
+
+bool shows_rig(const Diagnosis& d) {
+  return std::ranges::any_of(d.findings, [&](const Finding& f) { return is_of_rig(d, f); });
+}
+
+Figure rig_waterfall(const Diagnosis& d) {
+  const ErrorPair& rig = d.errors.at("F");
+  std::vector<Finding> claims;  // of the rig's law, in the order in which they entered it
+  for (const Finding& f : d.findings)
+    if (is_of_rig(d, f)) claims.push_back(f);
+  std::ranges::stable_sort(claims, std::greater{}, &Finding::error_before);
+  std::vector<WaterfallStep> steps;
+  double error = rig.before;
+  for (const Finding& f : claims) {
+    steps.push_back({f.effect, error, f.error_after, 0.0, true});
+    error = f.error_after;
+  }
+  if (!steps.empty()) steps.back().after = rig.after;
+  return waterfall("Error of F_ref against the rig's law", "start", steps, "now", rig.unit, NAN);
 }
 
 std::string error_title(JudgedBy judged_by) { return judged_by == JudgedBy::whole ? "Error of the whole recording" : "Held-out error"; }

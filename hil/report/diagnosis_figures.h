@@ -11,6 +11,13 @@ namespace forcegate {
 /// Error waterfall over the claimed findings, in their order.
 figures::Figure diagnosis_waterfall(const Diagnosis& diagnosis);
 
+/// Whether this is claimed of the rig's own law, and whether anything is.
+bool is_of_rig(const Diagnosis& diagnosis, const Finding& finding);
+bool shows_rig(const Diagnosis& diagnosis);
+
+/// The same of F_ref against the rig's law, over its claims. Only where shows_rig().
+figures::Figure rig_waterfall(const Diagnosis& diagnosis);
+
 /// Probability of each ranked effect (at most 12 rows), and the share it takes away alone and only it takes
 /// away.
 figures::Figure ranking_figure(const Diagnosis& diagnosis);

@@ -131,15 +131,19 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
     drawn |= here;
     out += finding(f, d.judged_by, f.claimed() && opened++ < 3, here ? between_records(pictures) : "");
   }
+  const bool rig = shows_rig(d);
   const bool moves = !d.not_separable.empty() ||
-                     std::ranges::any_of(d.findings, [](const Finding& f) { return f.claimed(); });
+                     std::ranges::any_of(d.findings, [&](const Finding& f) { return f.claimed() && !is_of_rig(d, f); });
+  if (rig) out += "<h3>Error over the versions of the rig's law</h3>\n" + picture(rig_waterfall(d));
   if (moves) out += "<h3>Error over the versions of the model</h3>\n" + picture(diagnosis_waterfall(d));
   return out + "</section>\n";
 }
 
 std::string where(const Diagnosis& d) {
   if (d.maps.empty()) return {};
-  std::string out = "<section id=\"where\"><h2>Where it fails</h2>\n<ul>";
+  std::string out = "<section id=\"where\"><h2>Where it fails</h2>\n";
+  if (shows_rig(d)) out += "<p>The output at the recorded force, whatever the rig did.</p>\n";
+  out += "<ul>";
   std::size_t said = 0;
   for (const ResidualMap& m : d.maps)
     if (m.share > 0.0 && said++ < 5)
@@ -251,6 +255,12 @@ std::string next(const Diagnosis& d) {
   return out + std::string(kTableEnd) + "</section>\n";
 }
 
+// A comparison has none; its samples that were set aside count before alone.
+Diagnosis without_after(Diagnosis d) {
+  for (RecordError& r : d.records) r.after = r.before, r.plain_after = r.plain_before;
+  return d;
+}
+
 }  // namespace
 
 std::string diagnosis_headline(const Diagnosis& d) {
@@ -272,7 +282,8 @@ std::string diagnosis_headline(const Diagnosis& d) {
   return out;
 }
 
-std::string diagnosis_html(const Diagnosis& d, const DiagnosisPage& page) {
+std::string diagnosis_html(const Diagnosis& shown, const DiagnosisPage& page) {
+  const Diagnosis d = page.comparison ? without_after(shown) : shown;
   HtmlPage html;
   html.title = page.lead ? page.lead->headline : (page.comparison ? "Comparison with " : "Diagnosis of ") + d.campaign;
   const std::string of_residual = looks(d, page.pictures);

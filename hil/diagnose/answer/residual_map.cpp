@@ -53,6 +53,8 @@ struct Coordinate {
   double (*of)(const Row&);  ///< NaN where it does not apply
 };
 
+constexpr const char* kLogOfTime = "log10 s";  // of 1 s + the time
+
 std::vector<Coordinate> coordinates(const Workspace& w) {
   constexpr double kTurn_rad = 6.283185307179586;
   std::vector<Coordinate> out = {
@@ -64,7 +66,7 @@ std::vector<Coordinate> coordinates(const Workspace& w) {
       {"rate", "rate", "N/s", [](const Row& r) { return r.record.rate_N_per_s[r.i]; }},
       {"size of the rate", "rate", "N/s", [](const Row& r) { return std::abs(r.record.rate_N_per_s[r.i]); }},
       {"last turning point", "history", "N", [](const Row& r) { return r.turn.force_N; }},
-      {"time since the last turn", "history", "log10 s",
+      {"time since the last turn", "history", kLogOfTime,
        [](const Row& r) { return std::log10(1.0 + r.record.t_s[r.i] - r.turn.time_s); }},
       {"time in the record", "time", "s", [](const Row& r) { return r.record.t_s[r.i]; }},
       {"campaign time", "time", "s", [](const Row& r) { return r.record.start_s + r.record.t_s[r.i]; }},
@@ -180,8 +182,9 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
       largest = out.mean;
       char text[160];
       const PrintedUnit printed = printed_unit(unit);
+      const bool logarithm = map.unit == kLogOfTime;
       std::snprintf(text, sizeof text, "%+.3g %s where %s is about %.3g %s", out.mean * printed.factor,
-                    printed.name.c_str(), c.name, out.x, c.unit);
+                    printed.name.c_str(), c.name, logarithm ? std::pow(10.0, out.x) - 1.0 : out.x, logarithm ? "s" : c.unit);
       map.sentence = text;
     }
   }

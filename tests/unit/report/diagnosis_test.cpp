@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "hil/report/diagnosis_figures.h"
 #include "hil/report/diagnosis_html.h"
@@ -99,7 +100,7 @@ std::string drawn(const figures::Figure& figure) { return figure.svg(figures::Fi
 TEST(ResidualMapPicture, says_the_range_and_the_unit_of_every_coordinate) {
   const std::string svg = drawn(residual_map_figure(sample::diagnosis(), false));
   for (const char* text : {"Position in the range that stands beside the coordinate / %", "Coordinate, lowest to highest",
-                           "force while unloading, 0.51 to 3.9 N", "temperature, 21 to 24 \u00b0C", "time since the last turn, 1.2 to 516 s"})
+                           "force while unloading, 0.51 to 3.9 N", "temperature, 21 to 24 \u00b0C", "time since the last turn, 0.22 to 515 s"})
     EXPECT_THAT(svg, HasSubstr(text));
 }
 
@@ -247,6 +248,25 @@ TEST(Waterfall, of_a_diagnosis_is_one_chain_in_one_measure) {
   EXPECT_EQ(count(svg, "class=\"h "), 0u);
   d.findings.pop_back();  // what is not claimed is hollow
   EXPECT_EQ(count(diagnosis_waterfall(d).svg(figures::Figure::Target::embedded), "class=\"h "), 1u);
+}
+
+TEST(Waterfall, of_what_the_rig_does_is_its_own_and_in_newtons) {
+  Diagnosis d;
+  d.verdict = Answer::known;
+  d.error_before = d.error_after = 0.00359;
+  d.errors["F"] = {0.070, 0.0129, "N"};
+  for (const auto& [effect, before, after] : {std::tuple{"spring_nonlinearity", 0.0243, 0.0129}, {"backlash", 0.070, 0.0243}}) {
+    Finding f;
+    f.effect = effect, f.side = "rig", f.unit = "N", f.probability = 0.9, f.error_before = before, f.error_after = after;
+    d.findings.push_back(f);
+  }
+  const std::string page = diagnosis_html(d, {}), svg = rig_waterfall(d).svg(figures::Figure::Target::embedded);
+  EXPECT_EQ(count(page, "no effect added"), 0u) << "the output's error is not what was claimed";
+  EXPECT_THAT(page, HasSubstr("<title>Error of F_ref against the rig&#39;s law</title>"));
+  for (const char* text : {">70<", ">\u221245.7<", ">\u221211.4<", ">12.9<", "RMSE / mN"}) EXPECT_THAT(svg, HasSubstr(text));
+  EXPECT_LT(svg.find(">backlash<"), svg.find(">spring_nonlinearity<"));
+  d.findings[1].unit = "V";  // both channels have a claim
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("Error over the versions of the model<"));
 }
 
 double number_after(const std::string& text, const std::string& what, std::size_t from) { return std::stod(text.substr(text.find(what, from) + what.size())); }
