@@ -1,4 +1,5 @@
 #include "hil/app/export.h"
+#include "hil/app/gate.h"
 
 #include <cmath>
 #include <filesystem>
@@ -24,6 +25,10 @@ Result<int> run(const Invocation& in) {
   request.model = in.text("MODEL");
   request.header = in.text("c");
   request.plan = in.text("plan");
+  if (!in.given("plan") && !find_plan(request.plan)) {
+    in.console().note("there is no plan " + request.plan + " here, whose calibration would be taken back: the firmware must calibrate by the model, as with --plan none");
+    request.plan = "none";
+  }
   request.command_line = in.command_line();
   FORCEGATE_TRY(request.rate_Hz, in.number("rate", 1.0, 1e6));
   if (in.given("reference-temperature")) {
@@ -80,7 +85,7 @@ const Registration<Command> kRow{Command{
          {.name = "rate", .value_name = "HZ", .doc = "Samples a second in the firmware.", .fallback = "1000"},
          {.name = "plan",
           .value_name = "PLAN",
-          .doc = "Whose calibration is taken back; none: the firmware calibrates by the model.",
+          .doc = "Whose calibration is taken back; none, and where nobody names one and there are no plans: the firmware calibrates by the model.",
           .fallback = "smoke"},
          {.name = "reference-temperature",
           .value_name = "DEGC",
