@@ -42,6 +42,10 @@ bool law_describes(const Workspace& with_one_zero, const EngineOptions& options)
   return is_down_to_noise(with_one_zero.output, base) && follows_force(with_one_zero.output, base);
 }
 
+constexpr const char* kPartsDiffer =
+    "parts of the recording differ in gain or zero by more than its noise, within 1 % of the span, as zeros wander: a rest without load before "
+    "and after tells whether the reference or the output moves";
+
 // Where zeros of its parts leave nothing to be found and the whole far above its floor, and above what a zero wanders by, that is no "none".
 Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions& options) {
   constexpr double kFarAbove = 5.0;
@@ -58,7 +62,11 @@ Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions&
     return wanders;
   }
   const double plain = std::max(kFarAbove * answer.floor, kLargestWander * wanders.workspace->output.scale);
-  if (answer.verdict != DiagnosisVerdict::none || answer.plain_after < plain) return wanders;
+  if (answer.verdict != DiagnosisVerdict::none) return wanders;
+  if (answer.plain_after < plain) {
+    if (answer.plain_after > kFarAbove * answer.floor) answer.notes.push_back(kPartsDiffer);
+    return wanders;
+  }
   if (other.verdict == DiagnosisVerdict::unknown) return stands;
   answer.verdict = DiagnosisVerdict::unknown;
   answer.depends_on = {"time"};

@@ -15,16 +15,26 @@ namespace forcegate::diagnose {
 
 namespace {
 
+// The summary tells of the sign that the sensors of the library have.
+std::string the_other_way_round(const ChosenEffect& chosen, const ResidualChannel& channel, const Finding& f) {
+  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+  const bool one_sign = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->sign == StrengthSign::positive;
+  if (!one_sign || f.parameters.empty() || !(f.parameters.front().value < -f.parameters.front().u)) return "";
+  return "; here the other way round, " + f.parameters.front().name + " is negative";
+}
+
 std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, JudgedBy by, const Finding& f) {
   char text[480];
   const PrintedUnit unit = printed_unit(channel.unit);
-  std::snprintf(
-      text, sizeof text,
-      "%s; it accounts for %.3g %s RMS (%.2g %% of the span): the error of %s falls from %.3g to %.3g %s",
-      chosen.kind->summary.c_str(), f.effect_rms * unit.factor, unit.name.c_str(),
-      100.0 * f.effect_rms / channel.scale, by == JudgedBy::whole ? "the whole recording" : "records left out", f.error_before * unit.factor, f.error_after * unit.factor,
-      unit.name.c_str());
-  std::string out = text;
+  const char* judges = by == JudgedBy::whole ? "the whole recording" : "records left out";
+  if (f.error_after < f.error_before)
+    std::snprintf(text, sizeof text, "it accounts for %.3g %s RMS (%.2g %% of the span): the error of %s falls from %.3g to %.3g %s",
+                  f.effect_rms * unit.factor, unit.name.c_str(), 100.0 * f.effect_rms / channel.scale, judges, f.error_before * unit.factor,
+                  f.error_after * unit.factor, unit.name.c_str());
+  else
+    std::snprintf(text, sizeof text, "the error of %s hardly shows it: %.3g %s without and %.3g %s with it", judges, f.error_before * unit.factor,
+                  unit.name.c_str(), f.error_after * unit.factor, unit.name.c_str());
+  std::string out = chosen.kind->summary + the_other_way_round(chosen, channel, f) + "; " + text;
   if (chosen.by_records()) {
     // the decay differs from record to record too: the error of whole records says little of a gain
     std::snprintf(text, sizeof text,
@@ -112,8 +122,10 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     };
     chosen.error_before = error(*before);
     chosen.error_after = error(chosen.fit);
-    // what is seen in few held-out records may leave their mean as it was; between records the mean itself is the evidence
-    const double keeps = chosen.between && !chosen.by_records() ? kLeast : stands_in ? kHardly : kAboutTheSame;
+    // what is seen in few held-out records may leave their mean as it was; between records, and where every record is left out in turn, the
+    // mean itself is the evidence
+    const double in_records = w.judges == JudgedBy::left_out ? 1.0 : kAboutTheSame;
+    const double keeps = chosen.between && !chosen.by_records() ? kLeast : stands_in ? kHardly : in_records;
     chosen.borne_out = chosen.describes_whole || chosen.error_after <= keeps * chosen.error_before;
     // seen in held-out records alone: the fit records know nothing of it, and predict nothing
     if (!chosen.between && w.judges == JudgedBy::heldout && chosen.error_after > kHardly * chosen.error_before)

@@ -13,16 +13,28 @@ namespace {
 
 constexpr std::size_t kRows = 4000;
 
+// Recorded temperature over its mean, degC; 0 where nothing is recorded.
+std::vector<double> warmth_of(const RecordInput& r) {
+  std::vector<double> out(r.rows(), 0.0);
+  double sum = 0.0, n = 0.0;
+  for (const double T : r.temp_C)
+    if (std::isfinite(T)) sum += T, n += 1.0;
+  for (std::size_t i = 0; i < r.temp_C.size(); ++i)
+    if (std::isfinite(r.temp_C[i])) out[i] = r.temp_C[i] - sum / n;
+  return out;
+}
+
 }  // namespace
 
 OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
-  constexpr int kRates = 14, kDecay = 4, kOutput = 5;
+  constexpr int kRates = 14, kDecay = 6, kOutput = 7;
   using Row = Eigen::Matrix<double, kOutput + 1, 1>;
   using Moments = Eigen::Matrix<double, kOutput + 1, kOutput + 1>;
   OwnDecay best;
   best.mean_square = 1e300;
   const double n = std::max<double>(1.0, static_cast<double>(rows.size()));
   const double longest = std::max(1.0, r.duration_s - r.onset_s);
+  const std::vector<double> warmth = warmth_of(r);
   // of the first `columns`, divided by the diagonal so that their units do not matter; what they leave
   const auto fit = [&](const Moments& M, int columns) {
     const Eigen::VectorXd size = M.diagonal().head(columns).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -41,9 +53,13 @@ OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
       const auto known = [](double v) { return std::isfinite(v) ? v : 0.0; };
       const double bend = i > 0 && i + 1 < r.rows() ? r.F_N[i - 1] - 2.0 * r.F_N[i] + r.F_N[i + 1] : 0.0;
       Row x;
-      x << 1.0, r.F_N[i], known(r.rate_N_per_s[i]), known(bend), std::expm1(-rate * since) * (r.F_N[i] - r.F_min_N), r.U_V[i];
+      x << 1.0, r.F_N[i], known(r.rate_N_per_s[i]), known(bend), warmth[i], warmth[i] * r.F_N[i],
+          std::expm1(-rate * since) * (r.F_N[i] - r.F_min_N), r.U_V[i];
       M += x * x.transpose();
     }
+    // a column of nothing takes no part
+    for (int j = 0; j < kOutput; ++j)
+      if (!(M(j, j) > 0.0)) M(j, j) = 1.0;
     if (step == 0) best.static_mean_square = fit(M, kDecay).second;
     const auto [c, mean_square] = fit(M, kDecay + 1);
     const double depth = c[1] != 0.0 ? c[kDecay] / c[1] : 0.0;

@@ -1,5 +1,7 @@
 #include "hil/diagnose/choose/further_forms.h"
 
+#include <algorithm>
+
 #include "hil/diagnose/base/left_out.h"
 #include "hil/diagnose/choose/screen.h"
 
@@ -10,13 +12,20 @@ std::vector<int> further_forms(const ResidualChannel& channel, const EffectKind&
   constexpr int kMost = 2;
   constexpr double kWorth = 10.0;  // nats
   std::vector<int> out;
+  // a course that is known is the same course at another shape: two delays are none
+  const auto is_present = [&](const EffectForm* form) {
+    return std::ranges::any_of(channel.candidates, [&](const Candidate& c) {
+      return c.form == form && std::ranges::find(present, c.first) != present.end();
+    });
+  };
   // an equation of the user's own is one equation
   if (EffectRegistry::instance().find(kind.name) != &kind) return out;
   for (int round = 0; round < kMost && fit.valid; ++round) {
     VariantScore best;
     best.gain = kWorth;
     for (std::size_t v = 0; v < channel.variants.size(); ++v) {
-      if (channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind != &kind) continue;
+      const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
+      if (c.kind != &kind || (kind.traits.known_form && is_present(c.form))) continue;
       VariantScore score = score_variant(channel, present, fit, static_cast<int>(v), nullptr);
       if (!score.wrong_sign && score.gain > best.gain) best = std::move(score);
     }

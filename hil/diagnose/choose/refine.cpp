@@ -11,14 +11,31 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr int kRounds = 3, kMostFamilies = 4;
-constexpr double kWorthMoving = 0.5;  // nats
+constexpr int kMostRounds = 8, kMostFamilies = 4;
+constexpr std::size_t kMostForms = 2;  // beside the best one
+constexpr double kWorthMoving = 0.5, kStill = 0.05, kFlat = 2.0;  // nats
 
 // Vertex of the parabola through three equally spaced values, in steps from the middle; within one step and a half.
 double vertex(double low, double middle, double high) {
   const double bend = low - 2.0 * middle + high;
   if (!(bend < -1e-9)) return high > low ? 1.0 : -1.0;
   return std::clamp(0.5 * (low - high) / bend, -1.5, 1.5);
+}
+
+// The variant again, at another shape, in spare columns; its index, or -1 where there is no room.
+int add_copy(const CampaignInput& input, ResidualChannel& channel, const Variant& old, const std::vector<double>& shape, unsigned threads) {
+  const int old_first = channel.candidates[static_cast<std::size_t>(old.candidate)].first;
+  const int copy = copy_candidate(input, channel, old.candidate, threads);
+  if (copy < 0) return -1;
+  Candidate& c = channel.candidates.back();
+  if (c.shape != shape) {
+    c.shape = shape;
+    fill_candidate(input, channel, c, threads);
+  }
+  Variant variant{copy, {}};
+  for (const int j : old.columns) variant.columns.push_back(j - old_first + c.first);
+  channel.variants.push_back(std::move(variant));
+  return static_cast<int>(channel.variants.size()) - 1;
 }
 
 }  // namespace
@@ -35,7 +52,7 @@ void climb(const EffectForm& form, std::vector<double> start, const std::functio
     const ParameterSpec& spec = form.shape[k];
     if (spec.choice) continue;
     double step = 0.35;  // of ln(shape): half the way to the next point of the grid
-    for (int round = 0; round < kRounds; ++round, step *= 0.4) {
+    for (int round = 0; round < kMostRounds; ++round, step *= 0.4) {
       const std::vector<double> centre = best_shape;
       if (centre[k] == 0.0) break;
       const auto moved = [&](double steps) {
@@ -46,45 +63,58 @@ void climb(const EffectForm& form, std::vector<double> start, const std::functio
       const double middle = best, low = score_at(moved(-1.0)), high = score_at(moved(1.0));
       const double at = vertex(low, middle, high);
       if (std::abs(at) != 1.0) score_at(moved(at));
-      if (best - middle < 0.05 && round > 0) break;
+      // a peak that is narrower than the step was stepped over
+      if (round > 0 && best - middle < kStill && middle - std::max(low, high) < kFlat) break;
     }
   }
 }
 
-bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
-                   const MixedFit& base, FamilyScore& family, unsigned threads) {
-  const Variant old = channel.variants[static_cast<std::size_t>(family.best.variant)];
-  const Candidate from = channel.candidates[static_cast<std::size_t>(old.candidate)];
-  if (from.shape.empty() || !from.form->refine) return false;
-  const int copy = copy_candidate(input, channel, old.candidate, threads);
-  if (copy < 0) return false;
-  Variant variant{copy, {}};
-  for (int j : old.columns) variant.columns.push_back(j - from.first + channel.candidates.back().first);
-  channel.variants.push_back(variant);
-  const int index = static_cast<int>(channel.variants.size()) - 1;
+namespace {
 
-  VariantScore best = family.best;
-  best.gain = -1e300;
-  std::vector<double> best_shape = from.shape;
-  const auto score_at = [&](const std::vector<double>& shape) {
-    Candidate& c = channel.candidates[static_cast<std::size_t>(copy)];
+struct Refined {
+  VariantScore score;
+  std::vector<double> shape;
+};
+
+// In spare columns that are free again in the end; no fit where the form has no continuous shape, or no room is left.
+Refined refine_variant(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, int variant,
+                       const MixedFit& warm, unsigned threads) {
+  Refined out;
+  out.score.gain = -1e300;
+  const SpareRoom room(channel);
+  const Variant old = channel.variants[static_cast<std::size_t>(variant)];
+  const Candidate from = channel.candidates[static_cast<std::size_t>(old.candidate)];
+  if (from.shape.empty() || !from.form->refine) return out;
+  const int tried = add_copy(input, channel, old, from.shape, threads);
+  if (tried < 0) return out;
+  climb(*from.form, from.shape, [&](const std::vector<double>& shape) {
+    Candidate& c = channel.candidates.back();
     c.shape = shape;
     fill_candidate(input, channel, c, threads);
-    VariantScore score = score_variant(channel, present, base, index, &family.best.fit);
+    VariantScore score = score_variant(channel, present, base, tried, &warm);
     const double gain = score.gain;
-    if (gain > best.gain) {
-      best = std::move(score);
-      best_shape = shape;
-    }
+    if (gain > out.score.gain) out = {std::move(score), shape};
     return gain;
-  };
-  climb(*from.form, from.shape, score_at);
-  Candidate& c = channel.candidates[static_cast<std::size_t>(copy)];
-  c.shape = best_shape;
-  fill_candidate(input, channel, c, threads);
-  if (!best.fit.valid) return false;
-  family.gain += best.gain - family.best.gain;
-  family.best = std::move(best);
+  });
+  return out;
+}
+
+}  // namespace
+
+bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
+                   const MixedFit& base, FamilyScore& family, unsigned threads) {
+  int from = family.best.variant;
+  Refined best = refine_variant(input, channel, present, base, from, family.best.fit, threads);
+  for (std::size_t k = 0; k < std::min(kMostForms, family.of_other_forms.size()); ++k) {
+    Refined other = refine_variant(input, channel, present, base, family.of_other_forms[k], family.best.fit, threads);
+    if (other.score.gain > std::max(best.score.gain, family.best.gain)) best = std::move(other), from = family.of_other_forms[k];
+  }
+  if (!best.score.fit.valid) return false;
+  const int copy = add_copy(input, channel, Variant(channel.variants[static_cast<std::size_t>(from)]), best.shape, threads);
+  if (copy < 0) return false;
+  best.score.variant = copy;
+  family.gain += best.score.gain - family.best.gain;
+  family.best = std::move(best.score);
   return true;
 }
 

@@ -9,6 +9,9 @@ namespace forcegate::diagnose {
 
 namespace {
 
+// A form whose grid missed the right shape loses so much of its evidence to one that is wrong.
+constexpr double kComesNear = 0.4;
+
 // Coefficients of the given columns within a fit, 0 where it does not have them.
 Eigen::VectorXd coefficients_of(const ResidualChannel& channel, const MixedFit& fit,
                                 const std::vector<int>& columns) {
@@ -168,21 +171,31 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     const EffectKind& kind = *kind_of_family;
     FamilyScore family;
     family.kind = &kind;
-    double best = -1e300, sum = 0.0, n = 0.0;
+    double best = -1e300, n = 0.0;
     int at = -1;
+    std::map<const EffectForm*, int> of_form;
     for (std::size_t v = 0; v < scores.size(); ++v) {
-      if (channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind != &kind) continue;
+      const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
+      if (c.kind != &kind) continue;
       n += 1.0;  // one beyond its bounds had a share of the prior as well
-      if (used[v] != 0 && scores[v].gain > best) {
-        best = scores[v].gain;
-        at = static_cast<int>(v);
-      }
+      if (used[v] == 0) continue;
+      const auto index = static_cast<int>(v);
+      const auto [held, first] = of_form.try_emplace(c.form, index);
+      if (!first && scores[v].gain > scores[static_cast<std::size_t>(held->second)].gain) held->second = index;
+      if (scores[v].gain > best) best = scores[v].gain, at = index;
     }
     if (at < 0) continue;
+    double sum = 0.0;
     for (std::size_t v = 0; v < scores.size(); ++v)
       if (used[v] != 0 &&
           channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind)
         sum += std::exp(std::max(-700.0, scores[v].gain - best));
+    for (const auto& [form, index] : of_form)
+      if (index != at && scores[static_cast<std::size_t>(index)].gain > kComesNear * best) family.of_other_forms.push_back(index);
+    std::ranges::sort(family.of_other_forms, [&](int a, int b) {
+      const double gain_a = scores[static_cast<std::size_t>(a)].gain, gain_b = scores[static_cast<std::size_t>(b)].gain;
+      return gain_a != gain_b ? gain_a > gain_b : a < b;
+    });
     family.gain = best + std::log(sum / n);
     family.best = std::move(scores[static_cast<std::size_t>(at)]);
     out.families.push_back(std::move(family));

@@ -32,6 +32,7 @@ struct FamilyScore {
   const EffectKind* kind = nullptr;
   double gain = -1e300;  ///< best variant less what the number of variants costs
   VariantScore best;
+  std::vector<int> of_other_forms;  ///< best variant of each other form that comes near the best, best first
   RecordEvidence records;
 };
 

@@ -90,7 +90,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .columns =
              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                const Rail rail = own_rail(c, r, shape[0]);
-               const double width = 0.01 * c.range_N;
+               const double width = 0.002 * c.range_N;
                add_curve(
                    r, CurveAt::decayed, [=](double W) { return -rail.share * soft_hinge(W - rail.at_N, width); }, out.col(0));
              },

@@ -41,5 +41,19 @@ TEST(OwnDecay, ALostRowHidesNone) {
   EXPECT_TRUE(std::isfinite(left_by_decay(r)));
 }
 
+// The room cools and the gain with it: the same course as a decay, and its cause is recorded.
+TEST(OwnDecay, ARecordedTemperatureTakesWhatItDoesToTheGain) {
+  const auto cooling = [](double per_degC, double depth) {
+    RecordInput r = edges(depth);
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      r.temp_C.push_back(20.0 + 4.0 * std::exp(-0.06 * r.t_s[i]) + 0.05 * std::sin(2.1 * r.t_s[i]));
+      r.U_V[i] += 2.0 * r.F_N[i] * per_degC * (r.temp_C[i] - 24.0);
+    }
+    return r;
+  };
+  EXPECT_FALSE(decays_by_itself(cooling(0.02, 0.0)));
+  EXPECT_TRUE(decays_by_itself(cooling(0.0, 0.3)));
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
