@@ -1,6 +1,7 @@
 #include "hil/trace/campaign.h"
 
 #include <algorithm>
+#include <array>
 
 #include "hil/base/largest_first.h"
 #include "hil/base/text.h"
@@ -18,9 +19,24 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFileName = "campaign.json";
 
-bool is_record_file(const fs::path& path) {
-  const std::string ending = path.extension().string();
-  return ending == ".csv" || ending == ".h5" || ending == ".hdf5" || ending == ".mat";
+/// The files of a folder that are records by their endings; where there are none, its text files: .txt may be a logger's or a note.
+Result<std::vector<fs::path>> record_files(const fs::path& folder, bool& only_text) {
+  constexpr std::array kRecords = {".csv", ".tsv", ".h5", ".hdf5", ".mat"}, kTexts = {".txt", ".dat", ".lvm", ".log", ".asc"};
+  std::vector<fs::path> records, texts;
+  std::error_code failed;
+  for (const auto& entry : fs::directory_iterator(folder, failed)) {
+    const std::string ending = ascii_lower(entry.path().extension().string());
+    if (entry.path().filename().string().front() == '.') continue;
+    if (std::ranges::find(kRecords, ending) != kRecords.end()) records.push_back(entry.path());
+    if (std::ranges::find(kTexts, ending) != kTexts.end()) texts.push_back(entry.path());
+  }
+  if (failed) return fail(ErrorCode::io, "the folder cannot be listed: " + failed.message(), folder.string());
+  only_text = records.empty();
+  std::vector<fs::path>& files = only_text ? texts : records;
+  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  if (files.empty())
+    return fail(ErrorCode::io, "the folder holds no .csv, .h5 or .mat file", folder.string(), "name the folder of the recordings");
+  return std::move(files);
 }
 
 /// One file to read into a record.
@@ -135,15 +151,8 @@ void skip_unfit(std::vector<Reading>& readings, Campaign& campaign) {
 
 /// Every record file of the folder, in the order of their names. What cannot be read is skipped and noted.
 Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, Campaign& campaign) {
-  std::vector<fs::path> files;
-  std::error_code failed;
-  for (const auto& entry : fs::directory_iterator(folder, failed))
-    if (is_record_file(entry.path()) && entry.path().filename().string().front() != '.')
-      files.push_back(entry.path());
-  if (failed) return fail(ErrorCode::io, "the folder cannot be listed: " + failed.message(), folder.string());
-  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) { return natural_less(a.filename().string(), b.filename().string()); });
-  if (files.empty())
-    return fail(ErrorCode::io, "the folder holds no .csv, .h5 or .mat file", folder.string(), "name the folder of the recordings");
+  bool only_text = false;
+  FORCEGATE_TRY(const std::vector<fs::path> files, record_files(folder, only_text));
 
   std::vector<Record> records(files.size());
   std::vector<Reading> readings(files.size());
@@ -162,6 +171,8 @@ Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, 
     if (!first_error) first_error = std::move(error);
     return true;
   });
+  if (readings.empty() && only_text)
+    return fail(ErrorCode::io, "the folder holds no .csv, .h5 or .mat file, and its text cannot be read as one: " + first_error->text, first_error->where, first_error->hint);
   if (readings.empty()) return tl::unexpected(std::move(*first_error));
   skip_unfit(readings, campaign);
   FORCEGATE_CHECK_OK(check_map(readings, options, folder));

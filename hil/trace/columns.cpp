@@ -63,7 +63,8 @@ namespace {
 
 bool names_a_clock(std::string_view name) {
   static constexpr std::array kClocks = {"t",     "time",  "timestamp", "time_stamp", "elapsed",
-                                         "clock", "t_rel", "sec",       "seconds",    "zeit"};
+                                         "clock", "t_rel", "sec",       "seconds",    "zeit",
+                                         "uhrzeit", "x_value"};  // the last as LabVIEW writes it
   if (name == "T") return false;
   const std::string word = ascii_lower(name);
   return std::any_of(kClocks.begin(), kClocks.end(), [&](const char* c) { return word == c; });

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
+#include <string_view>
 
 #include "hil/trace/hdf5_io.h"
 #include "hil/trace/journal.h"
@@ -10,7 +12,7 @@
 namespace forcegate {
 namespace {
 
-constexpr const char* kKnown = "known endings: .csv .tsv .txt .dat, .h5 .hdf5, .mat, .fgj";
+constexpr const char* kKnown = "known endings: .csv, .h5 .hdf5, .mat";
 
 std::string ending_of(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
@@ -32,7 +34,13 @@ Result<TraceFile> read_trace(const std::filesystem::path& path, const CsvOptions
   if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path);
   if (ending == ".mat") return read_mat(path, options);
   if (ending == ".fgj") return read_journal_trace(path);
-  return unknown_ending(path, "Forcegate cannot read");
+  // no ending, or one of a logger (.lvm, .log, .asc): what it is stands at its beginning, and the reader of text refuses what is none
+  std::array<char, 10> bytes{};
+  std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
+  const std::string_view begin(bytes.data(), bytes.size());
+  if (begin.starts_with("\x89HDF")) return read_hdf5(path);
+  if (begin.starts_with("MATLAB 5.0")) return read_mat(path, options);
+  return read_csv(path, options);
 }
 
 Result<void> write_trace(const Trace& trace, const std::filesystem::path& path) {

@@ -9,8 +9,8 @@
 
 namespace forcegate {
 
-/// Reads a trace by the ending of its name: .csv .txt .tsv .dat, .h5 .hdf5, .mat, .fgj (journal). Errors: config for
-/// an unknown ending, else those of the reader.
+/// Reads a trace by the ending of its name: .csv .txt .tsv .dat, .h5 .hdf5, .mat, .fgj (journal); any other file by how it begins, as text
+/// where that tells nothing. Errors: those of the reader.
 Result<TraceFile> read_trace(const std::filesystem::path& path, const CsvOptions& options = {});
 
 /// Writes by the ending: .csv, .h5 .hdf5, .mat.

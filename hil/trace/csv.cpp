@@ -82,8 +82,7 @@ Result<void> check_text_columns(const CsvTable& table, const std::string& where,
     if (!meaning.is_clock && known != "F_ref" && known != "U") continue;
     return fail(ErrorCode::parse, "column \"" + column.header + "\" holds \"" + column.cell + "\", which is no number",
                 where + ":" + std::to_string(column.line),
-                meaning.is_clock ? "write seconds, 10:31:07.25 or 2024-05-31T10:31:07"
-                                 : "write plain numbers, 1234.5 and not 1,234.5; leave the cell empty when the value is missing");
+                meaning.is_clock && !column.hint.starts_with("the decimals") ? "write seconds, 10:31:07.25 or 2024-05-31T10:31:07" : column.hint);
   }
   return {};
 }
@@ -166,7 +165,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
 
   Clock clock;
   if (clock_column < table.columns.size()) {
-    const ClockSource source{where, table.columns[clock_column].header, [&](std::size_t row) { return table.line_of_row(row); }, options.assumed_rate_Hz};
+    ClockSource source{where, table.columns[clock_column].header, {}, options.assumed_rate_Hz};
+    if (table.header_line > 0) source.line_of_row = [&](std::size_t row) { return table.line_of_row(row); };
     auto made = make_clock(std::move(table.columns[clock_column].value), source);
     if (!made) return tl::unexpected(made.error());
     clock = std::move(*made);

@@ -41,7 +41,7 @@ CsvCell read_cell(std::string_view text, char point, double& out) {
   }
   if (end == plain.data() + plain.size() && error == std::errc::result_out_of_range) return CsvCell::missing;
   const std::string word = ascii_lower(text);
-  for (const char* missing : {"na", "n/a", "null", "none", "nan", "-nan", "-", "--", "#n/a"})
+  for (const char* missing : {"na", "n/a", "null", "none", "nan", "-nan", "-", "--", "#n/a", "\xE2\x88\x9E", "-\xE2\x88\x9E"})
     if (word == missing) return CsvCell::missing;
   if (const auto stamp_s = seconds_of_stamp(text)) {
     out = *stamp_s;

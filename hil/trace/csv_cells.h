@@ -10,7 +10,7 @@ namespace forcegate {
 enum class CsvCell { number, missing, text };
 
 /// Numbers with `point` as their decimal point (beside a decimal comma, a point makes it text), dates and times of day (as seconds, date_time.h). `out` is NaN for what is missing (empty,
-/// "nan", "NA", "null", infinite or beyond a double) or text.
+/// "nan", "NA", "null", infinite by word or sign or beyond a double) or text.
 CsvCell read_cell(std::string_view text, char point, double& out);
 
 /// Without outer blanks and quotes.

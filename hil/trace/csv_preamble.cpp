@@ -1,6 +1,7 @@
 #include "hil/trace/csv_preamble.h"
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "hil/base/text.h"
@@ -21,10 +22,11 @@ std::vector<Line> first_lines(std::string_view text) {
   std::vector<Line> out;
   for (std::size_t above = 0; !text.empty() && out.size() < kMostLines; ++above) {
     const std::size_t stop = std::min(text.find('\n'), text.size());
-    const std::string_view line = trim(text.substr(0, stop));
+    std::string_view line = text.substr(0, stop);
     text.remove_prefix(std::min(stop + 1, text.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
     if (line.size() > kLongestLine) break;
-    if (!line.empty() && line.front() != '#') out.push_back({line, above});
+    if (const std::string_view bare = trim(line); !bare.empty() && bare.front() != '#') out.push_back({line, above});  // a tab may begin it
   }
   return out;
 }
@@ -43,11 +45,13 @@ bool are_names(const std::vector<std::string_view>& cells) {
          });
 }
 
-// Two numbers at least, and nothing that is none.
-bool are_numbers(std::string_view line, char separator, std::size_t columns) {
+// Two numbers at least, and nothing that is none; a comment at the end is not looked at.
+bool are_numbers(std::string_view line, char separator, const std::vector<std::string_view>& names) {
   std::vector<std::string_view> cells;
   cut_cells(line, separator, cells);
-  if (cells.size() < columns || cells_of(line, separator).size() > columns) return false;
+  const std::size_t columns = names.size() - (ascii_lower(trim(names.back())) == kMayBeShort ? 1 : 0);
+  if (cells.size() < columns || cells_of(line, separator).size() > names.size()) return false;
+  if (columns < names.size()) cells.resize(columns);
   return std::ranges::any_of(std::string_view(".,"), [&](char point) {
     std::size_t numbers = 0;
     for (const std::string_view cell : cells) {
@@ -68,6 +72,17 @@ bool are_units(std::string_view line, char separator, std::size_t columns) {
          });
 }
 
+bool holds_two_numbers(std::string_view line, char separator) {
+  return std::ranges::count_if(cells_of(line, separator), [](std::string_view cell) {
+           double value;
+           return read_cell(cell, '.', value) == CsvCell::number || read_cell(cell, ',', value) == CsvCell::number;
+         }) > 1;
+}
+
+bool holds_unit(const std::vector<std::string_view>& cells) {
+  return std::ranges::any_of(cells, [](std::string_view cell) { return find_unit(strip_brackets(trim(cell))).has_value(); });
+}
+
 }  // namespace
 
 std::size_t lines_above_header(std::string_view text) {
@@ -77,11 +92,11 @@ std::size_t lines_above_header(std::string_view text) {
     const std::vector<std::string_view> names = cells_of(lines[i].text, separator);
     if (!are_names(names)) continue;
     const std::size_t data = are_units(lines[i + 1].text, separator, names.size()) ? i + 2 : i + 1;
-    if (data + 1 >= lines.size() || !are_numbers(lines[data].text, separator, names.size()) ||
-        !are_numbers(lines[data + 1].text, separator, names.size()))
-      continue;
+    if (data + 1 >= lines.size() || !are_numbers(lines[data].text, separator, names) || !are_numbers(lines[data + 1].text, separator, names)) continue;
+    const auto above = std::span(lines).first(i);
     const bool told_apart = i > 0 && cells_of(lines[i - 1].text, separator).size() != names.size();
-    return told_apart ? lines[i].above : 0;
+    const bool all_titles = i > 0 && !holds_unit(names) && std::ranges::none_of(above, [&](const Line& line) { return holds_two_numbers(line.text, separator); });
+    return told_apart || all_titles ? lines[i].above : 0;
   }
   return 0;
 }

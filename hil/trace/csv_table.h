@@ -21,6 +21,7 @@ struct CsvColumn {
 /// A column that was left out because its first cell is no number.
 struct TextColumn {
   std::string header, cell;  ///< cell: its first 40 bytes
+  std::string hint;          ///< how to make it a number
   std::uint64_t line = 0;
 };
 
@@ -36,11 +37,11 @@ struct CsvTable {
 };
 
 /// One header line, then rows of numbers. Separator comma, semicolon, tab, bar or blanks (the one that the header
-/// uses); decimal point, or decimal comma where the separator is another one. Accepted: byte order mark, CR LF, lines
-/// that begin with '#', blank lines, quotes, a second line of units, empty cells, dates and
-/// times of day (as seconds, date_time.h). A column of text is left out and a
-/// last line cut short is dropped, both noted. Two columns of one name are an error. Errors (parse) name file:line:column, column in bytes from 1.
-/// Reads about as fast as std::from_chars over the mapped file; memory is that of the columns and 1 MB.
+/// uses); decimal point, or decimal comma where the separator is another one or the cells are quoted. Accepted: UTF-16, line ends of every kind,
+/// lines that begin with '#', blank lines, quotes, a second line of units, names that stand again, empty cells, dates and
+/// times of day (as seconds, date_time.h). A column of text is left out and a last line cut short is dropped, both noted. Two columns of one
+/// name are an error. Errors (parse) name file:line:column, column in bytes from 1.
+/// Reads about as fast as std::from_chars over the mapped file; memory is that of the columns and 1 MB, of UTF-16 and CR alone that of the text too.
 Result<CsvTable> read_csv_table(const std::filesystem::path& path);
 
 /// The same from memory; `name` stands for the file in errors.

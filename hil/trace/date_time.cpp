@@ -36,6 +36,14 @@ class Scanner {
       value += place * (text_[0] - '0');
     return value;
   }
+  /// 'A' of " AM", 'P' of " pm"; 0 when there is neither.
+  char half_of_day() {
+    const std::string_view word = text_.starts_with(' ') ? text_.substr(1) : text_;
+    if (word.size() < 2 || (word[1] | 0x20) != 'm' || ((word[0] | 0x20) != 'a' && (word[0] | 0x20) != 'p')) return 0;
+    const char half = static_cast<char>(word[0] & ~0x20);
+    text_ = word.substr(2);
+    return half;
+  }
   bool at_end() const { return text_.empty(); }
 
  private:
@@ -51,10 +59,15 @@ std::int64_t days_of(int year, int month, int day) {
 
 bool clock_time(Scanner& s, double& seconds) {
   int hour = 0, minute = 0, second = 0;
-  if (!s.number(2, hour) || !s.one_of(":") || !s.number(2, minute) || !s.one_of(":") || !s.number(2, second))
+  if ((!s.number(2, hour) && !s.number(1, hour)) || !s.one_of(":") || !s.number(2, minute) || !s.one_of(":") || !s.number(2, second))
     return false;
   if (hour > 23 || minute > 59 || second > 60) return false;
-  seconds += 3600.0 * hour + 60.0 * minute + second + s.fraction();
+  const double fraction = s.fraction();
+  if (const char half = s.half_of_day(); half != 0) {
+    if (hour < 1 || hour > 12) return false;
+    hour = hour % 12 + (half == 'P' ? 12 : 0);
+  }
+  seconds += 3600.0 * hour + 60.0 * minute + second + fraction;
   return true;
 }
 
@@ -79,12 +92,12 @@ bool is_date(int year, int month, int day) {
 }  // namespace
 
 std::optional<double> seconds_of_stamp(std::string_view text) {
-  if (text.size() < 8 || text[0] < '0' || text[0] > '9') return std::nullopt;
+  if (text.size() < 7 || text[0] < '0' || text[0] > '9') return std::nullopt;
   double seconds = 0.0;
   if (Scanner s(text); clock_time(s, seconds) && s.at_end()) return seconds;
   int year = 0, month = 0, day = 0;
   Scanner iso(text), dotted(text);
-  if (iso.number(4, year) && iso.one_of("-") && iso.number(2, month) && iso.one_of("-") &&
+  if (iso.number(4, year) && iso.one_of("-/") && iso.number(2, month) && iso.one_of("-/") &&
       iso.number(2, day) && iso.one_of("T ")) {
     seconds = 86400.0 * static_cast<double>(days_of(year, month, day));
     if (is_date(year, month, day) && clock_time(iso, seconds) && zone(iso, seconds)) return seconds;

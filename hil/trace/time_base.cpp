@@ -92,14 +92,14 @@ bool misses_stamp(const std::vector<double>& stamps_s, std::size_t behind, std::
   return false;
 }
 
-std::string without_stamp(const std::vector<double>& stamps_s, const LineOfRow& line_of_row) {
+std::string without_stamp(const std::vector<double>& stamps_s, const LineOfRow& line_of_row, const std::string& word) {
   constexpr std::size_t kNamed = 3;
   std::size_t n = 0;
   std::string lines;
   for (std::size_t i = 0; i < stamps_s.size(); ++i)
     if (!std::isfinite(stamps_s[i]) && n++ < kNamed) lines += (n == 1 ? "" : ", ") + std::to_string(line_of_row(i));
   const std::string more = n > kNamed ? " and " + std::to_string(n - kNamed) + " more" : "";
-  return times(n, "row has", "rows have") + " no time stamp (line" + (n == 1 ? " " : "s ") + lines + more + "); dropped";
+  return times(n, "row has", "rows have") + " no time stamp (" + word + (n == 1 ? " " : "s ") + lines + more + "); dropped";
 }
 
 // A clock of day begins anew at midnight: stamps within one day that fall from its end to its beginning. Days that were added.
@@ -138,7 +138,8 @@ TimeBase invented_clock(std::size_t rows, double rate_Hz) {
 Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source) {
   Clock clock;
   const std::string& where = source.where;
-  const LineOfRow& line_of_row = source.line_of_row;
+  const bool has_lines = static_cast<bool>(source.line_of_row);
+  const LineOfRow line_of_row = has_lines ? source.line_of_row : [](std::size_t row) { return static_cast<std::uint64_t>(row + 1); };
   if (const std::size_t days = unwrap_midnights(stamps_s); days > 0)
     clock.notes.push_back("the clock of day passes midnight" + (days == 1 ? std::string() : " " + std::to_string(days) + " times") + "; counted on");
   bool increasing = !stamps_s.empty() && std::isfinite(stamps_s.front());
@@ -152,7 +153,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
       return fail(ErrorCode::parse, "no row has a time stamp", where,
                   "map another column, --map NAME=t_s, or leave the clock out: --map " + shell_quoted(source.column + "=unused") + " --rate HZ");
     if (rows.size() < stamps_s.size())
-      clock.notes.push_back(without_stamp(stamps_s, line_of_row));
+      clock.notes.push_back(without_stamp(stamps_s, line_of_row, has_lines ? "line" : "row"));
 
     std::vector<double> t;
     for (const std::size_t r : rows) t.push_back(stamps_s[r]);
@@ -173,8 +174,8 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
         if (latest - t[i] > 10.0 * step)
           return fail(ErrorCode::parse,
                       "the clock jumps back from " + shortest(latest) + " s to " + shortest(t[i]) +
-                          " s in line " + std::to_string(line_of_row(rows[i])),
-                      where, "split the file where a new recording begins");
+                          (has_lines ? " s in line " : " s in row ") + std::to_string(line_of_row(rows[i])),
+                      has_lines ? where + ":" + std::to_string(line_of_row(rows[i])) : where, "split the file where a new recording begins");
       }
       latest = std::max(latest, t[i]);
     }

@@ -24,7 +24,7 @@ using LineOfRow = std::function<std::uint64_t(std::size_t row)>;
 struct ClockSource {
   std::string where;   ///< file
   std::string column;  ///< as its header writes it
-  LineOfRow line_of_row;
+  LineOfRow line_of_row;  ///< none: the table comes from no text, and rows are counted
   double declared_rate_Hz = 0.0;  ///< 0 = not said
 };
 

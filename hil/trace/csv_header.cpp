@@ -1,0 +1,167 @@
+// What stands in a CSV file beside its rows: kind, header, units, and both once more.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "hil/base/text.h"
+#include "hil/base/units.h"
+#include "hil/trace/csv_cells.h"
+#include "hil/trace/csv_hints.h"
+#include "hil/trace/csv_parser.h"
+#include "hil/trace/csv_preamble.h"
+#include "hil/trace/date_time.h"
+
+namespace forcegate {
+namespace {
+
+constexpr std::size_t kMostColumns = 4096;
+
+}  // namespace
+
+Result<void> CsvParser::check_kind(std::string_view chunk) const {
+  const auto refuse = [&](const char* what, const char* hint) {
+    return fail(ErrorCode::parse, std::string("the file is ") + what + ", not CSV", name_, hint);
+  };
+  if (chunk.starts_with("\x89HDF")) return refuse("HDF5", "give it the ending .h5");
+  if (chunk.starts_with("MATLAB 5.0")) return refuse("a MATLAB file", "give it the ending .mat");
+  if (chunk.starts_with("PK\x03\x04")) return refuse("a ZIP archive or spreadsheet", "export the sheet as CSV");
+  if (chunk.starts_with("\xD0\xCF\x11\xE0")) return refuse("an Excel workbook", "export the sheet as CSV");
+  if (chunk.starts_with("TDSm")) return refuse("a TDMS file of LabVIEW", "export it as CSV");
+  if (std::memchr(chunk.data(), 0, std::min<std::size_t>(chunk.size(), 4096)))
+    return refuse("binary", "export it as CSV");
+  return {};
+}
+
+void CsvParser::skip_preamble(const char*& p, const char* end) {
+  const std::size_t above = lines_above_header({p, static_cast<std::size_t>(end - p)});
+  if (above == 0) return;
+  for (std::size_t i = 0; i < above; ++i) {
+    const char* const stop = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p)));
+    if (const std::string_view line(p, static_cast<std::size_t>(stop - p)); line.starts_with("Y_Unit_Label\t")) unit_labels_ = line;
+    p = stop + 1;
+  }
+  line_ += above;
+  table_.notes.push_back("the names of the columns stand in line " + std::to_string(line_ + 1) + "; what is above was skipped");
+}
+
+bool CsvParser::holds_numbers(const std::vector<std::string_view>& cells) {
+  return std::ranges::all_of(cells, [](std::string_view cell) {
+    double value;
+    return read_cell(cell, '.', value) != CsvCell::text;
+  });
+}
+
+bool CsvParser::comment_names(std::string_view row) {
+  const std::size_t begin = comment_.find_first_not_of("# ");
+  if (begin == std::string::npos) return false;
+  const std::string names = comment_.substr(begin);
+  const char separator = choose_separator(names);
+  cut_cells(row, separator, cells_);
+  const std::size_t columns = cells_.size();
+  if (columns < 2 || !holds_numbers(cells_)) return false;
+  cut_cells(names, separator, cells_);
+  const bool all_names = std::ranges::none_of(cells_, [](std::string_view cell) {
+    double value;
+    return read_cell(cell, '.', value) != CsvCell::text;
+  });
+  if (cells_.size() != columns || !all_names || !header(names)) return false;
+  table_.notes.push_back("the names of the columns were read from the comment above the first row");
+  return true;
+}
+
+Result<void> CsvParser::header(std::string_view line) {
+  separator_ = choose_separator(line);
+  cut_cells(line, separator_, cells_);
+  if (cells_.size() > kMostColumns)
+    return error("the header has " + std::to_string(cells_.size()) + " columns", 1, "at most 4096 can be read");
+  while (cells_.size() > 1 && trim(cells_.back()).empty()) cells_.pop_back(), ++trailing_;
+  if (const std::size_t arrow = cells_[0].find(" -> "); arrow != std::string_view::npos && seconds_of_stamp(trim(cells_[0].substr(0, arrow))))
+    return error("the lines begin with the stamps of a serial monitor, " + in_quotes(cells_[0].substr(0, arrow + 4)), 1,
+                 "switch them off there, or replace \" -> \" by " + separator_name() + " in every line and name the column Time");
+  if (holds_numbers(cells_))
+    return error("the first line holds numbers, not column names", 1,
+                 "put a line like t_s,F_ref_N,U_V before the first row");
+  for (const std::string_view cell : cells_) {
+    CsvColumn column;
+    column.header = header_text(cell);
+    names_.push_back(column.header);
+    table_.columns.push_back(std::move(column));
+  }
+  cut_cells(unit_labels_, '\t', cells_);  // LabVIEW's, above the header
+  for (std::size_t c = 1; c < std::min(cells_.size(), table_.columns.size()); ++c)
+    if (const std::string_view symbol = trim(cells_[c]); find_unit(symbol)) table_.columns[c].header += "_" + std::string(symbol);
+  if (separator_ != ',') table_.notes.push_back(std::string("the separator is ") + separator_name());
+  for (std::size_t a = 0; a < table_.columns.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (!table_.columns[a].header.empty() && table_.columns[a].header == table_.columns[b].header)
+        return error("two columns are called " + in_quotes(table_.columns[a].header), 1, "rename or remove one of them");
+  is_text_.assign(table_.columns.size(), 0);
+  text_.resize(table_.columns.size());
+  row_.resize(table_.columns.size());
+  table_.header_line = line_;
+  has_header_ = true;
+  return {};
+}
+
+std::string CsvParser::separator_name() const {
+  return separator_ == ';' ? "a semicolon" : separator_ == '\t' ? "a tab" : separator_ == '|' ? "a bar"
+         : separator_ == ' ' ? "a blank" : "a comma";
+}
+
+bool CsvParser::says_no_unit(std::string_view symbol) { return symbol.empty() || symbol == "-" || symbol == "1"; }
+
+bool CsvParser::holds_units() const {
+  constexpr std::size_t kLongest = 12;
+  std::size_t units = 0;
+  for (const std::string_view cell : cells_) {
+    double value;
+    const std::string_view symbol = strip_brackets(trim(cell));
+    if (says_no_unit(symbol)) continue;
+    const bool known = find_unit(symbol).has_value();
+    if (!known && (symbol.size() > kLongest || read_cell(cell, '.', value) != CsvCell::text || read_cell(cell, ',', value) != CsvCell::text)) return false;
+    units += known;
+  }
+  return units > 0;
+}
+
+bool CsvParser::row_of_units() {
+  if (cells_.size() != row_.size() || !holds_units()) return false;
+  std::vector<std::string> unknown;
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    const std::string_view symbol = strip_brackets(trim(cells_[c]));
+    if (says_no_unit(symbol)) continue;
+    const bool known = find_unit(symbol).has_value();
+    if (!known) unknown.push_back(in_quotes(symbol) + " of column " + in_quotes(table_.columns[c].header));
+    table_.columns[c].header += known ? "_" + std::string(symbol) : " (" + printable_utf8(symbol) + ")";
+  }
+  table_.notes.push_back("the second line was read as the units of the columns");
+  if (!unknown.empty()) table_.notes.push_back("no unit known here: " + join(unknown, ", "));
+  table_.skipped_lines.push_back(line_);
+  return true;
+}
+
+bool CsvParser::is_header_again() {
+  if (!seen_data_ || cells_.size() != row_.size()) return false;
+  const bool names = std::ranges::equal(cells_, names_, [](std::string_view cell, const std::string& name) { return header_text(cell) == name; });
+  const bool units = line_ == last_repeat_ + 1 && holds_units();
+  if (!names && !units) return false;
+  table_.skipped_lines.push_back(line_);
+  if (!names) return true;
+  if (repeats_++ == 0) first_repeat_ = line_;
+  last_repeat_ = line_;
+  return true;
+}
+
+bool CsvParser::has_decimal_commas() const {
+  return std::ranges::any_of(cells_, [this](std::string_view cell) {
+    double value;
+    cell = unquoted(cell);
+    const std::size_t comma = cell.find(',');
+    if (comma == std::string_view::npos || read_cell(cell, ',', value) != CsvCell::number) return false;
+    // quoted beside commas that part the columns, "1,234" may be a thousand
+    return separator_ != ',' || cell.size() != comma + 4 || std::fabs(value) < 1.0;
+  });
+}
+
+}  // namespace forcegate

@@ -1,0 +1,62 @@
+#pragma once
+// The lines of a CSV file, one after the other, to a table.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/base/result.h"
+#include "hil/trace/csv_table.h"
+
+namespace forcegate {
+
+/// Eats whole lines; a chunk always ends with '\n'.
+class CsvParser {
+ public:
+  explicit CsvParser(std::string name) : name_(std::move(name)) {}
+  Result<void> feed(std::string_view chunk, bool last_line_is_cut);
+  void expect(std::size_t bytes_in_all, std::size_t bytes_so_far);
+  Result<CsvTable> finish();
+
+ private:
+  /// `cut`: of the one line that ends with the file, and maybe short of its end.
+  Result<void> lines(const char* p, const char* end, bool cut);
+  Unexpected error(std::string text, std::size_t column, std::string hint) const;
+  void skip_preamble(const char*& p, const char* end);
+  Result<void> check_kind(std::string_view chunk) const;
+  static bool holds_numbers(const std::vector<std::string_view>& cells);
+  /// "# t_s F_ref_N U_V" above the first row, as numpy writes it, is the header.
+  bool comment_names(std::string_view row);
+  Result<void> header(std::string_view line);
+  std::string separator_name() const;
+  /// A row of plain numbers, nullptr for anything else.
+  const char* fast_row(const char* p);
+  Result<void> slow_row(std::string_view line, bool cut_short);
+  bool row_of_units();
+  static bool says_no_unit(std::string_view symbol);
+  /// One known unit at least, and nothing that looks like a sample.
+  bool holds_units() const;
+  bool is_header_again();
+  /// A file may end without a line end, or inside its last number: the row goes where that number is not whole, or is further from the one
+  /// above than any two others are ("1" of 15.2).
+  void drop_cut_row(std::string_view line);
+  bool has_decimal_commas() const;
+
+  std::string name_;
+  CsvTable table_;
+  std::vector<std::string_view> cells_;
+  std::vector<double> row_;
+  std::vector<char> is_text_;
+  std::vector<TextColumn> text_;
+  std::vector<std::string> names_;  ///< without units of a second line
+  std::string comment_;             ///< the last one above the header
+  std::string unit_labels_;         ///< a line above the header
+  std::uint64_t repeats_ = 0, first_repeat_ = 0, last_repeat_ = 0;
+  std::size_t trailing_ = 0;
+  std::uint64_t line_ = 0;
+  char separator_ = ',', point_ = '.';
+  bool started_ = false, has_header_ = false, seen_data_ = false;
+};
+
+}  // namespace forcegate
