@@ -29,7 +29,9 @@ std::string row(double t_s, double force_N, double output_V) {
   return out.str();
 }
 
-// One sine of 0.5 Hz, the output 30 ms late with 3 mV of noise: a delay, a lag and a loop look the same here.
+// One sine of 0.5 Hz, the output 30 ms late with 3 mV of noise: a delay, a lag and a share of the rate are the same here, each with a
+// probability of 0.27. Which two of them the next segment parts is no matter of the sensor.
+constexpr const char* kTwoOfThree = "parts (delay|lag|viscous) / (delay|lag|viscous)";
 std::string slow_sine() {
   std::string text = "t,F,U\n";
   std::uint32_t state = 1;
@@ -72,7 +74,7 @@ TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
 
   const ProcessResult asked = forcegate({"next", sine});
   EXPECT_EQ(asked.exit_code, 0) << asked.err;
-  EXPECT_THAT(asked.out, AllOf(HasSubstr("delay / lag"), ContainsRegex("next: forcegate next [^\n]*sine.csv -o [^\n]*sine-next\n")));
+  EXPECT_THAT(asked.out, AllOf(ContainsRegex(kTwoOfThree), ContainsRegex("next: forcegate next [^\n]*sine.csv -o [^\n]*sine-next\n")));
   // no rig holds this sensor: the forces to record are written
   const std::string forces = folder / "forces";
   const ProcessResult written = forcegate({"next", sine, "-o", forces});
@@ -107,7 +109,7 @@ TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
   write_text(played, recorded(read_text(profile)));
   const ProcessResult done = forcegate({"next", sine, "--run", "--record", played, "-o", out});
   EXPECT_EQ(done.exit_code, 0) << done.err;
-  EXPECT_THAT(done.out, AllOf(HasSubstr("played.csv"), ContainsRegex("to 1 before, .* now for delay"),
+  EXPECT_THAT(done.out, AllOf(HasSubstr("played.csv"), ContainsRegex("to 1 before, .* now for (delay|lag)"),
                               HasSubstr("before: unknown"), ContainsRegex("now:    known, delay"),
                               HasSubstr("next: forcegate add delay --fit ")));
   const auto list = nlohmann::json::parse(read_text(out + "/campaign.json"));

@@ -124,6 +124,9 @@ std::vector<FoundParameter> physical_parameters(const CampaignInput& campaign, c
   const std::string& name = chosen.kind->name;
   if (EffectRegistry::instance().find(name) != chosen.kind) return {};
   if (name == "creep") return growth(campaign, channel, chosen, joint);
+  // its width goes with the angle, of which a trial of the force has none
+  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+  if (channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name == "of_angle") return {};
   if (name == "hysteresis" || name == "backlash") return width(campaign, channel, chosen, joint);
   if (name == "delay" || name == "lag" || name == "clock_skew") return behind(campaign, channel, chosen, joint);
   return {};

@@ -5,12 +5,13 @@
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/choose/reference_latency.h"
+#include "hil/diagnose/choose/screen.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-constexpr int kIterations = 20;
+constexpr int kOfAll = 18, kOfSome = 8, kOfRig = 20;  // rounds of EM
 
 BaseError error_of(const ResidualChannel& channel, const MixedFit& base, const std::vector<double>& bad, JudgedBy by) {
   const auto rms = [&](std::vector<double> square) {
@@ -26,7 +27,10 @@ BaseError error_of(const ResidualChannel& channel, const MixedFit& base, const s
 }  // namespace
 
 MixedFit base_model(const Workspace& w, const EngineOptions& options, std::vector<std::string>& notes) {
-  MixedFit base = fit_mixed(w.output.problem, model_columns(w.output, options), nullptr, kIterations);
+  // from the records to be fitted alone the spreads may end at another optimum than the search and a refit have
+  const std::vector<int> columns = model_columns(w.output, options);
+  const MixedFit of_all = fit_to_the_end(w.output, columns, nullptr, kOfAll, RecordUse::all_records);
+  MixedFit base = of_all.valid ? fit_mixed(w.output.problem, columns, &of_all, kOfSome) : of_all;
   const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
   return base.valid && !in_step ? forgive_late_reference(w, std::move(base), notes) : base;
 }
@@ -39,7 +43,7 @@ Result<BaseErrors> base_errors(const Workspace& w, const EngineOptions& options)
   for (const RecordHealth& health : w.health) bad.push_back(health.bad_mean_square_V2);
   BaseErrors out{error_of(w.output, base, bad, w.judges), std::nullopt};
   if (!w.has_rig) return out;
-  const MixedFit rig = fit_mixed(w.rig.problem, {}, nullptr, kIterations);
+  const MixedFit rig = fit_mixed(w.rig.problem, {}, nullptr, kOfRig);
   if (rig.valid) out.force = error_of(w.rig, rig, {}, w.judges);
   return out;
 }

@@ -6,23 +6,14 @@
 #include "hil/diagnose/answer/pictures.h"
 #include "hil/diagnose/answer/record_errors.h"
 #include "hil/diagnose/answer/residual_map.h"
+#include "hil/diagnose/base/base_errors.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/choose/further_forms.h"
-#include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/refine.h"
 
 namespace forcegate::diagnose {
 
 namespace {
-
-// The base of a refit, which sees all records first: from the records to be fitted alone the spreads may end at another optimum.
-MixedFit base_of_refit(const Workspace& w, const EngineOptions& options, std::vector<std::string>& notes) {
-  const std::vector<int> columns = model_columns(w.output, options);
-  const MixedFit of_all = fit_to_the_end(w.output, columns, nullptr, 18, RecordUse::all_records);
-  MixedFit base = of_all.valid ? fit_mixed(w.output.problem, columns, &of_all, 8) : of_all;
-  const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
-  return base.valid && !in_step ? forgive_late_reference(w, std::move(base), notes) : base;
-}
 
 // Chosen and refined as a refit does it.
 Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::string& effect, unsigned threads) {
@@ -60,7 +51,7 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   out.verdict = DiagnosisVerdict::known;
   Search search;
   Selection& selection = search.output;
-  selection.base = base_of_refit(w, before, out.notes);
+  selection.base = base_model(w, before, out.notes);
   if (!selection.base.valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name);
   FORCEGATE_TRY(ChosenEffect chosen, choose(w, selection.base, effect, before.threads));
   selection.claimed = selection.final = chosen.fit;

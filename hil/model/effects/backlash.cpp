@@ -2,8 +2,13 @@
 // linear rig law. F_ref against the angle shows a loop, U against F_ref none. A play takes force away while the spring closes; so does
 // friction in front of the reference, and friction behind it adds to what it reads: strengths have either sign. A gear has one play:
 //   dF = c (P_r[L] - L), r told by the records.
+// of_angle: the play lies between motor and wheel, where the angle is read before it (0.2 rad is a worn gear):
+//   dF = c (L(P_d[th]) - L(th)) = c s (cos th - cos P_d[th]): widest where the spring moves fastest, nothing at the ends of its stroke.
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "hil/model/effect.h"
 #include "hil/model/play.h"
@@ -16,6 +21,28 @@ constexpr double kRadii[] = {0.004, 0.01, 0.025, 0.06, 0.14};
 void fill_play(const CampaignInput& c, const RecordInput& r, double radius_N, bool kept, Eigen::Index column, ColumnsRef out) {
   Play play = play_at_start(c, r, &RecordInput::rig_force_N, radius_N, -std::numeric_limits<double>::infinity(), kept);
   for (std::size_t i = 0; i < r.rows(); ++i) out(static_cast<Eigen::Index>(i), column) = play.step(r.rig_force_N[i]) - r.rig_force_N[i];
+}
+
+// Newtons of the rig's law for one of 1 - cos th; 0 where the angle hardly turns.
+double newtons_per_cosine(const RecordInput& r) {
+  constexpr double kLeastTurn = 0.05;
+  const auto [low, high] = std::ranges::minmax_element(r.cos_theta);
+  const auto of = [&](auto at) { return r.rig_force_N[static_cast<std::size_t>(at - r.cos_theta.begin())]; };
+  return *high - *low > kLeastTurn ? (of(low) - of(high)) / (*high - *low) : 0.0;
+}
+
+// The wheel lags behind the motor by half the play, on the side from which it was driven last. Every recording begins driven upwards.
+void fill_play_of_angle(const RecordInput& r, double half_rad, ColumnsRef out) {
+  const double s = newtons_per_cosine(r);
+  if (s == 0.0) return;
+  double theta = std::atan2(r.sin_theta[0], r.cos_theta[0]);
+  Play play(half_rad, theta - half_rad);
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const double turned = std::atan2(r.sin_theta[i], r.cos_theta[i]) - theta;
+    if (!std::isfinite(turned)) continue;
+    theta += std::remainder(turned, 2.0 * std::numbers::pi);
+    out(static_cast<Eigen::Index>(i), 0) = s * (std::cos(theta) - std::cos(play.step(theta)));
+  }
 }
 
 // So narrow a grid that the right play fits better than a bank of wrong ones before it is refined.
@@ -65,6 +92,20 @@ const Registration<EffectKind> kRegistered{EffectKind{
                    [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                      out.setZero();
                      if (!r.rig_force_N.empty()) fill_play(c, r, shape[0], shape[1] != 0.0, 0, out);
+                   }},
+              {.name = "of_angle",
+               .shape = {{"half_rad", "rad", 1e-4, 1.0, 0.05, "half the play between motor and wheel"}},
+               .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that the play acts on"}},
+               .sign = StrengthSign::either,
+               .grid =
+                   [](const CampaignInput& c) {
+                     if (!c.has_theta) return std::vector<std::vector<double>>{};
+                     return std::vector<std::vector<double>>{{0.005}, {0.01}, {0.02}, {0.04}, {0.08}, {0.16}};
+                   },
+               .columns =
+                   [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                     out.setZero();
+                     if (!r.rig_force_N.empty() && !r.cos_theta.empty()) fill_play_of_angle(r, shape[0], out);
                    }}}}};
 
 }  // namespace

@@ -25,6 +25,7 @@ struct Bench {
   std::function<double(double)> machine_N = [](double) { return 0.0; };  // added to a commanded force
   double friction_N = 0.0, elastic_N = 0.05;  // of the guide: it reaches its size within some newtons of movement, and stays over rests
   std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
+  double gear_rad = 0.0;  // half the play between the motor, whose angle is recorded, and the wheel
 };
 
 // A wheel that turns in some records and goes slowly to and fro in the others; the sensor is a straight line.
@@ -48,7 +49,7 @@ Campaign turning(const Bench& bench) {
     r.preload_mm = p;
     TimeBase clock;
     std::vector<double> F_ref, U, theta, command;
-    double late = 0.0;
+    double late = 0.0, wheel = 0.0;
     for (int i = 0; i < 22500; ++i) {
       const double t = i / kRate_Hz;
       const double wanted =
@@ -56,8 +57,9 @@ Campaign turning(const Bench& bench) {
                          : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
       const double asked_N = k * (p + e * (1.0 - std::cos(wanted)));
       const double th = wanted + bench.slip_rad(wanted);
-      double F = std::max(0.0, k * (p + e * (1.0 - std::cos(th))) - bench.lift_N + bench.machine_N(asked_N) + bench.seat_N(n));
-      const double spring_N = k * (p + e * (1.0 - std::cos(th)));
+      wheel = std::clamp(wheel, th - bench.gear_rad, th + bench.gear_rad);
+      const double spring_N = k * (p + e * (1.0 - std::cos(wheel)));
+      double F = std::max(0.0, spring_N - bench.lift_N + bench.machine_N(asked_N) + bench.seat_N(n));
       drag = std::clamp(drag + (spring_N - dragged_N) / bench.elastic_N, -1.0, 1.0);
       dragged_N = spring_N;
       F += bench.friction_N * drag;
@@ -268,6 +270,19 @@ TEST(RigChannel, AZeroThatWandersWithinItsRecordsIsTheReferencesWhereTheRigShows
   EXPECT_EQ(claims(d), "reference_drift ");
   ASSERT_FALSE(d.findings.empty());
   EXPECT_TRUE(d.findings.front().side_witnessed);
+}
+
+// Before the wheel it is a play of the angle, widest where the spring moves fastest; a play of the force leaves a bent spring beside it.
+TEST(RigChannel, AGearsPlayBetweenMotorAndWheelGoesWithTheAngle) {
+  Bench bench;
+  bench.gear_rad = 0.03;
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "backlash ");
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().form, "of_angle");
+  const auto half = std::ranges::find(d.findings.front().parameters, "half_rad", &FoundParameter::name);
+  ASSERT_NE(half, d.findings.front().parameters.end());
+  EXPECT_NEAR(half->value, 0.03, 0.003);
 }
 
 // One play, some records of each manner of moving: their angle is what the play acts on.
