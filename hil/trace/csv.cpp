@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/trace/clock_unit.h"
 #include "hil/trace/columns.h"
@@ -101,6 +103,9 @@ std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& 
         mapped = options.column_map.find(alias);
     if (mapped != options.column_map.end()) {
       meaning = renamed(meaning.unit, meaning_of(mapped->second));
+      const std::string unknown = unknown_unit(column.header);
+      if (!unknown.empty() && meaning.unit.symbol == meaning.unit.canonical && !meaning.unit.symbol.empty())
+        out.notes.push_back("\"" + unknown + "\" of column \"" + column.header + "\" is no unit known here: it was read as " + meaning.unit.symbol);
       out.mapped.push_back(mapped->first);
     }
     if (column.dates) {  // "Time (ms)" above 10:00:00.250 tells how fine it is
@@ -147,6 +152,33 @@ void convert_units(CsvTable& table, const std::vector<ColumnMeaning>& meanings, 
       notes.push_back("column \"" + table.columns[c].header + "\" was converted from " + unit.symbol + " to " + unit.canonical);
     for (double& v : table.columns[c].value) v = unit.factor * v + unit.offset;
   }
+}
+
+/// Lowest and highest sample, where more than a thousandth of some thousands lie beyond +-`limit`.
+std::optional<std::pair<double, double>> beyond(const Channel* channel, const char* unit, double limit) {
+  if (channel == nullptr || channel->unit != unit) return std::nullopt;
+  constexpr std::size_t kMost = 8192;
+  const std::vector<double>& values = channel->value;
+  std::size_t seen = 0, far = 0;
+  for (std::size_t i = 0; i < values.size(); i += values.size() / kMost + 1) ++seen, far += std::fabs(values[i]) > limit;
+  if (far * 1000 <= seen) return std::nullopt;
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const double v : values)
+    if (!std::isnan(v)) low = std::min(low, v), high = std::max(high, v);
+  return std::pair{low, high};
+}
+
+/// An output of thousands of volts is one of millivolts, and the force beside it hardly in newtons.
+void note_unlikely_sizes(const Trace& trace, const std::vector<std::string>& headers, std::vector<std::string>& notes) {
+  constexpr double kMost_V = 100.0, kMuch_N = 500.0, kMost_N = 1e5;
+  const auto note = [&](const char* name, const char* unit, const std::pair<double, double>& range, const char* why, const char* thousandth) {
+    const std::string& header = headers[static_cast<std::size_t>(trace.find(name) - trace.channels.data())];
+    notes.push_back("column \"" + header + "\" runs from " + plain_number(range.first) + " to " + plain_number(range.second) + " " + unit + ", " + why + "; if it is in " + thousandth + ": --map " +
+                    shell_quoted(header + "=" + name + "_" + thousandth));
+  };
+  const auto volts = beyond(trace.find("U"), "V", kMost_V);
+  if (volts) note("U", "V", *volts, "which no converter reads", "mV");
+  if (const auto newtons = beyond(trace.find("F_ref"), "N", volts ? kMuch_N : kMost_N)) note("F_ref", "N", *newtons, "much for such a sensor", "mN");
 }
 
 }  // namespace
@@ -207,6 +239,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
     out.trace.channels.push_back(std::move(channel));
   }
   for (std::string& note : use_canonical_names(out.trace, headers)) out.notes.push_back(std::move(note));
+  note_unlikely_sizes(out.trace, headers, out.notes);
   for (std::size_t i = 0; i < headers.size(); ++i) out.headers.emplace(out.trace.channels[i].name, std::move(headers[i]));
   attach_counts(out.trace);
   make_names_unique(out.trace);

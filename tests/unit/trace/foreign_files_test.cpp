@@ -106,6 +106,33 @@ TEST(ForeignFiles, AHintWithANameThatAShellReadsItsOwnWayIsQuoted) {
   EXPECT_THAT(g.error().hint, HasSubstr("--map 'Time (s)=unused' --rate HZ"));
 }
 
+TEST(ForeignFiles, AVoltageThatNoConverterReadsIsTold) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 100; ++i) text += std::to_string(i) + "," + std::to_string(40 * i) + "," + std::to_string(80 * i) + "\n";
+  const auto f = read(text);
+  EXPECT_THAT(f.notes, Contains("column \"U_V\" runs from 0 to 7920 V, which no converter reads; if it is in mV: --map U_V=U_mV"));
+  EXPECT_THAT(f.notes, Contains(HasSubstr("--map F_ref_N=F_ref_mN")));
+  CsvOptions options;
+  options.column_map = {{"U_V", "U_mV"}, {"F_ref_N", "F_ref_mN"}};
+  const auto mended = read(text, options);
+  EXPECT_NEAR(mended.trace.find("U")->value[99], 7.92, 1e-9);
+  EXPECT_THAT(mended.notes, ::testing::Not(Contains(HasSubstr("converter"))));
+  EXPECT_TRUE(read("t_s,F_ref_N,U_V\n0,4000,9\n1,4448,10\n").notes.empty()) << "there are sensors for a thousand pounds";
+}
+
+TEST(ForeignFiles, AUnitThatAMapLosesIsTold) {
+  CsvOptions options;
+  options.column_map["load_g"] = options.column_map["Force (widgets)"] = options.column_map["F_GN"] = "F_ref_N";
+  for (const char* name : {"load_g", "Force (widgets)", "F_GN"})
+    EXPECT_THAT(read("t_s," + std::string(name) + ",U_V\n0,1,2\n1,2,3\n", options).notes, Contains(HasSubstr("is no unit known here: it was read as N"))) << name;
+  options.column_map["load_g"] = "F_ref_gf";
+  options.column_map["F_dyn"] = "F_ref_N";
+  for (const char* name : {"load_g", "F_dyn"})
+    EXPECT_THAT(read("t_s," + std::string(name) + ",U_V\n0,1,2\n1,2,3\n", options).notes, ::testing::Not(Contains(HasSubstr("no unit known")))) << name;
+  EXPECT_DOUBLE_EQ(read("t_s,F_uN,U_V\n0,1,2\n1,2,3\n").trace.find("F_ref")->value[1], 2e-6);
+  EXPECT_DOUBLE_EQ(read("t_s,F_cN,U_V\n0,1,2\n1,2,3\n").trace.find("F_ref")->value[1], 2e-2);
+}
+
 TEST(ForeignFiles, ANoteOfEveryRecordIsToldOnce) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "forcegate_foreign_folder";
   std::filesystem::remove_all(folder);
