@@ -49,6 +49,7 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPicture
     return drift;
   }
   FORCEGATE_CHECK_OK(check_channels(campaign));
+  FORCEGATE_CHECK_OK(diagnose::check_output_moves(campaign));
   diagnose::EngineOptions options = engine_options(model, request.threads);
   options.pictures = pictures != nullptr;
   FORCEGATE_TRY(diagnose::Diagnosed found, diagnose::diagnose_campaign_in(std::move(campaign), options));

@@ -17,18 +17,6 @@ double law_of_time(const diagnose::DriftFit& fit, double t_s) {
   return fit.constant + fit.size * course;
 }
 
-// The output of a recording whose columns are not all named: the only one beside the force.
-const Channel* output_of(const Record& record) {
-  if (const Channel* U = record.trace.find("U")) return U;
-  const Channel* only = nullptr;
-  for (const Channel& c : record.trace.channels) {
-    if (c.name == "F_ref") continue;
-    if (only != nullptr) return nullptr;
-    only = &c;
-  }
-  return only;
-}
-
 }  // namespace
 
 RecordPictures drift_pictures(const Campaign& campaign, const std::string& form) {
@@ -36,7 +24,7 @@ RecordPictures drift_pictures(const Campaign& campaign, const std::string& form)
   RecordPictures out;
   for (const Record& record : campaign.records) {
     if (out.drift.size() == kMostRecordPictures) break;
-    const Channel* U = output_of(record);
+    const Channel* U = diagnose::output_of(record);
     if (U == nullptr) continue;
     out.unit = U->unit;
     const std::vector<double>& t_s = record.trace.time_bases[U->time_base].t_s;

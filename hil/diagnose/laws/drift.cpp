@@ -2,21 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <map>
 
 #include "hil/model/rows.h"
-#include "hil/trace/columns.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-constexpr std::size_t kBlocks = 200, kParts = 10;
+constexpr std::size_t kParts = 10;
 constexpr const char* kForms[] = {"constant", "line", "exponential", "logarithm", "power"};
 
+// A law is averaged over a block as the output is: the beginning of creep is over before the first block ends.
 struct Blocks {
-  std::vector<double> t_s, y;
+  std::vector<double> begin_s, end_s, y;
+  double length_s() const { return 0.5 * (begin_s.back() + end_s.back()); }
 };
 
 Blocks block_means(const std::vector<double>& t_s, const std::vector<double>& y) {
@@ -24,12 +23,14 @@ Blocks block_means(const std::vector<double>& t_s, const std::vector<double>& y)
   for (std::size_t i = 0; i < y.size(); ++i)
     if (std::isfinite(y[i])) good.push_back(i);
   Blocks out;
-  const std::size_t n = std::min(kBlocks, good.size());
+  const std::size_t n = std::min(kDriftBlocks, good.size());
   for (std::size_t b = 0; b < n; ++b) {
     const std::size_t from = b * good.size() / n, to = (b + 1) * good.size() / n;
-    double t = 0.0, sum = 0.0;
-    for (std::size_t k = from; k < to; ++k) t += t_s[good[k]] - t_s[good.front()], sum += y[good[k]];
-    out.t_s.push_back(t / static_cast<double>(to - from));
+    double sum = 0.0;
+    for (std::size_t k = from; k < to; ++k) sum += y[good[k]];
+    const double first_s = t_s[good[from]] - t_s[good.front()], last_s = t_s[good[to - 1]] - t_s[good.front()];
+    const double half_step_s = to - from > 1 ? 0.5 * (last_s - first_s) / static_cast<double>(to - from - 1) : 0.0;
+    out.begin_s.push_back(first_s - half_step_s), out.end_s.push_back(last_s + half_step_s);
     out.y.push_back(sum / static_cast<double>(to - from));
   }
   return out;
@@ -44,19 +45,37 @@ double law(const std::string& form, double since_s, double shape) {
   return 0.0;
 }
 
+// Integral of the law from the onset.
+double primitive(const std::string& form, double since_s, double shape) {
+  if (since_s <= 0.0) return since_s * law(form, 0.0, shape);
+  const double z = since_s / shape;
+  if (form == "line") return 0.5 * since_s * since_s;
+  if (form == "exponential") return -shape * std::expm1(-z);
+  if (form == "logarithm") return shape * ((1.0 + z) * std::log1p(z) - z) / std::log(10.0);
+  if (form == "power") return std::pow(since_s, shape + 1.0) / (shape + 1.0);
+  return 0.0;
+}
+
+double law_of_block(const Blocks& b, std::size_t i, const DriftFit& fit) {
+  const double begin_s = b.begin_s[i] - fit.onset_s, end_s = b.end_s[i] - fit.onset_s;
+  if (!(end_s > begin_s)) return law(fit.form, begin_s, fit.shape);
+  return (primitive(fit.form, end_s, fit.shape) - primitive(fit.form, begin_s, fit.shape)) / (end_s - begin_s);
+}
+
 // Least squares of c + a law(t) on the blocks that are kept; returns the squared error on all kept blocks.
 double solve(const Blocks& b, const std::vector<char>& kept, DriftFit& fit) {
+  std::vector<double> x(b.y.size());
   double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
   for (std::size_t i = 0; i < b.y.size(); ++i) {
     if (!kept[i]) continue;
-    const double x = law(fit.form, b.t_s[i] - fit.onset_s, fit.shape);
-    n += 1.0, sx += x, sy += b.y[i];
+    x[i] = law_of_block(b, i, fit);
+    n += 1.0, sx += x[i], sy += b.y[i];
   }
   const double mx = sx / n, my = sy / n;
   for (std::size_t i = 0; i < b.y.size(); ++i) {
     if (!kept[i]) continue;
-    const double x = law(fit.form, b.t_s[i] - fit.onset_s, fit.shape) - mx, y = b.y[i] - my;
-    sxx += x * x, sxy += x * y, syy += y * y;
+    const double dx = x[i] - mx, dy = b.y[i] - my;
+    sxx += dx * dx, sxy += dx * dy, syy += dy * dy;
   }
   fit.size = sxx > 1e-300 ? sxy / sxx : 0.0;
   fit.constant = my - fit.size * mx;
@@ -65,7 +84,7 @@ double solve(const Blocks& b, const std::vector<char>& kept, DriftFit& fit) {
 
 // Golden section in log(shape) around the best of a log grid, for each onset of a grid that is then refined.
 DriftFit best_fit(const Blocks& b, const std::vector<char>& kept, const std::string& form) {
-  const double length = b.t_s.back();
+  const double length = b.length_s();
   DriftFit best;
   best.form = form;
   best.shape = 1.0;
@@ -127,17 +146,11 @@ double rms_over(const Blocks& b, const DriftFit& fit, const std::vector<char>& u
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < b.y.size(); ++i) {
     if (!use[i]) continue;
-    const double e = b.y[i] - fit.constant - fit.size * law(fit.form, b.t_s[i] - fit.onset_s, fit.shape);
+    const double e = b.y[i] - fit.constant - fit.size * law_of_block(b, i, fit);
     sum += e * e;
     n += 1.0;
   }
   return std::sqrt(sum / std::max(1.0, n));
-}
-
-double noise_of(const std::vector<double>& y) {
-  std::vector<double> d;
-  for (std::size_t i = 1; i + 1 < y.size(); ++i) d.push_back(std::abs(y[i - 1] - 2.0 * y[i] + y[i + 1]));
-  return 1.4826 * quantile(std::move(d), 0.5) / std::sqrt(6.0);
 }
 
 // Standard error out of the values with each part left out (Efron and Tibshirani 1993, eq. 11.5).
@@ -147,75 +160,6 @@ double jackknife(const std::vector<double>& left_out) {
   for (const double v : left_out) mean += v / n;
   for (const double v : left_out) square += (v - mean) * (v - mean);
   return std::sqrt((n - 1.0) / n * square);
-}
-
-const Channel* output_of(const Record& record) {
-  if (const Channel* U = record.trace.find("U")) return U;
-  const Channel* only = nullptr;
-  for (const Channel& c : record.trace.channels) {
-    if (c.name == "F_ref") continue;
-    if (only) return nullptr;
-    only = &c;
-  }
-  return only;
-}
-
-std::string listed(const Record& record) {
-  std::string out;
-  for (const Channel& c : record.trace.channels) out += (out.empty() ? "" : ", ") + header_of(c.name, c.unit);
-  return out;
-}
-
-/// Columns beside the output that move: one of them may be the input.
-void tell_unused(const Record& record, const Channel& output, Diagnosis& out) {
-  for (const Channel& c : record.trace.channels) {
-    double low = 1e300, high = -1e300;
-    for (const double v : c.value)
-      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
-    if (&c == &output || c.name == "temp" || !(high > low)) continue;
-    const std::string name = header_of(c.name, c.unit);
-    out.notes.push_back("column \"" + name + "\" is not used; if it is the input, add --map " + name +
-                        "=F_ref_N");
-  }
-}
-
-// Every record with the error of the constant and of the law that was taken, on its tenths that were left out.
-void add_records(const Campaign& campaign, const std::vector<RecordDrift>& drifts, const std::string& form, Diagnosis& out) {
-  for (std::size_t k = 0; k < drifts.size(); ++k) {
-    const auto left_out = [&](const std::string& name) {
-      return std::find_if(drifts[k].fits.begin(), drifts[k].fits.end(), [&](const DriftFit& f) { return f.form == name; })->left_out_rms;
-    };
-    RecordError e;
-    e.record = drifts[k].record;
-    e.kind = campaign.records[k].kind;
-    e.before = e.plain_before = left_out("constant");
-    e.after = e.plain_after = left_out(form);
-    e.floor = std::min(drifts[k].noise, e.after);
-    e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
-    out.records.push_back(std::move(e));
-  }
-  out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
-}
-
-std::string sentence_of(const DriftFit& f, const std::string& unit, double ratio, const std::string& second) {
-  char text[300], from[40] = "";
-  if (f.onset_s > 0.0) std::snprintf(from, sizeof from, " from %.3g s on", f.onset_s);
-  if (f.form == "exponential")
-    std::snprintf(text, sizeof text,
-                  "the output moves exponentially%s towards %.4g %s with one time constant of %.3g s", from,
-                  f.constant, unit.c_str(), f.shape);
-  else if (f.form == "logarithm")
-    std::snprintf(text, sizeof text, "the output creeps with the logarithm of time%s, %.3g %s a decade", from,
-                  f.size, unit.c_str());
-  else if (f.form == "power")
-    std::snprintf(text, sizeof text, "the output creeps as a power of time%s, exponent %.2g", from, f.shape);
-  else
-    std::snprintf(text, sizeof text, "the output moves steadily%s by %.3g %s/s", from, f.size, unit.c_str());
-  char tail[160];
-  std::snprintf(tail, sizeof tail,
-                "; parts of the record that were left out are predicted %.2g times better than by the %s law",
-                ratio, second.c_str());
-  return std::string(text) + tail;
 }
 
 }  // namespace
@@ -229,7 +173,7 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
   RecordDrift out;
   out.record = record;
   out.span = quantile(b.y, 0.999) - quantile(b.y, 0.001);
-  out.noise = noise_of(b.y);
+  out.noise = movement_of(b.y).noise;
   const std::vector<char> all(b.y.size(), 1);
   for (const char* form : kForms) {
     DriftFit fit = best_fit(b, all, form);
@@ -255,129 +199,6 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
   }
   std::stable_sort(out.fits.begin(), out.fits.end(),
                    [](const DriftFit& a, const DriftFit& c) { return a.left_out_rms < c.left_out_rms; });
-  return out;
-}
-
-bool is_drift_only(const Campaign& campaign) {
-  return std::none_of(campaign.records.begin(), campaign.records.end(), [](const Record& record) {
-    const Channel* F = record.trace.find("F_ref");
-    if (!F) return false;
-    double low = 1e300, high = -1e300;
-    for (const double v : F->value)
-      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
-    return high > low;
-  });
-}
-
-Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
-  Diagnosis out;
-  out.campaign = campaign.name;
-  out.model = "law of time";
-  out.notes = campaign.notes;
-  const bool has_force = std::ranges::any_of(campaign.records, [](const Record& r) { return r.trace.find("F_ref") != nullptr; });
-  out.notes.push_back(has_force ? "no record has an input that moves: only the drift of the output can be judged"
-                                : "no column is the reference force, among " + listed(campaign.records.front()) +
-                                      ": only the drift of the output can be judged");
-  std::map<std::string, double> left_out;
-  std::vector<RecordDrift> drifts;
-  double before = 0.0, noise = 0.0;
-  bool moves = false, wavers = false;
-  for (const Record& record : campaign.records) {
-    const Channel* U = output_of(record);
-    if (!U)
-      return fail(ErrorCode::parse, "which column is the output? There are " + listed(record), record.name,
-                  "name it, for instance --map NAME=U_V; an input, where there is one: --map NAME=F_ref_N");
-    out.unit = U->unit;
-    if (&record == &campaign.records.front()) tell_unused(record, *U, out);
-    FORCEGATE_TRY(RecordDrift drift,
-                  fit_drift(record.name, record.trace.time_bases[U->time_base].t_s, U->value));
-    moves |= drift.span > 6.0 * drift.noise;
-    wavers |= drift.fits.front().left_out_rms > 5.0 * noise_of(U->value);
-    for (const DriftFit& f : drift.fits) {
-      left_out[f.form] += f.left_out_rms * f.left_out_rms;
-      if (f.form == "constant") before += f.left_out_rms * f.left_out_rms;
-    }
-    noise += drift.noise * drift.noise;
-    drifts.push_back(std::move(drift));
-  }
-  const auto n = static_cast<double>(drifts.size());
-  std::vector<std::pair<double, std::string>> ranked;
-  for (const auto& [form, square] : left_out) ranked.emplace_back(std::sqrt(square / n), form);
-  std::sort(ranked.begin(), ranked.end());
-  // the simplest law that predicts as well as the best one
-  const double enough = 1.1 * ranked.front().first;
-  for (const char* simple : {"constant", "line"}) {
-    const auto at = std::find_if(ranked.begin(), ranked.end(),
-                                 [&](const auto& r) { return r.second == simple && r.first <= enough; });
-    if (at == ranked.end()) continue;
-    std::rotate(ranked.begin(), at, at + 1);
-    break;
-  }
-  out.floor = std::sqrt(noise / n);
-  out.error_before = std::sqrt(before / n);
-  out.error_after = ranked.front().first;
-  out.plain_before = out.error_before;
-  out.plain_after = out.error_after;
-  constexpr double kFails = 10.0;  // times the best: an exponential that is led beyond its part says nothing by its number
-  for (const auto& [error, form] : ranked) {
-    if (error > kFails * ranked.front().first && ranked.front().first > 0.0) {
-      out.notes.push_back(form + ": fails on parts that were left out");
-      continue;
-    }
-    char text[120];
-    std::snprintf(text, sizeof text, "%s: %.4g %s on parts that were left out", form.c_str(), error,
-                  out.unit.c_str());
-    out.notes.push_back(text);
-  }
-  if (!moves || ranked.front().second == "constant") {
-    out.error_after = out.plain_after = out.error_before;
-    add_records(campaign, drifts, "constant", out);
-    if (wavers) {
-      out.verdict = DiagnosisVerdict::unknown;
-      out.depends_on = {"time"};
-      out.notes.push_back(
-          "the output moves far more than its noise and follows no law of time: its input was not recorded");
-    }
-    return out;
-  }
-  const std::string& form = ranked.front().second;
-  add_records(campaign, drifts, form, out);
-  // a line is a limit of every curved law: it must beat the constant only
-  const auto rival = form == "line" ? std::find_if(ranked.begin(), ranked.end(),
-                                                   [](const auto& r) { return r.second == "constant"; })
-                                    : ranked.begin() + 1;
-  const double ratio = rival->first / std::max(ranked.front().first, 1e-300);
-  if (ratio < 1.15) {
-    out.verdict = DiagnosisVerdict::unknown;
-    out.depends_on = {"time"};
-    out.notes.push_back("the " + form + " and the " + rival->second +
-                        " law predict equally well: record longer");
-    return out;
-  }
-  out.verdict = DiagnosisVerdict::known;
-  Finding f;
-  f.effect = "drift";
-  f.side = "unknown";
-  f.side_witnessed = false;
-  f.form = form;
-  f.unit = out.unit;
-  f.probability = ratio > 1.5 ? 0.95 : 0.75;
-  f.error_before = out.error_before;
-  f.error_after = out.error_after;
-  f.records_excited = f.records_improved = static_cast<int>(drifts.size());
-  const DriftFit& first = *std::find_if(drifts.front().fits.begin(), drifts.front().fits.end(),
-                                        [&](const DriftFit& d) { return d.form == form; });
-  f.evidence = sentence_of(first, out.unit, ratio, rival->second) +
-               "; without an input the side cannot be told: sensor, chamber and instrument may drift";
-  f.parameters.push_back({"size", first.size, first.u_size, form == "line" ? out.unit + "/s" : out.unit});
-  if (form == "exponential") f.parameters.push_back({"tau_s", first.shape, first.u_shape, "s"});
-  if (form == "logarithm") f.parameters.push_back({"t1_s", first.shape, first.u_shape, "s"});
-  if (form == "power") f.parameters.push_back({"exponent", first.shape, first.u_shape, "1"});
-  if (first.onset_s > 0.0) f.parameters.push_back({"onset_s", first.onset_s, first.u_onset_s, "s"});
-  f.effect_rms =
-      std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
-  out.findings.push_back(std::move(f));
-  out.steps = {{"", out.error_before}, {"drift", out.error_after}};
   return out;
 }
 

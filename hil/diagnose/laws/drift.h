@@ -6,9 +6,13 @@
 
 #include "hil/base/result.h"
 #include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/laws/no_input.h"
 #include "hil/trace/campaign.h"
 
 namespace forcegate::diagnose {
+
+/// Means that a law is fitted to.
+inline constexpr std::size_t kDriftBlocks = 200;
 
 /// One law of time for one record, fitted by least squares on block means:
 ///   constant     U = c
@@ -36,9 +40,6 @@ struct RecordDrift {
 /// t_s ascending, y the same length. Errors: fewer than 40 finite samples.
 Result<RecordDrift> fit_drift(const std::string& record, const std::vector<double>& t_s,
                               const std::vector<double>& y);
-
-/// True when no record has a force that moves: the campaign can only tell about drift.
-bool is_drift_only(const Campaign& campaign);
 
 /// Verdict "none" when nothing drifts; "known", finding "drift" with its law, when one law predicts the parts that were
 /// left out clearly better than the others; else "unknown", depends on time. The side cannot be told: it is "unknown". Each record has its error

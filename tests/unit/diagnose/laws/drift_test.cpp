@@ -97,6 +97,26 @@ TEST(Drift, AForceThatStandsStillIsNoInput) {
   EXPECT_FALSE(is_drift_only(campaign));
 }
 
+TEST(Drift, CreepThatIsNearlyOverWithinTheFirstMeanKeepsItsLaw) {
+  const Campaign hold = recording(30000, 0.02, 0.004, [](double t) { return 3.9 + 0.12 * std::log10(1.0 + t); });
+  EXPECT_EQ(form_of(hold), "logarithm");
+  const auto d = diagnose_drift(hold);
+  ASSERT_TRUE(d);
+  EXPECT_NEAR(d->findings.front().parameters.front().value, 0.12, 0.002);
+}
+
+TEST(Drift, AWanderFarAboveItsNoiseIsNoSteadyDrift) {
+  Rng steps(9, "walk");
+  double at = 0.0;
+  const auto walk = diagnose_drift(recording(30000, 0.02, 0.004, [&](double) { return 3.9 + (at += 0.001 * steps.normal()); }));
+  ASSERT_TRUE(walk);
+  EXPECT_EQ(walk->verdict, DiagnosisVerdict::unknown);
+  EXPECT_EQ(walk->depends_on, std::vector<std::string>{"time"});
+  const auto daily = diagnose_drift(recording(30000, 0.02, 0.02, [](double t) { return 3.9 + 0.02 * std::sin(t / 40.0); }));
+  ASSERT_TRUE(daily);
+  EXPECT_EQ(daily->verdict, DiagnosisVerdict::unknown);
+}
+
 TEST(Drift, TwoOutputsMustBeTold) {
   Campaign campaign = recording(100, 0.1, 0.0, [](double t) { return t; });
   campaign.records[0].trace.channels[0].name = "a";

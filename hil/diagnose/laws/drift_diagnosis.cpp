@@ -1,0 +1,207 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "hil/diagnose/laws/drift.h"
+#include "hil/model/rows.h"
+#include "hil/trace/columns.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+std::string listed(const Record& record) {
+  std::string out;
+  for (const Channel& c : record.trace.channels) out += (out.empty() ? "" : ", ") + header_of(c.name, c.unit);
+  return out;
+}
+
+/// Columns beside the output that move: one of them may be the input.
+void tell_unused(const Record& record, const Channel& output, Diagnosis& out) {
+  for (const Channel& c : record.trace.channels) {
+    double low = 1e300, high = -1e300;
+    for (const double v : c.value)
+      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+    if (&c == &output || c.name == "temp" || c.name == "F_ref" || !(high > low)) continue;
+    const std::string name = header_of(c.name, c.unit);
+    out.notes.push_back("column \"" + name + "\" is not used; if it is the input, add --map " + name +
+                        "=F_ref_N");
+  }
+}
+
+/// What drifts together is not told apart by its course alone.
+void tell_recorded_causes(const Record& record, const Channel& output, Diagnosis& out) {
+  const std::vector<double>& t_s = record.trace.time_bases[output.time_base].t_s;
+  for (const char* name : {"temp", "humidity", "drive"}) {
+    const Channel* c = record.trace.find(name);
+    if (c == nullptr || !movement_of(c->value).stands_out()) continue;
+    if (response_as_a_whole(at_times(record.trace.time_bases[c->time_base].t_s, c->value, t_s), output.value).found)
+      out.notes.push_back(record.name + ": the output goes with " + header_of(c->name, c->unit) + " as it goes with time: either may be the cause");
+  }
+}
+
+void follows_no_law(Diagnosis& out) {
+  out.verdict = DiagnosisVerdict::unknown;
+  out.depends_on = {"time"};
+  out.notes.push_back("the output moves far more than its noise and follows no law of time: its input was not recorded");
+}
+
+// Every record with the error of the constant and of the law that was taken, on its tenths that were left out.
+void add_records(const Campaign& campaign, const std::vector<RecordDrift>& drifts, const std::string& form, Diagnosis& out) {
+  for (std::size_t k = 0; k < drifts.size(); ++k) {
+    const auto left_out = [&](const std::string& name) {
+      return std::find_if(drifts[k].fits.begin(), drifts[k].fits.end(), [&](const DriftFit& f) { return f.form == name; })->left_out_rms;
+    };
+    RecordError e;
+    e.record = drifts[k].record;
+    e.kind = campaign.records[k].kind;
+    e.before = e.plain_before = left_out("constant");
+    e.after = e.plain_after = left_out(form);
+    e.floor = std::min(drifts[k].noise, e.after);
+    e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
+    out.records.push_back(std::move(e));
+  }
+  out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
+}
+
+std::string sentence_of(const DriftFit& f, const std::string& unit, double ratio, const std::string& second) {
+  char text[300], from[40] = "";
+  if (f.onset_s > 0.0) std::snprintf(from, sizeof from, " from %.3g s on", f.onset_s);
+  if (f.form == "exponential")
+    std::snprintf(text, sizeof text,
+                  "the output moves exponentially%s towards %.4g %s with one time constant of %.3g s", from,
+                  f.constant, unit.c_str(), f.shape);
+  else if (f.form == "logarithm")
+    std::snprintf(text, sizeof text, "the output creeps with the logarithm of time%s, %.3g %s a decade", from,
+                  f.size, unit.c_str());
+  else if (f.form == "power")
+    std::snprintf(text, sizeof text, "the output creeps as a power of time%s, exponent %.2g", from, f.shape);
+  else
+    std::snprintf(text, sizeof text, "the output moves steadily%s by %.3g %s/s", from, f.size, unit.c_str());
+  char tail[160];
+  std::snprintf(tail, sizeof tail,
+                "; parts of the record that were left out are predicted %.2g times better than by the %s law",
+                ratio, second.c_str());
+  return std::string(text) + tail;
+}
+
+}  // namespace
+
+Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
+  Diagnosis out;
+  out.campaign = campaign.name;
+  out.model = "law of time";
+  out.notes = campaign.notes;
+  const bool has_force = std::ranges::any_of(campaign.records, [](const Record& r) { return r.trace.find("F_ref") != nullptr; });
+  out.notes.push_back(has_force ? "no record has an input that moves: only the drift of the output can be judged"
+                                : "no column is the reference force, among " + listed(campaign.records.front()) +
+                                      ": only the drift of the output can be judged");
+  if (has_force) out.notes.push_back(what_the_force_shows(campaign));
+  std::map<std::string, double> left_out;
+  std::vector<RecordDrift> drifts;
+  double before = 0.0, noise = 0.0;
+  bool moves = false, wavers = false;
+  constexpr double kFarAbove = 2.0, kOfSample = 0.5;  // noise of a mean, and of a sample: instruments wander by less
+  for (const Record& record : campaign.records) {
+    const Channel* U = output_of(record);
+    if (!U)
+      return fail(ErrorCode::parse, "which column is the output? There are " + listed(record), record.name,
+                  "name it, for instance --map NAME=U_V; an input, where there is one: --map NAME=F_ref_N");
+    out.unit = U->unit;
+    if (&record == &campaign.records.front()) tell_unused(record, *U, out);
+    FORCEGATE_TRY(RecordDrift drift,
+                  fit_drift(record.name, record.trace.time_bases[U->time_base].t_s, U->value));
+    moves |= drift.span > 6.0 * drift.noise;
+    const double left = drift.fits.front().left_out_rms;
+    wavers |= left > kFarAbove * drift.noise && left > kOfSample * movement_of(U->value).noise;
+    tell_recorded_causes(record, *U, out);
+    for (const DriftFit& f : drift.fits) {
+      left_out[f.form] += f.left_out_rms * f.left_out_rms;
+      if (f.form == "constant") before += f.left_out_rms * f.left_out_rms;
+    }
+    noise += drift.noise * drift.noise;
+    drifts.push_back(std::move(drift));
+  }
+  const auto n = static_cast<double>(drifts.size());
+  std::vector<std::pair<double, std::string>> ranked;
+  for (const auto& [form, square] : left_out) ranked.emplace_back(std::sqrt(square / n), form);
+  std::sort(ranked.begin(), ranked.end());
+  // the simplest law that predicts as well as the best one
+  const double enough = 1.1 * ranked.front().first;
+  for (const char* simple : {"constant", "line"}) {
+    const auto at = std::find_if(ranked.begin(), ranked.end(),
+                                 [&](const auto& r) { return r.second == simple && r.first <= enough; });
+    if (at == ranked.end()) continue;
+    std::rotate(ranked.begin(), at, at + 1);
+    break;
+  }
+  out.floor = std::sqrt(noise / n);
+  out.error_before = std::sqrt(before / n);
+  out.error_after = ranked.front().first;
+  out.plain_before = out.error_before;
+  out.plain_after = out.error_after;
+  constexpr double kFails = 10.0;  // times the best: an exponential that is led beyond its part says nothing by its number
+  for (const auto& [error, form] : ranked) {
+    if (error > kFails * ranked.front().first && ranked.front().first > 0.0) {
+      out.notes.push_back(form + ": fails on parts that were left out");
+      continue;
+    }
+    char text[120];
+    std::snprintf(text, sizeof text, "%s: %.4g %s on parts that were left out", form.c_str(), error,
+                  out.unit.c_str());
+    out.notes.push_back(text);
+  }
+  if (!moves || ranked.front().second == "constant") {
+    out.error_after = out.plain_after = out.error_before;
+    add_records(campaign, drifts, "constant", out);
+    if (wavers) follows_no_law(out);
+    return out;
+  }
+  const std::string& form = ranked.front().second;
+  add_records(campaign, drifts, form, out);
+  // a line is a limit of every curved law: it must beat the constant only
+  const auto rival = form == "line" ? std::find_if(ranked.begin(), ranked.end(),
+                                                   [](const auto& r) { return r.second == "constant"; })
+                                    : ranked.begin() + 1;
+  const double ratio = rival->first / std::max(ranked.front().first, 1e-300);
+  if (ratio < 1.15) {
+    out.verdict = DiagnosisVerdict::unknown;
+    out.depends_on = {"time"};
+    out.notes.push_back("the " + form + " and the " + rival->second +
+                        " law predict equally well: record longer");
+    return out;
+  }
+  constexpr double kDescribes = 3.0, kMostOfIt = 0.25;
+  if (wavers && out.error_after > kDescribes * out.floor && out.error_after > kMostOfIt * out.error_before) {
+    follows_no_law(out);
+    return out;
+  }
+  out.verdict = DiagnosisVerdict::known;
+  Finding f;
+  f.effect = "drift";
+  f.side = "unknown";
+  f.side_witnessed = false;
+  f.form = form;
+  f.unit = out.unit;
+  f.probability = ratio > 1.5 ? 0.95 : 0.75;
+  f.error_before = out.error_before;
+  f.error_after = out.error_after;
+  f.records_excited = f.records_improved = static_cast<int>(drifts.size());
+  const DriftFit& first = *std::find_if(drifts.front().fits.begin(), drifts.front().fits.end(),
+                                        [&](const DriftFit& d) { return d.form == form; });
+  f.evidence = sentence_of(first, out.unit, ratio, rival->second) +
+               "; without an input the side cannot be told: sensor, chamber and instrument may drift";
+  f.parameters.push_back({"size", first.size, first.u_size, form == "line" ? out.unit + "/s" : out.unit});
+  if (form == "exponential") f.parameters.push_back({"tau_s", first.shape, first.u_shape, "s"});
+  if (form == "logarithm") f.parameters.push_back({"t1_s", first.shape, first.u_shape, "s"});
+  if (form == "power") f.parameters.push_back({"exponent", first.shape, first.u_shape, "1"});
+  if (first.onset_s > 0.0) f.parameters.push_back({"onset_s", first.onset_s, first.u_onset_s, "s"});
+  f.effect_rms =
+      std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
+  out.findings.push_back(std::move(f));
+  out.steps = {{"", out.error_before}, {"drift", out.error_after}};
+  return out;
+}
+
+}  // namespace forcegate::diagnose
