@@ -188,6 +188,7 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
   campaign.name = std::move(description.name);
   campaign.sensor = std::move(description.sensor);
   campaign.bench = std::move(description.bench);
+  campaign.notes = std::move(description.notes);
   if (!description.records) {
     campaign.notes.push_back("campaign.json lists no records; those of the folder are taken in the order of their names");
     FORCEGATE_CHECK_OK(add_folder(campaign.folder, options, campaign));

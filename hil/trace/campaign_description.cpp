@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -15,6 +16,11 @@ namespace {
 
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
+
+const std::vector<std::string> kCampaignKeys = {"campaign", "sensor", "bench", "records"};
+const std::vector<std::string> kBenchKeys = {"spring_N_per_mm", "law", "voltage_range_V", "force_range_N", "reference_resolution_N", "reference_noise_N", "adc_bits"};
+const std::vector<std::string> kRecordKeys = {"file", "kind", "role", "fs_Hz", "start_s", "rest_before_s", "excitation_start_s", "dynamic", "f_min_Hz", "A_N", "m_N", "drive_V", "mounting",
+                                              "eccentricity_mm", "preload_mm", "temp_C", "temperature_C", "humidity_pct", "rh_pct", "RH_pct"};
 
 /// Text of campaign.json with what is needed to say where something stands in it.
 class Source {
@@ -125,6 +131,23 @@ Result<BenchFacts> bench_of(const Json& object, const Source& source) {
   return bench;
 }
 
+/// A lab may write down what it likes; a key that nearly is a known one, and stands in its place, is a slip.
+void note_mistyped(const Json& object, std::span<const std::string> known, std::vector<std::string>& notes) {
+  for (const auto& [key, value] : object.items()) {
+    if (std::ranges::find(known, key) != known.end()) continue;
+    std::string meant;
+    for (const std::string& name : known)
+      if (ascii_lower(key) == ascii_lower(name) || (meant.empty() && value.is_number() && key.size() > 1 && name.starts_with(key + "_"))) meant = name;
+    constexpr std::size_t kShort = 5;  // "x_N" is as near to "A_N" as to "m_N"
+    if (meant.empty() && key.size() >= kShort) meant = nearest_name(key, known);
+    if (meant.empty() || object.contains(meant)) continue;
+    const AirNotes air = value.is_number() ? air_notes({{key, value.get<double>()}}) : AirNotes{};
+    if (air.temp_C || air.humidity_pct || air.drive_V) continue;
+    const std::string note = "campaign.json: nothing reads the key \"" + printable_utf8(key) + "\"; did you mean \"" + meant + "\"?";
+    if (std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+  }
+}
+
 /// Numbers of a record by name, those inside an object of it ("environment": {...}) too. What a stimulus asks for is no note of the air.
 std::vector<std::pair<std::string, double>> numbers_of(const Json& record) {
   std::vector<std::pair<std::string, double>> out;
@@ -222,7 +245,9 @@ Result<CampaignDescription> read_description(const fs::path& file) {
   if (const auto bench = json.find("bench"); bench != json.end() && !bench->is_null()) {
     if (!bench->is_object()) return m.wrong("bench", "must be an object");
     FORCEGATE_TRY(out.bench, bench_of(*bench, source));
+    note_mistyped(*bench, kBenchKeys, out.notes);
   }
+  note_mistyped(json, kCampaignKeys, out.notes);
   const auto records = json.find("records");
   if (records == json.end() || records->is_null()) return out;
   if (!records->is_array() || records->empty())
@@ -230,6 +255,7 @@ Result<CampaignDescription> read_description(const fs::path& file) {
   out.records.emplace();
   for (std::size_t i = 0; i < records->size(); ++i) {
     FORCEGATE_TRY(DescribedRecord record, record_of((*records)[i], source, m, i + 1));
+    note_mistyped((*records)[i], kRecordKeys, out.notes);
     out.records->push_back(std::move(record));
   }
   return out;

@@ -19,6 +19,7 @@ struct DescribedRecord {
 struct CampaignDescription {
   std::string name, sensor;
   BenchFacts bench;
+  std::vector<std::string> notes;                       ///< keys that look mistyped
   std::optional<std::vector<DescribedRecord>> records;  ///< nothing when campaign.json lists none
 };
 

@@ -103,6 +103,21 @@ TEST_F(ReadCampaign, TakesTheRecordsOfTheFolderWhereTheDescriptionListsNone) {
   EXPECT_THAT(refusal().text, HasSubstr("at least one record"));
 }
 
+TEST_F(ReadCampaign, AsksWhatAMistypedKeyMeans) {
+  put("run.csv", kCsv);
+  put("campaign.json", R"({"record": [{"file": "run.csv"}]})");
+  const auto listed = read_campaign(folder_);
+  ASSERT_TRUE(listed);
+  EXPECT_THAT(listed->notes, Contains("campaign.json: nothing reads the key \"record\"; did you mean \"records\"?"));
+  put("campaign.json", R"({"Sensor": "FSR", "bench": {"voltage_range": [0, 5], "colour": "blue"},
+                           "records": [{"file": "run.csv", "room_temp_degC": 22, "start": 5, "excitation_startt_s": 2, "x_N": 3, "operator": "me"}]})");
+  const auto c = read_campaign(folder_);
+  ASSERT_TRUE(c) << c.error().to_text();
+  for (const char* meant : {"sensor", "voltage_range_V", "start_s", "excitation_start_s"})
+    EXPECT_THAT(c->notes, Contains(HasSubstr(std::string("did you mean \"") + meant + "\"?")));
+  for (const char* fine : {"colour", "x_N", "operator", "temp"}) EXPECT_THAT(c->notes, ::testing::Not(Contains(HasSubstr(std::string("the key \"") + fine)))) << fine;
+}
+
 TEST_F(ReadCampaign, TakesASingleCsv) {
   put("run.csv", kCsv);
   const auto c = read_campaign(folder_ / "run.csv");
