@@ -33,6 +33,16 @@ std::vector<int> columns_beside(const ResidualChannel& channel, std::size_t own)
   return out;
 }
 
+// What a bent curve adds behind the guess lags as the straight line does, by whatever the guess is moved to: a bank that stands still would
+// take part of the move. None (-1) where the library has no such form.
+int companion_of(const ResidualChannel& channel, const Candidate& own) {
+  constexpr const char* kBehind = "quartic_before_lag";
+  if (own.form->shape.size() != 1) return -1;
+  for (std::size_t k = 0; k < channel.candidates.size(); ++k)
+    if (const EffectForm& form = *channel.candidates[k].form; form.beside == own.kind->name && form.name == kBehind) return static_cast<int>(k);
+  return -1;
+}
+
 }  // namespace
 
 void fit_guessed_shapes(Workspace& w, unsigned threads) {
@@ -41,7 +51,17 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     const Candidate written = channel.candidates[own];
     const bool continuous = std::ranges::any_of(written.form->shape, [](const ParameterSpec& p) { return !p.choice; });
     if (!written.is_guess || !continuous || !written.form->refine) continue;
-    const std::vector<int> present = columns_beside(channel, own);
+    std::vector<int> present = columns_beside(channel, own);
+    const int companion = companion_of(channel, written);
+    const auto move_companion = [&](double to) {
+      if (companion < 0) return;
+      Candidate& c = channel.candidates[static_cast<std::size_t>(companion)];
+      c.shape[0] = to;
+      fill_candidate(w.input, channel, c, threads);
+    };
+    const double companion_stood = companion < 0 ? 0.0 : channel.candidates[static_cast<std::size_t>(companion)].shape[0];
+    move_companion(written.shape[0]);
+    if (companion >= 0) add_columns(present, columns_of(channel.candidates[static_cast<std::size_t>(companion)]));
     const MixedFit base = fit_mixed(channel.problem, present, nullptr);
     if (!base.valid) continue;
     const int variant = static_cast<int>(channel.variants.size());
@@ -52,6 +72,7 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
       Candidate& c = channel.candidates[own];
       c.shape = shape;
       fill_candidate(w.input, channel, c, threads);
+      move_companion(shape[0]);
       const double gain = score_variant(channel, present, base, variant, nullptr).gain;
       if (gain > best) best = gain, best_shape = shape;
       return gain;
@@ -64,6 +85,7 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     c.shape = moves ? best_shape : written.shape;
     fill_candidate(w.input, channel, c, threads);
     channel.variants.pop_back();
+    move_companion(companion_stood);
     if (!moves) continue;
     for (std::size_t k = 0; k < c.shape.size(); ++k)
       if (c.shape[k] != written.shape[k])

@@ -55,8 +55,10 @@ std::vector<Candidate> beside_guesses(const CampaignInput& campaign, const std::
     add(*guess.kind, *guess.form);
     for (const EffectKind& other : EffectRegistry::instance().all())
       if (acts_together(other, *guess.kind))
-        for (const EffectForm& form : other.forms)
-          if (form.bank && form.beside.empty()) add(other, form);
+        for (const EffectForm& form : other.forms) {
+          const bool lags_too = form.beside == guess.kind->name && !form.bank && form.shape.size() == 1;
+          if (lags_too || (form.bank && form.beside.empty())) add(other, form);
+        }
   }
   return out;
 }

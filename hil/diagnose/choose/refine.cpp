@@ -11,7 +11,7 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr int kMostRounds = 8, kMostFamilies = 4;
+constexpr int kMostRounds = 8, kMostTurns = 4, kMostFamilies = 4;
 constexpr std::size_t kMostForms = 2;  // beside the best one
 constexpr double kWorthMoving = 0.5, kStill = 0.05, kFlat = 2.0;  // nats
 
@@ -48,10 +48,8 @@ void climb(const EffectForm& form, std::vector<double> start, const std::functio
     if (gain > best) best = gain, best_shape = shape;
     return gain;
   };
-  for (std::size_t k = 0; k < best_shape.size(); ++k) {
+  const auto along = [&](std::size_t k, double step) {
     const ParameterSpec& spec = form.shape[k];
-    if (spec.choice) continue;
-    double step = 0.35;  // of ln(shape): half the way to the next point of the grid
     for (int round = 0; round < kMostRounds; ++round, step *= 0.4) {
       const std::vector<double> centre = best_shape;
       if (centre[k] == 0.0) break;
@@ -66,6 +64,15 @@ void climb(const EffectForm& form, std::vector<double> start, const std::functio
       // a peak that is narrower than the step was stepped over
       if (round > 0 && best - middle < kStill && middle - std::max(low, high) < kFlat) break;
     }
+  };
+  const auto continuous = std::ranges::count_if(form.shape, [](const ParameterSpec& p) { return !p.choice; });
+  double step = 0.35;  // of ln(shape): half the way to the next point of the grid
+  for (int turn = 0; turn < kMostTurns; ++turn, step *= 0.4) {
+    const double before = best;
+    for (std::size_t k = 0; k < best_shape.size(); ++k)
+      if (!form.shape[k].choice) along(k, step);
+    // shapes of which one makes up for the other lie on a ridge
+    if (continuous < 2 || best - before < kWorthMoving) break;
   }
 }
 
