@@ -118,13 +118,21 @@ std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& 
   return meanings;
 }
 
-/// The first column that is called a clock, else the first one that holds dates or times of day; the number of columns where there is none.
-std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& meanings, std::vector<std::string>& notes) {
+/// The first column that is called a clock, else the first one that holds dates or times of day, else the only one of time where no rate is
+/// given; the number of columns where there is none.
+std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& meanings, const CsvOptions& options, std::vector<std::string>& notes) {
   const auto named = std::ranges::find_if(meanings, &ColumnMeaning::is_clock);
   if (named != meanings.end()) return static_cast<std::size_t>(named - meanings.begin());
   const auto dated = std::ranges::find_if(table.columns, &CsvColumn::dates);
-  if (dated != table.columns.end()) notes.push_back("column \"" + dated->header + "\" holds dates or times of day and was taken for the clock");
-  return static_cast<std::size_t>(dated - table.columns.begin());
+  if (dated != table.columns.end()) {
+    notes.push_back("column \"" + dated->header + "\" holds dates or times of day and was taken for the clock");
+    return static_cast<std::size_t>(dated - table.columns.begin());
+  }
+  const auto counts_time = [](const ColumnMeaning& meaning) { return meaning.unit.quantity == "time" && meaning.name != "unused"; };
+  if (options.assumed_rate_Hz > 0.0 || std::ranges::count_if(meanings, counts_time) != 1) return table.columns.size();
+  const auto only = static_cast<std::size_t>(std::ranges::find_if(meanings, counts_time) - meanings.begin());
+  notes.push_back("column \"" + table.columns[only].header + "\" was taken for the clock, the only time");
+  return only;
 }
 
 Result<void> settle_unit_of_clock(const CsvTable& table, std::size_t clock, std::vector<ColumnMeaning>& meanings, const std::string& where,
@@ -191,7 +199,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   out.trace.name = name;
   out.header_line = table.header_line;
   std::vector<ColumnMeaning> meanings = meanings_of(table, options, out);
-  const std::size_t clock_column = find_clock(table, meanings, out.notes);
+  const std::size_t clock_column = find_clock(table, meanings, options, out.notes);
   FORCEGATE_CHECK_OK(settle_unit_of_clock(table, clock_column, meanings, where, options, out.notes));
   convert_units(table, meanings, out.notes);
 

@@ -27,6 +27,7 @@ Result<void> CsvParser::check_kind(std::string_view chunk) const {
   if (chunk.starts_with("MATLAB 5.0")) return refuse("a MATLAB file", "give it the ending .mat");
   if (chunk.starts_with("PK\x03\x04")) return refuse("a ZIP archive or spreadsheet", "export the sheet as CSV");
   if (chunk.starts_with("\xD0\xCF\x11\xE0")) return refuse("an Excel workbook", "export the sheet as CSV");
+  if (chunk.starts_with("\x1F\x8B")) return refuse("packed by gzip", "unpack it");
   if (chunk.starts_with("TDSm")) return refuse("a TDMS file of LabVIEW", "export it as CSV");
   if (std::memchr(chunk.data(), 0, std::min<std::size_t>(chunk.size(), 4096)))
     return refuse("binary", "export it as CSV");

@@ -57,12 +57,14 @@ std::int64_t days_of(int year, int month, int day) {
   return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
 }
 
-bool clock_time(Scanner& s, double& seconds) {
+/// `beside_date`: "10:00" may be hours and minutes only, which alone it may not.
+bool clock_time(Scanner& s, double& seconds, bool beside_date = false) {
   int hour = 0, minute = 0, second = 0;
-  if ((!s.number(2, hour) && !s.number(1, hour)) || !s.one_of(":") || !s.number(2, minute) || !s.one_of(":") || !s.number(2, second))
-    return false;
+  if ((!s.number(2, hour) && !s.number(1, hour)) || !s.one_of(":") || !s.number(2, minute)) return false;
+  const bool has_seconds = s.one_of(":");
+  if (has_seconds ? !s.number(2, second) : !beside_date) return false;
   if (hour > 23 || minute > 59 || second > 60) return false;
-  const double fraction = s.fraction();
+  const double fraction = has_seconds ? s.fraction() : 0.0;
   if (const char half = s.half_of_day(); half != 0) {
     if (hour < 1 || hour > 12) return false;
     hour = hour % 12 + (half == 'P' ? 12 : 0);
@@ -100,11 +102,11 @@ std::optional<double> seconds_of_stamp(std::string_view text) {
   if (iso.number(4, year) && iso.one_of("-/") && iso.number(2, month) && iso.one_of("-/") &&
       iso.number(2, day) && iso.one_of("T ")) {
     seconds = 86400.0 * static_cast<double>(days_of(year, month, day));
-    if (is_date(year, month, day) && clock_time(iso, seconds) && zone(iso, seconds)) return seconds;
+    if (is_date(year, month, day) && clock_time(iso, seconds, true) && zone(iso, seconds)) return seconds;
   } else if (dotted.number(2, day) && dotted.one_of(".") && dotted.number(2, month) && dotted.one_of(".") &&
              dotted.number(4, year) && dotted.one_of("T ")) {
     seconds = 86400.0 * static_cast<double>(days_of(year, month, day));
-    if (is_date(year, month, day) && clock_time(dotted, seconds) && dotted.at_end()) return seconds;
+    if (is_date(year, month, day) && clock_time(dotted, seconds, true) && dotted.at_end()) return seconds;
   }
   return std::nullopt;
 }

@@ -192,6 +192,16 @@ TEST(UnitOfTheClock, DaysOfASpreadsheetAreSuspectedAndRead) {
   EXPECT_NEAR(read(text, options).trace.time_bases.front().nominal_rate_Hz, 100.0, 0.1);
 }
 
+TEST(ClockOfATable, TheOnlyColumnOfTimeIsTheClock) {
+  const auto f = read("Time elapsed (ms),F_ref_N\n0,1\n10,1\n20,1\n");
+  EXPECT_NEAR(f.trace.time_bases.front().nominal_rate_Hz, 100.0, 1e-9);
+  EXPECT_THAT(f.notes, Contains("column \"Time elapsed (ms)\" was taken for the clock, the only time"));
+  EXPECT_FALSE(parse_csv("dwell_s,rise_ms,F_ref_N\n0,1,1\n1,2,1\n", "x.csv"));
+  CsvOptions options;
+  options.assumed_rate_Hz = 50.0;
+  EXPECT_TRUE(read("dwell_s,F_ref_N\n5,1\n5,1\n", options).trace.time_bases.front().invented);
+}
+
 TEST(UnitOfTheClock, DatesNeedNoUnitAndNoName) {
   const char* rows = "2026-11-21T10:00:00.00,1\n2026-11-21T10:00:00.01,1\n2026-11-21T10:00:00.02,1\n";
   EXPECT_TRUE(read(std::string("time,F_ref_N\n") + rows).notes.empty());
