@@ -270,11 +270,11 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const auto stands_alone = [&](std::size_t i, double jump) {
     return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump && std::abs(U[i - 1] + U[i + 1] - U[i - 2] - U[i + 2]) < 0.8 * jump;
   };
-  // one or two may be what the contact did
+  // to one side, one or two may be what the contact did
   constexpr std::size_t kFewestTails = 6;
-  std::vector<ShortSpike> tailed = find_short_spikes(t, F, U, {quiet, gain});
-  if (tailed.size() < kFewestTails) tailed.clear();
-  for (const ShortSpike& s : tailed)
+  std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain});
+  if (short_spikes.size() < kFewestTails) std::erase_if(short_spikes, [](const ShortSpike& s) { return !s.both_ways; });
+  for (const ShortSpike& s : short_spikes)
     for (std::size_t i = s.begin; i < s.begin + s.length; ++i) {
       mark(i, BadSample::outlier, s.peak_V);
       ++out.outliers;
@@ -301,7 +301,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
         return end - first <= kLongestSpike;
       };
       // among spikes with tails, one that the end of the range cuts off whole
-      if (!tailed.empty() && is_short()) {
+      if (!short_spikes.empty() && is_short()) {
         ++out.lone_zeros;
         mark(i, BadSample::zero, jump);
         continue;

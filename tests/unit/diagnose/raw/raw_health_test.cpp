@@ -366,6 +366,23 @@ TEST(RawHealth, ASpikeMayHaveATailOfAFewSamples) {
   for (const HealthClaim& claim : claims_of_samples(with_tailed_spikes(0.9))) EXPECT_NE(claim.effect, "outliers") << "a film that slips and creeps back is no spike";
 }
 
+// A contact that fails throws two to four samples up and down, a few times in each record.
+TEST(RawHealth, AFewSamplesUpAndDownAreOneSpike) {
+  Campaign c = make_campaign(48, straight);
+  std::size_t thrown = 0;
+  for (Record& r : c.records) {
+    auto& U = r.trace.find("U")->value;
+    for (const std::size_t i : {5003u, 11207u, 17831u}) {
+      for (const double off_V : {0.9, -0.6, -0.4, 0.5}) U[i + thrown++ % 4] += off_V;
+    }
+  }
+  const std::vector<HealthClaim> claims = claims_of_samples(c);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "outliers");
+  const HealthScales scales = health_scales(c);
+  for (const Record& r : c.records) EXPECT_GE(check_raw_health(r, scales, c.bench).outliers, 11u) << r.name;
+}
+
 TEST(RawHealth, OneLongLossWhileTheForceHardlyMovesIsADropout) {
   Campaign c = make_campaign(32, straight);
   auto& U = c.records[2].trace.find("U")->value;
