@@ -22,14 +22,16 @@ std::vector<int> columns_of(const Candidate& c) {
   return out;
 }
 
-// Of the model; and of what acts together with this effect, which would bend its shape where it is missing, in the form that it has alone.
-std::vector<int> columns_beside(const ResidualChannel& channel, std::size_t own) {
+// Of the model; and of what acts together with this effect, which would bend its shape where it is missing: `companion`, or (-1) the form that
+// it has alone.
+std::vector<int> columns_beside(const ResidualChannel& channel, std::size_t own, int companion) {
   std::vector<int> out;
   for (std::size_t k = 0; k < channel.candidates.size(); ++k) {
     const Candidate& c = channel.candidates[k];
     if (c.of_model && k != own) add_columns(out, columns_of(c));
-    if (acts_together(*c.kind, *channel.candidates[own].kind) && c.form->bank && c.form->beside.empty()) add_columns(out, columns_of(c));
+    if (companion < 0 && acts_together(*c.kind, *channel.candidates[own].kind) && c.form->bank && c.form->beside.empty()) add_columns(out, columns_of(c));
   }
+  if (companion >= 0) add_columns(out, columns_of(channel.candidates[static_cast<std::size_t>(companion)]));
   return out;
 }
 
@@ -37,9 +39,10 @@ std::vector<int> columns_beside(const ResidualChannel& channel, std::size_t own)
 // take part of the move. None (-1) where the library has no such form.
 int companion_of(const ResidualChannel& channel, const Candidate& own) {
   constexpr const char* kBehind = "quartic_before_lag";
-  if (own.form->shape.size() != 1) return -1;
   for (std::size_t k = 0; k < channel.candidates.size(); ++k)
-    if (const EffectForm& form = *channel.candidates[k].form; form.beside == own.kind->name && form.name == kBehind) return static_cast<int>(k);
+    if (const EffectForm& form = *channel.candidates[k].form;
+        form.beside == own.kind->name && form.name == kBehind && form.shape.size() == own.form->shape.size())
+      return static_cast<int>(k);
   return -1;
 }
 
@@ -51,28 +54,28 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     const Candidate written = channel.candidates[own];
     const bool continuous = std::ranges::any_of(written.form->shape, [](const ParameterSpec& p) { return !p.choice; });
     if (!written.is_guess || !continuous || !written.form->refine) continue;
-    std::vector<int> present = columns_beside(channel, own);
     const int companion = companion_of(channel, written);
-    const auto move_companion = [&](double to) {
-      if (companion < 0) return;
-      Candidate& c = channel.candidates[static_cast<std::size_t>(companion)];
-      c.shape[0] = to;
-      fill_candidate(w.input, channel, c, threads);
+    const std::vector<int> present = columns_beside(channel, own, companion);
+    std::vector<int> looked_at = present;
+    add_columns(looked_at, columns_of(written));
+    const auto move = [&](std::size_t k, const std::vector<double>& shape, const std::vector<int>* beside) {
+      channel.candidates[k].shape = shape;
+      fill_candidate(w.input, channel, channel.candidates[k], threads, beside);
     };
-    const double companion_stood = companion < 0 ? 0.0 : channel.candidates[static_cast<std::size_t>(companion)].shape[0];
-    move_companion(written.shape[0]);
-    if (companion >= 0) add_columns(present, columns_of(channel.candidates[static_cast<std::size_t>(companion)]));
+    const std::vector<double> companion_stood = companion < 0 ? std::vector<double>{} : channel.candidates[static_cast<std::size_t>(companion)].shape;
+    if (companion >= 0) move(static_cast<std::size_t>(companion), written.shape, &looked_at);
     const MixedFit base = fit_mixed(channel.problem, present, nullptr);
-    if (!base.valid) continue;
+    if (!base.valid) {
+      if (companion >= 0) move(static_cast<std::size_t>(companion), companion_stood, nullptr);
+      continue;
+    }
     const int variant = static_cast<int>(channel.variants.size());
     channel.variants.push_back({static_cast<int>(own), columns_of(written)});
     std::vector<double> best_shape = written.shape;
     double best = -1e300;
     const auto gain_at = [&](const std::vector<double>& shape) {
-      Candidate& c = channel.candidates[own];
-      c.shape = shape;
-      fill_candidate(w.input, channel, c, threads);
-      move_companion(shape[0]);
+      move(own, shape, &looked_at);
+      if (companion >= 0) move(static_cast<std::size_t>(companion), shape, &looked_at);
       const double gain = score_variant(channel, present, base, variant, nullptr).gain;
       if (gain > best) best = gain, best_shape = shape;
       return gain;
@@ -81,12 +84,11 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     for (const std::vector<double>& shape : written.form->grid(w.input)) gain_at(shape);
     climb(*written.form, best_shape, gain_at);
     const bool moves = best > as_written + kWorthMoving;
-    Candidate& c = channel.candidates[own];
-    c.shape = moves ? best_shape : written.shape;
-    fill_candidate(w.input, channel, c, threads);
+    move(own, moves ? best_shape : written.shape, nullptr);
+    if (companion >= 0) move(static_cast<std::size_t>(companion), companion_stood, nullptr);
     channel.variants.pop_back();
-    move_companion(companion_stood);
     if (!moves) continue;
+    const Candidate& c = channel.candidates[own];
     for (std::size_t k = 0; k < c.shape.size(); ++k)
       if (c.shape[k] != written.shape[k])
         w.input.notes.push_back(fmt::format("the model's {} was a guess: {} = {:.3g} {} fits these records, {:.3g} is written", written.kind->name,

@@ -134,8 +134,15 @@ void choose_wanted_rows(CampaignInput& input) {
 }
 
 void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& c,
-                    unsigned threads) {
+                    unsigned threads, const std::vector<int>* beside) {
   const int nz = channel.problem.nz;
+  std::vector<int> with;  // of Z, of S, y
+  if (beside != nullptr) {
+    for (int j = 0; j < nz; ++j) with.push_back(j);
+    for (const int j : *beside) with.push_back(nz + j);
+    for (int j = 0; j < c.count; ++j) with.push_back(nz + c.first + j);
+    with.push_back(channel.problem.y_index());
+  }
   const std::vector<std::size_t> first = recordings(input, channel);
   parallel_for(first.size(), threads, [&](std::size_t p) {
     Eigen::MatrixXd room;
@@ -144,8 +151,13 @@ void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const 
   parallel_for(channel.rows.size(), threads, [&](std::size_t k) {
     const Eigen::MatrixXd& A = channel.rows[k].matrix;
     Eigen::MatrixXd& G = channel.problem.records[k].gram;
-    const Eigen::MatrixXd cross = A.transpose() * A.middleCols(nz + c.first, c.count) /
-                                  std::max<double>(1.0, static_cast<double>(A.rows()));
+    const double n = std::max<double>(1.0, static_cast<double>(A.rows()));
+    if (beside != nullptr) {
+      for (int j = nz + c.first; j < nz + c.first + c.count; ++j)
+        for (const int i : with) G(i, j) = G(j, i) = A.col(i).dot(A.col(j)) / n;
+      return;
+    }
+    const Eigen::MatrixXd cross = A.transpose() * A.middleCols(nz + c.first, c.count) / n;
     G.middleCols(nz + c.first, c.count) = cross;
     G.middleRows(nz + c.first, c.count) = cross.transpose();
   });

@@ -24,9 +24,10 @@ using LeaveOutRows = std::function<void(const RecordInput&, std::vector<std::siz
 void fill_channel(const Workspace& workspace, ResidualChannel& channel, unsigned threads, const FillRows& fill,
                   const LeaveOutRows& leave_out = {});
 
-/// Writes a candidate's columns at its present shape into the rows and Gram matrices of every record.
+/// Writes a candidate's columns at its present shape into the rows and Gram matrices of every record. `beside`: columns of S with which
+/// products are wanted while a shape is looked for, those with all others being left as they were; nullptr: all.
 void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& candidate,
-                    unsigned threads);
+                    unsigned threads, const std::vector<int>* beside = nullptr);
 
 /// Gives the candidate spare columns, not filled yet; -1 when there is no room.
 int place_candidate(ResidualChannel& channel, Candidate candidate);

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kMostRounds = 8, kMostTurns = 4, kMostFamilies = 4;
 constexpr std::size_t kMostForms = 2;  // beside the best one
+constexpr double kOfNoise = 0.1;       // of what the instruments may leave (mean square): another form has nothing to mend
 constexpr double kWorthMoving = 0.5, kStill = 0.05, kFlat = 2.0;  // nats
 
 // Vertex of the parabola through three equally spaced values, in steps from the middle; within one step and a half.
@@ -97,7 +98,7 @@ Refined refine_variant(const CampaignInput& input, ResidualChannel& channel, con
   climb(*from.form, from.shape, [&](const std::vector<double>& shape) {
     Candidate& c = channel.candidates.back();
     c.shape = shape;
-    fill_candidate(input, channel, c, threads);
+    fill_candidate(input, channel, c, threads, &present);
     VariantScore score = score_variant(channel, present, base, tried, &warm);
     const double gain = score.gain;
     if (gain > out.score.gain) out = {std::move(score), shape};
@@ -112,7 +113,10 @@ bool refine_family(const CampaignInput& input, ResidualChannel& channel, const s
                    const MixedFit& base, FamilyScore& family, unsigned threads) {
   int from = family.best.variant;
   Refined best = refine_variant(input, channel, present, base, from, family.best.fit, threads);
-  for (std::size_t k = 0; k < std::min(kMostForms, family.of_other_forms.size()); ++k) {
+  const auto is_down_to_noise = [&] {
+    return best.score.fit.valid && excess_mean_square(channel, best.score.fit) < kOfNoise * allowed_rms(channel) * allowed_rms(channel);
+  };
+  for (std::size_t k = 0; k < std::min(kMostForms, family.of_other_forms.size()) && !is_down_to_noise(); ++k) {
     Refined other = refine_variant(input, channel, present, base, family.of_other_forms[k], family.best.fit, threads);
     if (other.score.gain > std::max(best.score.gain, family.best.gain)) best = std::move(other), from = family.of_other_forms[k];
   }

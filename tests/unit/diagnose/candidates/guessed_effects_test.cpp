@@ -85,6 +85,25 @@ TEST(GuessedEffects, ACurveBesideTheLagLagsToo) {
   }
 }
 
+// What the curve adds moves with the guess while the guess is moved, or it would take part of the move.
+TEST(GuessedEffects, ABentCurveDoesNotMoveTheGuess) {
+  const auto strongly_bent = [](const std::vector<double>& t, const std::vector<double>& F, int) {
+    const auto curve = [](double force) { return 8.0 * std::pow(std::max(force, 0.0) / 4.6, 0.62) + 0.2; };
+    std::vector<double> U;
+    double y = curve(F.front());
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      if (i > 0) y += (curve(F[i]) - y) * -std::expm1(-(t[i] - t[i - 1]) / 0.045);
+      U.push_back(y);
+    }
+    return U;
+  };
+  const Diagnosis d = answer_of(*library_model("fsr"), strongly_bent);
+  const std::string moved = "the model's lag was a guess: tau_s = ";
+  const auto note = std::ranges::find_if(d.notes, [&](const std::string& n) { return n.starts_with(moved); });
+  ASSERT_NE(note, d.notes.end()) << told(d);
+  EXPECT_NEAR(std::stod(note->substr(moved.size())), 0.045, 0.002) << *note;
+}
+
 // Cyclic records that do not lose their maxima: neither the bend nor the lag is a decay.
 TEST(GuessedEffects, ACurveBesideTheLagIsNoDecay) {
   Campaign campaign = make_campaign(7, bent_before_lag);

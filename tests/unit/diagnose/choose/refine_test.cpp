@@ -20,6 +20,20 @@ TEST(Climb, FindsAPeakThatIsNarrowerThanTheGrid) {
   }
 }
 
+// Two shapes that make up for each other: along either alone the way up ends on the ridge.
+TEST(Climb, FollowsARidge) {
+  EffectForm form = of_one_shape();
+  form.shape.push_back({"y", "1", 1e-3, 100.0, 1.0, "another"});
+  double best = -1e300;
+  climb(form, {2.4, 0.8}, [&](const std::vector<double>& shape) {
+    const double x = std::log(shape[0] / 3.0), y = std::log(shape[1] / 0.6);
+    const double gain = -200.0 * (x + y) * (x + y) - 60.0 * (x - y) * (x - y);
+    best = std::max(best, gain);
+    return gain;
+  });
+  EXPECT_GT(best, -0.5);
+}
+
 TEST(Climb, AsksLittleOfAFlatTop) {
   int asked = 0;
   climb(of_one_shape(), {2.4}, [&](const std::vector<double>& shape) {
