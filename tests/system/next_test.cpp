@@ -118,6 +118,19 @@ TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
   EXPECT_EQ(read_text(sine), before);
 }
 
+// A lag of a millisecond is a delay to every segment that a rig can play.
+TEST(NextVerb, ASegmentThatPartsNothingIsNotAskedFor) {
+  TemporaryFolder folder;
+  const std::string campaign = folder / "late";
+  const ProcessResult made = forcegate({"mystery", "--seed", "22", "--effect", "lag", "--strength", "weak", campaign});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const ProcessResult asked = forcegate({"next", campaign, "--json"});
+  ASSERT_EQ(asked.exit_code, 0) << asked.err;
+  const auto plan = nlohmann::json::parse(asked.out);
+  for (const auto& segment : plan["segments"])
+    EXPECT_GE(segment["odds_after"].get<double>(), 1.19 * segment["odds_before"].get<double>()) << segment["name"];
+}
+
 TEST(NextVerb, WhereOneEffectExplainsItAllTheNextStepIsToAddIt) {
   TemporaryFolder folder;
   std::string text = "t,F,U\n";

@@ -18,6 +18,7 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kMostRivals = 4;
 const double kSettled = std::log(1000.0), kNearly = std::log(2.0);
+const double kWorthPlaying = std::log(1.2);
 
 struct Segment {
   const char* name;
@@ -252,13 +253,14 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
       // beyond odds of a thousand more evidence is worth nothing
       const double added = 0.5 * (with.separation() - have[worst].separation());
       const double gain = std::min(least + added, kSettled) - least;
+      if (gain < kWorthPlaying) continue;
       const double per_minute = gain / (segments()[s].minutes + 0.5);
       if (per_minute > rate) {
         rate = per_minute;
         best = s;
       }
     }
-    if (best == of_segment.size() || rate < 1e-3) break;
+    if (best == of_segment.size()) break;
     used[best] = 1;
     const Segment& s = segments()[best];
     ExperimentSegment chosen;
