@@ -38,7 +38,7 @@ double net_shift_s(const ResidualChannel& channel, const MixedFit& fit) {
   double out = 0.0;
   for (std::size_t b = 0; b < fit.columns.size(); ++b)
     for (const Candidate& c : channel.candidates)
-      if (c.first == fit.columns[b] && c.kind->traits.timing && c.kind->name != "clock_skew" && !c.shape.empty())
+      if (c.first == fit.columns[b] && c.kind->traits.timing && c.kind->name != "clock_skew" && c.kind->name != "piezocapacitance" && !c.shape.empty())
         out += c.shape[0] * fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
   return out;
 }

@@ -1,5 +1,7 @@
 // Piezo-capacitance: displacement current d(C V)/dt leads the force, tau0 = 10 ms, m: at mid force.
 //   load_dependent:        dU = g c tau0 dF/dt 2 / (1 + F/Fm): C grows less and less with the force
+//   fading:                dU = g c tau0 dF/dt ((1 + F/F0)/(1 + Fm/F0))^-p behind a pole of the amplifier: C(F) as a root (p = 2/3, F0 small), a
+//                          logarithm (p = 1) or a saturation (p = 2)
 //   measured_capacitance:  dU = g c tau0 dC/dt / C'(Fm), C(F) as recorded (C_F)
 // (A lead without the load factor cannot be told from a reference that is late.) Hundreds of pF at 50 to 250 N (Paredes-Madrid et al. 2010).
 
@@ -12,6 +14,7 @@
 namespace forcegate {
 namespace {
 
+constexpr double kLead_s = 0.01;     // of one unit of strength
 constexpr double kFollow_s = 0.005;  // bandwidth of the derivative
 
 void assumed_columns(const CampaignInput& c, const RecordInput& r, ColumnsRef out) {
@@ -44,6 +47,30 @@ void measured_columns(const CampaignInput& c, const RecordInput& r, const Capaci
   }
 }
 
+EffectForm fading() {
+  return {.name = "fading",
+          .shape = {{"fade", "1", 0.005, 0.6, 0.2, "F0, share of the force span"},
+                    {"power", "1", 0.3, 3.0, 1.0, "p"},
+                    {"follow_s", "s", 5e-4, 0.05, kFollow_s, "pole of the amplifier"}},
+          .strength = {{"c", "1", -50.0, 50.0, 0.0, "lead at mid force in units of 10 ms"}},
+          .sign = StrengthSign::positive,
+          .grid =
+              [](const CampaignInput&) {
+                std::vector<std::vector<double>> out;
+                for (const double fade : {0.03, 0.12, 0.5})
+                  for (const double power : {1.0, 2.0}) out.push_back({fade, power, kFollow_s});
+                return out;
+              },
+          .columns =
+              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+                const double F0 = shape[0] * c.range_N, middle = c.lowest_N + 0.5 * c.range_N, at_middle = 1.0 + std::max(middle, 0.0) / F0;
+                const auto y = low_pass_rows(r, shape[2]);
+                for (std::size_t i = 0; i < r.rows(); ++i)
+                  out(static_cast<Eigen::Index>(i), 0) =
+                      kLead_s / shape[2] * (r.F_N[i] - y[i]) * std::pow((1.0 + std::max(r.F_N[i], 0.0) / F0) / at_middle, -shape[1]);
+              }};
+}
+
 EffectForm form(const char* name, bool measured) {
   return {
       .name = name,
@@ -72,7 +99,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .separates = "edges of equal height at low and high load, with the capacitance channel recorded",
     .needs = {},
     .traits = {.timing = true, .known_form = true},
-    .forms = {form("load_dependent", false), form("measured_capacitance", true)}}};
+    .forms = {form("load_dependent", false), fading(), form("measured_capacitance", true)}}};
 
 }  // namespace
 }  // namespace forcegate

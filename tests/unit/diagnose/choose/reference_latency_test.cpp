@@ -41,6 +41,16 @@ TEST(ReferenceLatency, ALeadThatFadesWithTheLoadIsTheSensors) {
   EXPECT_GE(d.findings.front().probability, 0.5) << told(d);
 }
 
+// C = C1 F/(F + F0): nearly all of the charge moves at the first tenths of a newton.
+TEST(ReferenceLatency, ALeadThatFadesQuicklyHasOneStrength) {
+  const Diagnosis d = answer(edges(61, [](double F) { return 0.06 / ((1.0 + F / 0.4) * (1.0 + F / 0.4)); }));
+  ASSERT_FALSE(d.findings.empty()) << told(d);
+  EXPECT_EQ(d.findings.front().effect, "piezocapacitance") << told(d);
+  EXPECT_GE(d.findings.front().probability, 0.9) << told(d);
+  EXPECT_EQ(d.findings.front().form, "fading") << told(d);
+  EXPECT_LT(d.error_after, 1.2 * d.floor) << told(d);
+}
+
 TEST(ReferenceLatency, ALeadThatGrowsWithTheLoadIsNoDisplacementCurrent) {
   const Diagnosis d = answer(edges(61, [](double F) { return 0.0015 * F; }));
   for (const Finding& f : d.findings) EXPECT_TRUE(f.effect != "piezocapacitance" || f.probability < 0.5) << told(d);
