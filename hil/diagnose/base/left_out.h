@@ -27,11 +27,13 @@ struct CrossFit {
   /// Blocks of one or two records do not repeat a rare event in the same size: their error must fall, no more. Of records most must
   /// improve, or some by so much that the others' rise is small beside it.
   bool helps() const {
-    constexpr double kOutweighs = 4.0, kByMuch = 0.5;
+    constexpr double kOutweighs = 4.0, kByMuch = 0.5, kErrors = 2.0;
     if (blocks) return fall > 0.0 && improved > 0;
     const bool most = in_favour * 2 > voting || (voting == 0 && improved * 2 > excited);
     const bool by_much = in_favour > 1 && log_ratio > kByMuch && fallen > kOutweighs * risen;
-    return fall > standard_error && log_ratio > 0.0 && (most || by_much);
+    // one record of a large error makes the scatter of the falls as large as their mean
+    const bool plainly = fall > standard_error || (fall > 0.0 && log_ratio > kErrors * log_ratio_error);
+    return plainly && log_ratio > 0.0 && (most || by_much);
   }
 };
 CrossFit cross_fit(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);

@@ -1,14 +1,52 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "hil/diagnose/raw/held_codes.h"
+#include "hil/diagnose/raw/mains_line.h"
 #include "hil/diagnose/raw/raw_health.h"
 #include "hil/diagnose/raw/reference_noise_claim.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
-bool shows_hum(const RecordHealth& h, const HealthScales& scales) { return h.hum_ratio > 25.0 && h.hum_V > 4e-4 * scales.U_range_V; }
+bool shows_hum(const RecordHealth& h, const HealthScales& scales) { return h.hum_ratio > kPlainLine && h.hum_V > 4e-4 * scales.U_range_V; }
+
+RecordsOfHum records_of_hum(const std::vector<RecordHealth>& health, const HealthScales& scales, double mains_Hz) {
+  RecordsOfHum out;
+  for (const RecordHealth& h : health) {
+    const bool shows = h.mains_Hz == mains_Hz && shows_hum(h, scales);
+    out.show += shows ? 1 : 0;
+    out.can_show += h.hum_ratio > 0.0 && can_show_mains(mains_Hz, h.rate_Hz) ? 1 : 0;
+  }
+  return out;
+}
+
+bool is_hum(const RecordsOfHum& records) {
+  constexpr std::size_t kSeveral = 2;
+  return records.show > 0 && records.show >= std::min(kSeveral, records.can_show) && 2 * records.show >= records.can_show;
+}
+
+namespace {
+
+std::optional<HealthClaim> claim_of_hum(const std::vector<RecordHealth>& health, const HealthScales& scales) {
+  for (const double mains_Hz : {50.0, 60.0}) {
+    if (!is_hum(records_of_hum(health, scales, mains_Hz))) continue;
+    std::vector<double> amplitude_V;
+    double line_Hz = 0.0;
+    for (const RecordHealth& h : health)
+      if (h.mains_Hz == mains_Hz && shows_hum(h, scales)) {
+        amplitude_V.push_back(h.hum_V);
+        line_Hz = h.hum_Hz;
+      }
+    const double middle_V = quantile(amplitude_V, 0.5);
+    return HealthClaim{"hum", 0.95, "a line at " + std::to_string(line_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
+                       "amplitude_V", scales.unit, middle_V, 0.1 * middle_V};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
                                        const BenchFacts& bench) {
@@ -19,10 +57,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   constexpr std::size_t kFewestSpikes = 12;
   const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, missing = 0.0, reference_missing = 0.0, missing_variance = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
-  std::vector<double> hum;
   double outlier_square_V2 = 0.0;
-  std::size_t with_hum = 0, could_show_hum = 0, with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
-  double rail_V = 0.0, hum_Hz = 0.0, bit_errors = 0.0;
+  std::size_t with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
+  double rail_V = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
   std::vector<double> bit_V;
   for (const RecordHealth& h : health) {
@@ -50,12 +87,6 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
       bit_V.push_back(h.bit_V);
     }
     if (h.at_rail > 0) rail_V = h.rail_V;
-    could_show_hum += h.hum_ratio > 0.0 ? 1 : 0;  // where the rate folds the line to zero nothing can
-    if (shows_hum(h, scales)) {
-      ++with_hum;
-      hum.push_back(h.hum_V);
-      hum_Hz = h.hum_Hz;
-    }
   }
   if (samples < 1.0) return out;
   const auto percent = [](double share) { return std::to_string(100.0 * share).substr(0, 6) + " %"; };
@@ -109,11 +140,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     out.push_back({"clipping", 0.95,
                    "the output stays at exactly one value at its top while the force moves on", "rail_V", scales.unit,
                    rail_V, scales.U_range_V * 1e-4});
-  if (with_hum >= several && with_hum * 2 >= could_show_hum)
-    out.push_back(
-        {"hum", 0.95,
-         "a line at " + std::to_string(hum_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
-         "amplitude_V", scales.unit, quantile(hum, 0.5), 0.1 * quantile(hum, 0.5)});
+  if (auto hum = claim_of_hum(health, scales)) out.push_back(std::move(*hum));
   if (auto noise = claim_of_reference_noise(health, scales, bench)) out.push_back(std::move(*noise));
   return out;
 }

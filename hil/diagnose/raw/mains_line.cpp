@@ -192,7 +192,9 @@ MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<d
     }
     const double r = quantile(ratio, 0.5);
     const double a = quantile(amplitude, 0.5);
-    if (r > best.ratio) best = {a, line.frequency_Hz, line.mains_Hz, rate, r};
+    // the third harmonic stands for a first one that is not in sight
+    const bool has_first = best.mains_Hz == line.mains_Hz && best.ratio > kPlainLine;
+    if (r > best.ratio && !has_first) best = {a, line.frequency_Hz, line.mains_Hz, rate, r};
   }
   return best;
 }
@@ -202,6 +204,10 @@ MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<d
 double folded_Hz(double line_Hz, double rate_Hz) {
   const double folded = std::fmod(line_Hz, rate_Hz);
   return std::min(folded, rate_Hz - folded);
+}
+
+bool can_show_mains(double mains_Hz, double rate_Hz) {
+  return rate_Hz > 0.0 && std::max(folded_Hz(mains_Hz, rate_Hz), folded_Hz(3.0 * mains_Hz, rate_Hz)) >= kSlowestLine_Hz;
 }
 
 MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double>& F,

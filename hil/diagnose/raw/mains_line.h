@@ -8,8 +8,14 @@ namespace forcegate::diagnose {
 /// Below it a line that the sampling has folded is not told from the slow force.
 inline constexpr double kSlowestLine_Hz = 4.0;
 
+/// Power over that of neighbours and force from which on a line stands out.
+inline constexpr double kPlainLine = 25.0;
+
 /// Where sampling at rate_Hz puts a line: 0 to half the rate.
 double folded_Hz(double line_Hz, double rate_Hz);
+
+/// Whether the first or the third harmonic of a mains stays in sight at this rate; no rate (0): no.
+bool can_show_mains(double mains_Hz, double rate_Hz);
 
 struct MainsLine {
   double amplitude_V = 0.0, frequency_Hz = 0.0;  ///< as sampled: folded to less than half the rate

@@ -78,6 +78,22 @@ TEST(CrossFit, AFallByOrdersOfMagnitudeOutweighsASmallRiseElsewhere) {
   EXPECT_FALSE(c.helps()) << "one record alone repeats nothing";
 }
 
+TEST(CrossFit, OneRecordOfALargeErrorDoesNotHideWhatTheOthersShow) {
+  CrossFit c;
+  c.excited = c.voting = 7;
+  c.improved = c.in_favour = 6;
+  c.fall = 1.0;
+  c.standard_error = 1.05;
+  c.log_ratio = 1.8;
+  c.log_ratio_error = 0.65;
+  EXPECT_TRUE(c.helps());
+  c.log_ratio_error = 1.2;
+  EXPECT_FALSE(c.helps());
+  c.log_ratio_error = 0.65;
+  c.fall = -1.0;
+  EXPECT_FALSE(c.helps());
+}
+
 TEST(CrossFit, AnEffectOfTwoRecordsIsJudgedOnTheirBlocks) {
   const CrossFit c = of_column(make(0.03, 8, 2), 0);
   EXPECT_EQ(c.parts, c.blocks ? 32 : 8);

@@ -130,6 +130,24 @@ TEST(Hum, DoesNotHideTheLoopBesideIt) {
   EXPECT_EQ(both, 3);
 }
 
+// Of records at 50 samples a second, a fast one tells what their slow waves are.
+TEST(Hum, OneRecordIsEnoughWhereTheOthersFoldIt) {
+  const Diagnosis d = answer(slow_campaign(66, 0.0, 1));
+  EXPECT_LT(probability(d, "hum"), 0.5) << "none can show it";
+  Campaign c = slow_campaign(66, 0.0, 1);
+  auto& clock = c.records[1].trace.time_bases[0].t_s;
+  auto& F = c.records[1].trace.find("F_ref")->value;
+  auto& U = c.records[1].trace.find("U")->value;
+  for (std::size_t i = 0; i < clock.size(); ++i) {
+    U[i] -= hum_V(clock[i], F[i]);
+    clock[i] = static_cast<double>(i) / 400.0;
+    U[i] += hum_V(clock[i], F[i]);
+  }
+  const Diagnosis told_by_one = answer(c);
+  EXPECT_GE(probability(told_by_one, "hum"), 0.9) << told(told_by_one);
+  EXPECT_FALSE(told_by_one.residual_unknown) << told(told_by_one);
+}
+
 TEST(Hum, FoldedOntoTheSlowIsNoStructureToLearnFrom) {
   for (std::uint64_t seed = 64; seed <= 65; ++seed) {
     const Diagnosis d = answer(slow_campaign(seed, 0.0, 2));
