@@ -57,15 +57,14 @@ struct Noise {
 };
 
 // Slow triangles, a hold and sines at 100 Hz for 4 minutes; `output` sees time and force.
-void write_recording(const std::string& path, const std::function<double(double, double)>& output, bool held = false) {
+void write_recording(const std::string& path, const std::function<double(double, double)>& output) {
   Noise noise;
   std::string csv = "t_s,F_ref_N,U_V\n";
   for (int i = 0; i < 24000; ++i) {
     const double t = 0.01 * i, phase = t / 40.0 - std::floor(t / 40.0);
-    const double F = held      ? 2.0
-                     : t < 120 ? 0.8 + 2.4 * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase)
-                     : t < 180 ? 0.8 + 2.2 * std::min(1.0, (t - 120.0) / 2.0)
-                               : 3.0 - 2.0 * std::min(1.0, (t - 180.0) / 2.0) + std::sin(3.14159265 * (t - 180.0));
+    const double F = t < 120 ? 0.8 + 2.4 * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase)
+                   : t < 180 ? 0.8 + 2.2 * std::min(1.0, (t - 120.0) / 2.0)
+                             : 3.0 - 2.0 * std::min(1.0, (t - 180.0) / 2.0) + std::sin(3.14159265 * (t - 180.0));
     char row[64];
     std::snprintf(row, sizeof row, "%.2f,%.5f,%.5f\n", t, F + 0.004 * noise(), output(t, F) + 0.003 * noise());
     csv += row;
@@ -96,15 +95,25 @@ TEST(LastLines, AnEffectThatIsFoundIsAddedAndAskedAboutUntilNothingIsLeft) {
   EXPECT_THAT(steps, ::testing::Contains("forcegate history better.toml --on loop.csv"));
 }
 
+// At one frequency a delay, a lag and a share of the rate are the same.
 TEST(LastLines, WhatIsNotSeparableLeadsToTheExperimentAndNotToAFit) {
   const TemporaryFolder folder;
-  write_recording(folder / "hold.csv", [](double t, double F) { return 2.0 * F + 0.05 * std::log10(1.0 + t); }, true);
-  for (const char* page : {"", " --html hold.html"}) {
-    const ProcessResult asked = pasted("forcegate diagnose hold.csv" + std::string(page), folder);
-    ASSERT_THAT(asked.out, HasSubstr("cannot tell which")) << asked.out;
-    EXPECT_EQ(next_of(asked), "forcegate next hold.csv");
+  const auto force_N = [](double t_s) { return 2.0 + 1.2 * std::sin(3.14159265 * t_s); };
+  Noise noise;
+  std::string csv = "t,F,U\n";
+  for (int i = 0; i < 6000; ++i) {
+    const double t_s = 0.01 * i;
+    char row[64];
+    std::snprintf(row, sizeof row, "%.2f,%.6f,%.5f\n", t_s, force_N(t_s), 1.0 + 0.9 * force_N(t_s - 0.03) + 0.003 * noise());
+    csv += row;
   }
-  chain("forcegate diagnose hold.csv", folder);
+  write_text(folder / "sine.csv", csv);
+  for (const char* page : {"", " --html sine.html"}) {
+    const ProcessResult asked = pasted("forcegate diagnose sine.csv" + std::string(page), folder);
+    ASSERT_THAT(asked.out, HasSubstr("cannot tell which")) << asked.out;
+    EXPECT_EQ(next_of(asked), "forcegate next sine.csv");
+  }
+  chain("forcegate diagnose sine.csv", folder);
 }
 
 TEST(LastLines, WhatExportRefusesIsNotSentToExport) {
