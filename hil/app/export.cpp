@@ -11,6 +11,7 @@
 #include "hil/base/digest.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
+#include "hil/diagnose/laws/no_input.h"
 
 namespace forcegate {
 namespace {
@@ -36,6 +37,7 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   options.reference_temperature_C = request.reference_temperature_C;
   if (request.fit) {
     FORCEGATE_TRY(Campaign records, load_campaign(*request.fit));
+    FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(records));
     FORCEGATE_TRY(out.fit, diagnose::fit_one_law(std::move(records), model, [&](const Model& m) { return make_compensator(m, options).has_value(); },
                                                  request.fit->threads));
     model = out.fit->model;

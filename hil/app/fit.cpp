@@ -9,6 +9,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/candidates/user_candidates.h"
+#include "hil/diagnose/laws/no_input.h"
 
 namespace forcegate {
 namespace {
@@ -24,6 +25,7 @@ bool has_effect(const Model& model, const std::string& name) {
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add) {
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   FORCEGATE_TRY(const Model model, load_model(request, campaign));
+  FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(campaign));
   if (!add.empty() && has_effect(model, add))
     return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
                 "forcegate fit refits it");

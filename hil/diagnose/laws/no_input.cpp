@@ -145,4 +145,11 @@ Result<void> check_output_moves(const Campaign& campaign) {
               "is the sensor connected, is its amplifier at the end of its range, and is this its column? --map NAME=U_V names another");
 }
 
+Result<void> check_shows_a_law(const Campaign& campaign) {
+  if (is_drift_only(campaign))
+    return fail(ErrorCode::parse, what_the_force_shows(campaign), campaign.name,
+                "there is no law to fit: record a force that moves; forcegate diagnose tells what the output does with time");
+  return check_output_moves(campaign);
+}
+
 }  // namespace forcegate::diagnose

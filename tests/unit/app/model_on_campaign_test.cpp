@@ -10,6 +10,7 @@
 
 #include "hil/app/compare.h"
 #include "hil/app/export.h"
+#include "hil/app/fit.h"
 #include "hil/app/simulate.h"
 #include "hil/base/rng.h"
 
@@ -87,6 +88,20 @@ TEST_F(ModelOnCampaign, SamplesThatADiagnosisThrowsOutAreNoErrorOfTheModel) {
   const auto s = simulate_request(request, folder_ / "out");
   ASSERT_TRUE(s) << s.error().to_text();
   for (const auto& record : s->items) EXPECT_LT(record.rmse_V, 0.003);
+}
+
+TEST_F(ModelOnCampaign, AHoldHasNoLawToFit) {
+  Rng rng(4, "hold");
+  std::string csv = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 2000; ++i)
+    csv += std::to_string(0.01 * i) + "," + std::to_string(2.0 + 0.004 * rng.normal()) + "," + std::to_string(4.1 + 0.004 * rng.normal()) + "\n";
+  CampaignRequest request;
+  request.campaign = put("hold.csv", csv);
+  const auto fitted = fit_request(request, "");
+  ASSERT_FALSE(fitted.has_value());
+  EXPECT_NE(fitted.error().to_text().find("noise of its reference"), std::string::npos) << fitted.error().to_text();
+  EXPECT_NE(fitted.error().to_text().find("record a force that moves"), std::string::npos) << fitted.error().to_text();
+  EXPECT_FALSE(fit_request(request, "creep").has_value());
 }
 
 TEST_F(ModelOnCampaign, AHeaderIsZeroWhereItsModelWasFittedAndNotWhereItIsChecked) {
