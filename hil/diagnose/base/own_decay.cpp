@@ -12,6 +12,7 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr std::size_t kRows = 4000;
+constexpr double kMostPerDegree = 0.03;  // of the gain, 1/degC
 
 // Recorded temperature over its mean, degC; 0 where nothing is recorded.
 std::vector<double> warmth_of(const RecordInput& r) {
@@ -27,14 +28,14 @@ std::vector<double> warmth_of(const RecordInput& r) {
 }  // namespace
 
 OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
-  constexpr int kRates = 14, kDecay = 6, kOutput = 7;
+  constexpr int kRates = 14, kWarmGain = 5, kDecay = 6, kOutput = 7;
   using Row = Eigen::Matrix<double, kOutput + 1, 1>;
   using Moments = Eigen::Matrix<double, kOutput + 1, kOutput + 1>;
   OwnDecay best;
   best.mean_square = 1e300;
   const double n = std::max<double>(1.0, static_cast<double>(rows.size()));
   const double longest = std::max(1.0, r.duration_s - r.onset_s);
-  const std::vector<double> warmth = warmth_of(r);
+  std::vector<double> warmth = warmth_of(r);
   // of the first `columns`, divided by the diagonal so that their units do not matter; what they leave
   const auto fit = [&](const Moments& M, int columns) {
     const Eigen::VectorXd size = M.diagonal().head(columns).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -43,9 +44,7 @@ OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
     const Eigen::VectorXd c = A.ldlt().solve(y);
     return std::pair{Eigen::VectorXd(size.asDiagonal() * c), std::max(0.0, M(kOutput, kOutput) - c.dot(y)) / n};
   };
-  for (int step = 0; step < kRates; ++step) {
-    const double rate =
-        std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
+  const auto moments_at = [&](double rate) {
     Moments M = Moments::Zero();
     for (const std::size_t i : rows) {
       const double since = std::max(0.0, r.t_s[i] - r.onset_s);
@@ -60,6 +59,15 @@ OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
     // a column of nothing takes no part
     for (int j = 0; j < kOutput; ++j)
       if (!(M(j, j) > 0.0)) M(j, j) = 1.0;
+    return M;
+  };
+  // a decay that the temperature happens to go with would need a sensor that no maker sells
+  const Eigen::VectorXd warm = fit(moments_at(0.0), kDecay).first;
+  if (!(std::abs(warm[kWarmGain]) < kMostPerDegree * std::abs(warm[1]))) std::ranges::fill(warmth, 0.0);
+  for (int step = 0; step < kRates; ++step) {
+    const double rate =
+        std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
+    const Moments M = moments_at(rate);
     if (step == 0) best.static_mean_square = fit(M, kDecay).second;
     const auto [c, mean_square] = fit(M, kDecay + 1);
     const double depth = c[1] != 0.0 ? c[kDecay] / c[1] : 0.0;

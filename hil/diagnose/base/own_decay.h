@@ -10,7 +10,8 @@ namespace forcegate::diagnose {
 
 /// U = c0 + c1 F + c3 F' + c4 F'' + c5 T + c6 T F - c2 (1 - e^(-b t))(F - Fmin), least squares at a grid of rates; without the last column it
 /// is a static record. F' and F'' take what lag, delay and loop add: beside them a decay of a record of fast edges would explain little of
-/// the misfit. A recorded temperature T takes what it does to gain and zero, which would be taken for a decay.
+/// the misfit. A recorded temperature T takes what it does to gain and zero, up to 3 % per degree,
+/// which would be taken for a decay.
 struct OwnDecay {
   double rate_per_s = 0.0;
   double depth = 0.0;  ///< c2 / c1

@@ -55,5 +55,12 @@ TEST(OwnDecay, ARecordedTemperatureTakesWhatItDoesToTheGain) {
   EXPECT_TRUE(decays_by_itself(cooling(0.0, 0.3)));
 }
 
+// A tenth of a degree goes with the decay by chance.
+TEST(OwnDecay, ATemperatureThatHardlyChangesTakesNoDecay) {
+  RecordInput r = edges(0.3);
+  for (std::size_t i = 0; i < r.rows(); ++i) r.temp_C.push_back(21.0 + 0.1 * std::expm1(-0.05 * r.t_s[i]));
+  EXPECT_TRUE(decays_by_itself(r));
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
