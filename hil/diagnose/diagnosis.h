@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -137,6 +138,10 @@ struct MapCell {
   int n = 0;  ///< rows
   int blocks = 0;
 };
+/// Unit of a coordinate that is log10(1 s + time).
+inline constexpr const char* kLogOfTime = "log10 s";
+inline double seconds_of_log(double log_of_time) { return std::pow(10.0, log_of_time) - 1.0; }
+
 struct ResidualMap {
   std::string coordinate;  ///< "force", "rate", "force while unloading", "time since change" ...
   std::string group;       ///< time, force, rate, frequency, history, temperature, angle

@@ -159,7 +159,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
                 record.place_of_header(), "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
   const std::size_t clock = F->time_base;
   const auto& t = trace.time_bases[clock].t_s;
-  if (t.size() < 16)
+  if (static_cast<double>(t.size()) < kFewestRows)
     return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.place(),
                 "at least 16 samples are needed");
 
@@ -168,13 +168,12 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   out.kind = record.kind;
   out.heldout = record.role == RecordRole::heldout;
   const double step = median_step(t);
-  constexpr double kFewestRows = 16.0;
-  const double samples_of_row = std::max(1.0, std::round(row_step_s / step)), needed = kFewestRows * samples_of_row;
+  const double samples = samples_of_row(step, row_step_s), needed = kFewestRows * samples;
   if (!(static_cast<double>(t.size()) >= needed))
     return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.place(),
                 "at least " + shortest(needed) + " are needed at this rate; leave the record out");
-  out.row_step_s = step * samples_of_row;
-  out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples_of_row));
+  out.row_step_s = step * samples;
+  out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples));
   const auto n_rows = static_cast<std::uint32_t>(out.row_begin.size() - 1);
 
   const std::vector<double>& force = F->value;

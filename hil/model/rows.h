@@ -7,10 +7,9 @@
 
 #include "hil/base/result.h"
 #include "hil/model/record_input.h"
+#include "hil/trace/row_length.h"
 
 namespace forcegate {
-
-constexpr double kRowStep_s = 0.02;
 
 /// Parts of a record that cost as much as all the rest, and that only effects read.
 struct RowParts {

@@ -84,8 +84,8 @@ std::string named_range(const ResidualMap& m) {
   for (const MapCell& c : m.cells)
     if (c.n > 0) low = std::min(low, c.x), high = std::max(high, c.x);
   if (!(high >= low)) return m.coordinate;
-  const bool logarithm = m.unit == "log10 s";
-  if (logarithm) low = std::pow(10.0, low) - 1.0, high = std::pow(10.0, high) - 1.0;  // of 1 + t
+  const bool logarithm = m.unit == kLogOfTime;
+  if (logarithm) low = seconds_of_log(low), high = seconds_of_log(high);
   const std::string unit = logarithm ? "s" : shown_unit(m.unit);
   return m.coordinate + ", " + typographic_minus(display(low, 2)) + " to " + typographic_minus(display(high, 2)) +
          (unit.empty() ? "" : " " + unit);
@@ -274,7 +274,7 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
   for (const MapCell& c : before.cells)
     if (c.blocks >= kBlocksNeeded) most = std::max({most, std::abs(c.mean), 2.0 * c.standard_error});
   const Scaled scale = readable_unit(most, residual_unit);
-  const bool logarithm = before.unit == "log10 s";  // of 1 + t
+  const bool logarithm = before.unit == kLogOfTime;
   Axis x_axis{capitalised(before.coordinate), shown_unit(before.unit)};
   if (logarithm)
     x_axis = {"1 s + " + before.coordinate, "s", kAuto, kAuto, Scale::logarithmic};

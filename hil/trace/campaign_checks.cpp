@@ -9,6 +9,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/trace/columns.h"
+#include "hil/trace/row_length.h"
 
 namespace forcegate {
 namespace {
@@ -101,10 +102,9 @@ std::array<double, 3> spread_of(const Channel& channel) {
 }  // namespace
 
 Unfit unfit(const Trace& trace) {
-  constexpr double kFewestRows = 16.0, kRow_s = 0.02;  // what a model is compared with are rows of this length
   Unfit out;
   const double rate_Hz = trace.time_bases.empty() ? 0.0 : trace.time_bases.front().nominal_rate_Hz;
-  const double needed = kFewestRows * std::max(1.0, std::round(kRow_s * rate_Hz));
+  const double needed = kFewestRows * (rate_Hz > 0.0 ? samples_of_row(1.0 / rate_Hz) : 1.0);
   if (static_cast<double>(trace.size()) < needed)
     out.too_short = "the record has only " + std::to_string(trace.size()) + " samples, at least " + shortest(needed) + " are needed" + (needed > kFewestRows ? " at this rate" : "");
   std::vector<std::string> columns;

@@ -97,6 +97,7 @@ std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualC
     F.push_back(campaign.lowest_N + campaign.range_N * (x <= 1.0 ? x : 2.0 - x));
   }
   const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
+  if (added.derivative.isZero(0.0)) return {};  // what goes with the angle has no width over the force
   const Index up = kBranch + kBranch / 2, down = 2 * kBranch + kBranch / 2;
   return {added.difference(up, down, 1.0, "loop_width_N", "N"), added.difference(up, down, 100.0 / campaign.range_N, "loop_width", "% of span")};
 }
@@ -124,9 +125,6 @@ std::vector<FoundParameter> physical_parameters(const CampaignInput& campaign, c
   const std::string& name = chosen.kind->name;
   if (EffectRegistry::instance().find(name) != chosen.kind) return {};
   if (name == "creep") return growth(campaign, channel, chosen, joint);
-  // its width goes with the angle, of which a trial of the force has none
-  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-  if (channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name == "of_angle") return {};
   if (name == "hysteresis" || name == "backlash") return width(campaign, channel, chosen, joint);
   if (name == "delay" || name == "lag" || name == "clock_skew") return behind(campaign, channel, chosen, joint);
   return {};

@@ -53,8 +53,6 @@ struct Coordinate {
   double (*of)(const Row&);  ///< NaN where it does not apply
 };
 
-constexpr const char* kLogOfTime = "log10 s";  // of 1 s + the time
-
 std::vector<Coordinate> coordinates(const Workspace& w) {
   constexpr double kTurn_rad = 6.283185307179586;
   std::vector<Coordinate> out = {
@@ -184,7 +182,7 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
       const PrintedUnit printed = printed_unit(unit);
       const bool logarithm = map.unit == kLogOfTime;
       std::snprintf(text, sizeof text, "%+.3g %s where %s is about %.3g %s", out.mean * printed.factor,
-                    printed.name.c_str(), c.name, logarithm ? std::pow(10.0, out.x) - 1.0 : out.x, logarithm ? "s" : c.unit);
+                    printed.name.c_str(), c.name, logarithm ? seconds_of_log(out.x) : out.x, logarithm ? "s" : c.unit);
       map.sentence = text;
     }
   }

@@ -20,8 +20,12 @@ struct BaseErrors {
   std::optional<BaseError> force;  ///< of the reference at the force of the rig's law, where the workspace has one
 };
 
-/// The starting model, beside a lead of the output where the reference explains one; notes say so. Not valid where the records
-/// do not determine it.
+/// The law with these columns beside it, from where the search stands: all records, then those to be fitted, since from these alone the spreads
+/// may end at another optimum. `forgives`: beside a lead of the output where the reference explains one; notes say so. Not valid where the
+/// records do not determine it.
+MixedFit law_beside(const Workspace& workspace, const std::vector<int>& columns, bool forgives, std::vector<std::string>& notes);
+
+/// The starting model: the law with what the model holds.
 MixedFit base_model(const Workspace& workspace, const EngineOptions& options, std::vector<std::string>& notes);
 
 /// Errors: the records do not determine the starting model.

@@ -173,12 +173,6 @@ int place_candidate(ResidualChannel& channel, Candidate candidate) {
   return static_cast<int>(channel.candidates.size()) - 1;
 }
 
-int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads) {
-  const int copy = place_candidate(channel, channel.candidates[static_cast<std::size_t>(candidate)]);
-  if (copy >= 0) fill_candidate(input, channel, channel.candidates.back(), threads);
-  return copy;
-}
-
 void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_output, ResidualChannel& out,
                      const std::vector<std::string>* only, const std::vector<Candidate>& of_model) {
   const auto add = [&](const EffectKind& kind) {

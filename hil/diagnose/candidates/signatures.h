@@ -32,9 +32,6 @@ void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const 
 /// Gives the candidate spare columns, not filled yet; -1 when there is no room.
 int place_candidate(ResidualChannel& channel, Candidate candidate);
 
-/// A copy of the candidate in spare columns, to be moved to other shapes; -1 when there is no room.
-int copy_candidate(const CampaignInput& input, ResidualChannel& channel, int candidate, unsigned threads);
-
 /// Lists candidates and variants of one channel. `of_model`: what stands in the model, for the forms that act beside it.
 void list_candidates(const Workspace& workspace, EffectChannel channel, bool drift_in_output,
                      ResidualChannel& out, const std::vector<std::string>* only = nullptr,

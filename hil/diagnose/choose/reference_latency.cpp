@@ -15,6 +15,11 @@ const Candidate& best_candidate(const ResidualChannel& channel, const FamilyScor
   return channel.candidates[static_cast<std::size_t>(variant.candidate)];
 }
 
+// Its first shape is the time by which a strength of 1 shifts the output.
+bool is_shift(const Candidate& c) {
+  return c.kind->traits.timing && !c.shape.empty() && c.kind->name != "clock_skew" && c.kind->name != "piezocapacitance";
+}
+
 bool is_lead(const Candidate& c) { return c.kind->name == kLatencyEffect && c.shape[0] < 0.0; }
 
 }  // namespace
@@ -27,18 +32,17 @@ double allowed_latency_s(const CampaignInput& input) {
 }
 
 double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
-  const std::string& name = family.kind->name;
   const Candidate& c = best_candidate(channel, family);
   const double share = family.best.fit.coefficient[family.best.fit.coefficient.size() - 1];
-  if (name == "piezocapacitance") return 0.01 * std::abs(share);
-  return name == "clock_skew" || c.shape.empty() ? 0.0 : std::abs(c.shape[0] * share);
+  if (family.kind->name == "piezocapacitance") return 0.01 * std::abs(share);
+  return is_shift(c) ? std::abs(c.shape[0] * share) : 0.0;
 }
 
 double net_shift_s(const ResidualChannel& channel, const MixedFit& fit) {
   double out = 0.0;
   for (std::size_t b = 0; b < fit.columns.size(); ++b)
     for (const Candidate& c : channel.candidates)
-      if (c.first == fit.columns[b] && c.kind->traits.timing && c.kind->name != "clock_skew" && c.kind->name != "piezocapacitance" && !c.shape.empty())
+      if (c.first == fit.columns[b] && is_shift(c))
         out += c.shape[0] * fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
   return out;
 }

@@ -23,18 +23,14 @@ double vertex(double low, double middle, double high) {
   return std::clamp(0.5 * (low - high) / bend, -1.5, 1.5);
 }
 
-// The variant again, at another shape, in spare columns; its index, or -1 where there is no room.
-int add_copy(const CampaignInput& input, ResidualChannel& channel, const Variant& old, const std::vector<double>& shape, unsigned threads) {
-  const int old_first = channel.candidates[static_cast<std::size_t>(old.candidate)].first;
-  const int copy = copy_candidate(input, channel, old.candidate, threads);
+// The variant again, at another shape, in spare columns that are not filled yet; its index, or -1 where there is no room.
+int place_copy(ResidualChannel& channel, const Variant& old, const std::vector<double>& shape) {
+  Candidate c = channel.candidates[static_cast<std::size_t>(old.candidate)];
+  c.shape = shape;
+  const int old_first = c.first, copy = place_candidate(channel, std::move(c));
   if (copy < 0) return -1;
-  Candidate& c = channel.candidates.back();
-  if (c.shape != shape) {
-    c.shape = shape;
-    fill_candidate(input, channel, c, threads);
-  }
   Variant variant{copy, {}};
-  for (const int j : old.columns) variant.columns.push_back(j - old_first + c.first);
+  for (const int j : old.columns) variant.columns.push_back(j - old_first + channel.candidates.back().first);
   channel.variants.push_back(std::move(variant));
   return static_cast<int>(channel.variants.size()) - 1;
 }
@@ -93,7 +89,7 @@ Refined refine_variant(const CampaignInput& input, ResidualChannel& channel, con
   const Variant old = channel.variants[static_cast<std::size_t>(variant)];
   const Candidate from = channel.candidates[static_cast<std::size_t>(old.candidate)];
   if (from.shape.empty() || !from.form->refine) return out;
-  const int tried = add_copy(input, channel, old, from.shape, threads);
+  const int tried = place_copy(channel, old, from.shape);
   if (tried < 0) return out;
   climb(*from.form, from.shape, [&](const std::vector<double>& shape) {
     Candidate& c = channel.candidates.back();
@@ -121,8 +117,9 @@ bool refine_family(const CampaignInput& input, ResidualChannel& channel, const s
     if (other.score.gain > std::max(best.score.gain, family.best.gain)) best = std::move(other), from = family.of_other_forms[k];
   }
   if (!best.score.fit.valid) return false;
-  const int copy = add_copy(input, channel, Variant(channel.variants[static_cast<std::size_t>(from)]), best.shape, threads);
+  const int copy = place_copy(channel, Variant(channel.variants[static_cast<std::size_t>(from)]), best.shape);
   if (copy < 0) return false;
+  fill_candidate(input, channel, channel.candidates.back(), threads);
   best.score.variant = copy;
   family.gain += best.score.gain - family.best.gain;
   family.best = std::move(best.score);

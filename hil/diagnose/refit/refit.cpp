@@ -7,6 +7,7 @@
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/answer/moved_parameters.h"
 #include "hil/diagnose/answer/shape_covariance.h"
+#include "hil/diagnose/base/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/choose/further_forms.h"
@@ -144,16 +145,12 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
                   "forcegate fit refits it");
     names.push_back(add);
   }
-  // from where a diagnosis stands: all records, then those to be fitted
-  const MixedFit of_all = fit_to_the_end(w.output, {}, nullptr, 18, RecordUse::all_records);
-  MixedFit base = of_all.valid ? fit_mixed(w.output.problem, {}, &of_all, 8) : of_all;
+  Refit out;
+  // what a diagnosis carries along is no error of the model here either
+  const MixedFit base = law_beside(w, {}, std::ranges::find(names, kLatencyEffect) == names.end(), out.notes);
   if (!base.valid)
     return fail(ErrorCode::config, "the records do not determine the model", w.input.name,
                 "more records, or records with more force");
-  Refit out;
-  // what a diagnosis carries along is no error of the model here either
-  const bool in_step = w.input.generic && w.input.records.front().row_step_s > kStepsTellNoLag_s;
-  if (!in_step && std::ranges::find(names, kLatencyEffect) == names.end()) base = forgive_late_reference(w, std::move(base), out.notes);
   std::vector<int> present = base.columns;
   std::vector<std::pair<std::string, std::vector<int>>> effects;
   std::vector<int> variants;

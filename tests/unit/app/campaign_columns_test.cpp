@@ -9,6 +9,7 @@
 
 #include "hil/app/model_input.h"
 #include "hil/model/rows.h"
+#include "tests/support/folder_test.h"
 
 namespace forcegate {
 namespace {
@@ -16,22 +17,13 @@ namespace {
 using testing::EndsWith;
 using testing::HasSubstr;
 
-class CampaignColumns : public testing::Test {
+class CampaignColumns : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("forcegate-columns-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   CampaignRequest put(const std::string& text) {
-    std::ofstream(folder_ / "run.csv", std::ios::binary) << text;
     CampaignRequest request;
-    request.campaign = folder_ / "run.csv";
+    request.campaign = FolderTest::put("run.csv", text);
     return request;
   }
-
-  std::filesystem::path folder_;
 };
 
 TEST_F(CampaignColumns, TheHintForAWeightInGramsCanBePastedAndTheHeadersLineIsNamed) {

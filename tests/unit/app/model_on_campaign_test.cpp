@@ -13,24 +13,13 @@
 #include "hil/app/fit.h"
 #include "hil/app/simulate.h"
 #include "hil/base/rng.h"
+#include "tests/support/folder_test.h"
 
 namespace forcegate {
 namespace {
 
-class ModelOnCampaign : public testing::Test {
+class ModelOnCampaign : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("forcegate-model-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path put(const std::string& name, const std::string& text) {
-    std::filesystem::create_directories((folder_ / name).parent_path());
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
-
   // Three static records at these temperatures of a sensor of 2 V/N (1 + 0.01 (T - 20)).
   CampaignRequest campaign(const std::string& name, std::initializer_list<double> temperatures_C, bool spikes = false) {
     std::string records;
@@ -62,7 +51,6 @@ class ModelOnCampaign : public testing::Test {
         .string();
   }
 
-  std::filesystem::path folder_;
 };
 
 TEST_F(ModelOnCampaign, AsWrittenItMeansOnAWarmDayWhatItMeantWhereItWasFitted) {

@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <functional>
 
 #include "hil/trace/common_clock.h"
+#include "tests/support/folder_test.h"
 
 namespace forcegate {
 namespace {
@@ -21,15 +21,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
 
-class CheckedCampaign : public ::testing::Test {
+class CheckedCampaign : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) / ("forcegate_checks_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  void put(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name, std::ios::binary) << text; }
   // 200 rows at 10 Hz; `row` writes what stands behind the time
   void put_rows(const std::string& name, const std::string& header, const std::function<std::string(int)>& row) const {
     std::string text = header + "\n";
@@ -50,7 +43,6 @@ class CheckedCampaign : public ::testing::Test {
     EXPECT_FALSE(campaign);
     return campaign ? "" : campaign.error().to_text();
   }
-  fs::path folder_;
 };
 
 TEST_F(CheckedCampaign, TakesACopyOnce) {

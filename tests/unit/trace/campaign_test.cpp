@@ -1,4 +1,5 @@
 #include "hil/trace/campaign.h"
+#include "tests/support/folder_test.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,23 +16,13 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-class ReadCampaign : public ::testing::Test {
+class ReadCampaign : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) / ("forcegate_campaign_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  void put(const std::string& name, const std::string& text) {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
   Error refusal() {
     const auto campaign = read_campaign(folder_);
     EXPECT_FALSE(campaign);
     return campaign ? Error{} : campaign.error();
   }
-  fs::path folder_;
 };
 
 constexpr const char* kCsv = "t_s,F_ref_N,U_V,level_mm\n0,1,2,3\n0.1,2,3,4\n0.2,3,4,5\n";

@@ -13,6 +13,7 @@
 #include "hil/trace/csv.h"
 #include "hil/trace/csv_hints.h"
 #include "hil/trace/date_time.h"
+#include "tests/support/folder_test.h"
 
 namespace forcegate {
 namespace {
@@ -185,20 +186,7 @@ TEST(LoggerFiles, HintsSayWhatIsWrongWithTheCell) {
   EXPECT_THAT(refuse("10:31:00.000 -> 1,2\n10:31:00.100 -> 1,2\n").hint, HasSubstr("replace \" -> \" by a comma"));
 }
 
-class FilesByContent : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) / ("forcegate_content_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path put(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
-  fs::path folder_;
-};
+using FilesByContent = FolderTest;
 
 TEST_F(FilesByContent, AFileIsKnownByHowItBegins) {
   const std::string text = "t_s,F_ref_N,U_V\n" + rows_of();

@@ -16,6 +16,7 @@
 #include "hil/trace/hdf5_io.h"
 #include "hil/trace/mat_io.h"
 #include "hil/trace/trace_recorder.h"
+#include "tests/support/folder_test.h"
 
 namespace forcegate {
 namespace {
@@ -24,16 +25,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-class Storage : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) / ("forcegate_storage_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
+using Storage = FolderTest;
 
 Trace sample_trace() {
   Trace trace;

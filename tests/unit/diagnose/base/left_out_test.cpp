@@ -61,13 +61,19 @@ TEST(CrossFit, RecordsWithinWhatTheInstrumentsMayLeaveHaveNoVote) {
   EXPECT_TRUE(c.helps());
 }
 
-TEST(CrossFit, AFallByOrdersOfMagnitudeOutweighsASmallRiseElsewhere) {
+// Seven records vote; the mean square error falls by `fall` with a standard error of 1.
+CrossFit of_seven(int in_favour, double fall, double log_ratio) {
   CrossFit c;
   c.excited = c.voting = 7;
-  c.improved = c.in_favour = 3;
-  c.fall = 2.0;
+  c.improved = c.in_favour = in_favour;
+  c.fall = fall;
   c.standard_error = 1.0;
-  c.log_ratio = 1.6;
+  c.log_ratio = log_ratio;
+  return c;
+}
+
+TEST(CrossFit, AFallByOrdersOfMagnitudeOutweighsASmallRiseElsewhere) {
+  CrossFit c = of_seven(3, 2.0, 1.6);
   c.fallen = 12.9;
   c.risen = 1.6;
   EXPECT_TRUE(c.helps());
@@ -79,18 +85,13 @@ TEST(CrossFit, AFallByOrdersOfMagnitudeOutweighsASmallRiseElsewhere) {
 }
 
 TEST(CrossFit, OneRecordOfALargeErrorDoesNotHideWhatTheOthersShow) {
-  CrossFit c;
-  c.excited = c.voting = 7;
-  c.improved = c.in_favour = 6;
-  c.fall = 1.0;
-  c.standard_error = 1.05;
-  c.log_ratio = 1.8;
+  CrossFit c = of_seven(6, 0.95, 1.8);
   c.log_ratio_error = 0.65;
   EXPECT_TRUE(c.helps());
   c.log_ratio_error = 1.2;
   EXPECT_FALSE(c.helps());
   c.log_ratio_error = 0.65;
-  c.fall = -1.0;
+  c.fall = -0.95;
   EXPECT_FALSE(c.helps());
 }
 

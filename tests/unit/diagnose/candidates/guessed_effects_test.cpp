@@ -15,7 +15,7 @@ std::vector<double> lagging(const std::vector<double>& t, const std::vector<doub
   return U;
 }
 
-double conductance(double F) { return 8.0 * std::pow(std::max(F, 0.0) / 4.6, 0.75) + 0.2; }
+double conductance(double F, double exponent = 0.75) { return 8.0 * std::pow(std::max(F, 0.0) / 4.6, exponent) + 0.2; }
 
 /// The film lags and its conductance bends.
 std::vector<double> bent_behind_lag(const std::vector<double>& t, const std::vector<double>& F, int) {
@@ -29,15 +29,19 @@ std::vector<double> bent_behind_lag(const std::vector<double>& t, const std::vec
 }
 
 /// The conductance bends and a filter lags.
-std::vector<double> bent_before_lag(const std::vector<double>& t, const std::vector<double>& F, int) {
-  std::vector<double> U;
-  double y = conductance(F.front());
-  for (std::size_t i = 0; i < F.size(); ++i) {
-    if (i > 0) y += (conductance(F[i]) - y) * -std::expm1(-(t[i] - t[i - 1]) / 0.06);
-    U.push_back(y);
-  }
-  return U;
+Sensor bent_before_lag_of(double exponent, double tau_s) {
+  return [=](const std::vector<double>& t, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    double y = conductance(F.front(), exponent);
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      if (i > 0) y += (conductance(F[i], exponent) - y) * -std::expm1(-(t[i] - t[i - 1]) / tau_s);
+      U.push_back(y);
+    }
+    return U;
+  };
 }
+
+const Sensor bent_before_lag = bent_before_lag_of(0.75, 0.06);
 
 Diagnosis answer_of(const Model& model, Campaign campaign) {
   EngineOptions options;
@@ -77,7 +81,7 @@ TEST(GuessedEffects, ALagThatTheModelHasIsFittedAndIsNoClaim) {
 
 // The lag of what the curve adds is no second time constant.
 TEST(GuessedEffects, ACurveBesideTheLagLagsToo) {
-  for (const Sensor& sensor : {Sensor{bent_behind_lag}, Sensor{bent_before_lag}}) {
+  for (const Sensor& sensor : {Sensor{bent_behind_lag}, bent_before_lag}) {
     const Diagnosis d = answer_of(*library_model("fsr"), sensor);
     EXPECT_EQ(claims_of(d), std::vector<std::string>{"static_nonlinearity"}) << told(d);
     EXPECT_FALSE(d.residual_unknown) << told(d);
@@ -87,17 +91,7 @@ TEST(GuessedEffects, ACurveBesideTheLagLagsToo) {
 
 // What the curve adds moves with the guess while the guess is moved, or it would take part of the move.
 TEST(GuessedEffects, ABentCurveDoesNotMoveTheGuess) {
-  const auto strongly_bent = [](const std::vector<double>& t, const std::vector<double>& F, int) {
-    const auto curve = [](double force) { return 8.0 * std::pow(std::max(force, 0.0) / 4.6, 0.62) + 0.2; };
-    std::vector<double> U;
-    double y = curve(F.front());
-    for (std::size_t i = 0; i < F.size(); ++i) {
-      if (i > 0) y += (curve(F[i]) - y) * -std::expm1(-(t[i] - t[i - 1]) / 0.045);
-      U.push_back(y);
-    }
-    return U;
-  };
-  const Diagnosis d = answer_of(*library_model("fsr"), strongly_bent);
+  const Diagnosis d = answer_of(*library_model("fsr"), bent_before_lag_of(0.62, 0.045));
   const std::string moved = "the model's lag was a guess: tau_s = ";
   const auto note = std::ranges::find_if(d.notes, [&](const std::string& n) { return n.starts_with(moved); });
   ASSERT_NE(note, d.notes.end()) << told(d);

@@ -14,12 +14,14 @@ namespace {
 // shapes lie beyond its bounds. Its prior was spread over the four as well.
 TEST(Screen, AShapeBeyondItsBoundsHadAShareOfThePrior) {
   const std::vector<double> shapes{0.5, 1.0, 2.0, 4.0};
-  EffectForm any{.name = "any", .strength = {{"c", "1", -2.0, 2.0, 0.0, "share"}}};
-  EffectForm whole = any;
-  whole.name = "whole";
-  whole.least = 0.9;
-  whole.most = 1.1;
-  const EffectKind free{.name = "free", .forms = {any}}, bound{.name = "bound", .forms = {whole}};
+  EffectKind free, bound;
+  free.name = "free";
+  free.forms.resize(1);
+  free.forms.front().strength = {{"c", "1", -2.0, 2.0, 0.0, "share"}};
+  bound = free;
+  bound.name = "bound";
+  bound.forms.front().least = 0.9;
+  bound.forms.front().most = 1.1;
 
   const auto n_shapes = static_cast<int>(shapes.size());
   ResidualChannel channel = channel_of_lines(2 * n_shapes, 1.0);

@@ -42,8 +42,10 @@ TEST(SampleWindows, HeldSamplesAreShownBesideWhatTheForceSays) {
   ASSERT_GE(w.named.size(), 29u);
   EXPECT_LT(w.named.size(), w.t_s.size());
   // around the named ones the dashed line is the output
-  for (std::size_t i = 0; i < w.t_s.size(); ++i)
-    if (!std::ranges::binary_search(w.named_t_s, w.t_s[i])) EXPECT_NEAR(w.recorded[i], w.beside[i], 0.15) << w.t_s[i];
+  for (std::size_t i = 0; i < w.t_s.size(); ++i) {
+    if (std::ranges::binary_search(w.named_t_s, w.t_s[i])) continue;
+    EXPECT_NEAR(w.recorded[i], w.beside[i], 0.15) << w.t_s[i];
+  }
 }
 
 TEST(SampleWindows, SpikesAreNamedAndTheirNeighboursAreNot) {
