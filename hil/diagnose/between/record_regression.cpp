@@ -82,6 +82,13 @@ std::vector<Scatter> scatters(const RecordSeries& series) {
   return out;
 }
 
+// ln of the variance of a record beside that of its measurement, all shares of it together: under the model without x a session may hold
+// what x explains, and the scatter within sessions alone would not fall.
+double log_variance(const RecordSeries& series, double scatter, const Structure& more) {
+  const double cyclic = series.cyclic.empty() ? 0.0 : static_cast<double>(std::ranges::count(series.cyclic, 1)) / static_cast<double>(series.cyclic.size());
+  return std::log(scatter * scatter * (1.0 + more.session + cyclic * more.cyclic));
+}
+
 double half_log_det(const MatrixXd& lower) { return lower.diagonal().array().log().sum(); }
 
 class LogSum {
@@ -220,12 +227,13 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
     for (const Structure& more : structures(series)) {
       const Whitened white = whiten(series, covariance(series, s, more.session, more.cyclic), columns);
       const double prior = std::log(more.prior) + log_prior;
-      null.add(white.log_null + prior, 2.0 * std::log(s));
+      const double spread = log_variance(series, s, more);
+      null.add(white.log_null + prior, spread);
       if (white.log_null + prior > best_null.log_evidence) best_null = {white.log_null + prior, s, more.session, more.cyclic, 0.0};
       for (std::size_t v = 0; v < predictors.size(); ++v)
         for (const double size : sizes) {
           const double e = white.log_null + prior + log_bayes(white.S, first[v], predictors[v].weight, size);
-          with[v].add(e, 2.0 * std::log(s));
+          with[v].add(e, spread);
           if (e > best[v].log_evidence) best[v] = {e, s, more.session, more.cyclic, size};
         }
     }
@@ -250,62 +258,100 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
 
 namespace {
 
-// One series at the weights of the model without predictors, ready to be permuted and turned.
+double log_prior(const RecordSeries& series, double session, double cyclic) {
+  for (const Structure& s : structures(series))
+    if (s.session == session && s.cyclic == cyclic) return std::log(s.prior);
+  return -1e300;
+}
+
+// Orders and directions are those of the residuals that the likeliest model without predictors whitens; what they show is weighed under that
+// model's covariance, and under those with no share of the sessions, of the cyclic records, or of either. A predictor leaves nothing to
+// sessions that it explains: weighed as if it did, a course that fits five sessions perfectly stood beside the scatter within them.
 class Exchangeable {
  public:
   explicit Exchangeable(const RecordQuestion& question) {
     const RecordSeries& series = question.series;
     const Index n = series.value.size();
-    Best best;
-    for (const auto& [s, log_prior] : scatters(series))
+    std::vector<Best> best;
+    const auto best_of = [&](double session, double cyclic) -> Best& {
+      for (Best& b : best)
+        if (b.session == session && b.cyclic == cyclic) return b;
+      return best.emplace_back(Best{-1e300, 0.0, session, cyclic, 0.0});
+    };
+    for (const auto& [s, log_prior_of_s] : scatters(series))
       for (const Structure& more : structures(series)) {
         const Whitened white = whiten(series, covariance(series, s, more.session, more.cyclic), MatrixXd(n, 0));
-        const double e = white.log_null + std::log(more.prior) + log_prior;
-        if (e > best.log_evidence) best = {e, s, more.session, more.cyclic, 0.0};
+        const double e = white.log_null + std::log(more.prior) + log_prior_of_s;
+        Best& of = best_of(more.session, more.cyclic);
+        if (e > of.log_evidence) of = {e, s, more.session, more.cyclic, 0.0};
       }
-    const Eigen::LLT<MatrixXd> llt(best.covariance_of(series));
-    one_ = llt.matrixL().solve(VectorXd::Ones(n));
-    one_.normalize();
-    residual_ = without_mean(llt.matrixL().solve(series.value));
-    for (const RecordPredictor& p : question.predictors) {
-      MatrixXd X = llt.matrixL().solve(p.column) * p.weight.cwiseSqrt().asDiagonal();
-      X -= one_ * (one_.transpose() * X);
-      const Eigen::JacobiSVD<MatrixXd> svd(X, Eigen::ComputeThinU);
-      VectorXd lambda = svd.singularValues().cwiseAbs2();
-      if (lambda.sum() > 0.0) lambda *= static_cast<double>(n - 1) / lambda.sum();
-      direction_.push_back(svd.matrixU());
-      lambda_.push_back(lambda);
+    const Best likeliest = *std::ranges::max_element(best, {}, &Best::log_evidence);
+    const Eigen::LLT<MatrixXd> llt(likeliest.covariance_of(series));
+    const VectorXd one = llt.matrixL().solve(VectorXd::Ones(n));
+    residual_ = without(one.normalized(), llt.matrixL().solve(series.value));
+    for (const Best& b : best) {
+      if ((b.session != 0.0 && b.session != likeliest.session) || (b.cyclic != 0.0 && b.cyclic != likeliest.cyclic)) continue;
+      const MatrixXd half = llt.matrixL().solve(b.covariance_of(series));
+      const Eigen::LLT<MatrixXd> own(MatrixXd(llt.matrixL().solve(half.transpose())));
+      View view;
+      view.map = own.matrixL().solve(MatrixXd::Identity(n, n));
+      const VectorXd seen = view.map * one;
+      view.one = seen.normalized();
+      view.log_null = log_prior(series, b.session, b.cyclic) - half_log_det(MatrixXd(own.matrixL())) - std::log(seen.norm());
+      for (const RecordPredictor& p : question.predictors) {
+        MatrixXd X = view.map * MatrixXd(llt.matrixL().solve(p.column)) * p.weight.cwiseSqrt().asDiagonal();
+        X -= view.one * (view.one.transpose() * X);
+        const Eigen::JacobiSVD<MatrixXd> svd(X, Eigen::ComputeThinU);
+        VectorXd lambda = svd.singularValues().cwiseAbs2();
+        if (lambda.sum() > 0.0) lambda *= static_cast<double>(n - 1) / lambda.sum();
+        view.direction.push_back(svd.matrixU());
+        view.lambda.push_back(lambda);
+      }
+      views_.push_back(std::move(view));
     }
   }
 
   const VectorXd& residual() const { return residual_; }
 
   double gain(const VectorXd& residual) const {
-    constexpr double kRatios[] = {1.0, 4.0, 16.0, 64.0};  // variance of the effect over that of the scatter
-    const VectorXd r = without_mean(residual);
-    const double square = r.squaredNorm(), half = 0.5 * static_cast<double>(r.size() - 1);
-    if (!(square > 0.0)) return -1e300;
-    std::vector<double> all;
-    for (std::size_t v = 0; v < direction_.size(); ++v) {
-      const VectorXd share = (direction_[v].transpose() * r).cwiseAbs2() / square;
-      for (const double ratio : kRatios) {
-        double removed = 0.0, cost = 0.0;
-        for (Index j = 0; j < share.size(); ++j) {
-          const double a = ratio * lambda_[v][j];
-          removed += a / (1.0 + a) * share[j];
-          cost += 0.5 * std::log1p(a);
+    LogSum with, null;
+    for (const View& view : views_) {
+      const VectorXd r = without(view.one, view.map * residual);
+      const double square = r.squaredNorm(), half = 0.5 * static_cast<double>(r.size() - 1);
+      if (!(square > 0.0)) return -1e300;
+      const double log_null = view.log_null - half * std::log(square);
+      null.add(log_null);
+      for (std::size_t v = 0; v < view.direction.size(); ++v) {
+        const VectorXd share = (view.direction[v].transpose() * r).cwiseAbs2() / square;
+        for (const double ratio : kRatios) {
+          double removed = 0.0, cost = 0.0;
+          for (Index j = 0; j < share.size(); ++j) {
+            const double a = ratio * view.lambda[v][j];
+            removed += a / (1.0 + a) * share[j];
+            cost += 0.5 * std::log1p(a);
+          }
+          with.add(log_null - cost - half * std::log(std::max(1e-12, 1.0 - removed)));
         }
-        all.push_back(-cost - half * std::log(std::max(1e-12, 1.0 - removed)));
       }
     }
-    return log_mean_exp(all);
+    return with.log() - null.log() - std::log(static_cast<double>(std::size(kRatios) * views_.front().direction.size()));
   }
 
  private:
-  VectorXd without_mean(const VectorXd& x) const { return x - one_ * one_.dot(x); }
-  VectorXd one_, residual_;
-  std::vector<MatrixXd> direction_;
-  std::vector<VectorXd> lambda_;
+  static constexpr double kRatios[] = {1.0, 4.0, 16.0, 64.0};  // variance of the effect over that of the scatter
+
+  // One covariance in the coordinates of the residuals.
+  struct View {
+    MatrixXd map;
+    VectorXd one;
+    double log_null = 0.0;
+    std::vector<MatrixXd> direction;
+    std::vector<VectorXd> lambda;
+  };
+
+  static VectorXd without(const VectorXd& one, const VectorXd& x) { return x - one * one.dot(x); }
+  VectorXd residual_;
+  std::vector<View> views_;
 };
 
 constexpr int kHits = 40;  // enough to tell
