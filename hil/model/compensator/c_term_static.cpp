@@ -152,6 +152,14 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
                 : fmt::format("-(k_{0}_c * F * k_{0}_F0 * k_{0}_F0 / (F * F + k_{0}_F0 * k_{0}_F0))", id);
     t.each = 8;
     t.needs_exp = false;
+  } else if (e.form == "skewed") {
+    t.constants += fmt::format(
+        "static inline float {0}_open(float x) {{\n"
+        "  return fg_exp(-x) * (1.0f + x * (0.66666667f + 0.16666667f * x));\n"
+        "}}\n",
+        id);
+    body = fmt::format("k_{0}_c * k_{0}_F0 * ({0}_open(3.0f * F / k_{0}_F0) - 1.0f)", id);
+    t.each = 70;
   } else if (e.form.starts_with("spread")) {
     // ln((1 + e^((F - F0)/w)) / (1 + e^(-F0/w))) without an overflow above F0
     const double w = kThresholdSpread * F0;

@@ -1,6 +1,7 @@
 // Turn-on threshold: a spacer gap, contacts that close at distributed forces.
 //   share of closed contacts 1 - exp(-F/F0):  dU = -g c F0 (1 - exp(-F/F0));  hard gap: dU = -g c min(F, F0);
 //   share F^2/(F^2 + F0^2) of contacts closed by the force itself:  dU = -g c F F0^2/(F^2 + F0^2);
+//   thresholds gamma distributed, mean F0, shape 3:  dU = -g c F0 (1 - e^-x (1 + 2 x/3 + x^2/6)), x = 3 F/F0;
 //   thresholds spread about F0 (logistic, w = F0/4):  dU = -g c (F - softplus(F - F0) + softplus(-F0)), softplus(x) = w ln(1 + e^(x/w)).
 // On the film's force, on the decayed one, or beside the load's own lowest force (D h(F)).
 // Break force 0.2 to 1 N (Interlink integration guide), about 0.2 N (400 series data sheet).
@@ -13,7 +14,13 @@
 namespace forcegate {
 namespace {
 
-enum class Gap { distributed, hard, closing, spread };
+enum class Gap { distributed, hard, closing, skewed, spread };
+
+// What contacts lack above the force F whose thresholds are gamma distributed, mean F0, shape 3: int_F^inf share still open.
+double closed_late(double F, double F0) {
+  const double x = 3.0 * F / F0;
+  return F0 * std::exp(-x) * (1.0 + x * (2.0 / 3.0 + x / 6.0));
+}
 
 EffectForm form(const char* name, Gap gap, CurveAt at, std::vector<double> shares) {
   return {.name = name,
@@ -33,6 +40,7 @@ EffectForm form(const char* name, Gap gap, CurveAt at, std::vector<double> share
                 const auto h = [gap, F0](double F) {
                   if (F <= 0.0) return 0.0;
                   if (gap == Gap::closing) return -F * F0 * F0 / (F * F + F0 * F0);
+                  if (gap == Gap::skewed) return -F0 + closed_late(F, F0);
                   if (gap == Gap::spread) return -F + soft_hinge(F - F0, kThresholdSpread * F0) - soft_hinge(-F0, kThresholdSpread * F0);
                   return gap == Gap::hard ? -std::min(F, F0) : F0 * std::expm1(-F / F0);
                 };
@@ -58,6 +66,7 @@ const Registration<EffectKind> kRegistered{
                          form("distributed_of_swing", Gap::distributed, CurveAt::swing, {0.02, 0.06}),
                          form("hard", Gap::hard, CurveAt::force, {0.01, 0.02, 0.04, 0.08, 0.15, 0.3}),
                          form("closing", Gap::closing, CurveAt::force, {0.005, 0.015, 0.04, 0.1}),
+                         form("skewed", Gap::skewed, CurveAt::force, {0.02, 0.04, 0.08, 0.15}),
                          form("spread", Gap::spread, CurveAt::force, {0.04, 0.1, 0.2, 0.3}),
                          form("spread_of_swing", Gap::spread, CurveAt::swing, {0.04, 0.1, 0.2, 0.3})}}};
 

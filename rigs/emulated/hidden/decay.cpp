@@ -32,13 +32,26 @@ Law parameters(DecayLaw kind, const RecordContext& context) {
   return law;
 }
 
+/// What the film feels while the load is at its lowest: the minima are what stays (Lebosse 2011, section III-C), whatever lies between load and film.
+double film_low_N(const Waves& waves, const RecordContext& context) {
+  const double band = 0.01 * (context.plan.high_N - context.plan.low_N);
+  double sum = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < waves.size(); ++i)
+    if (std::abs(waves.force_N[i] - context.plan.low_N) <= band) {
+      sum += waves.film_N[i] - waves.force_N[i];
+      n += 1.0;
+    }
+  return context.plan.low_N + (n > 0.0 ? sum / n : 0.0);
+}
+
 /// The state-driven law: rate from the running loading rate, floor from a leaky running minimum.
 void apply_state_driven(const Law& law, Waves& waves, const RecordContext& context) {
   const double h = waves.step_s, G = context.truth.gain_N_per_V, F0 = context.truth.offset_N;
   const double period_s = context.plan.f_min_Hz > 0.0 ? 1.0 / context.plan.f_min_Hz : 10.0;
   const double memory = std::min(1.0, h / (3.0 * period_s)), leak = std::min(1.0, h / (60.0 * period_s));
   const double span = 2.0 * context.plan.amplitude_N();
-  double x = 1.0, floor_N = context.plan.low_N, rate = context.plan.f_min_Hz, before = waves.film_N.front();
+  const double low_N = film_low_N(waves, context);
+  double x = 1.0, floor_N = low_N, rate = context.plan.f_min_Hz, before = waves.film_N.front();
   const double base = 0.0056 * context.truth.b_scale, slope = 0.0019 * context.truth.b_scale;
   const auto start = static_cast<std::size_t>(context.plan.excitation_start_s / h);
   for (std::size_t i = 0; i < waves.size(); ++i) {
@@ -48,7 +61,7 @@ void apply_state_driven(const Law& law, Waves& waves, const RecordContext& conte
       const double shaken = rate / (rate + 0.004);
       x -= h * (base + slope * std::min(rate, 6.0)) * shaken * x;
       if (!waves.airborne.empty() && waves.airborne[i]) x += h / kRewind_s * (1.0 - x);
-      floor_N = F < floor_N ? F : floor_N + leak * (context.plan.low_N - floor_N);
+      floor_N = F < floor_N ? F : floor_N + leak * (low_N - floor_N);
     }
     before = F;
     const double D = (x + law.q) / (1.0 + law.q);
@@ -80,7 +93,7 @@ void apply_decay(DecayLaw kind, Waves& waves, const RecordContext& context) {
   }
   const Law law = parameters(kind, context);
   if (kind == DecayLaw::state_driven) return apply_state_driven(law, waves, context);
-  const double h = waves.step_s, floor_N = context.plan.low_N;
+  const double h = waves.step_s, floor_N = film_low_N(waves, context);
   const auto start = static_cast<std::size_t>(context.plan.excitation_start_s / h);
   const double keep = portable::exp(-law.b_per_s * h), per_q = 1.0 / (1.0 + law.q);
   double x = 1.0;

@@ -20,7 +20,7 @@ enum class DecayLaw {
 
 std::string_view to_string(DecayLaw law);
 
-/// Writes voltage_V from film_N: U = (W - F0) / G with W = F below the lowest force of the settled cycles and
+/// Writes voltage_V from film_N: U = (W - F0) / G with W = F below Fmin, what the film feels at the lowest force of the settled cycles, and
 /// Fmin + g D (F - Fmin) above it; D = (x + q) / (1 + q), x = exp(-b t) from the excitation's start, D = 1 in
 /// static records. Time away from contact rewinds x.
 void apply_decay(DecayLaw law, Waves& waves, const RecordContext& context);

@@ -132,6 +132,7 @@ TEST(Compensator, CurvesThermalEffectsAndDeadZonesAreUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("thermal", "lagged", {0.003, 0.001}, {60.0, 1.0})})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "distributed", {0.5}, {0.2})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "closing", {0.5}, {0.2})})), 0.3);
+  EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "skewed", {0.5}, {0.8})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "spread", {0.5}, {0.8})})), 0.3);
   EXPECT_LT(replay_LSB(model_with({effect("dead_zone", "hard", {0.5}, {0.2})})), 0.3);
 }
