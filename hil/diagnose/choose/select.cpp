@@ -209,6 +209,10 @@ class ForwardChoice {
                               : only_repairs_smoothing(family)
                                   ? Refusal::in_step
                                   : objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
+      if (why == Refusal::differs && agrees_beside_leads(family, chosen)) {
+        if (!carry_along(family, Clocks::late_reference)) return;
+        continue;
+      }
       if (!(why == Refusal::none ? take(family, chosen) : turn_down(family, why))) return;
     }
   }
@@ -264,16 +268,42 @@ class ForwardChoice {
     return nearly || (worth && is_reference_latency(channel_, family)) ? Clocks::late_reference : Clocks::no;
   }
 
+  // A wheel that turns at a constant speed loads as fast as it pushes sideways, and a late reference takes part of such an effect for its own,
+  // more so the faster the record. What has one strength in all records beside the leads that a reference may have is judged beside them.
+  bool agrees_beside_leads(const FamilyScore& family, const ChosenEffect& chosen) const {
+    constexpr double kTighter = 0.5;  // of the scatter between records without them
+    if (!rules_.clock_slack || latencies_ > 0 || family.kind->traits.timing) return false;
+    std::vector<int> columns = present_;
+    add_leads(channel_, columns);
+    if (columns.size() == present_.size()) return false;
+    const MixedFit leads = fit_mixed(channel_.problem, columns, &result_.base, 20, result_.base.use);
+    if (!leads.valid) return false;
+    const VariantScore both = score_variant(channel_, columns, leads, family.best.variant, nullptr);
+    const double lead_s = -net_shift_s(channel_, both.fit);
+    return both.fit.valid && !both.wrong_sign && both.gain > rules_.first_gain && lead_s > 0.0 && lead_s <= kAllowedLatency_s &&
+           both.fit.log_evidence > family.best.fit.log_evidence + kWorthCarrying &&
+           strength_scatter(channel_.problem, both.fit, chosen.columns) < kTighter * chosen.strength_scatter;
+  }
+
   // A shift there and, beside it, one back again: their difference is the bend of the force, which smoothing has flattened.
   bool only_repairs_smoothing(const FamilyScore& family) const {
     return latencies_ > 0 && family.kind->traits.timing && family.kind->name != "clock_skew" &&
            std::abs(net_shift_s(channel_, family.best.fit)) <= allowed_latency_s_;
   }
 
+  // Without the effect that they were judged beside, leads may take its part, and predict nonsense: the error before it is one without them.
+  bool allows_leads_alone() const {
+    std::vector<int> columns = base_;
+    add_leads(channel_, columns);
+    const MixedFit leads = fit_mixed(channel_.problem, columns, &out_.base, 20);
+    return leads.valid && -net_shift_s(channel_, leads) <= kAllowedLatency_s;
+  }
+
   bool carry_along(const FamilyScore& family, Clocks clocks) {
     constexpr double kLead_s = 0.006;
     constexpr int kMostLatencies = 2;
     for (std::vector<int>* columns : {&present_, &carried_, &base_}) {
+      if (columns == &base_ && clocks == Clocks::late_reference && !allows_leads_alone()) continue;
       const std::vector<int>& own = channel_.variants[static_cast<std::size_t>(family.best.variant)].columns;
       if (clocks == Clocks::slight_shift) columns->insert(columns->end(), own.begin(), own.end());
       else if (clocks == Clocks::lead) add_leads(channel_, *columns, kLead_s);
