@@ -257,6 +257,16 @@ TEST(RigChannel, TheSidewaysPushOfAnEccentricGrowsWithItsEccentricity) {
   EXPECT_FALSE(d.residual_unknown);
 }
 
+// At 4 Hz a reference that is 3 ms late looks like a third of the push, at 0.1 Hz like nothing of it.
+TEST(RigChannel, ASidewaysPushIsOneBesideALateReference) {
+  Bench bench;
+  bench.reference_lag_s = 0.003;
+  bench.turns_Hz = {0.0, 0.1, 0.0, 0.3, 0.0, 4.0, 0.0};
+  bench.push = [](double F, double e, double th) { return 0.05 * F * e / 24.0 * std::sin(th); };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "off_axis ");
+}
+
 TEST(RigChannel, AZeroErrorOfTheAngleIsNoFinding) {
   Bench bench;
   bench.slip_rad = [](double) { return 0.02; };
