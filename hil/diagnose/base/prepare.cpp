@@ -239,6 +239,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   });
   for (const RecordInput& input : w.input.records) w.health.push_back(health[input.name]);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
+  if (std::string note = note_of_left_out(w.health, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
   add_sample_windows(cuts, w.raw_claims);
   if (single) cut_into_blocks(w);
   return w;

@@ -117,10 +117,11 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                    percent(outliers / samples) +
                        " of the samples stand far off their neighbours while the force is smooth",
                    "share", "1", outliers / samples, std::sqrt(outliers) / samples});
-  // the output cannot be at its low end there: a few are enough, and so is one long loss
-  constexpr std::size_t kFewestZeros = 5, kFewestLong = 3;
-  constexpr double kLongLoss = 20.0;  // samples
-  const bool plain_zeros = !lone_are_spikes && ((with_zeros >= several && zero_runs >= (zeros >= 20.0 ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
+  // the output cannot be at its low end there: a few are enough, and so are two losses of several samples or a long one
+  constexpr std::size_t kFewestZeros = 5, kFewestLong = 2;
+  constexpr double kLong = 3.0, kLongLoss = 20.0;  // samples
+  const bool are_long = zeros >= kLong * static_cast<double>(zero_runs);
+  const bool plain_zeros = !lone_are_spikes && ((with_zeros >= several && zero_runs >= (are_long ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
   // a sample that is missing here and there is noted, and so is a logger that loses cells of every column; an output that goes missing again
   // and again in most records, and plainly more than the reference does, loses samples
   constexpr std::size_t kFewestRuns = 10;
@@ -143,6 +144,22 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   if (auto hum = claim_of_hum(health, scales)) out.push_back(std::move(*hum));
   if (auto noise = claim_of_reference_noise(health, scales, bench)) out.push_back(std::move(*noise));
   return out;
+}
+
+std::string note_of_left_out(const std::vector<RecordHealth>& health, const std::vector<HealthClaim>& claims) {
+  const auto claimed = [&](const char* effect) { return std::ranges::find(claims, effect, &HealthClaim::effect) != claims.end(); };
+  std::size_t zeros = 0, spikes = 0;
+  std::string where;
+  for (const RecordHealth& h : health) {
+    const std::size_t own_zeros = claimed("dropouts") ? 0 : h.zeros + h.lone_zeros, own_spikes = claimed("outliers") ? 0 : h.outliers;
+    zeros += own_zeros;
+    spikes += own_spikes;
+    if (own_zeros + own_spikes > 0) where += (where.empty() ? "" : ", ") + h.record;
+  }
+  if (zeros + spikes == 0) return {};
+  const auto told = [](std::size_t n, const char* what) { return n > 0 ? std::to_string(n) + " " + what : std::string(); };
+  return "samples of the output left out, too few for a finding: " + told(zeros, "at the low end where the force says otherwise") +
+         (zeros > 0 && spikes > 0 ? ", " : "") + told(spikes, "far off their neighbours") + " (" + where + ")";
 }
 
 }  // namespace forcegate::diagnose

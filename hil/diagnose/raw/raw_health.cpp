@@ -219,6 +219,25 @@ HealthScales health_scales(const Campaign& campaign) {
   return out;
 }
 
+namespace {
+
+// Among spikes with tails, a short one at the low end is one of them that the end of the range cuts off.
+void count_zeros(bool among_spikes, RecordHealth& out) {
+  const auto is_zero = [&](std::size_t i) { return out.bad[i] == static_cast<std::uint8_t>(BadSample::zero); };
+  for (std::size_t i = 0; i < out.bad.size(); ++i) {
+    if (!is_zero(i)) continue;
+    std::size_t end = i + 1;
+    while (end < out.bad.size() && is_zero(end)) ++end;
+    const std::size_t length = end - i;
+    const bool of_spikes = among_spikes && length <= kLongestSpike;
+    (of_spikes || length == 1 ? out.lone_zeros : out.zeros) += length;
+    out.zero_runs += of_spikes ? 0 : 1;
+    i = end;
+  }
+}
+
+}  // namespace
+
 RecordHealth check_raw_health(const Record& record, const HealthScales& scales, const BenchFacts& bench) {
   RecordHealth out;
   out.record = record.name;
@@ -292,22 +311,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (!(jump > quiet)) continue;
     const auto [low, high] = range_of_present({&F[i - 2], 5});
     if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
-    const auto at_low_end = [&](std::size_t k) { return std::abs(U[k] - low_rail) < 1e-9 + out.lsb_U_V; };
-    if (at_low_end(i)) {
-      const auto is_short = [&] {
-        std::size_t first = i, end = i + 1;
-        while (first > 0 && at_low_end(first - 1)) --first;
-        while (end < n && at_low_end(end)) ++end;
-        return end - first <= kLongestSpike;
-      };
-      // among spikes with tails, one that the end of the range cuts off whole
-      if (!short_spikes.empty() && is_short()) {
-        ++out.lone_zeros;
-        mark(i, BadSample::zero, jump);
-        continue;
-      }
-      out.zero_runs += at_low_end(i - 1) ? 0 : 1;
-      ++(at_low_end(i - 1) || at_low_end(i + 1) ? out.zeros : out.lone_zeros);
+    if (std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V) {
       mark(i, BadSample::zero, jump);
     } else if (stands_alone(i, jump) && jump > kAboveAround * scatter_around(U, i)) {
       spike.push_back(i);
@@ -359,7 +363,6 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       }
       const bool falls = at_bottom && i > 0 && end < n &&
                          std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
-      out.zero_runs += falls ? 1 : 0;
       if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
         const bool rail = at_top && length >= kFlatTop;
         const BadSample why = rail ? BadSample::rail : at_bottom ? BadSample::zero : BadSample::held;
@@ -368,15 +371,14 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
         if (rail) {
           out.at_rail += length;
           out.rail_V = U[i];
-        } else if (at_bottom) {
-          out.zeros += length;
-        } else {
+        } else if (!at_bottom) {
           out.held += length;
         }
       }
     }
     i = end;
   }
+  count_zeros(!short_spikes.empty(), out);
   out.bad_mean_square_V2 /= static_cast<double>(n);
   // a rail cuts noise off: what comes near it is bent too
   const double bent_V = out.at_rail > 0 ? out.rail_V - std::max(1.5 * out.lsb_U_V, 3.0 * out.noise_U_V) : std::numeric_limits<double>::infinity();

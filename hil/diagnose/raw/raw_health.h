@@ -93,4 +93,7 @@ struct HealthClaim {
 std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
                                        const BenchFacts& bench);
 
+/// Which samples no fit uses although no claim speaks of them; empty: none.
+std::string note_of_left_out(const std::vector<RecordHealth>& health, const std::vector<HealthClaim>& claims);
+
 }  // namespace forcegate::diagnose

@@ -194,6 +194,25 @@ TEST(RawHealth, AFewZerosInSeveralRecordsAreDropouts) {
   for (const Finding& f : two.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
 }
 
+TEST(RawHealth, TwoLossesOfSeveralSamplesAreDropoutsAndOneIsNoted) {
+  const auto lost = [](std::size_t records) {
+    Campaign c = make_campaign(41, straight);
+    for (std::size_t k = 0; k < records; ++k) {
+      auto& U = c.records[2 * k].trace.find("U")->value;
+      const auto& F = c.records[2 * k].trace.find("F_ref")->value;
+      const auto high = static_cast<std::size_t>(std::find_if(F.begin() + 1000, F.end(), [](double f) { return f > 1.5; }) - F.begin());
+      for (std::size_t i = high; i < high + 6; ++i) U[i] = 0.0;
+    }
+    return c;
+  };
+  const std::vector<HealthClaim> claims = claims_of_samples(lost(2));
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+  const Diagnosis d = answer(lost(1));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+  EXPECT_TRUE(std::ranges::any_of(d.notes, [](const std::string& n) { return n.find("6 at the low end") != std::string::npos; })) << told(d);
+}
+
 TEST(RawHealth, APeakThatItsNeighboursClimbToIsNoSpike) {
   Campaign c = make_campaign(27, straight);
   auto& U = c.records[3].trace.find("U")->value;
