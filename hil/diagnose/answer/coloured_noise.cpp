@@ -1,9 +1,12 @@
 #include "hil/diagnose/answer/coloured_noise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 
+#include "hil/base/portable_math.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/model/rows.h"
 
@@ -17,6 +20,7 @@ constexpr double kFlat = 2.3, kPeaked = 3.7;   // median kurtosis; 3 of a normal
 constexpr double kBursts = 6.0;                // kurtosis of any record
 constexpr double kFaster = 3.0;                // of the fastest record over the slowest
 constexpr double kMost = 0.006;                // of the span
+constexpr double kTone = 0.3;                  // of the power, at one frequency
 
 struct Spread {
   double rms = 0.0, kurtosis = 0.0;
@@ -36,20 +40,22 @@ Spread of_block_means(const std::vector<double>& e) {
   return {std::sqrt(square / n), fourth * n / (square * square)};
 }
 
-// RMS of the residual where the force of one recording moves most over that where it moves least; 1 where they are the same.
-double busy_over_quiet(const CampaignInput& input, const ResidualChannel& channel, const std::vector<std::vector<double>>& residual) {
-  constexpr double kBusy = 0.8, kQuiet = 0.5;  // quantiles of the rate
-  std::vector<std::pair<double, double>> blocks;  // rate and mean square
+// RMS of the means of neighbouring rows where the load (force, or how fast it moves) is large over that where it is small; 1 where they are
+// the same.
+double loaded_over_not(const CampaignInput& input, const ResidualChannel& channel, const std::vector<std::vector<double>>& residual,
+                       std::vector<double> RecordInput::* load) {
+  constexpr double kMuch = 0.8, kLittle = 0.5;  // quantiles
+  std::vector<std::pair<double, double>> blocks;  // load and square
   for (std::size_t k = 0; k < residual.size(); ++k) {
     const RecordInput& r = input.records[channel.record_of[k]];
     const std::vector<std::size_t>& row = channel.rows[k].row;
     for (std::size_t i = 0; i + kBlock <= residual[k].size(); i += kBlock) {
-      double rate = 0.0, square = 0.0;
+      double most = 0.0, mean = 0.0;
       for (std::size_t j = i; j < i + kBlock; ++j) {
-        rate = std::max(rate, std::abs(r.rate_N_per_s[row[j]]));
-        square += residual[k][j] * residual[k][j];
+        most = std::max(most, std::abs((r.*load)[row[j]]));
+        mean += residual[k][j];
       }
-      blocks.emplace_back(rate, square);
+      blocks.emplace_back(most, mean * mean);
     }
   }
   std::ranges::sort(blocks);
@@ -60,14 +66,41 @@ double busy_over_quiet(const CampaignInput& input, const ResidualChannel& channe
     for (std::size_t k = begin; k < end; ++k) sum += blocks[k].second;
     return end > begin ? sum / static_cast<double>(end - begin) : 0.0;
   };
-  const double quiet = mean(0.0, kQuiet);
-  return quiet > 0.0 ? std::sqrt(mean(kBusy, 1.0) / quiet) : 0.0;
+  const double little = mean(0.0, kLittle);
+  return little > 0.0 ? std::sqrt(mean(kMuch, 1.0) / little) : 0.0;
 }
 
 double rms_rate(const RecordInput& record) {
   double square = 0.0;
   for (const double v : record.rate_N_per_s) square += v * v;
   return std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, record.rate_N_per_s.size())));
+}
+
+// Share of the power at one frequency and its neighbours, where it is highest, above the slowest waves of a window; median over all windows.
+double share_of_tone(const std::vector<std::vector<double>>& residual) {
+  constexpr std::size_t kWindow = 256, kSlowest = 4;
+  std::vector<double> share;
+  for (const std::vector<double>& e : residual)
+    for (std::size_t from = 0; from + kWindow <= e.size(); from += kWindow) {
+      std::array<double, kWindow / 2> power{};
+      double total = 0.0;
+      for (std::size_t k = 1; k < power.size(); ++k) {
+        // Goertzel 1958
+        const double turn = 2.0 * portable::cos(2.0 * std::numbers::pi * static_cast<double>(k) / kWindow);
+        double now = 0.0, before = 0.0;
+        for (std::size_t i = 0; i < kWindow; ++i) {
+          const double next = e[from + i] + turn * now - before;
+          before = now;
+          now = next;
+        }
+        power[k] = now * now + before * before - turn * now * before;
+        total += power[k];
+      }
+      double highest = 0.0;
+      for (std::size_t k = kSlowest; k + 1 < power.size(); ++k) highest = std::max(highest, power[k - 1] + power[k] + power[k + 1]);
+      if (total > 0.0) share.push_back(highest / total);
+    }
+  return share.empty() ? 0.0 : quantile(std::move(share), 0.5);
 }
 
 }  // namespace
@@ -90,16 +123,20 @@ bool is_coloured_noise(const CampaignInput& input, const ResidualChannel& channe
     fastest = std::max(fastest, rate);
   }
   if (rms.size() < kFewestRecords) return false;
+  const auto differs = [&](std::vector<double> RecordInput::* load) {
+    const double ratio = loaded_over_not(input, channel, residual, load);
+    return ratio > kHigh || ratio < kLow;
+  };
+  if (differs(&RecordInput::F_N)) return false;
   if (input.single) {
-    const double ratio = busy_over_quiet(input, channel, residual);
-    if (ratio > kHigh || ratio < kLow) return false;
+    if (differs(&RecordInput::rate_N_per_s)) return false;
   } else if (fastest < kFaster * slowest) {
     return false;
   }
   const double typical = quantile(rms, 0.5), form = quantile(kurtosis, 0.5);
   return typical < kMost * channel.scale && *std::max_element(rms.begin(), rms.end()) < kHigh * typical &&
          *std::min_element(rms.begin(), rms.end()) > kLow * typical && form > kFlat && form < kPeaked &&
-         *std::max_element(kurtosis.begin(), kurtosis.end()) < kBursts;
+         *std::max_element(kurtosis.begin(), kurtosis.end()) < kBursts && share_of_tone(residual) < kTone;
 }
 
 }  // namespace forcegate::diagnose

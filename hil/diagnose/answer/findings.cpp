@@ -195,7 +195,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.records_excited = chosen.left_out.excited;
     f.evidence = sentence(chosen, channel, w.judges, f);
     if (!chosen.borne_out) f.limit(kNoClaim, kDoesNotFall);
-    reserve(w, channel, f);
+    reserve(w, channel, selection.base, f);
     for (const FamilyScore& rival : selection.first.families) {
       if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
       const double cosine =

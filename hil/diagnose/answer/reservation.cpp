@@ -6,6 +6,7 @@
 
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/choose/objection.h"
+#include "hil/diagnose/choose/reference_latency.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
@@ -18,10 +19,24 @@ bool has_declared_law(const CampaignInput& c) {
          std::any_of(c.records.begin(), c.records.end(), [](const RecordInput& r) { return std::isfinite(r.eccentricity_mm); });
 }
 
-Reservation reservation(const Finding& f, const ResidualChannel& channel, const CampaignInput& campaign, double resolution_N) {
+// Whether leads that a late reference may have take a third of what a loop takes.
+bool may_be_late_reference(const Workspace& w, const ResidualChannel& channel, const MixedFit& base, const Finding& f) {
+  constexpr double kShare = 1.0 / 3.0;
+  std::vector<int> columns = base.columns;
+  add_leads(channel, columns);
+  const MixedFit leads = fit_mixed(channel.problem, columns, &base, 20, base.use);
+  if (!leads.valid) return true;
+  const double square = channel.scale * channel.scale * judged(channel, judge(channel, leads, base, w.judges).adapted, w.judges);
+  return f.error_before * f.error_before - square > kShare * (f.error_before * f.error_before - f.error_after * f.error_after);
+}
+
+Reservation reservation(const Workspace& w, const ResidualChannel& channel, const MixedFit& base, const Finding& f) {
+  const CampaignInput& campaign = w.input;
+  const double declared_N = campaign.bench.reference_resolution_N, resolution_N = std::isfinite(declared_N) ? declared_N : w.scales.step_N;
   constexpr double kOrdinaryCurve = 8e-4;      // of the span, RMS: amplifiers, converters and references are bent by as much
   constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
   constexpr double kOrdinaryLead_pct = 1.0;   // the same of a loop that runs ahead of the load
+  constexpr double kOfSteps = 4.0;            // of the reference's: what its rounding makes of a turning point at most
   constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
   constexpr double kOfNoSpring = 0.01;        // of the span, RMS: what a law of the rig leaves at most
   constexpr double kHardlyFalls = 0.95;
@@ -46,7 +61,8 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
     return {kNothingToFind, "nobody wrote down that the angle is that of a wheel, and left-out records hardly gain"};
   if (f.effect == "hysteresis" && channel.signs_known)
     for (const FoundParameter& p : f.parameters)
-      if (p.name == "loop_width" && p.value <= 0.0 && p.value > -kOrdinaryLead_pct)
+      if (p.name == "loop_width" && p.value <= 0.0 && p.value > -kOrdinaryLead_pct &&
+          (-0.01 * p.value * campaign.range_N < kOfSteps * resolution_N || may_be_late_reference(w, channel, base, f)))
         return {kNothingToFind, "a film is behind its load; that an output is ahead of it by so little is what a late or coarse reference leaves"};
   if (f.effect == "hysteresis" || f.effect == "backlash")
     for (const FoundParameter& p : f.parameters)
@@ -62,9 +78,8 @@ Reservation reservation(const Finding& f, const ResidualChannel& channel, const 
 
 }  // namespace
 
-void reserve(const Workspace& w, const ResidualChannel& channel, Finding& f) {
-  const double declared_N = w.input.bench.reference_resolution_N;
-  const Reservation r = reservation(f, channel, w.input, std::isfinite(declared_N) ? declared_N : w.scales.step_N);
+void reserve(const Workspace& w, const ResidualChannel& channel, const MixedFit& base, Finding& f) {
+  const Reservation r = reservation(w, channel, base, f);
   f.limit(r.most, r.why);
 }
 

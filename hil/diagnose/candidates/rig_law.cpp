@@ -93,11 +93,12 @@ double stiffness_N_per_mm(const CampaignInput& input) {
   double xx = 0.0, xy = 0.0, yy = 0.0;
   int n = 0, with_angle = 0;
   for (const RecordInput& r : input.records) {
-    with_angle += r.cos_theta.empty() ? 0 : 1;
+    // a rest below the contact says nothing of the spring, and nothing against it
+    if (r.cos_theta.empty() || line_of(r.cos_theta, r, kOpen * input.range_N).n < 50.0) continue;
+    ++with_angle;
     const std::vector<double> x = spring_travel_mm(r);
     if (x.empty()) continue;
     const Line line = line_of(x, r, kOpen * input.range_N);
-    if (line.n < 50.0) continue;
     ++n;
     xx += line.xx / line.n;
     xy += line.xy / line.n;

@@ -23,6 +23,8 @@ constexpr double kOfJitterOfCodes = 0.1;
 // a law has one strength: scatter between records, relative to it. A loop or a growth has no form that is right everywhere; a push from
 // the side, a displacement current, a threshold, a shift in time are known courses, and so is a temperature within a record
 constexpr double kSameStrength = 1.0, kSameOfKnownForm = 0.35;
+// the same where it takes nearly all that is left: a course that bends a little less or more is a matter of its form
+constexpr double kSameOfNearlyAll = 0.7;
 
 // RMS over the records of the noise that smoothing leaves in the reference, share of the channel's scale.
 double smoothed_rms(const ResidualChannel& channel) {
@@ -68,13 +70,18 @@ bool is_alone(const ScreenResult& result, const FamilyScore& family) {
 
 bool may_be_of_loop(const EffectKind& earlier, const EffectKind& later) { return earlier.name == "hysteresis" && is_curve(later.name); }
 
-// A second effect takes nearly all that the first one left, in every record by that of the others and with one strength; the remains of a
-// wrong form do none of it.
-bool takes_the_rest(const FamilyScore& family, const ChosenEffect& chosen, const std::vector<ChosenEffect>& earlier) {
-  constexpr double kFall = 0.85, kLogRatio = 0.7, kErrors = 2.5, kOneStrength = 0.15;
+// It takes nearly all that is left, in every record by what the others say of it.
+bool takes_nearly_all(const ChosenEffect& chosen) {
+  constexpr double kFall = 0.85, kLogRatio = 0.7, kErrors = 2.5;
   const CrossFit& others = chosen.left_out;
   return !chosen.between && !others.blocks && chosen.fall > kFall && others.improved == others.excited && others.log_ratio > kLogRatio &&
-         others.log_ratio > kErrors * others.log_ratio_error && chosen.strength_scatter < kOneStrength &&
+         others.log_ratio > kErrors * others.log_ratio_error;
+}
+
+// A second effect that takes nearly all that the first one left, with one strength; the remains of a wrong form do not.
+bool takes_the_rest(const FamilyScore& family, const ChosenEffect& chosen, const std::vector<ChosenEffect>& earlier) {
+  constexpr double kOneStrength = 0.15;
+  return takes_nearly_all(chosen) && chosen.strength_scatter < kOneStrength &&
          std::none_of(earlier.begin(), earlier.end(),
                       [&](const ChosenEffect& e) { return look_alike(*e.kind, *family.kind) || may_be_of_loop(*e.kind, *family.kind); });
 }
@@ -134,7 +141,8 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
   // (a play has one width)
   const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited && name != "backlash";
   const bool known_form = family.kind->traits.known_form || (chosen.between && !chosen.by_records());
-  if (known_form ? chosen.strength_scatter > kSameOfKnownForm : chosen.strength_scatter > kSameStrength && !helps_all)
+  const double same = takes_nearly_all(chosen) ? kSameOfNearlyAll : kSameOfKnownForm;
+  if (known_form ? chosen.strength_scatter > same : chosen.strength_scatter > kSameStrength && !helps_all)
     return Refusal::differs;
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *

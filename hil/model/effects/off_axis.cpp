@@ -1,8 +1,10 @@
 // Off-axis push: the eccentric wheel also pushes sideways.  dU = g D (c1 sin th + c2 F sin th / R).
 // Form cam: the pressure angle of an eccentric grows with its eccentricity, so that a record of half the stroke has half the push.
+// Form odd: sin 2 th and sin 3 th beside sin th.
 // With a turning wheel a loop that keeps its width at any speed; in servo mode a single curve: the clash is the signature.
 
 #include <algorithm>
+#include <string>
 
 #include "hil/model/effect.h"
 
@@ -68,6 +70,37 @@ EffectForm form(const char* name, bool decayed) {
       .singles = true};
 }
 
+// Whatever turns over with the sense of rotation: tilt that saturates, an angle of pressure that grows with the arm. What does not turn over is a
+// function of the force.
+EffectForm odd() {
+  constexpr int kHarmonics = 3;
+  EffectForm out = form("odd", true);
+  out.strength.clear();
+  for (int k = 1; k <= kHarmonics; ++k) {
+    const std::string n = std::to_string(k);
+    out.strength.push_back({"c" + n + "_N", "N", -10.0, 10.0, 0.0, "of sin " + n + " th, constant part"});
+    out.strength.push_back({"d" + n, "1", -2.0, 2.0, 0.0, "the same, part that grows with the force"});
+  }
+  out.columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
+    columns.setZero();
+    if (r.sin_theta.empty()) return;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      // sin k th by Chebyshev's recurrence
+      double before = 0.0, now = r.decay[i] * r.sin_theta[i];
+      for (int k = 0; k < kHarmonics; ++k) {
+        columns(static_cast<Eigen::Index>(i), 2 * k) = now;
+        columns(static_cast<Eigen::Index>(i), 2 * k + 1) = now * r.F_N[i] / c.range_N;
+        const double next = 2.0 * r.cos_theta[i] * now - before;
+        before = now;
+        now = next;
+      }
+    }
+  };
+  out.singles = false;
+  out.bank = true;
+  return out;
+}
+
 const Registration<EffectKind> kRegistered{
     EffectKind{.name = "off_axis",
                .side = "rig",
@@ -78,7 +111,7 @@ const Registration<EffectKind> kRegistered{
                .separates = "the same cycle with the wheel turning the other way: the loop flips",
                .needs = {"theta"},
                .traits = {.known_form = true},
-               .forms = {form("sine", true), form("sine_undecayed", false), cam()}}};
+               .forms = {form("sine", true), form("sine_undecayed", false), cam(), odd()}}};
 
 }  // namespace
 }  // namespace forcegate
