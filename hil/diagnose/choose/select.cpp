@@ -206,7 +206,7 @@ class ForwardChoice {
       }
       const Refusal why = lead.plain() || (leads_ && family.kind->traits.late)
                                   ? Refusal::leads
-                              : only_repairs_smoothing(family)
+                              : only_repairs_smoothing(family) && !lead.loaded
                                   ? Refusal::in_step
                                   : objection(channel_, result_, family, chosen, out_.chosen, largest_removed_, rules_);
       if (why == Refusal::differs && agrees_beside_leads(family, chosen)) {
