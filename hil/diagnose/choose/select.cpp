@@ -329,12 +329,13 @@ class ForwardChoice {
       return asks_between_records(next) == between && (why != Refusal::helps_no_records || next.best.fall <= family.best.fall);
     };
     ++place_;
-    const bool far_down = unphysical && place_ >= kMostPlaces;  // only the other question is left
-    const auto passed_over = [&](const FamilyScore& next) { return unphysical ? far_down && asks_between_records(next) == between : fits_worse(next); };
+    // beside what was chosen only the other question is left, and so it is far down in the ranking
+    const bool far_down = !out_.chosen.empty() || (unphysical && place_ >= kMostPlaces);
+    const auto passed_over = [&](const FamilyScore& next) { return unphysical || far_down ? far_down && asks_between_records(next) == between : fits_worse(next); };
     while (place_ < families.size() && passed_over(families[place_])) ++place_;
     if (place_ >= families.size()) return false;
     const bool other_question = asks_between_records(families[place_]) && !between;
-    return other_question || (out_.chosen.empty() && !far_down);
+    return other_question || !far_down;
   }
 
   bool take(const FamilyScore& family, ChosenEffect& chosen) {
