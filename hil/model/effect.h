@@ -61,6 +61,7 @@ struct EffectForm {
   bool refine = true;    ///< shapes are continuous: the screen may search between the points of the grid
   bool singles = false;  ///< screen each column alone too (banks)
   bool bank = false;     ///< the family's most flexible form, used to soak up a wrong form's remains
+  bool only_further = false;  ///< beside another form of the family, never in its place
   bool from_rig = false; ///< of the output, after what another channel has shown
   bool groups = false;   ///< a column belongs to one group of records each, the first group has none
   RecordedCause cause = {};

@@ -145,9 +145,8 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   std::vector<char> used(channel.variants.size(), 0);
   const auto score_all = [&] {
     parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
-      const EffectKind& kind =
-          *channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind;
-      if (std::find(skip.begin(), skip.end(), kind.name) != skip.end()) return;
+      const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
+      if (c.form->only_further || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
       scores[v] = score_variant(channel, present, out.base, static_cast<int>(v), nullptr, iterations);
       used[v] = scores[v].gain > -1e299 ? 1 : 0;
     });
@@ -176,7 +175,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     std::map<const EffectForm*, int> of_form;
     for (std::size_t v = 0; v < scores.size(); ++v) {
       const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
-      if (c.kind != &kind) continue;
+      if (c.kind != &kind || c.form->only_further) continue;
       n += 1.0;  // one beyond its bounds had a share of the prior as well
       if (used[v] == 0) continue;
       const auto index = static_cast<int>(v);

@@ -70,13 +70,13 @@ EffectForm form(const char* name, bool decayed) {
       .singles = true};
 }
 
-// Whatever turns over with the sense of rotation: tilt that saturates, an angle of pressure that grows with the arm. What does not turn over is a
-// function of the force.
+// What else turns over with the sense of rotation: a tilt that saturates, an angle of pressure that grows with the arm. What does not turn over
+// is a function of the force; what goes round twice or thrice a turn and not once is another fault of the wheel.
 EffectForm odd() {
-  constexpr int kHarmonics = 3;
+  constexpr int kFirst = 2, kLast = 3;
   EffectForm out = form("odd", true);
   out.strength.clear();
-  for (int k = 1; k <= kHarmonics; ++k) {
+  for (int k = kFirst; k <= kLast; ++k) {
     const std::string n = std::to_string(k);
     out.strength.push_back({"c" + n + "_N", "N", -10.0, 10.0, 0.0, "of sin " + n + " th, constant part"});
     out.strength.push_back({"d" + n, "1", -2.0, 2.0, 0.0, "the same, part that grows with the force"});
@@ -87,17 +87,18 @@ EffectForm odd() {
     for (std::size_t i = 0; i < r.rows(); ++i) {
       // sin k th by Chebyshev's recurrence
       double before = 0.0, now = r.decay[i] * r.sin_theta[i];
-      for (int k = 0; k < kHarmonics; ++k) {
-        columns(static_cast<Eigen::Index>(i), 2 * k) = now;
-        columns(static_cast<Eigen::Index>(i), 2 * k + 1) = now * r.F_N[i] / c.range_N;
+      for (int k = kFirst; k <= kLast; ++k) {
         const double next = 2.0 * r.cos_theta[i] * now - before;
         before = now;
         now = next;
+        columns(static_cast<Eigen::Index>(i), 2 * (k - kFirst)) = now;
+        columns(static_cast<Eigen::Index>(i), 2 * (k - kFirst) + 1) = now * r.F_N[i] / c.range_N;
       }
     }
   };
   out.singles = false;
   out.bank = true;
+  out.only_further = true;
   return out;
 }
 
