@@ -112,10 +112,17 @@ bool follows_force(const ResidualChannel& output, const MixedFit& fit) {
 }
 
 std::vector<std::string> depends_on(const std::vector<ResidualMap>& maps) {
+  // whatever moves the output and nothing else stands in the output too, and a little of it goes with the value there
+  constexpr double kLeastShare = 0.04, kOfItself = 0.2;
   std::vector<std::string> out;
-  const double top = maps.empty() ? 0.0 : maps.front().share;
+  double top = 0.0;
+  for (const ResidualMap& map : maps)
+    if (map.coordinate != "output") top = std::max(top, map.share);
+  const bool is_alone = top < kLeastShare;
+  if (!maps.empty()) top = std::max(top, maps.front().share);
   for (const ResidualMap& map : maps) {
-    if (map.share < std::max(0.04, 0.35 * top)) break;
+    if (map.coordinate == "output" && is_alone && map.share < kOfItself) continue;
+    if (map.share < std::max(kLeastShare, 0.35 * top)) break;
     if (std::find(out.begin(), out.end(), map.group) == out.end()) out.push_back(map.group);
     if (out.size() == 3) break;
   }

@@ -26,6 +26,8 @@ struct Bench {
   double friction_N = 0.0, elastic_N = 0.05;  // of the guide: it reaches its size within some newtons of movement, and stays over rests
   std::function<double(double)> slip_rad = [](double) { return 0.0; };  // of the angle against its command
   double gear_rad = 0.0;  // half the play between the motor, whose angle is recorded, and the wheel
+  double drive_late_s = 0.0;  // behind its command
+  int rests = 0;  // records after the others: the wheel stands a millimetre off the sensor
 };
 
 // A wheel that turns in some records and goes slowly to and fro in the others; the sensor is a straight line.
@@ -38,23 +40,27 @@ Campaign turning(const Bench& bench) {
   Rng rng(11, "wheel");
   const auto& hertz = bench.turns_Hz;
   double dragged_N = k, drag = 0.0;  // share of the friction
-  for (int n = 0; n < 7; ++n) {
+  for (int n = 0; n < 7 + bench.rests; ++n) {
     Record r;
+    const bool rests = n >= 7;
+    const double turns_Hz = rests ? 0.0 : hertz[static_cast<std::size_t>(n)];
     r.name = "r" + std::to_string(n);
-    r.kind = hertz[n] > 0.0 ? "sine" : "ramp";
+    r.kind = rests ? "rest" : turns_Hz > 0.0 ? "sine" : "ramp";
     r.dynamic = false;
     r.start_s = 1500.0 * n;
-    const double p = 1.0 + 0.3 * n, e = bench.eccentricity_mm(n);
+    const double p = rests ? -1.0 : 1.0 + 0.3 * n, e = bench.eccentricity_mm(n);
     r.eccentricity_mm = e;
     r.preload_mm = p;
     TimeBase clock;
     std::vector<double> F_ref, U, theta, command;
     double late = 0.0, wheel = 0.0;
+    const auto turned = [&](double t) {
+      if (rests) return 0.0;
+      return turns_Hz > 0.0 ? 2.0 * std::numbers::pi * turns_Hz * t : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
+    };
     for (int i = 0; i < 22500; ++i) {
       const double t = i / kRate_Hz;
-      const double wanted =
-          hertz[n] > 0.0 ? 2.0 * std::numbers::pi * hertz[n] * t
-                         : 0.5 * std::numbers::pi * (1.0 - std::cos(2.0 * std::numbers::pi * t / 45.0));
+      const double wanted = turned(t);
       const double asked_N = k * (p + e * (1.0 - std::cos(wanted)));
       const double th = wanted + bench.slip_rad(wanted);
       wheel = std::clamp(wheel, th - bench.gear_rad, th + bench.gear_rad);
@@ -70,7 +76,7 @@ Campaign turning(const Bench& bench) {
                                  (F - late);
       clock.t_s.push_back(t);
       theta.push_back(std::remainder(th, 2.0 * std::numbers::pi));
-      command.push_back(asked_N);
+      command.push_back(k * (p + e * (1.0 - std::cos(turned(t + bench.drive_late_s)))));
       F_ref.push_back(std::round((late + bench.zero_N(*r.start_s + t) + 0.003 * rng.normal()) /
                                  bench.resolution_N) *
                       bench.resolution_N);
@@ -257,6 +263,17 @@ TEST(RigChannel, TheSidewaysPushOfAnEccentricGrowsWithItsEccentricity) {
   EXPECT_FALSE(d.residual_unknown);
 }
 
+// Some records turn, some go to and fro, where the same push is a function of the force.
+TEST(RigChannel, ASidewaysPushThatSaturatesIsOnePushAndNoCurveOfTheSensor) {
+  Bench bench;
+  bench.push = [](double, double, double th) { return 0.1 * std::tanh(2.0 * std::sin(th)); };
+  const Diagnosis mixed = diagnose(bench);
+  EXPECT_EQ(claims(mixed), "off_axis ");
+  bench.turns_Hz = {0.4, 1.5, 3.0, 0.4, 1.5, 3.0, 0.7};
+  const Diagnosis turning_only = diagnose(bench);
+  EXPECT_EQ(claims(turning_only), "off_axis ");
+}
+
 // At 4 Hz a reference that is 3 ms late looks like a third of the push, at 0.1 Hz like nothing of it.
 TEST(RigChannel, ASidewaysPushIsOneBesideALateReference) {
   Bench bench;
@@ -280,6 +297,30 @@ TEST(RigChannel, AZeroThatWandersWithinItsRecordsIsTheReferencesWhereTheRigShows
   EXPECT_EQ(claims(d), "reference_drift ");
   ASSERT_FALSE(d.findings.empty());
   EXPECT_TRUE(d.findings.front().side_witnessed);
+}
+
+// Where the zero has fallen so far, a rest reads less than nothing: no force of the spring is in it.
+TEST(RigChannel, RestsBelowZeroDoNotHideTheDriftThatTheSpringShows) {
+  Bench bench;
+  bench.rests = 2;
+  bench.zero_N = [](double t) { return 0.05 * std::cos(t / 2500.0) - 0.06 * std::log1p(t / 2000.0) - 0.1; };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "reference_drift ");
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_TRUE(d.findings.front().side_witnessed);
+}
+
+TEST(RigChannel, ADriveThatIsLateIsNotedWithItsLatenessAndNoFinding) {
+  Bench bench;
+  bench.drive_late_s = 0.01;
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "");
+  const std::string said = "the force follows its command ";
+  std::vector<double> late_ms;
+  for (const std::string& note : d.notes)
+    if (note.starts_with(said)) late_ms.push_back(std::stod(note.substr(said.size())));
+  ASSERT_EQ(late_ms.size(), 1u);
+  EXPECT_NEAR(late_ms.front(), 10.0, 1.0);
 }
 
 // Before the wheel it is a play of the angle, widest where the spring moves fastest; a play of the force leaves a bent spring beside it.

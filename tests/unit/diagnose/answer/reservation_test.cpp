@@ -82,6 +82,37 @@ TEST(Reservation, ANarrowLoopThatRunsAheadOfTheLoadIsNoHysteresis) {
   EXPECT_NE(told(d).find("ahead of it by so little"), std::string::npos) << told(d);
 }
 
+// The same of 0.7 % of the span, against a reference of 1 mN that is not late: neither makes it.
+TEST(Reservation, ALoopAheadOfTheLoadIsHysteresisWhereTheReferenceCannotMakeIt) {
+  std::vector<std::vector<double>> exact_N;
+  Campaign c = make_campaign(
+      93,
+      [&](const std::vector<double>&, const std::vector<double>& F, int) {
+        exact_N.push_back(F);
+        std::vector<double> U;
+        double play = F[0];
+        for (const double f : F) {
+          play = std::min(std::max(play, f - 0.15), f + 0.15);
+          U.push_back(2.0 * f + 0.2 - 0.2 * (play - f));
+        }
+        return U;
+      },
+      0.002);
+  Rng rng(93, "reference");
+  for (std::size_t k = 0; k < c.records.size(); ++k) {
+    auto& F = c.records[k].trace.find("F_ref")->value;
+    for (std::size_t i = 0; i < F.size(); ++i) F[i] = 0.001 * std::round(1000.0 * (exact_N[k][i] + 0.0005 * rng.normal()));
+  }
+  c.bench.reference_resolution_N = 0.001;
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_GE(probability(d, "hysteresis"), 0.5) << told(d);
+  const auto loop = std::ranges::find(d.findings, "hysteresis", &Finding::effect);
+  ASSERT_NE(loop, d.findings.end()) << told(d);
+  const auto width = std::ranges::find(loop->parameters, "loop_width", &FoundParameter::name);
+  ASSERT_NE(width, loop->parameters.end());
+  EXPECT_NEAR(width->value, -0.7, 0.15);
+}
+
 // Relays that close around 1.5 N (Preisach): their loop has a curve of its own.
 TEST(Reservation, TheCurveOfALoopIsNotClaimedBesideIt) {
   const auto relays = [](const std::vector<double>&, const std::vector<double>& F, int) {

@@ -128,6 +128,52 @@ TEST(RecordRegression, WhatOnlyTellsTheSessionsApartIsNoEvidence) {
   EXPECT_LT(score_predictors(s, {step}, kSizes).front().gain, 3.0);
 }
 
+// Two or three records in each of five sessions: the records of one agree within a tenth of what the sessions differ by.
+constexpr Index kOfSessions = 12;
+
+RecordSeries five_sessions(Rng& rng, double sd) {
+  RecordSeries out;
+  out.session = {0, 0, 0, 1, 1, 2, 2, 3, 3, 3, 4, 4};
+  out.value.resize(kOfSessions);
+  out.variance = VectorXd::Constant(kOfSessions, 1e-4 * sd * sd);
+  for (Index i = 0; i < kOfSessions; ++i) out.value[i] = sd * rng.normal();
+  return out;
+}
+
+// What is the same in all records of a session.
+VectorXd by_session(Rng& rng, const RecordSeries& series) {
+  const VectorXd of = VectorXd::NullaryExpr(5, [&](Index) { return rng.normal(); });
+  return VectorXd::NullaryExpr(kOfSessions, [&](Index i) { return of[series.session[static_cast<std::size_t>(i)]]; });
+}
+
+// Without x the spread is that of the sessions, and the scatter within them would not fall at all.
+TEST(RecordRegression, WhatTheSessionsHeldWithoutAPredictorIsExplainedByIt) {
+  Rng rng(31, "sessions");
+  for (int k = 0; k < 20; ++k) {
+    RecordSeries s = five_sessions(rng, 0.001);
+    RecordPredictor p{MatrixXd(by_session(rng, s)), VectorXd::Ones(1)};
+    normalise(p);
+    s.value += 0.01 * p.column.col(0);
+    const RecordScore score = score_predictors(s, {p}, kSizes).front();
+    EXPECT_GT(score.explained, 0.9) << k;
+    EXPECT_LT(chance_of_records({{s, {p}}}, 499, 1).of_orders, 0.02) << k;
+  }
+}
+
+TEST(RecordRegression, SessionsThatDifferByTenTimesTheScatterMakeNoChanceSmall) {
+  Rng rng(37, "null of sessions");
+  int below_2 = 0;
+  constexpr int kCampaigns = 400;
+  for (int k = 0; k < kCampaigns; ++k) {
+    RecordSeries s = five_sessions(rng, 0.001);
+    s.value += 0.01 * by_session(rng, s);
+    RecordPredictor p{MatrixXd(by_session(rng, s)), VectorXd::Ones(1)};
+    normalise(p);
+    below_2 += chance_of_records({{s, {p}}}, 199, 5).of_orders < 0.02 ? 1 : 0;
+  }
+  EXPECT_LE(below_2, 14);
+}
+
 TEST(RecordRegression, AColumnThatIsTheSameForAllRecordsAsksNothing) {
   RecordPredictor p{MatrixXd::Constant(8, 1, 3.0), VectorXd::Ones(1)};
   EXPECT_EQ(normalise(p), 0.0);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "tests/unit/diagnose/made_campaign.h"
 
@@ -54,6 +55,29 @@ TEST(ReferenceLatency, ALeadThatFadesQuicklyHasOneStrength) {
 TEST(ReferenceLatency, ALeadThatGrowsWithTheLoadIsNoDisplacementCurrent) {
   const Diagnosis d = answer(edges(61, [](double F) { return 0.0015 * F; }));
   for (const Finding& f : d.findings) EXPECT_TRUE(f.effect != "piezocapacitance" || f.probability < 0.5) << told(d);
+}
+
+// Growth of 3 % per decade, of relaxations a decade apart from 0.1 s on; and a lead that fades with the load.
+TEST(ReferenceLatency, ALeadThatFadesWithTheLoadIsTheSensorsBesideCreepToo) {
+  constexpr double kStep_s = 0.005, kCreep = 0.03;
+  Campaign c = edges(61, [](double F) { return 0.03 * std::exp(-F / 1.0); });
+  for (Record& r : c.records) {
+    const auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    std::array<double, 5> slow{};
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      double tau_s = 0.1;
+      for (double& s : slow) {
+        s += (F[i] - s) * -std::expm1(-kStep_s / tau_s);
+        U[i] += 2.0 * kCreep * s;
+        tau_s *= 10.0;
+      }
+      U[i] = std::clamp(U[i], 0.0, 10.0);
+    }
+  }
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_GE(probability(d, "creep"), 0.5) << told(d);
+  EXPECT_GE(probability(d, "piezocapacitance"), 0.5) << told(d);
 }
 
 }  // namespace
