@@ -8,7 +8,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/found_parameters.h"
 #include "hil/diagnose/answer/reservation.h"
-#include "hil/diagnose/between/record_regression.h"
+#include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/choose/objection.h"
 
 namespace forcegate::diagnose {

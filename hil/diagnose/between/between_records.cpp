@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/base/rng.h"
+#include "hil/diagnose/between/record_chance.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {

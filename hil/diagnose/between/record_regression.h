@@ -7,13 +7,8 @@
 // sessions apart explains nothing. H_ii = 1 where record i is cyclic: its gain and zero hang on how well its decay is known, which its own
 // variance tells only as far as the law of the decay is right. mu is flat (REML); s is integrated out over a lognormal prior (a factor of 3 about what
 // specimens typically repeat to: few records that fit too well are chance, not evidence), k, l and t over a few values. The score is the logarithm of the Bayes factor against x = 0 (Kass and Raftery 1995).
-//
-// The chance is exact up to the estimated weights: whitened residuals of the model without x are permuted over the records (Freedman
-// and Lane 1983) and the whole search over predictors is repeated (Westfall and Young 1993). Few records have few orders: where none does
-// clearly better, they are turned in random directions instead (Langsrud 2005), which is exact where the scatter is normal.
 
 #include <Eigen/Dense>
-#include <cstdint>
 #include <vector>
 
 namespace forcegate::diagnose {
@@ -44,23 +39,6 @@ struct RecordScore {
 /// Scores of several predictors of one series, each alone. `sizes`: values of t. Fewer than 4 records: no score.
 std::vector<RecordScore> score_predictors(const RecordSeries& series, const std::vector<RecordPredictor>& predictors,
                                           const std::vector<double>& sizes);
-
-/// Several series of the same records and what competes to explain each: the question that one family of effects asks.
-struct RecordQuestion {
-  RecordSeries series;
-  std::vector<RecordPredictor> predictors;
-};
-
-struct RecordChance {
-  double of_orders = 1.0;      ///< share of orders of the records, the same for all series, under which the family does as well as it did
-  double of_directions = 1.0;  ///< the same of rotations where no order does clearly better (half a nat); else of_orders
-};
-
-/// Shares of `draws` orders and directions: (1 + hits)/(1 + n), or hits/n as soon as enough hits tell (Besag and Clifford 1991).
-RecordChance chance_of_records(const std::vector<RecordQuestion>& questions, int draws, std::uint64_t seed);
-
-/// Largest Bayes factor that a chance leaves room for, 1 from 1/e on (Sellke, Bayarri and Berger 2001).
-double bayes_factor_bound(double chance);
 
 /// ln of the mean evidence of alternatives: one of the series moves, or all of them. `gains`: per series, ln of the mean Bayes
 /// factor over its predictors.

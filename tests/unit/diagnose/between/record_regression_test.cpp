@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hil/base/rng.h"
+#include "hil/diagnose/between/record_chance.h"
 
 namespace forcegate::diagnose {
 namespace {

@@ -1,0 +1,116 @@
+#include <algorithm>
+
+#include "tests/unit/diagnose/made_campaign.h"
+
+namespace forcegate::diagnose {
+namespace {
+
+TEST(LostSamples, AFallToZeroThatTheForceDoesNotExplainIsLostSamples) {
+  Campaign c = make_campaign(23, straight);
+  auto& U = c.records[3].trace.find("U")->value;
+  for (std::size_t i = 400; i + 20 < U.size(); i += 500)
+    for (std::size_t k = 0; k < 12; ++k) U[i + k] = 0.0;
+  EXPECT_GT(check_raw_health(c.records[3], health_scales(c), c.bench).zeros, 100u);
+}
+
+TEST(LostSamples, ALostSampleOfTheReferenceHidesNoHeldOutput) {
+  const auto held = [](bool one_lost) {
+    Campaign c = make_campaign(35, straight);
+    for (const std::size_t k : {0u, 3u, 4u}) {
+      auto& U = c.records[k].trace.find("U")->value;
+      for (std::size_t i = 5000; i < 5300; ++i) U[i] = U[5000];
+      if (one_lost) c.records[k].trace.find("F_ref")->value[5100] = kMissing;
+      if (one_lost) c.records[k].trace.find("F_ref")->value[5000] = kMissing;
+    }
+    return claims_of_samples(c);
+  };
+  for (const bool one_lost : {false, true}) {
+    const std::vector<HealthClaim> claims = held(one_lost);
+    ASSERT_EQ(claims.size(), 1u) << one_lost;
+    EXPECT_EQ(claims[0].effect, "dropouts");
+  }
+}
+
+TEST(LostSamples, AnOutputThatGoesMissingAgainAndAgainLosesSamples) {
+  const auto missing = [](std::size_t records, std::size_t each, std::size_t length, bool reference_too) {
+    Campaign c = make_campaign(36, straight);
+    for (std::size_t k = 0; k < records; ++k)
+      for (std::size_t j = 0; j < each; ++j)
+        for (std::size_t i = 0; i < length; ++i)
+          for (const char* name : {"U", "F_ref"})
+            if (reference_too || name[0] == 'U') c.records[k].trace.find(name)->value[1500 + 3001 * j + i] = kMissing;
+    return claims_of_samples(c);
+  };
+  const std::vector<HealthClaim> claims = missing(8, 6, 80, false);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+  EXPECT_NEAR(claims[0].value, 0.02, 1e-3);
+  EXPECT_TRUE(missing(8, 6, 20, false).empty()) << "half a percent is noted, no finding";
+  EXPECT_TRUE(missing(2, 7, 400, false).empty()) << "two records of eight";
+  EXPECT_TRUE(missing(8, 6, 80, true).empty()) << "rows that were lost, not samples of the output";
+}
+
+TEST(LostSamples, ALoggerThatLosesCellsOfEveryColumnIsNoLossOfTheOutput) {
+  // each cell of a column with its own chance
+  const auto lost = [](double of_output, double of_reference) {
+    Campaign c = make_campaign(38, straight);
+    Rng rng(38, "cells");
+    for (Record& r : c.records)
+      for (const auto& [name, share] : {std::pair{"U", of_output}, std::pair{"F_ref", of_reference}})
+        for (double& v : r.trace.find(name)->value)
+          if (rng.uniform() < share) v = kMissing;
+    return claims_of_samples(c);
+  };
+  EXPECT_TRUE(lost(0.017, 0.017).empty());
+  EXPECT_TRUE(lost(0.06, 0.06).empty());
+  const std::vector<HealthClaim> more = lost(0.05, 0.01);
+  ASSERT_EQ(more.size(), 1u);
+  EXPECT_EQ(more[0].effect, "dropouts");
+  EXPECT_NEAR(more[0].value, 0.04, 2e-3) << more[0].evidence;
+}
+
+TEST(LostSamples, AFewZerosInSeveralRecordsAreDropouts) {
+  const auto lost = [](std::size_t each) {
+    Campaign c = make_campaign(24, straight);
+    for (const std::size_t k : {0u, 3u})
+      for (std::size_t j = 0; j < each; ++j) c.records[k].trace.find("U")->value[2100 + 3001 * j] = 0.0;
+    return answer(std::move(c));
+  };
+  const Diagnosis few = lost(3);
+  ASSERT_FALSE(few.findings.empty());
+  EXPECT_EQ(few.findings.front().effect, "dropouts");
+  EXPECT_GE(few.findings.front().probability, 0.5);
+  const Diagnosis two = lost(1);
+  for (const Finding& f : two.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
+}
+
+TEST(LostSamples, TwoLossesOfSeveralSamplesAreDropoutsAndOneIsNoted) {
+  const auto lost = [](std::size_t records) {
+    Campaign c = make_campaign(41, straight);
+    for (std::size_t k = 0; k < records; ++k) {
+      auto& U = c.records[2 * k].trace.find("U")->value;
+      const auto& F = c.records[2 * k].trace.find("F_ref")->value;
+      const auto high = static_cast<std::size_t>(std::find_if(F.begin() + 1000, F.end(), [](double f) { return f > 1.5; }) - F.begin());
+      for (std::size_t i = high; i < high + 6; ++i) U[i] = 0.0;
+    }
+    return c;
+  };
+  const std::vector<HealthClaim> claims = claims_of_samples(lost(2));
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+  const Diagnosis d = answer(lost(1));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+  EXPECT_TRUE(std::ranges::any_of(d.notes, [](const std::string& n) { return n.find("6 at the low end") != std::string::npos; })) << told(d);
+}
+
+TEST(LostSamples, OneLongLossWhileTheForceHardlyMovesIsADropout) {
+  Campaign c = make_campaign(32, straight);
+  auto& U = c.records[2].trace.find("U")->value;
+  for (std::size_t i = 6000; i < 6200; ++i) U[i] = 0.0;
+  const std::vector<HealthClaim> lost = claims_of_samples(c);
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].effect, "dropouts");
+}
+
+}  // namespace
+}  // namespace forcegate::diagnose
