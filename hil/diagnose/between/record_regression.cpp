@@ -109,7 +109,7 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
     for (const RecordStructure& more : structures(series)) {
       const Whitened white = whiten(series, covariance(series, s, more.session, more.cyclic), columns);
       const double prior = std::log(more.prior) + log_prior;
-      const double spread = log_variance(series, s, more);
+      const double spread = log_variance(s, more);
       null.add(white.log_null + prior, spread);
       if (white.log_null + prior > best_null.log_evidence) best_null = {white.log_null + prior, s, more.session, more.cyclic, 0.0};
       for (std::size_t v = 0; v < predictors.size(); ++v)

@@ -31,7 +31,7 @@ double normalise(RecordPredictor& predictor);
 
 struct RecordScore {
   double gain = -1e300;    ///< ln Bayes factor
-  double explained = 0.0;  ///< share of the spread between records, s^2 (1 + k + l of the cyclic ones), that goes away (geometric mean over s, k, l)
+  double explained = 0.0;  ///< share of the spread between records, s^2 (1 + k), that goes away (geometric mean over s, k, l)
   double left_out = 1.0;   ///< mean square error of records predicted from others that x links them to, over the same without x
   Eigen::VectorXd added;   ///< what the columns add to each record, mean 0
 };

@@ -70,10 +70,7 @@ std::vector<Scatter> scatters(const RecordSeries& series) {
   return out;
 }
 
-double log_variance(const RecordSeries& series, double scatter, const RecordStructure& more) {
-  const double cyclic = series.cyclic.empty() ? 0.0 : static_cast<double>(std::ranges::count(series.cyclic, 1)) / static_cast<double>(series.cyclic.size());
-  return std::log(scatter * scatter * (1.0 + more.session + cyclic * more.cyclic));
-}
+double log_variance(double scatter, const RecordStructure& more) { return std::log(scatter * scatter * (1.0 + more.session)); }
 
 Whitened whiten(const RecordSeries& series, const MatrixXd& C, const MatrixXd& columns) {
   const Index n = series.value.size();

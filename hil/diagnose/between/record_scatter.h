@@ -29,9 +29,9 @@ std::vector<Scatter> scatters(const RecordSeries& series);
 /// diag(v) + s^2 (I + k G + l H).
 Eigen::MatrixXd covariance(const RecordSeries& series, double scatter, double session, double cyclic);
 
-/// ln of the mean variance of a record beside that of its measurement, all shares of it together: under the model without x a session may
-/// hold what x explains, and the scatter within sessions alone would not fall.
-double log_variance(const RecordSeries& series, double scatter, const RecordStructure& more);
+/// ln of the variance of a record beside that of its measurement, its own and its session's: under the model without x a session may hold what
+/// x explains, and the scatter within sessions alone would not fall. What cyclic ones scatter more is that of their decay, which x need not explain.
+double log_variance(double scatter, const RecordStructure& more);
 
 /// ln det L of a lower triangle.
 inline double half_log_det(const Eigen::MatrixXd& lower) { return lower.diagonal().array().log().sum(); }
