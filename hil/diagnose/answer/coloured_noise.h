@@ -10,8 +10,9 @@
 namespace forcegate::diagnose {
 
 /// Whether what hangs together in the residual is noise: means of neighbouring rows have one RMS in all records (within a factor of 1.8 up,
-/// 0.55 down of the median), and at high force that at low force, though the force moves at least three times as fast in one record as in another; their kurtosis is that of a
-/// normal distribution; no third of their power is at one frequency; no map explains them; they stay below 0.6 % of the span. Fewer than 4 records: never.
+/// 0.55 down of the median), and at high force that at low force, though the force moves at least three times as fast in one record as in
+/// another; their kurtosis is that of a normal distribution; no third of their power is at one frequency; no map explains them; they stay below
+/// 0.6 % of the span. Fewer than 4 records: never.
 /// `residual`: per record of the channel, in its unit. `maps`: of the same residual.
 bool is_coloured_noise(const CampaignInput& input, const ResidualChannel& channel, const std::vector<std::vector<double>>& residual,
                        const std::vector<ResidualMap>& maps);

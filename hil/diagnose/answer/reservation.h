@@ -8,10 +8,10 @@ namespace forcegate::diagnose {
 
 /// Lowers the probability of such a finding and says why in its evidence. To 0.2: a curve of less than 0.08 % of the channel's span (RMS); a
 /// loop of less than 0.5 % where nobody reads an angle, or ahead of the command there; any that is narrower than twice its uncertainty; a
-/// sensor's loop that runs ahead of the load by less than 1 % and either four steps of the reference, or three times what a late reference explains; a zero of the reference that jumps from record to record by less than half its resolution; a rail that
-/// takes less than a tenth of the slope; a bent spring of a bench whose law nobody declared and that leaves 1 % of the span or is left out
-/// nowhere; a push from the side there that left-out records hardly gain by. To kNoClaim: a free course over the campaign in the name of an
-/// unrecorded channel.
+/// sensor's loop that runs ahead of the load by less than 1 % and either four steps of the reference, or three times what a late reference
+/// explains; a zero of the reference that jumps from record to record by less than half its resolution; a rail that takes less than a tenth
+/// of the slope; a bent spring of a bench whose law nobody declared and that leaves 1 % of the span or is left out nowhere; a push from the
+/// side there that left-out records hardly gain by. To kNoClaim: a free course over the campaign in the name of an unrecorded channel.
 void reserve(const Workspace& workspace, const ResidualChannel& channel, const MixedFit& base, Finding& finding);
 
 /// To kNoClaim: a curve of a sensor beside a loop that is larger than it, whether or not the loop is claimed. Loops whose elements do not close

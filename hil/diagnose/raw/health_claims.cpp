@@ -148,14 +148,16 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
 
 std::string note_of_left_out(const std::vector<RecordHealth>& health, const std::vector<HealthClaim>& claims) {
   const auto claimed = [&](const char* effect) { return std::ranges::find(claims, effect, &HealthClaim::effect) != claims.end(); };
-  std::size_t zeros = 0, spikes = 0;
+  constexpr std::size_t kNamed = 4;
+  std::size_t zeros = 0, spikes = 0, records = 0;
   std::string where;
   for (const RecordHealth& h : health) {
     const std::size_t own_zeros = claimed("dropouts") ? 0 : h.zeros + h.lone_zeros, own_spikes = claimed("outliers") ? 0 : h.outliers;
     zeros += own_zeros;
     spikes += own_spikes;
-    if (own_zeros + own_spikes > 0) where += (where.empty() ? "" : ", ") + h.record;
+    if (own_zeros + own_spikes > 0 && ++records <= kNamed) where += (where.empty() ? "" : ", ") + h.record;
   }
+  if (records > kNamed) where += " and " + std::to_string(records - kNamed) + " more";
   if (zeros + spikes == 0) return {};
   const auto told = [](std::size_t n, const char* what) { return n > 0 ? std::to_string(n) + " " + what : std::string(); };
   return "samples of the output left out, too few for a finding: " + told(zeros, "at the low end where the force says otherwise") +
