@@ -269,9 +269,20 @@ TEST(RigChannel, ASidewaysPushThatSaturatesIsOnePushAndNoCurveOfTheSensor) {
   bench.push = [](double, double, double th) { return 0.1 * std::tanh(2.0 * std::sin(th)); };
   const Diagnosis mixed = diagnose(bench);
   EXPECT_EQ(claims(mixed), "off_axis ");
+  EXPECT_FALSE(mixed.residual_unknown);
   bench.turns_Hz = {0.4, 1.5, 3.0, 0.4, 1.5, 3.0, 0.7};
   const Diagnosis turning_only = diagnose(bench);
   EXPECT_EQ(claims(turning_only), "off_axis ");
+  EXPECT_FALSE(turning_only.residual_unknown);
+}
+
+// One record turns, in the others the wheel stays on one side; a late reference takes part of the push for its own in the fast one.
+TEST(RigChannel, ASidewaysPushThatSaturatesIsOnePushThoughItsStrengthsScatter) {
+  Bench bench;
+  bench.reference_lag_s = 0.003;
+  bench.turns_Hz = {0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0};
+  bench.push = [](double, double, double th) { return 0.1 * std::tanh(5.0 * std::sin(th)); };
+  EXPECT_EQ(claims(diagnose(bench)), "off_axis ");
 }
 
 // At 4 Hz a reference that is 3 ms late looks like a third of the push, at 0.1 Hz like nothing of it.
