@@ -1,5 +1,7 @@
 #include "hil/model/states.h"
 
+#include "hil/model/fading_memory.h"
+
 namespace forcegate {
 
 namespace {
@@ -20,17 +22,23 @@ std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int p
   const auto& t = record.fast_t_s;
   LowPass first(tau_s, F[0]), second(tau_s, F[0]);
   double before_second = F[0];
-  const auto sample = [&](std::uint32_t k) {
-    if (k == 0) return F[0];
-    const double dt = t[k] - t[k - 1];
-    const double y = first.step(F[k - 1], F[k], dt);
-    if (poles == 1) return y;
-    const double z = second.step(before_second, y, dt);
-    before_second = y;
-    return z;
-  };
-  std::vector<double> out(record.rows());
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = row_mean(record, i, sample);
+  std::vector<double> out(record.rows(), 0.0);
+  filter_wanted_rows(
+      record, [&](std::uint32_t next, std::uint32_t begin) { return first_felt(record, kForgotten * tau_s, next, begin); },
+      [&](std::uint32_t k) {
+        first.settle(F[k]);
+        second.settle(F[k]);
+        return before_second = F[k];
+      },
+      [&](std::uint32_t k) {
+        const double dt = t[k] - t[k - 1];
+        const double y = first.step(F[k - 1], F[k], dt);
+        if (poles == 1) return y;
+        const double z = second.step(before_second, y, dt);
+        before_second = y;
+        return z;
+      },
+      [&](std::size_t row, double mean) { out[row] = mean; });
   return out;
 }
 

@@ -41,6 +41,7 @@ class LowPass {
     state_ = w.keep * state_ + (w.to_old * x_before + w.to_new * x);
     return state_;
   }
+  void settle(double x) { state_ = x; }
   double state() const { return state_; }
 
  private:
@@ -71,7 +72,7 @@ inline double soft_hinge(double x, double w) {
   return w * std::log1p(std::exp(z));
 }
 
-/// Low pass of the full-rate force, averaged over each row. start: first state.
+/// Low pass of the full-rate force, which starts settled, averaged over each wanted row; 0 in the others.
 std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int poles = 1);
 
 /// h(L[F]), or L[h(F)], of the full-rate force, averaged over each row; L one pole of tau_s that starts settled.

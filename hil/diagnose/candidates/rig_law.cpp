@@ -4,9 +4,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "hil/base/parallel.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
 
@@ -114,7 +117,16 @@ std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
   constexpr double kFewest = 50.0, kShortest_s = 60.0, kWave_s = 40.0;
   constexpr int kMostWaves = 8, kOfSpring = 2;
   const int waves = r.duration_s > kShortest_s ? std::clamp(static_cast<int>(r.duration_s / kWave_s), 1, kMostWaves) : 0;
-  const auto wave = [&](int k, double t_s) { return std::cos(std::numbers::pi * (k + 1) * t_s / r.duration_s); };
+  // cos pi (k + 1) t / T by Chebyshev's recurrence
+  std::array<double, kMostWaves> wave{};
+  const auto set_waves = [&](double t_s) {
+    const double first = std::cos(std::numbers::pi * t_s / r.duration_s);
+    double before = 1.0, now = first;
+    for (int k = 0; k < waves; ++k) {
+      wave[static_cast<std::size_t>(k)] = now;
+      now = 2.0 * first * now - std::exchange(before, now);
+    }
+  };
   double n = 0.0, mean_d = 0.0, mean_L = 0.0, widest = 0.0;
   const auto counts = [&](std::size_t i) { return r.ok[i] != 0 && r.F_N[i] > least_N; };
   for (std::size_t i = 0; i < r.rows(); ++i)
@@ -138,7 +150,8 @@ std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
     x[0] = 1.0;
     x[1] = L;
     x[2] = L * L;
-    for (int k = 0; k < waves; ++k) x[1 + kOfSpring + k] = wave(k, r.t_s[i]);
+    set_waves(r.t_s[i]);
+    for (int k = 0; k < waves; ++k) x[1 + kOfSpring + k] = wave[static_cast<std::size_t>(k)];
     A += x * x.transpose();
     y += (r.F_N[i] - r.rig_force_N[i] - mean_d) * x;
   }
@@ -147,7 +160,8 @@ std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
   double mean_wave = 0.0;
   std::vector<double> out(r.rows(), 0.0);
   for (std::size_t i = 0; i < r.rows(); ++i) {
-    for (int k = 0; k < waves; ++k) out[i] += c[1 + kOfSpring + k] * wave(k, r.t_s[i]);
+    set_waves(r.t_s[i]);
+    for (int k = 0; k < waves; ++k) out[i] += c[1 + kOfSpring + k] * wave[static_cast<std::size_t>(k)];
     mean_wave += counts(i) ? out[i] / n : 0.0;
   }
   for (double& zero : out) zero += mean_d - mean_wave;
@@ -155,14 +169,15 @@ std::vector<double> zero_over_rig_N(const RecordInput& r, double least_N) {
 }
 
 // Against the middle one of all records: what all have in common is nobody's drift.
-void find_zeros(CampaignInput& input) {
-  std::vector<double> middle;
-  for (RecordInput& r : input.records) {
+void find_zeros(CampaignInput& input, unsigned threads) {
+  parallel_for(input.records.size(), threads, [&](std::size_t k) {
+    RecordInput& r = input.records[k];
     r.rig_zero_N.clear();
-    if (r.rig_force_N.empty()) continue;
-    r.rig_zero_N = zero_over_rig_N(r, kOpen * input.range_N);
+    if (!r.rig_force_N.empty()) r.rig_zero_N = zero_over_rig_N(r, kOpen * input.range_N);
+  });
+  std::vector<double> middle;
+  for (const RecordInput& r : input.records)
     if (!r.rig_zero_N.empty()) middle.push_back(r.rig_zero_N[r.rows() / 2]);
-  }
   const double common = middle.empty() ? 0.0 : quantile(std::move(middle), 0.5);
   for (RecordInput& r : input.records)
     for (double& zero : r.rig_zero_N) zero -= common;
@@ -170,7 +185,7 @@ void find_zeros(CampaignInput& input) {
 
 }  // namespace
 
-void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
+void find_rig_law(Workspace& w, std::vector<std::size_t>& records, unsigned threads) {
   const double stiffness = stiffness_N_per_mm(w.input);
   w.rig_sees_zero = stiffness > 0.0;
   w.rig_slope_N.assign(w.input.records.size(), 0.0);
@@ -204,7 +219,7 @@ void find_rig_law(Workspace& w, std::vector<std::size_t>& records) {
     if (!r.cos_theta.empty()) w.rig_slope_N[k] = line.xy / line.xx;
     records.push_back(k);
   }
-  if (w.rig_sees_zero) find_zeros(w.input);
+  if (w.rig_sees_zero) find_zeros(w.input, threads);
 }
 
 }  // namespace forcegate::diagnose

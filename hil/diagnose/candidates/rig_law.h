@@ -12,6 +12,6 @@ void build_rig_channel(Workspace& workspace, unsigned threads);
 
 /// Fills rig_force_N of the records with a witness and lists them: by the declared geometry and one stiffness for all
 /// where it is known (then the zero of the reference shows), else by each record's own line.
-void find_rig_law(Workspace& workspace, std::vector<std::size_t>& records);
+void find_rig_law(Workspace& workspace, std::vector<std::size_t>& records, unsigned threads);
 
 }  // namespace forcegate::diagnose

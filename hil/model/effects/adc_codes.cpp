@@ -152,13 +152,13 @@ EffectForm bit_weights(const char* name, const Source& source) {
               [source](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 const Lines lines = lines_of(c, shape, source);
                 const Share code = source.code(c, r, shape), line = source.line(c, r, shape);
-                for (std::size_t i = 0; i < r.rows(); ++i) {
+                r.for_each_wanted([&](std::size_t i) {
                   const double x = line(i), read = code(i);
                   const auto step = steps(read);
                   for (std::size_t k = 0; k < kSteps; ++k)
                     out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
                         std::isfinite(x + read) ? step[k] - lines.mean[k] - lines.slope[k] * (x - lines.middle) : 0.0;
-                }
+                });
               },
           .refine = false,
           .singles = true};

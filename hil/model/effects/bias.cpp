@@ -38,13 +38,13 @@ const Registration<EffectKind> kRegistered{EffectKind{
                out.setZero();
                if (!(r.drive_mean_V == r.drive_mean_V)) return;
                const double mean = reference_drive_V(c);
-               for (std::size_t i = 0; i < r.rows(); ++i) {
+               r.for_each_wanted([&](std::size_t i) {
                  const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
                  const double v = (V - mean) / mean;
                  const auto row = static_cast<Eigen::Index>(i);
                  out(row, 0) = v * r.base_force_N(i);
                  out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
-               }
+               });
              },
          .singles = true,
          .cause = drive()},
@@ -62,13 +62,13 @@ const Registration<EffectKind> kRegistered{EffectKind{
                out.setZero();
                if (!(r.drive_mean_V == r.drive_mean_V)) return;
                const double reference = std::tanh(reference_drive_V(c) / shape[0]);
-               for (std::size_t i = 0; i < r.rows(); ++i) {
+               r.for_each_wanted([&](std::size_t i) {
                  const double V = r.drive_V.empty() ? r.drive_mean_V : r.drive_V[i];
                  const double v = std::tanh(V / shape[0]) / reference - 1.0;
                  const auto row = static_cast<Eigen::Index>(i);
                  out(row, 0) = v * r.base_force_N(i);
                  out(row, 1) = -v * (1.0 - r.decay[i]) * (r.F_N[i] - r.F_min_N);
-               }
+               });
              },
          .singles = true,
          .cause = drive()},
@@ -82,8 +82,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
                out.setZero();
                if (!(r.drive_mean_V > 0.0)) return;
                const double v = 1.0 - reference_drive_V(c) / r.drive_mean_V;
-               for (std::size_t i = 0; i < r.rows(); ++i)
-                 out(static_cast<Eigen::Index>(i), 0) = v * r.base_force_N(i);
+               r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), 0) = v * r.base_force_N(i); });
              },
          .cause = drive()}}}};
 

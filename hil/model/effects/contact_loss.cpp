@@ -36,8 +36,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                out.setZero();
                if (r.rig_force_N.empty()) return;
-               for (std::size_t i = 0; i < r.rows(); ++i)
-                 out(static_cast<Eigen::Index>(i), 0) = std::max(0.0, shape[0] - r.rig_force_N[i]);
+               r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), 0) = std::max(0.0, shape[0] - r.rig_force_N[i]); });
              },
          // an open contact carries nothing: a slope that is a little less at the bottom is another thing
          .least = 0.35,

@@ -26,7 +26,7 @@ EffectForm form(const char* name, bool lost_swing, Height height) {
               },
           .columns =
               [=](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-                for (std::size_t i = 0; i < r.rows(); ++i) {
+                r.for_each_wanted([&](std::size_t i) {
                   double bump = 0.0;
                   for (std::size_t j = 0; j < r.frequency_jumps_s.size(); ++j) {
                     const double since = r.t_s[i] - r.frequency_jumps_s[j];
@@ -34,7 +34,7 @@ EffectForm form(const char* name, bool lost_swing, Height height) {
                   }
                   const double swing = (lost_swing ? 1.0 - r.decay[i] : 1.0) * (r.F_N[i] - r.F_min_N);
                   out(static_cast<Eigen::Index>(i), 0) = r.dynamic ? bump * swing : 0.0;
-                }
+                });
               }};
 }
 

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "hil/model/effect.h"
+#include "hil/model/fading_memory.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
@@ -30,8 +31,7 @@ void fill(const RecordInput& r, double tau_s, Kind kind, ColumnsRef out) {
   } else {
     y = low_pass_rows(r, kind == Kind::one_pole ? tau_s : 0.5 * tau_s, kind == Kind::one_pole ? 1 : 2);
   }
-  for (std::size_t i = 0; i < y.size(); ++i)
-    out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
+  r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]); });
 }
 
 // Of one step of the clock: y += old (x_before - y) + now (x - y), exact for an input that is linear between samples.
@@ -49,11 +49,11 @@ void fill_two_speeds(const RecordInput& r, double tau_s, double ratio, ColumnsRe
   if (r.fast_F_N.empty()) return;
   double y = r.fast_F_N[0], dt_s = -1.0;
   Pole up(tau_s, 1.0), down(tau_s * ratio, 1.0);
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    double sum = 0.0;
-    const std::uint32_t begin = r.row_begin[i], end = r.row_begin[i + 1];
-    for (std::uint32_t k = begin; k < end; ++k) {
-      if (k > 0) {
+  const double memory_s = kForgotten * tau_s * std::max(1.0, ratio);
+  filter_wanted_rows(
+      r, [&](std::uint32_t next, std::uint32_t begin) { return first_felt(r, memory_s, next, begin); },
+      [&](std::uint32_t k) { return y = r.fast_F_N[k]; },
+      [&](std::uint32_t k) {
         const double before = r.fast_F_N[k - 1], step_s = r.fast_t_s[k] - r.fast_t_s[k - 1];
         if (std::abs(step_s - dt_s) > 1e-9 * step_s) {
           dt_s = step_s;
@@ -61,12 +61,9 @@ void fill_two_speeds(const RecordInput& r, double tau_s, double ratio, ColumnsRe
           down = Pole(tau_s * ratio, dt_s);
         }
         const Pole& pole = before < y ? down : up;
-        y += pole.old * (before - y) + pole.now * (r.fast_F_N[k] - y);
-      }
-      sum += y;
-    }
-    out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (sum / static_cast<double>(end - begin) - r.F_N[i]);
-  }
+        return y += pole.old * (before - y) + pole.now * (r.fast_F_N[k] - y);
+      },
+      [&](std::size_t i, double mean) { out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (mean - r.F_N[i]); });
 }
 
 EffectForm two_speeds() {

@@ -29,8 +29,7 @@ EffectForm one_pole() {
                 out.setZero();
                 if (r.F_cmd_N.empty()) return;
                 const auto y = low_pass_channel(r, r.F_cmd_N, shape[0], r.F_cmd_N[0]);
-                for (std::size_t i = 0; i < r.rows(); ++i)
-                  out(static_cast<Eigen::Index>(i), 0) = y[i] - r.F_cmd_N[i];
+                r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), 0) = y[i] - r.F_cmd_N[i]; });
               },
           .least = 0.2};  // a servo loop leaves a slow tail of some per cent
 }
@@ -119,11 +118,11 @@ EffectForm pitch() {
               [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 out.setZero();
                 if (r.F_cmd_N.empty()) return;
-                for (std::size_t i = 0; i < r.rows(); ++i) {
+                r.for_each_wanted([&](std::size_t i) {
                   const double phase = 2.0 * std::numbers::pi * shape[0] * (r.F_cmd_N[i] - c.lowest_N) / c.range_N;
                   out(static_cast<Eigen::Index>(i), 0) = std::sin(phase);
                   out(static_cast<Eigen::Index>(i), 1) = std::cos(phase);
-                }
+                });
               }};
 }
 

@@ -34,7 +34,7 @@ EffectForm declared(const char* name, bool gain) {
     out.setZero();
     if (r.mounting < 1) return;
     const int column = std::min(r.mounting, kMostMountings - 1) - 1;
-    for (std::size_t i = 0; i < r.rows(); ++i) out(static_cast<Eigen::Index>(i), column) = gain ? r.base_force_N(i) : c.range_N;
+    r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), column) = gain ? r.base_force_N(i) : c.range_N; });
   };
   return form;
 }
@@ -66,10 +66,10 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .columns =
              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                const bool after = static_cast<double>(r.index) >= shape[0];
-               for (std::size_t i = 0; i < r.rows(); ++i) {
+               r.for_each_wanted([&](std::size_t i) {
                  out(static_cast<Eigen::Index>(i), 0) = after ? r.base_force_N(i) : 0.0;
                  out(static_cast<Eigen::Index>(i), 1) = after ? c.range_N : 0.0;
-               }
+               });
              },
          .refine = false,
          .singles = true},

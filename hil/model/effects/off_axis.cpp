@@ -40,11 +40,11 @@ EffectForm cam() {
                 out.setZero();
                 if (r.sin_theta.empty()) return;
                 const double arm = arm_N(r);
-                for (std::size_t i = 0; i < r.rows(); ++i) {
+                r.for_each_wanted([&](std::size_t i) {
                   const double s = r.decay[i] * arm * r.sin_theta[i];
                   out(static_cast<Eigen::Index>(i), 0) = s;
                   out(static_cast<Eigen::Index>(i), 1) = s * r.F_N[i] / c.range_N;
-                }
+                });
               },
           .singles = true};
 }
@@ -61,11 +61,11 @@ EffectForm form(const char* name, bool decayed) {
           [decayed](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
             out.setZero();
             if (r.sin_theta.empty()) return;
-            for (std::size_t i = 0; i < r.rows(); ++i) {
+            r.for_each_wanted([&](std::size_t i) {
               const double s = (decayed ? r.decay[i] : 1.0) * r.sin_theta[i];
               out(static_cast<Eigen::Index>(i), 0) = s;
               out(static_cast<Eigen::Index>(i), 1) = s * r.F_N[i] / c.range_N;
-            }
+            });
           },
       .singles = true};
 }
@@ -84,7 +84,7 @@ EffectForm odd() {
   out.columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
     columns.setZero();
     if (r.sin_theta.empty()) return;
-    for (std::size_t i = 0; i < r.rows(); ++i) {
+    r.for_each_wanted([&](std::size_t i) {
       // sin k th by Chebyshev's recurrence
       double before = 0.0, now = r.decay[i] * r.sin_theta[i];
       for (int k = kFirst; k <= kLast; ++k) {
@@ -94,7 +94,7 @@ EffectForm odd() {
         columns(static_cast<Eigen::Index>(i), 2 * (k - kFirst)) = now;
         columns(static_cast<Eigen::Index>(i), 2 * (k - kFirst) + 1) = now * r.F_N[i] / c.range_N;
       }
-    }
+    });
   };
   out.singles = false;
   out.bank = true;

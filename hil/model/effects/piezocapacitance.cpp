@@ -9,6 +9,7 @@
 
 #include "hil/model/capacitance_curve.h"
 #include "hil/model/effect.h"
+#include "hil/model/fading_memory.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
@@ -20,9 +21,10 @@ constexpr double kFollow_s = 0.005;  // bandwidth of the derivative
 void assumed_columns(const CampaignInput& c, const RecordInput& r, ColumnsRef out) {
   const double middle = c.lowest_N + 0.5 * c.range_N;
   const auto y = low_pass_rows(r, kFollow_s);
-  for (std::size_t i = 0; i < r.rows(); ++i)
+  r.for_each_wanted([&](std::size_t i) {
     out(static_cast<Eigen::Index>(i), 0) =
         2.0 * (r.F_N[i] - y[i]) * (2.0 / (1.0 + std::max(r.F_N[i], 0.0) / middle));
+  });
 }
 
 // The charge moved by a step is C(after) - C(before), up and down alike: the derivative is that of C(F) at full rate.
@@ -30,21 +32,22 @@ void measured_columns(const CampaignInput& c, const RecordInput& r, const Capaci
                       ColumnsRef out) {
   if (r.fast_F_N.empty()) return;
   const double slope = curve.slope_F_per_N(c.lowest_N + 0.5 * c.range_N);
-  double q = curve.at_F(r.fast_F_N[0]) / slope, y = q;
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    double sum = 0.0;
-    const std::uint32_t begin = r.row_begin[i], end = r.row_begin[i + 1];
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const double before = q;
-      q = curve.at_F(r.fast_F_N[k]) / slope;
-      if (k > 0) {
+  const auto charge = [&](std::uint32_t k) { return curve.at_F(r.fast_F_N[k]) / slope; };
+  double q = charge(0), y = q;
+  filter_wanted_rows(
+      r, [&](std::uint32_t next, std::uint32_t begin) { return first_felt(r, kForgotten * kFollow_s, next, begin); },
+      [&](std::uint32_t k) {
+        y = q = charge(k);
+        return 0.0;
+      },
+      [&](std::uint32_t k) {
+        const double before = q;
+        q = charge(k);
         const double middle = 0.5 * (before + q);
         y = middle + (y - middle) * std::exp(-(r.fast_t_s[k] - r.fast_t_s[k - 1]) / kFollow_s);
-      }
-      sum += q - y;
-    }
-    out(static_cast<Eigen::Index>(i), 0) = 2.0 * sum / static_cast<double>(end - begin);
-  }
+        return q - y;
+      },
+      [&](std::size_t i, double mean) { out(static_cast<Eigen::Index>(i), 0) = 2.0 * mean; });
 }
 
 EffectForm fading() {
@@ -65,9 +68,10 @@ EffectForm fading() {
               [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 const double F0 = shape[0] * c.range_N, middle = c.lowest_N + 0.5 * c.range_N, at_middle = 1.0 + std::max(middle, 0.0) / F0;
                 const auto y = low_pass_rows(r, shape[2]);
-                for (std::size_t i = 0; i < r.rows(); ++i)
+                r.for_each_wanted([&](std::size_t i) {
                   out(static_cast<Eigen::Index>(i), 0) =
                       kLead_s / shape[2] * (r.F_N[i] - y[i]) * std::pow((1.0 + std::max(r.F_N[i], 0.0) / F0) / at_middle, -shape[1]);
+                });
               }};
 }
 

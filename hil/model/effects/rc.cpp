@@ -9,6 +9,7 @@
 
 #include "hil/model/capacitance_curve.h"
 #include "hil/model/effect.h"
+#include "hil/model/fading_memory.h"
 #include "hil/model/states.h"
 
 namespace forcegate {
@@ -26,21 +27,19 @@ void pole_columns(const CampaignInput& c, const RecordInput& r, double tau_s, do
   const double floor = unloaded * c.range_N, middle = c.lowest_N + 0.5 * c.range_N + floor;
   const double per_Ns = 1.0 / (tau_s * middle);
   double y = r.fast_F_N[0];
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    double sum = 0.0;
-    const std::uint32_t begin = r.row_begin[i], end = r.row_begin[i + 1];
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const double F = r.fast_F_N[k];
-      if (k > 0) {
-        const double rate = (std::max(F, 0.0) + floor) * per_Ns / factor(F);
-        const double before = 0.5 * (F + r.fast_F_N[k - 1]);
-        const double h = rate * (r.fast_t_s[k] - r.fast_t_s[k - 1]);
-        y += (before - y) * decayed(h);
-      }
-      sum += y;
-    }
-    out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (sum / static_cast<double>(end - begin) - r.F_N[i]);
-  }
+  const auto time_constants = [&](std::uint32_t k) {
+    const double F = r.fast_F_N[k];
+    return (std::max(F, 0.0) + floor) * per_Ns / factor(F) * (r.fast_t_s[k] - r.fast_t_s[k - 1]);
+  };
+  filter_wanted_rows(
+      r,
+      [&](std::uint32_t next, std::uint32_t k) {
+        for (double h = 0.0; k > next && h < kForgotten; --k) h += time_constants(k);
+        return k;
+      },
+      [&](std::uint32_t k) { return y = r.fast_F_N[k]; },
+      [&](std::uint32_t k) { return y += (0.5 * (r.fast_F_N[k] + r.fast_F_N[k - 1]) - y) * decayed(time_constants(k)); },
+      [&](std::size_t i, double mean) { out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (mean - r.F_N[i]); });
 }
 
 EffectForm form(const char* name, bool measured) {

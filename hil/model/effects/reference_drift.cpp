@@ -26,11 +26,11 @@ EffectForm polynomial() {
           .columns =
               [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                 const double T = campaign_length_s(c);
-                for (std::size_t i = 0; i < r.rows(); ++i) {
+                r.for_each_wanted([&](std::size_t i) {
                   const double t = (r.start_s + r.t_s[i]) / T;
                   out(static_cast<Eigen::Index>(i), 0) = t;
                   out(static_cast<Eigen::Index>(i), 1) = t * t;
-                }
+                });
               },
           .singles = true};
 }

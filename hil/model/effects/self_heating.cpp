@@ -34,8 +34,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
                  P[i] = v * v * r.base_force_N(i) / c.range_N;
                }
                const auto heat = low_pass_channel(r, P, shape[0], 0.0);
-               for (std::size_t i = 0; i < r.rows(); ++i)
-                 out(static_cast<Eigen::Index>(i), 0) = heat[i] * r.base_force_N(i);
+               r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), 0) = heat[i] * r.base_force_N(i); });
              }}}}};
 
 }  // namespace

@@ -26,11 +26,11 @@ const Registration<EffectKind> kRegistered{EffectKind{
                    [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
                      out.setZero();
                      if (r.rig_force_N.empty()) return;
-                     for (std::size_t i = 0; i < r.rows(); ++i) {
+                     r.for_each_wanted([&](std::size_t i) {
                        const double L = r.rig_force_N[i] / c.range_N;
                        out(static_cast<Eigen::Index>(i), 0) = L * L * c.range_N;
                        out(static_cast<Eigen::Index>(i), 1) = L * L * L * c.range_N;
-                     }
+                     });
                    },
                .singles = true,
                .bank = true}}}};

@@ -18,9 +18,10 @@ EffectForm form(const char* name, std::function<double(double)> law, bool within
           .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
           .columns =
               [law, within_records](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
-                for (std::size_t i = 0; i < r.rows(); ++i)
+                r.for_each_wanted([&](std::size_t i) {
                   out(static_cast<Eigen::Index>(i), 0) =
                       -r.base_force_N(i) * law((r.travel_before_N + (within_records ? r.travel_N[i] : 0.0)) / c.travel_total_N);
+                });
               }};
 }
 
