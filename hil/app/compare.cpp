@@ -65,10 +65,7 @@ Result<Comparison> compare_request(const CampaignRequest& request, bool pictures
     FORCEGATE_TRY(out.as_written, as_written(model, rows.input, request.threads));
   }
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(rows), options));
-  out.view = diagnose::compare_workspace(*w, options);
-  if (out.view.records.empty())
-    return fail(ErrorCode::parse, "the records do not determine the starting model", out.view.campaign,
-                "more records, or records with more force");
+  FORCEGATE_TRY(out.view, diagnose::compare_workspace(*w, options));
   if (pictures) out.pictures = record_pictures(*w, model);
   return out;
 }

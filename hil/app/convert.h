@@ -31,7 +31,7 @@ struct ConvertReport {
   std::map<std::string, std::string> provenance;
 };
 
-/// "NAME=F_ref_N" words to a map. Errors: usage.
+/// "NAME=F_ref_N" words of --map, split at the last "=", to a map. Errors: usage.
 Result<std::map<std::string, std::string>> parse_column_map(std::span<const std::string> words);
 
 /// Reads, writes and reports. Refuses to write over an existing file without `overwrite`, and onto its own input.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "hil/app/convert.h"
 #include "hil/base/text.h"
 #include "hil/trace/columns.h"
 
@@ -29,13 +30,7 @@ Result<Campaign> load_recordings(const CampaignRequest& request) {
   CampaignOptions options;
   options.assumed_rate_Hz = request.assumed_rate_Hz;
   options.threads = request.threads;
-  for (const std::string& map : request.maps) {
-    const std::size_t at = map.find('=');
-    if (at == std::string::npos || at == 0 || at + 1 == map.size())
-      return fail(ErrorCode::usage, "\"" + map + "\" does not map a column", "--map",
-                  "write --map pressure_bar=F_ref_N");
-    options.column_map[map.substr(0, at)] = map.substr(at + 1);
-  }
+  FORCEGATE_TRY(options.column_map, parse_column_map(request.maps));
   return read_campaign(request.campaign, options);
 }
 

@@ -149,13 +149,17 @@ void add_refused(const Search& search, Diagnosis& out) {
         out.refused.push_back(r);
 }
 
+Unexpected undetermined(const Workspace& w) {
+  return fail(ErrorCode::parse, "the records do not determine the starting model", w.input.name, "more records, or records with more force");
+}
+
 }  // namespace
 
-Diagnosis compare_workspace(Workspace& w, const EngineOptions& options) {
+Result<Diagnosis> compare_workspace(Workspace& w, const EngineOptions& options) {
   Diagnosis out;
   set_scales(w, options, out);
   const MixedFit base = base_model(w, options, out.notes);
-  if (!base.valid) return out;
+  if (!base.valid) return undetermined(w);
   if (!base.columns.empty() && whole_must_judge(w, fit_mixed(w.output.problem, {}, &base), base)) w.judges = JudgedBy::whole;
   out.judged_by = w.judges;
   const auto residual = residual_rows(w.output, base);
@@ -176,7 +180,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (w.judges == JudgedBy::whole)
     out.notes.emplace_back("its parts show different things, and some cannot be foretold from the others: errors are of the whole recording, which the model was fitted to");
   if (!selection.base.valid)
-    return fail(ErrorCode::parse, "the records do not determine the starting model", w.input.name, "more records, or records with more force");
+    return undetermined(w);
   const Remainder rest = remainder_of(w, selection, options.threads);
   out.maps_after = rest.maps;
 

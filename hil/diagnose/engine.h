@@ -50,8 +50,8 @@ Result<std::unique_ptr<Workspace>> prepare(Campaign campaign, const EngineOption
 /// S4 to S9 on a prepared workspace. Errors (parse): the records do not determine the starting model.
 Result<Diagnosis> diagnose_workspace(Workspace& workspace, const EngineOptions& options);
 
-/// Records, maps and overlays of the base law (with the effects that the model has), without any search.
-Diagnosis compare_workspace(Workspace& workspace, const EngineOptions& options);
+/// Records, maps and overlays of the base law (with the effects that the model has), without any search. Errors as diagnose_workspace.
+Result<Diagnosis> compare_workspace(Workspace& workspace, const EngineOptions& options);
 
 struct Diagnosed {
   std::unique_ptr<Workspace> workspace;

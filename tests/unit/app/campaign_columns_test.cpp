@@ -36,6 +36,18 @@ TEST_F(CampaignColumns, TheHintForAWeightInGramsCanBePastedAndTheHeadersLineIsNa
   EXPECT_THAT(two.error().where, EndsWith("run.csv:1"));
 }
 
+TEST_F(CampaignColumns, AMapIsSplitAtItsLastEqualsSignAndOneWithoutANameIsRefused) {
+  CampaignRequest request = put("t_s,cell at x=3,U_V\n0,1,2\n1,2,3\n2,3,4\n");
+  request.maps = {"cell_at_x=3=F_ref_N"};
+  const auto campaign = load_campaign(request);
+  ASSERT_TRUE(campaign) << campaign.error().to_text();
+  request.maps = {"cell_at_x="};
+  const auto refused = load_campaign(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
+  EXPECT_THAT(refused.error().to_text(), HasSubstr("cell_at_x="));
+}
+
 TEST_F(CampaignColumns, ARecordThatIsTooShortIsNamedByItsFile) {
   const auto campaign = load_campaign(put("t_s,F_ref_N,U_V\n0,1,2\n1,2,3\n2,3,4\n"));
   ASSERT_TRUE(campaign);

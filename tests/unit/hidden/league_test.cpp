@@ -197,7 +197,9 @@ TEST(BuiltInEngine, MeasuresItsStartingModelOnTheTwinAsAComparisonDoes) {
   const LeagueEngine engine = built_in_engine();
   const auto base = engine.base(std::move(*twin), false);
   ASSERT_TRUE(base) << base.error().to_text();
-  EXPECT_NEAR(base->output.own_levels, diagnose::compare_workspace(**workspace, options).error_before, 1e-12);
+  const auto compared = diagnose::compare_workspace(**workspace, options);
+  ASSERT_TRUE(compared) << compared.error().to_text();
+  EXPECT_NEAR(base->output.own_levels, compared->error_before, 1e-12);
   EXPECT_GE(base->output.common_levels, base->output.own_levels);
 
   auto made = hidden::make_campaign(request);
