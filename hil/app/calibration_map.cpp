@@ -45,7 +45,8 @@ RecordInput synthetic(const Force& force_N, double duration_s) {
   return r;
 }
 
-// One temperature throughout: effects of the library are zero there, at the model's own or at the mean of this one record.
+// One temperature throughout: effects of the library are zero there, at the model's own or at the mean of the campaign, which is this record (its
+// decay set).
 void set_temperature(CampaignInput& input, RecordInput& r, double temperature_C) {
   if (!std::isfinite(temperature_C)) return;
   r.temp_C.assign(r.rows(), temperature_C);
@@ -60,8 +61,8 @@ Result<void> sweeps(const Model& model, CampaignInput input, const PlanCalibrati
     return c.sweep_low_N + (c.sweep_high_N - c.sweep_low_N) * (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase);
   };
   RecordInput r = synthetic(force, c.sweep_s * c.sweeps);
-  set_temperature(input, r, temperature_C);
   set_decay(r, model.law);
+  set_temperature(input, r, temperature_C);
   FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, CampaignInFrame(model.frame, std::move(input)), r));
   // F = alpha (G U + F0) + beta by least squares, as the calibration does it
   double su = 0, sf = 0, suu = 0, suf = 0;
@@ -129,6 +130,7 @@ Result<CalibrationMap> calibration_map(const Model& model, const Plan& plan, dou
   r.f_Hz = facts.lowest_frequency_Hz;
   r.A_N = facts.amplitude_N;
   r.F_min_N = facts.mean_N - facts.amplitude_N;
+  set_decay(r, model.law);
   set_temperature(input, r, temperature_C);
   const CampaignInFrame in_frame(model.frame, std::move(input));
   Eigen::MatrixXd X(9, 3), Y(9, 2);

@@ -1,5 +1,7 @@
 #include "hil/diagnose/engine.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -104,12 +106,24 @@ bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out)
   return together >= kTogether;
 }
 
+constexpr std::size_t kSeveralRecords = 2;
+
+void tell_records_far_above(const Workspace& w, const Remainder& rest, Diagnosis& out) {
+  constexpr std::size_t kNamed = 4;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(kNamed, rest.records_far_above.size()); ++k) {
+    const RecordAbove& above = rest.records_far_above[k];
+    text += fmt::format("{}{} ({:.2g} times)", k == 0 ? "" : ", ", w.input.records[above.record].name, above.times);
+  }
+  if (rest.records_far_above.size() > kNamed) text += fmt::format(" and {} more", rest.records_far_above.size() - kNamed);
+  out.notes.push_back("far above what their instruments may leave: " + text);
+}
+
 // Spikes are told apart from what is left without them. Where that stands far above the noise and has no name, they may be its tips: the
 // slips of a film that sticks. True when they were withdrawn.
 bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
   constexpr double kWithdrawn = 0.2;
-  constexpr int kSeveral = 2;
-  if (!rest.structured() && rest.records_far_above < kSeveral) return false;
+  if (!rest.structured() && !(rest.far_above && rest.records_far_above.size() >= kSeveralRecords)) return false;
   const auto is_tip = [](const Finding& f) { return f.effect == "outliers" && f.form == "raw"; };
   if (std::ranges::any_of(findings, [&](const Finding& f) { return !is_tip(f) && f.probability > kNoClaim; })) return false;
   bool out = false;
@@ -203,8 +217,9 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed(); });
   const bool follows = follows_force(w.output, selection.base);
   if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
-  const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.records_far_above >= 2;
+  const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.records_far_above.size() >= kSeveralRecords;
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
+  if (out.verdict == DiagnosisVerdict::unknown && rest.records_far_above.size() >= kSeveralRecords) tell_records_far_above(w, rest, out);
   out.residual_unknown = claims && (rest.beside_claims || some_outdone);
 
   const auto residual = residual_rows(w.output, selection.base);
@@ -235,7 +250,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_refused(search, out);
-  suspect_refused(out);
+  suspect_refused(search.rules, out);
   tell_guessed_effects(w, selection.claimed.valid ? selection.claimed : selection.base, search.rules.first_gain, out);
   state_probabilities(out);
   if (options.pictures) add_pictures(w, search, selection.claimed, options.threads, out);

@@ -227,23 +227,46 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
   }
 }
 
-void suspect_refused(Diagnosis& out) {
-  constexpr double kLeastScore = 20.0;
-  const RefusedEffect* strongest = nullptr;
-  const std::vector<RefusedEffect> refused = refused_beside_findings(out);
-  for (const RefusedEffect& r : refused)
-    if (r.score >= kLeastScore && (strongest == nullptr || r.score > strongest->score)) strongest = &r;
-  const EffectKind* kind = strongest == nullptr ? nullptr : EffectRegistry::instance().find(strongest->effect);
+namespace {
+
+void add_suspicion(const RefusedEffect& refused, double probability, Diagnosis& out) {
+  const EffectKind* kind = EffectRegistry::instance().find(refused.effect);
   if (kind == nullptr) return;
   Finding f;
   f.effect = kind->name;
   f.side = kind->side;
   f.unit = kind->channel == EffectChannel::rig ? "N" : out.unit;
-  const bool any_claim = std::ranges::any_of(out.findings, [](const Finding& o) { return o.probability > kNoClaim; });
-  f.probability = suspicion_probability(strongest->reason, any_claim);
-  f.evidence = kind->summary + "; not claimed: " + std::string(traits_of(strongest->reason).sentence);
+  f.probability = probability;
+  f.evidence = kind->summary + "; not claimed: " + std::string(traits_of(refused.reason).sentence);
   const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [&](const Finding& o) { return o.probability < f.probability; });
   out.findings.insert(weaker, std::move(f));
+}
+
+// A handful of records says little of what acts between them: where nothing else is to be told, the likeliest cause is.
+const RefusedEffect* likeliest_between_records(const std::vector<RefusedEffect>& refused, double enough) {
+  constexpr double kWorthTelling = 1.0;  // nats
+  const RefusedEffect* out = nullptr;
+  for (const RefusedEffect& r : refused) {
+    const bool little = r.reason == Refusal::too_little_evidence && r.score < enough,
+               uncertain = r.reason == Refusal::records_scatter_on || r.reason == Refusal::helps_no_left_levels || r.reason == Refusal::any_order;
+    if (is_between_records(r.effect) && (little || uncertain) && r.score >= kWorthTelling && (out == nullptr || r.score > out->score)) out = &r;
+  }
+  return out;
+}
+
+}  // namespace
+
+void suspect_refused(const SelectionRules& rules, Diagnosis& out) {
+  constexpr double kLeastScore = 20.0;
+  constexpr double kBetweenRecords = 0.4;  // how often it was that one: counted on 50 of them from three generators
+  const RefusedEffect* strongest = nullptr;
+  const std::vector<RefusedEffect> refused = refused_beside_findings(out);
+  for (const RefusedEffect& r : refused)
+    if (r.score >= kLeastScore && (strongest == nullptr || r.score > strongest->score)) strongest = &r;
+  const bool any_claim = std::ranges::any_of(out.findings, [](const Finding& o) { return o.probability > kNoClaim; });
+  if (strongest != nullptr) add_suspicion(*strongest, suspicion_probability(strongest->reason, any_claim), out);
+  if (!out.findings.empty()) return;
+  if (const RefusedEffect* between = likeliest_between_records(out.refused, rules.between_gain)) add_suspicion(*between, kBetweenRecords, out);
 }
 
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings) {

@@ -37,8 +37,9 @@ std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selecti
 void add_findings(const Workspace& workspace, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out);
 
-/// The strongest of what was refused becomes a suspicion, with the share of such that was there. After everything else was found.
-void suspect_refused(Diagnosis& out);
+/// The strongest of what was refused becomes a suspicion, with the share of such that was there; where nothing else is told, the likeliest cause
+/// between records does. After everything else was found.
+void suspect_refused(const SelectionRules& rules, Diagnosis& out);
 
 /// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings);

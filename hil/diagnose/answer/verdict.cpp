@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "hil/diagnose/answer/coloured_noise.h"
 #include "hil/diagnose/answer/unresolved_edges.h"
@@ -17,12 +18,18 @@ bool is_structure(const Structure& s, double noise_rms) {
          s.records >= 2;
 }
 
-// Records that the model leaves far more of than their instruments may. A change of frequency is not counted: how the decay goes on
-// after it differs from law to law.
-int far_above_noise(const ResidualChannel& channel, const Workspace& w, const std::vector<std::vector<double>>& residual) {
+// What the model leaves more of than the instruments may.
+struct AboveNoise {
+  std::vector<RecordAbove> records;  // far above it, the farthest first
+  bool all = false;  // all together, or the typical one, or several very far: records whose noise is large must not hide what the others show
+};
+
+// A change of frequency is not counted: how the decay goes on after it differs from law to law.
+AboveNoise far_above_noise(const ResidualChannel& channel, const Workspace& w, const std::vector<std::vector<double>>& residual) {
   constexpr double kFar = 2.5, kVeryFar = 5.0;
   constexpr int kSeveral = 2;
-  int out = 0, very_far = 0;
+  AboveNoise out;
+  int very_far = 0;
   double left = 0.0, noise = 0.0, log_ratio = 0.0, records = 0.0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
     if (residual[i].empty() || !w.input.records[channel.record_of[i]].frequency_jumps_s.empty()) continue;
@@ -35,11 +42,12 @@ int far_above_noise(const ResidualChannel& channel, const Workspace& w, const st
     noise += allowed;
     log_ratio += std::log(std::max(1e-9, own / allowed));
     records += 1.0;
-    out += own > kFar * kFar * allowed ? 1 : 0;
+    if (own > kFar * kFar * allowed) out.records.push_back({channel.record_of[i], std::sqrt(own / allowed)});
     very_far += own > kVeryFar * kVeryFar * allowed ? 1 : 0;
   }
-  // all together, or the typical one, or several by themselves: records whose noise is large must not hide what the others show
-  return very_far >= kSeveral || left > kFar * kFar * noise || log_ratio > records * std::log(kFar * kFar) ? out : 0;
+  std::ranges::stable_sort(out.records, std::ranges::greater{}, &RecordAbove::times);
+  out.all = !out.records.empty() && (very_far >= kSeveral || left > kFar * kFar * noise || log_ratio > records * std::log(kFar * kFar));
+  return out;
 }
 
 }  // namespace
@@ -89,9 +97,12 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
   out.maps = residual_maps(w, w.output, residual, threads);
   out.coloured = is_coloured_noise(w.input, w.output, residual, out.maps);
   out.of_claimed = residual_rows(w.output, selection.claimed);
-  if (!out.coloured) out.records_far_above = far_above_noise(w.output, w, resolved);
-  const bool far_beside_claims =
-      !out.coloured && far_above_noise(w.output, w, learnable(out.of_claimed)) > 0;
+  if (!out.coloured) {
+    AboveNoise above = far_above_noise(w.output, w, resolved);
+    out.records_far_above = std::move(above.records);
+    out.far_above = above.all;
+  }
+  const bool far_beside_claims = !out.coloured && far_above_noise(w.output, w, learnable(out.of_claimed)).all;
   out.beside_claims = (out.structured() && out.explained < kNearlyAll) || far_beside_claims;
   return out;
 }

@@ -17,6 +17,11 @@ struct Structure {
 /// Structure left in a residual (rows of every record): mean squares above the known noise that hang together over rows.
 Structure structure_of(const ResidualChannel& channel, const std::vector<std::vector<double>>& residual);
 
+struct RecordAbove {
+  std::size_t record = 0;  ///< of the workspace's input
+  double times = 0.0;      ///< RMS of what is left over that of what the instruments may leave
+};
+
 /// What a choice leaves of the output, beside what its instruments may.
 struct Remainder {
   std::vector<std::vector<double>> of_claimed;  ///< residual of the chosen variants alone, per record, in the output's unit
@@ -27,7 +32,8 @@ struct Remainder {
   double explained = 1.0;     ///< share of what the noise does not explain that all forms of the chosen families take
   bool smooth = false;        ///< visible beside the noise, large enough to matter and not one record's whim
   bool coloured = false;      ///< but noise that hangs together over time
-  int records_far_above = 0;  ///< left by all forms with more than 2.5 times what their instruments may leave; 0 where all together are not, nor two with 5 times
+  std::vector<RecordAbove> records_far_above;  ///< of which all forms leave more than 2.5 times what the instruments may, the farthest first
+  bool far_above = false;     ///< so are all records together, or the typical one; or two with 5 times
   bool beside_claims = false;  ///< structure remains beside what would be claimed
 
   bool structured() const { return smooth && !coloured; }

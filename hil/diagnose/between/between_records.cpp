@@ -72,7 +72,7 @@ RecordPredictor of_groups(const MatrixXd& map, const std::vector<int>& columns) 
       if (const double of = std::abs(map(i, columns[static_cast<std::size_t>(j - 1)])); of > most) most = of, group = j;
     member(i, group) = 1.0;
   }
-  return {member, VectorXd::Ones(groups)};
+  return {member, VectorXd::Ones(groups), false};
 }
 
 Family ask(const ResidualChannel& channel, const RecordLevels& levels, const EffectKind& kind) {
@@ -90,8 +90,9 @@ Family ask(const ResidualChannel& channel, const RecordLevels& levels, const Eff
       continue;
     }
     for (const VectorXd& weight : priors_of(candidate, variant.columns.size())) {
-      RecordPredictor p{MatrixXd(map.rows(), weight.size()), weight};
+      RecordPredictor p{MatrixXd(map.rows(), weight.size()), weight, false};
       for (Index j = 0; j < weight.size(); ++j) p.column.col(j) = map.col(variant.columns[static_cast<std::size_t>(j)]);
+      p.positive = weight.size() == 1 && candidate.form->sign == StrengthSign::positive;
       if (normalise(p) > 0.0) (gain ? out.gain : out.zero).push_back({static_cast<int>(v), std::move(p)});
     }
   }
@@ -175,6 +176,14 @@ std::vector<int> nearly_as_good(const Answer& answer, double nats) {
   return out;
 }
 
+// What the best variant adds, turned over where the scatter has the sign that it cannot have.
+VectorXd as_physics_allows(const ResidualChannel& channel, const RecordLevels& levels, const Answer& answer) {
+  const Variant& variant = channel.variants[static_cast<std::size_t>(answer.evidence.variant)];
+  if (channel.candidates[static_cast<std::size_t>(variant.candidate)].form->sign != StrengthSign::positive || variant.columns.size() != 1) return answer.added;
+  const MatrixXd& map = answer.of_gain ? levels.gain_of_column : levels.zero_of_column;
+  return answer.added.dot(map.col(variant.columns.front())) < 0.0 ? VectorXd(-answer.added) : answer.added;
+}
+
 std::vector<RecordQuestion> questions_of(const RecordLevels& levels, const Family& asked) {
   std::vector<RecordQuestion> out;
   if (!asked.gain.empty()) out.push_back({levels.gain, predictors_of(asked.gain)});
@@ -195,7 +204,7 @@ std::vector<RecordQuestion> asked_of_static(const std::vector<RecordQuestion>& q
     RecordQuestion part{{q.series.value(rows), q.series.variance(rows), {}, {}, q.series.typical_scatter}, {}};
     for (const Index i : rows) part.series.session.push_back(q.series.session[static_cast<std::size_t>(i)]);
     for (const RecordPredictor& p : q.predictors)
-      if (RecordPredictor own{p.column(rows, Eigen::all), p.weight}; normalise(own) > 0.0) part.predictors.push_back(std::move(own));
+      if (RecordPredictor own{p.column(rows, Eigen::all), p.weight, p.positive}; normalise(own) > 0.0) part.predictors.push_back(std::move(own));
     out.push_back(std::move(part));
   }
   return out;
@@ -343,13 +352,13 @@ double visible_between_records(const CampaignInput& input, const ResidualChannel
   if (!now.evidence.valid) return 0.0;
   RecordSeries& series = now.of_gain ? levels.gain : levels.zero;
   if (now.added_to_other.size() > 0) (now.of_gain ? levels.zero : levels.gain).value -= now.added_to_other;
-  const VectorXd rest = series.value - now.added;
-  const double rms = std::sqrt(now.added.squaredNorm() / static_cast<double>(now.added.size()));
+  const VectorXd rest = series.value - now.added, added = as_physics_allows(channel, levels, now);
+  const double rms = std::sqrt(added.squaredNorm() / static_cast<double>(added.size()));
   if (!(rms > 0.0)) return 0.0;
   const bool with_time = only_goes_with_time(channel, family);
   constexpr int kDraws = 199;
   const auto passes = [&](double size) {
-    series.value = rest + size / rms * now.added;
+    series.value = rest + size / rms * added;
     return objection(evidence(channel, levels, asked).evidence, with_time, rules) == Refusal::none &&
            !as_good_by_chance(chance(levels, asked, family.kind->name, kDraws), rules);
   };
@@ -360,9 +369,9 @@ double visible_between_records(const CampaignInput& input, const ResidualChannel
     (passes(middle) ? high : low) = middle;
   }
   double square = 0.0;
-  for (Index i = 0; i < now.added.size(); ++i)
-    square += std::pow(high / rms * now.added[i], 2) * (now.of_gain ? channel.problem.records[static_cast<std::size_t>(i)].gram(0, 0) : 1.0);
-  return std::sqrt(square / static_cast<double>(now.added.size()));
+  for (Index i = 0; i < added.size(); ++i)
+    square += std::pow(high / rms * added[i], 2) * (now.of_gain ? channel.problem.records[static_cast<std::size_t>(i)].gram(0, 0) : 1.0);
+  return std::sqrt(square / static_cast<double>(added.size()));
 }
 
 }  // namespace forcegate::diagnose

@@ -62,7 +62,10 @@ class Exchangeable {
         const Eigen::JacobiSVD<MatrixXd> svd(X, Eigen::ComputeThinU);
         VectorXd lambda = svd.singularValues().cwiseAbs2();
         if (lambda.sum() > 0.0) lambda *= static_cast<double>(n - 1) / lambda.sum();
-        view.direction.push_back(svd.matrixU());
+        MatrixXd U = svd.matrixU();
+        if (p.positive && U.col(0).dot(X.col(0)) < 0.0) U = -U;
+        view.direction.push_back(std::move(U));
+        view.positive.push_back(p.positive);
         view.lambda.push_back(lambda);
       }
       views_.push_back(std::move(view));
@@ -80,7 +83,7 @@ class Exchangeable {
       const double log_null = view.log_null - half * std::log(square);
       null.add(log_null);
       for (std::size_t v = 0; v < view.direction.size(); ++v) {
-        const VectorXd share = (view.direction[v].transpose() * r).cwiseAbs2() / square;
+        const VectorXd along = view.direction[v].transpose() * r, share = along.cwiseAbs2() / square;
         for (const double ratio : kRatios) {
           double removed = 0.0, cost = 0.0;
           for (Index j = 0; j < share.size(); ++j) {
@@ -88,7 +91,9 @@ class Exchangeable {
             removed += a / (1.0 + a) * share[j];
             cost += 0.5 * std::log1p(a);
           }
-          with.add(log_null - cost - half * std::log(std::max(1e-12, 1.0 - removed)));
+          const double left = std::max(1e-12, 1.0 - removed);
+          const double a = ratio * view.lambda[v][0], of_sign = view.positive[v] ? log_one_sided(along[0] * std::sqrt(a / (1.0 + a) * 2.0 * half / (square * left))) : 0.0;
+          with.add(log_null - cost - half * std::log(left) + of_sign);
         }
       }
     }
@@ -105,6 +110,7 @@ class Exchangeable {
     double log_null = 0.0;
     std::vector<MatrixXd> direction;
     std::vector<VectorXd> lambda;
+    std::vector<bool> positive;
   };
 
   static VectorXd without(const VectorXd& one, const VectorXd& x) { return x - one * one.dot(x); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "hil/diagnose/between/record_scatter.h"
@@ -47,14 +48,15 @@ VectorXd told_by_others(const RecordPredictor& p) {
   return out;
 }
 
-double log_bayes(const MatrixXd& S, Index first, const VectorXd& weight, double size) {
-  const Index k = weight.size();
-  const VectorXd root = size * weight.cwiseSqrt();
+double log_bayes(const MatrixXd& S, Index first, const RecordPredictor& p, double size) {
+  const Index k = p.weight.size();
+  const VectorXd root = size * p.weight.cwiseSqrt();
   MatrixXd M = root.asDiagonal() * S.block(first, first, k, k) * root.asDiagonal();
   M.diagonal().array() += 1.0;
   const Eigen::LLT<MatrixXd> llt(M);
   const VectorXd b = root.cwiseProduct(S.col(0).segment(first, k));
-  return 0.5 * b.dot(llt.solve(b)) - half_log_det(MatrixXd(llt.matrixL()));
+  const double both = 0.5 * b.dot(llt.solve(b)) - half_log_det(MatrixXd(llt.matrixL()));
+  return p.positive ? both + log_one_sided(b[0] / std::sqrt(M(0, 0))) : both;
 }
 
 }  // namespace
@@ -64,6 +66,11 @@ double log_mean_exp(const std::vector<double>& x) {
   LogSum sum;
   for (double v : x) sum.add(v);
   return sum.log() - std::log(static_cast<double>(x.size()));
+}
+
+double log_one_sided(double z) {
+  constexpr double kFar = -30.0;  // the tail is 0 to a double below it
+  return std::log(std::erfc(-std::max(z, kFar) / std::numbers::sqrt2));
 }
 
 double joint_gain(const std::vector<double>& gains) {
@@ -114,7 +121,7 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
       if (white.log_null + prior > best_null.log_evidence) best_null = {white.log_null + prior, s, more.session, more.cyclic, 0.0};
       for (std::size_t v = 0; v < predictors.size(); ++v)
         for (const double size : sizes) {
-          const double e = white.log_null + prior + log_bayes(white.S, first[v], predictors[v].weight, size);
+          const double e = white.log_null + prior + log_bayes(white.S, first[v], predictors[v], size);
           with[v].add(e, spread);
           if (e > best[v].log_evidence) best[v] = {e, s, more.session, more.cyclic, size};
         }

@@ -25,7 +25,11 @@ struct RecordSeries {
 struct RecordPredictor {
   Eigen::MatrixXd column;
   Eigen::VectorXd weight;
+  bool positive = false;  ///< one column whose strength physics allows one sign only: the prior is the upper half
 };
+/// ln 2 Phi(z): what a prior of one sign alone changes, z the posterior mean over its standard deviation.
+double log_one_sided(double z);
+
 /// Factor by which the columns were multiplied; 0: they are the same for all records and the predictor is empty.
 double normalise(RecordPredictor& predictor);
 

@@ -111,6 +111,26 @@ double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std
   return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
+namespace {
+
+// Records whose gain and zero run far apart leave a spread so wide that what explains it is not seen, and EM stays there: it begins once more
+// from a spread to which records usually repeat.
+MixedFit from_records_that_repeat(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& base, int iterations) {
+  constexpr int kLevels = 2;        // gain, zero
+  constexpr double kFar = 3.0;      // of the usual spread
+  MixedFit start = base;
+  bool far = false;
+  for (int k = 0; k < kLevels; ++k) {
+    const double usual = std::pow(channel.problem.components[static_cast<std::size_t>(k)].prior_sd, 2);
+    far = far || base.variance[k] > kFar * kFar * usual;
+    start.variance[k] = std::min(base.variance[k], usual);
+  }
+  if (!far) return {};
+  return fit_mixed(channel.problem, columns, &start, 2 * iterations, base.use);
+}
+
+}  // namespace
+
 VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present,
                            const MixedFit& base, int index, const MixedFit* warm, int iterations) {
   const Variant& variant = channel.variants[static_cast<std::size_t>(index)];
@@ -123,6 +143,10 @@ VariantScore score_variant(const ResidualChannel& channel, const std::vector<int
     columns.push_back(j);
   }
   score.fit = fit_mixed(channel.problem, columns, warm != nullptr ? warm : &base, iterations, base.use);
+  if (warm == nullptr && channel.candidates[static_cast<std::size_t>(variant.candidate)].kind->traits.between_records) {
+    MixedFit other = from_records_that_repeat(channel, columns, base, iterations);
+    if (other.valid && other.log_evidence > score.fit.log_evidence) score.fit = std::move(other);
+  }
   if (!score.fit.valid || is_beyond_bounds(channel, score.fit, variant)) return score;
   score.gain = score.fit.log_evidence - base.log_evidence;
   score.effect_rms = effect_rms(channel, score.fit, variant.columns);

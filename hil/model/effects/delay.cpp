@@ -26,13 +26,12 @@ const Registration<EffectKind> kRegistered{EffectKind{
              [](const CampaignInput&) {
                return std::vector<std::vector<double>>{{0.0004}, {0.001},  {0.002},  {0.004},  {0.007},  {0.012},
                                                        {0.02},   {0.035},  {0.06},   {0.1},    {-0.0004},
-                                                       {-0.001}, {-0.002}, {-0.004}, {-0.008}, {-0.016}, {-0.032}};
+                                                       {-0.001}, {-0.002}, {-0.004}, {-0.008}, {-0.016}, {-0.032}, {-0.064}, {-0.128}};
              },
          .columns =
              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                const auto y = delayed_rows(r, shape[0]);
-               for (std::size_t i = 0; i < y.size(); ++i)
-                 out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
+               r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]); });
              },
          .least = 0.65,
          .most = 1.5}}}};

@@ -14,7 +14,7 @@ EffectForm form(const char* name, std::function<double(double)> law, bool within
   return {.name = name,
           .shape = {},
           .strength = {{"loss", "1", -1.0, 1.0, 0.0, "relative loss of gain at the end of the campaign"}},
-          .sign = StrengthSign::either,
+          .sign = StrengthSign::positive,
           .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
           .columns =
               [law, within_records](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {

@@ -358,6 +358,19 @@ TEST(CalibrationMap, AnEquationInTheTemperatureIsCalibratedWhereTheEffectsAreZer
   EXPECT_NEAR(thermal->alpha, 1.0, 1e-9);
 }
 
+// Their bends are taken off a line through the whole campaign's readings, and the campaign is here the one simulated record.
+TEST(CalibrationMap, ASimulatedRecordHasItsDecayWhereAnEffectAsksTheWholeCampaign) {
+  const auto path = find_plan("smoke");
+  ASSERT_TRUE(path);
+  const auto plan = read_plan(*path);
+  ASSERT_TRUE(plan);
+  for (const auto& [name, form, shape] : {std::tuple{"clipping", "rail", std::vector<double>{0.9}}, std::tuple{"adc_codes", "bit_weights", std::vector<double>{10.0}}}) {
+    const auto map = calibration_map(model_with({effect(name, form, {0.0}, shape)}), *plan, 23.0);
+    ASSERT_TRUE(map) << name << ": " << map.error().to_text();
+    EXPECT_NEAR(map->alpha, 1.0, 1e-6) << name;
+  }
+}
+
 TEST(CalibrationMap, TakesBackWhatTheSweepsMakeOfCreep) {
   const auto path = find_plan("smoke");
   ASSERT_TRUE(path);

@@ -145,6 +145,22 @@ TEST(Engine, CallsWhatIsOutsideTheLibraryUnknown) {
   EXPECT_FALSE(d.depends_on.empty());
 }
 
+TEST(Engine, TwoRecordsFarAboveTheirNoiseAreNotNothingAndAreNamed) {
+  const auto bench = [](double lost_V) {
+    return make_campaign(41, [lost_V](const std::vector<double>& t, const std::vector<double>& F, int record) {
+      std::vector<double> U;
+      for (std::size_t i = 0; i < F.size(); ++i)
+        U.push_back(2.0 * F[i] + 0.2 - (record % 4 == 1 && std::fmod(t[i] * (1.0 + 0.13 * record), 7.0) < 1.0 ? lost_V : 0.0));
+      return U;
+    });
+  };
+  EXPECT_EQ(answer(bench(0.0)).verdict, DiagnosisVerdict::none);
+  const Diagnosis d = answer(bench(0.13));
+  for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << f.effect;
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
+  EXPECT_NE(told(d).find("far above what their instruments may leave: r"), std::string::npos) << told(d);
+}
+
 TEST(Engine, NamesAndFitsAnEquationOfTheUsersOwn) {
   const auto rippled = [](const std::vector<double>&, const std::vector<double>& F, int) {
     std::vector<double> U;

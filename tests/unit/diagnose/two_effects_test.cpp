@@ -88,7 +88,7 @@ Diagnosis loops_at(std::uint64_t seed, const std::function<double(double, int)>&
 
 TEST(TwoEffects, WearBesideALoopIsNamedAsWell) {
   double travel_N = 0.0;
-  const Diagnosis d = loops_at(3, [&travel_N](double dF, int) { return 1.0 + 1.4e-4 * (travel_N += dF); });
+  const Diagnosis d = loops_at(4, [&travel_N](double dF, int) { return 1.0 - 1.4e-4 * (travel_N += dF); });
   EXPECT_TRUE(claims(d, "hysteresis")) << told(d);
   EXPECT_TRUE(claims(d, "wear")) << told(d);
   for (const Finding& f : d.findings)
@@ -97,6 +97,15 @@ TEST(TwoEffects, WearBesideALoopIsNamedAsWell) {
       EXPECT_EQ(f.series[0].title, "mean residual of every record, each left out in turn");
       EXPECT_EQ(f.series[0].x.size(), d.records.size());
     }
+}
+
+TEST(TwoEffects, AGainThatRisesWithTheLoadingIsNoWear) {
+  for (const std::uint64_t seed : {1, 3, 5, 8}) {
+    double travel_N = 0.0;
+    const Diagnosis d = loops_at(seed, [&travel_N](double dF, int) { return 1.0 + 1.4e-4 * (travel_N += dF); });
+    EXPECT_TRUE(claims(d, "hysteresis")) << told(d);
+    EXPECT_EQ(probability(d, "wear"), 0.0) << seed << told(d);
+  }
 }
 
 // 1 % a record: the hours, an air that nobody recorded and the cycles all grow from record to record.

@@ -54,6 +54,42 @@ TEST(BetweenRecords, ATemperatureThatTheSensorDoesNotMindIsNoFinding) {
   }
 }
 
+TEST(BetweenRecords, WhatAHandfulOfRecordsHintsAtIsASuspicion) {
+  int hints = 0;
+  for (const double gain_per_C : {0.003, 0.004, 0.005})
+    for (const std::uint64_t seed : {71, 73, 74, 76}) {
+      Campaign c = in_a_warm_room(seed, gain_per_C);
+      c.records.resize(5);
+      const Diagnosis d = answer(std::move(c));
+      if (told(d).find("not claimed: too little evidence") == std::string::npos) continue;
+      ++hints;
+      EXPECT_EQ(d.findings.front().effect, "thermal") << seed << told(d);
+      EXPECT_LT(d.findings.front().probability, 0.5) << seed;
+      EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << seed;
+    }
+  EXPECT_GE(hints, 3);
+}
+
+TEST(BetweenRecords, AZeroThatMovesFarMoreThanRecordsRepeatToIsFittedToo) {
+  Campaign c = make_campaign(71, [](const std::vector<double>&, const std::vector<double>& F, int record) {
+    std::vector<double> U;
+    for (const double f : F) U.push_back(2.0 * f + 1.5 + 0.11 * (kAir[record] - 22.0));
+    return U;
+  });
+  for (std::size_t k = 0; k < c.records.size(); ++k) {
+    Record& r = c.records[k];
+    r.trace.channels.push_back({"temp", "C", "temperature", 0, std::vector<double>(r.trace.time_bases[0].t_s.size(), kAir[k]), {}});
+  }
+  const Diagnosis d = answer(std::move(c));
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().effect, "thermal") << told(d);
+  ASSERT_FALSE(d.findings.front().parameters.empty());
+  const FoundParameter& slope = d.findings.front().parameters.back();
+  EXPECT_EQ(slope.name, "c_offset_per_C");
+  EXPECT_NEAR(slope.value, 0.11 / 2.0 / d.force_range_N, 0.05 * slope.value);
+  EXPECT_LT(d.error_after, 0.25 * d.error_before);
+}
+
 TEST(BetweenRecords, OneReadingOfTheHumidityInEveryRecordNamesIt) {
   for (std::uint64_t seed = 75; seed <= 77; ++seed) {
     Campaign c = that_follows_the_air(seed, 0.01);

@@ -43,6 +43,37 @@ TEST(ReferenceLatency, ALeadThatIsTheSameAtEveryLoadIsTheReferences) {
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
 }
 
+// The force of all records behind a pole of tau_s, or as it was delay_s before, is what the reference says.
+Campaign late_reference(std::uint64_t seed, double tau_s, double delay_s) {
+  Campaign c = make_campaign(seed, straight);
+  for (Record& r : c.records) {
+    auto& F = r.trace.find("F_ref")->value;
+    const std::vector<double> now = F;
+    const auto samples = static_cast<std::ptrdiff_t>(std::lround(200.0 * delay_s));
+    double y = now[0];
+    for (std::ptrdiff_t i = 0; i < std::ssize(F); ++i) {
+      const double in = now[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, i - samples))];
+      y += tau_s > 0.0 ? (in - y) * -std::expm1(-0.005 / tau_s) : in - y;
+      F[static_cast<std::size_t>(i)] = std::round(y / 0.025) * 0.025;
+    }
+  }
+  return c;
+}
+
+TEST(ReferenceLatency, ALeadOfATwentiethOfASecondIsNotForgivenAndItsSizeIsTold) {
+  const Diagnosis d = answer(late_reference(3, 0.05, 0.0));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
+  EXPECT_NE(told(d).find("the output leads the reference by about "), std::string::npos) << told(d);
+}
+
+TEST(ReferenceLatency, AReferenceThatIsADelayOfATenthBehindIsADelay) {
+  const Diagnosis d = answer(late_reference(3, 0.0, 0.1));
+  ASSERT_FALSE(d.findings.empty()) << told(d);
+  EXPECT_EQ(d.findings.front().effect, "delay") << told(d);
+  ASSERT_FALSE(d.findings.front().parameters.empty());
+  EXPECT_NEAR(d.findings.front().parameters.front().value, -0.1, 0.005);
+}
+
 TEST(ReferenceLatency, ALeadThatFadesWithTheLoadIsTheSensors) {
   const Diagnosis d = answer(edges(61, [](double F) { return 0.012 * std::exp(-F / 1.5); }));
   ASSERT_FALSE(d.findings.empty()) << told(d);
