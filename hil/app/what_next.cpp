@@ -42,6 +42,8 @@ WhatNext after_diagnosis(const Diagnosis& d, const Standing& at) {
     return at.model_file ? WhatNext{Step::explain, "none"} : WhatNext{Step::fit, ""};
   }
   if (!at.page) return {Step::page, ""};
+  // what was added before is worth having, though not all is understood
+  if (d.verdict == DiagnosisVerdict::unknown && !at.in_model.empty() && at.is_exportable && at.is_exportable()) return {Step::compensate, ""};
   return {Step::explain, word_of(d)};
 }
 

@@ -3,6 +3,7 @@
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/base/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/candidates/unnamed_dependences.h"
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/refit/refit.h"
 
@@ -54,7 +55,8 @@ Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions&
   FORCEGATE_TRY(Diagnosed wanders, diagnose_rows(std::move(rows), options));
   Diagnosis& answer = wanders.diagnosis;
   const Diagnosis& other = stands.diagnosis;
-  if (one_zero_is_enough(other.plain_after, answer.plain_after, other.floor)) return stands;
+  const bool zero_drifts = std::ranges::find(other.follows, kZeroWithTime) != other.follows.end();
+  if (!zero_drifts && one_zero_is_enough(other.plain_after, answer.plain_after, other.floor)) return stands;
   if (answer.verdict != DiagnosisVerdict::known && law_describes(*stands.workspace, options)) {
     answer.verdict = DiagnosisVerdict::none;
     answer.depends_on.clear();

@@ -119,6 +119,16 @@ void tell_records_far_above(const Workspace& w, const Remainder& rest, Diagnosis
   out.notes.push_back("far above what their instruments may leave: " + text);
 }
 
+// What no cause between the records explains, and is far more than a specimen repeats to.
+void tell_wide_scatter(const Workspace& w, double gain, double zero, Diagnosis& out) {
+  constexpr double kGain = 0.03, kZero = 0.01;
+  if (gain < kGain && zero < kZero) return;
+  if (std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && is_between_records(f.effect); })) return;
+  const double force_N = std::abs(w.gain_V_per_N) > 0.0 ? zero * w.output.scale / std::abs(w.gain_V_per_N) : 0.0;
+  out.notes.push_back(fmt::format("from record to record the gain scatters by {:.2g} % and the zero by {:.2g} N, far more than a specimen repeats to, and nothing that was recorded goes with it: "
+                                  "is it mounted, zeroed or driven anew in between?", 100.0 * gain, force_N));
+}
+
 // Spikes are told apart from what is left without them. Where that stands far above the noise and has no name, they may be its tips: the
 // slips of a film that sticks. True when they were withdrawn.
 bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
@@ -199,9 +209,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   out.maps_after = rest.maps;
 
   collect_findings(w, search, rest, out);
-  // another machine's loops and lags are those of the library in the rough
-  std::vector<Outdone> outdone;
-  if (!w.input.generic) outdone = outdone_by_unnamed(w.input, w.output, selection, rest.structured(), options.threads);
+  const std::vector<Outdone> outdone = outdone_by_unnamed(w.input, w.output, selection, rest.structured(), options.threads);
   withdraw_outdone(outdone, out);
   const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effect.empty(); });
   const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, w.judges, out.findings) || some_outdone;
@@ -249,6 +257,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
+  if (!w.input.single) tell_wide_scatter(w, sd(0), sd(1), out);
   add_refused(search, out);
   suspect_refused(search.rules, out);
   tell_guessed_effects(w, selection.claimed.valid ? selection.claimed : selection.base, search.rules.first_gain, out);

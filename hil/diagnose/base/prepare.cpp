@@ -14,6 +14,7 @@
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/engine.h"
+#include "hil/diagnose/raw/absurd_force.h"
 #include "hil/diagnose/raw/clean_samples.h"
 #include "hil/diagnose/raw/record_gains.h"
 #include "hil/model/rows.h"
@@ -173,6 +174,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   const Channel* output = campaign.records.front().trace.find("U");
   const bool is_ratio = output != nullptr && output->quantity == "ratio";
   if (output != nullptr && !output->unit.empty() && (is_ratio || output->unit != "1")) w.unit = output->unit;
+  leave_out_absurd_force(campaign, w.input.notes);
   w.scales = health_scales(campaign);
 
   struct Prepared {

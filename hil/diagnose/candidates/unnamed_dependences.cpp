@@ -152,10 +152,27 @@ UnnamedDependence harmonics_of_wheel() {
                     });
 }
 
+// dU = g R (c1 x + c2 x^2), x = t/T: a reference or an amplifier that warms up. It knows nothing of the load, and is preferred to what does
+// where it fits as well.
+UnnamedDependence zero_with_time() {
+  UnnamedDependence out = dependence("zero_with_time", kZeroWithTime, "time", {}, 2, {{}}, [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
+    const double T_s = std::max(1.0, r.t_s.empty() ? 1.0 : r.t_s.back());
+    r.for_each_wanted([&](std::size_t i) {
+      const double x = r.t_s[i] / T_s;
+      columns(static_cast<Eigen::Index>(i), 0) = c.range_N * x;
+      columns(static_cast<Eigen::Index>(i), 1) = c.range_N * x * x;
+    });
+  });
+  out.is_simpler = true;
+  return out;
+}
+
 }  // namespace
 
 std::vector<UnnamedDependence> unnamed_dependences(const CampaignInput& campaign) {
   std::vector<UnnamedDependence> out;
+  if (campaign.single) out.push_back(zero_with_time());
+  if (campaign.generic) return out;
   out.push_back(largest_force());
   out.push_back(gain_by_largest_force());
   out.push_back(size_of_rate());

@@ -78,9 +78,10 @@ std::vector<Place> places_of(const ResidualChannel& channel, const Selection& se
 }
 
 // Forms differ: a name keeps its place against what fits a little better. What is left has no name to be outdone: most of it must go.
-bool fills(const Place& place, const VariantScore& score) {
+bool fills(const Place& place, const VariantScore& score, bool is_simpler) {
   constexpr double kTimes = 1.15, kMore = 20.0, kMost = 0.5;
-  return score.gain > kTimes * std::max(0.0, place.gain) + kMore && (!place.effect.empty() || score.fall > kMost);
+  const double least = is_simpler ? std::max(kMore, place.gain) : kTimes * std::max(0.0, place.gain) + kMore;
+  return score.gain > least && (!place.effect.empty() || score.fall > kMost);
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChan
       if (dependence.is_late && !place.effect.empty() && !is_timing) continue;
       const SpareRoom room(channel);
       const FamilyScore score = best_of(input, channel, dependence.kind, place.others, place.without, place.gain, threads);
-      if (!fills(place, score.best) || score.best.gain <= best.by_gain) continue;
+      if (!fills(place, score.best, dependence.is_simpler) || score.best.gain <= best.by_gain) continue;
       best.by = dependence.kind.summary;
       best.group = dependence.group;
       best.by_gain = score.best.gain;

@@ -66,6 +66,16 @@ TEST(WhatNext, WhatNoLibraryEffectExplainsIsLookedAtOnceAndThenExplained) {
   }
 }
 
+TEST(WhatNext, AModelThatGrewIsExportedThoughNotAllIsUnderstood) {
+  const Diagnosis d = with(kUnknown);
+  Standing at{.model_file = true, .in_model = {"creep"}, .is_exportable = [] { return true; }};
+  EXPECT_EQ(after_diagnosis(d, at).step, Step::page);
+  at.page = true;
+  EXPECT_EQ(after_diagnosis(d, at).step, Step::compensate);
+  at.is_exportable = [] { return false; };
+  EXPECT_EQ(after_diagnosis(d, at).word, "unknown");
+}
+
 TEST(WhatNext, RivalsThatWereRefusedAreNoExperiment) {
   Diagnosis d = with(kUnknown);
   d.next_experiment.segments.resize(1);

@@ -310,6 +310,20 @@ Campaign without_rows(Campaign c, double from_s, double to_s) {
   return c;
 }
 
+// Either way: what grows with time and knows nothing of the load is no creep.
+TEST(SingleRecording, AZeroThatGoesInALineIsNoCreep) {
+  for (const double drift_V : {0.06, -0.06}) {
+    const auto triangles = [](double t) { return 2.0 + 2.0 * std::abs(std::fmod(t / 30.0, 2.0) - 1.0); };
+    const auto drifts = [drift_V](const std::vector<double>& t, const std::vector<double>& x) {
+      std::vector<double> y;
+      for (std::size_t i = 0; i < x.size(); ++i) y.push_back(2.0 * x[i] + 0.5 + drift_V * t[i] / t.back());
+      return y;
+    };
+    const Diagnosis d = answer(recording(50.0, 30000, triangles, drifts, 0.002));
+    for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << drift_V << f.effect;
+  }
+}
+
 TEST(SingleRecording, WhatHappenedInAGapIsNoErrorOfTheModel) {
   // a loop of plays; during each gap the load stood high, which nobody saw
   const auto load = [](double t) {
