@@ -102,10 +102,10 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool open, const std::
                                 (p.unit.empty() || p.unit == "1" ? "" : " " + p.unit)));
   out += "</dl>\n";
   if (!f.confounded_with.empty()) {
-    out += table_start("Look-alikes: on these records their signatures are nearly the same",
+    out += table_start("Look-alikes: on these records they fit about equally well",
                        {"Effect", "Likeness |cos|", "What separates them"});
     for (const LookAlike& l : f.confounded_with)
-      out += "<tr>" + cell(escape(l.effect)) + cell(fmt::format("{:.2f}", std::abs(l.cosine))) +
+      out += "<tr>" + cell(escape(l.effect)) + cell(l.cosine != 0.0 ? fmt::format("{:.2f}", std::abs(l.cosine)) : "\u2013") +
              cell(escape(l.separates)) + "</tr>\n";
     out += kTableEnd;
   }

@@ -60,6 +60,18 @@ bool shows_between_records(const std::string& effect) {
   return std::ranges::find(kEffects, effect) != kEffects.end();
 }
 
+namespace {
+
+// Gone: down to a tenth of what it was, or to the noise.
+std::string afterwards(const ResidualSpectrum& s, std::size_t line) {
+  constexpr double kGone = 0.1, kNoise = 2.0;
+  if (line >= s.after.size()) return {};
+  if (s.after[line] < std::max(kGone * s.residual[line], kNoise * s.noise)) return " Afterwards it is gone.";
+  return s.after[line] < 0.7 * s.residual[line] ? " Afterwards a part of it is left." : " Afterwards it is still there.";
+}
+
+}  // namespace
+
 Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
   Figure figure("Spectrum of the residual, record " + s.record, kWidth);
   const Scaled scale = readable_unit(largest(s.residual), unit);
@@ -81,7 +93,7 @@ Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
   else
     figure.summary = "The residual has a line at " + display(s.f_Hz[line], 3) + " Hz" +
                      (above_neighbours(s.load, line) > kOfTheLoad ? ", where the load has one." : ", where the load has none: a harmonic that the model lacks, mains or a resonance.") +
-                     (s.after.empty() ? "" : above_neighbours(s.after, line) < kLine ? " Afterwards it is gone." : " Afterwards it is still there.");
+                     afterwards(s, line);
   return figure;
 }
 
