@@ -71,6 +71,26 @@ void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double
       columns.push_back(c.first);
 }
 
+void take_off_leads(ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& fit) {
+  MixedProblem& p = channel.problem;
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(p.ns);
+  for (const Candidate& candidate : channel.candidates)
+    for (std::size_t b = 0; b < fit.columns.size(); ++b)
+      if (candidate.first == fit.columns[b] && is_allowed_lead(candidate) && std::ranges::find(columns, candidate.first) != columns.end())
+        c[candidate.first] = fit.coefficient[p.n_fixed + static_cast<Eigen::Index>(b)];
+  const Eigen::Index y = p.y_index();
+  for (std::size_t k = 0; k < p.records.size(); ++k) {
+    Eigen::MatrixXd& A = channel.rows[k].matrix;
+    A.col(y) -= A.middleCols(p.nz, p.ns) * c;
+    Eigen::MatrixXd& G = p.records[k].gram;
+    const Eigen::VectorXd of_leads = G.middleCols(p.nz, p.ns) * c;  // of every column, y last
+    const double yy = G(y, y) - 2.0 * of_leads[y] + c.dot(of_leads.segment(p.nz, p.ns));
+    G.col(y) -= of_leads;
+    G.row(y) = G.col(y).transpose();
+    G(y, y) = yy;
+  }
+}
+
 bool depends_on_load(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, const FamilyScore& family) {
   constexpr double kPlain = 100.0;   // nats
   constexpr double kSameKernel = 0.01;  // s: poles as quick as that of the lead, whose strength may turn over

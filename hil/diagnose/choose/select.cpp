@@ -10,6 +10,7 @@
 #include "hil/diagnose/choose/further_forms.h"
 #include "hil/diagnose/choose/needless.h"
 #include "hil/diagnose/choose/reconsider.h"
+#include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/refit_chosen.h"
 
 namespace forcegate::diagnose {
@@ -65,6 +66,22 @@ void report_selection(const ResidualChannel& channel, Selection& out) {
   report(out.final);
   report(out.claimed);
   for (ChosenEffect& chosen : out.chosen) report(chosen.fit);
+}
+
+// A late reference that shows only beside the effects is none of what the starting model misses either: it goes as the final model tells it.
+void set_lateness_aside(ResidualChannel& channel, const std::vector<int>& carried, Selection& out) {
+  std::vector<int> beside;
+  for (const int j : carried)
+    if (std::ranges::find(out.base.columns, j) == out.base.columns.end()) beside.push_back(j);
+  if (out.chosen.empty() || !out.final.valid) return;
+  take_off_leads(channel, beside, out.final);
+  const MixedFit base = fit_to_the_end(channel, out.base.columns, &out.base, 18, RecordUse::all_records);
+  const MixedFit final = fit_mixed(channel.problem, out.final.columns, &out.final, 12, RecordUse::all_records);
+  if (!base.valid || !final.valid) return;
+  out.base = base;
+  out.final = final;
+  out.excess_before = excess_mean_square(channel, base);
+  out.excess_after = excess_mean_square(channel, final);
 }
 
 // Of one recording that all of them together describe.
@@ -193,6 +210,7 @@ Selection select_effects(const CampaignInput& input, ResidualChannel& channel, c
   reconsider(input, channel, forward.carried, not_asked, rules, threads, out);
   if (rules.one_zero) find_what_completes_whole(input, channel, out);
   drop_needless(channel, forward.carried, rules, out);
+  if (forward.leads) set_lateness_aside(channel, forward.carried, out);
   out.carried = forward.carried;
   report_selection(channel, out);
   return out;

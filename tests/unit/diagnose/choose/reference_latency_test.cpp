@@ -74,6 +74,37 @@ TEST(ReferenceLatency, AReferenceThatIsADelayOfATenthBehindIsADelay) {
   EXPECT_NEAR(d.findings.front().parameters.front().value, -0.1, 0.005);
 }
 
+// A loop alone would pass for a lead of many milliseconds, so that the lateness shows beside it only.
+TEST(ReferenceLatency, WhatShowsBesideALoopOnlyIsInNoErrorOfTheModel) {
+  Campaign c = make_campaign(5, [](const std::vector<double>&, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    double play = F[0];
+    for (const double f : F) {
+      play = std::min(std::max(play, f - 0.3), f + 0.3);
+      U.push_back(2.0 * (f + 0.5 * play) + 0.2);
+    }
+    return U;
+  });
+  for (std::size_t k = 0; k < c.records.size(); k += 2) {  // fast edges in every other record
+    auto& F = c.records[k].trace.find("F_ref")->value;
+    auto& U = c.records[k].trace.find("U")->value;
+    Rng rng(k, "edges");
+    double play = 1.0, late = 1.0;
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double x = std::fmod(static_cast<double>(i) / 200.0, 2.0), f = 1.0 + 2.5 * std::clamp(std::min(x, 1.2 - x) / 0.2, 0.0, 1.0);
+      play = std::min(std::max(play, f - 0.3), f + 0.3);
+      late += (f - late) * -std::expm1(-0.005 / 0.006);
+      U[i] = 2.0 * (f + 0.5 * play) + 0.2 + 0.004 * rng.normal();
+      F[i] = std::round((late + 0.006 * rng.normal()) / 0.025) * 0.025;
+    }
+  }
+  const Diagnosis d = answer(std::move(c));
+  ASSERT_FALSE(d.findings.empty()) << told(d);
+  EXPECT_EQ(d.findings.front().effect, "hysteresis") << told(d);
+  EXPECT_NE(told(d).find("leads the reference by a few milliseconds"), std::string::npos) << told(d);
+  EXPECT_LT(d.error_after, 1.3 * d.floor);
+}
+
 TEST(ReferenceLatency, ALeadThatFadesWithTheLoadIsTheSensors) {
   const Diagnosis d = answer(edges(61, [](double F) { return 0.012 * std::exp(-F / 1.5); }));
   ASSERT_FALSE(d.findings.empty()) << told(d);
