@@ -71,21 +71,25 @@ void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double
       columns.push_back(c.first);
 }
 
-void take_off_leads(ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& fit) {
-  MixedProblem& p = channel.problem;
-  Eigen::VectorXd c = Eigen::VectorXd::Zero(p.ns);
+Eigen::VectorXd strengths_of_leads(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& fit) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(channel.problem.ns);
   for (const Candidate& candidate : channel.candidates)
     for (std::size_t b = 0; b < fit.columns.size(); ++b)
       if (candidate.first == fit.columns[b] && is_allowed_lead(candidate) && std::ranges::find(columns, candidate.first) != columns.end())
-        c[candidate.first] = fit.coefficient[p.n_fixed + static_cast<Eigen::Index>(b)];
+        out[candidate.first] = fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  return out;
+}
+
+void take_off_output(ResidualChannel& channel, const Eigen::VectorXd& c) {
+  MixedProblem& p = channel.problem;
   const Eigen::Index y = p.y_index();
   for (std::size_t k = 0; k < p.records.size(); ++k) {
     Eigen::MatrixXd& A = channel.rows[k].matrix;
     A.col(y) -= A.middleCols(p.nz, p.ns) * c;
     Eigen::MatrixXd& G = p.records[k].gram;
-    const Eigen::VectorXd of_leads = G.middleCols(p.nz, p.ns) * c;  // of every column, y last
-    const double yy = G(y, y) - 2.0 * of_leads[y] + c.dot(of_leads.segment(p.nz, p.ns));
-    G.col(y) -= of_leads;
+    const Eigen::VectorXd taken = G.middleCols(p.nz, p.ns) * c;  // X' S c, y last
+    const double yy = G(y, y) - 2.0 * taken[y] + c.dot(taken.segment(p.nz, p.ns));
+    G.col(y) -= taken;
     G.row(y) = G.col(y).transpose();
     G(y, y) = yy;
   }

@@ -43,8 +43,11 @@ bool is_allowed_lead(const Candidate& candidate, double longest_s = kLongestLead
 /// Adds the columns of all leads up to `longest_s`: together they span a shift and a first-order lag of the reference alike.
 void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double longest_s = kLongestLead_s);
 
-/// Takes off the output what the leads among `columns` add to it in `fit`: rows and Gram matrices.
-void take_off_leads(ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& fit);
+/// Strengths of the leads among `columns` in `fit`, one for every column of S.
+Eigen::VectorXd strengths_of_leads(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& fit);
+
+/// Takes S c off the output: rows and Gram matrices. With -c it is put back.
+void take_off_output(ResidualChannel& channel, const Eigen::VectorXd& c);
 
 /// Whether a lead depends on the load: beside all plain leads that a late reference may have, the family still gains far more than chance.
 bool depends_on_load(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, const FamilyScore& family);

@@ -53,8 +53,12 @@ Selection select_borne_out(Workspace& w, const Given& given, std::vector<std::st
     std::vector<Finding> idle = not_borne_out(w.output, out);
     if (idle.empty()) break;
     for (const Finding& f : idle) skip.push_back(f.effect);
+    if (out.set_aside.size() > 0) take_off_output(w.output, -out.set_aside);
     Selection without = select(true);
-    if (!without.base.valid) break;
+    if (!without.base.valid) {
+      if (out.set_aside.size() > 0) take_off_output(w.output, out.set_aside);
+      break;
+    }
     without.first = std::move(out.first);  // the ranking is of all
     out = std::move(without);
     std::move(idle.begin(), idle.end(), std::back_inserter(suspicions));

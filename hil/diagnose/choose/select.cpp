@@ -73,11 +73,13 @@ void set_lateness_aside(ResidualChannel& channel, const std::vector<int>& carrie
   std::vector<int> beside;
   for (const int j : carried)
     if (std::ranges::find(out.base.columns, j) == out.base.columns.end()) beside.push_back(j);
-  if (out.chosen.empty() || !out.final.valid) return;
-  take_off_leads(channel, beside, out.final);
+  const Eigen::VectorXd late = strengths_of_leads(channel, beside, out.final);
+  if (out.chosen.empty() || !out.final.valid || late.isZero()) return;
+  take_off_output(channel, late);
   const MixedFit base = fit_to_the_end(channel, out.base.columns, &out.base, 18, RecordUse::all_records);
   const MixedFit final = fit_mixed(channel.problem, out.final.columns, &out.final, 12, RecordUse::all_records);
-  if (!base.valid || !final.valid) return;
+  if (!base.valid || !final.valid) return take_off_output(channel, -late);
+  out.set_aside = late;
   out.base = base;
   out.final = final;
   out.excess_before = excess_mean_square(channel, base);

@@ -50,6 +50,7 @@ struct Selection {
   double excess_before = 0.0, excess_after = 0.0;  ///< mean squares above the noise
   std::vector<std::string> nuisance;               ///< what was carried along without being a finding
   std::vector<int> carried;                        ///< its columns and those of the model
+  Eigen::VectorXd set_aside;                       ///< strengths of what was taken off the channel's output; empty: nothing (reference_latency.h)
   std::vector<RefusedEffect> refused;              ///< what came up and was not taken
 };
 
