@@ -15,7 +15,7 @@ bool shows_hum(const RecordHealth& h, const HealthScales& scales) { return h.hum
 RecordsOfHum records_of_hum(const std::vector<RecordHealth>& health, const HealthScales& scales, double mains_Hz) {
   RecordsOfHum out;
   for (const RecordHealth& h : health) {
-    const bool shows = h.mains_Hz == mains_Hz && shows_hum(h, scales);
+    const bool shows = may_be_of_mains(h.hum_Hz, mains_Hz, h.rate_Hz) && shows_hum(h, scales);
     out.show += shows ? 1 : 0;
     out.can_show += h.hum_ratio > 0.0 && can_show_mains(mains_Hz, h.rate_Hz) ? 1 : 0;
   }
@@ -30,12 +30,12 @@ bool is_hum(const RecordsOfHum& records) {
 namespace {
 
 std::optional<HealthClaim> claim_of_hum(const std::vector<RecordHealth>& health, const HealthScales& scales) {
-  for (const double mains_Hz : {50.0, 60.0}) {
+  for (const double mains_Hz : kMains_Hz) {
     if (!is_hum(records_of_hum(health, scales, mains_Hz))) continue;
     std::vector<double> amplitude_V;
     double line_Hz = 0.0;
     for (const RecordHealth& h : health)
-      if (h.mains_Hz == mains_Hz && shows_hum(h, scales)) {
+      if (may_be_of_mains(h.hum_Hz, mains_Hz, h.rate_Hz) && shows_hum(h, scales)) {
         amplitude_V.push_back(h.hum_V);
         line_Hz = h.hum_Hz;
       }
@@ -58,6 +58,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const bool lone_are_spikes = spikes >= kFewestSpikes;
   double samples = 0.0, missing = 0.0, reference_missing = 0.0, missing_variance = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
   double outlier_square_V2 = 0.0;
+  bool plainly_held = false;
   std::size_t with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0;
   double rail_V = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
@@ -80,6 +81,10 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     with_outliers += h.outliers >= 2 ? 1 : 0;
     with_any_outlier += h.outliers > 0 ? 1 : 0;
     outlier_square_V2 += h.outlier_square_V2;
+    // a slow record does not show that its samples are held: one that does so again and again is enough
+    constexpr double kManyHeld = 0.005;
+    constexpr std::size_t kManyRuns = 10;
+    plainly_held = plainly_held || (static_cast<double>(h.held) > kManyHeld * static_cast<double>(h.samples) && h.at_rail == 0 && h.runs.size() >= kManyRuns);
     with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
     bit_errors += static_cast<double>(h.bit_errors);
     if (h.bit_errors > 0) {
@@ -132,7 +137,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                    percent(missing / samples) + " of the samples of the output are missing while the reference goes on" +
                        (reference_missing > 0.0 ? ", " + percent(reference_missing / samples) + " of the reference's alone" : ""),
                    "share", "1", more / samples, u_more / samples});
-  else if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records)))
+  else if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records || plainly_held)))
     out.push_back(
         {"dropouts", 0.95,
          percent((held + zeros) / samples) + " of the samples are held or zero where the force says otherwise",

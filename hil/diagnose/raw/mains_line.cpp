@@ -109,7 +109,7 @@ bool fill_short_gaps(const std::vector<double>& t, double rate_Hz, const std::ve
 // Those that can be told from the slow force and have neighbours to be compared with.
 std::vector<Line> mains_lines(double rate_Hz) {
   std::vector<Line> out;
-  for (const auto& [mains_Hz, harmonic] : {std::pair{50.0, 1.0}, {60.0, 1.0}, {50.0, 3.0}, {60.0, 3.0}}) {
+  for (const auto& [mains_Hz, harmonic] : {std::pair{50.0, 1.0}, {60.0, 1.0}, {50.0, 3.0}, {60.0, 3.0}, {100.0, 1.0}, {120.0, 1.0}}) {
     Line line{mains_Hz, folded_Hz(harmonic * mains_Hz, rate_Hz), 2.0, {}, {}};
     const double f = line.frequency_Hz;
     if (f < kSlowestLine_Hz) continue;
@@ -208,6 +208,12 @@ double folded_Hz(double line_Hz, double rate_Hz) {
 
 bool can_show_mains(double mains_Hz, double rate_Hz) {
   return rate_Hz > 0.0 && std::max(folded_Hz(mains_Hz, rate_Hz), folded_Hz(3.0 * mains_Hz, rate_Hz)) >= kSlowestLine_Hz;
+}
+
+bool may_be_of_mains(double line_Hz, double mains_Hz, double rate_Hz) {
+  constexpr double kSame_Hz = 0.5;
+  return rate_Hz > 0.0 &&
+         (std::abs(line_Hz - folded_Hz(mains_Hz, rate_Hz)) < kSame_Hz || std::abs(line_Hz - folded_Hz(3.0 * mains_Hz, rate_Hz)) < kSame_Hz);
 }
 
 MainsLine find_mains_line(const std::vector<double>& t, const std::vector<double>& F,

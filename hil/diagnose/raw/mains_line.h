@@ -1,9 +1,13 @@
 #pragma once
-// Mains line (50 or 60 Hz, first and third harmonic, or their aliases) in U - a F.
+// Line of the mains (50 or 60 Hz) or of its rectifier (100 or 120 Hz), first and third harmonic or their aliases, in U - a F.
 
+#include <array>
 #include <vector>
 
 namespace forcegate::diagnose {
+
+/// What hums: mains, and the ripple of a supply behind a rectifier.
+inline constexpr std::array kMains_Hz = {50.0, 60.0, 100.0, 120.0};
 
 /// Below it a line that the sampling has folded is not told from the slow force.
 inline constexpr double kSlowestLine_Hz = 4.0;
@@ -17,9 +21,12 @@ double folded_Hz(double line_Hz, double rate_Hz);
 /// Whether the first or the third harmonic of a mains stays in sight at this rate; no rate (0): no.
 bool can_show_mains(double mains_Hz, double rate_Hz);
 
+/// Whether a line that was sampled at rate_Hz may be that of this mains: aliases of several fall on each other.
+bool may_be_of_mains(double line_Hz, double mains_Hz, double rate_Hz);
+
 struct MainsLine {
   double amplitude_V = 0.0, frequency_Hz = 0.0;  ///< as sampled: folded to less than half the rate
-  double mains_Hz = 0.0;                         ///< first harmonic before, 50 or 60
+  double mains_Hz = 0.0;                         ///< first harmonic before, one of kMains_Hz
   double rate_Hz = 0.0;  ///< of the samples, gaps left out; 0: too few of them
   double ratio = 0.0;    ///< median over segments of the line's power over the larger of neighbours and force
 };

@@ -10,7 +10,7 @@
 
 namespace forcegate::diagnose {
 
-/// Takes the line off `U_V` and returns the mean square of what it took, V^2. `mains_Hz`: 50 or 60. `rate_Hz`: of the samples between gaps.
+/// Takes the line off `U_V` and returns the mean square of what it took, V^2. `mains_Hz`: one of kMains_Hz. `rate_Hz`: of the samples between gaps.
 /// Samples in `bad` have no say. The clock may have gaps and jitter, and stamps of few digits.
 double remove_mains_line(const std::vector<double>& t_s, const std::vector<double>& F_N, std::span<const std::uint8_t> bad, double mains_Hz,
                          double rate_Hz, std::vector<double>& U_V);

@@ -52,7 +52,7 @@ struct RecordHealth {
   std::vector<HeldRun> runs;                ///< those that `held` and `at_rail` count
   double top_V = 0.0;                       ///< largest output
   double hum_V = 0.0, hum_Hz = 0.0, hum_ratio = 0.0;  ///< strongest mains line, as sampled, and its power over its neighbours
-  double mains_Hz = 0.0, rate_Hz = 0.0;               ///< 50 or 60, and the rate of sampling that folds it
+  double mains_Hz = 0.0, rate_Hz = 0.0;               ///< one of kMains_Hz, and the rate of sampling that folds it
   double bad_mean_square_V2 = 0.0;  ///< what the bad samples, and hum that was taken off, add to the mean squared error
 };
 

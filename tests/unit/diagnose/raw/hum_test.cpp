@@ -118,6 +118,29 @@ Campaign slow_campaign(std::uint64_t seed, double loop_V, std::size_t folded) {
   return c;
 }
 
+// A supply behind a full-wave rectifier hums at twice the mains.
+TEST(Hum, TheRippleOfARectifierIsHumAtEveryRateThatShowsIt) {
+  for (const double rate_Hz : {125.0, 200.0, 500.0}) {
+    Campaign c = make_campaign(67, straight);
+    for (Record& r : c.records) {
+      auto& clock = r.trace.time_bases[0].t_s;
+      auto& F = r.trace.find("F_ref")->value;
+      auto& U = r.trace.find("U")->value;
+      for (std::size_t i = 0; i < clock.size(); ++i) {
+        clock[i] = static_cast<double>(i) / rate_Hz;
+        U[i] += rate_Hz == 200.0 ? 0.0 : 0.08 * std::sin(2.0 * kTurn * 49.98 * clock[i] + 0.3) * (0.5 + 0.1 * F[i]);
+      }
+    }
+    const Diagnosis d = answer(std::move(c));
+    if (rate_Hz == 200.0) {
+      EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+      continue;
+    }
+    EXPECT_GE(probability(d, "hum"), 0.9) << rate_Hz << told(d);
+    EXPECT_LT(d.error_after, 0.4 * d.error_before) << rate_Hz;
+  }
+}
+
 TEST(Hum, DoesNotHideTheLoopBesideIt) {
   int both = 0;
   for (std::uint64_t seed = 61; seed <= 63; ++seed) {

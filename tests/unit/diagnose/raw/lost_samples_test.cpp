@@ -31,6 +31,20 @@ TEST(LostSamples, ALostSampleOfTheReferenceHidesNoHeldOutput) {
   }
 }
 
+TEST(LostSamples, OneRecordThatHoldsAgainAndAgainIsEnoughWhereTheOthersAreSlow) {
+  const auto held = [](std::size_t runs) {
+    Campaign c = make_campaign(37, straight);
+    auto& U = c.records[3].trace.find("U")->value;  // the fast ramps
+    for (std::size_t j = 0; j < runs; ++j)
+      for (std::size_t i = 0; i < 40; ++i) U[1007 + 1117 * j + i] = U[1007 + 1117 * j];
+    return claims_of_samples(c);
+  };
+  const std::vector<HealthClaim> claims = held(18);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+  EXPECT_TRUE(held(5).empty()) << "a hand on the cable";
+}
+
 TEST(LostSamples, AnOutputThatGoesMissingAgainAndAgainLosesSamples) {
   const auto missing = [](std::size_t records, std::size_t each, std::size_t length, bool reference_too) {
     Campaign c = make_campaign(36, straight);
