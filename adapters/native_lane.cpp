@@ -71,8 +71,12 @@ class NativeDut final : public Dut {
       const InFirmware marker(0);  // constructors of the object may run
       handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     }
-    if (handle_ == nullptr)
-      return fail(ErrorCode::firmware, "the image cannot be loaded: " + printable_utf8(dlerror()), where_);
+    if (handle_ == nullptr) {
+      const std::string why = printable_utf8(dlerror());
+      if (why.find("executable") != std::string::npos)
+        return fail(ErrorCode::usage, "this is a program and no firmware image: " + why, where_, "the native lane wants a shared object built with rigs/firmware/ports/native.h");
+      return fail(ErrorCode::firmware, "the image cannot be loaded: " + why, where_);
+    }
     if (!load("forcegate_native_abi", abi_) || !load("forcegate_native_open", open_) ||
         !load("forcegate_native_process", process_) || !load("forcegate_native_close", close_))
       return fail(ErrorCode::usage, "the shared object does not export the functions of the native port",
@@ -153,10 +157,7 @@ class NativeDut final : public Dut {
     if (std::memcmp(&info.calibration, &calibration, sizeof calibration) != 0)
       return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
     if (static_cast<double>(info.rate_Hz) != session.rate_Hz)
-      return fail(ErrorCode::firmware,
-                  "the image runs at " + std::to_string(info.rate_Hz) + " Hz, the rig at " +
-                      shortest(session.rate_Hz) + " Hz",
-                  where_);
+      return wrong_rate(info.rate_Hz, session.rate_Hz, where_);
     FORCEGATE_CHECK_OK(link::check_build_id(image_, text_of(info.build_id), where_));
     return DutInfo{1,
                    info.protocol_minor,

@@ -130,10 +130,7 @@ class UartDut final : public Dut {
     if ((info->capabilities & 1U) == 0)
       return fail(ErrorCode::firmware, "the image cannot take injected samples (capability INJECT)", where_);
     if (static_cast<double>(info->rate_Hz) != session.rate_Hz)
-      return fail(ErrorCode::firmware,
-                  "the image runs at " + std::to_string(info->rate_Hz) + " Hz, the rig at " +
-                      shortest(session.rate_Hz) + " Hz",
-                  where_);
+      return wrong_rate(info->rate_Hz, session.rate_Hz, where_);
     const link::CalWire calibration = link::to_wire(session.calibration);
     FORCEGATE_CHECK_OK(send(link::Type::param, link::set_cal_payload(calibration)));
     FORCEGATE_TRY(const link::Frame value, receive(link::Type::param_value));

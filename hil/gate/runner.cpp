@@ -76,6 +76,14 @@ class CaseRun {
                                    job_.planned.where, "use an open-loop plan with --rig replay"});
     }
 
+    // a recording has the rate that somebody recorded it at; a rig has that of the plan, and the image must keep it
+    const bool recorded = !record_.rig.can_move;
+    const auto is_rate = [](const Error& e) { return e.code == ErrorCode::config; };
+    const auto stage_of = [&](const Error& e) { return e.code == ErrorCode::usage || (recorded && is_rate(e)) ? Stage::setup : Stage::firmware; };
+    const auto blamed = [&](Error e) {
+      if (!recorded && is_rate(e)) e.code = ErrorCode::firmware;
+      return e;
+    };
     DutSession session;
     session.image = job_.image;
     session.nonce = job_.nonce;
@@ -84,7 +92,7 @@ class CaseRun {
     auto opened = job_.planned.prelude_s > 0.0 ? play_prelude(*devices_.dut, devices_.comparator, session,
                                                               job_.planned.prelude_s, record_.prelude)
                                                : devices_.dut->open(session);
-    if (!opened) return failed(Stage::firmware, opened.error());
+    if (!opened) return failed(stage_of(opened.error()), blamed(opened.error()));
     record_.firmware = *opened;
     dut_open_ = true;
     if (opened->nonce != job_.nonce)

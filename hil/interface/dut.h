@@ -35,6 +35,9 @@ struct DutSession {
   Calibration calibration;
 };
 
+/// The image and what it is to follow do not agree on the rate: nobody's fault yet, the session knows who gave the rate.
+Unexpected wrong_rate(double image_Hz, double session_Hz, const std::string& where);
+
 struct DutInfo {
   int protocol_major = 0, protocol_minor = 0;
   std::string board;         ///< "native", "mps2-an386", "lm3s6965evb" ...

@@ -2,6 +2,7 @@
 
 #include "hil/base/text.h"
 #include "hil/interface/check.h"
+#include "hil/interface/dut.h"
 #include "hil/interface/run_result.h"
 #include "hil/interface/weight_bench.h"
 
@@ -109,6 +110,12 @@ Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
     }
   }
   return kind->make(spec);
+}
+
+Unexpected wrong_rate(double image_Hz, double session_Hz, const std::string& where) {
+  return fail(ErrorCode::config, "the image runs at " + shortest(image_Hz) + " Hz, the rig at " + shortest(session_Hz) + " Hz", where,
+              "play or record at " + shortest(image_Hz) + " Hz (forcegate record --rate " + shortest(image_Hz) + "), or build the image for " +
+                  shortest(session_Hz) + " Hz");
 }
 
 Result<std::unique_ptr<Rig>> make_rig(const std::string& name,

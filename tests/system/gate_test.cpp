@@ -127,6 +127,18 @@ TEST_F(Gate, LimitsOfABenchsOwnRecordingsJudgeItsNextRecording) {
   EXPECT_THAT(few.err, HasSubstr("at least 5"));
 }
 
+TEST_F(Gate, NeitherARecordingOfAnotherRateNorAWrongFileIsTheFirmwaresFault) {
+  const std::string made = folder / "slow";
+  const ProcessResult r = forcegate({"record", "--plan", "selfcheck", "--rate", "200", "-o", made}, kHere);
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  const ProcessResult slow = gate({kNative, "--record", made + "/r01_known_profile.csv", "-o", folder / "run"});
+  EXPECT_EQ(slow.exit_code, 2) << slow.out;
+  EXPECT_THAT(slow.err, HasSubstr("forcegate record --rate 1000"));
+  const ProcessResult program = gate({FORCEGATE_BINARY_DIR "/forcegate", "--case", "four_sines", "-o", folder / "run"});
+  EXPECT_EQ(program.exit_code, 2) << program.out;
+  EXPECT_THAT(program.err, HasSubstr("no firmware image"));
+}
+
 TEST_F(Gate, AFailureOfTheFirmwareIsNeverPlayedAgain) {
   const ProcessResult r = gate({kOff, "--case", "four_sines", "-o", folder / "run"});
   EXPECT_EQ(r.exit_code, 1) << r.out << r.err;
