@@ -12,7 +12,11 @@ namespace forcegate {
 /// Debian's HDF5 is not thread-safe: every entry holds this lock. It also keeps the library from printing.
 class Hdf5Lock {
  public:
-  Hdf5Lock() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+  Hdf5Lock() : lock_(mutex()) {
+    // a file that a full disk did not let close would be flushed once more when the program ends, and take it down
+    [[maybe_unused]] static const herr_t once = H5dont_atexit();
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
 
  private:
   static std::recursive_mutex& mutex() {

@@ -105,6 +105,22 @@ std::uint64_t claimed_end(const std::filesystem::path& path, std::uint64_t size)
   return at;
 }
 
+// The library tells of no failed write: what stands on the disk is counted.
+bool holds(const std::filesystem::path& path, std::size_t variables) {
+  std::error_code failed;
+  const std::uint64_t size = std::filesystem::file_size(path, failed);
+  if (failed || claimed_end(path, size) > size) return false;
+  const FilePointer file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+  std::size_t found = 0;
+  while (file) {
+    matvar_t* variable = Mat_VarReadNextInfo(file.get());
+    if (variable == nullptr) break;
+    Mat_VarFree(variable);
+    ++found;
+  }
+  return found == variables;
+}
+
 thread_local bool inflate_failed = false;  // the library tells it in no other way
 
 }  // namespace
@@ -121,7 +137,9 @@ Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
                 "is the disk full, and does the folder exist?");
   };
   if (!file) return failed();
+  std::size_t variables = 0;
   const auto vector = [&](const std::string& name, const std::vector<double>& v) {
+    ++variables;
     return put(file.get(), variable_name(name), MAT_C_DOUBLE, MAT_T_DOUBLE, v.size(), 1, v.data());
   };
   bool good = true;
@@ -130,14 +148,16 @@ Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
   for (const Channel& c : trace.channels) {
     const std::string suffix = c.time_base == 0 ? "" : "_at_" + std::to_string(c.time_base + 1);
     good = good && vector(header_of(c.name, c.unit) + suffix, c.value);
-    if (!c.raw.empty() && c.quantity != "code")
-      good = good && put(file.get(), variable_name(c.name + "_counts" + suffix), MAT_C_INT32, MAT_T_INT32,
-                         c.raw.size(), 1, c.raw.data());
+    if (c.raw.empty() || c.quantity == "code") continue;
+    ++variables;
+    good = good && put(file.get(), variable_name(c.name + "_counts" + suffix), MAT_C_INT32, MAT_T_INT32,
+                       c.raw.size(), 1, c.raw.data());
   }
   const std::string meta =
       nlohmann::json(trace.provenance).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   good = good && put(file.get(), "provenance", MAT_C_CHAR, MAT_T_UINT8, 1, meta.size(), meta.data());
-  if (!good || Mat_Close(file.release()) != 0) return failed();
+  ++variables;
+  if (!good || Mat_Close(file.release()) != 0 || !holds(temporary, variables)) return failed();
   std::error_code code;
   std::filesystem::rename(temporary, path, code);
   if (code) return failed();

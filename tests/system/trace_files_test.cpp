@@ -149,6 +149,21 @@ TEST_F(Convert, MapsForeignColumnsAndSuppliesAClock) {
   EXPECT_THAT(read_text(out), HasSubstr("0.01,1.1,2.1"));
 }
 
+// The limit on the size of a file stands for the full disk.
+TEST_F(Convert, AFullDiskIsAnErrorAndLeavesNoFile) {
+  std::string csv = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 20000; ++i) csv += std::to_string(0.01 * i) + "," + std::to_string(std::sin(0.01 * i)) + "," + std::to_string(std::cos(0.013 * i)) + "\n";
+  write_text(folder / "long.csv", csv);
+  for (const char* ending : {"mat", "h5", "csv"})
+    for (const char* kilobytes : {"8", "48", "96"}) {
+      const std::string out = folder / (std::string("out.") + ending);
+      const ProcessResult r = run_process({"bash", "-c", "trap '' XFSZ; ulimit -f \"$0\"; exec \"$@\"", kilobytes, FORCEGATE_BINARY_DIR "/forcegate", "convert", folder / "long.csv", out});
+      EXPECT_EQ(r.exit_code, 2) << ending << " " << kilobytes << r.out << r.err;
+      EXPECT_THAT(r.err, HasSubstr("cannot be written")) << ending;
+      EXPECT_FALSE(std::filesystem::exists(out)) << ending << " " << kilobytes;
+    }
+}
+
 TEST(Recover, RefusesWhatIsNoJournalAndKeepsExistingFiles) {
   TemporaryFolder folder;
   write_text(folder / "a.fgj", "nonsense");
