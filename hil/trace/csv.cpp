@@ -102,7 +102,11 @@ std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& 
           std::ranges::find(table.columns, alias, &CsvColumn::header) == table.columns.end())
         mapped = options.column_map.find(alias);
     if (mapped != options.column_map.end()) {
-      meaning = renamed(meaning.unit, meaning_of(mapped->second));
+      const auto called = find_unit(column.header);  // a column of kilograms-force that is called kgf
+      const ColumnMeaning wanted = meaning_of(mapped->second);
+      meaning = renamed(meaning.unit.symbol.empty() && called ? *called : meaning.unit, wanted);
+      if (called && meaning.unit.symbol == called->symbol && meaning.unit.symbol != wanted.unit.symbol)
+        out.notes.push_back("column \"" + column.header + "\" was read in " + meaning.unit.symbol + ", as it is called");
       const std::string unknown = unknown_unit(column.header);
       if (!unknown.empty() && meaning.unit.symbol == meaning.unit.canonical && !meaning.unit.symbol.empty())
         out.notes.push_back("\"" + unknown + "\" of column \"" + column.header + "\" is no unit known here: it was read as " + meaning.unit.symbol);

@@ -159,7 +159,7 @@ TEST_F(Convert, AFullDiskIsAnErrorAndLeavesNoFile) {
       const std::string out = folder / (std::string("out.") + ending);
       const ProcessResult r = run_process({"bash", "-c", "trap '' XFSZ; ulimit -f \"$0\"; exec \"$@\"", kilobytes, FORCEGATE_BINARY_DIR "/forcegate", "convert", folder / "long.csv", out});
       EXPECT_EQ(r.exit_code, 2) << ending << " " << kilobytes << r.out << r.err;
-      EXPECT_THAT(r.err, HasSubstr("cannot be written")) << ending;
+      EXPECT_THAT(r.err, HasSubstr("file cannot be ")) << ending;
       EXPECT_FALSE(std::filesystem::exists(out)) << ending << " " << kilobytes;
     }
 }

@@ -130,6 +130,13 @@ TEST(ReadCsv, FollowsTheColumnMap) {
   EXPECT_EQ(f.trace.find("U")->value[1], 4.0);
 }
 
+TEST(Csv, AColumnThatIsCalledByItsUnitIsInThatUnitWhateverItIsMappedTo) {
+  const auto f = read("t_s,kgf,U_V\n0,1,2\n1,3,4\n", {.column_map = {{"kgf", "F_ref_N"}}});
+  ASSERT_EQ(f.trace.channels.front().name, "F_ref");
+  EXPECT_NEAR(f.trace.channels.front().value[1], 3.0 * 9.80665, 1e-9);
+  EXPECT_THAT(f.notes, Contains("column \"kgf\" was read in kgf, as it is called"));
+}
+
 TEST(ReadCsv, AMappedColumnKeepsTheUnitOfItsHeader) {
   const auto f = read("Time_ms,Cell_bar,Sensor_mV\n0,1,2\n1000,3,4\n",
                       {.column_map = {{"Time_ms", "t_s"}, {"Cell_bar", "F_ref_N"}, {"Sensor_mV", "U_V"}}});
