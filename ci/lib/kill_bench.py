@@ -57,7 +57,7 @@ class Run:
     def __init__(self, forcegate, firmware, bench, served, environment, folder, wait_s):
         self.folder = folder
         self.gate = subprocess.Popen([forcegate, "gate", firmware, "--rig", bench, "--rig-option", "attach=" + served, "--plan", "twin",
-                                      "--calibration", "nominal", "--keep", "-o", os.path.join(folder, "run")],
+                                      "--calibration", "nominal", "-o", os.path.join(folder, "run")],
                                      stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True, env=environment)
         while not journals(folder) and self.gate.poll() is None:
             time.sleep(0.002)

@@ -30,6 +30,7 @@ class GateRun {
     if (!request_.output.empty()) {
       FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
       folder.emplace(std::move(opened));
+      if (plays_on_one_bench(request_, setup_)) unfinished_ = folder->keep_traces();
     }
     const std::filesystem::path keep_folder = folder ? folder->path() : std::filesystem::path();
     if (accepted_) result_.notes.push_back(accepted_note(*accepted_));
@@ -39,7 +40,7 @@ class GateRun {
     FORCEGATE_CHECK_OK(player.take_base_calibration());
     look(keep_folder);
     FORCEGATE_CHECK_OK(first_usage_error());
-    if (folder && !request_.keep && !player.cancelled()) keep_doubtful(keep_folder);
+    if (folder && !request_.keep && unfinished_.empty() && !player.cancelled()) keep_doubtful(keep_folder);
     return conclude(folder);
   }
 
@@ -157,6 +158,8 @@ class GateRun {
 
   // Golden traces and waivers come in when every record is made.
   Result<RunResult> conclude(std::optional<RunFolder>& folder) {
+    if (player_->cancelled() && !unfinished_.empty())
+      result_.notes.push_back("what was recorded is kept: " + unfinished_.string() + " (forcegate recover FILE.fgj)");
     RunMaterial material{setup_.plan,
                          limits_,
                          player_->level(),
@@ -193,6 +196,7 @@ class GateRun {
   std::filesystem::path limits_path_;
   std::optional<AcceptedBuild> accepted_;
   RunEvidence evidence_;
+  std::filesystem::path unfinished_;  ///< where the records of a bench stay when the run does not end well; empty: not of one
   GatePlayer* player_ = nullptr;  ///< while run() lasts
   std::vector<JudgedCheck> panel_, compared_;
   RunResult result_;

@@ -108,6 +108,10 @@ Result<std::filesystem::path> find_plan(const std::string& name) {
       !near.empty() ? "did you mean '" + near + "'?" : "give a file, or the name of a file in ci/plans");
 }
 
+bool plays_on_one_bench(const GateRequest& request, const GateSetup& setup) {
+  return request.rig == "bench" && (!setup.rig.emulated || request.rig_options.contains("attach"));
+}
+
 RunResult run_head(const GateRequest& request, const std::string& firmware_sha256, const std::string& lane) {
   RunResult head;
   head.tool_version = FORCEGATE_VERSION;

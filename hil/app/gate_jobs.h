@@ -35,6 +35,10 @@ Result<void> known_cases(const std::vector<std::string>& wanted, const std::vect
 /// Checks everything that can be wrong before a record is made (exit 2).
 Result<GateSetup> prepare_gate(const GateRequest& request);
 
+/// One bench on the table, or twins that are served as one: a record cannot be had twice, nor two at a time. Only twins that a worker starts
+/// for itself can be had several times.
+bool plays_on_one_bench(const GateRequest& request, const GateSetup& setup);
+
 /// Anything to measure before the records: not at nominal level, with a calibration file or on a recording.
 bool calibrates(const GateRequest& request, const GateSetup& setup);
 

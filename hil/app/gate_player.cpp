@@ -65,9 +65,7 @@ std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {
   };
   WorkerOptions options;
   options.workers = request_.threads;
-  // There is one bench on the table; only twins that a worker starts for itself can be had several times.
-  if (request_.rig == "bench" && (!setup_.rig.emulated || request_.rig_options.contains("attach")))
-    options.workers = 1;
+  if (plays_on_one_bench(request_, setup_)) options.workers = 1;
   options.cancelled = cancelled_;
   options.hang_cpu_s = request_.hang_cpu_s;
   return run_in_workers(jobs, options,
@@ -157,7 +155,7 @@ void GatePlayer::add(PlayedRecord played, const std::filesystem::path& keep_fold
     records_.push_back(std::move(played));
     return;
   }
-  if (request_.keep && !keep_folder.empty()) job.keep_path = trace_path(keep_folder, job).string();
+  if ((request_.keep || plays_on_one_bench(request_, setup_)) && !keep_folder.empty()) job.keep_path = trace_path(keep_folder, job).string();
   job.index = to_play.size();
   to_play.push_back(std::move(played));
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <utility>
 #include <vector>
 
 #include "hil/app/write_file.h"
@@ -35,19 +36,30 @@ void sync_folder(const fs::path& folder) {
   close(descriptor);
 }
 
+bool holds_traces(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, error))
+    if (const fs::path ending = entry.path().extension(); ending == ".fgj" || ending == ".h5") return true;
+  return false;
+}
+
+fs::path unfinished(const fs::path& final_path, long pid) { return final_path.string() + ".unfinished-" + std::to_string(pid); }
+
 // Temporary folders whose process is gone.
 void remove_leftovers(const fs::path& final_path) {
   const std::string prefix = final_path.filename().string() + kPart;
   std::error_code ignored;
-  std::vector<fs::path> dead;
+  std::vector<std::pair<fs::path, long>> dead;
   for (const auto& entry : fs::directory_iterator(final_path.parent_path(), ignored)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(prefix)) continue;
     const long pid = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
     if (pid > 0 && kill(static_cast<pid_t>(pid), 0) == 0 && pid != getpid()) continue;
-    dead.push_back(entry.path());
+    dead.emplace_back(entry.path(), pid);
   }
-  for (const fs::path& path : dead) fs::remove_all(path, ignored);
+  for (const auto& [path, pid] : dead)
+    if (holds_traces(path)) fs::rename(path, unfinished(final_path, pid), ignored);
+    else fs::remove_all(path, ignored);
 }
 
 }  // namespace
@@ -81,14 +93,20 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
 }
 
 RunFolder::RunFolder(RunFolder&& other) noexcept
-    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)) {
+    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)), keeps_traces_(other.keeps_traces_) {
   other.temporary_.clear();
 }
 
 RunFolder::~RunFolder() {
   if (temporary_.empty()) return;
   std::error_code ignored;
-  fs::remove_all(temporary_, ignored);
+  if (keeps_traces_ && holds_traces(temporary_)) fs::rename(temporary_, unfinished(final_, getpid()), ignored);
+  else fs::remove_all(temporary_, ignored);
+}
+
+fs::path RunFolder::keep_traces() {
+  keeps_traces_ = true;
+  return unfinished(final_, getpid());
 }
 
 Result<void> RunFolder::publish(const RunResult& result) {

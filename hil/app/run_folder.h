@@ -12,11 +12,14 @@ namespace forcegate {
 class RunFolder {
  public:
   /// Removes an older result of that name at once (it must not be taken for this run's) and what killed runs
-  /// left. Refuses a folder that holds anything but a result of ours (usage).
+  /// left, but traces: those stay under the name NAME.unfinished-PID. Refuses a folder that holds anything but a result of ours (usage).
   static Result<RunFolder> open(const std::filesystem::path& final_path);
   RunFolder(RunFolder&& other) noexcept;
   RunFolder& operator=(RunFolder&&) = delete;
-  ~RunFolder();  ///< removes the temporary folder if it was not published
+  ~RunFolder();  ///< removes the temporary folder if it was not published, but see keep_traces()
+
+  /// What a bench has played cannot be played again: unless the run is published, its traces stay. Where they will be.
+  std::filesystem::path keep_traces();
 
   /// Where to put files before publish().
   const std::filesystem::path& path() const { return temporary_; }
@@ -27,6 +30,7 @@ class RunFolder {
  private:
   RunFolder() = default;
   std::filesystem::path final_, temporary_;
+  bool keeps_traces_ = false;
 };
 
 }  // namespace forcegate

@@ -159,7 +159,7 @@ const Registration<Command> kRow{Command{
           {.name = "today", .value_name = "DATE", .doc = "Day against which waivers expire; default: today."},
           {.name = "keep",
            .value_name = "",
-           .doc = "Keep the samples of every record as HDF5, not only of those in doubt."},
+           .doc = "Keep the samples of every record as HDF5, not only of those in doubt; a bench always does."},
           {.name = "output",
            .value_name = "FOLDER",
            .doc = "Folder of the result.",

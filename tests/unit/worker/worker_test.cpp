@@ -192,6 +192,30 @@ TEST(RunFolder, removes_an_older_result_before_the_run) {
   EXPECT_FALSE(fs::exists(f.root / "run" / "result.json")) << "it could be taken for the result of this run";
 }
 
+TEST(RunFolder, leaves_the_traces_of_a_bench_whatever_ends_the_run) {
+  Folder f;
+  fs::create_directories(f.root / "run.part-999999999" / "traces");
+  std::ofstream(f.root / "run.part-999999999" / "traces" / "a.fgj") << "x";
+  fs::path kept;
+  {
+    auto folder = RunFolder::open(f.root / "run");
+    ASSERT_TRUE(folder);
+    EXPECT_TRUE(fs::exists(f.root / "run.unfinished-999999999" / "traces" / "a.fgj")) << "what a killed run recorded";
+    kept = folder->keep_traces();
+    fs::create_directories(folder->path() / "traces");
+    std::ofstream(folder->path() / "traces" / "b.fgj") << "x";
+  }
+  EXPECT_TRUE(fs::exists(kept / "traces" / "b.fgj")) << "Ctrl-C";
+  {
+    auto folder = RunFolder::open(f.root / "run");
+    ASSERT_TRUE(folder);
+    kept = folder->keep_traces();
+    ASSERT_TRUE(folder->publish({}));
+  }
+  EXPECT_TRUE(fs::exists(f.root / "run" / "result.json"));
+  fs::remove_all(kept);
+}
+
 TEST(RunFolder, clears_what_a_killed_run_left_and_keeps_what_is_not_ours) {
   Folder f;
   fs::create_directories(f.root / "run.part-999999999");
