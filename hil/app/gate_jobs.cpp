@@ -103,9 +103,11 @@ Result<std::filesystem::path> find_plan(const std::string& name) {
       if (entry.path().extension() == ".toml") known.push_back(entry.path().stem().string());
   }
   const std::string near = nearest_name(name, known);
-  return fail(
-      ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", {},
-      !near.empty() ? "did you mean '" + near + "'?" : "give a file, or the name of a file in ci/plans");
+  std::vector<std::string> looked_in;
+  for (const fs::path& folder : folders) looked_in.push_back(folder.string());
+  return fail(ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", "looked in " + join(looked_in, ", "),
+              !near.empty() ? "did you mean '" + near + "'?"
+                            : "give a file (--plan FOLDER/" + printable_utf8(name) + ".toml), or run it in the source tree, which has ci/plans");
 }
 
 bool plays_on_one_bench(const GateRequest& request, const GateSetup& setup) {
@@ -187,6 +189,9 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
     for (PlanCase& c : plan.cases) c.specimens.clear();
   }
   if (!request.goldens.empty()) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(request.goldens, ignored))
+      return fail(ErrorCode::usage, "there is no folder of golden traces", request.goldens.string(), "forcegate bless makes one");
     plan.limits.goldens = std::filesystem::absolute(request.goldens).lexically_normal().string();
     for (PlanCase& c : plan.cases) c.checks |= kCheckGolden;
   }

@@ -46,7 +46,7 @@ bool is_iso_date(const std::string& text) {
 
 Result<std::vector<Waiver>> read_waivers(const std::filesystem::path& path) {
   FORCEGATE_TRY(const ConfigNode root, read_config(path));
-  ConfigReader r(root, "the waivers");
+  ConfigReader r(root, "the waivers", "docs/trust.md");
   std::int64_t format = 0;
   r.integer("format", format, 1, 1, ConfigReader::required);
   const ConfigNode* list = r.array("waiver", ConfigReader::required);
@@ -55,7 +55,7 @@ Result<std::vector<Waiver>> read_waivers(const std::filesystem::path& path) {
   for (const ConfigNode& item : list->items) {
     if (item.kind != ConfigNode::Kind::table)
       return fail(ErrorCode::config, "a waiver must be a table", item.where, "write [[waiver]]");
-    ConfigReader one(item, "a waiver");
+    ConfigReader one(item, "a waiver", "docs/trust.md");
     Waiver w;
     w.where = item.where;
     one.text("case", w.case_name, ConfigReader::required);

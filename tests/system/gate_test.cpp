@@ -127,6 +127,20 @@ TEST_F(Gate, LimitsOfABenchsOwnRecordingsJudgeItsNextRecording) {
   EXPECT_THAT(few.err, HasSubstr("at least 5"));
 }
 
+TEST_F(Gate, MistakesInADateOrAFolderAreSeenBeforeAnythingIsPlayed) {
+  for (const char* day : {"31.12.2026", "2026-02-30"}) {
+    const ProcessResult r = gate({kNative, "--today", day, "-o", folder / "run"});
+    EXPECT_EQ(r.exit_code, 2) << day;
+    EXPECT_THAT(r.err, HasSubstr("is no date"));
+  }
+  const ProcessResult none = gate({kNative, "--golden", folder / "nowhere", "-o", folder / "run"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("no folder of golden traces"));
+  const ProcessResult plan = forcegate({"gate", kNative, "--plan", "nowhere", "-o", folder / "run"}, kHere);
+  EXPECT_EQ(plan.exit_code, 2);
+  EXPECT_THAT(plan.err, HasSubstr("looked in "));
+}
+
 TEST_F(Gate, NeitherARecordingOfAnotherRateNorAWrongFileIsTheFirmwaresFault) {
   const std::string made = folder / "slow";
   const ProcessResult r = forcegate({"record", "--plan", "selfcheck", "--rate", "200", "-o", made}, kHere);
