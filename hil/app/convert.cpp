@@ -9,18 +9,6 @@
 
 namespace forcegate {
 
-Result<std::map<std::string, std::string>> parse_column_map(std::span<const std::string> words) {
-  std::map<std::string, std::string> out;
-  for (const std::string& word : words) {
-    const std::size_t equals = word.rfind('=');
-    if (equals == 0 || equals == std::string::npos || equals + 1 == word.size())
-      return fail(ErrorCode::usage, fmt::format("\"{}\" is not COLUMN=NAME", word), "--map",
-                  "write for example --map \"Load cell=F_ref_N\"");
-    out[word.substr(0, equals)] = word.substr(equals + 1);
-  }
-  return out;
-}
-
 Result<ConvertReport> convert(const ConvertRequest& request) {
   std::error_code ignored;
   if (std::filesystem::equivalent(request.from, request.to, ignored))

@@ -3,11 +3,10 @@
 
 #include <filesystem>
 #include <map>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "hil/trace/csv.h"
+#include "hil/trace/column_map.h"
 
 namespace forcegate {
 
@@ -30,9 +29,6 @@ struct ConvertReport {
   std::vector<std::string> notes;  ///< what was assumed, converted or dropped
   std::map<std::string, std::string> provenance;
 };
-
-/// "NAME=F_ref_N" words of --map, split at the last "=", to a map. Errors: usage.
-Result<std::map<std::string, std::string>> parse_column_map(std::span<const std::string> words);
 
 /// Reads, writes and reports. Refuses to write over an existing file without `overwrite`, and onto its own input.
 Result<ConvertReport> convert(const ConvertRequest& request);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "hil/app/convert.h"
 #include "hil/base/text.h"
+#include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 
 #include "hil/diagnose/candidates/user_candidates.h"
@@ -46,20 +46,17 @@ Result<void> check_channels(const Campaign& campaign) {
          {std::tuple{"F_ref", "reference force", "N"}, std::tuple{"U", "output", "V"}}) {
       if (record.trace.find(name)) continue;
       std::vector<std::string> columns;
-      std::string likely = "NAME", in_grams;
+      std::string in_grams;
       for (const Channel& c : record.trace.channels) {
         columns.push_back(header_of(c.name, c.unit));
         // a weight in grams: "g" may also be an acceleration, and is no unit here
-        if (std::string_view(name) == "F_ref" && c.unit.empty() && (c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
+        if (std::string_view(name) == "F_ref" && c.unit.empty() && (c.name == "g" || c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
           in_grams = c.name;
-        if (c.unit == unit && c.name != "F_ref" && c.name != "F_cmd" && c.name != "F_dut" &&
-            c.name != "drive" && c.name != "supply" && likely == "NAME")
-          likely = columns.back();
       }
       return fail(ErrorCode::parse,
                   std::string("no column is the ") + what + ": there are " + join(columns, ", "),
                   record.place_of_header(),
-                  in_grams.empty() ? std::string("name one, for instance --map ") + shell_quoted(likely + "=" + name + "_" + unit)
+                  in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit)
                                    : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
     }
   return {};

@@ -7,6 +7,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/campaign_checks.h"
 #include "hil/trace/campaign_description.h"
+#include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/common_clock.h"
 #include "hil/trace/conductance.h"
@@ -114,24 +115,15 @@ void add_notes(const std::vector<Reading>& readings, Campaign& campaign) {
   }
 }
 
-/// A mapped column that exists nowhere is a typing mistake, and what is then read is not what was meant.
 Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptions& options,
                        const fs::path& where) {
-  for (const auto& [from, to] : options.column_map) {
-    if (std::ranges::any_of(readings, [&, &name = from](const Reading& r) {
-          return std::ranges::find(r.mapped, name) != r.mapped.end();
-        }))
-      continue;
-    std::vector<std::string> columns;
-    for (const Reading& reading : readings)
-      for (const Channel& c : reading.record->trace.channels)
-        if (const std::string name = header_of(c.name, c.unit);
-            std::ranges::find(columns, name) == columns.end())
-          columns.push_back(name);
-    return fail(ErrorCode::usage, "no record has a column \"" + from + "\" to map to " + to, where.string(),
-                "there are " + join(columns, ", ") + "; only columns of CSV and MAT files can be mapped");
+  std::vector<std::string> mapped;
+  std::vector<const Trace*> traces;
+  for (const Reading& reading : readings) {
+    mapped.insert(mapped.end(), reading.mapped.begin(), reading.mapped.end());
+    traces.push_back(&reading.record->trace);
   }
-  return {};
+  return check_column_map(options.column_map, mapped, traces, where);
 }
 
 /// A folder holds what it holds: a record that cannot stand beside those that can is skipped. Where none can, all are kept, and who reads them says why.

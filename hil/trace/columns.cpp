@@ -146,12 +146,13 @@ std::string unknown_unit(std::string_view header) {
     return open == std::string_view::npos || open == 0 ? std::string() : std::string(trim(header.substr(open + 1, header.size() - open - 2)));
   }
   const std::size_t at = header.rfind('_');
-  if (at == std::string_view::npos || at == 0) return {};
-  const std::string_view tail = header.substr(at + 1);
+  if (at == 0) return {};
+  const bool bare = at == std::string_view::npos;  // a column that is called "g"; one that is called "t" is a clock
+  const std::string_view tail = bare ? header : header.substr(at + 1);
   static constexpr std::array kOthers = {"g", "mg", "lb", "lbs", "oz", "t", "kp", "psi", "atm", "torr", "inch", "dBV"};
   const bool other = std::ranges::any_of(kOthers, [&](const char* unit) { return tail == unit; });
   const bool scaled = tail.size() > 1 && std::string_view("fpnumcdhkMGT").find(tail.front()) != std::string_view::npos && find_unit(tail.substr(1)).has_value();
-  return other || scaled ? std::string(tail) : std::string();
+  return (other && !(bare && meaning.is_clock)) || (scaled && !bare) ? std::string(tail) : std::string();
 }
 
 std::vector<std::string> use_canonical_names(Trace& trace, const std::vector<std::string>& headers) {

@@ -23,8 +23,8 @@ struct ColumnMeaning {
 /// which are taken to be in SI units (temperature in degree Celsius). "velocity_mm_s" is a velocity and no clock.
 ColumnMeaning meaning_of(std::string_view header);
 
-/// What stands where a unit stands in a header and is none known here: "widgets" of "Force (widgets)", "g" of "load_g". After an underscore
-/// only what is a unit somewhere; empty for most.
+/// What stands where a unit stands in a header and is none known here: "widgets" of "Force (widgets)", "g" of "load_g". After an underscore,
+/// or as the whole header, only what is a unit somewhere; empty for most.
 std::string unknown_unit(std::string_view header);
 
 /// Gives foreign channels the names of docs/campaign.md where that is unambiguous: by common synonyms, else when the

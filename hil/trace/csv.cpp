@@ -107,6 +107,8 @@ std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& 
       meaning = renamed(meaning.unit.symbol.empty() && called ? *called : meaning.unit, wanted);
       if (called && meaning.unit.symbol == called->symbol && meaning.unit.symbol != wanted.unit.symbol)
         out.notes.push_back("column \"" + column.header + "\" was read in " + meaning.unit.symbol + ", as it is called");
+      else if (called && meaning.unit.symbol != called->symbol && meaning.unit.quantity == called->quantity)
+        out.notes.push_back("column \"" + column.header + "\" was read in " + meaning.unit.symbol + ", though it is called " + called->symbol);
       const std::string unknown = unknown_unit(column.header);
       if (!unknown.empty() && meaning.unit.symbol == meaning.unit.canonical && !meaning.unit.symbol.empty())
         out.notes.push_back("\"" + unknown + "\" of column \"" + column.header + "\" is no unit known here: it was read as " + meaning.unit.symbol);

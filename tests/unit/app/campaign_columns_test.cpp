@@ -36,6 +36,15 @@ TEST_F(CampaignColumns, TheHintForAWeightInGramsCanBePastedAndTheHeadersLineIsNa
   EXPECT_THAT(two.error().where, EndsWith("run.csv:1"));
 }
 
+TEST_F(CampaignColumns, TheHintForAColumnThatIsCalledByItsUnitKeepsTheUnit) {
+  const auto kilograms = load_campaign(put("t_s,kgf,U_V\n0,1,2\n1,2,3\n2,3,4\n"));
+  ASSERT_FALSE(kilograms);
+  EXPECT_THAT(kilograms.error().hint, HasSubstr("--map kgf=F_ref_kgf"));
+  const auto grams = load_campaign(put("t_s,g,U_V\n0,1,2\n1,2,3\n2,3,4\n"));
+  ASSERT_FALSE(grams);
+  EXPECT_THAT(grams.error().hint, HasSubstr("--map g=F_ref_gf"));
+}
+
 TEST_F(CampaignColumns, AMapIsSplitAtItsLastEqualsSignAndOneWithoutANameIsRefused) {
   CampaignRequest request = put("t_s,cell at x=3,U_V\n0,1,2\n1,2,3\n2,3,4\n");
   request.maps = {"cell_at_x=3=F_ref_N"};

@@ -137,6 +137,12 @@ TEST(Csv, AColumnThatIsCalledByItsUnitIsInThatUnitWhateverItIsMappedTo) {
   EXPECT_THAT(f.notes, Contains("column \"kgf\" was read in kgf, as it is called"));
 }
 
+TEST(Csv, AMapToAnotherUnitThanAColumnIsCalledByIsTold) {
+  const auto f = read("t_s,kgf,U_V\n0,1,2\n1,3,4\n", {.column_map = {{"kgf", "F_ref_lbf"}}});
+  EXPECT_NEAR(f.trace.channels.front().value[1], 3.0 * 4.4482216152605, 1e-9);
+  EXPECT_THAT(f.notes, Contains("column \"kgf\" was read in lbf, though it is called kgf"));
+}
+
 TEST(ReadCsv, AMappedColumnKeepsTheUnitOfItsHeader) {
   const auto f = read("Time_ms,Cell_bar,Sensor_mV\n0,1,2\n1000,3,4\n",
                       {.column_map = {{"Time_ms", "t_s"}, {"Cell_bar", "F_ref_N"}, {"Sensor_mV", "U_V"}}});

@@ -125,6 +125,10 @@ TEST(ForeignFiles, AUnitThatAMapLosesIsTold) {
   options.column_map["load_g"] = options.column_map["Force (widgets)"] = options.column_map["F_GN"] = "F_ref_N";
   for (const char* name : {"load_g", "Force (widgets)", "F_GN"})
     EXPECT_THAT(read("t_s," + std::string(name) + ",U_V\n0,1,2\n1,2,3\n", options).notes, Contains(HasSubstr("is no unit known here: it was read as N"))) << name;
+  options.column_map["g"] = "F_ref_N";
+  options.column_map["t"] = "t_s";
+  EXPECT_THAT(read("t,g,U_V\n0,1,2\n1,2,3\n", options).notes, Contains("\"g\" of column \"g\" is no unit known here: it was read as N"));
+  EXPECT_THAT(read("t,g,U_V\n0,1,2\n1,2,3\n", options).notes, ::testing::Not(Contains(HasSubstr("\"t\" of"))));
   options.column_map["load_g"] = "F_ref_gf";
   options.column_map["F_dyn"] = "F_ref_N";
   for (const char* name : {"load_g", "F_dyn"})

@@ -1,0 +1,30 @@
+#pragma once
+// Foreign columns under names of docs/campaign.md: what --map says, whether it met a column, and what to advise where a name is missing.
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/trace/csv.h"
+
+namespace forcegate {
+
+using ColumnMap = std::map<std::string, std::string>;
+
+/// "NAME=F_ref_N" words of --map, split at the last "=", to a map. Errors: usage.
+Result<ColumnMap> parse_column_map(std::span<const std::string> words);
+
+/// A mapped column that exists nowhere is a typing mistake, and what is then read is not what was meant: usage, with the columns of `traces`.
+Result<void> check_column_map(const ColumnMap& map, std::span<const std::string> mapped, std::span<const Trace* const> traces,
+                              const std::filesystem::path& where);
+
+/// read_trace() of a recording and a map whose words stand one a line, as an option of a rig or a profile holds them; every one must meet a column.
+Result<TraceFile> read_mapped_trace(const std::filesystem::path& path, std::string_view map, double assumed_rate_Hz = 0.0);
+
+/// "--map kgf=F_ref_kgf": what to write where no column is `name` (in `unit`), with the likeliest column.
+std::string column_map_advice(const Trace& trace, std::string_view name, std::string_view unit);
+
+}  // namespace forcegate
