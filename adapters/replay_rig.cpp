@@ -14,7 +14,7 @@
 #include "hil/base/digest.h"
 #include "hil/base/text.h"
 #include "hil/interface/rig.h"
-#include "hil/trace/convert.h"
+#include "hil/trace/column_map.h"
 
 namespace forcegate {
 namespace {
@@ -130,7 +130,7 @@ Result<Grid> make_grid(const TimeBase& base, const std::string& path) {
 class ReplayRig : public Rig {
  public:
   static Result<std::unique_ptr<Rig>> make(const Options& options) {
-    static const std::vector<std::string> kKnown = {"record",    "cal",     "adc_bits",
+    static const std::vector<std::string> kKnown = {"record",    "map",     "cal", "adc_bits",
                                                     "v_range_V", "rate_Hz", "name"};
     for (const auto& [key, value] : options)
       if (std::find(kKnown.begin(), kKnown.end(), key) == kKnown.end()) {
@@ -203,12 +203,13 @@ class ReplayRig : public Rig {
     FORCEGATE_TRY(const double rate_Hz, positive(options, "rate_Hz", 0.0));
     for (const auto& [key, value] : calibration) info_.details["calibration." + key] = value;
 
-    FORCEGATE_TRY(TraceFile file, read_trace(path, {{}, rate_Hz}));
+    const auto map = options.find("map");
+    FORCEGATE_TRY(TraceFile file, read_mapped_trace(path, map == options.end() ? std::string() : map->second, rate_Hz));
     const Trace& trace = file.trace;
     const Channel* force = trace.find("F_ref");
     if (!force)
       return fail(ErrorCode::config, "the record has no column of the reference force", path,
-                  "name it F_ref_N, or map a column to that name");
+                  "name it F_ref_N, or map a column to that name: " + column_map_advice(trace, "F_ref", "N"));
     FORCEGATE_TRY(grid_, make_grid(trace.time_bases[force->time_base], path));
     FORCEGATE_CHECK_OK(load_codes(trace, *force, path));
     force_N_.assign(force->value.begin(), force->value.end());
@@ -263,7 +264,7 @@ class ReplayRig : public Rig {
     if (voltage && (voltage->time_base != force.time_base || voltage->quantity == "code")) voltage = nullptr;
     if (!counts && !voltage)
       return fail(ErrorCode::config, "the record has no sensor channel beside its reference force", path,
-                  "name it U_V (volts) or U_counts (codes), or map a column to that name");
+                  "name it U_V (volts) or U_counts (codes), or map a column to that name: " + column_map_advice(trace, "U", "V"));
     const std::size_t n = force.value.size();
     adc_.resize(n);
     status_.assign(n, 0);

@@ -1,8 +1,8 @@
-// Plays a recorded force again: the channel "F_ref" (what the reference cell saw) of a CSV file, or the one
+// Plays a recorded force again: the channel "F_ref" (what the reference cell saw) of a CSV, HDF5 or MAT file, or the one
 // that `channel` names, linearly between its samples and without the file's own start time. Missing samples
 // are bridged.
 
-#include "hil/trace/csv.h"
+#include "hil/trace/column_map.h"
 #include "stimuli/profile.h"
 
 namespace forcegate::stimuli {
@@ -64,7 +64,8 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   const auto named = spec.texts.find("channel");
   const std::string channel_name =
       named == spec.texts.end() || named->second.empty() ? "F_ref" : named->second;
-  FORCEGATE_TRY(const TraceFile file, read_csv(path));
+  const auto map = spec.texts.find("map");
+  FORCEGATE_TRY(const TraceFile file, read_mapped_trace(path, map == spec.texts.end() ? std::string() : map->second));
   const Channel* channel = file.trace.find(channel_name);
   if (channel == nullptr || channel->unit != "N") {
     std::vector<std::string> forces;
@@ -96,8 +97,9 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
 const Registration<StimulusKind> kRegistered{
     {"replay",
      "A recorded force, played again",
-     {{"path", "", kRequired, 0.0, 0.0, "CSV file with a clock and a force column such as F_ref_N", false,
+     {{"path", "", kRequired, 0.0, 0.0, "CSV, HDF5 or MAT file with a clock and a force column such as F_ref_N", false,
        true},
+      {"map", "", 0.0, 0.0, 0.0, "names of foreign columns, COLUMN=NAME, one a line", false, true},
       {"channel", "", 0.0, 0.0, 0.0, "name of the force channel; left out = F_ref", false, true},
       ramp_parameter()},
      make}};

@@ -56,6 +56,7 @@ Result<void> take_profile_of_recording(const GateRequest& request, PlanCase& pla
   StimulusSpec spec;
   spec.name = "replay";
   spec.texts["path"] = path->second;
+  if (const auto map = request.rig_options.find("map"); map != request.rig_options.end()) spec.texts["map"] = map->second;
   auto made = make_stimulus(spec);
   if (!made) return fail(ErrorCode::usage, made.error().text, made.error().where, made.error().hint);
   planned.stimulus = std::move(spec);

@@ -48,6 +48,7 @@ class Derivation {
     GateRequest gated = common(request, path);
     gated.rig = "replay";
     gated.calibration_file = request.calibration_file;
+    if (!request.map.empty()) gated.rig_options["map"] = request.map;
     for (std::size_t k = 0; k < request.records.size(); ++k) {
       gated.rig_options["record"] = request.records[k].string();
       FORCEGATE_CHECK_OK(take(gated, plan.name, k, 1, request.records.size(), progress, cancelled));

@@ -10,6 +10,7 @@ struct LimitsRequest {
   std::filesystem::path firmware;
   std::string plan = "smoke";
   std::vector<std::filesystem::path> records;  ///< recordings to judge on instead of an emulated rig
+  std::string map;                             ///< names of their columns, COLUMN=NAME, one a line
   std::filesystem::path calibration_file;      ///< of the specimen in the recordings
   std::size_t n = 300;                         ///< specimens, each with its own session
   std::uint64_t first_seed = 1000;             ///< specimens "seed:1000", "seed:1001" ... : none of any panel

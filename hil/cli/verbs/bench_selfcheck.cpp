@@ -10,8 +10,8 @@ namespace {
 // The same build on the rig that is fit, under the plan that judges.
 std::string line_that_gates(const Invocation& in) {
   std::string out = "forcegate gate " + shell_quoted(in.text("FIRMWARE")) + rig_words(in);
-  for (const char* option : {"record", "cal"})
-    if (in.given(option)) out += std::string(" --") + option + " " + shell_quoted(in.text(option));
+  for (const char* option : {"record", "map", "cal"})
+    for (const std::string& word : in.texts(option)) out += std::string(" --") + option + " " + shell_quoted(word);
   return out;
 }
 
@@ -20,9 +20,9 @@ Result<int> run(const Invocation& in) {
   GateRequest& gated = request.gate;
   gated.firmware = in.text("FIRMWARE");
   FORCEGATE_TRY(RigChoice rig, rig_choice(in));
+  FORCEGATE_CHECK_OK(take_recording(in, rig));
   gated.rig = std::move(rig.rig);
   gated.rig_options = std::move(rig.options);
-  if (in.given("record")) gated.rig_options["record"] = in.text("record");
   gated.plan = in.given("plan") ? in.text("plan") : gated.rig == "replay" ? "replay" : "selfcheck";
   if (in.given("cal")) gated.calibration_file = in.text("cal");
   if (in.given("seed")) {
@@ -59,6 +59,7 @@ const Registration<Command> kRow{Command{
     .options = joined(
         {rig_rows(),
          {{.name = "record", .value_name = "FILE", .doc = "Recording to look at (rig replay)."},
+          map_row(),
           {.name = "cal",
            .value_name = "FILE",
            .doc = "Calibration of the specimen instead of measuring it."},

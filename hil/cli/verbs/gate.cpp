@@ -42,10 +42,10 @@ Result<int> run(const Invocation& in) {
   request.plan = in.text("plan");
   request.lane = in.text("lane");
   FORCEGATE_TRY(RigChoice rig, rig_choice(in));
+  FORCEGATE_CHECK_OK(take_recording(in, rig));
   request.rig = std::move(rig.rig);
   request.rig_options = std::move(rig.options);
   FORCEGATE_TRY(request.lane_options, named_values(in, "lane-option"));
-  if (in.given("record")) request.rig_options["record"] = in.text("record");
   if (request.rig == "replay" && !in.given("plan")) request.plan = "replay";
   if (request.lane == "tick" && !in.given("plan")) request.plan = "tick";
   if (in.given("accepted")) request.accepted = in.text("accepted");
@@ -117,7 +117,8 @@ const Registration<Command> kRow{Command{
          rig_rows(),
          {{.name = "record",
            .value_name = "FILE",
-           .doc = "Recording to judge on (rig replay): columns t_s, U_V, F_ref_N."},
+           .doc = "Recording to judge on (rig replay), CSV, HDF5 or MAT: columns t_s, U_V, F_ref_N."},
+          map_row(),
           {.name = "cal",
            .value_name = "FILE",
            .doc = "Calibration of the specimen instead of measuring it."},

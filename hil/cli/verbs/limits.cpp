@@ -5,6 +5,7 @@
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/limits_line.h"
+#include "hil/cli/verbs/rig_choice.h"
 
 namespace forcegate {
 namespace {
@@ -16,6 +17,7 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t n, in.integer("count", 10, 100000));
   request.n = static_cast<std::size_t>(n);
   for (const std::string& record : in.texts("record")) request.records.emplace_back(record);
+  FORCEGATE_TRY(request.map, column_map_lines(in));
   if (in.given("cal")) request.calibration_file = in.text("cal");
   FORCEGATE_TRY(request.first_seed, in.seed("first-seed"));
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 1024));
@@ -30,6 +32,7 @@ Result<int> run(const Invocation& in) {
   in.console().print_json(limits_json(*limits));
   std::string recorded;
   if (!request.records.empty()) recorded = " --record " + shell_quoted(request.records.back().string());
+  for (const std::string& word : in.texts("map")) recorded += " --map " + shell_quoted(word);
   if (in.given("cal")) recorded += " --cal " + shell_quoted(in.text("cal"));
   in.console().next(in.given("output") ? line_after_limits(in, *limits, in.text("output"), recorded)
                                        : in.command_line() + " -o limits.toml");
@@ -57,6 +60,7 @@ const Registration<Command> kRow{Command{
           .value_name = "FILE",
           .doc = "Recording of a bench's repeatability run, at least five; then no rig is emulated.",
           .repeatable = true},
+         map_row(),
          {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen in the recordings."},
          {.name = "threads",
           .value_name = "N",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hil/app/convert.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/parse.h"
@@ -58,6 +59,28 @@ Result<RigChoice> rig_choice(const Invocation& in) {
                 "a bench file moves real instruments: --rig BENCH.toml --arm");
   }
   return choice;
+}
+
+Option map_row() {
+  return {.name = "map",
+          .value_name = "COLUMN=NAME",
+          .doc = "Name of a column of the recording, for instance Load=F_ref_N.",
+          .repeatable = true};
+}
+
+Result<std::string> column_map_lines(const Invocation& in) {
+  const std::vector<std::string> words = in.texts("map");
+  FORCEGATE_CHECK_OK(parse_column_map(words));
+  return join(words, "\n");
+}
+
+Result<void> take_recording(const Invocation& in, RigChoice& choice) {
+  if (in.given("record")) choice.options["record"] = in.text("record");
+  if (!in.given("map")) return {};
+  if (choice.rig != "replay")
+    return fail(ErrorCode::usage, "the rig " + choice.rig + " has no columns to map", "--map", "it is for --record FILE");
+  FORCEGATE_TRY(choice.options["map"], column_map_lines(in));
+  return {};
 }
 
 }  // namespace forcegate

@@ -27,4 +27,10 @@ struct RigChoice {
 /// and --rig is not. Errors: usage, also --arm on a rig where nothing moves.
 Result<RigChoice> rig_choice(const Invocation& in);
 
+/// --map COLUMN=NAME of the verbs that judge recordings, and its words one a line. Errors: usage.
+Option map_row();
+Result<std::string> column_map_lines(const Invocation& in);
+/// --record and --map of the rig "replay". Errors: usage.
+Result<void> take_recording(const Invocation& in, RigChoice& choice);
+
 }  // namespace forcegate

@@ -128,6 +128,18 @@ TEST_F(ReplayRig, RefusesWhatItCannotReplayAndSaysHowToMendIt) {
   EXPECT_EQ((*rig)->begin(request).error().code, ErrorCode::config);
 }
 
+TEST_F(ReplayRig, MapsForeignColumnsAndSaysHow) {
+  const auto path = put("r.csv", "t_s,kgf,bridge out,U_V\n0,1,2,3\n0.001,2,4,3\n");
+  EXPECT_THAT(make({{"record", path}}).error().hint, HasSubstr("--map kgf=F_ref_kgf"));
+  auto rig = make({{"record", path}, {"map", "kgf=F_ref_kgf\nU_V=unused\nbridge out=U_V"}});
+  ASSERT_TRUE(rig) << rig.error().to_text();
+  const RigBlock b = all(**rig);
+  EXPECT_FLOAT_EQ(b.force_ref_N[1], 2.0f * 9.80665f);
+  EXPECT_EQ(b.adc[1], static_cast<std::uint16_t>(std::round(0.4 * 65535)));
+  EXPECT_THAT(make({{"record", path}, {"map", "kg=F_ref_kgf"}}).error().text, HasSubstr("\"kg\""));
+  EXPECT_THAT(make({{"record", path}, {"map", "kgf"}}).error().text, HasSubstr("COLUMN=NAME"));
+}
+
 TEST_F(ReplayRig, TakesTheConverterFromTheCalibrationFile) {
   const auto record = put("r.csv", "t_s,F_ref_N,U_V\n0,1,2.5\n1,1,5\n");
   const auto cal = put("cal.toml", "gain_N_per_V = 0.48\nadc_bits = 10\nv_range_V = 5\nid = \"A201-3\"\n");

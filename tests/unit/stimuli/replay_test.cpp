@@ -50,6 +50,16 @@ TEST_F(Replay, takes_the_channel_that_is_asked_for_and_names_those_there_are) {
   EXPECT_NE(wrong.error().hint.find("F_cmd"), std::string::npos);
 }
 
+TEST_F(Replay, maps_a_foreign_column) {
+  write("t_s,cell A");
+  StimulusSpec spec;
+  spec.name = "replay";
+  spec.texts = {{"path", path_.string()}, {"map", "cell A=F_ref_N"}};
+  const auto s = make_stimulus(spec);
+  ASSERT_TRUE(s.has_value()) << s.error().to_text();
+  EXPECT_NEAR((*s)->facts().maximum_N, 3.5, 1e-3);
+}
+
 TEST_F(Replay, refuses_a_missing_file_and_a_force_beyond_reason) {
   EXPECT_FALSE(make().has_value());
   write("t_s,F_ref_N", 30.0);

@@ -1,0 +1,65 @@
+// `forcegate gate --record`: which files and columns it takes, and what it says of those that it cannot.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+constexpr const char* kNative = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
+const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(10)};
+
+class GateRecording : public ::testing::Test {
+ protected:
+  TemporaryFolder folder;
+
+  std::string sine(const std::string& name, const std::string& force, double newton_per_unit) {
+    std::string text = "t_s," + force + ",U_V\n";
+    for (int i = 0; i < 20000; ++i) {
+      const double load_N = 2.5 - 1.5 * std::cos(0.5 * 2.0 * 3.14159265 * 0.001 * i);
+      text += std::to_string(0.001 * i) + "," + std::to_string(load_N / newton_per_unit) + "," + std::to_string(load_N / 0.5) + "\n";
+    }
+    const std::string path = folder / name;
+    write_text(path, text);
+    return path;
+  }
+  Json checks(std::vector<std::string> record) {
+    record.insert(record.begin(), {"gate", kNative, "-o", folder / "run", "--record"});
+    const ProcessResult r = forcegate(record, kHere);
+    EXPECT_NE(r.exit_code, 2) << r.err;
+    const Json result = Json::parse(read_text(folder / "run/result.json"), nullptr, false);
+    return result.is_object() ? result["cases"][0]["checks"] : Json();
+  }
+};
+
+TEST_F(GateRecording, IsTheSameAsCsvHdf5AndMat) {
+  const std::string csv = sine("run.csv", "F_ref_N", 1.0), h5 = folder / "run.h5", mat = folder / "run.mat";
+  for (const std::string& to : {h5, mat}) ASSERT_EQ(forcegate({"convert", csv, to}, kHere).exit_code, 0);
+  const Json from_csv = checks({csv});
+  ASSERT_FALSE(from_csv.empty());
+  EXPECT_EQ(checks({h5}), from_csv);
+  EXPECT_EQ(checks({mat}), from_csv);
+}
+
+TEST_F(GateRecording, MapsAForeignColumnAsItsAdviceSays) {
+  const std::string csv = sine("run.csv", "kgf", 9.80665);
+  const ProcessResult none = forcegate({"gate", kNative, "--record", csv, "-o", folder / "run"}, kHere);
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("--map kgf=F_ref_kgf"));
+  EXPECT_FALSE(checks({csv, "--map", "kgf=F_ref_kgf"}).empty());
+  EXPECT_EQ(forcegate({"check", folder / "run"}, kHere).exit_code, forcegate({"gate", kNative, "--record", csv, "--map", "kgf=F_ref_kgf", "-o", folder / "run"}, kHere).exit_code);
+  const ProcessResult emulated = forcegate({"gate", kNative, "--map", "kgf=F_ref_kgf", "-o", folder / "run"}, kHere);
+  EXPECT_EQ(emulated.exit_code, 2);
+  EXPECT_THAT(emulated.err, HasSubstr("--record"));
+}
+
+}  // namespace
+}  // namespace forcegate::test
