@@ -71,7 +71,7 @@ Result<Json> description_of(const fs::path& list, const fs::path& folder) {
   std::ifstream file(list, std::ios::binary);
   Json json = Json::parse(file, nullptr, false, true);
   if (json.is_discarded() || !json.is_object())
-    return fail(ErrorCode::parse, "the campaign's description cannot be read", list.string());
+    return fail(ErrorCode::parse, "the campaign's description cannot be read", list.string(), "it must be one JSON object; or choose another folder");
   return json;
 }
 
@@ -118,6 +118,28 @@ Json describe_record(const std::string& file, const ProfileToRecord& p, const St
   return r;
 }
 
+/// A folder that was made for nothing.
+struct RemovedWhenEmpty {
+  fs::path folder;
+  ~RemovedWhenEmpty() {
+    std::error_code not_empty;
+    if (!folder.empty()) fs::remove(folder, not_empty);
+  }
+};
+
+/// What an instrument said is not written over by another attempt.
+Result<void> check_no_leftover(const fs::path& csv) {
+  std::error_code error;
+  for (const char* ending : {".csv", ".fgj", ".h5"}) {
+    const fs::path path = fs::path(csv).replace_extension(ending);
+    if (!fs::exists(path, error)) continue;
+    const bool journal = path.extension() == ".fgj";
+    return fail(ErrorCode::usage, journal ? "there is the journal of an earlier attempt at this record" : "there is such a record already", path.string(),
+                journal ? "forcegate recover makes a file of it; move both away, or choose another folder" : "move it away, or choose another folder");
+  }
+  return {};
+}
+
 JournalHeader header_of(const std::string& name, const RecordingBench& bench, const RigInfo& rig) {
   JournalHeader header;
   header.name = name;
@@ -132,6 +154,8 @@ JournalHeader header_of(const std::string& name, const RecordingBench& bench, co
 }
 
 }  // namespace
+
+std::string file_of_record(std::size_t number, const std::string& name) { return fmt::format("r{:02d}_{}.csv", number, name); }
 
 Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
                                                   const std::vector<ProfileToRecord>& profiles,
@@ -150,8 +174,9 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     made.push_back(std::move(stimulus));
   }
   std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string());
+  RemovedWhenEmpty made_folder;
+  if (fs::create_directories(folder, error)) made_folder.folder = folder;
+  if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "check the folder above it, its permissions and the free space");
   const fs::path list = folder / "campaign.json";
   FORCEGATE_TRY(Json json, description_of(list, folder));
   if (!json.contains("records")) describe_bench(json, bench, info);
@@ -176,10 +201,8 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
       rows.push(block, n, volts);
       if (progress) progress((done_s + block.t_s[n - 1]) / total_s, p.name);
     };
-    const std::string file = fmt::format("r{:02d}_{}.csv", request.record, p.name);
-    if (fs::exists(folder / file, error))
-      return fail(ErrorCode::usage, "there is such a record already", (folder / file).string(),
-                  "choose another folder");
+    const std::string file = file_of_record(request.record, p.name);
+    FORCEGATE_CHECK_OK(check_no_leftover(folder / file));
     // An emulated record can be made again; what instruments said cannot.
     std::optional<TraceRecorder> journal;
     ProfileSaver saver;
@@ -211,7 +234,10 @@ Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
     json["records"].push_back(describe_record(file, p, *made[k], start_s, bench, played.rig));
     campaign_s = start_s + made[k]->duration_s();
     // after every record: what is recorded stays, whatever happens to the next one
-    FORCEGATE_CHECK_OK(write_file_atomically(list, json.dump(1) + "\n"));
+    if (auto listed = write_file_atomically(list, json.dump(1) + "\n"); !listed) {
+      fs::remove(folder / file, error);  // no record of the campaign; what instruments said is in the HDF5 file
+      return Unexpected(listed.error());
+    }
     out.push_back({p.name, file, made[k]->duration_s(), rows.rows()});
   }
   return out;

@@ -38,11 +38,14 @@ struct RecordedFile {
   std::uint64_t rows = 0;
 };
 
+/// "r03_hold.csv"
+std::string file_of_record(std::size_t number, const std::string& name);
+
 using RecordingProgress = std::function<void(double fraction, std::string_view now)>;
 
 /// Plays the profiles one after the other and writes them into `folder`, which must hold a campaign already (they are
 /// appended to its campaign.json) or none. Record numbers and campaign time go on where the campaign ends. An existing
-/// file is never overwritten. Errors: those of the rig; usage when the rig cannot move.
+/// file is never overwritten, and no folder is left that holds nothing. Errors: those of the rig; usage when the rig cannot move.
 Result<std::vector<RecordedFile>> record_profiles(const RecordingBench& bench,
                                                   const std::vector<ProfileToRecord>& profiles,
                                                   const std::filesystem::path& folder,

@@ -10,15 +10,17 @@ struct RecordRequest {
   std::vector<std::string> only_cases;  ///< names; empty: all
   RecordingBench bench;
   std::filesystem::path output;
+  bool go_on = false;  ///< the output holds the first records of this very campaign: record the others
 };
 
 struct RecordResult {
   std::filesystem::path folder;
   std::vector<RecordedFile> files;
+  std::size_t were_there = 0;  ///< records of the campaign that go_on found
   double rig_minutes = 0.0;  ///< rests not counted
 };
 
-/// Refuses a folder that holds a campaign already.
+/// Refuses a folder that holds a campaign already, but see RecordRequest::go_on. An error tells what is kept and how to go on.
 Result<RecordResult> record(const RecordRequest& request, const RecordingProgress& progress = {},
                             const std::atomic<bool>* cancelled = nullptr);
 std::string record_json(const RecordResult& result);

@@ -14,6 +14,7 @@ Result<int> run(const Invocation& in) {
   request.plan = in.text("plan");
   request.only_cases = in.texts("case");
   request.output = in.text("output");
+  request.go_on = in.flag("continue");
   FORCEGATE_TRY(RigChoice rig, rig_choice(in));
   request.bench.rig = std::move(rig.rig);
   request.bench.rig_options = std::move(rig.options);
@@ -23,8 +24,8 @@ Result<int> run(const Invocation& in) {
   const auto made = record(request, in.console().progress_callback(), &in.interrupt_flag());
   in.console().end_progress();
   if (!made) return Unexpected(made.error());
-  std::string text = fmt::format("{}: {} records, {:.0f} min of rig time without rests\n",
-                                 made->folder.string(), made->files.size(), made->rig_minutes);
+  std::string text = fmt::format("{}: {} records, {:.0f} min of rig time without rests{}\n", made->folder.string(), made->files.size(), made->rig_minutes,
+                                 made->were_there > 0 ? fmt::format(", beside {} that were there", made->were_there) : "");
   for (const RecordedFile& f : made->files)
     text += fmt::format("  {:<32} {:>6.0f} s {:>8} rows\n", f.file, f.duration_s, f.rows);
   in.console().print(text);
@@ -41,7 +42,7 @@ const Registration<Command> kRow{Command{
                    "the reference cell and the "
                    "sensor said: one CSV for each record and campaign.json (docs/campaign.md). The rig "
                    "checks itself around every "
-                   "record; what is recorded stays when a later record fails. The plan `campaign` holds what "
+                   "record; what is recorded stays when a later record fails, and --continue records the others. The plan `campaign` holds what "
                    "a diagnosis needs: slow "
                    "triangles at two speeds, long holds, minor loops, sines, a sweep.",
     .options = joined(
@@ -57,6 +58,7 @@ const Registration<Command> kRow{Command{
            .fallback = "q50"},
           {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig.", .fallback = "1"},
           {.name = "rate", .value_name = "HZ", .doc = "Rows a second in the files.", .fallback = "200"},
+          {.name = "continue", .value_name = "", .doc = "Record what is missing of a campaign that this command began and did not end."},
           {.name = "output",
            .value_name = "FOLDER",
            .doc = "Folder of the campaign.",

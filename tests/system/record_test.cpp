@@ -1,0 +1,115 @@
+// `forcegate record` that did not come to its end: what is kept, what is told, and how it goes on.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr const char* kPlan = R"(format = 1
+name = "two"
+doc = "a short and a long record"
+seed = 1
+[rule]
+name = "guarded"
+alpha = 0.01
+[panel]
+specimens = ["nominal"]
+[calibration]
+level = "nominal"
+[safety]
+force_max_N = 5.2
+[limits]
+learning_s = 20
+lag_s = 0.05
+output_max_N = 10
+[[case]]
+name = "short"
+source = "ours"
+loop = "open"
+checks = ["conformance"]
+stimulus = { name = "sine", f_Hz = 0.5, A_N = 1.05, m_N = 2.15, duration_s = 20, ramp_s = 2 }
+[[case]]
+name = "long"
+source = "ours"
+loop = "open"
+checks = ["conformance"]
+stimulus = { name = "sine", f_Hz = 0.5, A_N = 1.05, m_N = 2.15, duration_s = DURATION, ramp_s = 2 }
+)";
+
+class Record : public ::testing::Test {
+ protected:
+  TemporaryFolder folder;
+  std::string plan(const std::string& duration_s) {
+    std::string text = kPlan;
+    text.replace(text.find("DURATION"), 8, duration_s);
+    write_text(folder / "two.toml", text);
+    return folder / "two.toml";
+  }
+  // The limit on the size of a file stands for the full disk.
+  ProcessResult with_room(const char* kilobytes, std::vector<std::string> words) {
+    words.insert(words.begin(), {"bash", "-c", "trap '' XFSZ; ulimit -f \"$0\"; exec \"$@\"", kilobytes, FORCEGATE_BINARY_DIR "/forcegate", "record"});
+    return run_process(words);
+  }
+};
+
+TEST_F(Record, LeavesNoEmptyFolderWhenItsFirstRecordCannotBeWritten) {
+  const std::string out = folder / "mine";
+  const ProcessResult full = with_room("8", {"--plan", plan("40"), "-o", out});
+  EXPECT_EQ(full.exit_code, 2) << full.out;
+  EXPECT_THAT(full.err, HasSubstr("r01_short.csv"));
+  EXPECT_FALSE(fs::exists(out));
+  const ProcessResult unknown = forcegate({"record", "--plan", plan("40"), "--specimen", "nobody", "-o", out});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(Record, GoesOnAfterALaterRecordFailedAndMakesTheSameCampaign) {
+  const std::string file = plan("400"), whole = folder / "whole", out = folder / "mine";
+  ASSERT_EQ(forcegate({"record", "--plan", file, "-o", whole}).exit_code, 0);
+  const ProcessResult full = with_room("400", {"--plan", file, "-o", out});
+  EXPECT_EQ(full.exit_code, 2) << full.out;
+  EXPECT_THAT(full.err, HasSubstr("1 of 2 records are kept in " + out));
+  EXPECT_THAT(full.err, HasSubstr("--continue"));
+  const ProcessResult again = forcegate({"record", "--plan", file, "-o", out});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("with 1 of the 2 records"));
+  EXPECT_THAT(again.err, HasSubstr("--continue"));
+  const ProcessResult other = forcegate({"record", "--plan", file, "--seed", "5", "--continue", "-o", out});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("another campaign"));
+  const ProcessResult rest = forcegate({"record", "--plan", file, "--continue", "-o", out});
+  EXPECT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_THAT(rest.out, HasSubstr("beside 1 that were there"));
+  std::string continued = read_text(out + "/campaign.json");
+  continued.replace(continued.find("\"mine\""), 6, "\"whole\"");
+  EXPECT_EQ(continued, read_text(whole + "/campaign.json"));
+  EXPECT_EQ(read_text(out + "/r02_long.csv"), read_text(whole + "/r02_long.csv"));
+  EXPECT_EQ(forcegate({"record", "--plan", file, "--continue", "-o", out}).exit_code, 2) << "nothing is missing";
+}
+
+TEST_F(Record, SaysWhatIsKeptAfterCtrlC) {
+  const ProcessResult r = forcegate({"record", "--plan", plan("86000"), "--rate", "1", "-o", folder / "mine"}, {.signal_after = std::chrono::milliseconds(1000), .signal = SIGINT});
+  EXPECT_EQ(r.exit_code, 130) << r.out << r.err;
+  EXPECT_THAT(r.err, HasSubstr("1 of 2 records are kept in"));
+  EXPECT_THAT(r.err, HasSubstr("--continue"));
+}
+
+TEST_F(Record, NeverWritesOverTheJournalOfAnEarlierAttempt) {
+  fs::create_directories(folder / "mine");
+  write_text(folder / "mine/r01_short.fgj", "what an instrument said");
+  const ProcessResult r = forcegate({"record", "--plan", plan("40"), "-o", folder / "mine"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_THAT(r.err, HasSubstr("forcegate recover"));
+  EXPECT_EQ(read_text(folder / "mine/r01_short.fgj"), "what an instrument said");
+}
+
+}  // namespace
+}  // namespace forcegate::test
