@@ -231,7 +231,7 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
       if (!begun) return fail(ErrorCode::usage, begun.error().text, begun.error().where, begun.error().hint);
     }
   else if (!rig_faults(request.faults).empty())
-    return fail(ErrorCode::usage, "faults cannot be injected into a recording");
+    return fail(ErrorCode::usage, "faults cannot be injected into a recording", "--fault", "leave it out, or use --rig emulated");
   return setup;
 }
 

@@ -80,7 +80,7 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
     fs::remove_all(folder.final_, error);
     if (error)
       return fail(ErrorCode::io, "the older result cannot be removed: " + error.message(),
-                  folder.final_.string());
+                  folder.final_.string(), "check its permissions and the free space");
   }
   fs::create_directories(folder.final_.parent_path(), error);
   remove_leftovers(folder.final_);
@@ -88,7 +88,7 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
   fs::create_directories(folder.temporary_, error);
   if (error)
     return fail(ErrorCode::io, "the output folder cannot be made: " + error.message(),
-                folder.final_.string());
+                folder.final_.string(), "check its permissions and the free space");
   return folder;
 }
 
@@ -125,7 +125,7 @@ Result<void> RunFolder::publish(const RunResult& result) {
   std::error_code error;
   fs::rename(temporary_, final_, error);
   if (error)
-    return fail(ErrorCode::io, "the result cannot be given its name: " + error.message(), final_.string());
+    return fail(ErrorCode::io, "the result cannot be given its name: " + error.message(), final_.string(), "is somebody else writing there?");
   temporary_.clear();
   sync_folder(final_.parent_path());
   return {};

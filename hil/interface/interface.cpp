@@ -124,7 +124,7 @@ Result<std::unique_ptr<Rig>> make_rig(const std::string& name,
   if (kind == nullptr) {
     const auto names = Registry<RigKind>::instance().names();
     const std::string near = nearest_name(name, names);
-    return fail(ErrorCode::usage, "there is no rig named '" + printable_utf8(name) + "'", {},
+    return fail(ErrorCode::usage, "there is no rig named '" + printable_utf8(name) + "'", "--rig",
                 near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
   }
   return kind->make(options);

@@ -238,7 +238,7 @@ Result<Campaign> read_any(const fs::path& path, const CampaignOptions& options) 
   std::error_code failed;
   const fs::file_status status = fs::status(path, failed);
   if (!fs::exists(status))
-    return fail(ErrorCode::io, "there is no such file or folder", path.string(), "check the name");
+    return fail(ErrorCode::io, "there is no such file or folder", path.empty() ? "\"\"" : path.string(), "check the name");
   if (fs::is_directory(status))
     return fs::exists(path / kFileName, failed) ? read_described(path / kFileName, options)
                                                 : read_folder(path, options);

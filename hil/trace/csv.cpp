@@ -291,7 +291,7 @@ Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
     if (file) std::fclose(file);
     std::remove(temporary.c_str());
     return fail(ErrorCode::io, std::string(what) + ": " + std::strerror(code), path.string(),
-                code == ENOENT ? "create the folder first" : "");
+                code == ENOENT ? "create the folder first" : "check the folder, its permissions and the free space");
   };
   if (!file) return io_error("the file cannot be created");
 

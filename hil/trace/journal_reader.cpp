@@ -98,7 +98,7 @@ Result<JournalReport> read_journal(const std::filesystem::path& path,
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0)
     return fail(ErrorCode::io, std::string("the journal cannot be opened: ") + std::strerror(errno),
-                path.string());
+                path.string(), "check its name: the journal of a recording that did not end well is called like it, with the ending .fgj");
   Window window(descriptor);
 
   constexpr std::size_t kFixed = sizeof journal::kMagic + 8;

@@ -133,7 +133,7 @@ Result<std::unique_ptr<WeightBench>> make(const std::map<std::string, std::strin
     }
     bool* flag = name == "noise" ? &options.noise : name == "spread" ? &options.spread : nullptr;
     if (flag == nullptr)
-      return fail(ErrorCode::config, "the bench of weights has no option '" + printable_utf8(name) + "'", {},
+      return fail(ErrorCode::config, "the bench of weights has no option '" + printable_utf8(name) + "'", "--rig-option",
                   "it has: noise, rate_Hz, spread");
     if (text != "on" && text != "off") return fail(ErrorCode::config, "option " + name + " is on or off");
     *flag = text == "on";

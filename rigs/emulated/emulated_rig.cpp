@@ -317,16 +317,15 @@ Result<double> number_option(const std::string& name, const std::string& text, d
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !(value >= low && value <= high))
-    return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) +
-                                       "' is not a number from " + shortest(low) + " to " + shortest(high));
+    return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) + "' is no number that the rig can have", "rig emulated",
+                "it is from " + shortest(low) + " to " + shortest(high));
   return value;
 }
 
 Result<bool> switch_option(const std::string& name, const std::string& text) {
   if (text == "on" || text == "true" || text == "1") return true;
   if (text == "off" || text == "false" || text == "0") return false;
-  return fail(ErrorCode::config,
-              "rig option " + name + " = '" + printable_utf8(text) + "' is neither on nor off");
+  return fail(ErrorCode::config, "rig option " + name + " = '" + printable_utf8(text) + "' is neither on nor off", "rig emulated", "write " + name + "=on or " + name + "=off");
 }
 
 Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::string>& texts) {
@@ -337,7 +336,7 @@ Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::stri
   for (const auto& [name, text] : texts) {
     if (name == "sensor") {
       if (text != "flexiforce" && text != "fsr")
-        return fail(ErrorCode::config, "the emulated rig has no sensor '" + printable_utf8(text) + "'", {},
+        return fail(ErrorCode::config, "the emulated rig has no sensor '" + printable_utf8(text) + "'", "rig emulated",
                     "use flexiforce or fsr");
       options.sensor = text == "fsr" ? SensorType::fsr : SensorType::flexiforce;
     } else if (name == "hidden") {
@@ -348,14 +347,14 @@ Result<std::unique_ptr<Rig>> make_emulated(const std::map<std::string, std::stri
     } else if (name == "rate_Hz") {
       FORCEGATE_TRY(options.rate_Hz, number_option(name, text, 100, 10000));
       if (std::fmod(options.rate_Hz, 100.0) != 0.0)
-        return fail(ErrorCode::config, "rig option rate_Hz must be a multiple of 100");
+        return fail(ErrorCode::config, "rig option rate_Hz must be a multiple of 100", "rig emulated", "for example rate_Hz=1000");
     } else if (name == "session_spread") {
       FORCEGATE_TRY(options.session_spread, switch_option(name, text));
     } else if (name == "noise") {
       FORCEGATE_TRY(options.noise, switch_option(name, text));
     } else {
       const std::string near = nearest_name(name, kKnown);
-      return fail(ErrorCode::config, "the emulated rig has no option '" + printable_utf8(name) + "'", {},
+      return fail(ErrorCode::config, "the emulated rig has no option '" + printable_utf8(name) + "'", "rig emulated",
                   near.empty() ? "it has: " + join(kKnown, ", ") : "did you mean '" + near + "'?");
     }
   }

@@ -83,12 +83,12 @@ Result<Faults> parse_faults(const std::map<std::string, double>& by_name) {
     }
     if (kind == nullptr) {
       const std::string near = nearest_name(name, names);
-      return fail(ErrorCode::config, "the emulated rig has no fault '" + printable_utf8(name) + "'", {},
+      return fail(ErrorCode::config, "the emulated rig has no fault '" + printable_utf8(name) + "'", "rig emulated",
                   near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
     }
     if (!(magnitude >= kind->minimum && magnitude <= kind->maximum))
       return fail(
-          ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " is out of range", {},
+          ErrorCode::config, "fault " + name + " = " + shortest(magnitude) + " is out of range", "rig emulated",
           "it is the " + kind->doc + ", from " + shortest(kind->minimum) + " to " + shortest(kind->maximum));
     kind->set(faults, magnitude);
   }

@@ -98,7 +98,7 @@ Result<Specimen> find_specimen(SensorType type, std::string_view name) {
     std::uint64_t n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
     if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty())
-      return fail(ErrorCode::config, "'" + printable_utf8(digits) + "' is not a whole number");
+      return fail(ErrorCode::config, "'" + printable_utf8(digits) + "' is not a whole number", "rig emulated", "write for instance seed:1000");
     return n;
   };
   if (name.starts_with("seed:")) {
@@ -111,7 +111,7 @@ Result<Specimen> find_specimen(SensorType type, std::string_view name) {
       return at_quantiles(std::string(name), quantile, 1.0 - quantile);
     }
   }
-  return fail(ErrorCode::config, "the emulated rig has no specimen '" + printable_utf8(name) + "'", {},
+  return fail(ErrorCode::config, "the emulated rig has no specimen '" + printable_utf8(name) + "'", "rig emulated",
               "use nominal, one of " + join(panel_names(), ", ") + ", or seed:N");
 }
 

@@ -79,7 +79,7 @@ Result<std::unique_ptr<SensorHook>> make_sensor_hook(const std::string& text) {
                     how = colon == std::string::npos ? "medium" : text.substr(colon + 1);
   const SensorHookKind* kind = Registry<SensorHookKind>::instance().find(name);
   if (!kind)
-    return fail(ErrorCode::config, "the emulated sensor cannot hide '" + printable_utf8(name) + "'", {},
+    return fail(ErrorCode::config, "the emulated sensor cannot hide '" + printable_utf8(name) + "'", "rig emulated",
                 "it has: " + join(Registry<SensorHookKind>::instance().names(), ", "));
   if (how == "weak") return kind->make(0.4 * kind->medium);
   if (how == "medium") return kind->make(kind->medium);
@@ -87,7 +87,7 @@ Result<std::unique_ptr<SensorHook>> make_sensor_hook(const std::string& text) {
   double share = 0.0;
   const auto [end, error] = std::from_chars(how.data(), how.data() + how.size(), share);
   if (error != std::errc{} || end != how.data() + how.size() || !(share >= 0.0 && share <= 1.0))
-    return fail(ErrorCode::config, "'" + printable_utf8(how) + "' is no strength", {},
+    return fail(ErrorCode::config, "'" + printable_utf8(how) + "' is no strength", "rig emulated",
                 "use weak, medium, strong, or a share of the load from 0 to 1");
   return kind->make(share);
 }

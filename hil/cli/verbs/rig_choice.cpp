@@ -15,7 +15,8 @@ Result<std::map<std::string, std::string>> named_values(const Invocation& in, co
   for (const std::string& word : in.texts(option)) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos || equals == 0)
-      return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is not NAME=VALUE", "--" + option);
+      return fail(ErrorCode::usage, "'" + printable_utf8(word) + "' is not NAME=VALUE", "--" + option,
+                  "write the name, = and the value");
     values[word.substr(0, equals)] = word.substr(equals + 1);
   }
   return values;

@@ -364,7 +364,7 @@ Result<std::unique_ptr<Rig>> make(const std::map<std::string, std::string>& opti
   for (const auto& [name, value] : options)
     if (std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) {
       const std::string near = nearest_name(name, kKnown);
-      return fail(ErrorCode::usage, "a bench has no option '" + printable_utf8(name) + "'", {},
+      return fail(ErrorCode::usage, "a bench has no option '" + printable_utf8(name) + "'", "--rig-option",
                   near.empty() ? "it has: " + join(kKnown, ", ") : "did you mean '" + near + "'?");
     }
   FORCEGATE_TRY(BenchFile bench, read_bench(file->second));

@@ -1,0 +1,60 @@
+// Mistakes that a first-time user makes: each is told with where it is and how to mend it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kNative = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
+const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(2)};
+
+TEST(Mistakes, AreToldWithTheirPlaceAndALineOfHelp) {
+  TemporaryFolder folder;
+  const std::string out = folder / "out", nowhere = folder / "nowhere";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> told = {
+      {{"gate", kNative, "--limits", nowhere, "-o", out}, nowhere},
+      {{"gate", kNative, "--cal", nowhere, "-o", out}, nowhere},
+      {{"gate", kNative, "--waivers", nowhere, "-o", out}, nowhere},
+      {{"gate", kNative, "--record", nowhere, "-o", out}, nowhere},
+      {{"gate", kNative, "--rig", nowhere + ".toml", "-o", out}, nowhere},
+      {{"gate", kNative, "--rig", "nobody", "-o", out}, "--rig"},
+      {{"gate", kNative, "--lane", "nobody", "-o", out}, "forcegate gate"},
+      {{"gate", kNative, "--plan", "nowhere", "-o", out}, "looked in"},
+      {{"gate", kNative, "--specimen", "nobody", "-o", out}, "rig emulated"},
+      {{"gate", kNative, "--specimen", "seed:x", "-o", out}, "rig emulated"},
+      {{"gate", kNative, "--fault", "nothing=1", "-o", out}, "rig emulated"},
+      {{"gate", kNative, "--rig-option", "nothing=1", "-o", out}, "rig emulated"},
+      {{"gate", kNative, "--rig-option", "nothing", "-o", out}, "--rig-option"},
+      {{"gate", kNative, "--rig-option", "adc_bits=40", "-o", out}, "rig emulated"},
+      {{"gate", kNative, "--rig-option", "noise=maybe", "-o", out}, "rig emulated"},
+      {{"gate", kNative, "--rig-option", "hidden=creep:huge", "-o", out}, "rig emulated"},
+      {{"record", "--plan", "nowhere", "-o", out}, "looked in"},
+      {{"record", "--specimen", "nobody", "-o", out}, "rig emulated"},
+      {{"plan", "nowhere"}, "looked in"},
+      {{"report", nowhere}, nowhere},
+      {{"diff", nowhere, nowhere}, nowhere},
+      {{"check", nowhere}, nowhere},
+      {{"recover", nowhere + ".fgj"}, nowhere},
+      {{"convert", nowhere + ".csv", out}, nowhere},
+      {{"compare", ""}, "\"\""},
+      {{"compare", nowhere}, nowhere},
+      {{"diagnose", nowhere}, nowhere},
+  };
+  for (const auto& [words, place] : told) {
+    std::string line;
+    for (const std::string& word : words) line += word + " ";
+    const ProcessResult r = forcegate(words, kHere);
+    EXPECT_EQ(r.exit_code, 2) << line << r.out;
+    EXPECT_THAT(r.err, HasSubstr("\n  where: ")) << line;
+    EXPECT_THAT(r.err.substr(std::min(r.err.size(), r.err.find("where:"))), HasSubstr(place)) << line;
+    EXPECT_THAT(r.err, HasSubstr("\n  help: ")) << line;
+  }
+}
+
+}  // namespace
+}  // namespace forcegate::test
