@@ -105,13 +105,13 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
          "bit_V", scales.unit, quantile(bit_V, 0.5), 0.05 * quantile(bit_V, 0.5)});
   const HeldCodes codes = find_held_codes(health, scales);
   constexpr double kLeastHeld = 1e-3;
+  if (codes.found) held -= std::min(held, codes.samples);
   if (codes.found && codes.samples / samples > kLeastHeld) {
     out.push_back({"adc_codes", 0.95,
                    percent(codes.samples / samples) + " of the samples stand at " +
                        (codes.value_V.size() == 1 ? std::string("one value") : std::to_string(codes.value_V.size()) + " values") +
                        (n > 1 ? ", the same in several records," : ", the same again and again,") + " while the force moves on: codes beside them never come",
                    "code_V", scales.unit, codes.value_V.front(), scales.U_range_V * 1e-4});
-    held -= std::min(held, codes.samples);
     rail = outliers = 0.0;  // a sample on the other side of a gap stands off its neighbours too
   }
   // a few are somebody's hand on the cable, unless they make an error that matters, again and again

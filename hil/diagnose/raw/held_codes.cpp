@@ -10,7 +10,7 @@
 namespace forcegate::diagnose {
 
 HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthScales& scales) {
-  constexpr std::size_t kMostValues = 6, kFewestRuns = 4;
+  constexpr std::size_t kMostValues = 8, kFewestRuns = 4;  // eight segments of a converter have seven joints
   constexpr double kNearlyAll = 0.9, kNearby = 0.15, kBeyond = 0.02;  // of the samples; of the span
   struct Value {
     std::size_t runs = 0, records = 0;
@@ -33,7 +33,8 @@ HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthS
   }
   HeldCodes out;
   for (auto& [value_V, v] : values) {
-    const bool again = v.runs >= kFewestRuns && v.records >= std::min<std::size_t>(2, health.size());
+    // lost samples stay at any of a thousand values: two records seldom at the same one
+    const bool again = v.records >= 2 || v.runs >= kFewestRuns;
     const double step_V = quantile(std::move(v.step_V), kNearlyAll);
     if (!again || !(step_V < kNearby * scales.U_range_V) || value_V > top_V - kBeyond * scales.U_range_V) continue;
     out.value_V.push_back(value_V);

@@ -73,6 +73,16 @@ TEST(Converter, CodesThatNeverComeAreNoLostSamplesAndNoRail) {
   EXPECT_EQ(claims[0].value, 2.3);
 }
 
+TEST(Converter, ACodeThatStandsOnceInEachOfTwoRecordsIsNoLostSample) {
+  Campaign c = make_campaign(88, straight);
+  for (const std::size_t k : {0u, 4u})  // the slow ramps, on their first way up
+    for (double& u : output_of(c.records[k])) {
+      if (u > 5.25) break;
+      if (u > 5.0) u = 5.0;
+    }
+  EXPECT_EQ(named(claims_of_samples(c)), std::vector<std::string>{"adc_codes"});
+}
+
 TEST(Converter, ALinkThatFallsToOneValueFromAnywhereLosesSamples) {
   Campaign c = make_campaign(85, straight);
   for (Record& r : c.records)
