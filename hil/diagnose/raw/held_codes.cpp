@@ -10,7 +10,7 @@
 namespace forcegate::diagnose {
 
 HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthScales& scales) {
-  constexpr std::size_t kMostValues = 8, kFewestRuns = 4;  // eight segments of a converter have seven joints
+  constexpr std::size_t kMostValues = 6, kFewestRuns = 4;
   constexpr double kNearlyAll = 0.9, kNearby = 0.15, kBeyond = 0.02;  // of the samples; of the span
   struct Value {
     std::size_t runs = 0, records = 0;
