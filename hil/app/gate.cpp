@@ -38,9 +38,12 @@ class GateRun {
     player_ = &player;
     if (accepted_) player.set_accepted(&*accepted_);
     FORCEGATE_CHECK_OK(player.take_base_calibration());
+    keeps_doubtful_ = folder && !request_.keep && unfinished_.empty();
     look(keep_folder);
     FORCEGATE_CHECK_OK(first_usage_error());
-    if (folder && !request_.keep && unfinished_.empty() && !player.cancelled()) keep_doubtful(keep_folder);
+    player.expect_more(false);
+    if (keeps_doubtful_ && !player.cancelled()) keep_doubtful(keep_folder);
+    if (progress && !player.cancelled()) progress(1.0, "what the records say");
     return conclude(folder);
   }
 
@@ -87,6 +90,7 @@ class GateRun {
         wanted.emplace_back(k, i);
     const int looks = setup_.rig.can_move && !request_.single_look ? setup_.plan.rule.looks : 1;
     for (int n = 1; !wanted.empty() && !player_->cancelled(); ++n) {
+      player_->expect_more(n < looks || keeps_doubtful_);
       player_->play(static_cast<std::uint64_t>(n - 1), wanted, keep_folder);
       judge();
       wanted = n < looks ? undecided(n) : Wanted();
@@ -197,6 +201,7 @@ class GateRun {
   std::optional<AcceptedBuild> accepted_;
   RunEvidence evidence_;
   std::filesystem::path unfinished_;  ///< where the records of a bench stay when the run does not end well; empty: not of one
+  bool keeps_doubtful_ = false;   ///< records in doubt are played again at the end, for their samples
   GatePlayer* player_ = nullptr;  ///< while run() lasts
   std::vector<JudgedCheck> panel_, compared_;
   RunResult result_;

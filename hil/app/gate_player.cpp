@@ -59,9 +59,12 @@ std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {
   std::vector<double> at_s(jobs.size(), 0.0), length_s;
   for (const CaseJob& job : jobs) length_s.push_back(rig_time_s(job));
   const auto report = [&](std::size_t job, double t_s) {
-    done_s_ += t_s - at_s[job];
+    const double more_s = t_s - at_s[job];
+    // what is played again comes on top of the plan: the rest of the bar is for it, and the bar never goes back
+    if (more_s > 0.0) share_ += (ceiling_ - share_) * std::min(1.0, more_s / std::max(more_s, planned_s_ - done_s_));
+    done_s_ += more_s;
     at_s[job] = t_s;
-    if (progress_) progress_(std::clamp(done_s_ / std::max(1.0, planned_s_), 0.0, 1.0), jobs[job].id);
+    if (progress_) progress_(share_, jobs[job].id);
   };
   WorkerOptions options;
   options.workers = request_.threads;

@@ -33,6 +33,9 @@ class GatePlayer {
   void play(std::uint64_t session, const std::vector<std::pair<std::size_t, std::size_t>>& wanted,
             const std::filesystem::path& keep_folder);
 
+  /// Whether anything may be played after what is played next: then the share of the run that is shown stays below 1.
+  void expect_more(bool more) { ceiling_ = more ? 0.95 : 1.0; }
+
   /// Again with curves and kept samples, for those of the emulated rig that are in doubt.
   void keep(const std::vector<PlayedRecord*>& doubtful, const std::filesystem::path& folder);
 
@@ -59,6 +62,7 @@ class GatePlayer {
   std::map<Key, Calibration> calibrations_;
   std::map<Key, CaseFailure> failures_;
   double planned_s_ = 0.0, done_s_ = 0.0;  ///< rig time
+  double share_ = 0.0, ceiling_ = 1.0;     ///< of the run, as shown
   std::vector<PlayedRecord> records_;
   const AcceptedBuild* accepted_build_ = nullptr;
   std::map<std::string, CaseRecord> accepted_;  ///< by the candidate's id

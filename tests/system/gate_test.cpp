@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/support/process.h"
 
@@ -151,6 +153,20 @@ TEST_F(Gate, NeitherARecordingOfAnotherRateNorAWrongFileIsTheFirmwaresFault) {
   const ProcessResult program = gate({FORCEGATE_BINARY_DIR "/forcegate", "--case", "four_sines", "-o", folder / "run"});
   EXPECT_EQ(program.exit_code, 2) << program.out;
   EXPECT_THAT(program.err, HasSubstr("no firmware image"));
+}
+
+TEST_F(Gate, TheShareThatIsDoneNeverFalls) {
+  const ProcessResult r = gate({kNative, "--fault", "transient=1", "--fault", "reference_saturated=2", "-o", folder / "run"});
+  ASSERT_THAT(r.out, HasSubstr("played again"));
+  int before = 0;
+  std::istringstream lines(r.err);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(" %  ") == std::string::npos) continue;
+    const int percent = std::atoi(line.c_str());
+    EXPECT_GE(percent, before) << r.err;
+    before = percent;
+  }
+  EXPECT_EQ(before, 100) << r.err;
 }
 
 TEST_F(Gate, AFailureOfTheFirmwareIsNeverPlayedAgain) {
