@@ -108,7 +108,7 @@ Result<std::filesystem::path> find_plan(const std::string& name) {
   for (const fs::path& folder : folders) looked_in.push_back(folder.string());
   return fail(ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", "looked in " + join(looked_in, ", "),
               !near.empty() ? "did you mean '" + near + "'?"
-                            : "give a file (--plan FOLDER/" + printable_utf8(name) + ".toml), or run it in the source tree, which has ci/plans");
+                            : "give the file itself (FOLDER/" + printable_utf8(name) + ".toml), or run it in the source tree, which has ci/plans");
 }
 
 bool plays_on_one_bench(const GateRequest& request, const GateSetup& setup) {

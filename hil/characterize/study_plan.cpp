@@ -13,6 +13,7 @@
 namespace forcegate::characterize {
 namespace {
 
+constexpr const char* kGuide = "docs/characterize.md";
 constexpr int kFormat = 1;
 constexpr double kDay_s = 86400.0;
 constexpr std::int64_t kMostSpecimens = 10000;
@@ -34,7 +35,7 @@ void read_numbers(ConfigReader& r, std::string_view name, std::vector<double>& o
 void read_sines(const ConfigNode* table, const std::string& what, std::vector<SineSpec>& out,
                 Result<void>& state) {
   if (table == nullptr || !state) return;
-  ConfigReader r(*table, what);
+  ConfigReader r(*table, what, kGuide);
   std::vector<double> f, A, m;
   read_numbers(r, "f_Hz", f, 0.001, 50.0);
   read_numbers(r, "A_N", A, 0.05, 2.7);
@@ -51,7 +52,7 @@ void read_sines(const ConfigNode* table, const std::string& what, std::vector<Si
 }
 
 Result<void> read_population(const ConfigNode& node, StudyPlan& plan) {
-  ConfigReader r(node, "[population]");
+  ConfigReader r(node, "[population]", kGuide);
   std::int64_t count = 0, identification = 0, sessions = plan.sessions;
   r.texts("specimens", plan.specimens);
   r.integer("count", count, 0, kMostSpecimens);
@@ -88,7 +89,7 @@ Result<void> read_limit(const ConfigNode& node, StudyPlan& plan) {
   if (node.kind != ConfigNode::Kind::table)
     return fail(ErrorCode::config, "a limit must be a table", node.where, "write [[limit]]");
   StudyLimit limit;
-  ConfigReader r(node, "a limit");
+  ConfigReader r(node, "a limit", kGuide);
   r.text("key", limit.key, ConfigReader::required);
   const bool low = r.number("minimum", limit.minimum, -1e9, 1e9),
              high = r.number("maximum", limit.maximum, -1e9, 1e9);
@@ -100,7 +101,7 @@ Result<void> read_limit(const ConfigNode& node, StudyPlan& plan) {
 }
 
 Result<void> read_profiles(const ConfigNode& node, StudyPlan& p) {
-  ConfigReader r(node, "[profiles]");
+  ConfigReader r(node, "[profiles]", kGuide);
   r.number("record_s", p.record_s, 30.0, kDay_s);
   r.number("rest_s", p.rest_s, 0.0, 1e9);
   r.number("sweep_low_N", p.sweep_low_N, 0.0, 5.0);
@@ -138,7 +139,7 @@ Result<StudyPlan> parse_study_plan(std::string_view text, const std::string& nam
   FORCEGATE_TRY(const ConfigNode root, parse_config(text, name));
   StudyPlan plan;
   plan.path = name;
-  ConfigReader r(root, "the plan");
+  ConfigReader r(root, "the plan", kGuide);
   std::int64_t format = 0, seed = static_cast<std::int64_t>(plan.seed);
   std::string kind;
   r.integer("format", format, 1, kFormat, ConfigReader::required);
@@ -159,7 +160,7 @@ Result<StudyPlan> parse_study_plan(std::string_view text, const std::string& nam
   FORCEGATE_CHECK_OK(r.finish());
   FORCEGATE_CHECK_OK(read_population(*population, plan));
   {
-    ConfigReader p(*procedures, "[procedures]");
+    ConfigReader p(*procedures, "[procedures]", kGuide);
     FORCEGATE_CHECK_OK(read_procedures(p, *procedures, "flexiforce", plan.flexiforce));
     FORCEGATE_CHECK_OK(read_procedures(p, *procedures, "fsr", plan.fsr));
     FORCEGATE_CHECK_OK(read_procedures(p, *procedures, "once", plan.once));

@@ -228,7 +228,7 @@ CaseRecord run_calibration(const CaseJob& job, Rig& rig, const std::atomic<bool>
 Result<Calibration> read_calibration_file(const std::filesystem::path& path, const RigInfo& info) {
   FORCEGATE_TRY(const ConfigNode root, read_config(path));
   Calibration c = nominal_calibration(info);
-  ConfigReader r(root, "the calibration");
+  ConfigReader r(root, "the calibration", "docs/gate.md");
   std::string level = "static", id = path.stem().string().substr(0, 16);
   std::int64_t bits = c.adc_bits, format = 1;
   r.integer("format", format, 1, 1);

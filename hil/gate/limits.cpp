@@ -37,7 +37,7 @@ DerivedLimit derive_limit(const std::vector<double>& values, double sd, std::str
 Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
   FORCEGATE_TRY(const ConfigNode root, read_config(path));
   DerivedLimits limits;
-  ConfigReader r(root, "the limits file");
+  ConfigReader r(root, "the limits file", "docs/gate.md");
   std::int64_t format = 0;
   r.integer("format", format, 1, kFormat, ConfigReader::required);
   r.text("plan", limits.plan, ConfigReader::required);
@@ -52,7 +52,7 @@ Result<DerivedLimits> read_limits(const std::filesystem::path& path) {
   for (const ConfigNode& item : list->items) {
     if (item.kind != ConfigNode::Kind::table)
       return fail(ErrorCode::config, "a limit must be a table", item.where, "write [[limit]]");
-    ConfigReader l(item, "a limit");
+    ConfigReader l(item, "a limit", "docs/gate.md");
     std::string case_name, check;
     DerivedLimit limit;
     std::int64_t n = 0;

@@ -8,10 +8,26 @@
 namespace forcegate::test {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 constexpr const char* kNative = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
 const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(2)};
+
+TEST(Mistakes, InAFileNameThePageThatListsItsKeys) {
+  TemporaryFolder folder;
+  write_text(folder / "wrong.toml", "nothing = 3\n");
+  const std::string wrong = folder / "wrong.toml", out = folder / "out";
+  for (const char* option : {"--limits", "--cal", "--waivers", "--plan"}) {
+    const ProcessResult r = forcegate({"gate", kNative, option, wrong, "-o", out}, kHere);
+    EXPECT_EQ(r.exit_code, 2) << option;
+    const std::size_t at = r.err.find("help: docs/");
+    ASSERT_NE(at, std::string::npos) << option << r.err;
+    const std::string page = r.err.substr(at + 6, r.err.find(' ', at + 6) - at - 6);
+    const std::string key = r.err.substr(r.err.find("key '") + 5, r.err.find('\'', r.err.find("key '") + 5) - r.err.find("key '") - 5);
+    EXPECT_THAT(read_text(FORCEGATE_SOURCE_DIR "/" + page), AnyOf(HasSubstr("`" + key + "`"), HasSubstr("\n    " + key + " = "))) << option << r.err;
+  }
+}
 
 TEST(Mistakes, AreToldWithTheirPlaceAndALineOfHelp) {
   TemporaryFolder folder;

@@ -142,6 +142,7 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
   const ProcessResult again =
       run({"bless", folder / "second", "--who", "B", "--reason", "nothing new", "--goldens", goldens});
   EXPECT_THAT(again.out, HasSubstr("unchanged"));
+  EXPECT_THAT(again.out, HasSubstr("\nnext: forcegate check ")) << "a command, and no sentence";
   EXPECT_EQ(run({"bless", folder / "third", "--who", "B", "--reason", "x", "--goldens", goldens}).exit_code,
             2)
       << "a rejected run is never golden";

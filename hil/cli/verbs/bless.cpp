@@ -9,9 +9,15 @@
 namespace forcegate {
 namespace {
 
+bool in_force(const BlessAnswer& answer) { return std::ranges::none_of(answer.changes, &BlessChange::changed); }
+
 std::string line_after(const BlessRequest& asked, const BlessAnswer& answer) {
-  if (answer.written) return "commit what changed together with " + answer.governance.string();
-  if (std::ranges::none_of(answer.changes, &BlessChange::changed)) return "nothing has to be done: these are in force already";
+  if (answer.written) {
+    const std::string folder = shell_quoted(answer.governance.parent_path().empty() ? "." : answer.governance.parent_path().string());
+    return "git add " + folder + " && git commit -m " + shell_quoted(asked.reason) + " -- " + folder;
+  }
+  std::error_code ignored;
+  if (in_force(answer)) return std::filesystem::is_directory(asked.source, ignored) ? "forcegate check " + shell_quoted(asked.source.string()) : "forcegate gate --help";
   return bless_line(asked.source.string(), shell_quoted(asked.reason), shell_quoted(asked.who)) +
          (asked.goldens.empty() ? "" : " --goldens " + shell_quoted(asked.goldens.string()));
 }
@@ -25,6 +31,7 @@ Result<int> run(const Invocation& in) {
   request.dry_run = in.flag("dry-run");
   FORCEGATE_TRY(const BlessAnswer answer, bless(request));
   in.console().print(bless_text(answer));
+  if (!answer.written && in_force(answer)) in.console().print("nothing has to be done: these are in force already\n");
   in.console().print_json(bless_json(answer));
   in.console().next(line_after(request, answer));
   return kExitSuccess;
