@@ -166,9 +166,9 @@ class BlockDut final : public Dut {
     if (answer.nonce != session.nonce)
       return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged",
                   where_);
+    if (static_cast<double>(answer.rate_Hz) != session.rate_Hz) return wrong_rate(answer.rate_Hz, session.rate_Hz, where_);
     if (answer.status != 0)
-      return fail(ErrorCode::firmware,
-                  "the image refuses the calibration '" + printable_utf8(c.id) + "' or the rate", where_);
+      return fail(ErrorCode::firmware, "the image refuses the calibration '" + printable_utf8(c.id) + "'", where_);
     if (std::memcmp(&answer.calibration, &request.calibration, sizeof request.calibration) != 0)
       return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
     return DutInfo{static_cast<int>(answer.version >> 8),

@@ -95,6 +95,24 @@ TEST_F(Lanes, AnImageInTheWrongLaneIsAUsageErrorThatNamesTheRightOne) {
   EXPECT_NE(wrong.error().hint.find("uart"), std::string::npos);
 }
 
+TEST_F(Lanes, ASessionOfAnotherRateIsToldInEveryLaneAndIsNobodysFaultYet) {
+  for (const auto& [lane, file] : {std::pair{"native", "reference.native.so"},
+                                   {"block", "reference-m4f.block.elf"},
+                                   {"tick", "reference-m4f.block.elf"},
+                                   {"uart", "reference.uart.elf"}}) {
+    DutSession session;
+    session.image = image(file);
+    session.calibration = calibration_;
+    session.rate_Hz = 200.0;
+    auto dut = make_dut(lane, {});
+    ASSERT_TRUE(dut);
+    const auto opened = (*dut)->open(session);
+    ASSERT_FALSE(opened) << lane;
+    EXPECT_EQ(opened.error().code, ErrorCode::config) << lane;
+    EXPECT_NE(opened.error().hint.find("--rate 1000"), std::string::npos) << lane;
+  }
+}
+
 TEST_F(Lanes, AMissingEmulatorIsAConfigurationErrorWithThePackage) {
   const auto lane = make_dut("block", {{"qemu", "no-such-emulator"}});
   ASSERT_FALSE(lane);
