@@ -30,7 +30,10 @@ class GateRun {
     if (!request_.output.empty()) {
       FORCEGATE_TRY(RunFolder opened, RunFolder::open(request_.output));
       folder.emplace(std::move(opened));
-      if (plays_on_one_bench(request_, setup_)) unfinished_ = folder->keep_traces();
+      keeps_all_ = request_.keep || plays_only_once(request_, setup_);
+      if (plays_only_once(request_, setup_)) folder->keep_traces();
+      for (const std::filesystem::path& left : folder->left_by_others())
+        result_.notes.push_back("what a run that died had recorded is kept: " + left.string());
     }
     const std::filesystem::path keep_folder = folder ? folder->path() : std::filesystem::path();
     if (accepted_) result_.notes.push_back(accepted_note(*accepted_));
@@ -38,7 +41,7 @@ class GateRun {
     player_ = &player;
     if (accepted_) player.set_accepted(&*accepted_);
     FORCEGATE_CHECK_OK(player.take_base_calibration());
-    keeps_doubtful_ = folder && !request_.keep && unfinished_.empty();
+    keeps_doubtful_ = folder && !keeps_all_;
     look(keep_folder);
     FORCEGATE_CHECK_OK(first_usage_error());
     player.expect_more(false);
@@ -162,8 +165,8 @@ class GateRun {
 
   // Golden traces and waivers come in when every record is made.
   Result<RunResult> conclude(std::optional<RunFolder>& folder) {
-    if (player_->cancelled() && !unfinished_.empty())
-      result_.notes.push_back("what was recorded is kept: " + unfinished_.string() + " (forcegate recover FILE.fgj)");
+    if (player_->cancelled() && folder)
+      result_.notes.push_back("interrupted: there is no " + request_.output.string() + kept_of(*folder));
     RunMaterial material{setup_.plan,
                          limits_,
                          player_->level(),
@@ -175,11 +178,21 @@ class GateRun {
     material.head.notes.insert(material.head.notes.end(), notes.begin(), notes.end());
     std::vector<GoldenMargins> margins;
     RunResult result = judged_run(material, evidence_, material.head.notes, &margins);
-    if (folder && !material.cancelled)
-      FORCEGATE_CHECK_OK(publish_run(
-          *folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_}, material,
-          margins, result));
+    if (!folder || material.cancelled) return result;
+    auto published = publish_run(*folder, {setup_.plan.path, request_.firmware, limits_path_, request_.waivers, evidence_}, material, margins, result);
+    if (!published) {
+      published.error().hint += kept_of(*folder);
+      return Unexpected(published.error());
+    }
     return result;
+  }
+
+  // What a person does with what a bench has played, where no result is written.
+  static std::string kept_of(const RunFolder& folder) {
+    std::string out;
+    for (const std::filesystem::path& trace : folder.traces_that_stay())
+      out += (out.empty() ? "; what was recorded is kept: " : ", ") + (trace.extension() == ".fgj" ? "forcegate recover " : std::string()) + shell_quoted(trace.string());
+    return out;
   }
 
   // A mistake in the request that only a record could show (a missing emulator, an instrument's option).
@@ -200,7 +213,7 @@ class GateRun {
   std::filesystem::path limits_path_;
   std::optional<AcceptedBuild> accepted_;
   RunEvidence evidence_;
-  std::filesystem::path unfinished_;  ///< where the records of a bench stay when the run does not end well; empty: not of one
+  bool keeps_all_ = false;        ///< the samples of every record
   bool keeps_doubtful_ = false;   ///< records in doubt are played again at the end, for their samples
   GatePlayer* player_ = nullptr;  ///< while run() lasts
   std::vector<JudgedCheck> panel_, compared_;

@@ -115,6 +115,14 @@ bool plays_on_one_bench(const GateRequest& request, const GateSetup& setup) {
   return request.rig == "bench" && (!setup.rig.emulated || request.rig_options.contains("attach"));
 }
 
+bool plays_only_once(const GateRequest& request, const GateSetup& setup) {
+  if (plays_on_one_bench(request, setup)) return true;
+  const auto given = request.rig_options.find("clock");
+  const auto own = setup.rig.details.find("clock");
+  const std::string clock = given != request.rig_options.end() ? given->second : own != setup.rig.details.end() ? own->second : "";
+  return request.rig == "bench" && clock == "paced";
+}
+
 RunResult run_head(const GateRequest& request, const std::string& firmware_sha256, const std::string& lane) {
   RunResult head;
   head.tool_version = FORCEGATE_VERSION;

@@ -39,6 +39,9 @@ Result<GateSetup> prepare_gate(const GateRequest& request);
 /// for itself can be had several times.
 bool plays_on_one_bench(const GateRequest& request, const GateSetup& setup);
 
+/// Records that nothing plays again as they were: of one bench, and of twins in time of the wall. They are kept, whatever ends the run.
+bool plays_only_once(const GateRequest& request, const GateSetup& setup);
+
 /// Anything to measure before the records: not at nominal level, with a calibration file or on a recording.
 bool calibrates(const GateRequest& request, const GateSetup& setup);
 

@@ -73,7 +73,9 @@ std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {
   options.hang_cpu_s = request_.hang_cpu_s;
   return run_in_workers(jobs, options,
                         {[&](std::size_t job, double t_s) { report(job, std::min(t_s, length_s[job])); },
-                         [&](std::size_t job) { report(job, length_s[job]); }});
+                         [&](std::size_t job) {
+                           if (!cancelled()) report(job, length_s[job]);
+                         }});
 }
 
 // Candidate and accepted build one after the other, every second pair the other way round: a drift of the rig hits both
@@ -158,7 +160,7 @@ void GatePlayer::add(PlayedRecord played, const std::filesystem::path& keep_fold
     records_.push_back(std::move(played));
     return;
   }
-  if ((request_.keep || plays_on_one_bench(request_, setup_)) && !keep_folder.empty()) job.keep_path = trace_path(keep_folder, job).string();
+  if ((request_.keep || plays_only_once(request_, setup_)) && !keep_folder.empty()) job.keep_path = trace_path(keep_folder, job).string();
   job.index = to_play.size();
   to_play.push_back(std::move(played));
 }

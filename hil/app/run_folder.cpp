@@ -36,17 +36,19 @@ void sync_folder(const fs::path& folder) {
   close(descriptor);
 }
 
-bool holds_traces(const fs::path& folder) {
+std::vector<fs::path> traces_in(const fs::path& folder) {
+  std::vector<fs::path> out;
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error))
-    if (const fs::path ending = entry.path().extension(); ending == ".fgj" || ending == ".h5") return true;
-  return false;
+    if (const fs::path ending = entry.path().extension(); ending == ".fgj" || ending == ".h5") out.push_back(entry.path());
+  std::ranges::sort(out);
+  return out;
 }
 
 fs::path unfinished(const fs::path& final_path, long pid) { return final_path.string() + ".unfinished-" + std::to_string(pid); }
 
-// Temporary folders whose process is gone.
-void remove_leftovers(const fs::path& final_path) {
+// Temporary folders whose process is gone. Those that hold traces stay under another name, which is returned.
+std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
   const std::string prefix = final_path.filename().string() + kPart;
   std::error_code ignored;
   std::vector<std::pair<fs::path, long>> dead;
@@ -57,9 +59,17 @@ void remove_leftovers(const fs::path& final_path) {
     if (pid > 0 && kill(static_cast<pid_t>(pid), 0) == 0 && pid != getpid()) continue;
     dead.emplace_back(entry.path(), pid);
   }
-  for (const auto& [path, pid] : dead)
-    if (holds_traces(path)) fs::rename(path, unfinished(final_path, pid), ignored);
-    else fs::remove_all(path, ignored);
+  std::vector<fs::path> stay;
+  for (const auto& [path, pid] : dead) {
+    if (traces_in(path).empty()) {
+      fs::remove_all(path, ignored);
+      continue;
+    }
+    std::error_code failed;
+    fs::rename(path, unfinished(final_path, pid), failed);
+    stay.push_back(failed ? path : unfinished(final_path, pid));
+  }
+  return stay;
 }
 
 }  // namespace
@@ -83,7 +93,7 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
                   folder.final_.string(), "check its permissions and the free space");
   }
   fs::create_directories(folder.final_.parent_path(), error);
-  remove_leftovers(folder.final_);
+  folder.left_ = remove_leftovers(folder.final_);
   folder.temporary_ = folder.final_.string() + kPart + std::to_string(getpid());
   fs::create_directories(folder.temporary_, error);
   if (error)
@@ -93,20 +103,27 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
 }
 
 RunFolder::RunFolder(RunFolder&& other) noexcept
-    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)), keeps_traces_(other.keeps_traces_) {
+    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)), keeps_traces_(other.keeps_traces_), left_(std::move(other.left_)) {
   other.temporary_.clear();
 }
 
 RunFolder::~RunFolder() {
   if (temporary_.empty()) return;
   std::error_code ignored;
-  if (keeps_traces_ && holds_traces(temporary_)) fs::rename(temporary_, unfinished(final_, getpid()), ignored);
+  if (keeps_traces_ && !traces_in(temporary_).empty()) fs::rename(temporary_, unfinished(final_, getpid()), ignored);
   else fs::remove_all(temporary_, ignored);
 }
 
 fs::path RunFolder::keep_traces() {
   keeps_traces_ = true;
   return unfinished(final_, getpid());
+}
+
+std::vector<fs::path> RunFolder::traces_that_stay() const {
+  std::vector<fs::path> out;
+  if (!keeps_traces_) return out;
+  for (const fs::path& trace : traces_in(temporary_)) out.push_back(unfinished(final_, getpid()) / trace.lexically_relative(temporary_));
+  return out;
 }
 
 Result<void> RunFolder::publish(const RunResult& result) {

@@ -3,6 +3,7 @@
 // the last file. Whatever kills the program, the final name holds a whole result or none.
 
 #include <filesystem>
+#include <vector>
 
 #include "hil/base/result.h"
 #include "hil/interface/run_result.h"
@@ -20,6 +21,10 @@ class RunFolder {
 
   /// What a bench has played cannot be played again: unless the run is published, its traces stay. Where they will be.
   std::filesystem::path keep_traces();
+  /// Journals and traces that are there now, as they will be called when they stay. Empty where none will.
+  std::vector<std::filesystem::path> traces_that_stay() const;
+  /// Folders of traces that runs which died left under that name, now NAME.unfinished-PID.
+  const std::vector<std::filesystem::path>& left_by_others() const { return left_; }
 
   /// Where to put files before publish().
   const std::filesystem::path& path() const { return temporary_; }
@@ -31,6 +36,7 @@ class RunFolder {
   RunFolder() = default;
   std::filesystem::path final_, temporary_;
   bool keeps_traces_ = false;
+  std::vector<std::filesystem::path> left_;
 };
 
 }  // namespace forcegate

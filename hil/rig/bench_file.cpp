@@ -119,7 +119,9 @@ Result<BenchFile> build(ConfigNode root) {
   const ConfigNode* motor = in.table("motor", ConfigReader::required);
   const ConfigNode* reference = in.table("reference", ConfigReader::required);
   const ConfigNode* board = in.table("board", ConfigReader::required);
-  b.twins = in.table("twins") != nullptr;
+  const ConfigNode* twins = in.table("twins");
+  b.twins = twins != nullptr;
+  if (const ConfigNode* clock = b.twins ? twins->find("clock") : nullptr) b.paced = clock->text == "paced";
   FORCEGATE_CHECK_OK(in.finish());
   FORCEGATE_CHECK_OK(read_limits(*limits, b.limits));
   FORCEGATE_CHECK_OK(read_geometry(*geometry, b.geometry));
@@ -226,6 +228,7 @@ RigInfo rig_info(const BenchFile& b) {
   info.can_move = true;
   info.emulated = b.twins;
   info.details["bench"] = b.name;
+  if (b.paced) info.details["clock"] = "paced";
   info.details["nominal_gain_N_per_V"] = shortest(b.nominal_gain_N_per_V);
   info.details["nominal_offset_N"] = shortest(b.nominal_offset_N);
   for (const BenchCalibration& c : b.calibrations)

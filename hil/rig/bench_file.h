@@ -42,6 +42,7 @@ struct BenchFile {
   ConfigNode root;
   std::string name, id, doc;
   bool twins = false;  ///< has [twins]: nothing real moves
+  bool paced = false;  ///< and their clock is that on the wall
   std::string motor_adapter, reference_adapter, board_adapter;
   BenchLimits limits;
   RigGeometry geometry;

@@ -166,6 +166,26 @@ TEST_F(Bench, HoweverARunIsEndedItsMotorIsStoppedAndAKilledOneLosesNoMoreThanASe
     EXPECT_THAT(r.out, HasSubstr(std::string(end) + ": motor stopped"));
 }
 
+TEST_F(Bench, AGateInTimeOfTheWallKeepsWhatItRecordedWhenItIsInterrupted) {
+  ProcessOptions options = kHere;
+  options.signal = 2;
+  // Whenever the signal comes, it must once come in the middle of the record.
+  for (const int after_ms : {2500, 4000, 8000}) {
+    options.signal_after = std::chrono::milliseconds(after_ms);
+    const std::string out = folder / ("gate" + std::to_string(after_ms));
+    const ProcessResult r = forcegate({"gate", kNative, "--rig", "rigs/twin.toml", "--rig-option", "clock=paced", "--plan", "twin", "--calibration", "nominal", "-o", out}, options);
+    EXPECT_EQ(r.exit_code, 130) << r.out << r.err;
+    EXPECT_FALSE(std::filesystem::exists(out));
+    const std::size_t at = r.out.find("forcegate recover ");
+    if (at == std::string::npos) continue;
+    const std::string journal = r.out.substr(at + 18, r.out.find('\n', at) - at - 18);
+    const ProcessResult recovered = forcegate({"recover", journal, "-o", folder / "r.h5"}, kHere);
+    EXPECT_EQ(recovered.exit_code, 0) << recovered.err;
+    return;
+  }
+  FAIL() << "no signal has hit a record";
+}
+
 TEST_F(Bench, AKilledRecordingIsRecoveredFromItsJournal) {
   // Whenever the kill comes, it must once come in the middle; a busy machine is later than a quiet one.
   for (const int after_ms : {700, 1200, 2000, 4000, 8000}) {

@@ -201,9 +201,11 @@ TEST(RunFolder, leaves_the_traces_of_a_bench_whatever_ends_the_run) {
     auto folder = RunFolder::open(f.root / "run");
     ASSERT_TRUE(folder);
     EXPECT_TRUE(fs::exists(f.root / "run.unfinished-999999999" / "traces" / "a.fgj")) << "what a killed run recorded";
+    EXPECT_EQ(folder->left_by_others(), std::vector<fs::path>{f.root / "run.unfinished-999999999"});
     kept = folder->keep_traces();
     fs::create_directories(folder->path() / "traces");
     std::ofstream(folder->path() / "traces" / "b.fgj") << "x";
+    EXPECT_EQ(folder->traces_that_stay(), std::vector<fs::path>{kept / "traces" / "b.fgj"});
   }
   EXPECT_TRUE(fs::exists(kept / "traces" / "b.fgj")) << "Ctrl-C";
   {
