@@ -76,12 +76,13 @@ class CaseRun {
                                    job_.planned.where, "use an open-loop plan with --rig replay"});
     }
 
-    // a recording has the rate that somebody recorded it at; a rig has that of the plan, and the image must keep it
-    const bool recorded = !record_.rig.can_move;
+    // a recording has the rate that somebody recorded it at, an option the one that was typed; else a rig has its own, and
+    // the image must keep it
+    const bool given = !record_.rig.can_move || job_.rig_options.contains("rate_Hz");
     const auto is_rate = [](const Error& e) { return e.code == ErrorCode::config; };
-    const auto stage_of = [&](const Error& e) { return e.code == ErrorCode::usage || (recorded && is_rate(e)) ? Stage::setup : Stage::firmware; };
+    const auto stage_of = [&](const Error& e) { return e.code == ErrorCode::usage || (given && is_rate(e)) ? Stage::setup : Stage::firmware; };
     const auto blamed = [&](Error e) {
-      if (!recorded && is_rate(e)) e.code = ErrorCode::firmware;
+      if (!given && is_rate(e)) e.code = ErrorCode::firmware;
       return e;
     };
     DutSession session;

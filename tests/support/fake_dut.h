@@ -12,11 +12,13 @@ class FakeDut : public Dut {
   /// Called for each answer: index, force, flags.
   std::function<void(std::uint32_t index, float& force_N, std::uint8_t& flags)> spoil;
   bool wrong_nonce = false;
+  double only_rate_Hz = 0.0;  ///< 0: any
   std::uint32_t dies_at = 0xFFFFFFFF;
   DutCounters counters;
 
   Result<DutInfo> open(const DutSession& session) override {
     session_ = session;
+    if (only_rate_Hz > 0.0 && only_rate_Hz != session.rate_Hz) return wrong_rate(only_rate_Hz, session.rate_Hz, "fake");
     DutInfo info;
     info.protocol_major = 1;
     info.board = "fake";

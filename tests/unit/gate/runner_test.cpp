@@ -66,6 +66,20 @@ bool all_required_pass(const JudgedCase& judged) {
   return true;
 }
 
+TEST(Runner, charges_another_rate_to_the_firmware_only_where_nobody_gave_the_rate) {
+  Bench s;
+  s.dut.only_rate_Hz = 500.0;
+  const CaseRecord own = s.run();
+  ASSERT_TRUE(own.failure);
+  EXPECT_EQ(own.failure->stage, CaseFailure::Stage::firmware);
+  EXPECT_EQ(own.failure->error.code, ErrorCode::firmware);
+  s.job.rig_options["rate_Hz"] = "1000";
+  const CaseRecord given = s.run();
+  ASSERT_TRUE(given.failure);
+  EXPECT_EQ(given.failure->stage, CaseFailure::Stage::setup);
+  EXPECT_EQ(given.failure->error.code, ErrorCode::config);
+}
+
 TEST(Runner, finds_no_error_in_an_exact_sensor) {
   Bench s;
   const CaseRecord r = s.run();
