@@ -165,6 +165,7 @@ Result<void> look_again(const CheckRequest& request, WeightMaterial& m, const Ga
 
 Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& progress,
                               const std::atomic<bool>* cancelled) {
+  FORCEGATE_CHECK_OK(check_day(request.today));
   FORCEGATE_TRY(Bundle bundle, read_bundle(request.run));
   CheckAnswer answer;
   answer.bundle_id = bundle.id;

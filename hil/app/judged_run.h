@@ -18,6 +18,9 @@ struct RunEvidence {
   std::string today;  ///< ISO date against which waivers expire
 };
 
+/// Errors (usage): a day that is none; "" is the calendar's.
+Result<void> check_day(const std::string& today);
+
 /// Goldens (folder as seen from the plan's file; empty: none) and waivers of a request.
 /// Errors: usage (a day that is none), those of the files.
 Result<RunEvidence> read_evidence(const GateRequest& request, const std::filesystem::path& plan,

@@ -134,7 +134,12 @@ TEST_F(Gate, MistakesInADateOrAFolderAreSeenBeforeAnythingIsPlayed) {
     const ProcessResult r = gate({kNative, "--today", day, "-o", folder / "run"});
     EXPECT_EQ(r.exit_code, 2) << day;
     EXPECT_THAT(r.err, HasSubstr("is no date"));
+    const ProcessResult stored = forcegate({"check", folder / "run", "--today", day}, kHere);
+    EXPECT_THAT(stored.err, HasSubstr("is no date"));
   }
+  const ProcessResult two = forcegate({"gate", FORCEGATE_BINARY_DIR "/firmware/two-variable.native.so", "--plan", "capacitance-gate", "--golden", folder / "nowhere", "-o", folder / "run"}, kHere);
+  EXPECT_EQ(two.exit_code, 2);
+  EXPECT_THAT(two.err, HasSubstr("no folder of golden traces"));
   const ProcessResult none = gate({kNative, "--golden", folder / "nowhere", "-o", folder / "run"});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_THAT(none.err, HasSubstr("no folder of golden traces"));
