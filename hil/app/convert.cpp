@@ -19,6 +19,8 @@ Result<ConvertReport> convert(const ConvertRequest& request) {
                 "add --force to replace it");
   FORCEGATE_TRY(const TraceFile file,
                 read_trace(request.from, CsvOptions{request.column_map, request.assumed_rate_Hz}));
+  const Trace* const only[] = {&file.trace};
+  FORCEGATE_CHECK_OK(check_column_map(request.column_map, file.mapped, only, request.from));
   FORCEGATE_CHECK_OK(write_trace(file.trace, request.to));
 
   ConvertReport report;

@@ -7,6 +7,17 @@
 #include "hil/trace/convert.h"
 
 namespace forcegate {
+namespace {
+
+// Who maps Sensor_mV to U_V gives the column a name and means millivolts: a plain SI unit of the name gives way to the header's of the
+// same quantity.
+ColumnMeaning renamed(const Unit& of_header, ColumnMeaning name) {
+  const bool plain = name.unit.symbol == name.unit.canonical;
+  if (plain && !of_header.symbol.empty() && of_header.quantity == name.unit.quantity) name.unit = of_header;
+  return name;
+}
+
+}  // namespace
 
 Result<ColumnMap> parse_column_map(std::span<const std::string> words) {
   ColumnMap out;
@@ -28,9 +39,40 @@ Result<void> check_column_map(const ColumnMap& map, std::span<const std::string>
       for (const Channel& c : trace->channels)
         if (const std::string name = header_of(c.name, c.unit); std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
     return fail(ErrorCode::usage, "no record has a column \"" + from + "\" to map to " + to, where.string(),
-                "there are " + join(columns, ", ") + "; only columns of CSV and MAT files can be mapped");
+                "there are " + join(columns, ", ") + (meaning_of(to).is_clock ? "; the clock of an HDF5 file stays what it is" : ""));
   }
   return {};
+}
+
+ColumnMeaning mapped_meaning(const std::string& header, const Unit& of_header, const std::string& to, std::vector<std::string>& notes) {
+  const auto called = find_unit(header);  // a column of kilograms-force that is called kgf
+  const ColumnMeaning wanted = meaning_of(to);
+  ColumnMeaning meaning = renamed(of_header.symbol.empty() && called ? *called : of_header, wanted);
+  if (called && meaning.unit.symbol == called->symbol && meaning.unit.symbol != wanted.unit.symbol)
+    notes.push_back("column \"" + header + "\" was read in " + meaning.unit.symbol + ", as it is called");
+  else if (called && meaning.unit.symbol != called->symbol && meaning.unit.quantity == called->quantity)
+    notes.push_back("column \"" + header + "\" was read in " + meaning.unit.symbol + ", though it is called " + called->symbol);
+  return meaning;
+}
+
+void map_channels(TraceFile& file, const ColumnMap& map) {
+  for (Channel& c : file.trace.channels) {
+    const std::string header = header_of(c.name, c.unit);
+    const auto mapped = map.find(header);
+    if (mapped == map.end() || meaning_of(mapped->second).is_clock) continue;
+    const Unit stored = find_unit(c.unit).value_or(Unit{.symbol = c.unit, .canonical = c.unit, .quantity = c.quantity});
+    const ColumnMeaning meaning = mapped_meaning(header, stored, mapped->second, file.notes);
+    const Unit& unit = meaning.unit;
+    if (unit.symbol != unit.canonical) file.notes.push_back("column \"" + header + "\" was converted from " + unit.symbol + " to " + unit.canonical);
+    if (unit.factor != 1.0 || unit.offset != 0.0)
+      for (double& v : c.value) v = unit.factor * v + unit.offset;
+    if (c.quantity == "code" && unit.quantity != "code") c.raw.clear();
+    c.name = known_name(meaning.name);
+    c.unit = unit.canonical;
+    c.quantity = unit.quantity;
+    file.mapped.push_back(header);
+  }
+  if (!file.mapped.empty()) make_names_unique(file.trace);
 }
 
 Result<TraceFile> read_mapped_trace(const std::filesystem::path& path, std::string_view map, double assumed_rate_Hz) {

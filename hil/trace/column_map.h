@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hil/trace/columns.h"
 #include "hil/trace/csv.h"
 
 namespace forcegate {
@@ -20,6 +21,12 @@ Result<ColumnMap> parse_column_map(std::span<const std::string> words);
 /// A mapped column that exists nowhere is a typing mistake, and what is then read is not what was meant: usage, with the columns of `traces`.
 Result<void> check_column_map(const ColumnMap& map, std::span<const std::string> mapped, std::span<const Trace* const> traces,
                               const std::filesystem::path& where);
+
+/// What a column is that is mapped to `to`; notes tell where it is called by another unit than it is read in.
+ColumnMeaning mapped_meaning(const std::string& header, const Unit& of_header, const std::string& to, std::vector<std::string>& notes);
+
+/// Maps the channels of a file that holds channels and no columns (HDF5, a journal); its clock stays what it is.
+void map_channels(TraceFile& file, const ColumnMap& map);
 
 /// read_trace() of a recording and a map whose words stand one a line, as an option of a rig or a profile holds them; every one must meet a column.
 Result<TraceFile> read_mapped_trace(const std::filesystem::path& path, std::string_view map, double assumed_rate_Hz = 0.0);

@@ -214,4 +214,18 @@ std::string header_of(std::string_view name, std::string_view unit) {
   return out;
 }
 
+void make_names_unique(Trace& trace) {
+  for (std::size_t i = 0; i < trace.channels.size(); ++i) {
+    Channel& c = trace.channels[i];
+    const auto taken = [&](const std::string& name) {
+      return std::any_of(trace.channels.begin(), trace.channels.begin() + static_cast<std::ptrdiff_t>(i),
+                         [&](const Channel& other) { return other.name == name; });
+    };
+    if (!taken(c.name)) continue;
+    const std::string base = header_of(c.name, c.unit);
+    c.name = base;
+    for (int k = 2; taken(c.name); ++k) c.name = base + "_" + std::to_string(k);
+  }
+}
+
 }  // namespace forcegate

@@ -38,6 +38,9 @@ std::vector<std::string> unused_columns(const Trace& trace, const std::map<std::
 /// The name under which Forcegate knows a common synonym: "F_ref" for "force", "U" for "voltage"; else the name itself.
 std::string known_name(std::string_view name);
 
+/// A second channel of one name gets its unit to it, and a number where that is not enough.
+void make_names_unique(Trace& trace);
+
 /// Suffix for a header: "F_ref" with unit "N" -> "F_ref_N", "cm/s" -> "_cm_s".
 std::string header_of(std::string_view name, std::string_view unit);
 

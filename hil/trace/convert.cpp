@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "hil/trace/column_map.h"
 #include "hil/trace/hdf5_io.h"
 #include "hil/trace/journal.h"
 #include "hil/trace/mat_io.h"
@@ -20,6 +21,11 @@ std::string ending_of(const std::filesystem::path& path) {
   return ending;
 }
 
+Result<TraceFile> mapped(Result<TraceFile> file, const CsvOptions& options) {
+  if (file) map_channels(*file, options.column_map);
+  return file;
+}
+
 Unexpected unknown_ending(const std::filesystem::path& path, const char* what) {
   return fail(ErrorCode::config, std::string(what) + " \"" + ending_of(path) + "\" files", path.string(),
               kKnown);
@@ -31,14 +37,14 @@ Result<TraceFile> read_trace(const std::filesystem::path& path, const CsvOptions
   const std::string ending = ending_of(path);
   if (ending == ".csv" || ending == ".tsv" || ending == ".txt" || ending == ".dat")
     return read_csv(path, options);
-  if (ending == ".h5" || ending == ".hdf5") return read_hdf5(path);
+  if (ending == ".h5" || ending == ".hdf5") return mapped(read_hdf5(path), options);
   if (ending == ".mat") return read_mat(path, options);
-  if (ending == ".fgj") return read_journal_trace(path);
+  if (ending == ".fgj") return mapped(read_journal_trace(path), options);
   // no ending, or one of a logger (.lvm, .log, .asc): what it is stands at its beginning, and the reader of text refuses what is none
   std::array<char, 10> bytes{};
   std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
   const std::string_view begin(bytes.data(), bytes.size());
-  if (begin.starts_with("\x89HDF")) return read_hdf5(path);
+  if (begin.starts_with("\x89HDF")) return mapped(read_hdf5(path), options);
   if (begin.starts_with("MATLAB 5.0")) return read_mat(path, options);
   return read_csv(path, options);
 }

@@ -11,6 +11,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/trace/clock_unit.h"
+#include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/time_base.h"
 
@@ -53,28 +54,6 @@ void attach_counts(Trace& trace) {
   }
 }
 
-void make_names_unique(Trace& trace) {
-  for (std::size_t i = 0; i < trace.channels.size(); ++i) {
-    Channel& c = trace.channels[i];
-    const auto taken = [&](const std::string& name) {
-      return std::any_of(trace.channels.begin(), trace.channels.begin() + static_cast<std::ptrdiff_t>(i),
-                         [&](const Channel& other) { return other.name == name; });
-    };
-    if (!taken(c.name)) continue;
-    const std::string base = header_of(c.name, c.unit);
-    c.name = base;
-    for (int k = 2; taken(c.name); ++k) c.name = base + "_" + std::to_string(k);
-  }
-}
-
-// Who maps Sensor_mV to U_V gives the column a name and means millivolts: a plain SI unit of the name gives way to the header's of the
-// same quantity.
-ColumnMeaning renamed(const Unit& of_header, ColumnMeaning name) {
-  const bool plain = name.unit.symbol == name.unit.canonical;
-  if (plain && !of_header.symbol.empty() && of_header.quantity == name.unit.quantity) name.unit = of_header;
-  return name;
-}
-
 // A clock, force or output that holds text is no column to leave out.
 Result<void> check_text_columns(const CsvTable& table, const std::string& where, const CsvOptions& options) {
   for (const TextColumn& column : table.text_columns) {
@@ -102,13 +81,7 @@ std::vector<ColumnMeaning> meanings_of(const CsvTable& table, const CsvOptions& 
           std::ranges::find(table.columns, alias, &CsvColumn::header) == table.columns.end())
         mapped = options.column_map.find(alias);
     if (mapped != options.column_map.end()) {
-      const auto called = find_unit(column.header);  // a column of kilograms-force that is called kgf
-      const ColumnMeaning wanted = meaning_of(mapped->second);
-      meaning = renamed(meaning.unit.symbol.empty() && called ? *called : meaning.unit, wanted);
-      if (called && meaning.unit.symbol == called->symbol && meaning.unit.symbol != wanted.unit.symbol)
-        out.notes.push_back("column \"" + column.header + "\" was read in " + meaning.unit.symbol + ", as it is called");
-      else if (called && meaning.unit.symbol != called->symbol && meaning.unit.quantity == called->quantity)
-        out.notes.push_back("column \"" + column.header + "\" was read in " + meaning.unit.symbol + ", though it is called " + called->symbol);
+      meaning = mapped_meaning(column.header, meaning.unit, mapped->second, out.notes);
       const std::string unknown = unknown_unit(column.header);
       if (!unknown.empty() && meaning.unit.symbol == meaning.unit.canonical && !meaning.unit.symbol.empty())
         out.notes.push_back("\"" + unknown + "\" of column \"" + column.header + "\" is no unit known here: it was read as " + meaning.unit.symbol);

@@ -149,6 +149,21 @@ TEST_F(Convert, MapsForeignColumnsAndSuppliesAClock) {
   EXPECT_THAT(read_text(out), HasSubstr("0.01,1.1,2.1"));
 }
 
+TEST_F(Convert, AMapThatMeetsNoColumnIsAMistakeAndOneOfAnHdf5FileWorks) {
+  write_text(folder / "foreign.csv", "t_s,kgf,U_V\n0,1.0,2.0\n1,1.1,2.1\n2,1.2,2.2\n");
+  const std::string h5 = folder / "foreign.h5", out = folder / "out.csv";
+  ASSERT_EQ(forcegate({"convert", folder / "foreign.csv", h5}).exit_code, 0);
+  for (const std::string& from : {folder / "foreign.csv", h5}) {
+    const ProcessResult typo = forcegate({"convert", from, out, "--map", "kfg=F_ref_kgf"});
+    EXPECT_EQ(typo.exit_code, 2) << from;
+    EXPECT_THAT(typo.err, HasSubstr("no record has a column \"kfg\"")) << from;
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+  const ProcessResult r = forcegate({"convert", h5, out, "--map", "kgf=F_ref_kgf"});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(read_text(out), HasSubstr("0,9.80665,2"));
+}
+
 // The limit on the size of a file stands for the full disk.
 TEST_F(Convert, AFullDiskIsAnErrorAndLeavesNoFile) {
   std::string csv = "t_s,F_ref_N,U_V\n";

@@ -27,6 +27,23 @@ namespace fs = std::filesystem;
 
 using Storage = FolderTest;
 
+TEST_F(Storage, TheColumnsOfAnHdf5FileCanBeMappedAsThoseOfText) {
+  Trace trace;
+  trace.time_bases.emplace_back();
+  trace.time_bases[0].t_s = {0.0, 1.0};
+  trace.channels = {{"kgf", "", "", 0, {1.0, 2.0}, {}}, {"sensor", "V", "voltage", 0, {3.0, 4.0}, {}}};
+  ASSERT_TRUE(write_hdf5(trace, folder_ / "a.h5"));
+  const auto file = read_trace(folder_ / "a.h5", {.column_map = {{"kgf", "F_ref_N"}, {"sensor_V", "U_V"}, {"other", "U_V"}}});
+  ASSERT_TRUE(file) << file.error().to_text();
+  ASSERT_NE(file->trace.find("F_ref"), nullptr);
+  ASSERT_NE(file->trace.find("U"), nullptr);
+  EXPECT_EQ(file->trace.find("F_ref")->unit, "N");
+  EXPECT_DOUBLE_EQ(file->trace.find("F_ref")->value[1], 2 * 9.80665);
+  EXPECT_DOUBLE_EQ(file->trace.find("U")->value[1], 4.0);
+  EXPECT_THAT(file->notes, Contains(HasSubstr("was read in kgf, as it is called")));
+  EXPECT_THAT(file->mapped, ::testing::ElementsAre("kgf", "sensor_V"));
+}
+
 Trace sample_trace() {
   Trace trace;
   trace.name = "run 7";
