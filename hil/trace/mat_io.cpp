@@ -79,37 +79,47 @@ bool read_at(std::ifstream& file, std::uint64_t at, bool swapped, T& out) {
   return true;
 }
 
-/// Where the last variable ought to end; matio fills up what a file lacks. 0 where the file is another kind of MAT file.
-std::uint64_t claimed_end(const std::filesystem::path& path, std::uint64_t size) {
+struct Claim {
+  std::uint64_t end = 0;     ///< of the last variable; 0 where the file is another kind of MAT file
+  std::uint64_t broken = 0;  ///< where something stands that is no variable and leads beyond the file, so that `end` means nothing
+};
+
+/// Where the last variable ought to end; matio fills up what a file lacks.
+Claim claimed_end(const std::filesystem::path& path, std::uint64_t size) {
   constexpr std::uint64_t kHeader5 = 128, kTag5 = 8, kHeader4 = 20;
+  constexpr std::uint32_t kMatrix = 14, kCompressed = 15;
   std::ifstream file(path, std::ios::binary);
   std::uint16_t endian = 0, version = 0;
   if (size >= kHeader5 && read_at(file, 126, false, endian) && (endian == 0x4D49 || endian == 0x494D)) {  // "MI" as this machine writes it, or swapped
-    if (!read_at(file, 124, endian != 0x4D49, version) || version != 0x0100) return 0;  // 7.3 is HDF5
-    std::uint64_t at = kHeader5;
-    for (std::uint32_t bytes = 0; at + kTag5 <= size && read_at(file, at + 4, endian != 0x4D49, bytes);) at += kTag5 + bytes;
-    return at;
+    if (!read_at(file, 124, endian != 0x4D49, version) || version != 0x0100) return {};  // 7.3 is HDF5
+    std::uint64_t at = kHeader5, last = 0;
+    std::uint32_t kind = kMatrix;
+    for (std::uint32_t bytes = 0; at + kTag5 <= size && read_at(file, at, endian != 0x4D49, kind) && read_at(file, at + 4, endian != 0x4D49, bytes);) {
+      last = at;
+      at += kTag5 + bytes;
+    }
+    return {at, at > size && kind != kMatrix && kind != kCompressed ? last : 0};
   }
   file.clear();
   std::uint64_t at = 0;
   while (at + kHeader4 <= size) {
     std::array<std::int32_t, 5> head{};  // type, rows, columns, imaginary part, length of the name
     for (std::size_t k = 0; k < head.size(); ++k)
-      if (!read_at(file, at + 4 * k, false, head[k])) return 0;
+      if (!read_at(file, at + 4 * k, false, head[k])) return {};
     constexpr std::array<std::uint64_t, 6> kBytes = {8, 4, 4, 2, 2, 1};
     const auto kind = static_cast<std::size_t>(head[0] / 10 % 10);
-    if (head[0] < 0 || head[0] > 99 || kind >= kBytes.size() || head[1] < 0 || head[2] < 0 || head[3] < 0 || head[3] > 1 || head[4] < 0) return 0;
+    if (head[0] < 0 || head[0] > 99 || kind >= kBytes.size() || head[1] < 0 || head[2] < 0 || head[3] < 0 || head[3] > 1 || head[4] < 0) return {};
     at += kHeader4 + static_cast<std::uint64_t>(head[4]) +
           static_cast<std::uint64_t>(head[1]) * static_cast<std::uint64_t>(head[2]) * kBytes[kind] * static_cast<std::uint64_t>(1 + head[3]);
   }
-  return at;
+  return {at};
 }
 
 // The library tells of no failed write: what stands on the disk is counted.
 bool holds(const std::filesystem::path& path, std::size_t variables) {
   std::error_code failed;
   const std::uint64_t size = std::filesystem::file_size(path, failed);
-  if (failed || claimed_end(path, size) > size) return false;
+  if (failed || claimed_end(path, size).end > size) return false;
   const FilePointer file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   std::size_t found = 0;
   while (file) {
@@ -168,9 +178,14 @@ Result<TraceFile> read_mat(const std::filesystem::path& path, const CsvOptions& 
   std::error_code failed;
   if (!std::filesystem::exists(path, failed))
     return fail(ErrorCode::io, "there is no such file", path.string(), "check the name");
-  if (const std::uint64_t size = std::filesystem::file_size(path, failed), end = failed ? 0 : claimed_end(path, size); end > size)
-    return fail(ErrorCode::parse, "the MAT file is cut short: it has " + std::to_string(size) + " of at least " + std::to_string(end) + " bytes", path.string(),
-                "copy it again from where it was recorded");
+  if (const std::uint64_t size = std::filesystem::file_size(path, failed); !failed) {
+    const Claim claim = claimed_end(path, size);
+    const char* const kAgain = "copy it again from where it was recorded";
+    if (claim.broken > 0)
+      return fail(ErrorCode::parse, "the MAT file is damaged: no variable begins at byte " + std::to_string(claim.broken), path.string(), kAgain);
+    if (claim.end > size)
+      return fail(ErrorCode::parse, "the MAT file is cut short: it has " + std::to_string(size) + " of at least " + std::to_string(claim.end) + " bytes", path.string(), kAgain);
+  }
   inflate_failed = false;
   Mat_LogInitFunc("forcegate", [](int, char* message) {
     if (message != nullptr && std::strstr(message, "nflate") != nullptr) inflate_failed = true;

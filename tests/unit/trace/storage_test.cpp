@@ -166,6 +166,12 @@ TEST_F(Storage, AMatFileThatIsCutShortOrDamagedIsRefused) {
   const auto refused = read_mat(folder_ / "damaged.mat");
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().text, ::testing::HasSubstr("damaged"));
+  std::string overwritten = whole;
+  overwritten.replace(132, 4, "\x64\0\0\0", 4);  // what a full disk leaves of the length of the first variable
+  std::ofstream(folder_ / "overwritten.mat", std::ios::binary) << overwritten;
+  const auto odd = read_mat(folder_ / "overwritten.mat");
+  ASSERT_FALSE(odd);
+  EXPECT_EQ(odd.error().text, "the MAT file is damaged: no variable begins at byte 236") << "and no size out of random bytes";
   EXPECT_TRUE(read_mat(folder_ / "whole.mat"));
   std::string level73 = whole.substr(0, 124) + std::string("\0\2IM", 4) + std::string(384, '\0') + "\x89HDF\r\n\x1a\n";
   std::ofstream(folder_ / "v73.mat", std::ios::binary) << level73;
