@@ -17,7 +17,13 @@ constexpr std::size_t kBlock = 800;
 Result<std::string> play(const WeightSession& s) {
   const LaneKind* lane = Registry<LaneKind>::instance().find(s.lane);
   FORCEGATE_TRY(const auto dut, lane->make(s.lane_options));
-  FORCEGATE_TRY(const DutInfo info, dut->open(s.session));
+  auto opened = dut->open(s.session);
+  if (!opened) {
+    Error e = std::move(opened).error();
+    if (e.code == ErrorCode::config) e.code = ErrorCode::firmware;  // the rate is the plan's, and the image must keep it
+    return Unexpected(std::move(e));
+  }
+  const DutInfo info = *opened;
   const std::vector<std::uint16_t>& codes = s.frames->codes;
   std::vector<float> force_N(codes.size());
   std::vector<std::uint8_t> flags(codes.size());

@@ -71,6 +71,8 @@ TEST(TwoVariableFirmware, IsHeldAgainstGoldensAndAnAcceptedBuild) {
   EXPECT_TRUE(fs::exists(fs::path(run) / "golden/pack0-sensor1@2010-0-1.csv"));
   EXPECT_EQ(forcegate({"check", run}, kHere).exit_code, 0);
   const std::string goldens = (folder.path() / "traces/own").string();
+  EXPECT_EQ(gated({"--golden", goldens}).exit_code, 2) << "there is no such folder yet";
+  fs::create_directories(goldens);
   const ProcessResult none = gated({"--golden", goldens});
   EXPECT_EQ(none.exit_code, 3) << none.out;
   const ProcessResult blessed =
