@@ -150,6 +150,7 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
   if (answer.changes.empty())
     return fail(ErrorCode::usage, "no case of this run asks for a golden", head.plan_name,
                 "add \"golden\" to the checks of a case");
+  answer.target = folder;
   answer.governance = folder.parent_path() / "CHANGES.md";
   std::string list;
   for (const BlessChange& c : answer.changes)
@@ -197,6 +198,7 @@ Result<BlessAnswer> bless_limits(const BlessRequest& request) {
           {key.first + " " + key.second, fmt::format("gone, was {:.4g} {}", limit.value, limit.unit), true});
       list += (list.empty() ? "" : "; ") + answer.changes.back().file + ": gone";
     }
+  answer.target = target;
   answer.governance = target.parent_path() / "CHANGES.md";
   answer.line = fmt::format("| {} | {} | {} | {} | {} | {} | identified | limits of {} | {} |\n", now.date,
                             now.plan, cell(request.who), cell(request.reason),

@@ -25,6 +25,7 @@ struct BlessChange {
 
 struct BlessAnswer {
   std::vector<BlessChange> changes;
+  std::filesystem::path target;      ///< folder of goldens, or file of limits
   std::filesystem::path governance;  ///< file that got a line
   std::string line;                  ///< of that file
   bool written = false;

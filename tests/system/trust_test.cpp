@@ -134,6 +134,7 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
       run({"bless", folder / "first", "--who", "A. Smith", "--reason", "first golden", "--goldens", goldens});
   EXPECT_EQ(blessed.exit_code, 0) << blessed.out << blessed.err;
   EXPECT_THAT(read_text(fs::path(folder / "goldens") / "CHANGES.md"), HasSubstr("first golden"));
+  EXPECT_THAT(blessed.out, HasSubstr("\nnext: git add " + goldens + " " + (folder / "goldens/CHANGES.md") + " && git commit -m 'first golden' -- "));
 
   const ProcessResult held = gate(kGood, "second");
   EXPECT_EQ(held.exit_code, 0) << held.out;

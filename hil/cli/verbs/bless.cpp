@@ -13,8 +13,8 @@ bool in_force(const BlessAnswer& answer) { return std::ranges::none_of(answer.ch
 
 std::string line_after(const BlessRequest& asked, const BlessAnswer& answer) {
   if (answer.written) {
-    const std::string folder = shell_quoted(answer.governance.parent_path().empty() ? "." : answer.governance.parent_path().string());
-    return "git add " + folder + " && git commit -m " + shell_quoted(asked.reason) + " -- " + folder;
+    const std::string files = shell_quoted(answer.target.string()) + " " + shell_quoted(answer.governance.string());
+    return "git add " + files + " && git commit -m " + shell_quoted(asked.reason) + " -- " + files;
   }
   std::error_code ignored;
   if (in_force(answer)) return std::filesystem::is_directory(asked.source, ignored) ? "forcegate check " + shell_quoted(asked.source.string()) : "forcegate gate --help";
