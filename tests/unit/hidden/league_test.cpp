@@ -187,7 +187,7 @@ TEST(League, AnInterruptedLeagueGoesOnFromItsJournal) {
 }
 
 TEST(BuiltInEngine, MeasuresItsStartingModelOnTheTwinAsAComparisonDoes) {
-  const hidden::CampaignRequest request{61, "campaign", {"hysteresis"}, hidden::Tier::strong, 2.0};
+  const hidden::CampaignRequest request{62, "campaign", {"hysteresis"}, hidden::Tier::strong, 2.0};
   auto twin = hidden::make_twin(request), same = hidden::make_twin(request);
   ASSERT_TRUE(twin && same);
   diagnose::EngineOptions options = engine_options(*library_model("flexiforce"), 1);
@@ -209,6 +209,17 @@ TEST(BuiltInEngine, MeasuresItsStartingModelOnTheTwinAsAComparisonDoes) {
   const double before = *answer_from_json(reply->json)->error_before;
   EXPECT_NEAR(reply->base->output.own_levels, before, 0.05 * before);
   EXPECT_LT(base->output.own_levels, 0.9 * before) << "a strong effect adds to the error";
+}
+
+// A late reference that shows only beside the loop is set aside in the diagnosis alone, and a note says so.
+TEST(BuiltInEngine, TheStartingModelOfADiagnosisMayBeJudgedWithoutTheLatenessOfTheReference) {
+  auto made = hidden::make_campaign({61, "campaign", {"hysteresis"}, hidden::Tier::strong, 2.0});
+  ASSERT_TRUE(made);
+  const auto reply = built_in_engine().answer(std::move(*made));
+  ASSERT_TRUE(reply && reply->base);
+  EXPECT_NE(reply->json.find("leads the reference by a few milliseconds"), std::string::npos);
+  const double before = *answer_from_json(reply->json)->error_before;
+  EXPECT_NEAR(reply->base->output.own_levels, before, 0.15 * before);
 }
 
 TEST(League, TheReducibleErrorIsToldByAnEngineThatTellsItsStartingModelAloneAndKeptInTheJournal) {
@@ -311,7 +322,7 @@ TEST(Miss, OfACleanCampaignTellsAClaimFromAnUnknown) {
 }
 
 TEST(BuiltInEngine, AnswersWithoutFilesAsItDoesWithThem) {
-  const hidden::CampaignRequest request{61, "campaign", {"hysteresis"}, hidden::Tier::strong, 2.0};
+  const hidden::CampaignRequest request{64, "campaign", {"hysteresis"}, hidden::Tier::strong, 2.0};
   const auto folder = std::filesystem::path(::testing::TempDir()) / "forcegate_league_engine";
   std::filesystem::remove_all(folder);
   auto made = hidden::make_campaign(request);
