@@ -64,6 +64,9 @@ class LowPass {
   std::array<Weights, 64> cache_{};
 };
 
+/// Of itself: a state that is nearer to what it follows has settled. In a hold the last bits of a float must not tell which way it goes.
+inline constexpr double kSettled = 1e-5;
+
 /// log(1 + e^(x/w)) w without overflow: a hinge with a rounded corner of width w.
 inline double soft_hinge(double x, double w) {
   const double z = x / w;
@@ -75,7 +78,7 @@ inline double soft_hinge(double x, double w) {
 /// Low pass of the full-rate force, which starts settled, averaged over each wanted row; 0 in the others.
 std::vector<double> low_pass_rows(const RecordInput& record, double tau_s, int poles = 1);
 
-/// h(L[F]), or L[h(F)], of the full-rate force, averaged over each row; L one pole of tau_s that starts settled.
+/// h(L[F]), or L[h(F)], of the full-rate force, averaged over each wanted row, 0 in the others; L one pole of tau_s that starts settled.
 enum class LagAndCurve { curve_of_lagged, lag_of_curve };
 std::vector<double> lagged_curve_rows(const RecordInput& record, double tau_s, LagAndCurve order, const std::function<double(double)>& h);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/model/compensator/c_expression.h"
 #include "hil/model/play.h"
 #include "hil/model/states.h"
 
@@ -197,14 +198,14 @@ CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
                 constant("k_" + id + "_down_old", down.to_old) + constant("k_" + id + "_down_new", down.to_new);
   t.state = fmt::format("  float {0}_y, {0}_x, {0}_a, {0}_b;\n", id);
   t.prepare = prepare_pole(id, fmt::format("(falls ? k_{0}_down_old : k_{0}_up_old)", id), fmt::format("falls ? k_{0}_down_new : k_{0}_up_new", id),
-                           fmt::format("    const int falls = c->{0}_x < c->{0}_y;\n", id));
+                           fmt::format("    const int falls = c->{0}_x < c->{0}_y - {1} * (c->{0}_y < 0.0f ? -c->{0}_y : c->{0}_y);\n", id, c_float(kSettled)));
   t.value = fmt::format("c->shrink * k_{0}_c * (c->{0}_a + (c->{0}_b - 1.0f) * F)", id);
   t.commit = fmt::format(
       "  c->{0}_y = c->{0}_a + c->{0}_b * F;\n"
       "  c->{0}_x = F;\n",
       id);
   t.slope_min = -c * (1.0 - std::min(up.to_new, down.to_new));
-  t.once = 12;
+  t.once = 15;
   t.each = 4;
   t.bytes = 16;
   return t;

@@ -60,7 +60,7 @@ void fill_two_speeds(const RecordInput& r, double tau_s, double ratio, ColumnsRe
           up = Pole(tau_s, dt_s);
           down = Pole(tau_s * ratio, dt_s);
         }
-        const Pole& pole = before < y ? down : up;
+        const Pole& pole = before < y - kSettled * std::abs(y) ? down : up;
         return y += pole.old * (before - y) + pole.now * (r.fast_F_N[k] - y);
       },
       [&](std::size_t i, double mean) { out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (mean - r.F_N[i]); });
