@@ -47,17 +47,23 @@ std::vector<double> lagged_curve_rows(const RecordInput& record, double tau_s, L
   const auto& F = record.fast_F_N;
   const auto& t = record.fast_t_s;
   const bool bends_first = order == LagAndCurve::lag_of_curve;
-  double before = bends_first ? h(F[0]) : F[0];
+  double before = 0.0;
   LowPass pole(tau_s, before);
-  const auto sample = [&](std::uint32_t k) {
-    if (k == 0) return bends_first ? before : h(before);
-    const double now = bends_first ? h(F[k]) : F[k];
-    const double y = pole.step(before, now, t[k] - t[k - 1]);
-    before = now;
-    return bends_first ? y : h(y);
-  };
-  std::vector<double> out(record.rows());
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = row_mean(record, i, sample);
+  std::vector<double> out(record.rows(), 0.0);
+  filter_wanted_rows(
+      record, [&](std::uint32_t next, std::uint32_t begin) { return first_felt(record, kForgotten * tau_s, next, begin); },
+      [&](std::uint32_t k) {
+        before = bends_first ? h(F[k]) : F[k];
+        pole.settle(before);
+        return bends_first ? before : h(before);
+      },
+      [&](std::uint32_t k) {
+        const double now = bends_first ? h(F[k]) : F[k];
+        const double y = pole.step(before, now, t[k] - t[k - 1]);
+        before = now;
+        return bends_first ? y : h(y);
+      },
+      [&](std::size_t row, double mean) { out[row] = mean; });
   return out;
 }
 
