@@ -73,7 +73,7 @@ class NativeDut final : public Dut {
     }
     if (handle_ == nullptr) {
       const std::string why = printable_utf8(dlerror());
-      if (why.find("executable") != std::string::npos)
+      if (why.find("cannot dynamically load") != std::string::npos)
         return fail(ErrorCode::usage, "this is a program and no firmware image: " + why, where_, "the native lane wants a shared object built with rigs/firmware/ports/native.h");
       return fail(ErrorCode::firmware, "the image cannot be loaded: " + why, where_);
     }
