@@ -48,6 +48,14 @@ double above_neighbours(const std::vector<double>& y, std::size_t at) {
   return around > 0.0 ? y[at] / around : 0.0;
 }
 
+// Gone: down to a tenth of what it was, or to the noise.
+std::string afterwards(const ResidualSpectrum& s, std::size_t line) {
+  constexpr double kGone = 0.1, kNoise = 2.0, kAPart = 0.7;
+  if (line >= s.after.size()) return {};
+  if (s.after[line] < std::max(kGone * s.residual[line], kNoise * s.noise)) return " Afterwards it is gone.";
+  return s.after[line] < kAPart * s.residual[line] ? " Afterwards a part of it is left." : " Afterwards it is still there.";
+}
+
 void add_line(Panel& panel, std::vector<double> x, std::vector<double> y, Style style, const std::string& label = {}) {
   break_at_gaps(x, {&y});
   panel.line(std::move(x), std::move(y), style, label);
@@ -59,18 +67,6 @@ bool shows_between_records(const std::string& effect) {
   constexpr std::array<std::string_view, 8> kEffects = {"bias", "wear", "reference_drift", "mounting", "thermal", "humidity", "slow_recovery", "drift"};
   return std::ranges::find(kEffects, effect) != kEffects.end();
 }
-
-namespace {
-
-// Gone: down to a tenth of what it was, or to the noise.
-std::string afterwards(const ResidualSpectrum& s, std::size_t line) {
-  constexpr double kGone = 0.1, kNoise = 2.0;
-  if (line >= s.after.size()) return {};
-  if (s.after[line] < std::max(kGone * s.residual[line], kNoise * s.noise)) return " Afterwards it is gone.";
-  return s.after[line] < 0.7 * s.residual[line] ? " Afterwards a part of it is left." : " Afterwards it is still there.";
-}
-
-}  // namespace
 
 Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
   Figure figure("Spectrum of the residual, record " + s.record, kWidth);

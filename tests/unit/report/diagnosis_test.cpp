@@ -181,6 +181,12 @@ TEST(SpectrumPicture, tells_a_line_of_the_load_from_one_of_its_own) {
   EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("a line at 7 Hz, where the load has none"));
   s.load[69] = 1.0;
   EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("a line at 7 Hz, where the load has one"));
+  s.noise = 1e-4;
+  for (const auto& [left, told] : {std::pair{9e-3, "it is still there"}, {5e-3, "a part of it is left"}, {9e-4, "it is gone"}}) {
+    s.after.assign(200, 3e-3);  // neighbours that hide it
+    s.after[69] = left;
+    EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr(told)) << left;
+  }
   s.residual[69] = s.residual[68];
   EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("No line stands out"));
 }
