@@ -174,7 +174,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   const Channel* output = campaign.records.front().trace.find("U");
   const bool is_ratio = output != nullptr && output->quantity == "ratio";
   if (output != nullptr && !output->unit.empty() && (is_ratio || output->unit != "1")) w.unit = output->unit;
-  leave_out_absurd_force(campaign, w.input.notes);
+  leave_out_absurd_force(campaign, options.threads, w.input.notes);
   w.scales = health_scales(campaign);
 
   struct Prepared {

@@ -117,7 +117,7 @@ namespace {
 // from a spread to which records usually repeat.
 MixedFit from_records_that_repeat(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& base, int iterations) {
   constexpr int kLevels = 2;        // gain, zero
-  constexpr double kFar = 3.0;      // of the usual spread
+  constexpr double kFar = 10.0;     // of the usual spread
   MixedFit start = base;
   bool far = false;
   for (int k = 0; k < kLevels; ++k) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/base/parallel.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -16,44 +18,49 @@ struct Span {
   double outside(double x) const { return std::max({0.0, low - x, x - high}); }
 };
 
+// Of samples over the whole record: a glitch is in none of a hundred of them.
 Span span_of(const std::vector<double>& values) {
-  constexpr std::ptrdiff_t kHundredth = 100;
+  constexpr std::size_t kLookedAt = 2000, kHundredth = 100;
   std::vector<double> x;
-  for (const double v : values)
-    if (std::isfinite(v)) x.push_back(v);
+  const std::size_t step = std::max<std::size_t>(1, values.size() / kLookedAt);
+  for (std::size_t i = 0; i < values.size(); i += step)
+    if (std::isfinite(values[i])) x.push_back(values[i]);
   if (x.empty()) return {};
-  const std::ptrdiff_t k = std::ssize(x) / kHundredth;
-  std::ranges::nth_element(x, x.begin() + k);
-  const double low = x[static_cast<std::size_t>(k)];
-  std::ranges::nth_element(x, x.end() - 1 - k);
-  return {low, *(x.end() - 1 - k)};
+  std::ranges::sort(x);
+  return {x[x.size() / kHundredth], x[x.size() - 1 - x.size() / kHundredth]};
+}
+
+// The note of a record; empty: nothing was left out.
+std::string leave_out(Record& record) {
+  constexpr double kSpans = 10.0, kOfOutput = 0.1;
+  Channel* force = record.trace.find("F_ref");
+  const Channel* output = record.trace.find("U");
+  if (force == nullptr) return {};
+  const Span of_force = span_of(force->value);
+  if (!(of_force.width() > 0.0)) return {};
+  const bool tells = output != nullptr && output->value.size() == force->value.size();
+  const Span of_output = tells ? span_of(output->value) : Span{};
+  std::size_t count = 0;
+  double farthest = 0.0, at_s = 0.0;
+  for (std::size_t i = 0; i < force->value.size(); ++i) {
+    double& F = force->value[i];
+    if (!(of_force.outside(F) > kSpans * of_force.width())) continue;
+    if (tells && of_output.outside(output->value[i]) > kOfOutput * of_output.width()) continue;
+    if (++count == 1 || of_force.outside(F) > of_force.outside(farthest)) farthest = F, at_s = record.trace.time_bases[force->time_base].t_s[i];
+    F = std::numeric_limits<double>::quiet_NaN();
+  }
+  if (count == 0) return {};
+  return fmt::format("{}: {} of F_ref left out, the farthest {:.3g} N at {:.6g} s, where the force runs from {:.3g} to {:.3g} N and the output knows nothing of it", record.name,
+                     count == 1 ? "one sample" : fmt::format("{} samples", count), farthest, at_s, of_force.low, of_force.high);
 }
 
 }  // namespace
 
-void leave_out_absurd_force(Campaign& campaign, std::vector<std::string>& notes) {
-  constexpr double kSpans = 10.0, kOfOutput = 0.1;
-  for (Record& record : campaign.records) {
-    Channel* force = record.trace.find("F_ref");
-    const Channel* output = record.trace.find("U");
-    if (force == nullptr) continue;
-    const Span of_force = span_of(force->value);
-    if (!(of_force.width() > 0.0)) continue;
-    const bool tells = output != nullptr && output->value.size() == force->value.size();
-    const Span of_output = tells ? span_of(output->value) : Span{};
-    std::size_t count = 0;
-    double farthest = 0.0, at_s = 0.0;
-    for (std::size_t i = 0; i < force->value.size(); ++i) {
-      double& F = force->value[i];
-      if (!(of_force.outside(F) > kSpans * of_force.width())) continue;
-      if (tells && of_output.outside(output->value[i]) > kOfOutput * of_output.width()) continue;
-      if (++count == 1 || of_force.outside(F) > of_force.outside(farthest)) farthest = F, at_s = record.trace.time_bases[force->time_base].t_s[i];
-      F = std::numeric_limits<double>::quiet_NaN();
-    }
-    if (count > 0)
-      notes.push_back(fmt::format("{}: {} of F_ref left out, the farthest {:.3g} N at {:.6g} s, where the force runs from {:.3g} to {:.3g} N and the output knows nothing of it", record.name,
-                                  count == 1 ? "one sample" : fmt::format("{} samples", count), farthest, at_s, of_force.low, of_force.high));
-  }
+void leave_out_absurd_force(Campaign& campaign, unsigned threads, std::vector<std::string>& notes) {
+  std::vector<std::string> of_record(campaign.records.size());
+  parallel_for(of_record.size(), threads, [&](std::size_t k) { of_record[k] = leave_out(campaign.records[k]); });
+  for (std::string& note : of_record)
+    if (!note.empty()) notes.push_back(std::move(note));
 }
 
 }  // namespace forcegate::diagnose

@@ -17,7 +17,7 @@ TEST(AbsurdForce, SamplesThatNoForceMadeAreLeftOutAndToldAndABlowIsNot) {
   c.records[2].trace.find("F_ref")->value[500] = 90.0;  // and the output feels it
   c.records[2].trace.find("U")->value[500] = 9.9;
   std::vector<std::string> notes;
-  leave_out_absurd_force(c, notes);
+  leave_out_absurd_force(c, 2, notes);
   EXPECT_THAT(notes, ElementsAre(testing::AllOf(HasSubstr("r1: 3 samples of F_ref left out"), HasSubstr("1e+30 N at 45 s"))));
   for (const std::size_t i : {700u, 701u, 9000u}) EXPECT_TRUE(std::isnan(lost[i])) << i;
   EXPECT_EQ(c.records[2].trace.find("F_ref")->value[500], 90.0);
