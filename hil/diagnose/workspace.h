@@ -26,6 +26,7 @@ struct Candidate {
   bool is_read = true;       ///< false: nothing reads its columns, they stay zero
   bool of_model = false;     ///< the model has it already, at the shape of its file
   bool is_guess = false;     ///< of_model, and no parameter has a standard error: no fit has estimated it
+  std::vector<double> written = {};  ///< of_model: strengths as the file writes them, where the prior of its columns stands
 };
 
 /// What a channel lists when it does not list everything.

@@ -109,6 +109,7 @@ ShapeCovariance shape_covariance(const CampaignInput& campaign, const ResidualCh
   std::iota(columns.begin(), columns.end(), 0);
   problem.ns = static_cast<int>(columns.size());
   problem.column_prior_sd.conservativeResize(problem.ns);
+  problem.column_prior_mean.resize(0);  // of the covariance alone, which has no part in it
   for (std::size_t s = 0; s < known.size(); ++s) problem.column_prior_sd[static_cast<Index>(fit.columns.size() + s)] = known[s];
   const MixedFit joint = fit_mixed(problem, columns, &fit, 1, fit.use);
   if (joint.valid) out.covariance = joint.covariance;

@@ -274,7 +274,8 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
     choose_excitation(w, rows);
   if (const double slope = slope_at_rest(w.input); slope != 0.0) w.gain_V_per_N = slope;
 
-  constexpr double kOpen = 1.0;  // of the span: whatever they need
+  constexpr double kOpen = 1.0;                 // of the span: whatever they need
+  constexpr double kAbout = 0.3, kLeast = 0.02; // of what is written, of the span
   std::vector<Eigen::MatrixXd> S(n);
   parallel_for(n, threads, [&](std::size_t k) { S[k] = columns_beside(w, w.input.records[k], beside, rows[k]); });
   const auto ns = static_cast<int>(S.front().cols());
@@ -288,6 +289,16 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
       set_repeatability(problem, w.input.single, w.zero_wanders);
       problem.ns = ns;
       problem.column_prior_sd = Eigen::VectorXd::Constant(ns, kOpen);
+      problem.column_prior_mean = Eigen::VectorXd::Zero(ns);
+      Eigen::Index first = 0;
+      for (const Candidate& c : beside) {
+        for (std::size_t j = 0; j < c.written.size(); ++j) {
+          const auto at = first + static_cast<Eigen::Index>(j);
+          problem.column_prior_mean[at] = c.written[j] * w.gain_V_per_N * w.input.range_N / w.input.U_range_V;
+          problem.column_prior_sd[at] = std::max(kLeast, kAbout * std::abs(problem.column_prior_mean[at]));
+        }
+        first += c.count;
+      }
       problem.records.resize(n);
       parallel_for(n, threads, [&](std::size_t k) {
         const Eigen::MatrixXd Z = repeatability_columns(w, k, rows[k]);

@@ -13,7 +13,7 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
 
 /// Fits the base law with per-record repeatability (b, q by Gauss-Newton at the record's own values, the rest linear)
 /// and leaves D(t) in the inputs, the shifts and the row noise in the workspace. Where the maxima do not decay the law becomes static.
-/// `beside`: effects that take part in this fit and stay open, as what they add is no decay.
+/// `beside`: effects that take part in this fit, as what they add is no decay: about the strengths that are written, others at any strength.
 void fit_base(Workspace& workspace, unsigned threads = 1, const std::vector<Candidate>& beside = {});
 
 /// Columns of Z for the chosen rows at the workspace's shifts, each divided by the voltage span.

@@ -67,6 +67,7 @@ Blocks cut(const ResidualChannel& channel, const MixedFit& before, const MixedFi
   out.problem.column_prior_sd.resize(out.problem.ns);
   for (std::size_t a = 0; a < columns.size(); ++a)
     out.problem.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
+  if (p.column_prior_mean.size() > 0) out.problem.column_prior_mean = p.column_prior_mean(columns);
   std::vector<std::size_t> record_of;
   for (std::size_t k = 0; k < p.records.size(); ++k) {
     const Eigen::MatrixXd& A = channel.rows[k].matrix;

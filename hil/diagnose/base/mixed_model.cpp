@@ -13,9 +13,21 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kHeldVariance = 1e-13;  // a spread below it was set, not estimated
+
 VectorXd expand_variance(const MixedProblem& problem, const VectorXd& variance) {
   VectorXd out(problem.nz);
   for (int j = 0; j < problem.nz; ++j) out[j] = variance[problem.component_of_z[j]];
+  return out;
+}
+
+// Of a record's own zeta. Of one outside the fit the fixed parts are known no better than the fit knows them; one whose spread is held has no
+// room for that either.
+VectorXd own_variance(const MixedProblem& problem, const MixedFit& fit, const RecordGram& record) {
+  VectorXd out = expand_variance(problem, fit.variance);
+  if (fit.counts(record)) return out;
+  for (int j = 0; j < problem.n_fixed; ++j)
+    if (out[j] > kHeldVariance) out[j] += std::max(0.0, fit.covariance(j, j));
   return out;
 }
 
@@ -27,6 +39,13 @@ VectorXd prior_precision(const MixedProblem& problem, const std::vector<int>& co
     const double sd = problem.column_prior_sd[columns[k]];
     out[problem.n_fixed + static_cast<Index>(k)] = 1.0 / (sd * sd);
   }
+  return out;
+}
+
+VectorXd prior_mean(const MixedProblem& problem, const std::vector<int>& columns) {
+  VectorXd out = VectorXd::Zero(problem.n_fixed + static_cast<Index>(columns.size()));
+  if (problem.column_prior_mean.size() == 0) return out;
+  for (std::size_t k = 0; k < columns.size(); ++k) out[problem.n_fixed + static_cast<Index>(k)] = problem.column_prior_mean[columns[k]];
   return out;
 }
 
@@ -45,9 +64,9 @@ double log_diagonal(const Eigen::LLT<MatrixXd>& llt) {
 }
 
 // Of the coefficients and of the variances, up to a constant.
-double log_prior(const MixedProblem& problem, const MixedFit& fit, const VectorXd& precision) {
+double log_prior(const MixedProblem& problem, const MixedFit& fit, const VectorXd& precision, const VectorXd& mean) {
   double out = 0.5 * precision.array().log().sum() -
-               0.5 * fit.coefficient.cwiseAbs2().cwiseProduct(precision).sum();
+               0.5 * (fit.coefficient - mean).cwiseAbs2().cwiseProduct(precision).sum();
   for (std::size_t k = 0; k < problem.components.size(); ++k) {
     const VarianceComponent& c = problem.components[k];
     const double variance = fit.variance[static_cast<Index>(k)];
@@ -104,7 +123,7 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
     for (const RecordGram& record : problem.records) fit.s2.push_back(std::max(record.noise_variance, 1e-6));
   }
 
-  const VectorXd prior = prior_precision(problem, columns);
+  const VectorXd prior = prior_precision(problem, columns), mean = prior_mean(problem, columns), pull = prior.cwiseProduct(mean);
   std::vector<Conditional> conditional(n_records);
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const bool last = iteration + 1 == iterations;
@@ -118,12 +137,17 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
     P.diagonal() += prior;
     const Eigen::LLT<MatrixXd> llt(P);
     if (llt.info() != Eigen::Success) return fit;
-    fit.coefficient = llt.solve(M.row(d).head(d).transpose());
+    fit.coefficient = llt.solve(M.row(d).head(d).transpose() + pull);
     const VectorXd v = with_minus(fit.coefficient);
     for (std::size_t i = 0; i < n_records; ++i) parts[i].condition(v, conditional[i]);
     if (last) {
       fit.covariance = llt.solve(MatrixXd::Identity(d, d));
-      fit.log_evidence = log_prior(problem, fit, prior) - log_diagonal(llt);
+      for (std::size_t i = 0; i < n_records; ++i) {
+        if (fit.counts(problem.records[i])) continue;
+        parts[i].eliminate(own_variance(problem, fit, problem.records[i]), problem.records[i].n_eff / fit.s2[i]);
+        parts[i].condition(v, conditional[i]);
+      }
+      fit.log_evidence = log_prior(problem, fit, prior, mean) - log_diagonal(llt);
       for (std::size_t i = 0; i < n_records; ++i)
         if (fit.counts(problem.records[i]))
           fit.log_evidence -= 0.5 * (problem.records[i].n_eff *
@@ -204,10 +228,12 @@ MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns
   out.components = p.components;
   out.fixed_prior_sd = p.fixed_prior_sd;
   out.column_prior_sd.resize(out.ns);
+  if (p.column_prior_mean.size() > 0) out.column_prior_mean.resize(out.ns);
   std::vector<int> at;
   for (int j = 0; j < p.nz; ++j) at.push_back(j);
   for (std::size_t a = 0; a < columns.size(); ++a) {
     out.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
+    if (out.column_prior_mean.size() > 0) out.column_prior_mean[static_cast<Index>(a)] = p.column_prior_mean[columns[a]];
     at.push_back(p.nz + columns[a]);
   }
   at.push_back(p.y_index());
@@ -217,13 +243,12 @@ MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns
 }
 
 MixedFit at_freedom_of(const MixedProblem& problem, MixedFit fit, const MixedFit& freedom) {
-  const VectorXd sigma2 = expand_variance(problem, freedom.variance);
   Conditional conditional;
   fit.zeta.resize(problem.records.size());
   fit.adapted.resize(problem.records.size());
   for (std::size_t i = 0; i < problem.records.size(); ++i) {
     RecordPart part(problem, i, fit.columns);
-    part.eliminate(sigma2, problem.records[i].n_eff / freedom.s2[i]);
+    part.eliminate(own_variance(problem, freedom, problem.records[i]), problem.records[i].n_eff / freedom.s2[i]);
     part.condition(with_minus(fit.coefficient), conditional);
     fit.zeta[i] = conditional.zeta;
     fit.adapted[i] = conditional.mean_square;
@@ -264,7 +289,7 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
   const std::size_t n_records = problem.records.size();
   const Index d = fit.coefficient.size();
   const VectorXd sigma2 = expand_variance(problem, fit.variance);
-  const VectorXd prior = prior_precision(problem, fit.columns);
+  const VectorXd prior = prior_precision(problem, fit.columns), pull = prior.cwiseProduct(prior_mean(problem, fit.columns));
   std::vector<RecordPart> parts;
   parts.reserve(n_records);
   std::vector<MatrixXd> single;
@@ -285,7 +310,7 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     const MatrixXd others = counts ? MatrixXd(total - single[i]) : total;
     MatrixXd P = others.topLeftCorner(d, d);
     P.diagonal() += prior;
-    const VectorXd v = with_minus(P.llt().solve(others.row(d).head(d).transpose()));
+    const VectorXd v = with_minus(P.llt().solve(others.row(d).head(d).transpose() + pull));
     const double n_eff = problem.records[i].n_eff;
     if (freedom != nullptr) {
       VectorXd own = expand_variance(problem, freedom->variance);

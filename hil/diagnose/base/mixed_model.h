@@ -1,7 +1,7 @@
 #pragma once
 // Linear mixed model over records on Gram matrices (Laird and Ware 1982):
 //
-//   y_i = Z_i (beta + zeta_i) + S_i c + e_i,   zeta_i ~ N(0, diag sigma^2),  c_j ~ N(0, tau_j^2),  e_i ~ N(0, s_i^2)
+//   y_i = Z_i (beta + zeta_i) + S_i c + e_i,   zeta_i ~ N(0, diag sigma^2),  c_j ~ N(m_j, tau_j^2),  e_i ~ N(0, s_i^2)
 //
 // The first `n_fixed` columns of Z have a fixed part beta as well. The variances sigma^2 (spread between records) and
 // s_i^2 (what the model leaves) are estimated by EM from the records themselves with weak priors; every fit re-estimates
@@ -46,6 +46,7 @@ struct MixedProblem {
   std::vector<VarianceComponent> components;
   Eigen::VectorXd fixed_prior_sd;   ///< n_fixed
   Eigen::VectorXd column_prior_sd;  ///< ns
+  Eigen::VectorXd column_prior_mean = {};  ///< ns, or empty: all 0
   std::vector<RecordGram> records;
   std::vector<Eigen::VectorXd>
       other_y;  ///< per record: replaces the last column of its Gram matrix (sign flips)
@@ -59,7 +60,7 @@ struct MixedFit {
   Eigen::VectorXd coefficient;  ///< beta, then c
   Eigen::MatrixXd covariance;
   Eigen::VectorXd variance;  ///< of each component
-  // per record, held-out ones too (predicted: their rows never enter the sums)
+  // per record, held-out ones too (predicted: their rows never enter the sums, and their zeta may go as far as the fixed parts are uncertain)
   std::vector<double> s2, adapted,
       plain;  ///< residual variance; mean square residual with and without zeta_i
   std::vector<Eigen::VectorXd> zeta;

@@ -260,7 +260,7 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   choose_wanted_rows(w->input);
   const std::vector<Candidate> of_model = model_candidates(w->input, options.model_effects);
-  fit_base(*w, options.threads, beside_guesses(w->input, of_model));
+  fit_base(*w, options.threads, beside_base_law(w->input, of_model));
   if (options.search) {
     build_rig_channel(*w, options.threads);
     build_command_channel(*w, options.threads);

@@ -34,6 +34,7 @@ std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std
     if (form == nullptr) continue;
     Candidate c{kind, form, shape_of(effect), 0, static_cast<int>(form->strength.size())};
     c.of_model = true;
+    for (const ModelParameter& p : effect.strength) c.written.push_back(p.value);
     const auto estimated = [](const ModelParameter& p) { return p.se > 0.0; };
     c.is_guess = std::ranges::none_of(effect.shape, estimated) && std::ranges::none_of(effect.strength, estimated);
     out.push_back(std::move(c));
@@ -45,13 +46,16 @@ bool acts_together(const EffectKind& other, const EffectKind& with) {
   return std::ranges::any_of(other.forms, [&](const EffectForm& form) { return form.beside == with.name; });
 }
 
-std::vector<Candidate> beside_guesses(const CampaignInput& campaign, const std::vector<Candidate>& of_model) {
+std::vector<Candidate> beside_base_law(const CampaignInput& campaign, const std::vector<Candidate>& of_model) {
   std::vector<Candidate> out;
   const auto add = [&](const EffectKind& kind, const EffectForm& form) {
     for (const std::vector<double>& shape : form.grid(campaign)) out.push_back({&kind, &form, shape, 0, static_cast<int>(form.strength.size())});
   };
   for (const Candidate& guess : of_model) {
-    if (!guess.is_guess) continue;
+    if (!guess.is_guess) {
+      out.push_back(guess);
+      continue;
+    }
     add(*guess.kind, *guess.form);
     for (const EffectKind& other : EffectRegistry::instance().all())
       if (acts_together(other, *guess.kind))

@@ -14,9 +14,9 @@ std::vector<Candidate> model_candidates(const CampaignInput& campaign, const std
 /// Whether the other effect has forms for acting together with this one.
 bool acts_together(const EffectKind& other, const EffectKind& with);
 
-/// What may hide a wrong guess of the model and a decay that is none, while neither has been fitted: the guessed effects at the shapes of
-/// their grids, and the most flexible forms of what acts together with them. Empty where the model has no guess.
-std::vector<Candidate> beside_guesses(const CampaignInput& campaign, const std::vector<Candidate>& of_model);
+/// What the base law is fitted beside, since it is no decay: the model's effects at their shapes and about their strengths; for a guess, which
+/// may be wrong, all shapes of its grid at any strength, and the most flexible forms of what acts together with it.
+std::vector<Candidate> beside_base_law(const CampaignInput& campaign, const std::vector<Candidate>& of_model);
 
 /// Their columns, and those of the fitted equations of the user's own.
 std::vector<int> model_columns(const ResidualChannel& channel, const EngineOptions& options);

@@ -113,7 +113,10 @@ void reserve_spare(ResidualChannel& channel) {
 void set_column_priors(ResidualChannel& channel) {
   MixedProblem& p = channel.problem;
   p.column_prior_sd.resize(p.ns);
+  p.column_prior_mean = Eigen::VectorXd::Zero(p.ns);
   for (int j = 0; j < p.ns; ++j) p.column_prior_sd[j] = column_prior(p, j);
+  for (const Candidate& c : channel.candidates)
+    for (std::size_t j = 0; j < c.written.size(); ++j) p.column_prior_mean[c.first + static_cast<int>(j)] = c.written[j] * channel.gain_of_unit;
 }
 
 }  // namespace

@@ -105,6 +105,65 @@ TEST(MixedModel, KeepsHeldOutRecordsOutOfAFitOfTheFitRecords) {
   EXPECT_EQ(before.variance, after.variance);
 }
 
+// Strengths that no record of the fit tells stay where they are written; one that they tell does not care.
+TEST(MixedModel, AStrengthThatNoRecordTellsStaysAtTheMeanOfItsPrior) {
+  MixedProblem p = make(6, 0.05).problem;
+  p.column_prior_mean = Eigen::Vector2d(0.0, 0.7);
+  const MixedFit told = fit_mixed(p, {1}, nullptr, 10);
+  EXPECT_NEAR(told.coefficient[2], 0.0, 0.02);
+  for (RecordGram& record : p.records)
+    if (!record.heldout) record.gram.row(3).setZero(), record.gram.col(3).setZero();
+  const MixedFit untold = fit_mixed(p, {1}, nullptr, 10);
+  EXPECT_NEAR(untold.coefficient[2], 0.7, 1e-9);
+  EXPECT_NEAR(std::sqrt(untold.covariance(2, 2)), p.column_prior_sd[1], 1e-9);
+}
+
+TEST(MixedModel, ThePriorOfAStrengthIsPaidFromItsMean) {
+  MixedProblem p = make(6, 0.05).problem;
+  p.column_prior_mean = Eigen::Vector2d::Zero();
+  const double from_zero = fit_mixed(p, {0}, nullptr, 30, RecordUse::all_records).log_evidence;
+  p.column_prior_mean[0] = 0.05;
+  const double from_where_it_is = fit_mixed(p, {0}, nullptr, 30, RecordUse::all_records).log_evidence;
+  p.column_prior_mean[0] = -0.15;
+  EXPECT_GT(from_where_it_is, from_zero);
+  EXPECT_GT(from_zero, fit_mixed(p, {0}, nullptr, 30, RecordUse::all_records).log_evidence);
+}
+
+// The records of the fit hardly excite a column of Z, so that they know its fixed part badly; a held-out one has much of it.
+TEST(MixedModel, AHeldOutRecordIsNotHeldToALawThatTheOthersDoNotKnow) {
+  const auto error_of_heldout = [](double excited) {
+    MixedProblem p;
+    p.nz = p.n_fixed = 2;
+    p.component_of_z = {0, 1};
+    p.components = {{"gain", 0.02, 0.002, 0.5}, {"rate", 0.01, 0.01, 50.0}};
+    p.fixed_prior_sd = Eigen::Vector2d(10.0, 1.0);
+    p.column_prior_sd.resize(0);
+    Rng rng(12, "law");
+    constexpr int kRows = 600, kRecords = 4;
+    for (int k = 0; k < kRecords; ++k) {
+      const bool heldout = k + 1 == kRecords;
+      Eigen::MatrixXd A(kRows, 3);
+      for (int i = 0; i < kRows; ++i) {
+        A(i, 0) = 0.5 + 0.5 * std::sin(0.05 * i + k);
+        A(i, 1) = (heldout ? 1.0 : excited) * A(i, 0) * i / kRows;
+        A(i, 2) = A(i, 0) + (heldout ? 0.8 : 0.3) * A(i, 1) + 0.02 * rng.normal();
+      }
+      RecordGram g;
+      g.gram = (A.transpose() * A) / kRows;
+      g.n_eff = 100.0;
+      g.noise_variance = 1e-6;
+      g.heldout = heldout;
+      p.records.push_back(g);
+    }
+    const MixedFit fit = fit_mixed(p, {}, nullptr, 20);
+    EXPECT_TRUE(fit.valid);
+    EXPECT_EQ(std::sqrt(fit.adapted.back()), std::sqrt(adapted_errors(p, fit, fit).back()));
+    return std::sqrt(fit.adapted.back());
+  };
+  EXPECT_LT(error_of_heldout(0.005), 0.025) << "whatever it shows is allowed";
+  EXPECT_GT(error_of_heldout(1.0), 0.05) << "another rate than that of all others is an error";
+}
+
 TEST(FlipResiduals, IsTheGramMatrixOfTheTurnedRows) {
   Made m = make(7, 0.03);
   const MixedFit fit = fit_mixed(m.problem, {1}, nullptr, 10, RecordUse::all_records);
