@@ -1,8 +1,11 @@
 #include "hil/characterize/recording.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "hil/characterize/steady_stretch.h"
 #include "hil/gate/calibrate.h"
 #include "hil/trace/static_line.h"
 
@@ -10,7 +13,8 @@ namespace forcegate::characterize {
 namespace {
 
 constexpr std::size_t kBlock = 4096, kTurnsNeeded = 12;
-constexpr double kSlowHalfCycle_s = 20.0, kFullScale_N = 5.0, kRangeNeeded_N = 0.2;
+constexpr double kSlowHalfCycle_s = 20.0, kRangeNeeded_N = 0.2;
+constexpr double kSwingTolerance = 0.1, kDecaySigmas = 3.0, kLeastDecay = 0.005;
 constexpr double kLaw_b1 = 0.0019, kLaw_b0 = 0.0056, kLaw_k = 1.377;  // eq. (5) as printed
 
 struct Columns {
@@ -55,7 +59,56 @@ void add(SessionSheet& sheet, const char* key, const char* title, const char* un
   sheet.values.push_back({key, title, unit, value});
 }
 
-void describe_cycles(SessionSheet& sheet, const Extrema& extrema, double duration_s) {
+// What eq. (3) says that the swing loses over the stretch, share of the first swing; 0 where a is not above its error.
+double decay_of(const DecayRecord& d) {
+  if (!d.fitted || std::abs(d.fit.a_V) < kDecaySigmas * d.fit.u_a_V) return 0.0;
+  return d.fit.a_V / (d.fit.a_V + d.fit.c_V) * (1.0 - std::exp(-d.fit.b_per_s * d.duration_s));
+}
+
+// Share of `swing` by which the maxima fell, from tenths of the stretch.
+double fall_of(const std::vector<double>& maxima, double swing) {
+  const std::size_t n = std::max<std::size_t>(1, maxima.size() / 10);
+  double fall = 0.0;
+  for (std::size_t i = 0; i < n; ++i) fall += maxima[i] - maxima[maxima.size() - 1 - i];
+  return fall / static_cast<double>(n) / swing;
+}
+
+// `fall`: of the maxima beyond that of the force, share of the first swing.
+void describe_decay_of(SessionSheet& sheet, const DecayRecord& d, double fall) {
+  const double decay = decay_of(d);
+  if (std::abs(decay) < kLeastDecay) {
+    sheet.notes.push_back(
+        std::abs(fall) < kLeastDecay
+            ? fmt::format("no decay of the maxima is seen over {:.0f} s: eq. (3) has nothing to be fitted to",
+                          d.duration_s)
+            : fmt::format(
+                  "the maxima {} by {:.1f} % over {:.0f} s, but not along eq. (3): no b and c are told",
+                  fall > 0.0 ? "fall" : "rise", 100.0 * std::abs(fall), d.duration_s));
+    return;
+  }
+  if (decay < 0.0) sheet.notes.push_back("the maxima rise: a of eq. (3) is negative");
+  add(sheet, "recording.a", "a of eq. (3)", "V", d.fit.a_V);
+  add(sheet, "recording.b", "b of eq. (3)", "1/s", d.fit.b_per_s);
+  add(sheet, "recording.c", "c of eq. (3)", "V", d.fit.c_V);
+  add(sheet, "recording.rmse", "RMSE of the maxima, eq. (8)", "V", d.fit.rmse_V);
+  const double b_scale = d.fit.b_per_s / (kLaw_b1 * d.f_Hz + kLaw_b0),
+               q_scale = d.fit.c_V / d.fit.a_V * (1.0 + kLaw_k * d.A_N * d.A_N);
+  if (b_scale > 0.0 && q_scale > 0.0) {
+    add(sheet, "identified.b", "Decay rate against eq. (5)", "1", sheet.calibration.b_scale = b_scale);
+    add(sheet, "identified.q", "Ratio c/a against eq. (5)", "1", sheet.calibration.q_scale = q_scale);
+  }
+}
+
+void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, double recording_s) {
+  Extrema& extrema = stretch.extrema;
+  const double duration_s = stretch.is_whole ? recording_s : stretch.end_s - stretch.begin_s;
+  if (!stretch.is_whole) {
+    sheet.notes.push_back(fmt::format(
+        "cut to {:.0f} .. {:.0f} s of {:.0f} s: elsewhere the swing or the rate of the force is another one",
+        stretch.begin_s, stretch.end_s, recording_s));
+    for (Turns* t : {&extrema.maxima, &extrema.minima})
+      for (double& t_s : t->t_s) t_s -= stretch.begin_s;
+  }
   DecayRecord d = describe_decay(extrema);
   d.set = "recording";
   d.duration_s = duration_s;
@@ -65,29 +118,22 @@ void describe_cycles(SessionSheet& sheet, const Extrema& extrema, double duratio
   for (const Turns* t : {&extrema.maxima, &extrema.minima})
     for (const double f : t->ati_N) mean_N += f / static_cast<double>(t->size()) / 2.0;
   d.m_N = mean_N;
+  const double force_fall = fall_of(m.ati_N, 2.0 * d.A_N),
+               fall = fall_of(m.sensor_V, m.sensor_V.front() - d.u_min_V) - force_fall;
   add(sheet, "recording.frequency", "Mean frequency of the cycles", "Hz", d.f_Hz);
   add(sheet, "recording.amplitude", "Amplitude A of the force", "N", d.A_N);
   add(sheet, "recording.mean", "Mean m of the force", "N", d.m_N);
   add(sheet, "recording.loss", "Loss of the maxima", "%", 100.0 * d.loss);
+  add(sheet, "recording.force_loss", "Fall of the maxima of the force itself", "%", 100.0 * force_fall);
   add(sheet, "recording.minima_drift", "Drift of the minima, share of the first swing", "%",
       d.minima_drift_pct);
   add(sheet, "recording.wander", "Wandering of single maxima, share of the swing", "%", d.wander_pct);
-  if (d.fitted) {
-    add(sheet, "recording.a", "a of eq. (3)", "V", d.fit.a_V);
-    add(sheet, "recording.b", "b of eq. (3)", "1/s", d.fit.b_per_s);
-    add(sheet, "recording.c", "c of eq. (3)", "V", d.fit.c_V);
-    add(sheet, "recording.rmse", "RMSE of the maxima, eq. (8)", "V", d.fit.rmse_V);
-    const double b_scale = d.fit.b_per_s / (kLaw_b1 * d.f_Hz + kLaw_b0),
-                 q_scale = d.fit.c_V / d.fit.a_V * (1.0 + kLaw_k * d.A_N * d.A_N);
-    if (b_scale > 0.0 && q_scale > 0.0) {
-      add(sheet, "identified.b", "Decay rate against eq. (5)", "1", sheet.calibration.b_scale = b_scale);
-      add(sheet, "identified.q", "Ratio c/a against eq. (5)", "1", sheet.calibration.q_scale = q_scale);
-    }
-  }
+  describe_decay_of(sheet, d, fall);
   sheet.decays.push_back(std::move(d));
 }
 
-Result<void> describe_static(SessionSheet& sheet, const Columns& c, const std::string& name) {
+Result<void> describe_static(SessionSheet& sheet, const Columns& c, double largest_N,
+                             const std::string& name) {
   StaticLine line;
   for (std::size_t i = 0; i < c.t_s.size(); ++i)
     line.push(static_cast<double>(c.sensor_V[i]), static_cast<double>(c.force_N[i]));
@@ -102,8 +148,8 @@ Result<void> describe_static(SessionSheet& sheet, const Columns& c, const std::s
   add(sheet, "static.gain", "Gain G, eq. (1)", "N/V", k.gain_N_per_V);
   add(sheet, "static.offset", "Offset F0, eq. (1)", "N", k.offset_N);
   add(sheet, "static.residual", "Residual of the line", "N", sheet.calibration_rmse_N);
-  add(sheet, "static.residual_share", "Residual of the line, share of the full scale of 5 N", "% FS",
-      100.0 * sheet.calibration_rmse_N / kFullScale_N);
+  add(sheet, "static.residual_share", "Residual of the line, share of the largest force", "%",
+      100.0 * sheet.calibration_rmse_N / largest_N);
   return {};
 }
 
@@ -123,13 +169,24 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
   sheet.specimen = name;
   sheet.samples = columns.t_s.size();
   sheet.calibration = nominal_calibration(rig.info());
-  const Extrema extrema = find_extrema(columns, 0.25 * range_N);
-  const std::size_t turns = extrema.maxima.size() + extrema.minima.size();
-  const double duration_s = columns.t_s.back() - columns.t_s.front();
-  if (turns >= kTurnsNeeded && duration_s / static_cast<double>(turns) < kSlowHalfCycle_s)
-    describe_cycles(sheet, extrema, duration_s);
-  else
-    FORCEGATE_CHECK_OK(describe_static(sheet, columns, name));
+  const double largest_N =
+      std::max(std::abs(static_cast<double>(*low)), std::abs(static_cast<double>(*high)));
+  const Extrema all = find_extrema(columns, 0.25 * range_N);
+  const double recording_s = columns.t_s.back() - columns.t_s.front();
+  const auto turns_of = [](const Extrema& e) { return e.maxima.size() + e.minima.size(); };
+  const auto is_cyclic = [](std::size_t turns, double duration_s) {
+    return turns >= kTurnsNeeded && duration_s / static_cast<double>(turns) < kSlowHalfCycle_s;
+  };
+  SteadyStretch stretch = longest_steady_stretch(all, kSwingTolerance);
+  if (is_cyclic(turns_of(stretch.extrema), stretch.end_s - stretch.begin_s)) {
+    describe_cycles(sheet, std::move(stretch), recording_s);
+    return sheet;
+  }
+  if (is_cyclic(turns_of(all), recording_s))
+    sheet.notes.push_back(
+        "the swing of the force changes from cycle to cycle: no decay can be told from it; cycles of one "
+        "amplitude would show it");
+  FORCEGATE_CHECK_OK(describe_static(sheet, columns, largest_N, name));
   return sheet;
 }
 

@@ -41,6 +41,7 @@ struct SessionSheet {
   Calibration calibration;    ///< G and F0; b_scale and q_scale where identified
   double calibration_rmse_N = 0.0;
   std::uint64_t samples = 0;
+  std::vector<std::string> notes;  ///< what a reader of the values must know, one sentence each
 
   const Measurement* find(std::string_view key) const;
   double value(std::string_view key) const;  ///< NaN when not measured

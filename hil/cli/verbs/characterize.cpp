@@ -34,14 +34,22 @@ std::string without_threads(std::string line) {
   return line.erase(at, end == std::string::npos ? std::string::npos : end - at);
 }
 
+std::string bench_time(double seconds) {
+  return seconds < 7200.0 ? fmt::format("{:.1f} min of bench time", seconds / 60.0)
+                          : fmt::format("{:.1f} h of bench time", seconds / 3600.0);
+}
+
 void print_study(const Console& console, const characterize::SensorStudy& study, std::string& out) {
-  out +=
-      console.paint(Paint::strong, study.sensor) +
-      fmt::format(": {} sessions, {:.1f} h of bench time\n", study.sheets.size(), study.rig_time_s / 3600.0);
+  out += console.paint(Paint::strong, study.sensor) + fmt::format(": {} session{}, {}\n", study.sheets.size(),
+                                                                  study.sheets.size() == 1 ? "" : "s",
+                                                                  bench_time(study.rig_time_s));
   for (const auto& s : study.spreads)
     if (s.n > 0)
       out += fmt::format("  {:<66} {:>10} {:<6} sd {:>8}\n", s.title, short_number(s.mean), s.unit,
                          short_number(s.specimens > 1 ? s.sd_specimens : s.sd_sessions, 2));
+  for (const auto& sheet : study.sheets)
+    for (const std::string& note : sheet.notes)
+      out += "  " + console.paint(Paint::warn, "note: ") + sheet.specimen + ": " + note + "\n";
   for (const auto& sheet : study.sheets)
     if (sheet.failure)
       out += "  " +

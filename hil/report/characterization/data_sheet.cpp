@@ -66,6 +66,13 @@ std::string laws_section(const SensorStudy& study) {
   return out + "</tbody></table></div></section>\n";
 }
 
+std::string notes(const SensorStudy& study) {
+  std::string out;
+  for (const SessionSheet& s : study.sheets)
+    for (const std::string& note : s.notes) out += "<li>" + escape(s.specimen + ": " + note) + "</li>\n";
+  return out.empty() ? out : "<section><h2>Notes</h2><ul>" + out + "</ul></section>\n";
+}
+
 std::string failures(const SensorStudy& study) {
   std::string out;
   for (const SessionSheet& s : study.sheets)
@@ -106,6 +113,7 @@ std::string data_sheet_html(const SensorStudy& study, const characterize::StudyP
                   sessions, sessions == 1 ? "" : "s", bench_time(study.rig_time_s),
                   plan.name.empty() ? "" : fmt::format("; plan {}, seed {}", plan.name, plan.seed))) +
               "</p></div></header>\n<main>\n";
+  page.body += notes(study);
   for (const Section& section : kSections) page.body += section_table(study, section);
   page.body += laws_section(study) + failures(study);
   for (const PaperPicture& p : figures_of_the_paper({study}))

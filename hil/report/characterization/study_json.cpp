@@ -62,6 +62,7 @@ Json of(const LawStudy& study) {
 Json of(const SessionSheet& s) {
   Json out{{"specimen", s.specimen}, {"session", s.session}, {"samples", s.samples}};
   if (s.failure) out["failure"] = s.failure->text;
+  if (!s.notes.empty()) out["notes"] = s.notes;
   for (const Measurement& m : s.values) out["values"][m.key] = number(m.value);
   for (const DecayRecord& d : s.decays) {
     Json r{{"set", d.set}, {"f_Hz", d.f_Hz},         {"A_N", number(d.A_N)},
@@ -93,6 +94,9 @@ std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan&
                 {"spreads", Json::array()},
                 {"laws", of(s.laws)}};
     for (const Spread& spread : s.spreads) sensor["spreads"].push_back(of(spread));
+    for (const SessionSheet& sheet : s.sheets)
+      for (const std::string& note : sheet.notes)
+        sensor["notes"].push_back({{"specimen", sheet.specimen}, {"session", sheet.session}, {"text", note}});
     if (sessions)
       for (const SessionSheet& sheet : s.sheets) sensor["sessions"].push_back(of(sheet));
     root["sensors"].push_back(std::move(sensor));

@@ -77,6 +77,72 @@ TEST(Recording, of_a_slow_sweep_gives_the_static_law) {
   EXPECT_NEAR(sheet.value("static.offset"), 0.2, 0.002);
 }
 
+double sine(double t_s, double f_Hz) { return 0.5 - 0.5 * std::cos(2.0 * 3.14159265358979 * f_Hz * t_s); }
+
+TEST(Recording, whose_force_swings_less_later_does_not_blame_the_sensor) {
+  RecordedRig rig;  // a ramp to 6 N, a hold, then 250 cycles of 3 N: the output is in proportion throughout
+  for (int i = 0; i < 80000; ++i) {
+    const double t = 0.01 * i,
+                 force =
+                     t < 60.0 ? 0.1 * t : (t < 300.0 ? 6.0 * (t < 200.0) : 0.5 + 3.0 * sine(t - 300.0, 0.5));
+    rig.force_N.push_back(static_cast<float>(force));
+    rig.sensor_V.push_back(static_cast<float>(0.2 + 0.4 * force));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  EXPECT_NEAR(sheet.value("recording.loss"), 0.0, 0.1);
+  EXPECT_NEAR(sheet.value("recording.frequency"), 0.5, 0.001);
+  EXPECT_TRUE(std::isnan(sheet.value("recording.a")));
+  EXPECT_TRUE(std::isnan(sheet.value("identified.b")));
+  ASSERT_EQ(sheet.notes.size(), 2u);
+  EXPECT_NE(sheet.notes[0].find("cut to 301 .. 799 s"), std::string::npos) << sheet.notes[0];
+  EXPECT_NE(sheet.notes[1].find("no decay"), std::string::npos) << sheet.notes[1];
+}
+
+TEST(Recording, whose_cycles_all_differ_gives_the_static_law_over_its_own_largest_force) {
+  RecordedRig rig;  // presses of 4 to 20 N, never two alike in a row
+  for (int i = 0; i < 30000; ++i) {
+    const double t = 0.01 * i, force = (4.0 + 4.0 * (static_cast<int>(t / 4.0) * 3 % 5)) * sine(t, 0.25);
+    rig.force_N.push_back(static_cast<float>(force));
+    rig.sensor_V.push_back(static_cast<float>(0.1 + 0.2 * force + (i % 2 == 0 ? 0.02 : -0.02)));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  EXPECT_NEAR(sheet.value("static.gain"), 5.0, 0.01);
+  EXPECT_NEAR(sheet.value("static.residual_share"), 0.5, 0.01);
+  EXPECT_TRUE(std::isnan(sheet.value("recording.loss")));
+  ASSERT_EQ(sheet.notes.size(), 1u);
+  EXPECT_NE(sheet.notes[0].find("changes from cycle to cycle"), std::string::npos);
+}
+
+TEST(Recording, of_cycles_that_keep_their_height_has_no_decay) {
+  RecordedRig rig;
+  for (int i = 0; i < 60000; ++i) {
+    const double s = sine(0.01 * i, 0.2);
+    rig.force_N.push_back(static_cast<float>(0.5 + 4.0 * s));
+    rig.sensor_V.push_back(static_cast<float>(0.2 + 1.2 * s + 0.0015 * std::sin(0.37 * (i / 500))));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  EXPECT_TRUE(std::isnan(sheet.value("recording.c")));
+  ASSERT_EQ(sheet.notes.size(), 1u);
+  EXPECT_NE(sheet.notes[0].find("no decay of the maxima is seen over 600 s"), std::string::npos);
+}
+
+TEST(Recording, whose_maxima_fall_in_a_straight_line_is_not_said_to_keep_them) {
+  RecordedRig rig;
+  for (int i = 0; i < 60000; ++i) {
+    const double s = sine(0.01 * i, 0.2);
+    rig.force_N.push_back(static_cast<float>(0.5 + 4.0 * s));
+    rig.sensor_V.push_back(static_cast<float>(0.2 + 1.2 * s * (1.0 - 0.1 * i / 60000.0)));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  EXPECT_TRUE(std::isnan(sheet.value("identified.b")));
+  ASSERT_EQ(sheet.notes.size(), 1u);
+  EXPECT_NE(sheet.notes[0].find("the maxima fall by 9"), std::string::npos) << sheet.notes[0];
+}
+
 TEST(Recording, without_motion_or_without_an_answer_is_refused) {
   RecordedRig still, deaf;
   for (int i = 0; i < 5000; ++i) {
