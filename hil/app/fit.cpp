@@ -22,9 +22,10 @@ bool has_effect(const Model& model, const std::string& name) {
 
 }  // namespace
 
-Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add) {
-  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
-  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+namespace {
+
+Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign campaign, const Model& model,
+                                     const std::string& add) {
   FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(campaign));
   if (!add.empty() && has_effect(model, add))
     return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
@@ -35,6 +36,19 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::s
     return fail(out.error().code, "the campaign cannot show " + add, out.error().where,
                 "its equation has no value at the shapes tried, or the records ask for a parameter outside of its min and max");
   return out;
+}
+
+}  // namespace
+
+Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add) {
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+  return fit_campaign(request, std::move(campaign), model, add);
+}
+
+Result<diagnose::Refit> fit_request(const CampaignRequest& request, const Model& model, const std::string& add) {
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  return fit_campaign(request, std::move(campaign), model, add);
 }
 
 std::string waterfall_text(const diagnose::Waterfall& w) {

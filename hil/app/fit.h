@@ -8,6 +8,8 @@ namespace forcegate {
 
 /// `add` empty: refit only.
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add);
+/// The same with a model in place of the one that the request names.
+Result<diagnose::Refit> fit_request(const CampaignRequest& request, const Model& model, const std::string& add);
 std::string refit_text(const diagnose::Refit& refit, const std::string& add);
 std::string refit_json(const diagnose::Refit& refit, const std::string& add);
 std::string waterfall_text(const diagnose::Waterfall& waterfall);

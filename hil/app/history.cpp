@@ -2,17 +2,42 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/plain_number.h"
 
 namespace forcegate {
+namespace {
+
+// The latest step that put an effect in which the model still has; null where it has none.
+const HistoryStep* last_added(const Model& model) {
+  const std::vector<std::string> names = model.effect_names();
+  for (auto step = model.history.rbegin(); step != model.history.rend(); ++step)
+    if (std::ranges::find(names, step->effect) != names.end()) return &*step;
+  return nullptr;
+}
+
+// The model from which the step was taken. Its law is kept by no file; that of a first step is the one that comes with the program, which
+// may decay where the refit found that these records do not.
+Model before_step(const Model& with_step, const HistoryStep& step) {
+  Model model = with_step;
+  std::erase_if(model.effects, [&](const ModelEffect& e) { return e.effect == step.effect; });
+  if (&step == &with_step.history.front())
+    if (const Result<Model> library = library_model(model.name)) model.law = library->law;
+  return model;
+}
+
+}  // namespace
 
 Result<History> history_request(const CampaignRequest& request) {
   History out;
   FORCEGATE_TRY(out.model, load_model(request.model));
   if (!request.campaign.empty()) {
-    FORCEGATE_TRY(diagnose::Refit refit, fit_request(request, ""));
+    // as the step was taken: a model that holds the effect already weighs the records by it, and its errors are no step's
+    const HistoryStep* step = last_added(out.model);
+    FORCEGATE_TRY(diagnose::Refit refit, step != nullptr ? fit_request(request, before_step(out.model, *step), step->effect)
+                                                         : fit_request(request, ""));
     out.waterfall = std::move(refit.waterfall);
   }
   return out;

@@ -1,6 +1,7 @@
 #include "hil/diagnose/refit/refit.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "hil/base/text.h"
@@ -61,13 +62,17 @@ ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const 
   return out;
 }
 
+// `chain`: the fits by which the model was made, with the first k effects each. One error has one value: no fit of them is made anew.
 Waterfall waterfall_of(const Workspace& w,
                        const std::vector<std::pair<std::string, std::vector<int>>>& effects,
-                       const MixedFit& base, bool levels) {
+                       const std::vector<MixedFit>& chain, bool levels) {
+  const MixedFit& base = chain.front();
   Waterfall out;
   const std::size_t n = effects.size();
   out.all_orders = n <= 4;
   const auto error_of = [&](unsigned mask) {
+    const auto taken = static_cast<std::size_t>(std::popcount(mask));
+    if (mask == (1u << taken) - 1u) return held_out_rms(w, chain[taken], base, levels);
     std::vector<int> columns = base.columns;
     for (std::size_t k = 0; k < n; ++k)
       if ((mask >> k & 1u) != 0)
@@ -155,6 +160,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   std::vector<std::pair<std::string, std::vector<int>>> effects;
   std::vector<int> variants;
   MixedFit now = base, before = base;
+  std::vector<MixedFit> chain{base};
   for (const std::string& name : names) {
     FORCEGATE_TRY(VariantScore best, best_of(w, name, present, &now, threads));
     const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
@@ -166,6 +172,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     const std::size_t first = present.size() - variant.columns.size();
     if (!kind.traits.between_records)
       for (const int v : further_forms(w.output, kind, present, now)) variants.push_back(v);
+    chain.push_back(now);
     effects.emplace_back(
         name, std::vector<int>(present.begin() + static_cast<std::ptrdiff_t>(first), present.end()));
   }
@@ -249,7 +256,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
       n += 1.0;
     }
   out.floor = std::min(std::sqrt(floor / std::max(n, 1.0)), out.error_after);
-  out.waterfall = waterfall_of(w, effects, base, out.levels);
+  out.waterfall = waterfall_of(w, effects, chain, out.levels);
   out.waterfall.floor = out.floor;
   out.waterfall.unit = w.output.unit;
   HistoryStep step;

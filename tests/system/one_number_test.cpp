@@ -1,0 +1,63 @@
+// A quantity has one value in every output: console, JSON, page, model file and its history.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/last_line.h"
+
+namespace forcegate::test {
+namespace {
+
+struct Noise {
+  std::uint32_t state = 1;
+  double operator()() {
+    double sum = 0.0;
+    for (int k = 0; k < 12; ++k) sum += ((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0 - 0.5;
+    return sum;
+  }
+};
+
+/// Six records of steps to 0.5 .. 5 N; from the fourth on the sensor lies otherwise: gain -15 %, zero +50 mV.
+void write_overload(const TemporaryFolder& folder) {
+  std::filesystem::create_directory(folder.path() / "overload");
+  Noise noise;
+  for (int r = 0; r < 6; ++r) {
+    std::string csv = "t_s,F_ref_N,U_V\n";
+    double force = 0.0;
+    for (int i = 0; i < 6000; ++i) {
+      const int level = (i / 500 * 7 + 3 * r) % 11;
+      force += 0.2 * (0.5 * level - force);
+      char row[96];
+      std::snprintf(row, sizeof row, "%.2f,%.4f,%.5f\n", 0.02 * i, force + 0.01 * noise(),
+                    0.3 * force * (r < 3 ? 1.0 : 0.85) + (r < 3 ? 0.1 : 0.15) + 0.003 * noise());
+      csv += row;
+    }
+    write_text(folder / ("overload/r" + std::to_string(r + 1) + ".csv"), csv);
+  }
+}
+
+TEST(OneNumber, TheWaterfallOfAHistoryBeginsAndEndsWhereItsStepDoes) {
+  const TemporaryFolder folder;
+  write_overload(folder);
+  const ProcessResult added = pasted("forcegate add mounting --fit overload -o better.toml --json", folder);
+  ASSERT_EQ(added.exit_code, 0) << added.err;
+  const auto add = nlohmann::json::parse(added.out);
+  const ProcessResult asked = pasted("forcegate history better.toml --on overload --json", folder);
+  ASSERT_EQ(asked.exit_code, 0) << asked.err;
+  const auto history = nlohmann::json::parse(asked.out);
+  const double before = history["steps"][0]["error_before"], after = history["steps"][0]["error_after"];
+  EXPECT_DOUBLE_EQ(add["error_before"], before);
+  EXPECT_DOUBLE_EQ(add["waterfall"]["start"], before);
+  EXPECT_DOUBLE_EQ(add["waterfall"]["end"], after);
+  EXPECT_NEAR(history["waterfall"]["start"], before, 0.005 * before);
+  EXPECT_NEAR(history["waterfall"]["end"], after, 0.005 * after);
+}
+
+}  // namespace
+}  // namespace forcegate::test
