@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -61,7 +63,7 @@ struct Spectrum {
 };
 
 struct Line {
-  double mains_Hz, frequency_Hz;  // the first harmonic before, the line itself after the sampling
+  double mains_Hz, harmonic, frequency_Hz;  // of the first harmonic before, of the line itself after the sampling
   double halves;  // at half the rate the two halves of a line fall on each other
   std::vector<Spectrum> at, beside;
 };
@@ -110,7 +112,7 @@ bool fill_short_gaps(const std::vector<double>& t, double rate_Hz, const std::ve
 std::vector<Line> mains_lines(double rate_Hz) {
   std::vector<Line> out;
   for (const auto& [mains_Hz, harmonic] : {std::pair{50.0, 1.0}, {60.0, 1.0}, {50.0, 3.0}, {60.0, 3.0}, {100.0, 1.0}, {120.0, 1.0}}) {
-    Line line{mains_Hz, folded_Hz(harmonic * mains_Hz, rate_Hz), 2.0, {}, {}};
+    Line line{mains_Hz, harmonic, folded_Hz(harmonic * mains_Hz, rate_Hz), 2.0, {}, {}};
     const double f = line.frequency_Hz;
     if (f < kSlowestLine_Hz) continue;
     if (0.5 * rate_Hz - f < 0.5) line.halves = 1.0;
@@ -135,6 +137,124 @@ Powers powers_of(const Line& line, double (Spectrum::*power)(std::size_t) const,
   std::vector<double> beside;
   for (const Spectrum& s : line.beside) beside.push_back((s.*power)(segment));
   return {at, quantile(beside, 0.5)};
+}
+
+// What a line is looked for in: the output less `force_V_per_N` times the force, 0 where the output alone shows more.
+struct Seen {
+  const std::vector<double>&F, &U;
+  double force_V_per_N;
+  double at(std::size_t i) const { return force_V_per_N == 0.0 ? U[i] : U[i] - force_V_per_N * F[i]; }
+};
+
+// Turned down by `f_Hz` and averaged over a second, four times a second: what is within a hertz of it.
+std::vector<std::complex<double>> around_line(const Seen& seen, double f_Hz, double rate_Hz) {
+  const auto length = static_cast<std::size_t>(rate_Hz), hop = std::max<std::size_t>(1, length / 4);
+  std::vector<double> window(length), y(seen.U.size());
+  for (std::size_t i = 0; i < length; ++i)
+    window[i] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = std::isfinite(seen.at(i)) ? seen.at(i) : i > 0 ? y[i - 1] : 0.0;
+  std::vector<std::complex<double>> out;
+  for (std::size_t begin = 0; begin + length <= y.size(); begin += hop) {
+    double mean = 0.0;
+    for (std::size_t i = 0; i < length; ++i) mean += y[begin + i] / static_cast<double>(length);
+    Rotation phase(2.0 * std::numbers::pi * f_Hz / rate_Hz);
+    std::complex<double> sum = 0.0;
+    for (std::size_t i = 0; i < length; ++i, phase.step()) sum += window[i] * (y[begin + i] - mean) * std::complex(phase.re, -phase.im);
+    out.push_back(sum * std::polar(1.0, -2.0 * std::numbers::pi * std::fmod(f_Hz * static_cast<double>(begin) / rate_Hz, 1.0)));
+  }
+  return out;
+}
+
+struct Measured {
+  double off_Hz, resolution_Hz;
+};
+
+// Where the power beside `f_Hz` has its peak, to the resolution of the record or of a minute.
+Measured peak_beside(const Seen& seen, double f_Hz, double rate_Hz) {
+  constexpr double kFurthest_Hz = 0.75, kLongest_s = 64.0;
+  const std::vector<std::complex<double>> z = around_line(seen, f_Hz, rate_Hz);
+  const double step_s = static_cast<double>(std::max<std::size_t>(1, static_cast<std::size_t>(rate_Hz) / 4)) / rate_Hz;
+  const std::size_t length = std::min(z.size(), static_cast<std::size_t>(kLongest_s / step_s));
+  if (length < 2) return {0.0, kFurthest_Hz};
+  const double resolution_Hz = 1.0 / (static_cast<double>(length) * step_s);
+  Measured out{0.0, resolution_Hz};
+  double most = -1.0;
+  const auto steps = static_cast<int>(4.0 * kFurthest_Hz / resolution_Hz);
+  for (int k = -steps; k <= steps; ++k) {
+    const double off_Hz = 0.25 * resolution_Hz * k;
+    double power = 0.0;
+    for (std::size_t begin = 0; begin + length <= z.size(); begin += std::max<std::size_t>(1, length / 2)) {
+      Rotation phase(2.0 * std::numbers::pi * off_Hz * step_s), hann(2.0 * std::numbers::pi / static_cast<double>(length));
+      std::complex<double> sum = 0.0;
+      for (std::size_t i = 0; i < length; ++i, phase.step(), hann.step()) sum += (0.5 - 0.5 * hann.re) * z[begin + i] * std::complex(phase.re, -phase.im);
+      power += std::norm(sum);
+    }
+    if (power > most) most = power, out.off_Hz = off_Hz;
+  }
+  return out;
+}
+
+// Mean power at a line and its ratio to what is beside it, in parts of some seconds.
+struct Standing {
+  double power = 0.0, ratio = 0.0;
+};
+
+Standing standing_at(const Seen& seen, double f_Hz, double rate_Hz) {
+  constexpr double kPart_s = 4.0;
+  constexpr std::size_t kParts = 8;
+  const std::size_t n = seen.U.size(), length = std::min(n, static_cast<std::size_t>(kPart_s * rate_Hz)), parts = std::min(kParts, n / length);
+  std::vector<double> power, ratio;
+  for (std::size_t k = 0; k < parts; ++k) {
+    const std::size_t from = k * (n - length) / std::max<std::size_t>(1, parts - 1);
+    const auto power_at = [&](double Hz) {
+      Rotation phase(2.0 * std::numbers::pi * Hz / rate_Hz), hann(2.0 * std::numbers::pi / static_cast<double>(length));
+      std::complex<double> sum = 0.0;
+      for (std::size_t i = 0; i < length; ++i, phase.step(), hann.step())
+        if (const double y = seen.at(from + i); std::isfinite(y)) sum += (0.5 - 0.5 * hann.re) * y * std::complex(phase.re, phase.im);
+      return std::norm(sum);
+    };
+    double at = 0.0;
+    for (const double by_Hz : {-0.25, 0.0, 0.25}) at = std::max(at, power_at(f_Hz + by_Hz));
+    std::vector<double> beside;
+    for (const double by_Hz : {-3.0, -2.25, -1.5, 1.5, 2.25, 3.0})
+      if (f_Hz + by_Hz > 1.0 && f_Hz + by_Hz < 0.5 * rate_Hz) beside.push_back(power_at(f_Hz + by_Hz));
+    power.push_back(at);
+    ratio.push_back(at / std::max(1e-300, quantile(std::move(beside), 0.5)));
+  }
+  return {quantile(std::move(power), 0.5), quantile(std::move(ratio), 0.5)};
+}
+
+// Whatever repeats f/n times a second, such as stick-slip, has a line there too, and the n-th is no stronger than the first and than those
+// before it (every second one may be missing). Lines that the mains themselves put there are no witnesses.
+bool is_harmonic_of_another(const Seen& seen, double f_Hz, double mains_Hz, double rate_Hz) {
+  constexpr int kHighest = 16, kOfMains = 8;
+  constexpr double kSame_Hz = 0.5;
+  const double own = standing_at(seen, f_Hz, rate_Hz).power;
+  for (int n = 2; n <= kHighest && f_Hz / n > kSlowestLine_Hz; ++n) {
+    bool of_mains = false;
+    for (int h = 1; h <= kOfMains; ++h) of_mains = of_mains || std::abs(f_Hz / n - folded_Hz(h * mains_Hz, rate_Hz)) < kSame_Hz;
+    if (of_mains) continue;
+    const Standing first = standing_at(seen, f_Hz / n, rate_Hz);
+    if (!(first.ratio > kPlainLine && first.power > own)) continue;
+    if (n <= 3) return true;
+    for (const int before : {n - 1, n - 2}) {
+      const Standing s = standing_at(seen, f_Hz * before / n, rate_Hz);
+      if (s.ratio > kPlainLine && s.power > own) return true;
+    }
+  }
+  return false;
+}
+
+// Grids keep to a twentieth of a hertz and the clocks of loggers to a thousandth.
+constexpr double kOfMains = 0.002;
+
+// The line itself, measured; nothing where it is not at the mains' own frequency, or a harmonic of something else's.
+std::optional<double> measured_Hz(const Seen& seen, const Line& line, double rate_Hz) {
+  const Measured peak = peak_beside(seen, line.frequency_Hz, rate_Hz);
+  if (std::abs(peak.off_Hz) > kOfMains * line.harmonic * line.mains_Hz + peak.resolution_Hz) return std::nullopt;
+  const double measured = line.frequency_Hz + peak.off_Hz, f_Hz = std::min(measured, rate_Hz - measured);
+  if (is_harmonic_of_another(seen, f_Hz, line.mains_Hz, rate_Hz)) return std::nullopt;
+  return f_Hz;
 }
 
 // Of samples that follow each other at one rate.
@@ -181,11 +301,14 @@ MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<d
   if (whole.size() < 2) return best;
   for (const Line& line : lines) {
     std::vector<double> ratio, amplitude;
+    std::size_t alone = 0;
     for (const std::size_t k : whole) {
       // a noisy reference hides in U - a F what the output alone shows
       const Powers difference = powers_of(line, &Spectrum::of_difference, k), output = powers_of(line, &Spectrum::of_output, k),
                    force = powers_of(line, &Spectrum::of_force, k);
-      const Powers& seen = output.beside < difference.beside ? output : difference;
+      const bool is_alone = output.beside < difference.beside;
+      const Powers& seen = is_alone ? output : difference;
+      alone += is_alone ? 1 : 0;
       const double of_force = std::max(0.0, force.at - kOfNoise * force.beside);
       ratio.push_back(seen.at / (seen.beside + kOfForce * of_force + 1e-18 * total * total));
       amplitude.push_back(line.halves * std::sqrt(seen.at) / total);
@@ -194,7 +317,13 @@ MainsLine line_of(double rate, const std::vector<double>& F, const std::vector<d
     const double a = quantile(amplitude, 0.5);
     // the third harmonic stands for a first one that is not in sight
     const bool has_first = best.mains_Hz == line.mains_Hz && best.ratio > kPlainLine;
-    if (r > best.ratio && !has_first) best = {a, line.frequency_Hz, line.mains_Hz, rate, r};
+    if (!(r > best.ratio) || has_first) continue;
+    if (!(r > kPlainLine)) {
+      best = {a, line.frequency_Hz, line.mains_Hz, rate, r};
+      continue;
+    }
+    const std::optional<double> measured = measured_Hz({F, U, 2 * alone > whole.size() ? 0.0 : gain}, line, rate);
+    best = measured ? MainsLine{a, *measured, line.mains_Hz, rate, r} : best.ratio > 1.0 ? best : MainsLine{0.0, line.frequency_Hz, line.mains_Hz, rate, 1.0};
   }
   return best;
 }

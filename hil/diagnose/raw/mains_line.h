@@ -1,5 +1,6 @@
 #pragma once
-// Line of the mains (50 or 60 Hz) or of its rectifier (100 or 120 Hz), first and third harmonic or their aliases, in U - a F.
+// Line of the mains (50 or 60 Hz) or of its rectifier (100 or 120 Hz), first and third harmonic or their aliases, in U - a F. It stands at the
+// mains' own frequency, to 0.2 % and the resolution of the record, and is no harmonic of a stronger lower line.
 
 #include <array>
 #include <vector>
@@ -25,10 +26,10 @@ bool can_show_mains(double mains_Hz, double rate_Hz);
 bool may_be_of_mains(double line_Hz, double mains_Hz, double rate_Hz);
 
 struct MainsLine {
-  double amplitude_V = 0.0, frequency_Hz = 0.0;  ///< as sampled: folded to less than half the rate
+  double amplitude_V = 0.0, frequency_Hz = 0.0;  ///< as sampled and, for a plain line, as measured: folded to less than half the rate
   double mains_Hz = 0.0;                         ///< first harmonic before, one of kMains_Hz
   double rate_Hz = 0.0;  ///< of the samples, gaps left out; 0: too few of them
-  double ratio = 0.0;    ///< median over segments of the line's power over the larger of neighbours and force
+  double ratio = 0.0;    ///< median over segments of the line's power over the larger of neighbours and force; at most 1 where it is not the mains'
 };
 
 MainsLine find_mains_line(const std::vector<double>& t_s, const std::vector<double>& F_N,

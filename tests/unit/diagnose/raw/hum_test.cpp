@@ -100,6 +100,42 @@ TEST(Hum, IsSeenAcrossShortGapsAndInShortRecords) {
   }
 }
 
+// Stick-slip 16.6 times a second has its third harmonic beside the mains; what repeats 12.5 times has a fourth one right at them.
+TEST(Hum, IsNoHarmonicOfALowerLine) {
+  for (const double turns_Hz : {16.6, 16.667, 12.5, 25.0, 7.143}) {
+    for (const double rate_Hz : {100.0, 1000.0}) {
+      Rng rng(4, "saw");
+      std::vector<double> t_s, F_N, U_V;
+      for (int i = 0; i < static_cast<int>(120.0 * rate_Hz); ++i) {
+        t_s.push_back(i / rate_Hz);
+        F_N.push_back(2.0 + std::sin(kTurn * 0.2 * t_s.back()) + 0.01 * rng.normal());
+        U_V.push_back(0.4 * F_N.back() + 0.02 * (std::fmod(turns_Hz * t_s.back() + 0.3, 1.0) - 0.5) + 0.002 * rng.normal());
+      }
+      EXPECT_LT(find_mains_line(t_s, F_N, U_V, 0.4).ratio, kPlainLine) << turns_Hz << " of " << rate_Hz;
+    }
+  }
+}
+
+TEST(Hum, IsAtTheFrequencyOfTheMainsAndToldAsMeasured) {
+  for (const double line_Hz : {49.75, 49.96, 50.03, 50.3}) {
+    Rng rng(5, "beside");
+    std::vector<double> t_s, F_N, U_V;
+    for (int i = 0; i < 40000; ++i) {
+      t_s.push_back(i / 500.0);
+      F_N.push_back(2.0 + std::sin(kTurn * 0.2 * t_s.back()));
+      // a stronger line of a machine, whose fifth harmonic this would be if there were others
+      U_V.push_back(0.4 * F_N.back() + 0.02 * std::sin(kTurn * line_Hz * t_s.back()) + 0.03 * std::sin(kTurn * 10.0 * t_s.back()) + 0.002 * rng.normal());
+    }
+    const MainsLine line = find_mains_line(t_s, F_N, U_V, 0.4);
+    if (std::abs(line_Hz - 50.0) < 0.1) {
+      EXPECT_GT(line.ratio, 100.0) << line_Hz;
+      EXPECT_NEAR(line.frequency_Hz, line_Hz, 0.006);
+    } else {
+      EXPECT_LT(line.ratio, kPlainLine) << line_Hz;
+    }
+  }
+}
+
 // The made campaign at a slower clock, a loop of friction and hum on its output. Every `folded`-th record is sampled at just the mains.
 Campaign slow_campaign(std::uint64_t seed, double loop_V, std::size_t folded) {
   Campaign c = make_campaign(seed, straight);
