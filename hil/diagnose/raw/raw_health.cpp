@@ -53,63 +53,6 @@ double middle_of_four(double a, double b, double c, double d) {
   return 0.5 * (a + b + c + d - low - high);
 }
 
-// Scatter of one sample among the 24 on either side, those next to it left out: median of the second differences. Noise that grows with
-// the load and bursts make all of them jump.
-double scatter_around(const std::vector<double>& U, std::size_t at) {
-  constexpr std::size_t kAround = 24, kBeside = 3;
-  std::vector<double> second;
-  for (std::size_t k = std::max(at, kAround + 1) - kAround; k + 1 < std::min(U.size(), at + kAround); ++k)
-    if ((k + kBeside < at || k > at + kBeside) && std::isfinite(U[k - 1] + U[k] + U[k + 1])) second.push_back(std::abs(U[k - 1] - 2.0 * U[k] + U[k + 1]));
-  const double median = quantile(std::move(second), 0.5);
-  return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
-}
-
-// Spikes come at any level of the output. Jumps that sit at a few levels only are steps of the converter's curve: the
-// levels that hold four fifths of them are hardly visited otherwise.
-bool sit_at_fixed_levels(const std::vector<double>& U, const std::vector<double>& level) {
-  constexpr std::size_t kBins = 128, kEnough = 40;
-  if (level.size() < kEnough) return false;
-  const double low = quantile(U, 0.001), high = quantile(U, 0.999);
-  if (!(high > low)) return false;
-  std::vector<double> all(kBins, 0.0), jumps(kBins, 0.0);
-  const auto bin = [&](double u) {
-    return static_cast<std::size_t>(std::clamp((u - low) / (high - low), 0.0, 0.9999) *
-                                    static_cast<double>(kBins));
-  };
-  double n_all = 0.0;
-  for (double u : U)
-    if (std::isfinite(u)) {
-      all[bin(u)] += 1.0;
-      n_all += 1.0;
-    }
-  for (double u : level) jumps[bin(u)] += 1.0;
-  std::vector<std::size_t> order(kBins);
-  for (std::size_t b = 0; b < kBins; ++b) order[b] = b;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return jumps[a] * (all[b] + 1.0) > jumps[b] * (all[a] + 1.0);
-  });
-  double covered = 0.0, visited = 0.0;
-  for (std::size_t b : order) {
-    if (covered >= 0.8 * static_cast<double>(level.size())) break;
-    covered += jumps[b];
-    visited += all[b];
-  }
-  return visited < 0.25 * n_all;
-}
-
-// Size of the one bit that spikes turn over: most have the same size, and it is a binary fraction of the range. 0: none.
-double common_bit_V(const std::vector<double>& jump, double range_V) {
-  constexpr std::size_t kEnough = 12;
-  if (jump.size() < kEnough) return 0.0;
-  const double size = quantile(jump, 0.5);
-  std::size_t same = 0;
-  for (double j : jump) same += std::abs(j - size) < 0.15 * size ? 1 : 0;
-  if (static_cast<double>(same) < 0.7 * static_cast<double>(jump.size())) return 0.0;
-  if (!std::isfinite(range_V)) return size;
-  const double bits = std::log2(range_V / size);
-  return std::abs(bits - std::round(bits)) < 0.12 ? size : 0.0;
-}
-
 // Where U has come to the declared ends of its range. A converter cannot go below zero (or above its full scale): what
 // lies there, or so near that noise was cut off, says nothing about the sensor and is no finding.
 struct RangeEnds {
@@ -281,7 +224,6 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = static_cast<std::uint8_t>(why);
   };
-  constexpr double kAboveAround = 8.0;
   std::vector<std::size_t> spike;
   std::vector<double> spike_level;
   // a spike comes back, and its neighbours know nothing of it; what stays is an edge, or held samples that were let go, and what they
@@ -318,10 +260,12 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       spike_level.push_back(middle);
     }
   }
-  if (!sit_at_fixed_levels(U, spike_level)) {
+  const LoneSpikes lone{U, spike, spike_level};
+  const double bit_V = common_bit_V(lone, bench.voltage_max_V - low_rail, scales.U_range_V);
+  if (!sit_at_fixed_levels(lone) || (bit_V > 0.0 && stay_on_one_side(lone, F, scales.gain_V_per_N, bit_V))) {
     std::vector<double> size;
     for (std::size_t k = 0; k < spike.size(); ++k) size.push_back(std::abs(U[spike[k]] - spike_level[k]));
-    out.bit_V = common_bit_V(size, bench.voltage_max_V - low_rail);
+    out.bit_V = bit_V;
     (out.bit_V > 0.0 ? out.bit_errors : out.outliers) += spike.size();
     for (std::size_t k = 0; k < spike.size(); ++k) {
       mark(spike[k], out.bit_V > 0.0 ? BadSample::bit : BadSample::outlier, size[k]);

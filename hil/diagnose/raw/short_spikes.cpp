@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+
+#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
@@ -63,6 +66,7 @@ std::vector<ShortSpike> spikes_of(const std::vector<double>& t_s, const std::vec
       const std::size_t length = any_course ? kShortest + kLongestSpike - tried : tried;
       const std::optional<ShortSpike> spike = spike_of(U, allowance, i, length, any_course);
       if (!spike || (!spike->both_ways && !any_course && t_s[i + length] - t_s[i] > kLongest_s)) continue;
+      if (!(spike->peak_V > kAboveAround * scatter_around(U, i + length / 2))) break;
       out.push_back(*spike);
       i += length;
       break;
@@ -79,6 +83,87 @@ std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const 
   std::vector<ShortSpike> out = spikes_of(t_s, U, allowance, false);
   // what throws samples up and down throws some of them to one side only
   return std::ranges::count_if(out, &ShortSpike::both_ways) < kSeveral ? out : spikes_of(t_s, U, allowance, true);
+}
+
+double scatter_around(const std::vector<double>& U, std::size_t at) {
+  constexpr std::size_t kAround = 24, kBeside = 3;
+  std::vector<double> second;
+  for (std::size_t k = std::max(at, kAround + 1) - kAround; k + 1 < std::min(U.size(), at + kAround); ++k)
+    if ((k + kBeside < at || k > at + kBeside) && std::isfinite(U[k - 1] + U[k] + U[k + 1])) second.push_back(std::abs(U[k - 1] - 2.0 * U[k] + U[k + 1]));
+  const double median = quantile(std::move(second), 0.5);
+  return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
+}
+
+bool sit_at_fixed_levels(const LoneSpikes& spikes) {
+  const std::vector<double>&U = spikes.U, &level = spikes.level_V;
+  constexpr std::size_t kBins = 128, kEnough = 40;
+  if (level.size() < kEnough) return false;
+  const double low = quantile(U, 0.001), high = quantile(U, 0.999);
+  if (!(high > low)) return false;
+  std::vector<double> all(kBins, 0.0), jumps(kBins, 0.0);
+  const auto bin = [&](double u) {
+    return static_cast<std::size_t>(std::clamp((u - low) / (high - low), 0.0, 0.9999) *
+                                    static_cast<double>(kBins));
+  };
+  double n_all = 0.0;
+  for (double u : U)
+    if (std::isfinite(u)) {
+      all[bin(u)] += 1.0;
+      n_all += 1.0;
+    }
+  for (double u : level) jumps[bin(u)] += 1.0;
+  std::vector<std::size_t> order(kBins);
+  for (std::size_t b = 0; b < kBins; ++b) order[b] = b;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return jumps[a] * (all[b] + 1.0) > jumps[b] * (all[a] + 1.0);
+  });
+  double covered = 0.0, visited = 0.0;
+  for (std::size_t b : order) {
+    if (covered >= 0.8 * static_cast<double>(level.size())) break;
+    covered += jumps[b];
+    visited += all[b];
+  }
+  return visited < 0.25 * n_all;
+}
+
+double common_bit_V(const LoneSpikes& spikes, double range_V, double span_V) {
+  constexpr std::size_t kEnough = 12;
+  constexpr double kMostOfSpan = 4.0;
+  if (spikes.at.size() < kEnough) return 0.0;
+  std::vector<double> jump, value;
+  for (std::size_t k = 0; k < spikes.at.size(); ++k) {
+    value.push_back(spikes.U[spikes.at[k]]);
+    jump.push_back(std::abs(value.back() - spikes.level_V[k]));
+  }
+  const double size = quantile(jump, 0.5);
+  std::size_t same = 0;
+  for (double j : jump) same += std::abs(j - size) < 0.15 * size ? 1 : 0;
+  if (static_cast<double>(same) < 0.7 * static_cast<double>(jump.size())) return 0.0;
+  // what always reads the same value has a step of its own at every level: a code that stands for an error
+  const auto spread = [](const std::vector<double>& x) { return quantile(x, 0.85) - quantile(x, 0.15); };
+  if (spread(value) < 0.5 * spread(jump)) return 0.0;
+  if (!std::isfinite(range_V)) return size < kMostOfSpan * span_V ? size : 0.0;
+  const double bits = std::log2(range_V / size);
+  return bits > 0.5 && std::abs(bits - std::round(bits)) < 0.12 ? size : 0.0;
+}
+
+bool stay_on_one_side(const LoneSpikes& spikes, const std::vector<double>& F_N, double gain_V_per_N, double size_V) {
+  constexpr std::size_t kBeside = 3, kAway = 25;
+  constexpr double kNearlyAll = 0.8;
+  const std::vector<double>& U = spikes.U;
+  const auto level = [&](std::size_t begin, std::size_t end) {
+    std::vector<double> beside_force;
+    for (std::size_t i = begin; i < end; ++i) beside_force.push_back(U[i] - gain_V_per_N * F_N[i]);
+    return quantile(std::move(beside_force), 0.5);
+  };
+  std::size_t alone = 0;
+  for (std::size_t k = 0; k < spikes.at.size(); ++k) {
+    const std::size_t i = spikes.at[k];
+    const bool near_others = (k > 0 && i - spikes.at[k - 1] <= kAway) || (k + 1 < spikes.at.size() && spikes.at[k + 1] - i <= kAway);
+    if (near_others || i < kAway || i + kAway >= U.size()) continue;
+    alone += std::abs(level(i + kBeside, i + kAway) - level(i - kAway, i - kBeside)) < 0.5 * size_V ? 1 : 0;
+  }
+  return static_cast<double>(alone) >= kNearlyAll * static_cast<double>(spikes.at.size());
 }
 
 }  // namespace forcegate::diagnose

@@ -1,6 +1,6 @@
 #pragma once
 // Spikes of a few samples: an electric discharge behind a filter rises within a sample and is gone after a few, a bad contact throws a few
-// samples up and down. Their neighbours know of them.
+// samples up and down. Their neighbours know of them. And what spikes of a single sample have in common.
 
 #include <cstddef>
 #include <vector>
@@ -8,6 +8,30 @@
 namespace forcegate::diagnose {
 
 inline constexpr std::size_t kLongestSpike = 4;  ///< samples
+inline constexpr double kAboveAround = 8.0;      ///< a spike stands so many times above the scatter around it
+
+/// Scatter of one sample among the 24 on either side, V, those next to it left out: median of the second differences. Noise that grows with
+/// the load and bursts of noise make all of them jump.
+double scatter_around(const std::vector<double>& U, std::size_t at);
+
+/// Spikes of one sample, in rising order, and where the output is at each without it.
+struct LoneSpikes {
+  const std::vector<double>& U;
+  const std::vector<std::size_t>& at;
+  const std::vector<double>& level_V;
+};
+
+/// Spikes come at any level of the output. Jumps that sit at a few levels only are steps of the converter's curve: the levels that hold four
+/// fifths of them are hardly visited otherwise.
+bool sit_at_fixed_levels(const LoneSpikes& spikes);
+
+/// Size of the one bit that spikes turn over: most have the same size, at any level, and it is a binary fraction of the range, half of it at
+/// most. 0: none. `range_V`: of the converter, infinite where it is not declared; then four times the span of the output at most.
+double common_bit_V(const LoneSpikes& spikes, double range_V, double span_V);
+
+/// Whether nearly all of them come alone and leave the output, beside the force, on the side where it was: at a step of the converter's curve the output goes over
+/// to the other side, and noise makes it jump there again and again.
+bool stay_on_one_side(const LoneSpikes& spikes, const std::vector<double>& F_N, double gain_V_per_N, double size_V);
 
 struct ShortSpike {
   std::size_t begin = 0, length = 0;  ///< samples

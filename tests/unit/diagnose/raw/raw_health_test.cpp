@@ -1,3 +1,4 @@
+#include <limits>
 #include <numbers>
 
 #include "tests/unit/diagnose/made_campaign.h"
@@ -302,6 +303,56 @@ TEST(RawHealth, AFewSamplesUpAndDownAreOneSpike) {
   EXPECT_EQ(claims[0].effect, "outliers");
   const HealthScales scales = health_scales(c);
   for (const Record& r : c.records) EXPECT_GE(check_raw_health(r, scales, c.bench).outliers, 11u) << r.name;
+}
+
+// A code that stands for an error is read at any level of the output: its step is another one each time.
+TEST(RawHealth, SpikesOfOneValueAreNoBit) {
+  for (const double value_V : {9.99, -999.0, 1e9}) {
+    Campaign c = make_campaign(81, [](const auto&, const auto& F, int) {
+      std::vector<double> U;
+      for (const double f : F) U.push_back(0.3 * f + 0.2);
+      return U;
+    });
+    c.bench.voltage_min_V = c.bench.voltage_max_V = std::numeric_limits<double>::quiet_NaN();
+    for (Record& r : c.records)
+      for (std::size_t i = 433; i < 24000; i += 701) r.trace.find("U")->value[i] = value_V;
+    const std::vector<HealthClaim> claims = claims_of_samples(c);
+    ASSERT_EQ(claims.size(), 1u) << value_V;
+    EXPECT_EQ(claims[0].effect, "outliers") << value_V;
+  }
+}
+
+// Every 800th sample, where a triangle of 4000 samples is always at one of the same five levels.
+TEST(RawHealth, OneStepAgainAndAgainIsABitWhereverTheForceThenIs) {
+  for (const double step_V : {1.25, 10.0}) {
+    Campaign c = make_campaign(82, [](const auto&, const auto& F, int) {
+      std::vector<double> U;
+      for (const double f : F) U.push_back(0.3 * f + 0.2);
+      return U;
+    });
+    for (Record& r : c.records) {
+      auto& F = r.trace.find("F_ref")->value;
+      auto& U = r.trace.find("U")->value;
+      Rng rng(82, r.name);
+      for (std::size_t i = 0; i < U.size(); ++i) {
+        F[i] = 0.5 + 4.0 * std::abs(1.0 - std::fmod(static_cast<double>(i), 4000.0) / 2000.0);
+        U[i] = 0.3 * F[i] + 0.2 + 0.003 * rng.normal() + (i % 800 == 499 ? step_V : 0.0);
+      }
+    }
+    const std::vector<HealthClaim> claims = claims_of_samples(c);
+    ASSERT_FALSE(claims.empty()) << step_V;
+    EXPECT_EQ(claims[0].effect, step_V < 10.0 ? "adc_codes" : "outliers") << step_V;
+  }
+}
+
+TEST(RawHealth, ANoisyStretchInOnePieceIsNoSpikes) {
+  Campaign c = make_campaign(83, straight);
+  Rng rng(83, "stretch");
+  for (Record& r : c.records) {
+    auto& U = r.trace.find("U")->value;
+    for (std::size_t i = 9000; i < 12000; ++i) U[i] = std::max(0.0, U[i] + 0.3 * rng.normal());
+  }
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "outliers") << claim.evidence;
 }
 
 }  // namespace
