@@ -52,7 +52,7 @@ inline constexpr std::array kRefusals = {
     RefusalRow{Refusal::leads, {"leads", "the output leads the reference", false, 0.0}},
     RefusalRow{Refusal::in_step, {"in_step", "with what is carried along, output and reference are in step", false, 0.0}},
     RefusalRow{Refusal::jitter, {"jitter", "it flattens the noise of the reference where the force stands still", false, 0.0}},
-    RefusalRow{Refusal::too_small, {"too_small", "too small for the declared instruments", true, 0.35}},
+    RefusalRow{Refusal::too_small, {"too_small", "too small beside the noise and the steps of the instruments", true, 0.35}},
     RefusalRow{Refusal::leaves_most, {"leaves_most", "it leaves most of the residual", true, 0.08}},
     RefusalRow{Refusal::few_jumps, {"few_jumps", "jumps at codes explain too little of it", true, 0.4}},
     RefusalRow{Refusal::differs, {"differs", "its strength differs too much between records", true, 0.25}},

@@ -207,6 +207,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   out.lsb_F_N = value_step(F);
   // a few levels of a staircase show no step: it is then that of all records, or the one that the converter is said to have
   if (out.lsb_F_N == 0.0) out.lsb_F_N = scales.step_N;
+  if (are_set_levels(F, out.lsb_F_N, U, scales.gain_V_per_N)) out.lsb_F_N = 0.0;
   if (out.lsb_U_V == 0.0) out.lsb_U_V = scales.step_V;
   if (out.lsb_U_V == 0.0 && bench.adc_bits > 0 && shows_few_values(U))
     out.lsb_U_V = (std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - low_rail : scales.U_range_V) / std::exp2(bench.adc_bits);

@@ -69,4 +69,21 @@ double value_step(const std::vector<double>& x) {
   return 0.0;
 }
 
+bool are_set_levels(const std::vector<double>& F_N, double step_N, const std::vector<double>& U_V, double gain_V_per_N) {
+  constexpr std::size_t kFewest = 8;
+  constexpr double kGoesOn = 0.5, kMostly = 0.5, kOfRounding = 0.5;  // of a step; of the samples; of what rounding would leave
+  std::vector<double> beside_force;
+  std::size_t all = 0;
+  for (std::size_t i = 2; i + 2 < F_N.size(); ++i, ++all) {
+    bool goes_on = true;
+    for (std::size_t k = i - 1; k <= i + 2; ++k) goes_on = goes_on && std::abs(F_N[k] - F_N[k - 1]) > kGoesOn * step_N;
+    if (!goes_on) continue;
+    const auto e = [&](std::size_t k) { return U_V[k] - gain_V_per_N * F_N[k]; };
+    if (const double v = e(i - 2) - 4.0 * e(i - 1) + 6.0 * e(i) - 4.0 * e(i + 1) + e(i + 2); std::isfinite(v)) beside_force.push_back(std::abs(v));
+  }
+  if (beside_force.size() < kFewest || static_cast<double>(beside_force.size()) < kMostly * static_cast<double>(all)) return false;
+  const double noise_V = 1.4826 * quantile(std::move(beside_force), 0.5) / std::sqrt(70.0);
+  return noise_V < kOfRounding * std::abs(gain_V_per_N) * step_N / std::sqrt(12.0);
+}
+
 }  // namespace forcegate::diagnose

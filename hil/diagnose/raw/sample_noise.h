@@ -19,4 +19,8 @@ bool shows_few_values(const std::vector<double>& x);
 /// Step of the values: the smallest common gap, when nearly all gaps are multiples of it; 0 when none is visible.
 double value_step(const std::vector<double>& x);
 
+/// Whether F stands at levels that somebody set, weights by hand, and its step is no error of the reading. Asked where it goes a step or more from
+/// sample to sample: rounding would be another one each time, and U - a F would scatter by a step/sqrt 12 of it.
+bool are_set_levels(const std::vector<double>& F_N, double step_N, const std::vector<double>& U_V, double gain_V_per_N);
+
 }  // namespace forcegate::diagnose

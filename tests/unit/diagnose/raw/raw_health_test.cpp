@@ -355,5 +355,33 @@ TEST(RawHealth, ANoisyStretchInOnePieceIsNoSpikes) {
   for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "outliers") << claim.evidence;
 }
 
+// Weights put on by hand, one more each time: the step of the force is no error of its reading. A coarse reading of a force that moves is.
+TEST(RawHealth, LevelsThatAreSetAreNoStepsOfTheReference) {
+  for (const bool read : {false, true}) {
+    Campaign c = make_campaign(84, straight);
+    c.records.resize(3);
+    for (Record& r : c.records) {
+      Rng rng(84, r.name);
+      TimeBase clock;
+      std::vector<double> F, U;
+      for (int i = 0; i < 24; ++i) {
+        const double up = i < 12 ? i : 23 - i, force = up + (read ? 0.4 * rng.normal() : 0.0);
+        clock.t_s.push_back(30.0 * i);
+        F.push_back(std::round(force));
+        U.push_back(0.2 + 0.3 * force + (i < 12 ? 0.0 : 0.13 * std::sin(std::numbers::pi * up / 11.0)) + 0.003 * rng.normal());
+      }
+      r.trace.time_bases[0] = clock;
+      r.trace.channels = {{"F_ref", "N", "force", 0, F, {}}, {"U", "V", "voltage", 0, U, {}}};
+    }
+    const HealthScales scales = health_scales(c);
+    EXPECT_NEAR(scales.step_N, 1.0, 1e-9);
+    for (const Record& r : c.records) EXPECT_NEAR(check_raw_health(r, scales, c.bench).lsb_F_N, read ? 1.0 : 0.0, 1e-9) << r.name;
+    if (read) continue;
+    const Diagnosis d = answer(std::move(c));
+    EXPECT_LT(d.floor, 0.02) << told(d);
+    EXPECT_NE(d.verdict, DiagnosisVerdict::none) << told(d);
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
