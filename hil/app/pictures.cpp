@@ -28,7 +28,7 @@ Result<std::vector<std::filesystem::path>> write_pictures(const Diagnosis& d, co
   }
   int spectrum = 0, extrema = 0, drift = 0;
   for (const ResidualSpectrum& s : pictures.spectra)
-    FORCEGATE_CHECK_OK(put(fmt::format("spectrum_{}", ++spectrum), spectrum_figure(s, pictures.unit)));
+    FORCEGATE_CHECK_OK(put(fmt::format("spectrum_{}", ++spectrum), spectrum_figure(s, pictures.unit, claims_hum(d))));
   for (const ExtremaDecay& e : pictures.extrema)
     FORCEGATE_CHECK_OK(put(fmt::format("extrema_{}", ++extrema), extrema_figure(e, pictures.unit)));
   if (!pictures.levels.empty()) FORCEGATE_CHECK_OK(put("levels", levels_figure(pictures)));

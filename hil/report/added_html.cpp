@@ -25,7 +25,7 @@ std::string parameters(const AddedEffect& added) {
 std::string section(const Diagnosis& view, const AddedEffect& added, const RecordPictures& pictures) {
   std::string out = "<section id=\"added\"><h2>What it does</h2>\n";
   out += picture(figures::waterfall(error_title(view.judged_by) + " over the model's effects", "base law", added.steps, "now", added.unit,
-                                    added.floor > 0.0 ? added.floor : NAN));
+                                    added.floor > 0.0 ? added.floor : NAN, "does not lower the error in every order of adding"));
   if (!view.findings.empty()) {
     if (shows_between_records(added.effect)) out += between_records(pictures);
     out += evidence(view.findings.front(), view.judged_by);

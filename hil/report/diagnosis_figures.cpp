@@ -123,6 +123,10 @@ bool is_of_rig(const Diagnosis& d, const Finding& f) {
   return rig != d.errors.end() && f.claimed() && f.form != "raw" && f.unit == rig->second.unit && f.effect != "motor";
 }
 
+bool claims_hum(const Diagnosis& d) {
+  return std::ranges::any_of(d.findings, [](const Finding& f) { return f.effect == "hum" && f.claimed(); });
+}
+
 bool shows_rig(const Diagnosis& d) {
   return std::ranges::any_of(d.findings, [&](const Finding& f) { return is_of_rig(d, f); });
 }

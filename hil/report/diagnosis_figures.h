@@ -15,6 +15,9 @@ figures::Figure diagnosis_waterfall(const Diagnosis& diagnosis);
 bool is_of_rig(const Diagnosis& diagnosis, const Finding& finding);
 bool shows_rig(const Diagnosis& diagnosis);
 
+/// Whether a line of the mains is claimed.
+bool claims_hum(const Diagnosis& diagnosis);
+
 /// The same of F_ref against the rig's law, over its claims. Only where shows_rig().
 figures::Figure rig_waterfall(const Diagnosis& diagnosis);
 

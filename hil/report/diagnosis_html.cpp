@@ -34,6 +34,27 @@ std::string chance_sentence(const Diagnosis& d) {
          " effects still pass the threshold. What ranks without a claim may be a leftover of something else.";
 }
 
+// The blocks of one recording are called "NAME/1", "NAME/2" ...
+bool is_one_recording(const Diagnosis& d) {
+  if (d.records.size() < 2) return false;
+  const std::string& first = d.records.front().record;
+  const std::string name = first.substr(0, first.rfind('/'));
+  for (std::size_t k = 0; k < d.records.size(); ++k)
+    if (d.records[k].record != name + "/" + std::to_string(k + 1)) return false;
+  return true;
+}
+
+// What else than claims the error after holds, as the waterfall draws it hollow.
+std::string unclaimed_share(const Diagnosis& d) {
+  std::vector<std::string> names;
+  for (const ModelStep& step : d.steps)
+    if (!step.effect.empty() && std::ranges::none_of(d.findings, [&](const Finding& f) { return f.effect == step.effect && f.claimed(); }))
+      names.push_back(step.effect);
+  if (names.empty()) return {};
+  const auto rivals = std::ranges::find_if(d.not_separable, [&](const auto& group) { return std::ranges::find(group, names.front()) != group.end(); });
+  return ", with " + (names.size() == 1 && rivals != d.not_separable.end() ? join(*rivals, " or ") : join(names, ", ")) + ", which is not claimed";
+}
+
 std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks) {
   constexpr double kToItsNoise = 1.5;
   const bool comparison = page.comparison;
@@ -49,7 +70,8 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
                after = rig ? d.errors.at("F").after : d.error_after;
   const std::string unit = rig ? d.errors.at("F").unit : d.unit;
   out += page.lead ? escape(page.lead->why) : error_title(d.judged_by) + " " + escape(in_unit(before, unit));
-  if (d.verdict == Answer::known && !page.lead) out += " falls to " + escape(in_unit(after, unit));
+  if (!comparison && !page.lead && in_unit(before, unit) != in_unit(after, unit))
+    out += (after < before ? " falls to " : " rises to ") + escape(in_unit(after, unit)) + (rig ? "" : escape(unclaimed_share(d)));
   if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(in_unit(d.floor, d.unit));
   out += ".</p>\n<ul class=\"facts\">";
   const auto fact = [&](std::string_view name, const std::string& html) {
@@ -57,7 +79,10 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   };
   fact("campaign", escape(d.campaign));
   fact("model", escape(d.model));
-  if (!d.records.empty()) fact("records", std::to_string(d.records.size()));
+  if (is_one_recording(d))
+    fact("one recording, parts", std::to_string(d.records.size()));
+  else if (!d.records.empty())
+    fact("records", std::to_string(d.records.size()));
   if (d.force_range_N > 0.0) fact("force range", display(d.force_range_N, 3) + " N");
   if (d.residual_unknown) fact("and", "structure remains that no listed effect explains");
   if (!d.depends_on.empty()) fact("it depends on", escape(join(d.depends_on, ", ")));
@@ -77,7 +102,7 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
 }
 
 // `more`: the level of the records beside the first claim that acts between them.
-std::string finding(const Finding& f, JudgedBy judged_by, bool open, const std::string& more) {
+std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bool open, const std::string& more) {
   const bool claim = f.claimed();
   std::string out =
       "<details class=\"case " + std::string(claim ? "wa" : "mu") + "\"" + (open ? " open" : "") +
@@ -95,7 +120,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool open, const std::
   }
   fact("Form", escape(f.form));
   if (f.records_excited > 0)
-    fact("Records", std::to_string(f.records_improved) + " of " + std::to_string(f.records_excited) +
+    fact(one_recording ? "Parts" : "Records", std::to_string(f.records_improved) + " of " + std::to_string(f.records_excited) +
                         " that excite it are better with it");
   for (const FoundParameter& p : f.parameters)
     fact(escape(p.name), escape(figures::typographic_minus(with_uncertainty(p.value, p.u)) +
@@ -120,16 +145,15 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
   if (d.findings.empty()) {
     out += d.verdict == Answer::unknown
                ? "<p>No listed effect has this shape. The maps below show where the error lives.</p>\n"
-               : "<p>No listed effect lowers the error of records that were not fitted. What is left is "
-                 "noise for these inputs; it says nothing "
-                 "about inputs that were not played.</p>\n";
+               : "<p>No listed effect lowers the error of " + std::string(is_one_recording(d) ? "parts" : "records") +
+                     " that were not fitted. What is left is noise for these inputs; it says nothing about inputs that were not played.</p>\n";
   }
   std::size_t opened = 0;
   bool drawn = false;
   for (const Finding& f : d.findings) {
     const bool here = !drawn && is_claimed_between_records(f);
     drawn |= here;
-    out += finding(f, d.judged_by, f.claimed() && opened++ < 3, here ? between_records(pictures) : "");
+    out += finding(f, d.judged_by, is_one_recording(d), f.claimed() && opened++ < 3, here ? between_records(pictures) : "");
   }
   const bool rig = shows_rig(d);
   const bool moves = !d.not_separable.empty() ||
@@ -168,7 +192,7 @@ std::string where(const Diagnosis& d) {
 // What the residual looks like along time and over the records; a line where the records cannot show it.
 std::string looks(const Diagnosis& d, const RecordPictures& p) {
   std::string out;
-  for (const ResidualSpectrum& s : p.spectra) out += picture(spectrum_figure(s, p.unit), "Record " + s.record + ".");
+  for (const ResidualSpectrum& s : p.spectra) out += picture(spectrum_figure(s, p.unit, claims_hum(d)), "Record " + s.record + ".");
   for (const ExtremaDecay& e : p.extrema) out += picture(extrema_figure(e, p.unit), "Record " + e.record + ".");
   if (!out.empty()) out = "<div class=\"figs\">" + out + "</div>\n";
   if (std::ranges::none_of(d.findings, is_claimed_between_records)) out += between_records(p);

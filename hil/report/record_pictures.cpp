@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "hil/report/figures/plots.h"
@@ -48,6 +49,30 @@ double above_neighbours(const std::vector<double>& y, std::size_t at) {
   return around > 0.0 ? y[at] / around : 0.0;
 }
 
+struct FoldedLine {
+  std::size_t at = 0;
+  double mains_Hz = 0.0;
+  bool folded = false;
+  bool near(std::size_t line) const { return line + 2 >= at && at + 2 >= line; }
+};
+
+// Where rows show a line of the mains that the samples have, if it stands above what is around it.
+std::optional<FoldedLine> folded_mains(const ResidualSpectrum& s) {
+  constexpr double kStands = 2.0;
+  std::optional<FoldedLine> out;
+  if (s.f_Hz.size() < 8 || s.residual.size() != s.f_Hz.size()) return out;
+  const double highest_Hz = s.f_Hz.back(), step_Hz = s.f_Hz[1] - s.f_Hz[0];
+  double most = kStands;
+  for (const double mains_Hz : {50.0, 60.0}) {
+    const double rest_Hz = std::fmod(mains_Hz, 2.0 * highest_Hz), at_Hz = rest_Hz > highest_Hz ? 2.0 * highest_Hz - rest_Hz : rest_Hz;
+    const auto bin = static_cast<std::ptrdiff_t>(std::lround((at_Hz - s.f_Hz[0]) / step_Hz));
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, bin - 1); i <= bin + 1 && i < std::ssize(s.f_Hz); ++i)
+      if (const double ratio = above_neighbours(s.residual, static_cast<std::size_t>(i)); ratio > most)
+        most = ratio, out = FoldedLine{static_cast<std::size_t>(i), mains_Hz, mains_Hz > highest_Hz};
+  }
+  return out;
+}
+
 // Gone: down to a tenth of what it was, or to the noise.
 std::string afterwards(const ResidualSpectrum& s, std::size_t line) {
   constexpr double kGone = 0.1, kNoise = 2.0, kAPart = 0.7;
@@ -68,7 +93,7 @@ bool shows_between_records(const std::string& effect) {
   return std::ranges::find(kEffects, effect) != kEffects.end();
 }
 
-Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
+Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit, bool mains) {
   Figure figure("Spectrum of the residual, record " + s.record, kWidth);
   const Scaled scale = readable_unit(largest(s.residual), unit);
   Axis x{"Frequency", "Hz"}, y{"Amplitude density", scale.unit + "/\u221aHz"};
@@ -84,8 +109,10 @@ Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit) {
   double most = 0.0;
   for (std::size_t i = 1; i < std::min(s.f_Hz.size(), s.residual.size()); ++i)
     if (const double ratio = above_neighbours(s.residual, i); ratio > most) most = ratio, line = i;
-  if (most < kLine)
-    figure.summary = "No line stands out of the residual.";
+  if (const std::optional<FoldedLine> hum = mains ? folded_mains(s) : std::nullopt; hum && (most < kLine || hum->near(line)))
+    figure.summary = "The line at " + display(s.f_Hz[hum->at], 3) + " Hz is the hum that is claimed: " + (hum->folded ? "rows of " + display(500.0 / s.f_Hz.back(), 2) + " ms fold its " + display(hum->mains_Hz, 2) + " Hz there." : "its frequency is as it was recorded.");
+  else if (most < kLine)
+    figure.summary = "No line stands out of the residual by more than " + display(kLine, 1) + " times what is around it.";
   else
     figure.summary = "The residual has a line at " + display(s.f_Hz[line], 3) + " Hz" +
                      (above_neighbours(s.load, line) > kOfTheLoad ? ", where the load has one." : ", where the load has none: a harmonic that the model lacks, mains or a resonance.") +

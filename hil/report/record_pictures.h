@@ -54,7 +54,9 @@ struct RecordPictures {
   std::vector<std::string> missing;  ///< "No spectrum: ..."
 };
 
-figures::Figure spectrum_figure(const ResidualSpectrum& spectrum, const std::string& unit);
+/// `mains`: hum is claimed. The rows are means over their step and fold a line of 50 or 60 Hz below their highest frequency; the summary then
+/// says which line that is.
+figures::Figure spectrum_figure(const ResidualSpectrum& spectrum, const std::string& unit, bool mains = false);
 figures::Figure extrema_figure(const ExtremaDecay& extrema, const std::string& unit);
 /// Zero, gain and, where the rig tells, zero of the reference of every record; whiskers are U, k = 2.
 figures::Figure levels_figure(const RecordPictures& pictures);

@@ -31,7 +31,12 @@ namespace {
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
-Json finding_json(const Finding& f) {
+// A claim about raw samples takes them out of the fit, with all others of its kind in one step; what the effects do after it is not its own.
+double error_after(const Finding& f, const Diagnosis& d) {
+  return f.form == "raw" && !d.steps.empty() && d.steps.front().effect.empty() ? d.steps.front().error : f.error_after;
+}
+
+Json finding_json(const Finding& f, const Diagnosis& d) {
   Json out;
   out["effect"] = f.effect;
   out["side"] = f.side;
@@ -43,7 +48,7 @@ Json finding_json(const Finding& f) {
         {{"name", p.name}, {"value", number(p.value)}, {"u", number(p.u)}, {"unit", p.unit}});
   out["parameters"] = parameters;
   out["error_before"] = number(f.error_before);
-  out["error_after"] = number(f.error_after);
+  out["error_after"] = number(error_after(f, d));
   out["unit"] = f.unit;
   out["effect_rms"] = number(f.effect_rms);
   Json others = Json::array();
@@ -83,7 +88,7 @@ std::string to_json(const Diagnosis& d) {
   out["verdict"] = to_string(d.verdict);
   out["residual_unknown"] = d.residual_unknown;
   out["findings"] = Json::array();
-  for (const Finding& f : d.findings) out["findings"].push_back(finding_json(f));
+  for (const Finding& f : d.findings) out["findings"].push_back(finding_json(f, d));
   out["depends_on"] = d.depends_on;
   out["follows"] = d.follows;
   out["error_before"] = number(d.error_before);

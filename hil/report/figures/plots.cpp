@@ -9,7 +9,7 @@
 namespace forcegate::figures {
 
 Figure waterfall(const std::string& title, const std::string& start, const std::vector<WaterfallStep>& steps,
-                 const std::string& end, const std::string& unit, double noise_floor) {
+                 const std::string& end, const std::string& unit, double noise_floor, const std::string& not_claimed) {
   Figure figure(title, std::clamp(190.0 + 105.0 * static_cast<double>(steps.size()), 420.0, 900.0));
   const double first = steps.empty() ? kAuto : steps.front().before;
   const Scaled scale = readable_unit(first, unit);
@@ -19,11 +19,14 @@ Figure waterfall(const std::string& title, const std::string& start, const std::
   std::vector<Bar> bars{
       {0.0, 0.0, first * scale.factor, 0.0, false, Role::muted, display(first * scale.factor, 3)}};
   double last = first;
+  bool any_unclaimed = false, any_unsure = false;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const WaterfallStep& s = steps[i];
     constexpr double kNone = 1e-4;  // of the first error: rounding of the fit
     const double change = std::abs(s.after - s.before) < kNone * std::abs(first) ? 0.0 : (s.after - s.before) * scale.factor;
-    const bool hollow = !s.claimed || (s.u > 0.0 && std::abs(s.after - s.before) <= 2.0 * s.u);
+    const bool unsure = s.u > 0.0 && std::abs(s.after - s.before) <= 2.0 * s.u, hollow = !s.claimed || unsure;
+    any_unclaimed |= !s.claimed;
+    any_unsure |= s.claimed && unsure;
     const std::string text =
         s.u > 0.0 ? typographic_minus(with_uncertainty(change, s.u * scale.factor)) : display(change, 3);
     bars.push_back({static_cast<double>(i) + 1.0, s.before * scale.factor, s.after * scale.factor,
@@ -44,7 +47,8 @@ Figure waterfall(const std::string& title, const std::string& start, const std::
     panel.hline(noise_floor * scale.factor, "noise floor", Role::muted, Dash::dotted);
   }
   figure.summary = "The error goes from " + display(first * scale.factor, 3) + " to " +
-                   display(last * scale.factor, 3) + " " + scale.unit + ". A hollow bar is not significant.";
+                   display(last * scale.factor, 3) + " " + scale.unit + "." + (any_unclaimed ? " A hollow bar " + not_claimed + "." : "") +
+                   (any_unsure ? " A hollow bar is within twice its uncertainty." : "");
   return figure;
 }
 

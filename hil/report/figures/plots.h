@@ -18,9 +18,11 @@ struct WaterfallStep {
 };
 
 /// First bar: the error at the start; then one hanging bar a step, hollow when |before - after| <= 2 u or not
-/// claimed; last bar: the error at the end. A dotted line at `noise_floor` (NaN = unknown).
+/// claimed; last bar: the error at the end. A dotted line at `noise_floor` (NaN = unknown). `not_claimed`: what the summary says of a
+/// bar that is hollow for that reason.
 Figure waterfall(const std::string& title, const std::string& start, const std::vector<WaterfallStep>& steps,
-                 const std::string& end, const std::string& unit, double noise_floor);
+                 const std::string& end, const std::string& unit, double noise_floor,
+                 const std::string& not_claimed = "was taken in to look at the rest and is not claimed");
 
 /// Before and after of many things, one row each: ring, line, dot; one dot where all are as they were; a small tick at the row's floor
 /// (NaN = none).

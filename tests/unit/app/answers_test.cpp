@@ -19,6 +19,20 @@ TEST(DiagnosisText, SaysWhenChanceAlonePassesTheThreshold) {
   EXPECT_THAT(diagnosis_text(d), HasSubstr("turned over by chance, 0.83 effects pass the threshold"));
 }
 
+TEST(DiagnosisJson, GivesAClaimAboutRawSamplesTheErrorOfItsOwnStep) {
+  Diagnosis d;
+  d.error_before = 0.068;
+  d.error_after = 0.0032;
+  d.steps = {{"", 0.0532}, {"static_nonlinearity", 0.0032}};
+  Finding hum;
+  hum.effect = "hum", hum.form = "raw", hum.probability = 0.95, hum.error_before = 0.068, hum.error_after = 0.0032;
+  d.findings = {hum};
+  EXPECT_THAT(to_json(d), HasSubstr("\"error_after\": 0.0532"));
+  const std::string json = to_json(d), all = "\"error_after\": 0.0032";
+  EXPECT_NE(json.find(all), std::string::npos) << "of all that was found";
+  EXPECT_EQ(json.find(all), json.rfind(all)) << "of all that was found, and of nothing else";
+}
+
 TEST(WaterfallText, PrintsNoRoundingOfTheFitAsAChange) {
   diagnose::Waterfall w;
   w.start = 2.5e-3;
