@@ -160,7 +160,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   const std::size_t clock = F->time_base;
   const auto& t = trace.time_bases[clock].t_s;
   if (static_cast<double>(t.size()) < kFewestRows)
-    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.place(),
+    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + (t.size() == 1 ? " sample" : " samples"), record.place(),
                 "at least 16 samples are needed");
 
   RecordInput out;
@@ -170,7 +170,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   const double step = median_step(t);
   const double samples = samples_of_row(step, row_step_s), needed = kFewestRows * samples;
   if (!(static_cast<double>(t.size()) >= needed))
-    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + " samples", record.place(),
+    return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + (t.size() == 1 ? " sample" : " samples"), record.place(),
                 "at least " + shortest(needed) + " are needed at this rate; leave the record out");
   out.row_step_s = step * samples;
   out.row_begin = cut_rows(t, out.row_step_s, static_cast<std::size_t>(samples));

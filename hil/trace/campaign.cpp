@@ -69,6 +69,8 @@ void load(Reading& reading, const CampaignOptions& options) {
   const std::string ending = reading.file.extension().string();
   if (const auto unused = unused_columns(record.trace, read->headers); !unused.empty() && ending != ".h5" && ending != ".hdf5" && record.trace.find("F_ref"))
     reading.notes.push_back("not used: " + join(unused, ", "));
+  // what was mapped out is not offered again
+  std::erase_if(record.trace.channels, [](const Channel& c) { return c.name == "unused" || c.name.starts_with("unused_"); });
 }
 
 void load_all(std::vector<Reading>& readings, const CampaignOptions& options) {

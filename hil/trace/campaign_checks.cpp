@@ -106,7 +106,7 @@ Unfit unfit(const Trace& trace) {
   const double rate_Hz = trace.time_bases.empty() ? 0.0 : trace.time_bases.front().nominal_rate_Hz;
   const double needed = kFewestRows * (rate_Hz > 0.0 ? samples_of_row(1.0 / rate_Hz) : 1.0);
   if (static_cast<double>(trace.size()) < needed)
-    out.too_short = "the record has only " + std::to_string(trace.size()) + " samples, at least " + shortest(needed) + " are needed" + (needed > kFewestRows ? " at this rate" : "");
+    out.too_short = "the record has only " + std::to_string(trace.size()) + (trace.size() == 1 ? " sample" : " samples") + ", at least " + shortest(needed) + " are needed" + (needed > kFewestRows ? " at this rate" : "");
   std::vector<std::string> columns;
   for (const Channel& channel : trace.channels) columns.push_back(header_of(channel.name, channel.unit));
   for (const auto& [name, what] : {std::pair{"F_ref", "reference force"}, std::pair{"U", "output"}})

@@ -17,6 +17,12 @@ ColumnMeaning renamed(const Unit& of_header, ColumnMeaning name) {
   return name;
 }
 
+// A position that stands for the output keeps its numbers. A name with a unit of its own that is no plain SI unit says what the column holds.
+bool is_another_quantity(const Unit& of_header, const ColumnMeaning& wanted) {
+  return !of_header.quantity.empty() && !wanted.unit.quantity.empty() && of_header.quantity != wanted.unit.quantity &&
+         wanted.unit.symbol == wanted.unit.canonical && !wanted.is_clock && of_header.quantity != "code";
+}
+
 }  // namespace
 
 Result<ColumnMap> parse_column_map(std::span<const std::string> words) {
@@ -47,11 +53,15 @@ Result<void> check_column_map(const ColumnMap& map, std::span<const std::string>
 ColumnMeaning mapped_meaning(const std::string& header, const Unit& of_header, const std::string& to, std::vector<std::string>& notes) {
   const auto called = find_unit(header);  // a column of kilograms-force that is called kgf
   const ColumnMeaning wanted = meaning_of(to);
-  ColumnMeaning meaning = renamed(of_header.symbol.empty() && called ? *called : of_header, wanted);
+  const Unit& header_unit = of_header.symbol.empty() && called ? *called : of_header;
+  ColumnMeaning meaning = renamed(header_unit, wanted);
   if (called && meaning.unit.symbol == called->symbol && meaning.unit.symbol != wanted.unit.symbol)
     notes.push_back("column \"" + header + "\" was read in " + meaning.unit.symbol + ", as it is called");
   else if (called && meaning.unit.symbol != called->symbol && meaning.unit.quantity == called->quantity)
     notes.push_back("column \"" + header + "\" was read in " + meaning.unit.symbol + ", though it is called " + called->symbol);
+  if (is_another_quantity(header_unit, wanted))
+    notes.push_back("column \"" + header + "\" is in " + header_unit.symbol + " and was read as " + wanted.unit.symbol + ", as --map says: wherever " + wanted.unit.symbol +
+                    " stands, " + header_unit.symbol + " is meant");
   return meaning;
 }
 

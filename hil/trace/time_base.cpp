@@ -117,6 +117,16 @@ std::size_t unwrap_midnights(std::vector<double>& stamps_s) {
   return static_cast<std::size_t>(added_s / kDay_s);
 }
 
+// Splitting cannot mend a file that was written from its end.
+Result<void> check_runs_forwards(const std::vector<double>& t, const std::string& where) {
+  constexpr std::size_t kFewest = 3;
+  std::size_t down = 0, up = 0;
+  for (std::size_t i = 1; i < t.size(); ++i) down += t[i] < t[i - 1], up += t[i] > t[i - 1];
+  if (down < kFewest || down <= up) return {};
+  return fail(ErrorCode::parse, "the clock runs backwards, from " + shortest(t.front()) + " s down to " + shortest(t.back()) + " s, in " + std::to_string(down) + " of " + std::to_string(t.size() - 1) + " steps", where,
+              "sort the rows by their time");
+}
+
 }  // namespace
 
 TimeBase with_rate_and_gaps(std::vector<double> t_s) {
@@ -166,6 +176,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
       std::nth_element(steps.begin(), middle, steps.end());
       step = *middle;
     }
+    FORCEGATE_CHECK_OK(check_runs_forwards(t, where));
     std::size_t backwards = 0;
     double latest = t.front();
     for (std::size_t i = 1; i < t.size(); ++i) {

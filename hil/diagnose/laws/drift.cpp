@@ -168,7 +168,7 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
                               const std::vector<double>& y) {
   const Blocks b = block_means(t_s, y);
   if (b.y.size() < 40)
-    return fail(ErrorCode::parse, "the record has only " + std::to_string(b.y.size()) + " samples", record,
+    return fail(ErrorCode::parse, "the record has only " + std::to_string(b.y.size()) + (b.y.size() == 1 ? " sample" : " samples"), record,
                 "at least 40 are needed to tell one law of drift from another");
   RecordDrift out;
   out.record = record;

@@ -204,6 +204,21 @@ TEST(ReadCsv, SortsRowsThatCameLateAndRefusesAClockThatRestarts) {
   EXPECT_THAT(refuse(twice).text, HasSubstr("jumps back from 99 s to 0 s in line 102"));
 }
 
+TEST(ReadCsv, SaysOfAFileThatBeginsWithItsEndThatItRunsBackwards) {
+  std::string rows = "t_s,F_ref_N\n";
+  for (int i = 100; i > 0; --i) rows += std::to_string(i) + ",1\n";
+  const Error e = refuse(rows);
+  EXPECT_THAT(e.text, HasSubstr("the clock runs backwards, from 100 s down to 1 s"));
+  EXPECT_THAT(e.hint, HasSubstr("sort the rows"));
+}
+
+TEST(Csv, AMapToAnotherQuantityIsTold) {
+  const auto f = read("t_s,position_mm,force_N\n0,1,2\n1,3,4\n", {.column_map = {{"position_mm", "U_V"}}});
+  EXPECT_THAT(f.notes, Contains("column \"position_mm\" is in mm and was read as V, as --map says: wherever V stands, mm is meant"));
+  const auto same = read("t_s,Sensor_mV,force_N\n0,1,2\n1,3,4\n", {.column_map = {{"Sensor_mV", "U_V"}, {"force_N", "unused"}}});
+  EXPECT_THAT(same.notes, Not(Contains(HasSubstr("is meant"))));
+}
+
 TEST(ReadCsv, NamesTheLinesOfRowsWithoutAStampAndCallsThemNoGaps) {
   std::string text = "# a bench\nt_s,F_ref_N\n";
   for (int i = 0; i < 200; ++i) {
