@@ -27,6 +27,16 @@ class ReadCampaign : public FolderTest {
 
 constexpr const char* kCsv = "t_s,F_ref_N,U_V,level_mm\n0,1,2,3\n0.1,2,3,4\n0.2,3,4,5\n";
 
+TEST_F(ReadCampaign, AColumnThatIsMappedOutIsGone) {
+  put("r.csv", kCsv);
+  CampaignOptions options;
+  options.column_map = {{"level_mm", "unused"}, {"U_V", "unused"}};
+  const auto campaign = read_campaign(folder_ / "r.csv", options);
+  ASSERT_TRUE(campaign) << campaign.error().to_text();
+  ASSERT_EQ(campaign->records.front().trace.channels.size(), 1u);
+  EXPECT_EQ(campaign->records.front().trace.channels.front().name, "F_ref");
+}
+
 TEST_F(ReadCampaign, TakesEveryFactOfADescribedCampaign) {
   put("r1.csv", kCsv);
   put("r2.csv", kCsv);
