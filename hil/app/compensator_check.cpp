@@ -13,7 +13,9 @@
 #include <fstream>
 #include <memory>
 
+#include "hil/base/plain_number.h"
 #include "hil/base/read_file.h"
+#include "hil/base/text.h"
 #include "hil/model/rows.h"
 
 extern char** environ;
@@ -217,8 +219,8 @@ std::vector<std::string> objections(const CompensatorCheck& check) {
   if (check.largest_N > std::max(kFewLSB * check.lsb_N, kOfWhatIsLeft * check.compensated_rms_N))
     out.push_back(fmt::format("the header differs from the model's own inverse by {:.2g} LSB: it does not undo this model", check.largest_N / check.lsb_N));
   if (check.compensated_rms_N > kLarger * check.plain_rms_N)
-    out.push_back(fmt::format("the error on these records is larger with the header than with the law alone: {:.3g} -> {:.3g} mN",
-                              1e3 * check.plain_rms_N, 1e3 * check.compensated_rms_N));
+    out.push_back(fmt::format("the error on these records is larger with the header than with the law alone: {} -> {} mN",
+                              plain_number(1e3 * check.plain_rms_N), plain_number(1e3 * check.compensated_rms_N)));
   return out;
 }
 
@@ -238,6 +240,10 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
   Line plain_line, compensated_line;
   for (const RecordInput& rows : input.records) {
     if (rows.rows() < 16) continue;
+    if (const auto of = std::ranges::find(campaign.records, rows.name, &Record::name); compensator.needs_temperature && rows.temp_C.empty())
+      return fail(ErrorCode::config, "the model needs a temperature (" + join(compensator.effects, "; ") + "), and this record has none",
+                  of != campaign.records.end() ? of->place() : rows.name,
+                  "replay the header on records with a column temp_C; without --check it is written all the same");
     RecordInput r = at_rate(rows, rate_Hz, most_s);
     set_decay(r, model.law);
     r.recording =

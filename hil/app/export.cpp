@@ -89,8 +89,8 @@ std::string export_text(const ExportResult& r) {
   std::string out;
   if (r.fit) {
     out += fmt::format(
-        "one law for all records, as a firmware has it: error of records left out {:.3g} -> {:.3g} mV with the effects\n",
-        1e3 * r.fit->law_left_out_V, 1e3 * r.fit->left_out_V);
+        "one law for all records, as a firmware has it: error of records left out {} -> {} mV with the effects\n",
+        plain_number(1e3 * r.fit->law_left_out_V), plain_number(1e3 * r.fit->left_out_V));
     for (const auto& item : r.fit->records)
       out += fmt::format("    {:<28} {:>8.1f} -> {:.1f} mV\n", item.record, 1e3 * item.law_V,
                          1e3 * item.model_V);
@@ -110,15 +110,15 @@ std::string export_text(const ExportResult& r) {
         r.calibration.protocol, 1.0 / r.calibration.alpha, -r.calibration.beta_N / r.calibration.alpha);
   if (!r.check) return out;
   out += fmt::format(
-      "built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N = {:.2g} LSB\n",
-      r.check->compiler, r.check->largest_N, r.check->largest_N / r.check->lsb_N);
+      "built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N = {} LSB\n",
+      r.check->compiler, r.check->largest_N, plain_number(r.check->largest_N / r.check->lsb_N));
   out += "  recorded voltages against recorded force, RMS in mN (the law alone -> with this header):\n";
   for (const ReplayedRecord& item : r.check->records)
-    out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {:.2g} LSB{}\n", item.record,
+    out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {} LSB{}\n", item.record,
                        item.seconds, 1e3 * item.plain_rms_N, 1e3 * item.compensated_rms_N,
-                       item.largest_N / r.check->lsb_N,
+                       plain_number(item.largest_N / r.check->lsb_N),
                        (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
-                           (item.cut_s >= 0.1 ? fmt::format(", the {:.3g} s behind not replayed", item.cut_s) : ""));
+                           (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
   out += fmt::format("    {:<28} {:>7} {:>8.1f} -> {:<8.1f}\n", "all records", "",
                      1e3 * r.check->plain_rms_N, 1e3 * r.check->compensated_rms_N);
   for (const std::string& objection : objections(*r.check)) out += "warning: " + objection + "\n";

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "hil/base/text.h"
 #include "hil/model/compensator/c_expression.h"
 #include "hil/model/compensator/c_term_parts.h"
 #include "hil/model/compensator/c_text.h"
@@ -29,6 +30,33 @@ std::string define(const char* name, double value) {
 // Whole, as the preprocessor compares it; else as it is.
 std::string rate_text(double rate_Hz) { return rate_Hz == std::round(rate_Hz) ? fmt::format("{:.0f}", rate_Hz) : c_float(rate_Hz); }
 
+// "static_nonlinearity" in 17: "static_nonlinear"; a word of one or two letters at the end says nothing.
+std::string abbreviated(const std::string& name, std::size_t most) {
+  if (name.size() <= most) return name;
+  std::string out = name.substr(0, most);
+  const std::size_t word = out.rfind('_');
+  if (word != std::string::npos && out.size() - word <= 3) out.resize(word);
+  while (out.size() > 3 && std::string_view("aeiou").find(out.back()) != std::string_view::npos) out.pop_back();
+  return out;
+}
+
+// The field of the protocol has room for 17 characters beside the firmware's own name. Whole where they fit; else each effect is cut
+// alike ("hysteresis+static_nonlinearity" -> "hysteres+static"), never so that only the last ones vanish.
+std::string shortened_id(const std::string& id) {
+  constexpr std::size_t kMost = 17, kFewest = 3;
+  if (id.size() <= kMost) return id;
+  const std::vector<std::string> names = split(id, '+');
+  if (names.size() * (kFewest + 1) > kMost + 1) return std::to_string(names.size()) + "_effects";
+  const auto joined = [&](std::size_t most) {
+    std::string out;
+    for (const std::string& name : names) out += (out.empty() ? "" : "+") + abbreviated(name, most);
+    return out;
+  };
+  std::size_t most = kMost;
+  while (most > kFewest && joined(most).size() > kMost) --most;
+  return joined(most);
+}
+
 std::string short_id(const Model& model) {
   std::string id;
   std::set<std::string> named;  // an effect may stand in the model with several forms
@@ -38,7 +66,7 @@ std::string short_id(const Model& model) {
   if (id.empty()) id = "law";
   std::erase_if(
       id, [](char c) { return !(std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '_'); });
-  return id.substr(0, 17);
+  return shortened_id(id);
 }
 
 // A firmware begins where it is switched on: banks of plays that differ in what they kept from the record before are one bank.
