@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kMostRivals = 4;
-const double kSettled = std::log(1000.0), kNearly = std::log(2.0);
+const double kSettled = std::log(1000.0), kOpen = std::log(50.0), kNearly = std::log(2.0);
 const double kWorthPlaying = std::log(1.2);
 
 struct Segment {
@@ -174,9 +174,14 @@ std::vector<std::string> sharing_a_place(const Diagnosis& d) {
   return out;
 }
 
-// What stands among the findings for other reasons is a rival only where the evidence leaves the two open as well.
+bool is_named(const Diagnosis& d, const std::string& effect) {
+  return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == effect; });
+}
+
+// Two effects that the answer names neither of are no question of it. What stands among the findings for other reasons is a rival only where the evidence leaves the two open as well.
 std::optional<RivalOdds> odds_now(const Diagnosis& d, const Rival& a, const Rival& b) {
   const std::string &first = a.kind->name, &second = b.kind->name;
+  if (!is_named(d, first) && !is_named(d, second)) return std::nullopt;
   const std::optional<RivalOdds> now = rival_odds(d, first, second);
   if (!now || !now->stated || compete_for_one_place(d, first, second)) return now;
   return std::abs(evidence_between(d, first, second)) <= kSettled ? now : std::nullopt;
@@ -243,7 +248,7 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
           pair_of[1] = b;
         }
       }
-    if (least > kSettled) break;
+    if (least > kOpen) break;
     std::size_t best = of_segment.size();
     double rate = 0.0;
     for (std::size_t s = 0; s < of_segment.size(); ++s) {

@@ -92,5 +92,23 @@ TEST(NextExperiment, StartsFromTheOddsThatTheFindingsState) {
   EXPECT_GT(s.odds_after, s.odds_before);
 }
 
+TEST(NextExperiment, AsksNothingOfEffectsThatTheAnswerDoesNotNameNorOfWhatIsKnown) {
+  Campaign c = make_campaign(61, late);
+  std::erase_if(c.records, [](const Record& r) { return r.kind != "ramp"; });
+  EngineOptions options;
+  options.threads = 1;
+  auto workspace = prepare(std::move(c), options);
+  ASSERT_TRUE(workspace.has_value()) << workspace.error().to_text();
+  const Result<Diagnosis> answer = diagnose_workspace(**workspace, options);
+  ASSERT_TRUE(answer.has_value()) << answer.error().to_text();
+  Diagnosis d = *answer;
+  d.findings.clear();
+  EXPECT_TRUE(propose_experiment(**workspace, d).segments.empty()) << "nobody named them";
+  d = *answer;
+  for (Finding& f : d.findings) f.probability = f.effect == d.findings.front().effect ? 0.9 : 0.01;
+  for (RankedEffect& r : d.ranking) r.score = r.effect == d.findings.front().effect ? 500.0 : 4.0;
+  EXPECT_TRUE(propose_experiment(**workspace, d).segments.empty()) << "90 to 1 already";
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
