@@ -59,5 +59,19 @@ TEST(OneNumber, TheWaterfallOfAHistoryBeginsAndEndsWhereItsStepDoes) {
   EXPECT_NEAR(history["waterfall"]["end"], after, 0.005 * after);
 }
 
+TEST(OneNumber, TheRecordOfAMountingIsCountedFromOneEverywhere) {
+  const TemporaryFolder folder;
+  write_overload(folder);
+  const ProcessResult said = pasted("forcegate diagnose overload --html page.html", folder);
+  EXPECT_THAT(said.out, ::testing::HasSubstr("  record = 4 ")) << said.out;
+  EXPECT_THAT(read_text(folder / "page.html"), ::testing::HasSubstr("<dt>record</dt><dd>4</dd>"));
+  const auto json = nlohmann::json::parse(pasted("forcegate diagnose overload --json", folder).out);
+  EXPECT_EQ(json["findings"][0]["parameters"][0]["name"], "record");
+  EXPECT_EQ(json["findings"][0]["parameters"][0]["value"], 4.0);
+  ASSERT_EQ(pasted("forcegate add mounting --fit overload -o better.toml", folder).exit_code, 0);
+  EXPECT_THAT(read_text(folder / "better.toml"), ::testing::HasSubstr("shape.record = { value = 4.0"));
+  EXPECT_THAT(pasted("forcegate explain mounting", folder).out, ::testing::HasSubstr("counted from one"));
+}
+
 }  // namespace
 }  // namespace forcegate::test

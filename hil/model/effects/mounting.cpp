@@ -1,6 +1,6 @@
 // Mounting: hardness and curvature of the contacting surface change the gain; one gain for each mounting.
 //   dU = g (c_k W + o_k R) in the k-th mounting, R the force span; where nobody wrote the mountings down, one step:
-//   dU = g (c W + o R) for all records from number k on.  Sensors 20 (2020) 6863.
+//   dU = g (c W + o R) for all records from number k on, counted from one.  Sensors 20 (2020) 6863.
 
 #include <algorithm>
 #include <string>
@@ -42,8 +42,8 @@ EffectForm declared(const char* name, bool gain) {
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "mounting",
     .side = "sensor",
-    .summary = "gain and zero are new after the sensor was mounted anew, and stay until the next time",
-    .equation = "dU = g (c_k W + o_k R) in mounting k; not written down: one step from record k on",
+    .summary = "gain and zero are new from one record on and stay, as after mounting the sensor anew (or an overload)",
+    .equation = "dU = g (c_k W + o_k R) in mounting k; not written down: one step from the record number k on, counted from one",
     .source = "Sensors 20 (2020) 6863",
     .look_alikes = {"wear", "thermal", "bias", "slow_recovery"},
     .separates = "the same ramp before and after touching the mounting, and again without touching it",
@@ -51,7 +51,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .traits = {.between_records = true, .needs_records = true},
     .forms = {
         {.name = "step",
-         .shape = {{"record", "1", 1.0, 1e6, 1.0, "first record of the new mounting"}},
+         .shape = {{"record", "1", 2.0, 1e6, 2.0, "first record of the new mounting, counted from one"}},
          .strength = {{"c", "1", -0.9, 9.0, 0.0, "relative change of gain"},
                       {"o", "1", -1.0, 1.0, 0.0, "change of zero, share of the force span"}},
          .sign = StrengthSign::either,
@@ -60,12 +60,12 @@ const Registration<EffectKind> kRegistered{EffectKind{
                std::vector<std::vector<double>> out;
                if (c.mountings > 0) return out;
                // one record that stands apart is an odd record
-               for (std::size_t k = 2; k + 2 <= c.records.size(); ++k) out.push_back({static_cast<double>(k)});
+               for (std::size_t k = 2; k + 2 <= c.records.size(); ++k) out.push_back({static_cast<double>(k + 1)});
                return out;
              },
          .columns =
              [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
-               const bool after = static_cast<double>(r.index) >= shape[0];
+               const bool after = static_cast<double>(r.index + 1) >= shape[0];
                r.for_each_wanted([&](std::size_t i) {
                  out(static_cast<Eigen::Index>(i), 0) = after ? r.base_force_N(i) : 0.0;
                  out(static_cast<Eigen::Index>(i), 1) = after ? c.range_N : 0.0;
