@@ -253,7 +253,7 @@ Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
   for (const Channel& c : trace.channels) {
     const std::string name = header_of(c.name, c.unit);
     header += "," + (name.find_first_of(",;\"") == std::string::npos ? name : "\"" + name + "\"");
-    if (!c.raw.empty() && c.quantity != "code") header += "," + c.name + "_counts";
+    if (has_counts_beside(c)) header += "," + c.name + "_counts";
   }
   header += '\n';
 
@@ -284,7 +284,7 @@ Result<void> write_csv(const Trace& trace, const std::filesystem::path& path) {
     for (const Channel& c : trace.channels) {
       put(',');
       if (i < c.value.size() && std::isfinite(c.value[i])) put_number(c.value[i]);
-      if (c.raw.empty() || c.quantity == "code") continue;
+      if (!has_counts_beside(c)) continue;
       put(',');
       if (i < c.raw.size() && c.raw[i] >= 0) put_number(c.raw[i]);
     }

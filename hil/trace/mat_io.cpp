@@ -158,7 +158,7 @@ Result<void> write_mat(const Trace& trace, const std::filesystem::path& path) {
   for (const Channel& c : trace.channels) {
     const std::string suffix = c.time_base == 0 ? "" : "_at_" + std::to_string(c.time_base + 1);
     good = good && vector(header_of(c.name, c.unit) + suffix, c.value);
-    if (c.raw.empty() || c.quantity == "code") continue;
+    if (!has_counts_beside(c)) continue;
     ++variables;
     good = good && put(file.get(), variable_name(c.name + "_counts" + suffix), MAT_C_INT32, MAT_T_INT32,
                        c.raw.size(), 1, c.raw.data());

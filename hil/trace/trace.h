@@ -34,6 +34,9 @@ struct Channel {
   std::vector<std::int32_t> raw;  ///< device counts beside the physical values; may be empty
 };
 
+/// The counts are a column of their own beside physical values; a channel that is nothing but counts is one column.
+inline bool has_counts_beside(const Channel& c) { return !c.raw.empty() && c.quantity != "code" && c.unit != "counts"; }
+
 struct Trace {
   std::string name;
   std::vector<TimeBase> time_bases;

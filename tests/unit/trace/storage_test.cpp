@@ -140,6 +140,30 @@ TEST_F(Storage, MatReturnsTheColumns) {
   EXPECT_EQ(read_mat(folder_ / "b.mat").error().code, ErrorCode::parse);
 }
 
+// What the gate keeps has channels of nothing but counts: status and flags.
+TEST_F(Storage, AChannelOfCountsIsOneColumnInEveryFormat) {
+  Trace trace;
+  trace.time_bases.emplace_back();
+  trace.time_bases[0].t_s = {0.0, 0.001, 0.002};
+  trace.channels = {{"F_ref", "N", "force", 0, {1.0, 1.5, 2.0}, {}},
+                    {"U", "V", "voltage", 0, {1.0, 2.0, 3.0}, {6553, 13107, 19660}},
+                    {"status", "counts", "status", 0, {0.0, 1.0, 0.0}, {0, 1, 0}}};
+  ASSERT_TRUE(write_csv(trace, folder_ / "a.csv"));
+  std::string header;
+  std::ifstream file(folder_ / "a.csv");
+  std::getline(file, header);
+  EXPECT_EQ(header, "t_s,F_ref_N,U_V,U_counts,status_counts");
+  ASSERT_TRUE(write_mat(trace, folder_ / "a.mat"));
+  for (const char* name : {"a.csv", "a.mat"}) {
+    const auto back = read_trace(folder_ / name, {});
+    ASSERT_TRUE(back) << name << " " << back.error().to_text();
+    ASSERT_NE(back->trace.find("U"), nullptr) << name;
+    EXPECT_EQ(back->trace.find("U")->raw, trace.channels[1].raw) << name;
+    ASSERT_NE(back->trace.find("status"), nullptr) << name;
+    EXPECT_EQ(back->trace.find("status")->value, trace.channels[2].value) << name;
+  }
+}
+
 TEST_F(Storage, AMatFileThatIsCutShortOrDamagedIsRefused) {
   Trace trace;
   trace.time_bases.push_back({});
