@@ -59,6 +59,23 @@ TEST(OneNumber, TheWaterfallOfAHistoryBeginsAndEndsWhereItsStepDoes) {
   EXPECT_NEAR(history["waterfall"]["end"], after, 0.005 * after);
 }
 
+TEST(OneNumber, ThePartsOfOneRecordingAreNoRecords) {
+  const TemporaryFolder folder;
+  Noise noise;
+  std::string csv = "t_s,F_ref_N,U_mV\n";
+  for (int i = 0; i < 15000; ++i) {
+    const double t = 0.02 * i, force = 3.0 - 2.0 * std::cos(0.7 * t) - 0.9 * std::cos(0.23 * t);
+    char row[96];
+    std::snprintf(row, sizeof row, "%.2f,%.4f,%.3f\n", t, force, 1e6 * (1.0 - std::exp(-force / 6.0)) + 300.0 * noise());
+    csv += row;
+  }
+  write_text(folder / "bent.csv", csv);
+  const ProcessResult said = pasted("forcegate diagnose bent.csv", folder);
+  EXPECT_THAT(said.out, ::testing::HasSubstr(" of 5 parts of the recording that it touches improve")) << said.out;
+  EXPECT_THAT(said.out, ::testing::Not(::testing::HasSubstr("records left out"))) << said.out;
+  EXPECT_THAT(said.out, ::testing::Not(::testing::ContainsRegex("falls from [0-9.]*e"))) << "as it stands in the line of the errors";
+}
+
 TEST(OneNumber, TheRecordOfAMountingIsCountedFromOneEverywhere) {
   const TemporaryFolder folder;
   write_overload(folder);

@@ -23,17 +23,18 @@ std::string the_other_way_round(const ChosenEffect& chosen, const ResidualChanne
   return "; here the other way round, " + f.parameters.front().name + " is negative";
 }
 
-std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, JudgedBy by, const Finding& f) {
+// `single`: one recording, its records are parts of it.
+std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, JudgedBy by, bool single, const Finding& f) {
   char text[480];
   const PrintedUnit unit = printed_unit(channel.unit);
-  const char* judges = by == JudgedBy::whole ? "the whole recording" : "records left out";
+  const char* judges = by == JudgedBy::whole ? "the whole recording" : single ? "parts left out" : "records left out";
   if (f.error_after < f.error_before)
-    std::snprintf(text, sizeof text, "it accounts for %.3g %s RMS (%.2g %% of the span): the error of %s falls from %.3g to %.3g %s",
-                  f.effect_rms * unit.factor, unit.name.c_str(), 100.0 * f.effect_rms / channel.scale, judges, f.error_before * unit.factor,
-                  f.error_after * unit.factor, unit.name.c_str());
+    std::snprintf(text, sizeof text, "it accounts for %s %s RMS (%.2g %% of the span): the error of %s falls from %s to %s %s",
+                  plain_number(f.effect_rms * unit.factor).c_str(), unit.name.c_str(), 100.0 * f.effect_rms / channel.scale, judges,
+                  plain_number(f.error_before * unit.factor).c_str(), plain_number(f.error_after * unit.factor).c_str(), unit.name.c_str());
   else
-    std::snprintf(text, sizeof text, "the error of %s hardly shows it: %.3g %s without and %.3g %s with it", judges, f.error_before * unit.factor,
-                  unit.name.c_str(), f.error_after * unit.factor, unit.name.c_str());
+    std::snprintf(text, sizeof text, "the error of %s hardly shows it: %s %s without and %s %s with it", judges,
+                  plain_number(f.error_before * unit.factor).c_str(), unit.name.c_str(), plain_number(f.error_after * unit.factor).c_str(), unit.name.c_str());
   std::string out = chosen.kind->summary + the_other_way_round(chosen, channel, f) + "; " + text;
   if (chosen.by_records()) {
     // the decay differs from record to record too: the error of whole records says little of a gain
@@ -46,9 +47,10 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
   }
   if (by != JudgedBy::whole && chosen.left_out.excited > 0) {
     std::snprintf(text, sizeof text,
-                  "; %d of %d %s that it touches improve, its strength differs by %.0f %% between records",
+                  "; %d of %d %s that it touches improve, its strength differs by %.0f %% between %s",
                   chosen.left_out.improved, chosen.left_out.excited,
-                  chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter);
+                  single ? "parts of the recording" : chosen.left_out.blocks ? "parts of records" : "records", 100.0 * chosen.strength_scatter,
+                  single ? "them" : "records");
     out += text;
   }
   return out;
@@ -193,7 +195,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
-    f.evidence = sentence(chosen, channel, w.judges, f);
+    f.evidence = sentence(chosen, channel, w.judges, w.input.single, f);
     if (!chosen.borne_out) f.limit(kNoClaim, kDoesNotFall);
     reserve(w, channel, selection.base, f);
     for (const FamilyScore& rival : selection.first.families) {
