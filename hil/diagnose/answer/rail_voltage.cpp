@@ -56,4 +56,33 @@ std::optional<FoundParameter> rail_voltage(const CampaignInput& campaign, const 
   return FoundParameter{"rail_" + channel.unit, median(outputs(all)), std::sqrt(square / (n * (n - 1.0)) + 0.25 * rise * rise), channel.unit};
 }
 
+std::optional<double> rise_beyond_rail(const Workspace& w, double corner_N) {
+  constexpr double kBeyond = 0.03, kOfNoise = 10.0;  // of the force range
+  constexpr std::size_t kFewestRows = 5;
+  double rise = 0.0, without = 0.0;
+  for (std::size_t k = 0; k < w.input.records.size(); ++k) {
+    const RecordInput& r = w.input.records[k];
+    const double least_N = corner_N + kBeyond * w.input.range_N;
+    double most_N = least_N;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0) most_N = std::max(most_N, r.base_force_N(i));
+    struct Half {
+      std::vector<double> W, U;
+    } lower, upper;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      const double W = r.base_force_N(i);
+      if (r.ok[i] == 0 || !(W > least_N)) continue;
+      Half& half = W < 0.5 * (least_N + most_N) ? lower : upper;
+      half.W.push_back(W);
+      half.U.push_back(r.U_V[i]);
+    }
+    if (lower.W.size() < kFewestRows || upper.W.size() < kFewestRows) continue;
+    const double straight_V = w.gain_V_per_N * (median(upper.W) - median(lower.W));
+    if (std::abs(straight_V) < kOfNoise * w.noise_V[k]) continue;
+    rise += std::copysign(1.0, straight_V) * (median(upper.U) - median(lower.U));
+    without += std::abs(straight_V);
+  }
+  return without > 0.0 ? std::optional(rise / without) : std::nullopt;
+}
+
 }  // namespace forcegate::diagnose

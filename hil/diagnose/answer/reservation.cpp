@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/answer/rail_voltage.h"
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/model/lagged_channel.h"
@@ -30,6 +32,13 @@ bool may_be_late_reference(const Workspace& w, const ResidualChannel& channel, c
   return f.error_before * f.error_before - square > kShare * (f.error_before * f.error_before - f.error_after * f.error_after);
 }
 
+double last_corner_N(const Finding& clipping) {
+  double out = -std::numeric_limits<double>::infinity();
+  for (const FoundParameter& p : clipping.parameters)
+    if (p.name.ends_with("Wr_N")) out = std::max(out, p.value);
+  return out;
+}
+
 Reservation reservation(const Workspace& w, const ResidualChannel& channel, const MixedFit& base, const Finding& f) {
   const CampaignInput& campaign = w.input;
   const double declared_N = campaign.bench.reference_resolution_N, resolution_N = std::isfinite(declared_N) ? declared_N : w.scales.step_N;
@@ -38,6 +47,8 @@ Reservation reservation(const Workspace& w, const ResidualChannel& channel, cons
   constexpr double kOrdinaryLead_pct = 1.0;   // the same of a loop that runs ahead of the load
   constexpr double kOfSteps = 4.0;            // of the reference's: what its rounding makes of a turning point at most
   constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
+  constexpr double kStillRises = 0.2;         // of the slope, beyond the last corner
+  constexpr double kFarAbove = 2.5;           // times what the instruments may leave
   constexpr double kOfNoSpring = 0.01;        // of the span, RMS: what a law of the rig leaves at most
   constexpr double kHardlyFalls = 0.95;
   constexpr double kErrors = 2.0;
@@ -52,6 +63,9 @@ Reservation reservation(const Workspace& w, const ResidualChannel& channel, cons
     for (const FoundParameter& p : f.parameters)
       if (p.name == "c" || p.name.ends_with(".c")) taken += p.value;
     if (taken < kStops) return {kNothingToFind, "a rail stops the output, and this hardly bends it"};
+    // one that is met softly rises a little too, but its corners leave no more than the noise
+    if (f.error_after > kFarAbove * allowed_rms(channel) * channel.scale && rise_beyond_rail(w, last_corner_N(f)).value_or(0.0) > kStillRises)
+      return {kNothingToFind, "a rail stops the output at one value, and this one goes on rising with the force"};
   }
   // an error of 0: no record that is left out turns
   const bool fits = f.error_after > 0.0 && f.error_after <= kOfNoSpring * campaign.range_N;

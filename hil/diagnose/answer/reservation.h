@@ -10,7 +10,7 @@ namespace forcegate::diagnose {
 /// loop of less than 0.5 % where nobody reads an angle, or ahead of the command there; any that is narrower than twice its uncertainty; a
 /// sensor's loop that runs ahead of the load by less than 1 % and either four steps of the reference, or three times what a late reference
 /// explains; a zero of the reference that jumps from record to record by less than half its resolution; a rail that takes less than a tenth
-/// of the slope; a bent spring of a bench whose law nobody declared and that leaves 1 % of the span or is left out nowhere; a push from the
+/// of the slope, or that leaves 2.5 times the noise while the output rises beyond its last corner by a fifth of what it would without one; a bent spring of a bench whose law nobody declared and that leaves 1 % of the span or is left out nowhere; a push from the
 /// side there that left-out records hardly gain by. To kNoClaim: a free course over the campaign in the name of an unrecorded channel.
 void reserve(const Workspace& workspace, const ResidualChannel& channel, const MixedFit& base, Finding& finding);
 

@@ -43,5 +43,32 @@ TEST(Clipping, IsToldByTheVoltageOfTheRail) {
   EXPECT_GT(soft.u, 2.0 * hard.u) << "a round corner has no sharp voltage";
 }
 
+// A film that conducts less and less: its output bends over the whole range and goes on rising to its end, where one record is held for long.
+TEST(Clipping, IsNoSmoothCurveThatGoesOnRising) {
+  Campaign c = make_campaign(76, straight);
+  c.bench = BenchFacts{};
+  c.records.resize(3);
+  for (std::size_t k = 0; k < c.records.size(); ++k) {
+    Rng rng(40 + k, "presses");
+    Record& r = c.records[k];
+    r.kind.clear();
+    r.role = RecordRole::fit;
+    auto& F = r.trace.find("F_ref")->value;
+    auto& U = r.trace.find("U")->value;
+    double first = std::max(0.9, std::abs(rng.normal())) + 0.08, second = first;  // a load that is let go
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      first += 0.01 * (std::abs(rng.normal()) - first);
+      second += 0.01 * (first - second);
+      double force = std::clamp((k == 0 ? 1.0 : 0.5) * (12.0 * second - 9.0), 0.0, 11.0);
+      if (k == 2) force = i < 4000 || i > 18000 ? 0.6 : 11.0;
+      F[i] = force + 0.03 * rng.normal();
+      U[i] = 0.1 + 4.0 * (1.0 - std::exp(-force / 6.0)) + 0.003 * rng.normal();
+    }
+  }
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_LT(probability(d, "clipping"), 0.5) << told(d);
+  EXPECT_NE(d.verdict, DiagnosisVerdict::none) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
