@@ -130,7 +130,8 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigObserv
   f("reference_lag", v.reference_lag_s), f("following", v.following_rad), f("zero_start", v.zero_start_N);
   f("zero_end", v.zero_end_N), f("reference_stale", v.reference_stale_s), f("sensor_stale", v.sensor_stale_s);
   f("worst_gap", v.worst_gap_s), f("sensor_blocks", v.sensor_blocks), f("sensor_odd", v.sensor_blocks_odd);
-  f("sensor_jumps", v.sensor_jumps), f("sensor_lag", v.sensor_lag_s);
+  f("sensor_jumps", v.sensor_jumps), f("sensor_lag", v.sensor_lag_s),
+      f("command_step", v.command_step_rad), f("sensor_clipped", v.sensor_clipped_s);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, SafetyReport> {

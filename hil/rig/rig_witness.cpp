@@ -305,7 +305,11 @@ void RigWitness::push_wheel(const RigBlock& block, std::size_t n, const float* c
     }
     if (!kSound && !std::isfinite(theta[i])) continue;
     const bool stop = !kSound && status[i] & kRigTravelStop;
+  command_rows_ += static_cast<double>(n);
     const double moved = static_cast<double>(theta[i]) - last, v = moved * per_period;
+    const double step = static_cast<double>(commanded[i]) - static_cast<double>(previous_command_);
+    command_steps_ += step * step;
+    previous_command_ = commanded[i];
     if (stop || (!kSound && status[i] & kRigSampleLost) || !std::isfinite(v + previous_v)) {
       e = v_high = 0.0;
     } else {
@@ -364,7 +368,9 @@ RigObservation RigWitness::finish() const {
   const unsigned expected = span > 3 ? (std::bit_floor(span) - 1u) : 0u;
   o.adc_bits_stuck = static_cast<std::uint16_t>(~(adc_or_ ^ adc_and_) & expected);
   const double n = static_cast<double>(o.spring_samples);
-  if (o.spring_samples < 10) {
+  if (command_rows_ > 0.0)
+    o.command_step_rad = kCommandPeriod_s * std::sqrt(command_steps_ / (command_rows_ * period_s_ / kCommandPeriod_s));
+  if (o.spring_samples < kLeastSpringSamples) {
     o.spring_bias_N = o.spring_rms_N = o.spring_worst_bias_N = std::numeric_limits<double>::quiet_NaN();
     return o;
   }

@@ -4,7 +4,8 @@
 //
 // Spring witness: the ATI force against F = k (preload + e (1 - cos theta)), theta read back from the drive.
 // Following: theta against the integral of the commanded velocity. A sound drive of first order lags by tau v, so what
-// is judged is the residual of (integral of command - theta) = tau v + const over stretches inside the travel.
+// is judged is the residual of (integral of command - theta) = tau v + const over stretches inside the travel. When a
+// command takes effect is known to one control period only: a command that steps by dv may show T dv of that as residual.
 // Sensor: within 10 s the film's loss hardly changes, so its code must follow the ATI in a straight line.
 // Noise: standard deviation from second differences, sqrt(mean (x[i-1] - 2 x[i] + x[i+1])^2 / 6); the motion
 // of the profile drops out, the noise of a sound reference and its quantisation remain.
@@ -47,12 +48,14 @@ struct RigObservation {
   double sensor_lag_s = std::numeric_limits<double>::quiet_NaN();     ///< sensor's code behind the ATI
   double following_rad = std::numeric_limits<double>::quiet_NaN();    ///< rms of the following residual
   double zero_start_N =
+  double command_step_rad = 0.0;  ///< rms step of the command from one control period to the next, times that period
       std::numeric_limits<double>::quiet_NaN();  ///< unloaded ATI before the record; NaN: not taken
   double zero_end_N = std::numeric_limits<double>::quiet_NaN();  ///< and after it
   double reference_stale_s =
       0.0;                      ///< all times without a change of the reading while the spring moved by 0.1 N
   double sensor_stale_s = 0.0;  ///< the same of the sensor's code
   double worst_gap_s = 0.0;     ///< largest step of time beyond one period
+  double sensor_clipped_s = 0.0;  ///< of these, at the largest code of the record, which is not the converter's last
   std::uint64_t sensor_jumps =
       0;  ///< steps of 2 % of the range from one code to the next while the ATI stood
   std::uint64_t sensor_blocks = 0;      ///< blocks of 10 s in which the ATI moved and the converter had room
@@ -63,6 +66,8 @@ class RigWitness {
  public:
   static constexpr double kBlockSeconds = 10.0;  ///< of spring_worst_bias_N
 
+  static constexpr std::uint64_t kLeastSpringSamples = 10;  ///< fewer tell nothing of the spring
+  static constexpr double kCommandPeriod_s = 0.01;          ///< commands come at this distance
   void begin(const RigInfo& info);
   /// Rows [0, n) of the block; commanded is the velocity the rig was told for each of them (may be null).
   void push(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s = nullptr);
@@ -128,3 +133,5 @@ class RigWitness {
 };
 
 }  // namespace forcegate
+  float previous_command_ = 0.0f;
+  double command_steps_ = 0, command_rows_ = 0;

@@ -48,7 +48,7 @@ class SelfCheck {
     zero();
     reference();
     drive();
-    if (info_.geometry.eccentricity_mm > 0.0 && o_.spring_samples > 0) spring();
+    if (info_.geometry.eccentricity_mm > 0.0 && o_.spring_samples >= RigWitness::kLeastSpringSamples) spring();
     sensor();
     return std::move(checks_);
   }
@@ -126,8 +126,10 @@ class SelfCheck {
                                           o_.theta_still_while_commanded_s)});
     if (std::isfinite(o_.following_rad))
       add({"rig_following", "Wheel angle beside the commanded one, beyond the drive's own lag, rms",
-           o_.following_rad, "rad", limits_.following_rad, Blame::rig,
-           fmt::format("the wheel leaves the commanded motion by {:.4f} rad rms", o_.following_rad)});
+           o_.following_rad, "rad", limits_.following_rad + o_.command_step_rad, Blame::rig,
+           fmt::format("the wheel leaves the commanded motion by {:.4f} rad rms; {:.4f} rad are allowed for the steps of the "
+                       "command",
+                       o_.following_rad, o_.command_step_rad)});
   }
 
   void spring() {

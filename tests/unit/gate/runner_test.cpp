@@ -4,58 +4,16 @@
 
 #include <cmath>
 
+#include "hil/gate/blame.h"
 #include "hil/gate/calibrate.h"
 #include "hil/gate/case_json.h"
-#include "hil/gate/judge.h"
-#include "tests/support/fake_dut.h"
-#include "tests/support/fake_rig.h"
+#include "tests/unit/gate/runner_bench.h"
 
 namespace forcegate {
 namespace {
 
-struct Bench {
-  testing::FakeRig rig;
-  testing::FakeDut dut;
-  CaseJob job;
-  Plan plan;
-  Bench() {
-    job.id = "sine/fake";
-    job.nonce = 0x1234;
-    job.planned.name = "sine";
-    job.planned.controller = "open_loop";
-    job.planned.checks = kCheckAccuracy;
-    job.planned.maxima_pct = job.planned.minima_pct = 5.0;
-    job.planned.limit_source = "test";
-    job.planned.stimulus.name = "sine";
-    job.planned.stimulus.numbers = {
-        {"f_Hz", 0.5}, {"A_N", 1.0}, {"m_N", 2.0}, {"duration_s", 60.0}, {"ramp_s", 2.0}};
-    job.calibration.gain_N_per_V = rig.gain_N_per_V;
-    job.calibration.offset_N = rig.offset_N;
-  }
-  CaseRecord run() {
-    RunDevices devices;
-    devices.rig = &rig;
-    devices.dut = &dut;
-    return run_case(job, devices);
-  }
-  JudgedCase judge(const CaseRecord& record) {
-    JudgedCase judged = judge_case(plan, job.planned, record, {});
-    std::vector<JudgedCheck*> all;
-    for (JudgedCheck& j : judged.checks) all.push_back(&j);
-    apply_rule(plan.rule, all);
-    return judged;
-  }
-  void close_loop() {
-    job.planned.loop = LoopMode::closed;
-    job.planned.controller = "force_integral";
-  }
-};
-
-const Check* find(const JudgedCase& judged, const std::string& id) {
-  for (const JudgedCheck& j : judged.checks)
-    if (j.check.id == id) return &j.check;
-  return nullptr;
-}
+using testing::Bench;
+using testing::find;
 
 bool all_required_pass(const JudgedCase& judged) {
   for (const JudgedCheck& j : judged.checks)
@@ -203,6 +161,21 @@ TEST(Runner, charges_a_build_that_drives_the_loop_into_the_force_limit) {
   EXPECT_TRUE(judged.safety_cause_decided);
   EXPECT_EQ(find(judged, "safety_stop")->verdict, Verdict::fail);
   EXPECT_EQ(find(judged, "safety_stop")->blame, Blame::firmware);
+}
+
+TEST(Runner, charges_a_build_whose_first_answer_is_no_number_with_the_stop_of_the_closed_loop) {
+  for (const float force : {std::nanf(""), INFINITY, -INFINITY})
+    for (const std::uint32_t from : {0u, 40u, 25000u}) {
+      Bench s;
+      s.close_loop();
+      s.dut.spoil = [=](std::uint32_t index, float& force_N, std::uint8_t&) {
+        if (index >= from) force_N = force;
+      };
+      const JudgedCase judged = s.judge(s.run());
+      EXPECT_EQ(find(judged, "output_finite")->verdict, Verdict::fail) << from;
+      EXPECT_EQ(find(judged, "output_finite")->blame, Blame::firmware) << from;
+      for (const JudgedCheck& j : judged.checks) EXPECT_NE(j.check.verdict, Verdict::rig_error) << j.check.id << " " << from;
+    }
 }
 
 TEST(Runner, does_not_charge_a_build_with_a_stop_after_which_it_agreed_with_the_reference) {

@@ -180,6 +180,35 @@ TEST(SelfCheck, a_wheel_that_leaves_its_command_is_the_rig_s_fault_and_the_drive
     }
 }
 
+// What the firmware's answer makes of the command is not the wheel's fault: a bench acts one control period late.
+TEST(SelfCheck, a_command_that_jumps_to_and_fro_is_followed_as_well_as_a_late_drive_can) {
+  testing::FakeRig rig;
+  RigRecordRequest request;
+  request.force_low_N = 1.0;
+  ASSERT_TRUE(rig.begin(request));
+  RigWitness witness;
+  witness.begin(rig.info());
+  RigBlock block;
+  block.resize(10);
+  Rng rng(7, "chatter");
+  double before = 0.0, last = 0.0;
+  for (int k = 0; k < 3000; ++k) {
+    const double draw = 3.0 * rng.normal(0.0, 1.0), velocity = draw - last;  // goes to and fro about one angle
+    last = draw;
+    ASSERT_TRUE(rig.command_velocity(before));
+    ASSERT_TRUE(rig.run(10, block, 0));
+    const std::vector<float> told(10, static_cast<float>(velocity));
+    before = velocity;
+    witness.push(block, 10, told.data());
+  }
+  const RigObservation seen = witness.finish();
+  EXPECT_GT(seen.following_rad, 0.02);
+  for (const Check& c : self_check(rig.info(), seen))
+    if (c.id == "rig_following") {
+      EXPECT_EQ(c.verdict, Verdict::pass) << c.evidence;
+    }
+}
+
 TEST(SelfCheck, sees_a_clock_that_runs_fast_jumps_or_leaves_a_hole) {
   const auto blame = [](std::function<double(double)> clock) {
     testing::FakeRig rig;
