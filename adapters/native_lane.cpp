@@ -12,6 +12,7 @@
 #include "hil/base/text.h"
 #include "hil/interface/dut.h"
 #include "hil/interface/firmware_guard.h"
+#include "hil/interface/unanswered.h"
 
 namespace forcegate {
 namespace {
@@ -95,6 +96,7 @@ class NativeDut final : public Dut {
                        std::span<float> force_N, std::span<std::uint8_t> flags) override {
     if (process_ == nullptr) return fail(ErrorCode::internal, "the native lane is not open", where_);
     std::int32_t status = 0;
+    mark_unanswered(force_N, flags);
     // Asking costs a microsecond: too much for the ten samples of a control period.
     const bool watch_heap = first_index >= kHeapSettled && adc.size() >= 256;
     const std::int64_t before = watch_heap ? heap_bytes() : 0;
@@ -111,6 +113,12 @@ class NativeDut final : public Dut {
                   status == kBadIndex
                       ? "the image expected another sample index than " + std::to_string(first_index)
                       : "the image answers status " + std::to_string(status),
+                  where_);
+    if (const Unanswered left = count_unanswered(force_N, flags); left.samples > 0)
+      return fail(ErrorCode::firmware,
+                  "the image leaves " + std::to_string(left.samples) + " of " + std::to_string(adc.size()) +
+                      " samples without force or flags (eight at once are none), the first at sample " +
+                      std::to_string(first_index + left.first) + ": stale output is never judged",
                   where_);
     counters_.samples += adc.size();
     return {};
