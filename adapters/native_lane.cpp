@@ -156,18 +156,12 @@ class NativeDut final : public Dut {
                   where_);
     if (status != 0)
       return fail(ErrorCode::firmware, "the image refuses to open: status " + std::to_string(status), where_);
-    if (info.protocol_major != 1)
-      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(info.protocol_major),
-                  where_);
-    if (info.nonce != session.nonce)
-      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged",
-                  where_);
-    if (std::memcmp(&info.calibration, &calibration, sizeof calibration) != 0)
-      return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
-    if (static_cast<double>(info.rate_Hz) != session.rate_Hz)
-      return wrong_rate(info.rate_Hz, session.rate_Hz, where_);
+    FORCEGATE_CHECK_OK(check_echo({info.protocol_major, info.nonce,
+                                   std::memcmp(&info.calibration, &calibration, sizeof calibration) == 0,
+                                   static_cast<double>(info.rate_Hz)},
+                                  session, "the image", where_));
     FORCEGATE_CHECK_OK(link::check_build_id(image_, text_of(info.build_id), where_));
-    return DutInfo{1,
+    return DutInfo{info.protocol_major,
                    info.protocol_minor,
                    text_of(info.board),
                    text_of(info.build_id),
@@ -219,7 +213,9 @@ const Registration<LaneKind> kRegistered{{
       const auto image = link::inspect_image(path);
       return image && image->port == "native";
     },
-    [](const std::map<std::string, std::string>&) -> Result<std::unique_ptr<Dut>> {
+    [](const std::map<std::string, std::string>& options) -> Result<std::unique_ptr<Dut>> {
+      if (!options.empty())
+        return fail(ErrorCode::usage, "the native lane has no option '" + printable_utf8(options.begin()->first) + "'", "--lane-option", "it takes none");
       return std::make_unique<NativeDut>();
     },
 }};

@@ -61,17 +61,12 @@ class ProcessBoard final : public SensorBoard {
       const auto at = reply.text.find(key);
       return at != reply.text.end() ? at->second : std::string();
     };
-    if (number("nonce") != static_cast<double>(session.nonce))
-      return fail(ErrorCode::firmware, "the board does not echo the nonce: stale output is never judged",
-                  program_.where());
-    if (number("rate_Hz") != session.rate_Hz)
-      return fail(ErrorCode::firmware,
-                  "the image runs at " + shortest(number("rate_Hz")) + " Hz, the bench at " +
-                      shortest(session.rate_Hz) + " Hz",
-                  program_.where());
-    if (number("adc_bits") != c.adc_bits || !whole(number("protocol_major"), 0, 255) ||
-        !whole(number("protocol_minor"), 0, 255))
-      return program_.bad("the answer to 'load' needs adc_bits as asked, protocol_major and protocol_minor");
+    if (!whole(number("nonce"), 0, 4294967295.0) || !whole(number("adc_bits"), 0, 255) ||
+        !whole(number("protocol_major"), 0, 255) || !whole(number("protocol_minor"), 0, 255))
+      return program_.bad("the answer to 'load' needs nonce, adc_bits, protocol_major and protocol_minor");
+    FORCEGATE_CHECK_OK(check_echo({static_cast<int>(number("protocol_major")), static_cast<std::uint32_t>(number("nonce")),
+                                   echoes(reply, c), number("rate_Hz")},
+                                  session, "the board", program_.where()));
     counters_ = {};
     return DutInfo{static_cast<int>(number("protocol_major")),
                    static_cast<int>(number("protocol_minor")),
@@ -129,6 +124,18 @@ class ProcessBoard final : public SensorBoard {
   ClockFit clock() const override { return program_.clock().fit(); }
 
  private:
+  // Numbers of CAL that the answer holds are those that the board echoed (as f32); adc_bits it must hold.
+  static bool echoes(const Reply& reply, const Calibration& c) {
+    const auto same = [&](const char* key, double sent) {
+      const auto at = reply.number.find(key);
+      return at == reply.number.end() || static_cast<float>(at->second) == static_cast<float>(sent);
+    };
+    const auto id = reply.text.find("calibration_id");
+    return same("gain_N_per_V", c.gain_N_per_V) && same("offset_N", c.offset_N) && same("v_range_V", c.v_range_V) &&
+           same("b_scale", c.b_scale) && same("q_scale", c.q_scale) && same("adc_bits", c.adc_bits) &&
+           (id == reply.text.end() || id->second == c.id);
+  }
+
   AdapterProcess program_;
   BenchWorld& world_;
   int adc_bits_;

@@ -124,19 +124,15 @@ class UartDut final : public Dut {
     FORCEGATE_TRY(const link::Frame reply, receive(link::Type::info));
     const auto info = link::decode_info(reply.payload);
     if (!info) return fail(ErrorCode::firmware, "the image sends a malformed INFO frame", where_);
-    if (info->nonce != session.nonce)
-      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged",
-                  where_);
     if ((info->capabilities & 1U) == 0)
       return fail(ErrorCode::firmware, "the image cannot take injected samples (capability INJECT)", where_);
-    if (static_cast<double>(info->rate_Hz) != session.rate_Hz)
-      return wrong_rate(info->rate_Hz, session.rate_Hz, where_);
     const link::CalWire calibration = link::to_wire(session.calibration);
     FORCEGATE_CHECK_OK(send(link::Type::param, link::set_cal_payload(calibration)));
     FORCEGATE_TRY(const link::Frame value, receive(link::Type::param_value));
     const auto echoed = link::decode_param_value(value.payload);
-    if (!echoed || !(echoed->calibration == calibration))
-      return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
+    FORCEGATE_CHECK_OK(check_echo({reply.version >> 4, info->nonce, echoed && echoed->calibration == calibration,
+                                   static_cast<double>(info->rate_Hz)},
+                                  session, "the image", where_));
     FORCEGATE_CHECK_OK(probe());
     FORCEGATE_CHECK_OK(send(link::Type::reset, {}));
     FORCEGATE_CHECK_OK(receive(link::Type::reset_done));

@@ -57,6 +57,8 @@ class LinkBoard final : public SensorBoard {
   std::vector<std::uint8_t> buffer_;
   std::uint16_t sequence_ = 0, stream_request_ = 0, expected_sequence_ = 0;
   bool expects_sequence_ = false, streaming_ = false;
+  bool image_loaded_ = false;            ///< what runs on the board is what is judged
+  std::uint64_t lost_frames_seen_ = 0;  ///< damaged and missing frames up to the last SAMPLES
   std::uint32_t next_index_ = 0;
   std::uint16_t device_dropped_ = 0, device_bad_ = 0;
   DutCounters counters_;

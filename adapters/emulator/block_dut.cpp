@@ -160,17 +160,12 @@ class BlockDut final : public Dut {
     if (answer.magic != magic("FGBA"))
       return fail(ErrorCode::firmware, "the image does not answer with the block protocol (wrong magic)",
                   where_);
-    if (answer.version >> 8 != 1)
-      return fail(ErrorCode::firmware, "unknown protocol major " + std::to_string(answer.version >> 8),
-                  where_);
-    if (answer.nonce != session.nonce)
-      return fail(ErrorCode::firmware, "the image does not echo the nonce: stale output is never judged",
-                  where_);
-    if (static_cast<double>(answer.rate_Hz) != session.rate_Hz) return wrong_rate(answer.rate_Hz, session.rate_Hz, where_);
+    FORCEGATE_CHECK_OK(check_echo({static_cast<int>(answer.version >> 8), answer.nonce,
+                                   std::memcmp(&answer.calibration, &request.calibration, sizeof request.calibration) == 0,
+                                   static_cast<double>(answer.rate_Hz)},
+                                  session, "the image", where_));
     if (answer.status != 0)
       return fail(ErrorCode::firmware, "the image refuses the calibration '" + printable_utf8(c.id) + "'", where_);
-    if (std::memcmp(&answer.calibration, &request.calibration, sizeof request.calibration) != 0)
-      return fail(ErrorCode::firmware, "the image does not echo the calibration", where_);
     return DutInfo{static_cast<int>(answer.version >> 8),
                    static_cast<int>(answer.version & 255U),
                    text_of(answer.board),

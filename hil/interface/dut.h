@@ -38,6 +38,20 @@ struct DutSession {
 /// The image and what it is to follow do not agree on the rate: nobody's fault yet, the session knows who gave the rate.
 Unexpected wrong_rate(double image_Hz, double session_Hz, const std::string& where);
 
+inline constexpr int kProtocolMajor = 1;
+
+/// What an image answered to the greeting and to CAL.
+struct DutEcho {
+  int protocol_major = 0;
+  std::uint32_t nonce = 0;
+  bool calibration = false;  ///< came back as it was sent
+  double rate_Hz = 0.0;
+};
+
+/// One rule for every lane and board: protocol major, nonce and calibration must be those of the session (ErrorCode::firmware),
+/// and so must the rate (wrong_rate). `who`: "the image", "the board".
+Result<void> check_echo(const DutEcho& echo, const DutSession& session, const std::string& who, const std::string& where);
+
 struct DutInfo {
   int protocol_major = 0, protocol_minor = 0;
   std::string board;         ///< "native", "mps2-an386", "lm3s6965evb" ...

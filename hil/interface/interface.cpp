@@ -113,9 +113,19 @@ Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
 }
 
 Unexpected wrong_rate(double image_Hz, double session_Hz, const std::string& where) {
-  return fail(ErrorCode::config, "the image runs at " + shortest(image_Hz) + " Hz, the rig at " + shortest(session_Hz) + " Hz", where,
+  return fail(ErrorCode::config, "the image runs at " + shortest(image_Hz) + " Hz, what it is to follow at " + shortest(session_Hz) + " Hz", where,
               "play or record at " + shortest(image_Hz) + " Hz (forcegate record --rate " + shortest(image_Hz) + "), or build the image for " +
                   shortest(session_Hz) + " Hz");
+}
+
+Result<void> check_echo(const DutEcho& echo, const DutSession& session, const std::string& who, const std::string& where) {
+  if (echo.protocol_major != kProtocolMajor)
+    return fail(ErrorCode::firmware, who + " speaks an unknown protocol major " + std::to_string(echo.protocol_major) + ", not " + std::to_string(kProtocolMajor), where);
+  if (echo.nonce != session.nonce)
+    return fail(ErrorCode::firmware, who + " does not echo the nonce: stale output is never judged", where);
+  if (!echo.calibration) return fail(ErrorCode::firmware, who + " does not echo the calibration", where);
+  if (echo.rate_Hz != session.rate_Hz) return wrong_rate(echo.rate_Hz, session.rate_Hz, where);
+  return {};
 }
 
 Result<std::unique_ptr<Rig>> make_rig(const std::string& name,
