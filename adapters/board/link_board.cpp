@@ -73,6 +73,7 @@ Result<void> LinkBoard::start() {
   streaming_ = true;
   next_index_ = 0;
   device_dropped_ = device_bad_ = 0;
+  lost_frames_seen_ = counters_.frames_bad + counters_.frames_dropped;
   clock_.clear();
   asked_s_ = -1e9;
   turns_ = 0;
@@ -138,6 +139,14 @@ Result<void> LinkBoard::take(const link::Frame& frame, std::vector<BoardSample>&
     ++repeats_;
     return {};
   }
+  const std::uint64_t lost_frames = counters_.frames_bad + counters_.frames_dropped;
+  const bool wire_lost = lost_frames != lost_frames_seen_ || samples->dropped != device_dropped_ || samples->bad != device_bad_;
+  lost_frames_seen_ = lost_frames;
+  if (samples->first_index > next_index_ && !wire_lost)
+    return fail(ErrorCode::firmware,
+                "the board leaves out " + std::to_string(samples->first_index - next_index_) + " samples from sample " +
+                    std::to_string(next_index_) + " on: its frames follow each other without a gap, none was damaged and it counts none as dropped",
+                where(), "look for what its firmware skips");
   counters_.indices_lost += samples->first_index - next_index_;
   std::uint32_t index = samples->first_index;
   for (const link::Sample& s : samples->sample) out.push_back({index++, s.adc, s.force_N, s.flags});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "hil/gate/blame.h"
 #include "hil/gate/calibrate.h"
 
 namespace forcegate {
@@ -146,6 +147,16 @@ void GatePlayer::calibrate(std::uint64_t session, const std::vector<std::string>
   }
 }
 
+void GatePlayer::charge_silence(PlayedRecord& one) const {
+  for (const PlayedRecord& before : records_) {
+    if (before.job.id != one.job.id || before.job.attempt + 1 != one.job.attempt || !silent_at_the_same_sample(before.record, one.record)) continue;
+    Error& error = one.record.failure->error;
+    error.code = ErrorCode::firmware;
+    error.text += "; so it was when the record was played before: what stops at one sample is the firmware";
+    return;
+  }
+}
+
 // Into the list to be played, or straight into the records when there is nothing to judge a firmware by.
 void GatePlayer::add(PlayedRecord played, const std::filesystem::path& keep_folder,
                      std::vector<PlayedRecord>& to_play) {
@@ -153,6 +164,8 @@ void GatePlayer::add(PlayedRecord played, const std::filesystem::path& keep_fold
   if (const auto bad = failures_.find({job.specimen, job.session}); bad != failures_.end()) {
     played.record.id = job.id;
     played.record.failure = bad->second;
+    // While it is calibrated the board need not run what is judged.
+    if (played.record.failure->error.code == ErrorCode::firmware) played.record.failure->error.code = ErrorCode::device;
     played.record.failure->error.text =
         "calibration of " + job.specimen + ": " + played.record.failure->error.text;
     const PlanCase& planned = setup_.plan.cases[played.case_index];
@@ -200,6 +213,7 @@ void GatePlayer::play(std::uint64_t session, const std::vector<std::pair<std::si
     for (std::size_t i = 0; i < made.size(); ++i) {
       PlayedRecord& one = list[i];
       one.record = std::move(made[i]);
+      charge_silence(one);
       one.judged = judge_case(setup_.plan, setup_.plan.cases[one.case_index], one.record, limits_);
       one.superseded =
           attempt < attempts_ && !cancelled() && rig_at_fault(one.judged) && !firmware_failed(one.judged);

@@ -49,6 +49,8 @@ class GatePlayer {
   void calibrate(std::uint64_t session, const std::vector<std::string>& specimens);
   std::vector<CaseRecord> run(const std::vector<CaseJob>& jobs);
   std::vector<CaseRecord> run_in_turn(const std::vector<CaseJob>& jobs);
+  /// A second silence of the board at the sample of the first is the firmware's.
+  void charge_silence(PlayedRecord& one) const;
   void add(PlayedRecord played, const std::filesystem::path& keep_folder, std::vector<PlayedRecord>& to_play);
 
   const GateRequest& request_;

@@ -30,7 +30,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Error> {
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseFailure> {
-  f("stage", v.stage), f("error", v.error), f("blame", v.blame);
+  f("stage", v.stage), f("error", v.error), f("blame", v.blame), f("sample", v.sample);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, Calibration> {

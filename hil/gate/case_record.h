@@ -50,6 +50,7 @@ struct CaseFailure {
   Error error;
   Blame blame = Blame::none;  ///< none: follows from stage and code
 };
+  std::uint64_t sample = 0;   ///< of the record, at which the rig gave no more
 
 struct CasePair {
   bool maximum = true;

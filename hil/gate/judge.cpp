@@ -54,8 +54,12 @@ class CaseJudge {
   void failure() {
     const CaseFailure& f = *record_.failure;
     const ErrorCode code = f.error.code;
-    const std::string text = f.error.text + (f.error.hint.empty() ? "" : " (" + f.error.hint + ")");
-    const bool cancelled = code == ErrorCode::cancelled, firmware = f.stage == CaseFailure::Stage::firmware;
+    const std::string_view device = f.stage == CaseFailure::Stage::rig ? device_of(f.error.where) : std::string_view();
+    const std::string text = (device.empty() ? "" : std::string(device) + ": ") + f.error.text + (f.error.hint.empty() ? "" : " (" + f.error.hint + ")");
+    // An instrument that saw the firmware fail says so by its code: a board on the rig answers for the firmware too.
+    const bool cancelled = code == ErrorCode::cancelled,
+               firmware = f.stage == CaseFailure::Stage::firmware ||
+                          (f.stage == CaseFailure::Stage::rig && code == ErrorCode::firmware);
     if (firmware && code == ErrorCode::firmware) {
       checks_.final_check("firmware_runs", "The firmware answers every sample", Verdict::fail,
                           Blame::firmware, text);

@@ -162,7 +162,11 @@ class CaseRun {
         told = static_cast<float>(*velocity);
       }
       auto got = gate_.run(std::min(step, wanted - rows), block_, rows);
-      if (!got) return failed(Stage::rig, got.error()), 0;
+      if (!got) {
+        failed(Stage::rig, got.error());
+        record_.failure->sample = first + rows;
+        return 0;
+      }
       if (*got == 0) break;
       std::fill_n(commanded_.begin() + static_cast<std::ptrdiff_t>(rows), *got, told);
       if (closed || on_board_) {

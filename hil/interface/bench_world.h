@@ -56,6 +56,12 @@ class BenchWorld {
   /// Puts a firmware image on the board; nothing when flashes() is false: the board runs what it runs.
   virtual bool flashes() const = 0;
   virtual Result<void> flash(const std::string& image) = 0;
+  /// How the firmware on the board fares. ended: "" while it runs. A real bench sees only what its wires say: not known.
+  struct FirmwareFate {
+    bool known = false;
+    std::string ended;  ///< "crashed with signal SEGV after sample 40000"
+  };
+  virtual FirmwareFate firmware_fate() { return {}; }
 };
 
 struct BenchWorldKind {

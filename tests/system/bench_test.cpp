@@ -85,6 +85,64 @@ TEST_F(Bench, AFaultOnAWireIsNeverChargedToTheFirmware) {
   }
 }
 
+// Whatever the lane: an image that answers wrongly or not at all is the build's fault, and nobody plays it again.
+TEST_F(Bench, AFirmwareThatFailsOnABenchIsRejectedAsInTheProcess) {
+  const struct {
+    const char *mutant, *said;
+  } cases[] = {{"protocol_major_2", "protocol major 2"},  {"nonce_stale", "nonce"},
+               {"cal_not_echoed", "calibration"},         {"crash_after_min@1", "crashed with signal"},
+               {"exits_early", "ended with exit code"},   {"block_not_written", "without force or flags"}};
+  for (const auto& c : cases) {
+    const std::string image = std::string(FORCEGATE_BINARY_DIR "/firmware/mutants/") + c.mutant + ".native.so";
+    for (const char* rig : {"emulated", "rigs/twin.toml"}) {
+      const Json result = gate(image, rig, 1, {"--calibration", "nominal"});
+      EXPECT_EQ(result["decision"]["kind"], "REJECT") << c.mutant << " " << rig;
+      EXPECT_EQ(result["decision"]["blame"], "firmware") << c.mutant << " " << rig;
+      EXPECT_EQ(result["cases"].size(), 1U) << c.mutant << " " << rig;
+      if (std::string(rig) != "emulated") {
+        EXPECT_THAT(result["decision"]["reason"].get<std::string>(), HasSubstr(c.said)) << rig;
+      }
+    }
+  }
+}
+
+// The answer of the firmware drives the loop: a wheel that cannot follow nonsense is no bad wheel.
+TEST_F(Bench, AFirmwareThatAnswersNonsenseIsNotTheRigsFault) {
+  const std::string source = folder / "nonsense.c";
+  write_text(source, R"(#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "ports/native.h"
+static unsigned long state = 1;
+uint32_t forcegate_native_abi(void) { return 1; }
+int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* in, ForcegateNativeInfo* info) {
+  memset(info, 0, sizeof *info);
+  info->nonce = nonce, info->protocol_major = 1, info->rate_Hz = 1000, info->calibration = *in;
+  memset(info->build_id, '0', 40);
+  memcpy(info->algorithm_id, "nonsense/1", 10);
+  return 0;
+}
+int32_t forcegate_native_process(uint32_t first, uint32_t n, const uint16_t* adc, float* force_N, uint8_t* flags) {
+  for (uint32_t i = 0; i < n; ++i) {
+    (void)adc, (void)first;
+    state = state * 6364136223846793005ul + 1442695040888963407ul;
+    force_N[i] = NOT_FINITE ? NAN : (float)((double)(state >> 33) / 1073741824.0 - 1.0) * 1000.0f;
+    flags[i] = 0;
+  }
+  return 0;
+}
+void forcegate_native_close(void) {}
+)");
+  for (const char* not_finite : {"0", "1"}) {
+    const std::string image = folder / (std::string("nonsense") + not_finite + ".so");
+    const ProcessResult made = run_process({"cc", "-shared", "-fPIC", "-O1", "-DNOT_FINITE=" + std::string(not_finite),
+                                            "-I" FORCEGATE_SOURCE_DIR "/rigs/firmware", "-o", image, source});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    for (const char* rig : {"emulated", "rigs/twin.toml"})
+      EXPECT_EQ(gate(image, rig, 1)["decision"]["blame"], "firmware") << not_finite << " " << rig;
+  }
+}
+
 TEST_F(Bench, EveryVerbThatTakesARigTakesABenchFile) {
   const std::string made = folder / "campaign";
   const ProcessResult recorded =

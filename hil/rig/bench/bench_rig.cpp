@@ -116,7 +116,7 @@ class BenchRig final : public Rig, public Dut {
     if (!begun_) return fail(ErrorCode::internal, "the board's firmware was opened before a record began");
     FORCEGATE_CHECK_OK(session_->board().stop());
     FORCEGATE_CHECK_OK(session_->world().flash(dut.image.string()));
-    FORCEGATE_TRY(const DutInfo info, session_->board().load(dut));
+    FORCEGATE_TRY(const DutInfo info, with_fate(session_->board().load(dut)));
     if (!session_->world().flashes()) FORCEGATE_CHECK_OK(same_build(dut.image, info.build_id));
     FORCEGATE_CHECK_OK(start_stream());
     return info;
@@ -125,9 +125,7 @@ class BenchRig final : public Rig, public Dut {
   Result<void> process(std::uint32_t first_index, std::span<const std::uint16_t> adc, std::span<float> force_N,
                        std::span<std::uint8_t> flags) override {
     for (std::size_t i = 0; i < adc.size(); ++i) {
-      if (outputs_.empty() || outputs_.front().index != first_index + i)
-        return fail(ErrorCode::device, fmt::format("the board's sample {} was lost on the link", first_index + i), "board",
-                    "look for a disturbed or overloaded line between board and harness");
+      if (outputs_.empty() || outputs_.front().index != first_index + i) return never_came(first_index + i);
       if (outputs_.front().adc != adc[i])
         return fail(ErrorCode::internal, "force and code of a sample do not belong together", "board");
       force_N[i] = outputs_.front().force_N;
@@ -145,6 +143,24 @@ class BenchRig final : public Rig, public Dut {
   T safely(T result) {
     if (!result) park();
     return result;
+  }
+
+  // A board that says nothing more: where this bench knows how the firmware on it fares, that tells whose silence it is.
+  template <class T>
+  Result<T> with_fate(Result<T> heard) {
+    if (heard || heard.error().code != ErrorCode::timeout) return heard;
+    const BenchWorld::FirmwareFate fate = session_->world().firmware_fate();
+    if (!fate.known) return heard;  // as of a real board
+    if (!fate.ended.empty()) return fail(ErrorCode::firmware, "the firmware " + fate.ended + "; " + heard.error().text, "board");
+    return fail(ErrorCode::device, heard.error().text + ", although its firmware runs", heard.error().where, heard.error().hint);
+  }
+
+  Unexpected never_came(std::uint64_t sample) const {
+    const DutCounters c = session_->board().counters();
+    if (c.frames_bad + c.frames_dropped + c.overruns > 0)
+      return fail(ErrorCode::device, fmt::format("the board's sample {} was lost on the link", sample), "board", "look for a disturbed or overloaded line between board and harness");
+    return fail(ErrorCode::device, fmt::format("the board's sample {} never came, and no frame is counted as lost or damaged: firmware or link, it cannot be told", sample),
+                "board", "look whether the firmware skips samples, and whether what reads the board counts its losses");
   }
 
   // The film is not what it was while it still remembers the record before.
@@ -204,9 +220,9 @@ class BenchRig final : public Rig, public Dut {
     const double patience_s = world.now_s() + bench_.limits.board_stale_s;
     while (pending_.size() < chunk) {
       if (world.now_s() > patience_s)
-        return fail(ErrorCode::timeout, fmt::format("the board has been silent for {:.0f} ms at sample {}",
-                                                    1e3 * bench_.limits.board_stale_s, index_),
-                    "board", "check power and cable of the sensor board, and that its firmware still runs");
+        return with_fate(Result<void>(fail(
+            ErrorCode::timeout, fmt::format("the board has been silent for {:.0f} ms at sample {}", 1e3 * bench_.limits.board_stale_s, index_),
+            "board", "check power and cable of the sensor board, and that its firmware still runs")));
       FORCEGATE_CHECK_OK(world.advance_to(world.now_s() + 0.2 * kPeriod_s));
       FORCEGATE_CHECK_OK(look());
     }

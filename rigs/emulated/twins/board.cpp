@@ -58,7 +58,7 @@ void Board::understand(Bytes& stream, WireEnd& end, double t_s) {
     if (zero == stream.end()) return;
     const auto frame = frame_of({stream.data(), static_cast<std::size_t>(zero - stream.begin())});
     stream.erase(stream.begin(), zero + 1);
-    if (frame) handle(end, *frame, t_s);
+    if (frame && frame->version >> 4 == 1) handle(end, *frame, t_s);
   }
 }
 
@@ -111,6 +111,7 @@ void Board::row(double t_s, std::uint16_t code, std::uint16_t last_code) {
     return;
   }
   BoardFrame frame;
+  frame.version = image_->version();
   frame.type = 0x82;
   put_u16(frame.payload, stream_request_);
   frame.payload.insert(frame.payload.end(), samples->begin(), samples->end());

@@ -21,6 +21,8 @@ class Board {
   bool streaming() const { return streaming_; }
   /// Conversions sent since the stream began.
   std::uint32_t sent_samples() const { return index_; }
+  /// How the image ended, as the process that runs it tells; "" while it runs.
+  std::string fate() const { return image_->fate(); }
 
  private:
   void understand(Bytes& stream, WireEnd& end, double t_s);

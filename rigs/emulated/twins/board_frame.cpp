@@ -36,7 +36,7 @@ std::uint32_t u32_at(std::span<const std::uint8_t> b, std::size_t at) {
 float f32_at(std::span<const std::uint8_t> b, std::size_t at) { return std::bit_cast<float>(u32_at(b, at)); }
 
 Bytes frame_bytes(const BoardFrame& frame) {
-  Bytes plain{0x10, frame.type};
+  Bytes plain{frame.version, frame.type};
   put_u16(plain, frame.sequence);
   put_u32(plain, frame.t_us);
   plain.insert(plain.end(), frame.payload.begin(), frame.payload.end());
@@ -67,8 +67,9 @@ std::optional<BoardFrame> frame_of(std::span<const std::uint8_t> stretch) {
   }
   plain.erase(plain.begin());
   const std::size_t body = plain.size() - 4;
-  if (u32_at(plain, body) != checksum_of({plain.data(), body}) || plain[0] >> 4 != 1) return std::nullopt;
+  if (u32_at(plain, body) != checksum_of({plain.data(), body})) return std::nullopt;
   BoardFrame frame;
+  frame.version = plain[0];
   frame.type = plain[1];
   frame.sequence = static_cast<std::uint16_t>(u16_at(plain, 2));
   frame.t_us = u32_at(plain, 4);

@@ -11,6 +11,7 @@
 namespace forcegate::emulated {
 
 struct BoardFrame {
+  std::uint8_t version = 0x10;  ///< major << 4 | minor
   std::uint8_t type = 0;
   std::uint16_t sequence = 0;
   std::uint32_t t_us = 0;
@@ -20,7 +21,7 @@ struct BoardFrame {
 /// With the closing zero.
 Bytes frame_bytes(const BoardFrame& frame);
 
-/// One stretch between zeros; nullopt when it is no frame of major version 1.
+/// One stretch between zeros; nullopt when it is no frame. Of which version is for the reader to judge.
 std::optional<BoardFrame> frame_of(std::span<const std::uint8_t> stretch);
 
 /// Little-endian writing and reading of payloads.

@@ -19,6 +19,10 @@ class BoardImage {
   virtual std::optional<BoardFrame> answer(const BoardFrame& request) = 0;
   /// Payload of a SAMPLES frame from `first_index` on, without its first two bytes; nullopt: the image is silent.
   virtual std::optional<Bytes> convert(std::uint32_t first_index, std::span<const std::uint16_t> adc) = 0;
+  /// How the image ended ("crashed with signal SEGV ..."); "" while it runs.
+  virtual std::string fate() const { return {}; }
+  /// Protocol version that it writes into its SAMPLES.
+  virtual std::uint8_t version() const { return 0x10; }
 };
 
 /// An empty board: streams codes with force 0.

@@ -209,12 +209,13 @@ std::string TwinHost::execute(Client& client, const std::string& line) {
     return "ok";
   }
   if (verb == "status") return status();
+  if (verb == "image") return board_.fate().empty() ? "ok runs" : "ok " + board_.fate();
   if (verb == "fault") return fault(words);
   if (verb == "load" && words.size() == 2 && std::isfinite(number_of(words[1]))) {
     weight_N_ = number_of(words[1]);
     return "ok";
   }
-  return "error unknown command; known: mount flash attach advance status fault load";
+  return "error unknown command; known: mount flash attach advance status image fault load";
 }
 
 std::string TwinHost::fault(const std::vector<std::string>& words) {

@@ -32,8 +32,10 @@ BoardFrame reply_to(const BoardFrame& request, std::uint8_t type) {
 }
 
 class Blank final : public MonitorImage {
-  bool restart(const BoardCalibration&, BoardIdentity& identity) override {
+  bool restart(std::uint32_t nonce, const BoardCalibration& calibration, BoardIdentity& identity) override {
     constexpr std::string_view kName = "blank";
+    identity.nonce = nonce;
+    identity.calibration = calibration;
     std::copy(kName.begin(), kName.end(), identity.board.begin());
     identity.build_id.fill('0');
     return true;
@@ -53,9 +55,11 @@ std::optional<BoardFrame> MonitorImage::answer(const BoardFrame& request) {
     case 0x01: {  // HELLO
       if (request.payload.size() != 4) return refusal(request, 2);
       nonce_ = u32_at(request.payload, 0);
-      if (!restart(calibration_, identity)) return std::nullopt;
+      if (!restart(nonce_, calibration_, identity)) return std::nullopt;
+      version_ = identity.version;
       BoardFrame reply = reply_to(request, 0x81);
-      put_u32(reply.payload, nonce_);
+      reply.version = version_;
+      put_u32(reply.payload, identity.nonce);
       reply.payload.push_back(static_cast<std::uint8_t>(calibration_.adc_bits));
       put_u16(reply.payload, identity.rate_Hz);
       reply.payload.push_back(32);
@@ -77,16 +81,16 @@ std::optional<BoardFrame> MonitorImage::answer(const BoardFrame& request) {
         for (std::size_t i = 0; i < 5; ++i) *numbers[i] = f32_at(in, 2 + 4 * i);
         c.adc_bits = in[22];
         std::copy(in.begin() + 23, in.begin() + 39, c.id.begin());
-        if (!restart(c, identity)) return refusal(request, 4);
+        if (!restart(nonce_, c, identity)) return fate().empty() ? std::optional(refusal(request, 4)) : std::nullopt;
         calibration_ = c;
+        told_ = identity.calibration;
       }
       BoardFrame reply = reply_to(request, 0x85);
       reply.payload.push_back(1);
-      for (const float v : {calibration_.gain_N_per_V, calibration_.offset_N, calibration_.v_range_V,
-                            calibration_.b_scale, calibration_.q_scale})
+      for (const float v : {told_.gain_N_per_V, told_.offset_N, told_.v_range_V, told_.b_scale, told_.q_scale})
         put_f32(reply.payload, v);
-      reply.payload.push_back(static_cast<std::uint8_t>(calibration_.adc_bits));
-      reply.payload.insert(reply.payload.end(), calibration_.id.begin(), calibration_.id.end());
+      reply.payload.push_back(static_cast<std::uint8_t>(told_.adc_bits));
+      reply.payload.insert(reply.payload.end(), told_.id.begin(), told_.id.end());
       return reply;
     }
     case 0x05: {  // TIME
@@ -96,7 +100,7 @@ std::optional<BoardFrame> MonitorImage::answer(const BoardFrame& request) {
       return reply;
     }
     case 0x06:  // RESET
-      if (!restart(calibration_, identity)) return std::nullopt;
+      if (!restart(nonce_, calibration_, identity)) return std::nullopt;
       return reply_to(request, 0x86);
     case 0x07: {  // ECHO
       BoardFrame reply;

@@ -39,6 +39,12 @@ class UartImage final : public BoardImage {
     return {};
   }
 
+  std::string fate() const override {
+    const auto how = child_.ended();
+    return how ? "ended: " + *how : silent_ ? "gives no answer for " + shortest(kTimeout_s) + " s" : std::string();
+  }
+  std::uint8_t version() const override { return version_; }
+
   std::optional<BoardFrame> answer(const BoardFrame& request) override {
     if (!line_->write(frame_bytes(request), kTimeout_s)) return std::nullopt;
     if (request.type == 0x07) return receive(0x87, -1);
@@ -55,6 +61,7 @@ class UartImage final : public BoardImage {
     if (!line_->write(frame_bytes(inject), kTimeout_s)) return std::nullopt;
     auto reply = receive(0, kOwnSequence);
     if (!reply || reply->type != 0x82) return std::nullopt;
+    version_ = reply->version;
     reply->payload.erase(reply->payload.begin(), reply->payload.begin() + 2);
     return std::move(reply->payload);
   }
@@ -81,13 +88,16 @@ class UartImage final : public BoardImage {
       if (!n || (*n == 0 && child_.ended())) return std::nullopt;
       pending_.insert(pending_.end(), bytes, bytes + *n);
     }
+    silent_ = true;
     return std::nullopt;
   }
 
   PrivateFolder folder_;
   std::unique_ptr<Transport> line_;
-  ChildProcess child_;
+  mutable ChildProcess child_;
   Bytes pending_;
+  std::uint8_t version_ = 0x10;
+  bool silent_ = false;
 };
 
 }  // namespace

@@ -220,6 +220,12 @@ class TwinWorld final : public BenchWorld {
     return {};
   }
 
+  FirmwareFate firmware_fate() override {
+    const auto told = client_->say("image");
+    if (!told) return {};
+    return {true, *told == "runs" ? std::string() : *told};
+  }
+
  private:
   Result<std::unique_ptr<Transport>> counted(const std::string& device, std::unique_ptr<Transport> inner) {
     FORCEGATE_CHECK_OK(client_->say("attach " + device));
