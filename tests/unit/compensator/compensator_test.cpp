@@ -253,34 +253,6 @@ TEST(Compensator, AHeaderThatDoesNotInvertOrMakesTheErrorLargerIsObjectedTo) {
   EXPECT_EQ(objections(check).size(), 2u);
 }
 
-TEST(Compensator, ARecordWithoutTheTemperatureThatTheModelNeedsIsNotReplayed) {
-  const Model m = model_with({effect("thermal", "lagged", {0.003, 0.001}, {60.0, 0.0})});
-  CompensatorOptions options;
-  options.reference_temperature_C = 23.0;
-  const auto made = make_compensator(m, options);
-  ASSERT_TRUE(made) << made.error().to_text();
-  Campaign cold = campaign();
-  for (Record& r : cold.records) std::erase_if(r.trace.channels, [](const Channel& c) { return c.name == "temp"; });
-  const auto check = check_compensator(m, *made, options.rate_Hz, cold);
-  ASSERT_FALSE(check);
-  EXPECT_NE(check.error().text.find("needs a temperature"), std::string::npos) << check.error().to_text();
-}
-
-TEST(Compensator, ALongNameIsCutSoThatEveryEffectIsKnownByItsBeginning) {
-  const auto id = [](const std::vector<std::string>& effects) {
-    Model m = model_with({});
-    for (const std::string& name : effects) m.user_effects.push_back({name, {{"k", "1", 0.004}}, {}, "k * F"});
-    const auto made = make_compensator(m, {});
-    EXPECT_TRUE(made) << made.error().to_text();
-    return made ? made->id : "";
-  };
-  EXPECT_EQ(id({"creep", "lag"}), "creep+lag");
-  EXPECT_EQ(id({"static_nonlinearity"}), "static_nonlinear");
-  EXPECT_EQ(id({"hysteresis", "static_nonlinearity"}), "hysteres+static");
-  EXPECT_EQ(id({"creep", "hysteresis", "thermal"}), "creep+hyst+therm");
-  EXPECT_EQ(id({"first", "second", "third", "fourth", "fifth"}), "5_effects");
-}
-
 TEST(Compensator, WhatIsCutFromALongRecordIsTold) {
   const auto made = make_compensator(model_with({}), {});
   ASSERT_TRUE(made);

@@ -191,18 +191,6 @@ TEST(SpectrumPicture, tells_a_line_of_the_load_from_one_of_its_own) {
   EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("No line stands out"));
 }
 
-TEST(SpectrumPicture, tells_the_hum_where_the_rows_fold_it) {
-  ResidualSpectrum s{"r", {}, {}, {}, 0.0};
-  const double step_Hz = 41.6 / 400.0;
-  for (int i = 1; i <= 400; ++i) {
-    s.f_Hz.push_back(step_Hz * i);
-    s.residual.push_back(std::abs(step_Hz * i - 33.2) < 0.5 * step_Hz ? 3.5e-3 : 1e-3);
-    s.load.push_back(1e-2);
-  }
-  EXPECT_THAT(spectrum_figure(s, "V", true).summary, HasSubstr("is the hum that is claimed: rows of 12 ms fold its 50 Hz there"));
-  EXPECT_THAT(spectrum_figure(s, "V").summary, HasSubstr("by more than 4 times"));
-}
-
 TEST(SpectrumPicture, shows_before_and_after_in_two_colours_with_a_legend) {
   RecordPictures p = some_pictures();
   p.spectra[0].after = {0.5, 0.4, 0.3, 0.2, 0.1};
@@ -266,33 +254,6 @@ TEST(Waterfall, of_a_diagnosis_is_one_chain_in_one_measure) {
   EXPECT_EQ(count(svg, "class=\"h "), 0u);
   d.findings.pop_back();  // what is not claimed is hollow
   EXPECT_EQ(count(diagnosis_waterfall(d).svg(figures::Figure::Target::embedded), "class=\"h "), 1u);
-}
-
-TEST(Waterfall, says_what_a_hollow_bar_is) {
-  const auto summary = [](double u, bool claimed) { return figures::waterfall("w", "M0", {{"creep", 2.0, 1.5, u, claimed}}, "M1", "V", NAN).summary; };
-  EXPECT_THAT(summary(0.0, false), HasSubstr("not claimed"));
-  EXPECT_THAT(summary(0.0, false), Not(HasSubstr("significant")));
-  EXPECT_THAT(summary(0.3, true), HasSubstr("within twice its uncertainty"));
-  EXPECT_THAT(summary(0.1, true), Not(HasSubstr("hollow")));
-}
-
-TEST(DiagnosisHtml, says_the_error_that_the_console_says_and_whose_it_is) {
-  Diagnosis d;
-  d.verdict = Answer::unknown;
-  d.error_before = 0.0941;
-  d.error_after = 0.0055;
-  d.steps = {{"", 0.0941}, {"viscous", 0.0055}};
-  d.not_separable = {{"viscous", "delay"}};
-  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("Held-out error 94.1 mV falls to 5.5 mV, with viscous or delay, which is not claimed."));
-}
-
-TEST(DiagnosisHtml, counts_the_parts_of_one_recording_as_parts) {
-  Diagnosis d;
-  for (const char* name : {"press/1", "press/2"}) d.records.push_back({name, "", false, 1, 1, 1, 1, 1, 0});
-  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("one recording, parts <b>2</b>"));
-  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("the error of parts that were not fitted"));
-  d.records[1].record = "other";
-  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("records <b>2</b>"));
 }
 
 TEST(Waterfall, of_what_the_rig_does_is_its_own_and_in_newtons) {

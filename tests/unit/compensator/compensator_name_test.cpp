@@ -1,0 +1,68 @@
+// What an exported compensator is called, and what it is replayed on.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hil/app/compensator_check.h"
+#include "hil/model/compensator/compensator.h"
+
+namespace forcegate {
+namespace {
+
+Record record() {
+  Record r;
+  r.name = "to and fro";
+  r.dynamic = false;
+  TimeBase clock;
+  Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}};
+  for (int i = 0; i < 4000; ++i) {
+    const double t = i / 200.0;
+    clock.t_s.push_back(t);
+    F.value.push_back(2.0 + 1.5 * std::sin(1.3 * t));
+    U.value.push_back(F.value.back() / 0.5);
+  }
+  r.trace.time_bases = {clock};
+  r.trace.channels = {F, U};
+  return r;
+}
+
+TEST(CompensatorCheck, ARecordWithoutTheTemperatureThatTheModelNeedsIsNotReplayed) {
+  Model m;
+  m.law.decays = false;
+  ModelEffect thermal{"thermal", "lagged", {}, {}};
+  const EffectForm* form = find_form(*EffectRegistry::instance().find("thermal"), "lagged");
+  ASSERT_NE(form, nullptr);
+  for (const ParameterSpec& p : form->shape) thermal.shape.push_back({p.name, p.unit, p.neutral, 0, -1e9, 1e9, 0});
+  for (const ParameterSpec& p : form->strength) thermal.strength.push_back({p.name, p.unit, 0.002, 0, -1e9, 1e9, 0});
+  m.effects = {thermal};
+  CompensatorOptions options;
+  options.reference_temperature_C = 23.0;
+  const auto made = make_compensator(m, options);
+  ASSERT_TRUE(made) << made.error().to_text();
+  Campaign cold;
+  cold.name = "cold";
+  cold.records = {record()};
+  const auto check = check_compensator(m, *made, options.rate_Hz, cold);
+  ASSERT_FALSE(check);
+  EXPECT_EQ(check.error().where, "to and fro");
+  EXPECT_NE(check.error().text.find("needs a temperature"), std::string::npos) << check.error().to_text();
+}
+
+TEST(CompensatorName, ALongNameIsCutSoThatEveryEffectIsKnownByItsBeginning) {
+  const auto id = [](const std::vector<std::string>& effects) {
+    Model m;
+    for (const std::string& name : effects) m.user_effects.push_back({name, {{"k", "1", 0.004}}, {}, "k * F"});
+    const auto made = make_compensator(m, {});
+    EXPECT_TRUE(made) << made.error().to_text();
+    return made ? made->id : "";
+  };
+  EXPECT_EQ(id({"creep", "lag"}), "creep+lag");
+  EXPECT_EQ(id({"static_nonlinearity"}), "static_nonlinear");
+  EXPECT_EQ(id({"hysteresis", "static_nonlinearity"}), "hysteres+static");
+  EXPECT_EQ(id({"creep", "hysteresis", "thermal"}), "creep+hyst+therm");
+  EXPECT_EQ(id({"first", "second", "third", "fourth", "fifth"}), "5_effects");
+}
+
+}  // namespace
+}  // namespace forcegate
