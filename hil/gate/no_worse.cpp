@@ -50,6 +50,7 @@ std::vector<ErrorIncrease> error_increases(const Plan& plan, const PlanCase& pla
     e.record = candidate.id;
     e.maximum = maximum;
     e.increase_pct = kNan;
+    if (accepted.failure && accepted.failure->error.code == ErrorCode::firmware) e.accepted_failed = accepted.failure->error.text;
     const Errors a = errors_of(planned, candidate, maximum, from_s),
                  b = errors_of(planned, accepted, maximum, from_s);
     bool pairs = !candidate.failure && !accepted.failure && a.t_s.size() == b.t_s.size() && a.t_s.size() > 1;
@@ -83,10 +84,15 @@ std::vector<ErrorIncrease> error_increases(const PlanCase& planned, const std::s
   for (const bool maximum : {true, false}) {
     const char* id = maximum ? "mre_maxima" : "mre_minima";
     const Check *a = find(candidate, id), *b = find(accepted.checks, id);
+    const Check* const runs = find(accepted.checks, "firmware_runs");
+    if (runs != nullptr && runs->verdict == Verdict::fail) {
+      out.push_back({planned.name, record, maximum, kNan, 0.0, 0, runs->evidence});
+      continue;
+    }
     // In a closed loop no single record is judged; in an open one a missing limit means that mae is judged
     // instead.
     if (a == nullptr || (!promise && a->limit.kind == Limit::Kind::none)) continue;
-    ErrorIncrease e{planned.name, record, maximum, kNan, 0.0, 0};
+    ErrorIncrease e{planned.name, record, maximum, kNan, 0.0, 0, {}};
     if (b != nullptr && a->verdict != Verdict::rig_error && b->verdict != Verdict::rig_error) {
       e.increase_pct = a->value - b->value;
       e.u_pct = std::hypot(a->u, b->u);
@@ -135,6 +141,14 @@ std::vector<JudgedCheck> judge_no_worse(const Plan& plan, std::span<const ErrorI
     c.evidence = std::isfinite(c.value)
                      ? fmt::format("{} records, worst {:+.3f} points on {}", group.size(), worst, at->record)
                      : "not every record of the two builds has its partner";
+    for (const ErrorIncrease* e : group) {
+      if (e->accepted_failed.empty()) continue;
+      j.judgeable = false;  // nothing to compare with says nothing of the candidate
+      c.verdict = Verdict::not_run;
+      c.blame = Blame::user;
+      c.evidence = fmt::format("the accepted build gives no record {}: {}; give one that runs (--accepted)", e->record, e->accepted_failed);
+      break;
+    }
     out.push_back(std::move(j));
   }
   return out;

@@ -27,6 +27,7 @@ struct ErrorIncrease {
   double increase_pct = 0.0;  ///< NaN when one of the two gave no value
   double u_pct = 0.0;
   std::size_t n = 0;
+  std::string accepted_failed;  ///< why the accepted build gave no record here; "" when it did
 };
 
 /// Two from each pair of records: maxima and minima; none when the case judges no accuracy, or its minima by

@@ -104,6 +104,17 @@ TEST(NoWorse, a_record_without_its_partner_is_no_pass) {
     }
 }
 
+TEST(NoWorse, an_accepted_build_that_does_not_run_is_named_and_not_the_candidate) {
+  CaseRecord crashed = record("q25", 0.05);
+  crashed.failure = CaseFailure{CaseFailure::Stage::firmware, {ErrorCode::firmware, "crashed with signal SEGV", "q25", {}}};
+  for (const JudgedCheck& j : compare({record("q25", 0.05)}, {crashed})) {
+    EXPECT_EQ(j.check.verdict, Verdict::not_run);
+    EXPECT_EQ(j.check.blame, Blame::user);
+    EXPECT_NE(j.check.evidence.find("the accepted build"), std::string::npos) << j.check.evidence;
+    EXPECT_NE(j.check.evidence.find("SEGV"), std::string::npos) << j.check.evidence;
+  }
+}
+
 TEST(NoWorse, a_stored_run_is_compared_by_its_values) {
   const auto mre = [](const char* id, double value, double u) {
     Check c;
