@@ -95,8 +95,9 @@ Result<void> study_recordings(const CharacterizeRequest& request, characterize::
     auto options = request.rig_options;
     options["record"] = path.string();
     FORCEGATE_TRY(const auto rig, make_rig(request.rig, options));
-    FORCEGATE_TRY(SessionSheet sheet,
-                  characterize::characterize_recording(*rig, path.filename().string(), progress));
+    Result<SessionSheet> made = characterize::characterize_recording(*rig, path.filename().string(), progress);
+    if (!made && made.error().where == path.filename()) made.error().where = path.string();
+    FORCEGATE_TRY(SessionSheet sheet, std::move(made));
     study.rig_time_s += static_cast<double>(sheet.samples) / rig->info().rate_Hz;
     study.samples += sheet.samples;
     study.sheets.push_back(std::move(sheet));

@@ -47,11 +47,7 @@ Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, Campai
   return out;
 }
 
-}  // namespace
-
-Result<Comparison> compare_request(const CampaignRequest& request, bool pictures) {
-  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
-  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+Result<Comparison> compare_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, bool pictures) {
   Comparison out;
   if (campaign.records.size() == 1) {  // the comparison cuts it into blocks, and the model is asked about the whole
     FORCEGATE_TRY(CampaignInput whole, clean_input(campaign, request.threads));
@@ -67,6 +63,17 @@ Result<Comparison> compare_request(const CampaignRequest& request, bool pictures
   FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(rows), options));
   FORCEGATE_TRY(out.view, diagnose::compare_workspace(*w, options));
   if (pictures) out.pictures = record_pictures(*w, model);
+  return out;
+}
+
+}  // namespace
+
+Result<Comparison> compare_request(const CampaignRequest& request, bool pictures) {
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+  const PlacesOf places(campaign, request.campaign);
+  Result<Comparison> out = compare_recordings(request, std::move(campaign), model, pictures);
+  if (!out) return Unexpected(places.with_file(std::move(out.error())));
   return out;
 }
 

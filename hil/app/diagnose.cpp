@@ -37,11 +37,7 @@ std::optional<Model> with_claims(diagnose::Workspace& w, const Model& model, con
   return out;
 }
 
-}  // namespace
-
-Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPictures* pictures) {
-  FORCEGATE_TRY(Campaign campaign, load_recordings(request));
-  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, RecordPictures* pictures) {
   if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
   if (diagnose::is_drift_only(campaign)) {
     FORCEGATE_TRY(Diagnosis drift, diagnose::diagnose_drift(campaign));
@@ -59,6 +55,17 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPicture
     *pictures = record_pictures(*found.workspace, model, after ? &*after : nullptr);
   }
   return std::move(found.diagnosis);
+}
+
+}  // namespace
+
+Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPictures* pictures) {
+  FORCEGATE_TRY(Campaign campaign, load_recordings(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+  const PlacesOf places(campaign, request.campaign);
+  Result<Diagnosis> out = diagnose_recordings(request, std::move(campaign), model, pictures);
+  if (!out) return Unexpected(places.with_file(std::move(out.error())));
+  return out;
 }
 
 const Finding* worth_adding(const Diagnosis& d) {

@@ -26,6 +26,7 @@ namespace {
 
 Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign campaign, const Model& model,
                                      const std::string& add) {
+  const PlacesOf places(campaign, request.campaign);
   FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(campaign));
   if (!add.empty() && has_effect(model, add))
     return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
@@ -35,6 +36,7 @@ Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign ca
   if (!out && own != model.user_effects.end() && out.error().text.starts_with("the campaign cannot show"))
     return fail(out.error().code, "the campaign cannot show " + add, out.error().where,
                 "its equation has no value at the shapes tried, or the records ask for a parameter outside of its min and max");
+  if (!out) return Unexpected(places.with_file(std::move(out.error())));
   return out;
 }
 

@@ -1,6 +1,8 @@
 #include "hil/app/model_input.h"
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
 #include <tuple>
 
 #include "hil/base/text.h"
@@ -15,7 +17,14 @@ Result<Model> load_model(const std::string& name) {
   if (name.empty()) return library_model("flexiforce");
   const std::vector<std::string> known = library_model_names();
   if (std::find(known.begin(), known.end(), name) != known.end()) return library_model(name);
-  return read_model(name);
+  Result<Model> model = read_model(name);
+  constexpr std::array kRecordings = {".csv", ".tsv", ".txt", ".lvm", ".mat", ".h5", ".hdf5", ".fgj"};
+  const std::string ending = ascii_lower(std::filesystem::path(name).extension().string());
+  std::error_code unknown;
+  if (!model && std::ranges::find(kRecordings, ending) != kRecordings.end() && std::filesystem::exists(name, unknown))
+    return fail(ErrorCode::usage, "this is a recording and no model file", name,
+                "a model file is TOML, as forcegate add -o and forcegate fit -o write it; the models that come with the program are " + join(known, " and "));
+  return model;
 }
 
 Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
@@ -60,6 +69,16 @@ Result<void> check_channels(const Campaign& campaign) {
                                    : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
     }
   return {};
+}
+
+PlacesOf::PlacesOf(const Campaign& campaign, const std::filesystem::path& given) {
+  for (const Record& record : campaign.records) file_[record.name] = record.place();
+  file_.try_emplace(campaign.name, given.string());
+}
+
+Error PlacesOf::with_file(Error error) const {
+  if (const auto file = file_.find(error.where); file != file_.end()) error.where = file->second;
+  return error;
 }
 
 diagnose::EngineOptions engine_options(const Model& model, unsigned threads) {

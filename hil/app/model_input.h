@@ -2,6 +2,7 @@
 // What the verbs of the diagnosis share: the model by name or file, the campaign with mapped columns.
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,15 @@ Result<Campaign> load_recordings(const CampaignRequest& request);
 Result<Campaign> load_campaign(const CampaignRequest& request);
 /// Every record needs a force and an output. Errors: parse, with the columns that there are and how to map them.
 Result<void> check_channels(const Campaign& campaign);
+/// Where an error names a record, or a campaign that is one file: the file. Made before the engine takes the campaign.
+class PlacesOf {
+ public:
+  PlacesOf(const Campaign& campaign, const std::filesystem::path& given);
+  Error with_file(Error error) const;
+
+ private:
+  std::map<std::string, std::string> file_;  ///< by name
+};
 diagnose::EngineOptions engine_options(const Model& model, unsigned threads);
 
 }  // namespace forcegate

@@ -1,0 +1,32 @@
+// What is meant by a name that a person gives: a term to explain, a model.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hil/app/explain.h"
+#include "hil/app/model_input.h"
+#include "tests/support/folder_test.h"
+
+namespace forcegate {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Explain, NoneIsTheAnswerOfADiagnosis) {
+  const auto found = find_explanations("none");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found.front().kind, "diagnosis");
+}
+
+class LoadModel : public FolderTest {};
+
+TEST_F(LoadModel, SaysOfARecordingThatItIsNoModelFile) {
+  put("r.csv", "t_s,F_ref_N,U_V\n0,1,2\n0.1,2,3\n");
+  const auto model = load_model((folder_ / "r.csv").string());
+  ASSERT_FALSE(model);
+  EXPECT_EQ(model.error().text, "this is a recording and no model file");
+  EXPECT_THAT(model.error().hint, HasSubstr("forcegate add -o"));
+}
+
+}  // namespace
+}  // namespace forcegate
