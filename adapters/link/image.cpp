@@ -2,6 +2,7 @@
 
 #include <elf.h>
 
+#include <cstdint>
 #include <cstring>
 
 #include "hil/base/read_file.h"
@@ -59,6 +60,27 @@ void add_sizes(const std::string& bytes, Image& image) {
   }
 }
 
+// A position-independent program is a shared object too, but one that no loader takes into another program.
+bool is_program(const std::string& bytes) {
+  const auto read = [&](std::uint64_t at, auto& into) {
+    if (at > bytes.size() || bytes.size() - at < sizeof into) return false;
+    std::memcpy(&into, bytes.data() + at, sizeof into);
+    return true;
+  };
+  Elf64_Ehdr head;
+  if (!read(0, head)) return false;
+  for (std::uint64_t i = 0; i < head.e_phnum; ++i) {
+    Elf64_Phdr segment;
+    if (!read(head.e_phoff + i * sizeof segment, segment)) return false;
+    if (segment.p_type != PT_DYNAMIC) continue;
+    Elf64_Dyn entry;
+    for (std::uint64_t k = 0; k < segment.p_filesz / sizeof entry && read(segment.p_offset + k * sizeof entry, entry); ++k) {
+      if (entry.d_tag == DT_FLAGS_1) return (entry.d_un.d_val & DF_1_PIE) != 0;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<void> check_build_id(const Image& image, const std::string& announced, const std::string& where) {
@@ -87,6 +109,9 @@ Result<Image> inspect_image(const std::filesystem::path& path) {
   Image image;
   image.build_id = marker(bytes, "forcegate-build:");
   if (bytes[EI_CLASS] == ELFCLASS64 && machine == kHostMachine && type == ET_DYN) {
+    if (is_program(bytes))
+      return fail(ErrorCode::usage, "this is a program and no firmware image", printable_utf8(path.string()),
+                  "the native lane wants a shared object built with rigs/firmware/ports/native.h");
     image.kind = ImageKind::host_shared_object;
     image.port = "native";
     image.board = "native";

@@ -108,7 +108,7 @@ Result<std::filesystem::path> find_plan(const std::string& name) {
   for (const fs::path& folder : folders) looked_in.push_back(folder.string());
   return fail(ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", "looked in " + join(looked_in, ", "),
               !near.empty() ? "did you mean '" + near + "'?"
-                            : "give the file instead of its name (--plan FOLDER/" + printable_utf8(name) + ".toml), or run it in the source tree, which has ci/plans");
+                            : "give the file instead of its name (FOLDER/" + printable_utf8(name) + ".toml), or run it in the source tree, which has ci/plans");
 }
 
 bool plays_on_one_bench(const GateRequest& request, const GateSetup& setup) {
@@ -203,6 +203,9 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
   }
   FORCEGATE_CHECK_OK(select_cases(request, plan));
   FORCEGATE_CHECK_OK(select_lanes(request, setup));
+  // a wrong option is told before anything is played
+  if (const LaneKind* lane = Registry<LaneKind>::instance().find(setup.lane); lane != nullptr && !request.lane_options.empty())
+    FORCEGATE_CHECK_OK(lane->make(request.lane_options));
   if (!request.limits_file.empty() || request.without_limits)
     for (PlanCase& c : plan.cases)
       if (c.loop == LoopMode::open) c.maxima_pct = c.minima_pct = std::nullopt;

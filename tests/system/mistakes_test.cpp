@@ -29,6 +29,42 @@ TEST(Mistakes, InAFileNameThePageThatListsItsKeys) {
   }
 }
 
+TEST(Mistakes, OfAnImageOrALaneAreToldBeforeAnythingIsPlayed) {
+  TemporaryFolder folder;
+  const std::string out = folder / "out";
+  const ProcessResult program = forcegate({"gate", "/bin/ls", "-o", out}, kHere), option = forcegate({"gate", kNative, "--lane-option", "foo=1", "-o", out}, kHere);
+  for (const ProcessResult& r : {program, option}) {
+    EXPECT_EQ(r.exit_code, 2) << r.err;
+    EXPECT_TRUE(r.err.starts_with("error: ")) << r.err;
+  }
+  EXPECT_THAT(option.err, HasSubstr("the native lane has no option 'foo'"));
+  EXPECT_THAT(forcegate({"plan", "nowhere"}, kHere).err, testing::Not(HasSubstr("--plan")));
+}
+
+TEST(Mistakes, InTheRateOfARecordingBlameNoRig) {
+  TemporaryFolder folder;
+  std::string slow = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 600; ++i) slow += std::to_string(0.02 * i) + "," + std::to_string(i % 50 * 0.1) + "," + std::to_string(i % 50 * 0.2) + "\n";
+  write_text(folder / "slow.csv", slow);
+  const ProcessResult r = forcegate({"gate", kNative, "--record", folder / "slow.csv", "-o", folder / "out"}, kHere);
+  EXPECT_THAT(r.err, HasSubstr("the image runs at 1000 Hz, what it is to follow at 50 Hz"));
+}
+
+TEST(Mistakes, InAShortRecordingAreToldWithItsFile) {
+  TemporaryFolder folder;
+  write_text(folder / "one.csv", "t_s,U_V\n0,1\n");
+  std::string few = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 24; ++i) few += std::to_string(i) + "," + std::to_string(i % 7) + "," + std::to_string(2 * (i % 7)) + "\n";
+  write_text(folder / "few.csv", few);
+  const ProcessResult one = forcegate({"diagnose", folder / "one.csv"}, kHere);
+  EXPECT_THAT(one.err, HasSubstr("only 1 sample\n  where: " + (folder / "one.csv")));
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{{"diagnose", folder / "few.csv"}, {"fit", folder / "few.csv"}, {"characterize", "--record", folder / "few.csv"}}) {
+    const ProcessResult r = forcegate(command, kHere);
+    EXPECT_NE(r.exit_code, 0) << command[0];
+    EXPECT_THAT(r.err, HasSubstr("where: " + (folder / "few.csv"))) << command[0];
+  }
+}
+
 TEST(Mistakes, AreToldWithTheirPlaceAndALineOfHelp) {
   TemporaryFolder folder;
   const std::string out = folder / "out", nowhere = folder / "nowhere";
