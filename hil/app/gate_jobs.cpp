@@ -282,6 +282,7 @@ CaseJob record_job(const GateRequest& request, const GateSetup& setup, std::size
   job.calibration = calibration;
   return job;
 }
+  job.calibration_given = !calibrates(request, setup);
 
 double rig_time_s(const CaseJob& job) {
   const auto duration_s = [](const StimulusSpec& spec) {

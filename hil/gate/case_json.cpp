@@ -71,7 +71,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseJob> 
   f("planned", v.planned), f("specimen", v.specimen), f("seed", v.seed), f("session", v.session);
   f("record", v.record), f("attempt", v.attempt), f("calibration", v.calibration),
       f("calibrate", v.calibrate), f("safety", v.safety);
-  f("faults", v.faults), f("keep", v.keep_path), f("curves", v.curves);
+  f("faults", v.faults), f("keep", v.keep_path), f("curves", v.curves), f("given", v.calibration_given);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigGeometry> {
@@ -181,7 +181,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, CaseRecor
   f("conf_evidence", v.conformance_evidence), f("conf_n", v.conformance_n), f("waveform", v.waveform),
       f("overview", v.overview), f("window", v.window);
   f("window_reason", v.window_reason), f("decay", v.decay), f("digest", v.digest), f("trace", v.trace_file);
-  f("calibration", v.calibration), f("u_gain", v.u_gain_rel), f("u_offset", v.u_offset_N);
+  f("calibration", v.calibration), f("given", v.calibration_given), f("u_gain", v.u_gain_rel), f("u_offset", v.u_offset_N);
   f("cal_rmse", v.calibration_rmse_N), f("cal_text", v.calibration_text);
 }
 

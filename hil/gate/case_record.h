@@ -37,6 +37,7 @@ struct CaseJob {
   std::uint64_t seed = 1, session = 0, record = 0;
   int attempt = 1;  ///< above 1 after rig errors; the emulated rig draws its noise anew
   Calibration calibration;
+  bool calibration_given = false;  ///< of a file, or nominal values: not measured in this run
   PlanCalibration calibrate;  ///< for Kind::calibration
   SafetyLimits safety;
   std::map<std::string, double> faults;
@@ -49,8 +50,8 @@ struct CaseFailure {
   enum class Stage { setup, rig, firmware, harness } stage = Stage::harness;
   Error error;
   Blame blame = Blame::none;  ///< none: follows from stage and code
-};
   std::uint64_t sample = 0;   ///< of the record, at which the rig gave no more
+};
 
 struct CasePair {
   bool maximum = true;
@@ -118,6 +119,7 @@ struct CaseRecord {
   std::string digest;
   std::string trace_file;
   Calibration calibration;  ///< told to the firmware; Kind::calibration: measured
+  bool calibration_given = false;
   // Kind::calibration only:
   double u_gain_rel = 0.0, u_offset_N = 0.0;
   double calibration_rmse_N = 0.0;

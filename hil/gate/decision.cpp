@@ -76,11 +76,18 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
   const bool conforms = std::any_of(all.begin(), all.end(), [](const Check* c) {
     return c->id == "conformance" && c->verdict == Verdict::pass;
   });
+  const bool unknown = std::any_of(all.begin(), all.end(), [](const Check* c) {
+    return c->id == "conformance" && c->verdict == Verdict::not_run && !c->required;
+  });
+  if (events.level == CalibrationLevel::nominal && only_algorithm && unknown)
+    return no_decision(Blame::calibration, 3,
+                       "firmware or calibration, it cannot be told at level 'nominal' of an algorithm that only the image knows: " +
+                           d.reason + "; calibrate the specimen (--calibration identified, for a recording --cal FILE)");
   if (events.level != CalibrationLevel::identified && only_algorithm && conforms) {
     d.blame = Blame::calibration;
     d.reason = fmt::format(
         "calibration level '{}' is the cause, the firmware does what its algorithm says: {}; "
-        "calibrate the specimen (--calibration identified)",
+        "calibrate the specimen (--calibration identified, for a recording --cal FILE)",
         to_string(events.level), d.reason);
   }
   if (events.safety_stop) {
@@ -145,7 +152,7 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
     // Something that is missing explains more than something that was close.
     const auto missing =
         std::find_if(open.begin(), open.end(), [](const Check* c) { return c->verdict == Verdict::not_run; });
-    const Check* root = cause(open, {"coverage", "extrema_count"});
+    const Check* root = cause(open, {"rig_calibration_fits", "coverage", "extrema_count"});
     const Check& first = root != nullptr ? *root : missing != open.end() ? **missing : *worst(open);
     std::string reason;
     if (first.verdict == Verdict::marginal)

@@ -109,7 +109,8 @@ class CaseJudge {
 
   void input() {
     for (Check& c : input_checks(plan_, record_)) {
-      if (c.verdict != Verdict::pass) checks_.unsound(c.blame);
+      if (c.verdict == Verdict::rig_error) checks_.unsound(c.blame);
+      if (c.verdict == Verdict::inconclusive) calibration_fits_ = false;
       checks_.keep(std::move(c));
     }
   }
@@ -158,6 +159,9 @@ class CaseJudge {
                          : fmt::format("the record is truncated: {} of {} samples", have, want));
     if (!checks_.complete && charged_) c.required = false;  // the stop itself is the finding
     extrema_count();
+    if (calibration_fits_ || !checks_.complete) return;
+    checks_.complete = false;
+    checks_.incomplete_blame = Blame::calibration;
   }
 
   void extrema_count() {
@@ -207,16 +211,17 @@ class CaseJudge {
                                               : std::max(std::fabs(o.minimum_N), std::fabs(o.maximum_N)),
         "N", 0.0, record_.samples, {Limit::Kind::upper, plan_.limits.output_max_N, "ours: plan"},
         fmt::format("{:.3f} to {:.3f} N", o.minimum_N, o.maximum_N));
-    checks_.judge_even_if_incomplete();
+    if (calibration_fits_) checks_.judge_even_if_incomplete();
     if (record_.facts.dynamic)
       checks_.value_check("learning_window", "Longest start window", o.learning_longest_s, "s", 0.0,
                           record_.samples, {Limit::Kind::upper, plan_.limits.learning_s, "ours: plan"},
                           fmt::format("the first window closed at {:.2f} s", o.learning_end_s));
     if (record_.facts.dynamic && std::isfinite(record_.lag_s))
-      checks_.value_check("lag", "Lag of the firmware behind the ATI", std::fabs(record_.lag_s), "s",
+      checks_.value_check("lag", "Distance in time between firmware and ATI", std::fabs(record_.lag_s), "s",
                           record_.u_lag_s, record_.samples,
                           {Limit::Kind::upper, plan_.limits.lag_s, "ours: plan"},
-                          fmt::format("{:+.1f} ms", 1000.0 * record_.lag_s));
+                          fmt::format("the firmware is {:.1f} ms {} the ATI", 1000.0 * std::fabs(record_.lag_s),
+                                      record_.lag_s < 0.0 ? "ahead of" : "behind"));
   }
 
   void conformance() {
@@ -271,6 +276,7 @@ class CaseJudge {
   CaseChecks checks_;
   JudgedCase out_;
   bool link_sound_ = true, charged_ = false;
+  bool calibration_fits_ = true;  ///< the one that was given, as far as the record tells
 };
 
 }  // namespace

@@ -27,6 +27,7 @@ class CaseRun {
     record_.index = job_.index;
     record_.calibration = job_.calibration;
     if (setup()) {
+    record_.calibration_given = job_.calibration_given;
       stream();
       measure();
     }

@@ -18,6 +18,7 @@ constexpr float kCommandMoves_rad_per_s = 0.05f;
 constexpr double kFollowForget_s = 1.0;  // what the drive's gain error adds up to is forgotten
 constexpr double kJump = 0.02;           // of the converter's range, 0.1 N of a FlexiForce
 constexpr float kStood_N = 0.06f;        // ATI from one sample to the next: two steps of the Nano17
+constexpr double kCreep_s = 2.0;         // a code that goes this slowly tells of the film, not of the force
 constexpr double kFollows = 0.3;         // r^2; the slow FSR at 3 Hz still has 0.5
 constexpr std::uint16_t kReferenceBad = kRigReferenceSaturated | kRigReferenceFault;
 
@@ -54,21 +55,22 @@ void RigWitness::close_block() {
   o_.sensor_blocks_odd += !(vfc > 0.0 && vfc * vfc > kFollows * vff * vcc);
 }
 
-void RigWitness::zero_before(const ReferenceZero& zero) {
-  if (zero.n > 0) o_.zero_start_N = zero.mean_N;
-}
-void RigWitness::zero_after(const ReferenceZero& zero) {
-  if (zero.n > 0) o_.zero_end_N = zero.mean_N;
-}
-
 double RigWitness::spring_N(double theta_rad) const {
   const RigGeometry& g = info_.geometry;
   return g.spring_N_per_mm * (g.preload_mm + g.eccentricity_mm * (1.0 - portable::cos(theta_rad)));
 }
 
-// Looks at a reading that has not changed for a while: did the spring move meanwhile?
-void RigWitness::examine(Still& still, float theta_rad, double& longest_s) const {
-  if (!still.moved) still.moved = std::fabs(spring_N(theta_rad) - spring_N(still.theta_rad)) > kMoved_N;
+bool RigWitness::moves(Witness witness, float from, float to) const {
+  if (witness == Witness::wheel_rad) return std::fabs(spring_N(to) - spring_N(from)) > kMoved_N;
+  if (witness == Witness::force_N) return std::fabs(to - from) > kMoved_N;
+  return std::fabs(to - from) > kJump * static_cast<double>((1u << info_.adc_bits) - 1u);
+}
+
+// Did the witness of a reading that has not changed for a while move? A film creeps: a code tells only within a short time.
+void RigWitness::examine(Still& still, Witness witness, float now, double& longest_s) const {
+  if (!still.moved) still.moved = moves(witness, still.witness, now);
+  const auto short_run = static_cast<std::uint64_t>(kCreep_s / period_s_) / kExamineEvery * kExamineEvery;
+  if (!still.moved && witness == Witness::code && short_run > 0 && still.run % short_run == 0) still.witness = now;
   if (still.moved) longest_s = std::max(longest_s, static_cast<double>(still.run) * period_s_);
 }
 
@@ -225,16 +227,18 @@ void RigWitness::push_changes(const RigBlock& block, std::size_t n) {
   std::uint16_t previous_code = previous_code_;
   Still reference = reference_still_, sensor = sensor_still_;
   // A reading in steps changes by chance: what follows from it is chosen without branches, only the rare cases jump.
-  const auto count = [this](Still& still, bool same, float theta_rad, double& longest_s, double& stale_s) {
+  const bool wheel = info_.geometry.eccentricity_mm > 0.0;
+  const Witness of_reference = wheel ? Witness::wheel_rad : Witness::code, of_sensor = wheel ? Witness::wheel_rad : Witness::force_N;
+  const auto count = [this](Still& still, bool same, Witness witness, float now, double& longest_s, double& stale_s) {
     if (still.moved && !same) {
       stale_s += static_cast<double>(still.run) * period_s_;
       still.moved = false;
     }
     still.run = same ? still.run + 1 : 0;
-    still.theta_rad = same ? still.theta_rad : theta_rad;
+    still.witness = same ? still.witness : now;
     if (still.run != 0 && still.run % kExamineEvery == 0) {
       Still seen = still;  // a copy: what a call may change cannot stay in registers
-      examine(seen, theta_rad, longest_s);
+      examine(seen, witness, now, longest_s);
       still = seen;
     }
   };
@@ -245,10 +249,13 @@ void RigWitness::push_changes(const RigBlock& block, std::size_t n) {
       previous_N = std::numeric_limits<float>::quiet_NaN();
       continue;
     }
-    count(reference, now_N == previous_N, theta[i], o_.reference_frozen_s, o_.reference_stale_s);
+    count(reference, now_N == previous_N, of_reference, wheel ? theta[i] : static_cast<float>(now_code), o_.reference_frozen_s, o_.reference_stale_s);
     // At a rail one code is what a sound sensor gives too: below F0 at the first, above the range at the last.
     const bool rail = now_code == 0 || now_code == last_code;
-    count(sensor, now_code == previous_code && !rail, theta[i], o_.sensor_dead_s, o_.sensor_stale_s);
+    const double stale_before_s = o_.sensor_stale_s;
+    count(sensor, now_code == previous_code && !rail, of_sensor, wheel ? theta[i] : now_N, o_.sensor_dead_s, o_.sensor_stale_s);
+    if (previous_code > clip_code_ && previous_code != last_code) clip_code_ = previous_code, clip_s_ = 0.0;
+    if (previous_code == clip_code_) clip_s_ += o_.sensor_stale_s - stale_before_s;
     if (now_code == 0 && now_N > kLoaded_N) {
       o_.sensor_dead_s = std::max(o_.sensor_dead_s, static_cast<double>(++dead_run) * period_s_);
     } else {
@@ -298,18 +305,18 @@ void RigWitness::push_wheel(const RigBlock& block, std::size_t n, const float* c
   double count = 0.0, ee = 0.0, ev = 0.0, vv = 0.0;
   float previous = previous_theta_;
   std::uint64_t still = theta_run_, longest = 0;
+  command_rows_ += static_cast<double>(n);
   for (std::size_t i = 0; i < n; ++i) {
+    const double step = static_cast<double>(commanded[i]) - static_cast<double>(previous_command_);
+    command_steps_ += step * step;
+    previous_command_ = commanded[i];
     if (!kSound && (!std::isfinite(force_N[i]) || status[i] & kReferenceBad)) {
       last = std::numeric_limits<double>::quiet_NaN();
       continue;
     }
     if (!kSound && !std::isfinite(theta[i])) continue;
     const bool stop = !kSound && status[i] & kRigTravelStop;
-  command_rows_ += static_cast<double>(n);
     const double moved = static_cast<double>(theta[i]) - last, v = moved * per_period;
-    const double step = static_cast<double>(commanded[i]) - static_cast<double>(previous_command_);
-    command_steps_ += step * step;
-    previous_command_ = commanded[i];
     if (stop || (!kSound && status[i] & kRigSampleLost) || !std::isfinite(v + previous_v)) {
       e = v_high = 0.0;
     } else {
@@ -358,6 +365,7 @@ RigObservation RigWitness::finish() const {
   end.close_block();
   if (end.reference_still_.moved)
     end.o_.reference_stale_s += static_cast<double>(end.reference_still_.run) * period_s_;
+  if (end.clip_code_ == end.o_.adc_max) end.o_.sensor_clipped_s = end.clip_s_;
   if (end.sensor_still_.moved)
     end.o_.sensor_stale_s += static_cast<double>(end.sensor_still_.run) * period_s_;
   RigObservation o = end.o_;

@@ -31,7 +31,8 @@ struct RigObservation {
   double reference_min_N = 0.0, reference_max_N = 0.0, reference_mean_N = 0.0;
   double reference_noise_N = 0.0;
   double reference_frozen_s =
-      0.0;  ///< longest time without a change of the reading while the spring moved by 0.1 N
+      0.0;  ///< longest time without a change of the reading while the spring moved by 0.1 N; without a wheel the sensor's
+            ///< code is the witness (2 % of the range within 2 s), and the ATI that of the code
   double sensor_dead_s =
       0.0;  ///< longest time with one code between the rails while the spring moved, or code 0 under load
   double theta_still_while_commanded_s =
@@ -47,15 +48,15 @@ struct RigObservation {
   double reference_lag_s = std::numeric_limits<double>::quiet_NaN();  ///< ATI behind the spring force
   double sensor_lag_s = std::numeric_limits<double>::quiet_NaN();     ///< sensor's code behind the ATI
   double following_rad = std::numeric_limits<double>::quiet_NaN();    ///< rms of the following residual
-  double zero_start_N =
   double command_step_rad = 0.0;  ///< rms step of the command from one control period to the next, times that period
+  double zero_start_N =
       std::numeric_limits<double>::quiet_NaN();  ///< unloaded ATI before the record; NaN: not taken
   double zero_end_N = std::numeric_limits<double>::quiet_NaN();  ///< and after it
   double reference_stale_s =
       0.0;                      ///< all times without a change of the reading while the spring moved by 0.1 N
   double sensor_stale_s = 0.0;  ///< the same of the sensor's code
-  double worst_gap_s = 0.0;     ///< largest step of time beyond one period
   double sensor_clipped_s = 0.0;  ///< of these, at the largest code of the record, which is not the converter's last
+  double worst_gap_s = 0.0;     ///< largest step of time beyond one period
   std::uint64_t sensor_jumps =
       0;  ///< steps of 2 % of the range from one code to the next while the ATI stood
   std::uint64_t sensor_blocks = 0;      ///< blocks of 10 s in which the ATI moved and the converter had room
@@ -65,15 +66,19 @@ struct RigObservation {
 class RigWitness {
  public:
   static constexpr double kBlockSeconds = 10.0;  ///< of spring_worst_bias_N
-
   static constexpr std::uint64_t kLeastSpringSamples = 10;  ///< fewer tell nothing of the spring
   static constexpr double kCommandPeriod_s = 0.01;          ///< commands come at this distance
+
   void begin(const RigInfo& info);
   /// Rows [0, n) of the block; commanded is the velocity the rig was told for each of them (may be null).
   void push(const RigBlock& block, std::size_t n, const float* commanded_rad_per_s = nullptr);
   /// Unloaded readings, when the rig can take them.
-  void zero_before(const ReferenceZero& zero);
-  void zero_after(const ReferenceZero& zero);
+  void zero_before(const ReferenceZero& zero) {
+    if (zero.n > 0) o_.zero_start_N = zero.mean_N;
+  }
+  void zero_after(const ReferenceZero& zero) {
+    if (zero.n > 0) o_.zero_end_N = zero.mean_N;
+  }
   RigObservation finish() const;
 
  private:
@@ -103,15 +108,18 @@ class RigWitness {
   int valid_run_ = 0;
   double sum_second_ = 0.0, sum_force_ = 0.0;
   std::uint64_t second_n_ = 0, force_n_ = 0;
-  /// How long a reading has not changed, and whether the spring has moved meanwhile.
+  /// How long a reading has not changed, and whether its witness has moved meanwhile.
   struct Still {
     std::uint64_t run = 0;
-    float theta_rad = 0.0f;
+    float witness = 0.0f;
     bool moved = false;
   };
-  void examine(Still& still, float theta_rad, double& longest_s) const;
+  enum class Witness { wheel_rad, force_N, code };
+  bool moves(Witness witness, float from, float to) const;
+  void examine(Still& still, Witness witness, float now, double& longest_s) const;
   Still reference_still_, sensor_still_;
-  std::uint16_t previous_code_ = 0;
+  std::uint16_t previous_code_ = 0, clip_code_ = 0;
+  double clip_s_ = 0.0;
   std::uint64_t theta_run_ = 0, dead_run_ = 0;
   float previous_theta_ = 0.0f, previous_force_N_ = std::numeric_limits<float>::quiet_NaN();
   std::uint16_t adc_or_ = 0, adc_and_ = 0xFFFF;
@@ -130,8 +138,8 @@ class RigWitness {
   double follow_e_ = 0, follow_v_ = 0, follow_previous_v_ = 0;
   float follow_last_ = std::numeric_limits<float>::quiet_NaN();
   double fn_ = 0, fee_ = 0, fev_ = 0, fvv_ = 0;
+  float previous_command_ = 0.0f;
+  double command_steps_ = 0, command_rows_ = 0;
 };
 
 }  // namespace forcegate
-  float previous_command_ = 0.0f;
-  double command_steps_ = 0, command_rows_ = 0;

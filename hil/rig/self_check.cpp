@@ -109,9 +109,10 @@ class SelfCheck {
            limits_.noise_factor * declared_N, Blame::reference,
            fmt::format("ATI noise {:.4f} N from second differences, {:.4f} N declared", o_.reference_noise_N,
                        declared_N)});
-    if (info_.geometry.eccentricity_mm > 0.0 && o_.spring_samples > 0)
-      add({"rig_reference_alive", "Longest time the ATI reading stood still while the wheel moved",
-           o_.reference_stale_s > limits_.stale_share * n_ / info_.rate_Hz ? kInf : o_.reference_frozen_s,
+    const bool wheel = info_.geometry.eccentricity_mm > 0.0 && o_.spring_samples > 0;
+    if (wheel || !info_.can_move)
+      add({"rig_reference_alive", wheel ? "Longest time the ATI reading stood still while the wheel moved" : "Longest time the ATI reading stood still while the sensor's code moved",
+           wheel && o_.reference_stale_s > limits_.stale_share * n_ / info_.rate_Hz ? kInf : o_.reference_frozen_s,
            "s", limits_.frozen_s, Blame::reference,
            fmt::format("the ATI reading did not change for {:.2f} s of motion, {:.2f} s in all",
                        o_.reference_frozen_s, o_.reference_stale_s)});
@@ -178,13 +179,17 @@ class SelfCheck {
     add({"rig_adc", "Converter bits that never changed",
          static_cast<double>(std::popcount(o_.adc_bits_stuck)), "1", 0.0, Blame::rig,
          fmt::format("codes {} to {}, stuck bits 0x{:04x}", o_.adc_min, o_.adc_max, o_.adc_bits_stuck)});
-    const bool stale = o_.sensor_stale_s > limits_.stale_share * n_ / info_.rate_Hz;
+    const bool clipped = o_.sensor_clipped_s > 0.5 * o_.sensor_stale_s;
+    // A recording may have been written faster than it was measured: short stretches of one code are no fault there.
+    const bool stale = (info_.can_move || clipped) && o_.sensor_stale_s > limits_.stale_share * n_ / info_.rate_Hz;
     const bool many =
         o_.sensor_stale_s > 3.0 * o_.sensor_dead_s;  // one stretch is the sensor's, many are the link's
     add({"rig_sensor", "Longest time the sensor channel was dead", stale ? kInf : o_.sensor_dead_s, "s",
-         limits_.sensor_dead_s, stale && many ? Blame::link : Blame::sensor,
-         fmt::format("one code for {:.2f} s of motion, or code 0 under load; {:.2f} s of stale codes in all",
-                     o_.sensor_dead_s, o_.sensor_stale_s)});
+         limits_.sensor_dead_s, stale && many && !clipped ? Blame::link : Blame::sensor,
+         fmt::format("one code for {:.2f} s of motion, or code 0 under load; {:.2f} s of stale codes in all{}",
+                     o_.sensor_dead_s, o_.sensor_stale_s,
+                     clipped ? fmt::format(", {:.2f} s of them at the largest code {}: the signal is cut off before the converter", o_.sensor_clipped_s, o_.adc_max)
+                             : "")});
     add({"rig_sensor_jumps", "Share of samples at which the sensor's code jumps while the ATI stands",
          share(o_.sensor_jumps), "1", limits_.jump_share, Blame::sensor,
          fmt::format("{} jumps of more than 2 % of the range: a bad contact or a converter bit",

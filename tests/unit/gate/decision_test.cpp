@@ -168,6 +168,23 @@ TEST(Decision, a_rig_error_is_retryable_and_never_blames_the_firmware) {
   EXPECT_EQ(d.blame, Blame::reference);
 }
 
+TEST(Decide, at_level_nominal_an_algorithm_that_only_the_image_knows_cannot_be_told_from_its_calibration) {
+  Check unknown;
+  unknown.id = "conformance";
+  unknown.verdict = Verdict::not_run;
+  unknown.required = false;
+  RunEvents events;
+  events.level = CalibrationLevel::nominal;
+  std::vector<Check> checks = judged({check(8.0, 4.5, 0.1)});
+  checks.push_back(unknown);
+  const Decision d = decided(checks, events);
+  EXPECT_EQ(d.kind, DecisionKind::no_decision);
+  EXPECT_EQ(d.exit_code, 3);
+  EXPECT_EQ(d.blame, Blame::calibration);
+  events.level = CalibrationLevel::identified;
+  EXPECT_EQ(decided(checks, events).kind, DecisionKind::reject);
+}
+
 TEST(Decision, names_the_calibration_level_when_a_conforming_image_fails_for_want_of_it) {
   auto checks = judged({check(11.7, 4.5, 0.3)});
   Check conformance = check(0.5, 1.0);
