@@ -132,9 +132,6 @@ std::vector<Explanation> find_explanations(std::string_view term) {
                        [&](const Explanation& e) { return ascii_lower(e.term) == ascii_lower(term); });
   for (const EffectKind& effect : EffectRegistry::instance().all())
     if (effect.name == ascii_lower(term)) out.push_back(explanation_of(effect));
-  // nobody asks who must act after an ACCEPT; who reads "none" has a diagnosis
-  if (std::ranges::any_of(out, [](const Explanation& e) { return e.kind == "diagnosis"; }))
-    std::erase_if(out, [](const Explanation& e) { return e.kind == "who must act"; });
   return out;
 }
 

@@ -1,9 +1,8 @@
-// What is meant by a name that a person gives: a term to explain, a model.
+// What is meant by the name of a model that a person gives.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hil/app/explain.h"
 #include "hil/app/model_input.h"
 #include "tests/support/folder_test.h"
 
@@ -11,12 +10,6 @@ namespace forcegate {
 namespace {
 
 using testing::HasSubstr;
-
-TEST(Explain, NoneIsTheAnswerOfADiagnosis) {
-  const auto found = find_explanations("none");
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found.front().kind, "diagnosis");
-}
 
 class LoadModel : public FolderTest {};
 
