@@ -172,7 +172,7 @@ Result<std::string> choose_lane(const GateRequest& request, const std::string& b
   }
   for (const LaneKind& lane : lanes.all())
     if (lane.accepts(request.firmware)) return lane.name;
-  return fail(ErrorCode::usage, "this file is not a firmware image that any lane can run",
+  return fail(ErrorCode::usage, "this is no firmware image that any lane can run",
               request.firmware.string(),
               "give an ELF image built for one of the ports: " + join(lanes.names(), ", "));
 }
