@@ -85,7 +85,13 @@ Result<RunDiff> diff_runs(const std::filesystem::path& a, const std::filesystem:
       d.only_in_a.push_back(case_id);
       continue;
     }
+    for (const auto& [id, second] : partner->second) {
+      if (checks.contains(id) || second->verdict == Verdict::pass || !second->required) continue;
+      d.failures.push_back({case_id, id, second->verdict, true, second->evidence});
+    }
     for (const auto& [id, first] : checks) {
+      if (!partner->second.contains(id) && first->verdict != Verdict::pass && first->required)
+        d.failures.push_back({case_id, id, first->verdict, false, first->evidence});
       const auto at = partner->second.find(id);
       if (at == partner->second.end()) continue;
       const Check& second = *at->second;
@@ -133,13 +139,18 @@ std::string diff_text(const RunDiff& d) {
         fmt::format("{:+.4g}", s.mean_delta), std::isfinite(s.u) ? fmt::format("{:.2g}", s.u) : "-",
         std::isfinite(s.low) ? fmt::format("{:+.3g} to {:+.3g}", s.low, s.high) : "one pair only",
         s.in_words);
-  out +=
-      fmt::format("\n{} checks differ{}\n", d.checks.size(), d.checks.size() > 20 ? ", the first 20:" : ":");
+  const auto number = [](double v) { return std::isfinite(v) ? fmt::format("{:.5g}", v) : std::string("-"); };
+  if (!d.failures.empty()) out += fmt::format("\n{} checks stand on one side only:\n", d.failures.size());
+  for (const OneSided& f : d.failures)
+    out += fmt::format("  only in {}  {:<32}{:<20}{}{}\n", f.in_b ? "B" : "A", f.case_id.empty() ? "run" : f.case_id, f.check_id,
+                       to_string(f.verdict), f.evidence.empty() ? "" : ": " + f.evidence);
+  out += fmt::format("\n{} checks differ{}\n", d.checks.size(),
+                     d.checks.empty() ? "" : d.checks.size() > 20 ? ", the first 20:" : ":");
   for (std::size_t i = 0; i < std::min<std::size_t>(20, d.checks.size()); ++i) {
     const CheckDelta& c = d.checks[i];
     out += fmt::format("  {:<32}{:<20}{:>11} -> {:<11} {} {} ({}){}\n", c.case_id.empty() ? "run" : c.case_id,
-                       c.check_id, fmt::format("{:.5g}", c.a), fmt::format("{:.5g}", c.b),
-                       with_uncertainty(c.delta, c.u), c.unit, to_string(c.verdict_b),
+                       c.check_id, number(c.a), number(c.b),
+                       std::isfinite(c.delta) ? with_uncertainty(c.delta, c.u) : "-", c.unit, to_string(c.verdict_b),
                        c.verdict_a == c.verdict_b ? "" : fmt::format(", was {}", to_string(c.verdict_a)));
   }
   if (!d.only_in_a.empty()) out += "only in A: " + join(d.only_in_a, ", ") + "\n";
@@ -151,7 +162,10 @@ std::string diff_json(const RunDiff& d) {
   const auto number = [](double v) {
     return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json();
   };
-  nlohmann::ordered_json checks = nlohmann::ordered_json::array(), summary = nlohmann::ordered_json::array();
+  nlohmann::ordered_json checks = nlohmann::ordered_json::array(), summary = nlohmann::ordered_json::array(),
+                         failures = nlohmann::ordered_json::array();
+  for (const OneSided& f : d.failures)
+    failures.push_back({{"case", f.case_id}, {"check", f.check_id}, {"side", f.in_b ? "b" : "a"}, {"verdict", to_string(f.verdict)}, {"evidence", f.evidence}});
   for (const CheckDelta& c : d.checks)
     checks.push_back({{"case", c.case_id},
                       {"check", c.check_id},
@@ -184,6 +198,7 @@ std::string diff_json(const RunDiff& d) {
                                 {"condition_differences", d.differences},
                                 {"summary", summary},
                                 {"checks", checks},
+                                {"one_sided", failures},
                                 {"only_in_a", d.only_in_a},
                                 {"only_in_b", d.only_in_b}}
       .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);

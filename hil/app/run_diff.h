@@ -28,12 +28,21 @@ struct CheckSummary {
   std::string in_words;          ///< "better", "worse", "no difference shown"
 };
 
+/// A required check that did not pass and that the other run does not have: firmware_runs of a build that crashed.
+struct OneSided {
+  std::string case_id, check_id;
+  Verdict verdict = Verdict::not_run;
+  bool in_b = false;
+  std::string evidence;
+};
+
 struct RunDiff {
   RunResult a, b;
   bool same_conditions = false;          ///< plan, seed and rig agree
   std::vector<std::string> differences;  ///< of the conditions
   std::vector<CheckDelta>
       checks;  ///< pairs whose values or verdicts differ, largest share of their limit first
+  std::vector<OneSided> failures;
   std::vector<CheckSummary> summary;
   std::vector<std::string> only_in_a, only_in_b;  ///< cases without a partner
 };

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 constexpr const char* kGood = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
 constexpr const char* kOff = FORCEGATE_BINARY_DIR "/firmware/mutants/compensation_off.native.so";
 constexpr const char* kGain = FORCEGATE_BINARY_DIR "/firmware/mutants/gain_pct@2.native.so";
+constexpr const char* kCrash = FORCEGATE_BINARY_DIR "/firmware/mutants/crash_after_min@1.native.so";
 const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(14)};
 
 ProcessResult run(const std::vector<std::string>& line) { return forcegate(line, kHere); }
@@ -100,6 +101,16 @@ TEST_F(Trust, diff_shows_what_a_gain_error_does_with_uncertainty) {
   EXPECT_TRUE(seen) << r.out;
 }
 
+TEST_F(Trust, diff_shows_a_build_that_crashed) {
+  const std::string a = gated(kGood, "a"), b = gated(kCrash, "b");
+  const ProcessResult r = run({"diff", a, b});
+  ASSERT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("only in B"));
+  EXPECT_THAT(r.out, HasSubstr("firmware_runs"));
+  EXPECT_THAT(r.out, ::testing::Not(HasSubstr("nan")));
+  EXPECT_THAT(run({"diff", a, a}).out, HasSubstr("0 checks differ\n"));
+}
+
 // The matrix: no fault of rig, reference, sensor, link or board accepts or rejects a build, and the right party is blamed.
 TEST_F(Trust, no_fault_of_the_rig_accepts_or_rejects_a_build) {
   const ProcessResult r = run({"bench", "faults", kGood, "--bad", kOff, "--json"});
@@ -147,6 +158,22 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
   EXPECT_EQ(run({"bless", folder / "third", "--who", "B", "--reason", "x", "--goldens", goldens}).exit_code,
             2)
       << "a rejected run is never golden";
+}
+
+// No retry mends a golden that the plan has left behind: exit 3, and the plan is named, not the rig.
+TEST_F(Trust, a_golden_of_another_profile_is_not_the_rigs_fault) {
+  for (const auto& [from, to] : {std::pair{"m_N = 2.0, duration_s = 600", "m_N = 2.0, duration_s = 300"}, std::pair{"0.3, 0.4]", "0.3, 0.6]"}}) {
+    std::string plan = read_text(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml");
+    const std::size_t at = plan.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    plan.replace(at, std::string(from).size(), to);
+    const std::string file = folder / "changed.toml";
+    std::ofstream(file) << plan;
+    const ProcessResult r = run({"gate", kGood, "--plan", file, "--golden", "golden/traces/smoke", "--case", "four_sines", "-o", folder / "run"});
+    EXPECT_EQ(r.exit_code, 3) << r.out << r.err;
+    EXPECT_THAT(r.out, HasSubstr("another profile")) << to;
+    EXPECT_THAT(r.out, HasSubstr("to act: the plan")) << to;
+  }
 }
 
 TEST_F(Trust, the_committed_goldens_of_the_smoke_plan_hold_and_every_margin_is_kept) {
