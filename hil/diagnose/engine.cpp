@@ -15,6 +15,7 @@
 #include "hil/diagnose/answer/record_errors.h"
 #include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/answer/wide_scatter.h"
 #include "hil/diagnose/base/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/choose/outdone.h"
@@ -120,13 +121,24 @@ void tell_records_far_above(const Workspace& w, const Remainder& rest, Diagnosis
 }
 
 // What no cause between the records explains, and is far more than a specimen repeats to.
-void tell_wide_scatter(const Workspace& w, double gain, double zero, Diagnosis& out) {
-  constexpr double kGain = 0.03, kZero = 0.01;
-  if (gain < kGain && zero < kZero) return;
-  if (std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && is_between_records(f.effect); })) return;
-  const double force_N = std::abs(w.gain_V_per_N) > 0.0 ? zero * w.output.scale / std::abs(w.gain_V_per_N) : 0.0;
-  out.notes.push_back(fmt::format("from record to record the gain scatters by {:.2g} % and the zero by {:.2g} N, far more than a specimen repeats to, and nothing that was recorded goes with it: "
-                                  "is it mounted, zeroed or driven anew in between?", 100.0 * gain, force_N));
+void tell_wide_scatter(const Workspace& w, const MixedFit& fit, Diagnosis& out) {
+  if (w.input.single || std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && is_between_records(f.effect); })) return;
+  const std::optional<WideScatter> scatter = wide_scatter(w, fit);
+  if (!scatter) return;
+  out.notes.push_back(scatter->note);
+  if (scatter->follows.empty() || out.verdict != DiagnosisVerdict::none) return;
+  out.verdict = DiagnosisVerdict::unknown;
+  out.depends_on = {"time"};
+  out.follows = {scatter->follows};
+}
+
+// In one recording the base law takes whatever its swing loses: how much that is, and what the model's own constants would make of it.
+void tell_decay(const Workspace& w, Diagnosis& out) {
+  const RecordInput& r = w.input.records.front();
+  if (!w.input.single || !w.law.decays || !r.dynamic || r.decay.empty()) return;
+  const double by_law = decay_factor(r.t_s.back() - r.onset_s, w.law.decay_rate_per_s(r.f_Hz), w.law.depth_ratio(r.A_N));
+  out.notes.push_back(fmt::format("its swing goes down to {:.3g} % by the end of the recording, which is taken for the decay of the base law; by the model's constants it would be {:.3g} %",
+                                  100.0 * r.decay.back(), 100.0 * by_law));
 }
 
 // Spikes are told apart from what is left without them. Where that stands far above the noise and has no name, they may be its tips: the
@@ -211,7 +223,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   collect_findings(w, search, rest, out);
   const std::vector<Outdone> outdone = outdone_by_unnamed(w.input, w.output, selection, rest.structured(), options.threads);
   withdraw_outdone(outdone, out);
-  const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effect.empty(); });
+  const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effects.empty(); });
   const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, w.judges, out.findings) || some_outdone;
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
@@ -257,7 +269,8 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  if (!w.input.single) tell_wide_scatter(w, sd(0), sd(1), out);
+  tell_wide_scatter(w, selection.final, out);
+  tell_decay(w, out);
   add_refused(search, out);
   suspect_refused(search.rules, out);
   tell_guessed_effects(w, selection.claimed.valid ? selection.claimed : selection.base, search.rules.first_gain, out);

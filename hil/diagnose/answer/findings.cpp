@@ -126,7 +126,8 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     chosen.error_after = error(chosen.fit);
     // what is seen in few held-out records may leave their mean as it was; between records, and where every record is left out in turn, the
     // mean itself is the evidence
-    const double in_records = w.judges == JudgedBy::left_out ? 1.0 : kAboutTheSame;
+    // of one recording every part is asked, and what it has shows in their error
+    const double in_records = w.input.single ? kHardly : w.judges == JudgedBy::left_out ? 1.0 : kAboutTheSame;
     const double keeps = chosen.between && !chosen.by_records() ? kLeast : stands_in ? kHardly : in_records;
     chosen.borne_out = chosen.describes_whole || chosen.error_after <= keeps * chosen.error_before;
     // seen in held-out records alone: the fit records know nothing of it, and predict nothing
@@ -348,12 +349,17 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
 }
 
 void tell_not_separable(const Selection& selection, Diagnosis& out) {
-  constexpr double kOdds = 4.0;
+  constexpr double kOdds = 4.0, kWithdrawn = 0.2;
   for (const ChosenEffect& c : selection.chosen) {
     std::vector<std::string> set = {c.kind->name};
     for (const auto& [name, share] : c.rivals)
       if (kOdds * share >= c.share_of_family) set.push_back(name);
     if (set.size() < 2) continue;
+    const auto is_open = [&](const std::string& name) {
+      const auto f = std::ranges::find(out.findings, name, &Finding::effect);
+      return f != out.findings.end() && f->probability > kWithdrawn;
+    };
+    if (std::ranges::none_of(set, is_open)) continue;
     std::string text = "not separable here: " + set[0];
     for (std::size_t k = 1; k < set.size(); ++k) text += " or " + set[k];
     out.notes.push_back(text + "; what parts them: " + c.kind->separates);

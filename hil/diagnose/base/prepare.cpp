@@ -76,7 +76,7 @@ void cut_into_blocks(CampaignRows& w) {
   w.input.notes.push_back(
       std::string(settled > 0 ? "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn"
                               : "one recording only: it is judged in five blocks, each left out in turn; it begins at rest, or its force moves at its beginning alone") +
-      (whole.dynamic ? "; its swing decays as the model says" : "; no decay is assumed"));
+      (whole.dynamic ? "" : "; no decay is assumed"));
 }
 
 // What happened in a long gap nobody saw: the states of loop and creep after it are not known before the force has moved for a while.

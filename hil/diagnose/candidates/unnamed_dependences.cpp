@@ -167,11 +167,49 @@ UnnamedDependence zero_with_time() {
   return out;
 }
 
+// dU = g W (c1 x + c2 x^2), x = t/T: a supply, an amplifier or a span of the reference that moves.
+UnnamedDependence gain_with_time() {
+  UnnamedDependence out = dependence("gain_with_time", "a gain that goes with the time", "time", {}, 2, {{}}, [](const CampaignInput&, const RecordInput& r, std::span<const double>, ColumnsRef columns) {
+    const double T_s = std::max(1.0, r.t_s.empty() ? 1.0 : r.t_s.back());
+    r.for_each_wanted([&](std::size_t i) {
+      const double x = r.t_s[i] / T_s, W = r.base_force_N(i);
+      columns(static_cast<Eigen::Index>(i), 0) = W * x;
+      columns(static_cast<Eigen::Index>(i), 1) = W * x * x;
+    });
+  });
+  out.is_simpler = true;
+  return out;
+}
+
+// dU = g (c1 R + c2 W) [t >= x T]: a reference that was knocked, an amplifier that changed its range.
+UnnamedDependence jump() {
+  constexpr int kPlaces = 20;
+  Grid grid;
+  for (int k = 1; k < kPlaces; ++k) grid.push_back({static_cast<double>(k) / kPlaces});
+  UnnamedDependence out = dependence("jump", "a jump of zero or gain at one moment", "time", {{"at", "1", 0.02, 0.98, 0.5, "share of the recording"}}, 2, std::move(grid),
+                                     [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef columns) {
+                                       const double at_s = shape[0] * (r.t_s.empty() ? 0.0 : r.t_s.back());
+                                       r.for_each_wanted([&](std::size_t i) {
+                                         const bool after = r.t_s[i] >= at_s;
+                                         columns(static_cast<Eigen::Index>(i), 0) = after ? c.range_N : 0.0;
+                                         columns(static_cast<Eigen::Index>(i), 1) = after ? r.base_force_N(i) : 0.0;
+                                       });
+                                     });
+  out.kind.forms.front().refine = true;
+  out.tells_when = true;
+  out.is_simpler = true;
+  return out;
+}
+
 }  // namespace
 
 std::vector<UnnamedDependence> unnamed_dependences(const CampaignInput& campaign) {
   std::vector<UnnamedDependence> out;
-  if (campaign.single) out.push_back(zero_with_time());
+  if (campaign.single) {
+    out.push_back(zero_with_time());
+    out.push_back(gain_with_time());
+    out.push_back(jump());
+  }
   if (campaign.generic) return out;
   out.push_back(largest_force());
   out.push_back(gain_by_largest_force());

@@ -13,6 +13,7 @@ struct UnnamedDependence {
   EffectKind kind;    ///< not of the registry; summary: "the largest force so far"
   std::string group;  ///< of the residual maps' coordinates: history, rate, angle, time
   bool is_late = false;  ///< it can be taken for effects of time alone, and is asked beside those
+  bool tells_when = false;  ///< its first shape is a share of the recording
   bool is_simpler = false;  ///< than any effect: it needs to explain no more than the one beside which it stands
 };
 

@@ -123,6 +123,7 @@ class ForwardChoice {
   }
 
   void tell_lead(double lead_s) {
+    leads_far_ = true;
     const std::string text = fmt::format("the output leads the reference by about {:.2g} ms: the reference, or a filter behind it, is late by more than is usual, "
                                          "or the sensor answers to the rate", 1e3 * lead_s);
     if (std::ranges::find(out_.nuisance, text) == out_.nuisance.end()) out_.nuisance.push_back(text);
@@ -146,7 +147,8 @@ class ForwardChoice {
       else if (clocks == Clocks::lead) add_leads(channel_, *columns, kLead_s);
       else add_leads(channel_, *columns);
     }
-    out_.nuisance.push_back(clocks == Clocks::lead ? "a lead of the output of a few milliseconds is left to the reference"
+    if (!leads_far_)
+      out_.nuisance.push_back(clocks == Clocks::lead ? "a lead of the output of a few milliseconds is left to the reference"
                             : clocks == Clocks::slight_shift
                                 ? "output and reference are out of step by a few milliseconds, within what two clocks may be"
                                 : kLatencyNote);
@@ -176,6 +178,7 @@ class ForwardChoice {
   }
 
   bool take(const FamilyScore& family, ChosenEffect& chosen) {
+    if (const double lead_s = rival_lead_s(channel_, result_, family); rules_.clock_slack && lead_s > allowed_latency_s_) tell_lead(lead_s);
     set_shares(channel_, result_, place_, rules_, !out_.chosen.empty(), chosen);
     if (!chosen.between)
       largest_removed_ = std::max(largest_removed_, std::sqrt(std::max(1e-18, chosen.fall * excess_mean_square(channel_, result_.base))));
@@ -197,6 +200,7 @@ class ForwardChoice {
   std::size_t place_ = 0;  // in the ranking
   int latencies_ = 0;
   bool leads_ = false;  // carried along: what is late beside them repairs the reference's smoothing
+  bool leads_far_ = false;  // by more than clocks and references do, and told
   double largest_removed_ = 0.0;  // RMS
   Selection out_;
 };

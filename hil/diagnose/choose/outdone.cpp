@@ -1,5 +1,7 @@
 #include "hil/diagnose/choose/outdone.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <numeric>
@@ -24,7 +26,7 @@ MixedFit fit_all(const ResidualChannel& channel, const std::vector<int>& columns
 }
 
 FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const EffectKind& kind, const std::vector<int>& present, const MixedFit& base,
-                    double to_beat, unsigned threads) {
+                    double to_beat, unsigned threads, std::vector<double>& best_shape) {
   constexpr double kWorthMoving = 0.4, kLeast = 10.0;
   FamilyScore out;
   out.kind = &kind;
@@ -36,7 +38,6 @@ FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const 
   std::iota(columns.begin(), columns.end(), channel.candidates.back().first);
   channel.variants.push_back({candidate, columns});
   const int variant = static_cast<int>(channel.variants.size()) - 1;
-  std::vector<double> best_shape;
   for (const std::vector<double>& shape : form.grid(input)) {
     channel.candidates.back().shape = shape;
     fill_candidate(input, channel, channel.candidates.back(), threads);
@@ -48,12 +49,13 @@ FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const 
   if (!out.best.fit.valid) return out;
   channel.candidates.back().shape = best_shape;
   fill_candidate(input, channel, channel.candidates.back(), threads);
-  if (out.best.gain > std::max(kLeast, kWorthMoving * to_beat)) refine_family(input, channel, present, base, out, threads);
+  if (out.best.gain > std::max(kLeast, kWorthMoving * to_beat) && refine_family(input, channel, present, base, out, threads))
+    best_shape = channel.candidates.back().shape;
   return out;
 }
 
 struct Place {
-  std::string effect;
+  std::vector<std::string> effects;
   std::vector<int> others;  ///< columns of the model without it
   MixedFit without;
   double gain = 0.0;
@@ -65,7 +67,7 @@ std::vector<Place> places_of(const ResidualChannel& channel, const Selection& se
   if (!claimed.valid) return out;
   for (const ChosenEffect& chosen : selection.chosen) {
     if (chosen.between) continue;
-    Place place{chosen.kind->name, selection.base.columns, {}};
+    Place place{{chosen.kind->name}, selection.base.columns, {}};
     for (const ChosenEffect& other : selection.chosen)
       if (&other != &chosen) add_columns(place.others, all_columns(channel, other));
     place.without = fit_all(channel, place.others, claimed);
@@ -73,7 +75,16 @@ std::vector<Place> places_of(const ResidualChannel& channel, const Selection& se
     place.gain = claimed.log_evidence - place.without.log_evidence;
     out.push_back(std::move(place));
   }
-  if (structured) out.push_back({"", claimed.columns, std::move(claimed)});
+  if (out.size() > 1) {
+    Place all{{}, selection.base.columns, {}};
+    for (const Place& one : out) all.effects.push_back(one.effects.front());
+    for (const ChosenEffect& other : selection.chosen)
+      if (other.between) add_columns(all.others, all_columns(channel, other));
+    all.without = fit_all(channel, all.others, claimed);
+    all.gain = claimed.log_evidence - all.without.log_evidence;
+    if (all.without.valid) out.push_back(std::move(all));
+  }
+  if (structured) out.push_back({{}, claimed.columns, std::move(claimed)});
   return out;
 }
 
@@ -81,7 +92,7 @@ std::vector<Place> places_of(const ResidualChannel& channel, const Selection& se
 bool fills(const Place& place, const VariantScore& score, bool is_simpler) {
   constexpr double kTimes = 1.15, kMore = 20.0, kMost = 0.5;
   const double least = is_simpler ? std::max(kMore, place.gain) : kTimes * std::max(0.0, place.gain) + kMore;
-  return score.gain > least && (!place.effect.empty() || score.fall > kMost);
+  return score.gain > least && (!place.effects.empty() || score.fall > kMost);
 }
 
 }  // namespace
@@ -91,15 +102,17 @@ std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChan
   std::vector<Outdone> out;
   const std::vector<UnnamedDependence> unnamed = unnamed_dependences(input);
   for (const Place& place : places_of(channel, selection, structured)) {
-    const EffectKind* kind = EffectRegistry::instance().find(place.effect);
-    const bool is_timing = kind != nullptr && kind->traits.timing;
-    Outdone best{place.effect, {}, {}, place.gain, 0.0};
+    const EffectKind* kind = place.effects.empty() ? nullptr : EffectRegistry::instance().find(place.effects.front());
+    const bool is_timing = kind != nullptr && kind->traits.timing, several = place.effects.size() > 1;
+    Outdone best{place.effects, {}, {}, place.gain, 0.0};
+    std::vector<double> shape;
     for (const UnnamedDependence& dependence : unnamed) {
-      if (dependence.is_late && !place.effect.empty() && !is_timing) continue;
+      if ((dependence.is_late && !place.effects.empty() && !is_timing) || (several && !dependence.is_simpler)) continue;
       const SpareRoom room(channel);
-      const FamilyScore score = best_of(input, channel, dependence.kind, place.others, place.without, place.gain, threads);
+      const FamilyScore score = best_of(input, channel, dependence.kind, place.others, place.without, place.gain, threads, shape);
       if (!fills(place, score.best, dependence.is_simpler) || score.best.gain <= best.by_gain) continue;
       best.by = dependence.kind.summary;
+      if (dependence.tells_when) best.by += fmt::format(", after about {:.3g} s", shape.front() * input.records.front().t_s.back());
       best.group = dependence.group;
       best.by_gain = score.best.gain;
     }
@@ -111,13 +124,15 @@ std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChan
 void withdraw_outdone(const std::vector<Outdone>& outdone, Diagnosis& out) {
   constexpr double kWithdrawn = 0.2;
   for (const Outdone& o : outdone) {
+    const bool several = o.effects.size() > 1;
     for (Finding& f : out.findings)
-      if (!o.effect.empty() && f.effect == o.effect && f.form != "raw") f.limit(kWithdrawn, o.by + " explains more of it");
+      if (f.form != "raw" && (std::ranges::find(o.effects, f.effect) != o.effects.end() || (several && !is_between_records(f.effect))))
+        f.limit(kWithdrawn, o.by + " explains more of it");
     char text[240];
-    if (o.effect.empty()) std::snprintf(text, sizeof text, "no effect of the library: what is left follows %s (log evidence %.0f)", o.by.c_str(), o.by_gain);
+    if (o.effects.empty()) std::snprintf(text, sizeof text, "no effect of the library: what is left follows %s (log evidence %.0f)", o.by.c_str(), o.by_gain);
     else
       std::snprintf(text, sizeof text, "no effect of the library: the output follows %s (log evidence %.0f, against %.0f of %s)", o.by.c_str(), o.by_gain,
-                    o.gain, o.effect.c_str());
+                    o.gain, several ? "all of them" : o.effects.front().c_str());
     out.notes.emplace_back(text);
   }
 }

@@ -9,15 +9,15 @@
 
 namespace forcegate::diagnose {
 
-/// A place that an unnamed dependence fills: of a chosen effect which it outdoes, or among what the claims leave.
+/// A place that an unnamed dependence fills: of a chosen effect which it outdoes, of all of them at once, or among what the claims leave.
 struct Outdone {
-  std::string effect;                ///< empty: what is left
+  std::vector<std::string> effects;  ///< empty: what is left
   std::string by, group;             ///< see UnnamedDependence
   double gain = 0.0, by_gain = 0.0;  ///< log evidence in that place
 };
 
-/// Asks it of every effect of the output that acts within records and, where `structured`, of what is left. Spare columns of the channel are
-/// written and given back.
+/// Asks it of every effect of the output that acts within records, of all of them together (what is simpler than any), and where `structured`
+/// of what is left. Spare columns of the channel are written and given back.
 std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChannel& channel, const Selection& selection, bool structured,
                                         unsigned threads);
 

@@ -47,6 +47,13 @@ double net_shift_s(const ResidualChannel& channel, const MixedFit& fit) {
   return out;
 }
 
+double rival_lead_s(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family) {
+  constexpr double kOfIt = 0.5;  // a shift and a rate part where the force is fast
+  for (const FamilyScore& other : result.families)
+    if (other.kind->name == kLatencyEffect && is_lead(best_candidate(channel, other)) && other.gain > kOfIt * family.gain) return shift_s(channel, other);
+  return 0.0;
+}
+
 bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family) {
   return is_lead(best_candidate(channel, family)) && shift_s(channel, family) <= kAllowedLatency_s;
 }

@@ -28,6 +28,10 @@ double shift_s(const ResidualChannel& channel, const FamilyScore& family);
 /// By which the output is late altogether, s, by all delays, lags and RCs (at mid load) of a fit together; negative: it leads.
 double net_shift_s(const ResidualChannel& channel, const MixedFit& fit);
 
+/// Lead of the output that explains half as much as `family` does or more, s; 0 where none does. A reference behind a pole makes the output answer to
+/// the rate, whatever effect is chosen for it.
+double rival_lead_s(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family);
+
 /// The best variant is a lead that the reference may have of its own.
 bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family);
 

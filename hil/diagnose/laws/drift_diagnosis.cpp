@@ -173,11 +173,14 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
     return out;
   }
   constexpr double kDescribes = 3.0, kMostOfIt = 0.25;
-  if (wavers && out.error_after > kDescribes * out.floor && out.error_after > kMostOfIt * out.error_before) {
+  const bool leaves_more = wavers && out.error_after > kDescribes * out.floor;
+  if (leaves_more && out.error_after > kMostOfIt * out.error_before) {
     follows_no_law(out);
     return out;
   }
   out.verdict = DiagnosisVerdict::known;
+  out.residual_unknown = leaves_more;
+  if (leaves_more) out.depends_on = {"time"};
   Finding f;
   f.effect = "drift";
   f.side = "unknown";

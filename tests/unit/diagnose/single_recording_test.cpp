@@ -1,49 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <string>
-#include <vector>
-
-#include "hil/base/rng.h"
-#include "hil/diagnose/engine.h"
+#include "tests/unit/diagnose/made_recording.h"
 
 namespace forcegate::diagnose {
 namespace {
-
-Diagnosis answer(Campaign campaign) {
-  EngineOptions options;
-  options.threads = 1;
-  auto out = diagnose_campaign(std::move(campaign), options);
-  EXPECT_TRUE(out.has_value()) << (out ? "" : out.error().to_text());
-  return out ? *out : Diagnosis{};
-}
-
-// One recording of some machine: plain columns, no notes.
-Campaign recording(double rate_Hz, std::size_t n, const std::function<double(double)>& input,
-                   const std::function<std::vector<double>(const std::vector<double>& t,
-                                                           const std::vector<double>& x)>& machine,
-                   double noise) {
-  Campaign c;
-  c.name = "machine";
-  Record r;
-  r.name = "machine";
-  TimeBase clock;
-  std::vector<double> x;
-  for (std::size_t i = 0; i < n; ++i) {
-    clock.t_s.push_back(static_cast<double>(i) / rate_Hz);
-    x.push_back(input(clock.t_s.back()));
-  }
-  std::vector<double> y = machine(clock.t_s, x);
-  Rng rng(41, "machine");
-  for (double& v : y) v += noise * rng.normal();
-  r.trace.time_bases.push_back(clock);
-  r.trace.channels.push_back({"F_ref", "N", "force", 0, x, {}});
-  r.trace.channels.push_back({"U", "V", "voltage", 0, y, {}});
-  c.records.push_back(std::move(r));
-  return c;
-}
 
 TEST(SingleRecording, KeepsItsHistoryFromBlockToBlock) {
   // a slow pole: every block begins with what the one before it left behind
@@ -308,20 +266,6 @@ Campaign without_rows(Campaign c, double from_s, double to_s) {
   keep(t);
   for (Channel& channel : r.trace.channels) keep(channel.value);
   return c;
-}
-
-// Either way: what grows with time and knows nothing of the load is no creep.
-TEST(SingleRecording, AZeroThatGoesInALineIsNoCreep) {
-  for (const double drift_V : {0.06, -0.06}) {
-    const auto triangles = [](double t) { return 2.0 + 2.0 * std::abs(std::fmod(t / 30.0, 2.0) - 1.0); };
-    const auto drifts = [drift_V](const std::vector<double>& t, const std::vector<double>& x) {
-      std::vector<double> y;
-      for (std::size_t i = 0; i < x.size(); ++i) y.push_back(2.0 * x[i] + 0.5 + drift_V * t[i] / t.back());
-      return y;
-    };
-    const Diagnosis d = answer(recording(50.0, 30000, triangles, drifts, 0.002));
-    for (const Finding& f : d.findings) EXPECT_LT(f.probability, 0.5) << drift_V << f.effect;
-  }
 }
 
 TEST(SingleRecording, WhatHappenedInAGapIsNoErrorOfTheModel) {

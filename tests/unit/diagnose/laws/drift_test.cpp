@@ -48,6 +48,19 @@ TEST(Drift, TellsOneTimeConstantFromTheLogarithmAndThePower) {
   EXPECT_EQ(form_of(recording(1500, 0.1, 0.002, [](double t) { return 3.0 + 0.01 * t; })), "line");
 }
 
+// A law that takes nearly all of the movement and leaves a hundred times the noise is not all there is.
+TEST(Drift, SaysWhatALawLeaves) {
+  const auto with = [](double wave) {
+    return diagnose_drift(recording(1500, 0.1, 0.0005, [=](double t) { return 3.0 + 2.0 * std::exp(-t / 40.0) + wave * std::sin(0.5 * t); }));
+  };
+  const auto pure = with(0.0), more = with(0.05);
+  ASSERT_TRUE(pure && more);
+  EXPECT_EQ(more->verdict, DiagnosisVerdict::known);
+  EXPECT_TRUE(more->residual_unknown);
+  EXPECT_EQ(more->depends_on, std::vector<std::string>{"time"});
+  EXPECT_FALSE(pure->residual_unknown);
+}
+
 TEST(Drift, FindsTheTimeConstantAndWhereItSetsIn) {
   const auto d = diagnose_drift(recording(
       1500, 0.1, 0.002, [](double t) { return 0.2 + 3.5 * std::exp(-std::max(0.0, t - 8.0) / 22.0); }));

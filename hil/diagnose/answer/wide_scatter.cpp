@@ -1,0 +1,64 @@
+#include "hil/diagnose/answer/wide_scatter.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <vector>
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr double kGain = 0.03, kZero = 0.01;        // of the gain, of the span
+constexpr double kFarGain = 0.06, kFarZero = 0.03;
+constexpr std::size_t kFewestRecords = 4;
+
+// +1: up from record to record, -1: down, 0: neither. Kendall's tau of a chance order of six is beyond 0.86 once in 180 times.
+int direction(const std::vector<double>& of_record) {
+  constexpr std::size_t kFewest = 6;
+  constexpr double kTau = 0.86;
+  if (of_record.size() < kFewest) return 0;
+  double sum = 0.0, pairs = 0.0;
+  for (std::size_t i = 0; i < of_record.size(); ++i)
+    for (std::size_t k = i + 1; k < of_record.size(); ++k, pairs += 1.0) sum += of_record[k] > of_record[i] ? 1.0 : of_record[k] < of_record[i] ? -1.0 : 0.0;
+  const double tau = sum / pairs;
+  return tau > kTau ? 1 : tau < -kTau ? -1 : 0;
+}
+
+struct Level {
+  const char* name;
+  double sd, ordinary, far;
+  std::string size;  // "12 %"
+  std::vector<double> of_record;
+};
+
+std::string told(const Level& level) {
+  const int way = direction(level.of_record);
+  return fmt::format("the {} scatters by {}{}", level.name, level.size,
+                     way == 0 ? "" : way > 0 ? ", and rises from record to record in their order" : ", and falls from record to record in their order");
+}
+
+}  // namespace
+
+std::optional<WideScatter> wide_scatter(const Workspace& w, const MixedFit& fit) {
+  const auto sd = [&](int k) { return std::sqrt(fit.variance[k]); };
+  const double gain = std::abs(w.gain_V_per_N);
+  Level levels[] = {{"gain", sd(0), kGain, kFarGain, fmt::format("{:.2g} %", 100.0 * sd(0)), {}},
+                    {"zero", sd(1), kZero, kFarZero, gain > 0.0 ? fmt::format("{:.2g} N", sd(1) * w.output.scale / gain) : fmt::format("{:.2g} %", 100.0 * sd(1)), {}}};
+  for (int j = 0; j < 2; ++j)
+    for (const Eigen::VectorXd& zeta : fit.zeta) levels[j].of_record.push_back(zeta[j]);
+  WideScatter out;
+  for (const Level& level : levels) {
+    if (level.sd < level.ordinary) continue;
+    out.note += (out.note.empty() ? "from record to record " : " and ") + told(level);
+    const bool far = level.sd >= level.far || direction(level.of_record) != 0;
+    if (far && w.output.rows.size() >= kFewestRecords)
+      out.follows = fmt::format("the record, whose {} scatters by {}", level.name, level.size);
+  }
+  if (out.note.empty()) return std::nullopt;
+  out.note += ", far more than a specimen repeats to, and nothing that was recorded goes with it: is it mounted, zeroed or driven anew in between, or was its "
+              "temperature or humidity not recorded?";
+  return out;
+}
+
+}  // namespace forcegate::diagnose

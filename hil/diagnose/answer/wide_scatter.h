@@ -1,0 +1,21 @@
+#pragma once
+// Records whose gain and zero run further apart than a specimen repeats to, with no cause that was recorded.
+
+#include <optional>
+#include <string>
+
+#include "hil/diagnose/base/mixed_model.h"
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+struct WideScatter {
+  std::string note;     ///< for people
+  std::string follows;  ///< "the record, whose gain scatters by 12 %"; empty where the scatter is no more than a note
+};
+
+/// `fit`: gain and zero of every record beside all effects. Nothing where the spread is that of an ordinary bench: 3 % of gain, a zero of 1 % of
+/// the span (RMS). From twice and three times of that on, and where it goes one way in the order of the records, it is more than a note.
+std::optional<WideScatter> wide_scatter(const Workspace& workspace, const MixedFit& fit);
+
+}  // namespace forcegate::diagnose
