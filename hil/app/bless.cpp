@@ -97,6 +97,7 @@ GoldenRecord golden_of(const BlessedRun& run, const Bundle& bundle, const Golden
   g.provenance["bundle"] = bundle.id;
   g.provenance["tool_version"] = bundle.tool_version;
   g.provenance["date"] = run.head->started_at.substr(0, 10);
+  if (!target.stimulus.empty()) g.provenance["stimulus"] = target.stimulus;
   g.provenance["calibration"] = run.level + " " + target.calibration;
   g.provenance["who"] = cell(request.who);
   g.provenance["reason"] = cell(request.reason);

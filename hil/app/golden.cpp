@@ -79,7 +79,21 @@ void hold_against(const GoldenRecord& golden, const GoldenTarget& target, std::v
                            false));
     return;
   }
-  if (target.with_truth) list.push_back(compared(target, golden, GoldenCurve::ati, csv));
+  const auto another_profile = [&](const std::string& how) {
+    list.push_back(not_run(target, "golden", "Golden trace",
+                           "the golden of " + target.record_id + " is of another profile: " + how +
+                               "; bless a run of this plan (forcegate bless RUN --reason ... --who ...), or play the plan that it was blessed with",
+                           true));
+  };
+  const auto stimulus = golden.provenance.find("stimulus");
+  if (stimulus != golden.provenance.end() && !target.stimulus.empty() && stimulus->second != target.stimulus)
+    return another_profile(fmt::format("of {}, this is {}", stimulus->second, target.stimulus));
+  if (target.with_truth) {
+    JudgedCheck truth = compared(target, golden, GoldenCurve::ati, csv);
+    if (truth.check.verdict == Verdict::rig_error && target.as_planned)
+      return another_profile(truth.check.evidence + ", while the record follows its own set-point");
+    list.push_back(std::move(truth));
+  }
   const char* why = golden.algorithm != target.algorithm ? "the golden is of another algorithm"
                     : golden.seed != target.seed         ? "the golden is of another seed"
                                                          : nullptr;
@@ -147,7 +161,7 @@ ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets,
     if (!any)
       checks[targets[first].place].push_back(
           not_run(targets[first], "golden", "Golden trace",
-                  "there is no golden for " + case_name + ": bless a run (forcegate bless)", true));
+                  "there is no golden for " + case_name + ": bless a run (forcegate bless RUN --reason ... --who ...)", true));
   }
   return checks;
 }

@@ -28,6 +28,8 @@ struct GoldenTarget {
   std::string truth = "ATI";  ///< what the first curve is
   bool with_truth = true;     ///< false in a closed loop, where the firmware itself makes it
   bool failed = false;        ///< a finding of its own
+  std::string stimulus;       ///< in words; "" = not told
+  bool as_planned = false;    ///< the record is whole and follows the set-point of its profile
   bool to_bless = false;      ///< stands for its case
   std::string calibration;
   GoldenContent content;
@@ -51,7 +53,9 @@ struct GoldenMargins {
 
 /// Checks rig_golden and golden_firmware of every target (one specimen of a case is enough:
 /// others of it without a golden are passed over). A missing golden is not_run and required: no decision. A golden of
-/// another rig, or for the firmware of another seed, is not comparable: not_run, not required. notes: stale goldens, where
+/// another rig, or for the firmware of another seed, is not comparable: not_run, not required. One of another profile (its
+/// stimulus says so, or the record does as its own profile wants and the golden does not fit it) is not_run and required: to
+/// act is the plan, no retry helps. notes: stale goldens, where
 /// the build leaves the golden and is nearer to the ATI than it.
 /// margins, when given: what to write beside the result, one file for each record that was compared.
 ChecksByRecord golden_checks(const std::vector<GoldenTarget>& targets,

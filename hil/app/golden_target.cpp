@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/app/golden.h"
+#include "hil/gate/case_result.h"
 #include "hil/gate/runner.h"
 #include "hil/gate/statistics.h"
 #include "hil/trace/extrema.h"
@@ -21,6 +22,20 @@ GoldenContent content_of(const CaseRecord& record) {
   for (const RecordWindow& w : record.waveform)
     content.windows.push_back({w.t0_s, w.step_s, w.ati_N, w.dut_N});
   return content;
+}
+
+// Whole, with the extrema of its own profile, and the ATI where the set-point wants it: what a golden differs from is
+// another profile then, not a rig that has changed.
+bool as_planned(const CaseRecord& r, double tolerance_N) {
+  constexpr std::uint64_t kEnds = 2;  // extrema at begin and end that may fall out
+  if (r.samples == 0 || r.samples != r.expected_samples) return false;
+  std::uint64_t found = 0;
+  for (const CasePair& p : r.pairs) {
+    if (p.t_s < r.facts.excitation_start_s) continue;
+    ++found;
+    if (!(std::fabs(p.ati_N - p.setpoint_N) <= tolerance_N)) return false;
+  }
+  return r.expected_extrema > 0 && found + kEnds >= r.expected_extrema && found <= r.expected_extrema + kEnds;
 }
 
 double mre_maxima_pct(const CaseRecord& record, const PlanCase& planned) {
@@ -72,6 +87,8 @@ std::vector<GoldenTarget> golden_targets(const RunMaterial& m) {
       t.content = content_of(r);
       t.truth_tube = {.absolute = 0.08, .time_s = 0.01, .lag_limit_s = 0.01};
       t.firmware_tube = {.absolute = 0.05, .relative = 0.01, .time_s = 0.01, .lag_limit_s = 0.02};
+      t.stimulus = stimulus_in_words(planned.stimulus);
+      t.as_planned = !t.failed && as_planned(r, 0.5 * t.truth_tube.absolute);  // so the golden is off it by as much at least
       t.error_name = "mre_maxima_pct";
       t.error = t.failed ? std::nan("") : mre_maxima_pct(r, planned);
       targets.push_back(std::move(t));

@@ -162,14 +162,14 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
 
 // No retry mends a golden that the plan has left behind: exit 3, and the plan is named, not the rig.
 TEST_F(Trust, a_golden_of_another_profile_is_not_the_rigs_fault) {
-  for (const auto& [from, to] : {std::pair{"m_N = 2.0, duration_s = 600", "m_N = 2.0, duration_s = 300"}, std::pair{"0.3, 0.4]", "0.3, 0.6]"}}) {
+  for (const auto& [from, to] : {std::pair{"m_N = 2.0, duration_s = 600", "m_N = 2.0, duration_s = 300"}, std::pair{"m_N = 2.0, duration_s = 600", "m_N = 2.15, duration_s = 600"}}) {
     std::string plan = read_text(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml");
     const std::size_t at = plan.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     plan.replace(at, std::string(from).size(), to);
     const std::string file = folder / "changed.toml";
     std::ofstream(file) << plan;
-    const ProcessResult r = run({"gate", kGood, "--plan", file, "--golden", "golden/traces/smoke", "--case", "four_sines", "-o", folder / "run"});
+    const ProcessResult r = run({"gate", kGood, "--plan", file, "--golden", "golden/traces/smoke", "--limits", "golden/limits/smoke.toml", "--case", "four_sines", "-o", folder / "run"});
     EXPECT_EQ(r.exit_code, 3) << r.out << r.err;
     EXPECT_THAT(r.out, HasSubstr("another profile")) << to;
     EXPECT_THAT(r.out, HasSubstr("to act: the plan")) << to;
