@@ -253,6 +253,7 @@ class Pool {
 
   void release(Worker& w) {
     if (w.in >= 0) close(w.in);
+    if (!answers_[w.task] && events_.died && w.page->guard.known.load() != 0) events_.died(w.task, w.page->guard);
     munmap(w.page, sizeof(WorkerPage));
     const std::size_t task = w.task;
     running_.erase(running_.begin() + (&w - running_.data()));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hil/base/result.h"
+#include "hil/interface/firmware_guard.h"
 
 namespace forcegate {
 
@@ -23,6 +24,8 @@ struct WorkerOptions {
 struct WorkerEvents {
   std::function<void(std::size_t task, double t_s)> progress;
   std::function<void(std::size_t task)> done;
+  /// Before done, of a task that gave no answer but whose image had said who it is.
+  std::function<void(std::size_t task, const FirmwareGuard&)> died = nullptr;
 };
 
 struct WatchedTask {

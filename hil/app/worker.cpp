@@ -1,5 +1,7 @@
 #include "hil/app/worker.h"
 
+#include <map>
+
 #include "hil/app/case_recorder.h"
 #include "hil/base/rng.h"
 #include "hil/gate/board_faults.h"
@@ -90,7 +92,14 @@ std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const W
     tasks.push_back({job.id, [&job](const std::function<void(double)>& progress) -> Result<std::string> {
                        return to_json(execute_job(job, progress));
                      }});
-  const auto answers = run_watched(tasks, options, events);
+  std::map<std::size_t, DutInfo> said;  // who crashed, as far as it told
+  WorkerEvents all = events;
+  all.died = [&](std::size_t task, const FirmwareGuard& guard) {
+    said[task].board = guard.board;
+    said[task].build_id = guard.build_id;
+    said[task].algorithm_id = guard.algorithm_id;
+  };
+  const auto answers = run_watched(tasks, options, all);
   std::vector<CaseRecord> records;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     auto record = answers[i] ? record_from_json(*answers[i]) : Unexpected(answers[i].error());
@@ -104,6 +113,7 @@ std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const W
                              : code == ErrorCode::cancelled ? CaseFailure::Stage::setup
                                                             : CaseFailure::Stage::harness,
                              {code, record.error().text, jobs[i].id, {}}));
+    if (const auto who = said.find(i); who != said.end()) records.back().firmware = who->second;
   }
   return records;
 }

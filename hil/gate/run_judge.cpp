@@ -131,12 +131,14 @@ RunResult to_run_result(const RunMaterial& material, const std::vector<JudgedChe
     }
   }
   result.decision = decide(all, material.plan.rule, events);
-  for (const PlayedRecord& one : material.records)
-    if (!one.record.firmware.algorithm_id.empty()) {
-      result.firmware = one.record.firmware;
-      result.rig = one.record.rig;
-      break;
-    }
+  for (const PlayedRecord& one : material.records) {
+    if (one.record.firmware.algorithm_id.empty()) continue;
+    const bool whole = !one.record.rig.name.empty();  // a crash leaves who crashed, and no more
+    if (whole || result.firmware.algorithm_id.empty()) result.firmware = one.record.firmware;
+    if (!whole) continue;
+    result.rig = one.record.rig;
+    break;
+  }
   for (const JudgedCheck& check : of_run) result.checks.push_back(check.check);
   std::stable_sort(order.begin(), order.end(), [](const PlayedRecord* a, const PlayedRecord* b) {
     return std::pair(a->case_index, a->specimen_index) < std::pair(b->case_index, b->specimen_index);

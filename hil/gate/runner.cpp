@@ -8,6 +8,7 @@
 #include "hil/gate/measurement.h"
 #include "hil/gate/prelude.h"
 #include "hil/gate/settled_rows.h"
+#include "hil/interface/firmware_guard.h"
 #include "hil/rig/safety_gate.h"
 #include "hil/trace/extrema.h"
 
@@ -26,8 +27,8 @@ class CaseRun {
     record_.id = job_.id;
     record_.index = job_.index;
     record_.calibration = job_.calibration;
-    if (setup()) {
     record_.calibration_given = job_.calibration_given;
+    if (setup()) {
       stream();
       measure();
     }
@@ -96,6 +97,7 @@ class CaseRun {
                                                : devices_.dut->open(session);
     if (!opened) return failed(stage_of(opened.error()), blamed(opened.error()));
     record_.firmware = *opened;
+    tell_guard(g_firmware_guard.load(std::memory_order_relaxed), opened->board, opened->build_id, opened->algorithm_id);
     dut_open_ = true;
     if (opened->nonce != job_.nonce)
       return failed(Stage::firmware, {ErrorCode::firmware,

@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <span>
+#include <string_view>
 
 namespace forcegate {
 
@@ -12,8 +14,18 @@ namespace forcegate {
 struct FirmwareGuard {
   std::atomic<std::uint32_t> in_firmware{0};   ///< 1 while code of the image runs
   std::atomic<std::uint32_t> sample_index{0};  ///< first index of the block handed to it last
+  std::atomic<std::uint32_t> known{0};         ///< 1 once the image has said who it is
+  char board[32] = {}, build_id[48] = {}, algorithm_id[64] = {};  ///< that, with closing zeros
 };
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+
+/// What an image said of itself outlives its crash.
+inline void tell_guard(FirmwareGuard* guard, std::string_view board, std::string_view build_id, std::string_view algorithm_id) {
+  if (guard == nullptr) return;
+  const auto keep = [](std::string_view text, std::span<char> into) { text.copy(into.data(), into.size() - 1); };
+  keep(board, guard->board), keep(build_id, guard->build_id), keep(algorithm_id, guard->algorithm_id);
+  guard->known.store(1, std::memory_order_release);
+}
 
 /// Process-global; nullptr (the default) means nobody watches. Set by the worker before any lane is opened.
 inline std::atomic<FirmwareGuard*> g_firmware_guard{nullptr};

@@ -99,6 +99,15 @@ TEST(Worker, a_crash_inside_the_firmware_is_the_firmware_s_with_signal_and_sampl
   EXPECT_NE(failure_of("exit").error.text.find("exit code 3"), std::string::npos);
 }
 
+TEST(Worker, a_crash_leaves_who_crashed) {
+  WorkerOptions options;
+  options.workers = 1;
+  const auto records = run_in_workers({job("segv")}, options);
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].firmware.board, "fake");
+  EXPECT_EQ(records[0].firmware.algorithm_id, "static/1");
+}
+
 TEST(Worker, a_crash_outside_the_firmware_is_ours) {
   const CaseFailure f = failure_of("segv_outside");
   EXPECT_EQ(f.stage, CaseFailure::Stage::harness);
