@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/app/write_file.h"
+#include "hil/base/text.h"
 #include "hil/interface/reporter.h"
 
 namespace forcegate {
@@ -47,6 +48,19 @@ std::vector<fs::path> traces_in(const fs::path& folder) {
 
 fs::path unfinished(const fs::path& final_path, long pid) { return final_path.string() + ".unfinished-" + std::to_string(pid); }
 
+bool lives(long pid) { return pid > 0 && pid != getpid() && kill(static_cast<pid_t>(pid), 0) == 0; }
+
+// The folder that a living run fills for the same name; "" without one.
+fs::path of_another_run(const fs::path& final_path) {
+  const std::string prefix = final_path.filename().string() + kPart;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(final_path.parent_path(), ignored))
+    if (const std::string name = entry.path().filename().string();
+        name.starts_with(prefix) && lives(std::strtol(name.c_str() + prefix.size(), nullptr, 10)))
+      return entry.path();
+  return {};
+}
+
 // Temporary folders whose process is gone. Those that hold traces stay under another name, which is returned.
 std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
   const std::string prefix = final_path.filename().string() + kPart;
@@ -56,7 +70,7 @@ std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(prefix)) continue;
     const long pid = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
-    if (pid > 0 && kill(static_cast<pid_t>(pid), 0) == 0 && pid != getpid()) continue;
+    if (lives(pid)) continue;
     dead.emplace_back(entry.path(), pid);
   }
   std::vector<fs::path> stay;
@@ -79,6 +93,9 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
   std::error_code error;
   folder.final_ = fs::absolute(final_path).lexically_normal();
   if (folder.final_.filename().empty()) folder.final_ = folder.final_.parent_path();
+  if (const fs::path other = of_another_run(folder.final_); !other.empty())
+    return fail(ErrorCode::usage, "another run is writing there now", folder.final_.string(),
+                "give another folder with --output, or wait for it (it fills " + other.string() + ")");
   if (fs::exists(folder.final_, error)) {
     if (!fs::is_directory(folder.final_, error))
       return fail(ErrorCode::usage, "the output is a file", folder.final_.string(),
@@ -96,6 +113,8 @@ Result<RunFolder> RunFolder::open(const fs::path& final_path) {
   folder.left_ = remove_leftovers(folder.final_);
   folder.temporary_ = folder.final_.string() + kPart + std::to_string(getpid());
   fs::create_directories(folder.temporary_, error);
+  if (const fs::path other = of_another_run(folder.final_); !error && !other.empty())  // began in this very moment
+    return fail(ErrorCode::usage, "another run is writing there now", folder.final_.string(), "give another folder with --output");
   if (error)
     return fail(ErrorCode::io, "the output folder cannot be made: " + error.message(),
                 folder.final_.string(), "check its permissions and the free space");
@@ -141,8 +160,15 @@ Result<void> RunFolder::publish(const RunResult& result) {
   sync_folder(temporary_);
   std::error_code error;
   fs::rename(temporary_, final_, error);
-  if (error)
-    return fail(ErrorCode::io, "the result cannot be given its name: " + error.message(), final_.string(), "is somebody else writing there?");
+  if (error) {
+    const std::string why = error.message();
+    const fs::path kept = final_.string() + ".run-" + std::to_string(getpid());
+    fs::rename(temporary_, kept, error);
+    const fs::path stays = error ? temporary_ : kept;
+    temporary_.clear();
+    return fail(ErrorCode::io, "the result cannot be given its name: " + why, final_.string(),
+                "it is kept whole: forcegate report " + shell_quoted(stays.string()));
+  }
   temporary_.clear();
   sync_folder(final_.parent_path());
   return {};

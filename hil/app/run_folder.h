@@ -13,7 +13,8 @@ namespace forcegate {
 class RunFolder {
  public:
   /// Removes an older result of that name at once (it must not be taken for this run's) and what killed runs
-  /// left, but traces: those stay under the name NAME.unfinished-PID. Refuses a folder that holds anything but a result of ours (usage).
+  /// left, but traces: those stay under the name NAME.unfinished-PID. Refuses (usage) a folder that holds anything but a result
+  /// of ours, and one that another run is filling now: one of the two would be lost.
   static Result<RunFolder> open(const std::filesystem::path& final_path);
   RunFolder(RunFolder&& other) noexcept;
   RunFolder& operator=(RunFolder&&) = delete;
@@ -29,7 +30,8 @@ class RunFolder {
   /// Where to put files before publish().
   const std::filesystem::path& path() const { return temporary_; }
 
-  /// Writes every reporter's file, result.json last, syncs and renames.
+  /// Writes every reporter's file, result.json last, syncs and renames. Where somebody else has taken the name meanwhile
+  /// the folder stays as NAME.run-PID, which the error names.
   Result<void> publish(const RunResult& result);
 
  private:

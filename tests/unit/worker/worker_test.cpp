@@ -227,6 +227,26 @@ TEST(RunFolder, leaves_the_traces_of_a_bench_whatever_ends_the_run) {
   fs::remove_all(kept);
 }
 
+TEST(RunFolder, two_runs_never_fill_one_name_and_whoever_comes_too_late_keeps_its_result) {
+  Folder f;
+  ASSERT_TRUE(RunFolder::open(f.root / "run")->publish({}));
+  const fs::path other = f.root / ("run.part-" + std::to_string(getppid()));
+  fs::create_directories(other);
+  const auto refused = RunFolder::open(f.root / "run");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
+  EXPECT_TRUE(fs::exists(f.root / "run" / "result.json")) << "an older result stays until there is a newer one";
+  fs::remove_all(other);
+  auto late = RunFolder::open(f.root / "run");
+  ASSERT_TRUE(late);
+  fs::create_directories(f.root / "run" / "of somebody else");
+  const auto lost = late->publish({});
+  ASSERT_FALSE(lost);
+  const fs::path kept = f.root / ("run.run-" + std::to_string(getpid()));
+  EXPECT_TRUE(fs::exists(kept / "result.json"));
+  EXPECT_NE(lost.error().hint.find(kept.string()), std::string::npos) << lost.error().hint;
+}
+
 TEST(RunFolder, clears_what_a_killed_run_left_and_keeps_what_is_not_ours) {
   Folder f;
   fs::create_directories(f.root / "run.part-999999999");
