@@ -83,8 +83,18 @@ class CaseJudge {
     std::vector<Check> checks = self_check(record_.rig, record_.observed, plan_.self_check);
     const bool closed = planned_.loop == LoopMode::closed;
     const RigObservation& o = record_.observed;
+    const auto input = input_checks(plan_, record_);
+    const bool late_rows = std::any_of(input.begin(), input.end(), [](const Check& c) {
+      return c.id == "rig_sensor_sync" && c.verdict == Verdict::rig_error && c.blame == Blame::link;
+    });
     for (Check& c : checks) {
       if (c.verdict == Verdict::pass) continue;
+      if (late_rows && c.id == "rig_following") {  // a command is then held against an angle of another time
+        c.required = false;
+        c.blame = Blame::link;
+        c.evidence += "; the board's rows are late";
+        continue;
+      }
       const bool driven = closed && c.id == "rig_reference_valid" &&
                           o.reference_fault + o.reference_not_finite == 0 && o.reference_saturated > 0;
       if (driven) {

@@ -74,6 +74,13 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
     const Limit limit =
         wanted ? limit_of(judged_id, judge_relative ? given : std::nullopt, planned, limits) : none;
     const bool derived = wanted && !(judge_relative && given);
+    if (wanted && items == 0 && record.duration_s <= record.facts.excitation_start_s + plan.limits.learning_s) {
+      checks.final_check(judged_id, judge_relative ? mre_title : mae_title, Verdict::not_run, Blame::user,
+                         fmt::format("the record ends at {:.0f} s, no {} is behind the start window, which may last {:.0f} s: "
+                                     "play a longer profile",
+                                     record.duration_s, maximum ? "maximum" : "minimum", plan.limits.learning_s));
+      continue;
+    }
     checks.value_check(mre_id, mre_title, mre, "%", derived ? relative.u_random() : relative.u(), e.n,
                        judge_relative ? limit : none, evidence);
     checks.repeatable(derived ? 0.0 : relative.u_systematic());

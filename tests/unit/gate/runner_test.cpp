@@ -221,6 +221,61 @@ TEST(Runner, sees_a_static_hold_that_is_amplified) {
   }
 }
 
+TEST(Runner, rows_that_come_late_are_the_link_s_and_not_the_wheel_s) {
+  Bench s;
+  CaseRecord r = s.run();
+  r.raw_lag_s = 0.067;
+  r.observed.following_rad = 0.09;
+  const JudgedCase late = s.judge(r);
+  EXPECT_FALSE(find(late, "rig_following")->required);
+  EXPECT_EQ(find(late, "rig_following")->blame, Blame::link);
+  EXPECT_EQ(find(late, "rig_sensor_sync")->blame, Blame::link);
+  r.raw_lag_s = 0.0;
+  const JudgedCase wheel = s.judge(r);
+  EXPECT_TRUE(find(wheel, "rig_following")->required);
+  EXPECT_EQ(find(wheel, "rig_following")->blame, Blame::rig);
+}
+
+TEST(Runner, a_record_that_is_shorter_than_the_start_window_is_the_plan_s) {
+  Bench s;
+  s.job.planned.stimulus.numbers["duration_s"] = 10.0;
+  s.dut.spoil = [](std::uint32_t, float&, std::uint8_t& flags) { flags |= kDutLearning; };
+  const Check* c = nullptr;
+  const JudgedCase judged = s.judge(s.run());
+  c = find(judged, "mre_maxima");
+  ASSERT_NE(c, nullptr);
+  EXPECT_EQ(c->verdict, Verdict::not_run);
+  EXPECT_EQ(c->blame, Blame::user);
+  EXPECT_EQ(c->evidence.find("nan"), std::string::npos) << c->evidence;
+}
+
+TEST(Runner, an_instrument_that_saw_the_firmware_fail_charges_it_and_names_itself_otherwise) {
+  Bench s;
+  CaseRecord r = s.run();
+  r.failure = CaseFailure{CaseFailure::Stage::rig, {ErrorCode::firmware, "the firmware crashed", "board", {}}};
+  const JudgedCase crashed = s.judge(r);
+  EXPECT_EQ(find(crashed, "firmware_runs")->verdict, Verdict::fail);
+  EXPECT_EQ(find(crashed, "firmware_runs")->blame, Blame::firmware);
+  r.failure = CaseFailure{CaseFailure::Stage::rig, {ErrorCode::device, "the far end is gone", "reference: /dev/ttyS0", {}}};
+  const JudgedCase pulled = s.judge(r);
+  EXPECT_EQ(find(pulled, "rig_runs")->blame, Blame::reference);
+  EXPECT_EQ(find(pulled, "rig_runs")->evidence, "reference: the far end is gone");
+}
+
+TEST(Blame, a_board_that_falls_silent_twice_at_one_sample_is_not_its_cable) {
+  const auto silent = [](std::uint64_t sample, ErrorCode code = ErrorCode::timeout, const char* where = "board") {
+    CaseRecord r;
+    r.failure = CaseFailure{CaseFailure::Stage::rig, {code, "silent", where, {}}, Blame::none, sample};
+    return r;
+  };
+  EXPECT_TRUE(silent_at_the_same_sample(silent(40000), silent(40000)));
+  EXPECT_FALSE(silent_at_the_same_sample(silent(40000), silent(40010)));
+  EXPECT_FALSE(silent_at_the_same_sample(silent(0), silent(0))) << "a stream that never began";
+  EXPECT_FALSE(silent_at_the_same_sample(silent(40000, ErrorCode::device), silent(40000, ErrorCode::device))) << "its firmware runs";
+  EXPECT_FALSE(silent_at_the_same_sample(silent(40000, ErrorCode::timeout, "reference"), silent(40000, ErrorCode::timeout, "reference")));
+  EXPECT_FALSE(silent_at_the_same_sample({}, silent(40000)));
+}
+
 TEST(Runner, survives_the_trip_through_the_pipe) {
   Bench s;
   s.dut.spoil = [](std::uint32_t index, float& force_N, std::uint8_t&) {
