@@ -201,6 +201,8 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
     plan.limits.goldens = std::filesystem::absolute(request.goldens).lexically_normal().string();
     for (PlanCase& c : plan.cases) c.checks |= kCheckGolden;
   }
+  if (const auto said = setup.rig.details.find("notes"); said != setup.rig.details.end())
+    setup.notes.push_back("of the recording: " + said->second);
   FORCEGATE_CHECK_OK(select_cases(request, plan));
   FORCEGATE_CHECK_OK(select_lanes(request, setup));
   // a wrong option is told before anything is played
@@ -280,9 +282,9 @@ CaseJob record_job(const GateRequest& request, const GateSetup& setup, std::size
       mix_seed(job.seed, fmt::format("{}/{}/{}", setup.firmware_sha256, job.id, attempt)) & 0xFFFFFFFFu);
   job.faults = faults_of_attempt(request.faults, attempt);
   job.calibration = calibration;
+  job.calibration_given = !calibrates(request, setup);
   return job;
 }
-  job.calibration_given = !calibrates(request, setup);
 
 double rig_time_s(const CaseJob& job) {
   const auto duration_s = [](const StimulusSpec& spec) {

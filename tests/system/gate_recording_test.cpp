@@ -49,6 +49,13 @@ TEST_F(GateRecording, IsTheSameAsCsvHdf5AndMat) {
   EXPECT_EQ(checks({mat}), from_csv);
 }
 
+TEST_F(GateRecording, SaysWhatItLeftOutOfTheFile) {
+  const std::string csv = sine("cut.csv", "F_ref_N", 1.0);
+  write_text(csv, read_text(csv) + "20.000,1.2");
+  ASSERT_FALSE(checks({csv}).empty());
+  EXPECT_THAT(read_text(folder / "run/result.json"), HasSubstr("the last line is cut short"));
+}
+
 TEST_F(GateRecording, MapsAForeignColumnAsItsAdviceSays) {
   const std::string csv = sine("run.csv", "kgf", 9.80665);
   const ProcessResult none = forcegate({"gate", kNative, "--record", csv, "-o", folder / "run"}, kHere);
