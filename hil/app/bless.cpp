@@ -129,8 +129,15 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
       return fail(
           ErrorCode::usage, "the plan of this run names no goldens", head.plan_name,
           "add goldens = \"...\" to its [limits] (and \"golden\" to the checks of a case), or give --goldens FOLDER");
-    FORCEGATE_TRY(const fs::path plan, find_plan(head.plan_name));
-    folder = (plan.parent_path() / run.goldens).lexically_normal();
+    folder = run.goldens;
+    if (!folder.is_absolute()) {  // as seen from the plan's file
+      const auto plan = find_plan(head.plan_name);
+      if (!plan)
+        return fail(ErrorCode::usage, plan.error().text + ", beside which its goldens are", plan.error().where,
+                    "give the folder of the goldens: --goldens FOLDER");
+      folder = plan->parent_path() / folder;
+    }
+    folder = folder.lexically_normal();
   }
   FORCEGATE_TRY(const std::vector<GoldenRecord> before, read_goldens(folder));
   BlessAnswer answer;
