@@ -67,6 +67,7 @@ class NativeDut final : public Dut {
     if (image.kind != link::ImageKind::host_shared_object)
       return fail(ErrorCode::usage, "the native lane wants a shared object", where_,
                   "use --lane block or --lane uart");
+    if (!image.damage.empty()) return fail(ErrorCode::usage, image.damage, where_, "build or copy it again");
     const std::string path = std::filesystem::absolute(session.image).string();
     {
       const InFirmware marker(0);  // constructors of the object may run

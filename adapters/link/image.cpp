@@ -2,6 +2,7 @@
 
 #include <elf.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -60,6 +61,22 @@ void add_sizes(const std::string& bytes, Image& image) {
   }
 }
 
+// Bytes that head, section table and loaded segments of an ELF64 file need.
+std::uint64_t bytes_needed(const std::string& bytes) {
+  Elf64_Ehdr head;
+  if (bytes.size() < sizeof head) return sizeof head;
+  std::memcpy(&head, bytes.data(), sizeof head);
+  std::uint64_t end = std::uint64_t{head.e_shoff} + std::uint64_t{head.e_shnum} * head.e_shentsize;
+  for (std::uint64_t i = 0; i < head.e_phnum; ++i) {
+    const std::uint64_t at = head.e_phoff + i * sizeof(Elf64_Phdr);
+    if (at > bytes.size() || bytes.size() - at < sizeof(Elf64_Phdr)) return std::max(end, at + sizeof(Elf64_Phdr));
+    Elf64_Phdr segment;
+    std::memcpy(&segment, bytes.data() + at, sizeof segment);
+    if (segment.p_type == PT_LOAD) end = std::max(end, std::uint64_t{segment.p_offset} + segment.p_filesz);
+  }
+  return end;
+}
+
 // A position-independent program is a shared object too, but one that no loader takes into another program.
 bool is_program(const std::string& bytes) {
   const auto read = [&](std::uint64_t at, auto& into) {
@@ -109,6 +126,9 @@ Result<Image> inspect_image(const std::filesystem::path& path) {
   Image image;
   image.build_id = marker(bytes, "forcegate-build:");
   if (bytes[EI_CLASS] == ELFCLASS64 && machine == kHostMachine && type == ET_DYN) {
+    if (const std::uint64_t needed = bytes_needed(bytes); needed > bytes.size())
+      image.damage = "the firmware file is cut short or damaged: it has " + std::to_string(bytes.size()) + " bytes, its tables speak of " +
+                     std::to_string(needed);
     if (is_program(bytes))
       return fail(ErrorCode::usage, "this is a program and no firmware image", printable_utf8(path.string()),
                   "the native lane wants a shared object built with rigs/firmware/ports/native.h");

@@ -15,6 +15,7 @@ struct Image {
   std::string port;      ///< "native", "block", "uart"; "" when an ARM image carries no marker
   std::string board;     ///< "mps2-an386" ...; "" without a marker
   std::string build_id;  ///< 40 hex digits of the marker "forcegate-build:"; "" without one
+  std::string damage;    ///< "" or that the file is cut short; whoever loads it must refuse it
   bool ticks = false;    ///< marker "forcegate-tick:1": can be paced by its own 1 kHz clock
   double flash_bytes = 0.0, ram_bytes = 0.0;  ///< of an ARM image, from its section table
 };

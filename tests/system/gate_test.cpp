@@ -198,6 +198,7 @@ TEST_F(Gate, WrongInputIsExitTwoWithALineOfHelp) {
   write_text(folder / "future.toml", "format = 999\nname = \"x\"\n");
   write_text(folder / "binary.toml", std::string("\0\1\2\xff", 4));
   std::string stimulus = read_text(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml");
+  write_text(folder / "cut.so", read_text(kNative).substr(0, 3000));
   const std::size_t at = stimulus.rfind("name = \"sine\"");
   ASSERT_NE(at, std::string::npos);
   stimulus.replace(at, 13, "name = \"sin\"");
@@ -213,6 +214,7 @@ TEST_F(Gate, WrongInputIsExitTwoWithALineOfHelp) {
            {kNative, "--plan", folder / "bad.toml"},
            {kNative, "--plan", folder / "unknown_key.toml"},
            {kNative, "--plan", folder / "future.toml"},
+           {folder / "cut.so"},
            {kNative, "--plan", folder / "binary.toml"},
            {kNative, "--plan", folder / "stimulus.toml"},
            {kNative, "--plan", "no_such_plan"},
