@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/digest.h"
 #include "hil/gate/statistics.h"
 
 namespace forcegate {
@@ -43,6 +44,13 @@ class Derivation {
       return fail(ErrorCode::usage,
                   fmt::format("{} recordings do not show what repeats", request.records.size()), "--record",
                   fmt::format("give at least {} of the same profile", kFewestRecordings));
+    std::map<std::string, std::string> seen;  // digest, name: a recording that is given twice repeats by itself
+    for (const std::filesystem::path& record : request.records) {
+      FORCEGATE_TRY(const std::string digest, sha256_file(record));
+      if (const auto [at, added] = seen.emplace(digest, record.string()); !added)
+        return fail(ErrorCode::usage, at->second == record.string() ? "a recording is given twice" : "two recordings are the same, byte for byte: the other is " + at->second,
+                    record.string(), fmt::format("give at least {} that were made one after the other", kFewestRecordings));
+    }
     FORCEGATE_TRY(const std::filesystem::path path, find_plan("replay"));
     FORCEGATE_TRY(const Plan plan, read_plan(path));
     GateRequest gated = common(request, path);
@@ -108,6 +116,8 @@ class Derivation {
           return check.id == "accuracy_minima" && check.evidence.find("mae_minima") != std::string::npos;
         });
     for (const Check& check : c.checks) {
+      if (check.id == "rig_calibration_fits" && check.verdict != Verdict::pass)
+        return fail(ErrorCode::config, "the calibration does not fit the record: " + check.evidence, where, "give that of the specimen (--cal FILE)");
       if (check.id != "mre_maxima" && check.id != (absolute_minima ? "mae_minima" : "mre_minima")) continue;
       if (check.verdict == Verdict::rig_error || !std::isfinite(check.value))
         return fail(ErrorCode::config, "a record gave no value for " + check.id, where);

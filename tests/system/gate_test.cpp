@@ -127,6 +127,11 @@ TEST_F(Gate, LimitsOfABenchsOwnRecordingsJudgeItsNextRecording) {
   const ProcessResult few = forcegate({"limits", kNative, "--cal", cal, "--record", files[0]}, kHere);
   EXPECT_EQ(few.exit_code, 2);
   EXPECT_THAT(few.err, HasSubstr("at least 5"));
+  std::vector<std::string> same{"limits", kNative, "--cal", cal};
+  for (int k = 0; k < 5; ++k) same.insert(same.end(), {"--record", files[0]});
+  const ProcessResult twice = forcegate(same, kHere);
+  EXPECT_EQ(twice.exit_code, 2) << twice.out;
+  EXPECT_THAT(twice.err, HasSubstr("given twice"));
 }
 
 TEST_F(Gate, MistakesInADateOrAFolderAreSeenBeforeAnythingIsPlayed) {
