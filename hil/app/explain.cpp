@@ -130,6 +130,8 @@ std::vector<Explanation> find_explanations(std::string_view term) {
   std::vector<Explanation> out;
   std::ranges::copy_if(explanations(), std::back_inserter(out),
                        [&](const Explanation& e) { return ascii_lower(e.term) == ascii_lower(term); });
+  const std::string check(term.substr(0, term.find('/')));  // of a case: promise_maxima/CASE
+  std::ranges::copy_if(check_explanations(), std::back_inserter(out), [&](const Explanation& e) { return e.term == ascii_lower(check); });
   for (const EffectKind& effect : EffectRegistry::instance().all())
     if (effect.name == ascii_lower(term)) out.push_back(explanation_of(effect));
   return out;

@@ -261,7 +261,8 @@ TEST(Doctor, SaysForEachMissingThingHowToGetIt) {
 
 TEST(Explain, KnowsEveryVerdictDecisionAndExitCode) {
   for (const char* term : {"ACCEPT", "reject", "No-Decision", "pass", "marginal", "fail", "inconclusive",
-                           "rig_error", "not_run", "waived", "0", "1", "2", "3", "4", "5", "6", "130"}) {
+                           "rig_error", "not_run", "waived", "firmware_runs", "mre_maxima", "conformance", "rig_following",
+                           "output_bounded", "golden_firmware", "promise_maxima/four_sines", "0", "1", "2", "3", "4", "5", "6", "130"}) {
     const ProcessResult r = forcegate({"explain", term});
     EXPECT_EQ(r.exit_code, 0) << term;
     EXPECT_THAT(r.out, HasSubstr("What to do:")) << term;

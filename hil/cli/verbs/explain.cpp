@@ -12,10 +12,18 @@
 namespace forcegate {
 namespace {
 
+std::vector<std::string> checks() {
+  std::vector<std::string> out;
+  for (const Explanation& e : check_explanations()) out.push_back(e.term);
+  return out;
+}
+
 std::vector<std::string> terms() {
   std::vector<std::string> out;
   for (const Explanation& e : explanations())
     if (std::ranges::find(out, e.term) == out.end()) out.push_back(e.term);
+  for (const std::string& check : checks())
+    if (std::ranges::find(out, check) == out.end()) out.push_back(check);
   for (const std::string& effect : EffectRegistry::instance().names())
     if (std::ranges::find(out, effect) == out.end()) out.push_back(effect);
   return out;
@@ -44,7 +52,7 @@ std::string topics() {
     of_kind.push_back(e.term);
   }
   put();
-  return out + row_of("effect", join(EffectRegistry::instance().names(), ", "));
+  return out + row_of("check", join(checks(), ", ")) + row_of("effect", join(EffectRegistry::instance().names(), ", "));
 }
 
 Result<int> run(const Invocation& in) {
@@ -62,6 +70,7 @@ Result<int> run(const Invocation& in) {
       console.print(row_of(e.term, e.meaning));
       add(e);
     }
+    console.print("\n" + console.paint(Paint::strong, "check") + "\n" + row_of("", join(checks(), ", ")));
     console.print("\n" + console.paint(Paint::strong, "effect") + "\n" + row_of("", join(EffectRegistry::instance().names(), ", ")));
     console.print_json(document.dump(2));
     console.next("forcegate explain NO-DECISION");
