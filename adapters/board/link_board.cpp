@@ -21,7 +21,10 @@ Error LinkBoard::told(const Error& error) const {
 
 Result<DeviceIdentity> LinkBoard::open() {
   close();
-  FORCEGATE_TRY(line_, open_line_());
+  auto line = open_line_();
+  if (!line && line.error().code != ErrorCode::device && line.error().code != ErrorCode::io) return Unexpected(line.error());
+  if (!line) return Unexpected(told(line.error()));  // a port that is not there: the board is unplugged
+  line_ = std::move(*line);
   counters_ = {};
   buffer_.clear();
   expects_sequence_ = image_loaded_ = false;

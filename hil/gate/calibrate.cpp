@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hil/base/text.h"
+#include "hil/gate/blame.h"
 #include "hil/gate/board_faults.h"
 #include "hil/gate/case_result.h"
 #include "hil/gate/play_profile.h"
@@ -96,7 +97,7 @@ class CalibrationRun {
             : CaseFailure::Stage::rig;
     if (ours) error.where = job_.id;
     Blame blame = Blame::none;
-    if (error.code == ErrorCode::device && played.samples > 0) {
+    if (error.code == ErrorCode::device && played.samples > 0 && device_of(error.where).empty()) {
       const auto checks = self_check(played.rig, played.observed);
       if (const Check* bad = first_unsound(checks)) blame = bad->blame;
     }
