@@ -66,7 +66,8 @@ std::string render_console(const RunResult& result, const ConsoleView& view) {
       paint(colour_of(d.kind), std::string(symbol(d.kind, glyphs)) + " " + std::string(to_string(d.kind)));
   out += "  " + one_line(d.reason) + "\n";
   if (d.kind != DecisionKind::accept) {
-    if (const std::string who = who_must_act(d.blame); !who.empty()) out += "  to act: " + who;
+    constexpr int kInterrupted = 130;  // by a person: nobody has to mend anything
+    if (const std::string who = who_must_act(d.blame); !who.empty() && d.exit_code != kInterrupted) out += "  to act: " + who;
     if (d.safety_stop) out += dot + "safety stop";
     out += "\n";
   }

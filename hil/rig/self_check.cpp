@@ -143,12 +143,15 @@ class SelfCheck {
     const bool lags = std::fabs(o_.reference_lag_s) > limits_.reference_lag_s;
     const bool late = lags && !(std::fabs(o_.sensor_lag_s) < 0.5 * std::fabs(o_.reference_lag_s));
     const bool reference = late || absurd || !same_calibration_ || (zero_known_ ? !zero_sound_ : steady);
+    const bool slope_off = std::fabs(o_.spring_slope - 1.0) > limits_.spring_slope;
     const char* why = late                 ? ": its reading is late"
                       : absurd             ? ": no spring is like that"
                       : !same_calibration_ ? ": another calibration is loaded"
                       : zero_known_
-                          ? (zero_sound_ ? ": unloaded the ATI is sound, so spring or preload are not as set"
-                                         : ": unloaded the ATI is off as well")
+                          ? (!zero_sound_ ? ": unloaded the ATI is off as well"
+                             : slope_off  ? ": unloaded the ATI is sound, so spring or preload are not as set, or the gain of "
+                                            "the ATI is not, a known mass tells"
+                                          : ": unloaded the ATI is sound, so spring or preload are not as set")
                       : steady ? ", the same from start to end: zero of the ATI (or a preload set wrongly)"
                                : "";
     if (std::isfinite(o_.reference_lag_s))
