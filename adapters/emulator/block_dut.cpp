@@ -161,7 +161,7 @@ class BlockDut final : public Dut {
       return fail(ErrorCode::firmware, "the image does not answer with the block protocol (wrong magic)",
                   where_);
     FORCEGATE_CHECK_OK(check_echo({static_cast<int>(answer.version >> 8), answer.nonce,
-                                   std::memcmp(&answer.calibration, &request.calibration, sizeof request.calibration) == 0,
+                                   answer.status != 0 || std::memcmp(&answer.calibration, &request.calibration, sizeof request.calibration) == 0,
                                    static_cast<double>(answer.rate_Hz)},
                                   session, "the image", where_));
     if (answer.status != 0)

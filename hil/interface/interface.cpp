@@ -123,8 +123,9 @@ Result<void> check_echo(const DutEcho& echo, const DutSession& session, const st
     return fail(ErrorCode::firmware, who + " speaks an unknown protocol major " + std::to_string(echo.protocol_major) + ", not " + std::to_string(kProtocolMajor), where);
   if (echo.nonce != session.nonce)
     return fail(ErrorCode::firmware, who + " does not echo the nonce: stale output is never judged", where);
-  if (!echo.calibration) return fail(ErrorCode::firmware, who + " does not echo the calibration", where);
+  // Before the calibration: an image that refuses a rate need not have looked at it.
   if (echo.rate_Hz != session.rate_Hz) return wrong_rate(echo.rate_Hz, session.rate_Hz, where);
+  if (!echo.calibration) return fail(ErrorCode::firmware, who + " does not echo the calibration", where);
   return {};
 }
 
