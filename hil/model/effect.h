@@ -44,6 +44,7 @@ using ColumnsRef = Eigen::Ref<Eigen::MatrixXd>;
 struct RecordedCause {
   std::string name, unit;
   std::function<double(const RecordInput&)> of_record;  ///< empty: nobody recorded it
+  double plain = 0.0;  ///< in `unit`: between records that differ by so much and more, an effect of it is likely
 };
 
 struct EffectForm {

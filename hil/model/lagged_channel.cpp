@@ -78,12 +78,14 @@ void fill(AirChannel channel, const CampaignInput& c, const RecordInput& r, doub
 }
 
 RecordedCause mean_of_record(AirChannel channel, const std::string& unit) {
-  return {channel == &RecordInput::temp_C ? "temperature" : "humidity", unit, [channel](const RecordInput& r) {
+  constexpr double kPlain_C = 2.0, kPlain_pct = 5.0;
+  const bool warm = channel == &RecordInput::temp_C;
+  return {warm ? "temperature" : "humidity", unit, [channel](const RecordInput& r) {
             double sum = 0.0, n = 0.0;
             for (const double x : r.*channel)
               if (std::isfinite(x)) sum += x, n += 1.0;
             return n > 0.0 ? sum / n : kMissing;
-          }};
+          }, warm ? kPlain_C : kPlain_pct};
 }
 
 }  // namespace

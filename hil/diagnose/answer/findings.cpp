@@ -167,6 +167,20 @@ std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selecti
   return out;
 }
 
+namespace {
+
+// Whether what was recorded of the effect's cause differs plainly between the records.
+bool cause_differs(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen) {
+  const RecordedCause& cause = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(chosen.variant)].candidate)].form->cause;
+  if (!cause.of_record) return false;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const RecordInput& r : campaign.records)
+    if (const double x = cause.of_record(r); std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+  return high - low >= cause.plain;
+}
+
+}  // namespace
+
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out) {
   for (const ChosenEffect& chosen : selection.chosen) {
@@ -174,13 +188,13 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.effect = chosen.kind->name;
     f.side = chosen.kind->side;
     f.unit = channel.unit;
-    // evidence between records is honest, since n counts records: posterior odds against a prior of 1 in 20. Within records
-    // the evidence counts rows that hang together and is only a scale
-    constexpr double kPriorOdds = 1.0 / 20.0;
+    // evidence between records is honest, since n counts records: posterior odds against a prior of 1 in 20, of 1 in 5 where the cause was
+    // recorded and differed. Within records the evidence counts rows that hang together and is only a scale
+    const double prior_odds = cause_differs(w.input, channel, chosen) ? 1.0 / 5.0 : 1.0 / 20.0;
     double factor = std::exp(std::min(50.0, chosen.gain));
     const bool records_alone = chosen.by_records() && chosen.gain <= chosen.records.gain;
     if (records_alone) factor = std::min(factor, bayes_factor_bound(chosen.chance));
-    const double odds = kPriorOdds * factor;
+    const double odds = prior_odds * factor;
     const double real = chosen.between       ? std::min(0.98, odds / (1.0 + odds))
                         : chosen.stands_out  ? 0.75
                         : chosen.gain > 40.0 ? 0.98

@@ -13,7 +13,7 @@ namespace forcegate {
 namespace {
 
 RecordedCause drive() {
-  return {"drive", "V", [](const RecordInput& r) { return r.drive_mean_V; }};
+  return {"drive", "V", [](const RecordInput& r) { return r.drive_mean_V; }, 0.5};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{

@@ -1,13 +1,33 @@
 // Contact loss: the wheel lifts off where m < A; F_ref stays at zero while the wheel turns on.
-//   dF = c max(0, F1 - L),  L the force of the linear rig law, F1 the force at which the contact opens.
+//   dF = c max(0, F1 - L),  L the force of the linear rig law, F1 the force at which the contact opens: one for all records, where the
+// declared preload holds, or (at_zero) where the record's own line of F on L meets zero, since a gap may be another in every record.
 // The paper's model assumes m >= A (Lebosse 2011, eq. 2).
 
 #include <algorithm>
+#include <cmath>
 
 #include "hil/model/effect.h"
 
 namespace forcegate {
 namespace {
+
+// Force of the linear law at which the line through the closed part of the record meets zero; missing where there is no such line.
+double law_at_zero_N(const CampaignInput& c, const RecordInput& r) {
+  constexpr double kClosed = 0.05, kLine = 0.9;  // of the span; of the variance
+  constexpr double kFewestRows = 50.0;
+  double n = 0.0, mean_L = 0.0, mean_F = 0.0, LL = 0.0, LF = 0.0, FF = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    if (r.ok[i] == 0 || r.F_N[i] < kClosed * c.range_N) continue;
+    n += 1.0;
+    const double dL = r.rig_force_N[i] - mean_L, dF = r.F_N[i] - mean_F;
+    mean_L += dL / n;
+    mean_F += dF / n;
+    LL += dL * (r.rig_force_N[i] - mean_L);
+    LF += dL * (r.F_N[i] - mean_F);
+    FF += dF * (r.F_N[i] - mean_F);
+  }
+  return n < kFewestRows || !(LF * LF > kLine * LL * FF) ? kMissing : mean_L - mean_F * LL / LF;
+}
 
 const Registration<EffectKind> kRegistered{EffectKind{
     .name = "contact_loss",
@@ -20,6 +40,21 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .separates = "the same cycle with a higher mean force",
     .needs = {"witness"},
     .forms = {
+        {.name = "at_zero",
+         .shape = {},
+         .strength = {{"c", "1", -2.0, 2.0, 0.0, "1: the force stays at zero"}},
+         .sign = StrengthSign::positive,
+         .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
+         .columns =
+             [](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+               out.setZero();
+               if (r.rig_force_N.empty()) return;
+               const double opens_N = law_at_zero_N(c, r);
+               if (std::isfinite(opens_N))
+                 r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), 0) = std::max(0.0, opens_N - r.rig_force_N[i]); });
+             },
+         .least = 0.35,
+         .most = 2.0},
         {.name = "hinge",
          .shape = {{"F1_N", "N", -100.0, 100.0, 0.0, "force of the linear law at which the contact opens"}},
          .strength = {{"c", "1", -2.0, 2.0, 0.0, "1: the force stays where it was"}},

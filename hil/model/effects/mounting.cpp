@@ -18,7 +18,7 @@ EffectForm declared(const char* name, bool gain) {
   EffectForm form;
   form.name = name;
   form.groups = true;
-  form.cause = {"mounting, in order", "1", [](const RecordInput& r) { return r.mounting + 1.0; }};
+  form.cause = {"mounting, in order", "1", [](const RecordInput& r) { return r.mounting + 1.0; }, 1.0};
   for (int k = 1; k < kMostMountings; ++k) {
     const std::string number = std::to_string(k + 1);
     ParameterSpec strength = gain ? ParameterSpec{"c_", "1", -0.9, 9.0, 0.0, "relative change of gain in mounting "}

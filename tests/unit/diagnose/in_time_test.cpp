@@ -65,7 +65,7 @@ TEST(InTime, HowMuchTheSwingLosesIsTold) {
 TEST(InTime, WhatHardlyHelpsIsNoClaim) {
   const Diagnosis d = answer_to(sine, [](double x) { return 2.0 * std::exp(-0.3 * x); }, [](double) { return 0.2; });
   for (const Finding& f : d.findings)
-    if (f.claimed()) EXPECT_LT(f.error_after, 0.995 * f.error_before) << f.effect;
+    if (f.claimed()) { EXPECT_LT(f.error_after, 0.995 * f.error_before) << f.effect; }
 }
 
 }  // namespace

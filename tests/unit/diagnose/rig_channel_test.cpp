@@ -167,6 +167,24 @@ TEST(RigChannel, AWheelThatLeavesTheSensorIsContactLoss) {
   EXPECT_EQ(d.findings.front().effect, "contact_loss");
 }
 
+// Set back in the records in which it turns, by another way in each; slow records go down to the same forces and stay in contact.
+TEST(RigChannel, AGapThatIsAnotherInEveryRecordIsContactLoss) {
+  Bench bench;
+  bench.seat_N = [](int n) { return n % 2 == 1 ? -0.6 - 0.13 * n : 0.0; };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "contact_loss ");
+  const auto force = d.errors.find("F");
+  ASSERT_NE(force, d.errors.end());
+  EXPECT_LT(force->second.after, 0.1 * force->second.before);
+}
+
+// A preload that is larger than declared opens no contact.
+TEST(RigChannel, AForceBesideTheDeclaredPreloadOpensNoContact) {
+  Bench bench;
+  bench.seat_N = [](int n) { return n % 2 == 1 ? 0.4 + 0.05 * n : 0.0; };
+  EXPECT_EQ(claims(diagnose(bench)).find("contact_loss"), std::string::npos);
+}
+
 TEST(RigChannel, FrictionOfTheGuideIsALoopOnEitherSideOfTheReference) {
   for (const double friction_N : {-0.06, 0.06}) {
     Bench bench;

@@ -16,11 +16,12 @@ Campaign that_follows_the_air(std::uint64_t seed, double gain_per_unit) {
   });
 }
 
-Campaign in_a_warm_room(std::uint64_t seed, double gain_per_C) {
+// `spread`: of the temperatures about their mean, times those of kAir; gains stay what they are.
+Campaign in_a_warm_room(std::uint64_t seed, double gain_per_C, double spread = 1.0) {
   Campaign c = that_follows_the_air(seed, gain_per_C);
   for (std::size_t k = 0; k < c.records.size(); ++k) {
     Record& r = c.records[k];
-    r.trace.channels.push_back({"temp", "C", "temperature", 0, std::vector<double>(r.trace.time_bases[0].t_s.size(), kAir[k]), {}});
+    r.trace.channels.push_back({"temp", "C", "temperature", 0, std::vector<double>(r.trace.time_bases[0].t_s.size(), 22.0 + spread * (kAir[k] - 22.0)), {}});
   }
   return c;
 }
@@ -52,6 +53,19 @@ TEST(BetweenRecords, ATemperatureThatTheSensorDoesNotMindIsNoFinding) {
     EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << seed;
     EXPECT_FALSE(d.levels) << seed;
   }
+}
+
+// The same gains against ten degrees and against one: who writes down ten may expect something of them.
+TEST(BetweenRecords, ACauseThatDiffersPlainlyIsLikelierThanOneThatHardlyDoes) {
+  int asked = 0;
+  for (const std::uint64_t seed : {71, 73, 74, 76})
+    for (const double gain_per_C : {0.0022, 0.0026, 0.003}) {
+      const double wide = probability(answer(in_a_warm_room(seed, gain_per_C)), "thermal"), narrow = probability(answer(in_a_warm_room(seed, gain_per_C, 0.12)), "thermal");
+      if (narrow < 0.1 || narrow > 0.85 || narrow == 0.4) continue;  // 0.4: a suspicion
+      ++asked;
+      EXPECT_GT(wide / (1.0 - wide), 1.5 * narrow / (1.0 - narrow)) << seed << ' ' << gain_per_C << ": " << wide << " and " << narrow;
+    }
+  EXPECT_GE(asked, 2);
 }
 
 TEST(BetweenRecords, WhatAHandfulOfRecordsHintsAtIsASuspicion) {
