@@ -75,7 +75,7 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
   }
   if (w.has_command && search.drive.base.valid) add_findings(w, w.command, search.drive, kNamedEnough, out);
   share_among_timing(search.output, out.findings);
-  if (!w.input.generic) leave_curves_to_loops(out.findings);
+  if (!w.input.generic) leave_curves_to_larger_causes(out.findings);
 }
 
 // One entry for each effect, claims first; of equally sure ones what explains more of the error first.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/answer/rail_voltage.h"
@@ -97,12 +98,16 @@ void reserve(const Workspace& w, const ResidualChannel& channel, const MixedFit&
   f.limit(r.most, r.why);
 }
 
-void leave_curves_to_loops(std::vector<Finding>& findings) {
-  const auto loop = std::ranges::find_if(findings, [](const Finding& f) { return f.effect == "hysteresis" && f.effect_rms > 0.0; });
-  if (loop == findings.end()) return;
-  for (Finding& f : findings)
-    if (is_curve(f.effect) && f.side == "sensor" && f.form != "raw" && f.unit == loop->unit && f.effect_rms < loop->effect_rms)
-      f.limit(kNoClaim, "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model");
+void leave_curves_to_larger_causes(std::vector<Finding>& findings) {
+  constexpr std::pair<const char*, const char*> kCauses[] = {
+      {"hysteresis", "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model"},
+      {"adc_codes", "codes of the converter that are off bend the output too: the curve is asked again with another converter"}};
+  for (const auto& [effect, why] : kCauses) {
+    const auto cause = std::ranges::find_if(findings, [&](const Finding& f) { return f.effect == effect && f.form != "raw" && f.effect_rms > 0.0; });
+    if (cause == findings.end()) continue;
+    for (Finding& f : findings)
+      if (is_curve(f.effect) && f.side == "sensor" && f.form != "raw" && f.unit == cause->unit && f.effect_rms < cause->effect_rms) f.limit(kNoClaim, why);
+  }
 }
 
 }  // namespace forcegate::diagnose

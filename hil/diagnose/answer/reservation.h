@@ -14,8 +14,9 @@ namespace forcegate::diagnose {
 /// side there that left-out records hardly gain by. To kNoClaim: a free course over the campaign in the name of an unrecorded channel.
 void reserve(const Workspace& workspace, const ResidualChannel& channel, const MixedFit& base, Finding& finding);
 
-/// To kNoClaim: a curve of a sensor beside a loop that is larger than it, whether or not the loop is claimed. Loops whose elements do not close
-/// evenly over the force (Preisach) have a curve of their own, of up to their own size, and no record tells it from another one.
-void leave_curves_to_loops(std::vector<Finding>& findings);
+/// To kNoClaim: a curve of a sensor beside a loop or beside wrong codes of the converter that are larger than it, whether or not these are
+/// claimed. Loops whose elements do not close evenly over the force (Preisach) have a curve of their own, of up to their own size, and so have
+/// codes; no record tells it from another one.
+void leave_curves_to_larger_causes(std::vector<Finding>& findings);
 
 }  // namespace forcegate::diagnose

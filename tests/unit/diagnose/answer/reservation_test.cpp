@@ -143,12 +143,25 @@ TEST(Reservation, ACurveLargerThanTheLoopIsItsOwn) {
   curve.effect = "static_nonlinearity", curve.probability = 0.9, curve.effect_rms = 0.03;
   small.effect = "dead_zone", small.probability = 0.9, small.effect_rms = 0.01;
   std::vector<Finding> findings{loop, curve, small};
-  leave_curves_to_loops(findings);
+  leave_curves_to_larger_causes(findings);
   EXPECT_TRUE(findings[1].claimed());
   EXPECT_FALSE(findings[2].claimed());
   findings[0] = curve, findings[2] = small;
-  leave_curves_to_loops(findings);
+  leave_curves_to_larger_causes(findings);
   EXPECT_TRUE(findings[2].claimed()) << "there is no loop";
+}
+
+TEST(Reservation, ACurveThatIsSmallerThanWrongCodesIsTheirs) {
+  Finding codes, curve, small;
+  codes.effect = "adc_codes", codes.probability = 0.98, codes.effect_rms = 0.02, codes.side = "instrument";
+  curve.effect = "static_nonlinearity", curve.probability = 0.98, curve.effect_rms = 0.03, curve.side = "sensor";
+  small.effect = "static_nonlinearity", small.probability = 0.98, small.effect_rms = 0.01, small.side = "sensor";
+  std::vector<Finding> beside_larger{curve, codes}, beside_smaller{codes, small};
+  leave_curves_to_larger_causes(beside_larger);
+  leave_curves_to_larger_causes(beside_smaller);
+  EXPECT_TRUE(beside_larger[0].claimed());
+  EXPECT_FALSE(beside_smaller[1].claimed());
+  EXPECT_TRUE(beside_smaller[0].claimed()) << "the codes stay";
 }
 
 }  // namespace
