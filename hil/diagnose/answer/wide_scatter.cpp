@@ -13,7 +13,7 @@ constexpr double kGain = 0.03, kZero = 0.01;        // of the gain, of the span
 constexpr double kFarGain = 0.06, kFarZero = 0.03;
 constexpr std::size_t kFewestRecords = 4;
 
-// +1: up from record to record, -1: down, 0: neither. Kendall's tau of a chance order of six is beyond 0.86 once in 180 times.
+// +1: up from record to record, -1: down, 0: neither. Kendall's tau of six in a chance order is beyond 0.86 once in 60 times, of eight once in 2500.
 int direction(const std::vector<double>& of_record) {
   constexpr std::size_t kFewest = 6;
   constexpr double kTau = 0.86;

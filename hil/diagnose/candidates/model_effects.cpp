@@ -51,16 +51,16 @@ std::vector<Candidate> beside_base_law(const CampaignInput& campaign, const std:
   const auto add = [&](const EffectKind& kind, const EffectForm& form) {
     for (const std::vector<double>& shape : form.grid(campaign)) out.push_back({&kind, &form, shape, 0, static_cast<int>(form.strength.size())});
   };
-  for (const Candidate& guess : of_model) {
-    if (!guess.is_guess) {
-      out.push_back(guess);
+  for (const Candidate& own : of_model) {
+    if (!own.is_guess) {
+      out.push_back(own);
       continue;
     }
-    add(*guess.kind, *guess.form);
+    add(*own.kind, *own.form);
     for (const EffectKind& other : EffectRegistry::instance().all())
-      if (acts_together(other, *guess.kind))
+      if (acts_together(other, *own.kind))
         for (const EffectForm& form : other.forms) {
-          const bool lags_too = form.beside == guess.kind->name && !form.bank && form.shape.size() == 1;
+          const bool lags_too = form.beside == own.kind->name && !form.bank && form.shape.size() == 1;
           if (lags_too || (form.bank && form.beside.empty())) add(other, form);
         }
   }
