@@ -73,12 +73,7 @@ class NativeDut final : public Dut {
       const InFirmware marker(0);  // constructors of the object may run
       handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     }
-    if (handle_ == nullptr) {
-      const std::string why = printable_utf8(dlerror());
-      if (why.find("cannot dynamically load") != std::string::npos)
-        return fail(ErrorCode::usage, "this is a program and no firmware image: " + why, where_, "the native lane wants a shared object built with rigs/firmware/ports/native.h");
-      return fail(ErrorCode::firmware, "the image cannot be loaded: " + why, where_);
-    }
+    if (handle_ == nullptr) return fail(ErrorCode::firmware, "the image cannot be loaded: " + printable_utf8(dlerror()), where_);
     if (!load("forcegate_native_abi", abi_) || !load("forcegate_native_open", open_) ||
         !load("forcegate_native_process", process_) || !load("forcegate_native_close", close_))
       return fail(ErrorCode::usage, "the shared object does not export the functions of the native port",

@@ -44,6 +44,12 @@ bool is_one_recording(const Diagnosis& d) {
   return true;
 }
 
+// Records that are each described by a gain and zero of their own, and not by one for all.
+bool differs_between_records(const Diagnosis& d) {
+  constexpr double kFar = 3.0, kToItsNoise = 1.5;
+  return !is_one_recording(d) && d.plain_after > kFar * d.error_after && d.error_after <= kToItsNoise * d.floor;
+}
+
 // What else than claims the error after holds, as the waterfall draws it hollow.
 std::string unclaimed_share(const Diagnosis& d) {
   std::vector<std::string> names;
@@ -52,7 +58,8 @@ std::string unclaimed_share(const Diagnosis& d) {
       names.push_back(step.effect);
   if (names.empty()) return {};
   const auto rivals = std::ranges::find_if(d.not_separable, [&](const auto& group) { return std::ranges::find(group, names.front()) != group.end(); });
-  return ", with " + (names.size() == 1 && rivals != d.not_separable.end() ? join(*rivals, " or ") : join(names, ", ")) + ", which is not claimed";
+  return ", with " + (names.size() == 1 && rivals != d.not_separable.end() ? join(*rivals, " or ") : join(names, ", ")) +
+         (names.size() > 1 ? ", which are not claimed" : ", which is not claimed");
 }
 
 std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks) {
@@ -73,6 +80,7 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   if (!comparison && !page.lead && in_unit(before, unit) != in_unit(after, unit))
     out += (after < before ? " falls to " : " rises to ") + escape(in_unit(after, unit)) + (rig ? "" : escape(unclaimed_share(d)));
   if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(in_unit(d.floor, d.unit));
+  if (!page.lead && !rig && differs_between_records(d)) out += "; with one gain, offset and decay for all records " + escape(in_unit(d.plain_after, d.unit));
   out += ".</p>\n<ul class=\"facts\">";
   const auto fact = [&](std::string_view name, const std::string& html) {
     if (!html.empty()) out += "<li>" + std::string(name) + " <b>" + html + "</b></li>";
@@ -140,10 +148,18 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bo
 
 bool is_claimed_between_records(const Finding& f) { return f.claimed() && shows_between_records(f.effect); }
 
+bool differs_without_cause(const Diagnosis& d) {
+  return d.verdict == Answer::unknown && d.not_separable.empty() && !d.follows.empty() && differs_between_records(d);
+}
+
+// Gain and zero of every record stand beside what they show.
+bool levels_are_the_answer(const Diagnosis& d) { return differs_without_cause(d) || std::ranges::any_of(d.findings, is_claimed_between_records); }
+
 std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
   std::string out = "<section id=\"missing\"><h2>What is missing</h2>\n";
   if (d.findings.empty()) {
-    out += d.verdict == Answer::unknown
+    out += differs_without_cause(d) ? ""
+           : d.verdict == Answer::unknown
                ? "<p>No listed effect has this shape. The maps below show where the error lives.</p>\n"
                : "<p>No listed effect lowers the error of " + std::string(is_one_recording(d) ? "parts" : "records") +
                      " that were not fitted. What is left is noise for these inputs; it says nothing about inputs that were not played.</p>\n";
@@ -155,6 +171,8 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
     drawn |= here;
     out += finding(f, d.judged_by, is_one_recording(d), f.claimed() && opened++ < 3, here ? between_records(pictures) : "");
   }
+  if (differs_without_cause(d))
+    out += "<p>Each record is described to its noise by a gain and zero of its own, and nothing that was recorded says why they differ.</p>\n" + between_records(pictures);
   const bool rig = shows_rig(d);
   const bool moves = !d.not_separable.empty() ||
                      std::ranges::any_of(d.findings, [&](const Finding& f) { return f.claimed() && !is_of_rig(d, f); });
@@ -195,7 +213,7 @@ std::string looks(const Diagnosis& d, const RecordPictures& p) {
   for (const ResidualSpectrum& s : p.spectra) out += picture(spectrum_figure(s, p.unit, claims_hum(d)), "Record " + s.record + ".");
   for (const ExtremaDecay& e : p.extrema) out += picture(extrema_figure(e, p.unit), "Record " + e.record + ".");
   if (!out.empty()) out = "<div class=\"figs\">" + out + "</div>\n";
-  if (std::ranges::none_of(d.findings, is_claimed_between_records)) out += between_records(p);
+  if (!levels_are_the_answer(d)) out += between_records(p);
   for (const std::string& why : p.missing) out += "<p>" + escape(why) + "</p>\n";
   if (out.empty()) return out;
   return "<section id=\"looks\"><h2>Spectrum, turning points and level</h2>\n" + out + "</section>\n";

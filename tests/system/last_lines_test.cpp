@@ -10,6 +10,7 @@
 #include <set>
 
 #include "tests/support/last_line.h"
+#include "tests/support/noise.h"
 
 namespace forcegate::test {
 namespace {
@@ -46,15 +47,6 @@ std::vector<std::string> chain(std::string command, const TemporaryFolder& folde
   EXPECT_LT(out.size(), 15u) << ::testing::PrintToString(out);
   return out;
 }
-
-struct Noise {
-  std::uint32_t state = 1;
-  double operator()() {
-    double sum = 0.0;
-    for (int k = 0; k < 12; ++k) sum += ((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0 - 0.5;
-    return sum;
-  }
-};
 
 // Slow triangles, a hold and sines at 100 Hz for 4 minutes; `output` sees time and force.
 void write_recording(const std::string& path, const std::function<double(double, double)>& output) {

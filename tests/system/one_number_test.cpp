@@ -10,18 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/last_line.h"
+#include "tests/support/noise.h"
 
 namespace forcegate::test {
 namespace {
-
-struct Noise {
-  std::uint32_t state = 1;
-  double operator()() {
-    double sum = 0.0;
-    for (int k = 0; k < 12; ++k) sum += ((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0 - 0.5;
-    return sum;
-  }
-};
 
 /// Six records of steps to 0.5 .. 5 N; from the fourth on the sensor lies otherwise: gain -15 %, zero +50 mV.
 void write_overload(const TemporaryFolder& folder) {

@@ -80,8 +80,7 @@ namespace {
 
 // The records follow their own decay alone.
 MixedFit without_levels(const ResidualChannel& channel, MixedFit freedom) {
-  constexpr double kHeld = 1e-14;
-  for (std::size_t j = 0; j < 2; ++j) freedom.variance[channel.problem.component_of_z[j]] = kHeld;
+  for (std::size_t j = 0; j < 2; ++j) freedom.variance[channel.problem.component_of_z[j]] = kHeldVariance;
   return freedom;
 }
 

@@ -53,7 +53,7 @@ std::optional<WideScatter> wide_scatter(const Workspace& w, const MixedFit& fit)
     out.note += (out.note.empty() ? "from record to record " : " and ") + told(level);
     const bool far = level.sd >= level.far || direction(level.of_record) != 0;
     if (far && w.output.rows.size() >= kFewestRecords)
-      out.follows = fmt::format("the record, whose {} scatters by {}", level.name, level.size);
+      out.follows += fmt::format("{} {} scatters by {}", out.follows.empty() ? "the record, whose" : " and", level.name, level.size);
   }
   if (out.note.empty()) return std::nullopt;
   out.note += ", far more than a specimen repeats to, and nothing that was recorded goes with it: is it mounted, zeroed or driven anew in between, or was its "

@@ -11,7 +11,7 @@ namespace forcegate::diagnose {
 
 struct WideScatter {
   std::string note;     ///< for people
-  std::string follows;  ///< "the record, whose gain scatters by 12 %"; empty where the scatter is no more than a note
+  std::string follows;  ///< "the record, whose gain scatters by 12 % and zero scatters by 0.2 N"; empty where the scatter is no more than a note
 };
 
 /// `fit`: gain and zero of every record beside all effects. Nothing where the spread is that of an ordinary bench: 3 % of gain, a zero of 1 % of

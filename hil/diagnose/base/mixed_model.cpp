@@ -13,8 +13,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kHeldVariance = 1e-13;  // a spread below it was set, not estimated
-
 VectorXd expand_variance(const MixedProblem& problem, const VectorXd& variance) {
   VectorXd out(problem.nz);
   for (int j = 0; j < problem.nz; ++j) out[j] = variance[problem.component_of_z[j]];

@@ -24,6 +24,9 @@ struct VarianceComponent {
   bool nuisance = false;  ///< a left-out record takes its fixed part as uncertain as the others leave it: no effect is judged by it
 };
 
+/// A variance that is set instead of estimated: a record has nothing of its own there, nor of what its law is uncertain by.
+inline constexpr double kHeldVariance = 1e-14;
+
 /// Which records enter the sums of a fit. Effects are chosen on all of them: by the chain rule that is the evidence of
 /// the fit records times the predictive density of the held-out ones. Parameters that are reported come from fit
 /// records alone.

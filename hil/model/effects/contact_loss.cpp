@@ -7,26 +7,20 @@
 #include <cmath>
 
 #include "hil/model/effect.h"
+#include "hil/trace/static_line.h"
 
 namespace forcegate {
 namespace {
 
-// Force of the linear law at which the line through the closed part of the record meets zero; missing where there is no such line.
+// Force of the linear law at which the line of F on L through the closed part of the record meets zero; missing where there is no such line.
 double law_at_zero_N(const CampaignInput& c, const RecordInput& r) {
   constexpr double kClosed = 0.05, kLine = 0.9;  // of the span; of the variance
   constexpr double kFewestRows = 50.0;
-  double n = 0.0, mean_L = 0.0, mean_F = 0.0, LL = 0.0, LF = 0.0, FF = 0.0;
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (r.ok[i] == 0 || r.F_N[i] < kClosed * c.range_N) continue;
-    n += 1.0;
-    const double dL = r.rig_force_N[i] - mean_L, dF = r.F_N[i] - mean_F;
-    mean_L += dL / n;
-    mean_F += dF / n;
-    LL += dL * (r.rig_force_N[i] - mean_L);
-    LF += dL * (r.F_N[i] - mean_F);
-    FF += dF * (r.F_N[i] - mean_F);
-  }
-  return n < kFewestRows || !(LF * LF > kLine * LL * FF) ? kMissing : mean_L - mean_F * LL / LF;
+  StaticLine line;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0 && r.F_N[i] >= kClosed * c.range_N) line.push(r.rig_force_N[i], r.F_N[i]);
+  const double LF = line.covariance_VN();
+  return line.n() < kFewestRows || !(LF * LF > kLine * line.variance_V2() * line.variance_N2()) ? kMissing : -line.offset_N() / line.gain_N_per_V();
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{

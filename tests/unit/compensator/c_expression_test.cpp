@@ -8,6 +8,7 @@
 
 #include "hil/app/compensator_check.h"
 #include "hil/model/compensator/compensator.h"
+#include "tests/unit/compensator/to_and_fro.h"
 
 namespace forcegate {
 namespace {
@@ -32,23 +33,6 @@ TEST(CExpression, AnotherPowerAsksForABaseThatIsNeverNegative) {
     EXPECT_NE(c_of(equation).find("may be negative"), std::string::npos) << equation << ": " << c_of(equation);
   for (const char* equation : {"abs(x)^0.5", "max(x, 0)^n", "t^0.3", "(x^2 + 1)^0.5", "2^x", "exp(x)^n", "(t / 3)^0.2"})
     EXPECT_NE(c_of(equation).find("fg_pow("), std::string::npos) << equation << ": " << c_of(equation);
-}
-
-Record record() {
-  Record r;
-  r.name = "to and fro";
-  r.dynamic = false;
-  TimeBase clock;
-  Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}};
-  for (int i = 0; i < 4000; ++i) {
-    const double t = i / 200.0;
-    clock.t_s.push_back(t);
-    F.value.push_back(2.0 + 1.5 * std::sin(1.3 * t));
-    U.value.push_back(F.value.back() / 0.5);
-  }
-  r.trace.time_bases = {clock};
-  r.trace.channels = {F, U};
-  return r;
 }
 
 // All of them are asked on both sides of zero.

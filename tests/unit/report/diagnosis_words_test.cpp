@@ -46,6 +46,31 @@ TEST(DiagnosisHtml, says_the_error_that_the_console_says_and_whose_it_is) {
   EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("Held-out error 94.1 mV falls to 5.5 mV, with viscous or delay, which is not claimed."));
 }
 
+TEST(DiagnosisHtml, says_which_of_two_are_not_claimed) {
+  Diagnosis d;
+  d.verdict = Answer::unknown;
+  d.error_before = 0.0274;
+  d.error_after = 0.0087;
+  d.steps = {{"", 0.0274}, {"creep", 0.0134}, {"delay", 0.0087}};
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("falls to 8.7 mV, with creep, delay, which are not claimed"));
+}
+
+// What every record has of its own hides how far one law is from them all.
+TEST(DiagnosisHtml, says_what_one_law_leaves_where_the_records_differ_without_a_cause) {
+  Diagnosis d;
+  d.verdict = Answer::unknown;
+  d.error_before = d.error_after = d.floor = 0.0031;
+  d.plain_before = d.plain_after = 0.169;
+  d.follows = {"the record, whose gain scatters by 8 %"};
+  for (const char* name : {"cold", "warm"}) d.records.push_back({name, "", false, 1, 1, 1, 1, 1, 0});
+  const std::string html = diagnosis_html(d, {});
+  EXPECT_THAT(html, HasSubstr("noise floor 3.1 mV; with one gain, offset and decay for all records 169 mV"));
+  EXPECT_THAT(html, HasSubstr("nothing that was recorded says why they differ"));
+  EXPECT_THAT(html, Not(HasSubstr("No listed effect has this shape")));
+  d.plain_before = d.plain_after = 0.0035;
+  EXPECT_THAT(diagnosis_html(d, {}), Not(HasSubstr("for all records")));
+}
+
 TEST(DiagnosisHtml, counts_the_parts_of_one_recording_as_parts) {
   Diagnosis d;
   for (const char* name : {"press/1", "press/2"}) d.records.push_back({name, "", false, 1, 1, 1, 1, 1, 0});

@@ -66,18 +66,27 @@ std::vector<double> late(const std::vector<double>&, const std::vector<double>& 
   return U;
 }
 
+// On slow ramps alone: edges would part the two.
+struct LateOutput {
+  Result<std::unique_ptr<Workspace>> workspace = [] {
+    Campaign c = make_campaign(61, late);
+    std::erase_if(c.records, [](const Record& r) { return r.kind != "ramp"; });
+    return prepare(std::move(c), options());
+  }();
+  Result<Diagnosis> answer = workspace ? diagnose_workspace(**workspace, options()) : Result<Diagnosis>(Unexpected(workspace.error()));
+
+  static EngineOptions options() {
+    EngineOptions out;
+    out.threads = 1;
+    return out;
+  }
+};
+
 TEST(NextExperiment, StartsFromTheOddsThatTheFindingsState) {
-  Campaign c = make_campaign(61, late);
-  // edges would part them
-  std::erase_if(c.records, [](const Record& r) { return r.kind != "ramp"; });
-  EngineOptions options;
-  options.threads = 1;
-  auto workspace = prepare(std::move(c), options);
-  ASSERT_TRUE(workspace.has_value()) << workspace.error().to_text();
-  const Result<Diagnosis> answer = diagnose_workspace(**workspace, options);
-  ASSERT_TRUE(answer.has_value()) << answer.error().to_text();
-  const Diagnosis& d = *answer;
-  const NextExperiment next = propose_experiment(**workspace, d);
+  const LateOutput asked;
+  ASSERT_TRUE(asked.answer.has_value()) << asked.answer.error().to_text();
+  const Diagnosis& d = *asked.answer;
+  const NextExperiment next = propose_experiment(**asked.workspace, d);
   ASSERT_FALSE(next.segments.empty()) << told(d);
   const ExperimentSegment& s = next.segments.front();
   const std::string first = s.separates.substr(0, s.separates.find(" / ")), second = s.separates.substr(s.separates.find(" / ") + 3);
@@ -93,21 +102,15 @@ TEST(NextExperiment, StartsFromTheOddsThatTheFindingsState) {
 }
 
 TEST(NextExperiment, AsksNothingOfEffectsThatTheAnswerDoesNotNameNorOfWhatIsKnown) {
-  Campaign c = make_campaign(61, late);
-  std::erase_if(c.records, [](const Record& r) { return r.kind != "ramp"; });
-  EngineOptions options;
-  options.threads = 1;
-  auto workspace = prepare(std::move(c), options);
-  ASSERT_TRUE(workspace.has_value()) << workspace.error().to_text();
-  const Result<Diagnosis> answer = diagnose_workspace(**workspace, options);
-  ASSERT_TRUE(answer.has_value()) << answer.error().to_text();
-  Diagnosis d = *answer;
+  const LateOutput asked;
+  ASSERT_TRUE(asked.answer.has_value()) << asked.answer.error().to_text();
+  Diagnosis d = *asked.answer;
   d.findings.clear();
-  EXPECT_TRUE(propose_experiment(**workspace, d).segments.empty()) << "nobody named them";
-  d = *answer;
+  EXPECT_TRUE(propose_experiment(**asked.workspace, d).segments.empty()) << "nobody named them";
+  d = *asked.answer;
   for (Finding& f : d.findings) f.probability = f.effect == d.findings.front().effect ? 0.9 : 0.01;
   for (RankedEffect& r : d.ranking) r.score = r.effect == d.findings.front().effect ? 500.0 : 4.0;
-  EXPECT_TRUE(propose_experiment(**workspace, d).segments.empty()) << "90 to 1 already";
+  EXPECT_TRUE(propose_experiment(**asked.workspace, d).segments.empty()) << "90 to 1 already";
 }
 
 }  // namespace
