@@ -2,6 +2,7 @@
 // The build that the candidate must not be worse than: an image that is played in turn with it, or a stored
 // run.
 
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,7 +16,8 @@ namespace forcegate {
 struct AcceptedBuild {
   std::string path, sha256;
   bool stored = false;
-  RunResult run;  ///< of a stored one
+  RunResult run;                              ///< of a stored one
+  std::map<std::string, CaseRecord> records;  ///< of its bundle by their id, without any it is compared by its values
 };
 
 /// Opens GateRequest::accepted. `head` names plan, seed and rig of the run. Errors (usage): no such file, neither an image
@@ -40,7 +42,7 @@ struct ComparedRecord {
 };
 
 /// Checks of the whole run, one of maxima and one of minima for each case; the decision rule is still to be
-/// applied.
+/// applied. Sessions that a stored run did not have are left out: it has a first one of every record.
 std::vector<JudgedCheck> compare_with_accepted(const Plan& plan, const AcceptedBuild& build, bool rig_repeats,
                                                std::span<const ComparedRecord> pairs);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -72,7 +73,7 @@ std::vector<ErrorIncrease> error_increases(const Plan& plan, const PlanCase& pla
 }
 
 std::vector<ErrorIncrease> error_increases(const PlanCase& planned, const std::string& record,
-                                           std::span<const Check> candidate, const CaseResult& accepted) {
+                                           std::span<const JudgedCheck> candidate, const CaseResult& accepted, bool repeats) {
   std::vector<ErrorIncrease> out;
   if (!compared(planned)) return out;
   const auto find = [](std::span<const Check> checks, std::string_view id) -> const Check* {
@@ -80,10 +81,16 @@ std::vector<ErrorIncrease> error_increases(const PlanCase& planned, const std::s
       if (c.id == id) return &c;
     return nullptr;
   };
+  const auto own = [&](std::string_view id) -> const JudgedCheck* {
+    for (const JudgedCheck& j : candidate)
+      if (j.check.id == id) return &j;
+    return nullptr;
+  };
   const bool promise = (planned.checks & kCheckPromise) != 0;
   for (const bool maximum : {true, false}) {
     const char* id = maximum ? "mre_maxima" : "mre_minima";
-    const Check *a = find(candidate, id), *b = find(accepted.checks, id);
+    const JudgedCheck* const judged = own(id);
+    const Check *a = judged != nullptr ? &judged->check : nullptr, *b = find(accepted.checks, id);
     const Check* const runs = find(accepted.checks, "firmware_runs");
     if (runs != nullptr && runs->verdict == Verdict::fail) {
       out.push_back({planned.name, record, maximum, kNan, 0.0, 0, runs->evidence});
@@ -95,7 +102,8 @@ std::vector<ErrorIncrease> error_increases(const PlanCase& planned, const std::s
     ErrorIncrease e{planned.name, record, maximum, kNan, 0.0, 0, {}};
     if (b != nullptr && a->verdict != Verdict::rig_error && b->verdict != Verdict::rig_error) {
       e.increase_pct = a->value - b->value;
-      e.u_pct = std::hypot(a->u, b->u);
+      const double random = repeats && a->u > 0.0 ? std::sqrt(std::max(0.0, 1.0 - std::pow(judged->u_systematic / a->u, 2))) : 1.0;
+      e.u_pct = random * std::hypot(a->u, b->u);
       e.n = a->n;
     }
     out.push_back(std::move(e));

@@ -35,9 +35,10 @@ struct ErrorIncrease {
 std::vector<ErrorIncrease> error_increases(const Plan& plan, const PlanCase& planned,
                                            const CaseRecord& candidate, const CaseRecord& accepted);
 
-/// From the values of a stored run of the accepted build; u of both in squares, since the pairs are gone.
+/// From the values of a stored run of the accepted build; u of both in squares, since the pairs are gone. Where the rig
+/// repeats itself the systematic parts of both are one and the same and cancel.
 std::vector<ErrorIncrease> error_increases(const PlanCase& planned, const std::string& record,
-                                           std::span<const Check> candidate, const CaseResult& accepted);
+                                           std::span<const JudgedCheck> candidate, const CaseResult& accepted, bool repeats);
 
 /// One required check for maxima and one for minima of every case: "no_worse_maxima/CASE". Verdicts are
 /// final. `repeats`: the rig gives the same record again (emulated).

@@ -53,6 +53,17 @@ TEST_F(Trust, what_a_run_was_compared_with_is_judged_again_too) {
   }
 }
 
+TEST_F(Trust, the_accepted_build_is_no_worse_than_itself) {
+  const std::string stored = gated(kGood, "accepted");
+  for (const std::string& accepted : {stored, stored + "/result.json"}) {
+    const ProcessResult r = forcegate({"gate", kGood, "--plan", "faults", "--accepted", accepted, "-o", folder / "again"}, kHere);
+    EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  }
+  write_text(folder / "alone.json", read_text(stored + "/result.json"));
+  const ProcessResult values = forcegate({"gate", kGood, "--plan", "faults", "--accepted", folder / "alone.json", "-o", folder / "again"}, kHere);
+  EXPECT_EQ(values.exit_code, 0) << values.out << values.err;
+}
+
 TEST_F(Trust, a_rejected_run_is_measured_again_from_the_samples_it_kept) {
   const std::string stored = gated(kOff, "run");
   const ProcessResult r = run({"check", stored});

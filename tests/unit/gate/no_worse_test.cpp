@@ -115,25 +115,37 @@ TEST(NoWorse, an_accepted_build_that_does_not_run_is_named_and_not_the_candidate
   }
 }
 
+Check mre(const char* id, double value, double u) {
+  Check c;
+  c.id = id;
+  c.value = value;
+  c.u = u;
+  c.limit = {Limit::Kind::upper, 10.0, "test"};
+  return c;
+}
+
 TEST(NoWorse, a_stored_run_is_compared_by_its_values) {
-  const auto mre = [](const char* id, double value, double u) {
-    Check c;
-    c.id = id;
-    c.value = value;
-    c.u = u;
-    c.limit = {Limit::Kind::upper, 10.0, "test"};
-    return c;
-  };
   CaseResult stored;
   stored.checks = {mre("mre_maxima", 5.0, 0.03), mre("mre_minima", 2.0, 0.03)};
-  const std::vector<Check> candidate{mre("mre_maxima", 5.6, 0.04), mre("mre_minima", 2.0, 0.04)};
-  const auto increases = error_increases(sine(), "q50", candidate, stored);
+  const std::vector<JudgedCheck> candidate{{mre("mre_maxima", 5.6, 0.04)}, {mre("mre_minima", 2.0, 0.04)}};
+  const auto increases = error_increases(sine(), "q50", candidate, stored, false);
   ASSERT_EQ(increases.size(), 2U);
   EXPECT_NEAR(increases[0].increase_pct, 0.6, 1e-9);
   EXPECT_NEAR(increases[0].u_pct, 0.05, 1e-9);
   const auto checks = ruled(judge_no_worse(Plan{}, increases, true));
   EXPECT_EQ(checks[0].check.verdict, Verdict::inconclusive);
   EXPECT_EQ(checks[1].check.verdict, Verdict::pass);
+}
+
+TEST(NoWorse, what_a_rig_repeats_is_not_added_twice_to_a_difference_of_stored_values) {
+  CaseResult stored;
+  stored.checks = {mre("mre_maxima", 5.0, 0.8), mre("mre_minima", 2.0, 0.8)};
+  std::vector<JudgedCheck> candidate{{mre("mre_maxima", 5.0, 0.8)}, {mre("mre_minima", 2.0, 0.8)}};
+  for (JudgedCheck& j : candidate) j.u_systematic = std::sqrt(0.64 - 0.0004);
+  const auto shared = error_increases(sine(), "q50", candidate, stored, true);
+  EXPECT_NEAR(shared[0].u_pct, 0.02 * std::sqrt(2.0), 1e-9);
+  EXPECT_EQ(ruled(judge_no_worse(Plan{}, shared, true))[0].check.verdict, Verdict::pass) << "the identical build";
+  EXPECT_NEAR(error_increases(sine(), "q50", candidate, stored, false)[0].u_pct, 0.8 * std::sqrt(2.0), 1e-9);
 }
 
 }  // namespace
