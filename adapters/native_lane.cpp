@@ -70,7 +70,7 @@ class NativeDut final : public Dut {
     if (!image.damage.empty()) return fail(ErrorCode::usage, image.damage, where_, "build or copy it again");
     const std::string path = std::filesystem::absolute(session.image).string();
     {
-      const InFirmware marker(0);  // constructors of the object may run
+      const InFirmware marker(FirmwareStage::opening);  // constructors of the object may run
       handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     }
     if (handle_ == nullptr) return fail(ErrorCode::firmware, "the image cannot be loaded: " + printable_utf8(dlerror()), where_);
@@ -97,7 +97,7 @@ class NativeDut final : public Dut {
     const bool watch_heap = first_index >= kHeapSettled && adc.size() >= 256;
     const std::int64_t before = watch_heap ? heap_bytes() : 0;
     {
-      const InFirmware marker(first_index);
+      const InFirmware marker(first_index, static_cast<std::uint32_t>(adc.size()));
       status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), force_N.data(),
                         flags.data());
     }
@@ -138,7 +138,7 @@ class NativeDut final : public Dut {
     std::int32_t status = 0;
     std::uint32_t abi = 0;
     {
-      const InFirmware marker(0);
+      const InFirmware marker(FirmwareStage::opening);
       abi = abi_();
       if (abi == kAbi) status = open_(session.nonce, &calibration, &info);
     }
@@ -180,7 +180,7 @@ class NativeDut final : public Dut {
 
   void unload() {
     if (handle_ == nullptr) return;
-    const InFirmware marker(static_cast<std::uint32_t>(counters_.samples));
+    const InFirmware marker(FirmwareStage::closing);
     if (close_ != nullptr) close_();
     dlclose(handle_);
     handle_ = nullptr;

@@ -72,11 +72,16 @@ std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {
   if (plays_on_one_bench(request_, setup_)) options.workers = 1;
   options.cancelled = cancelled_;
   options.hang_cpu_s = request_.hang_cpu_s;
-  return run_in_workers(jobs, options,
-                        {[&](std::size_t job, double t_s) { report(job, std::min(t_s, length_s[job])); },
-                         [&](std::size_t job) {
-                           if (!cancelled()) report(job, length_s[job]);
-                         }});
+  auto made = run_in_workers(jobs, options,
+                             {[&](std::size_t job, double t_s) { report(job, std::min(t_s, length_s[job])); },
+                              [&](std::size_t job) {
+                                if (!cancelled()) report(job, length_s[job]);
+                              }});
+  const auto left_out = std::count_if(made.begin(), made.end(), [](const CaseRecord& r) {
+    return r.failure && r.failure->stage == CaseFailure::Stage::setup && r.failure->error.code == ErrorCode::firmware;
+  });
+  if (left_out > 0) notes_.push_back(fmt::format("the firmware did not come back from a record: {} others were not played", left_out));
+  return made;
 }
 
 // Candidate and accepted build one after the other, every second pair the other way round: a drift of the rig hits both

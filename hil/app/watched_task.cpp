@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +15,7 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -23,13 +25,50 @@ namespace forcegate {
 namespace {
 
 constexpr std::size_t kLargestAnswer = std::size_t{256} << 20;
+constexpr double kWaits = 0.05;  // share of processor time below which a process waits
 
 // Shared between one worker and its parent.
 struct WorkerPage {
   FirmwareGuard guard;
   std::atomic<std::uint32_t> progress{0};
   std::atomic<float> t_s{0.0f};
+  std::atomic<std::uint32_t> other_thread{0};  ///< 1: the signal that ended the child met another thread than its first
+  std::atomic<std::uint32_t> own_signal{0};    ///< 1: the child sent it to itself
+  std::atomic<std::uint32_t> finished{0};      ///< 1: the child ends because its work is done
 };
+
+WorkerPage* g_page = nullptr;  // of a child
+
+// Only what the parent cannot see: whose signal it was. Then the child dies of it as it would have.
+void note_signal(int signal, siginfo_t* info, void*) {
+  const pid_t self = getpid(), thread = gettid();
+  g_page->other_thread.store(thread != self);
+  g_page->own_signal.store((info->si_code == SI_USER || info->si_code == SI_TKILL || info->si_code == SI_QUEUE) && info->si_pid == self);
+  std::signal(signal, SIG_DFL);
+  syscall(SYS_tgkill, self, thread, signal);
+}
+
+void watch_signals(WorkerPage* page) {
+  static unsigned char stack[65536];  // that of a firmware may be used up
+  g_page = page;
+  stack_t other{};
+  other.ss_sp = stack;
+  other.ss_size = sizeof stack;
+  sigaltstack(&other, nullptr);
+  struct sigaction action{};
+  action.sa_sigaction = note_signal;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
+  for (const int signal : {SIGTERM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE, SIGSYS, SIGTRAP, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM})
+    sigaction(signal, &action, nullptr);
+}
+
+// Of the call that was running.
+std::string place_of(const FirmwareGuard& guard) {
+  if (guard.stage.load() == FirmwareStage::opening) return "while it was opened";
+  if (guard.stage.load() == FirmwareStage::closing) return "while it was closed";
+  const std::uint64_t first = guard.sample_index.load(), n = guard.sample_count.load();
+  return n > 1 ? fmt::format("in the block of samples {} to {}", first, first + n - 1) : fmt::format("at sample {}", first);
+}
 
 double now_s(clockid_t clock) {
   timespec t{};
@@ -52,12 +91,13 @@ std::string answer_of(const Result<std::string>& made) {
                       -1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-[[noreturn]] void serve(const WatchedTask& task, WorkerPage* page, int out) {
+// noexcept: an exception ends the child where it was thrown, inside the image or not, and never in the parent's own frames.
+[[noreturn]] void serve(const WatchedTask& task, WorkerPage* page, int out) noexcept {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
-  for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE})
-    std::signal(signal, signal == SIGINT ? SIG_IGN : SIG_DFL);  // Ctrl-C is the parent's to handle
+  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is the parent's to handle
+  watch_signals(page);
   const int null = open("/dev/null", O_RDWR);
   dup2(null, STDIN_FILENO);
   dup2(null, STDOUT_FILENO);  // what a firmware prints is not part of any answer
@@ -66,6 +106,7 @@ std::string answer_of(const Result<std::string>& made) {
     page->t_s.store(static_cast<float>(t_s), std::memory_order_relaxed);
     page->progress.fetch_add(1, std::memory_order_relaxed);
   }));
+  page->finished.store(1);
   for (std::size_t at = 0; at < text.size();) {
     const ssize_t n = write(out, text.data() + at, text.size() - at);
     if (n < 0 && errno == EINTR) continue;
@@ -90,8 +131,12 @@ class Pool {
         for (; next < tasks_.size(); ++next) answers_[next] = gone(next, ErrorCode::cancelled, "interrupted");
         break;
       }
-      while (next < tasks_.size() && running_.size() < workers) start(next++);
-      wait();
+      while (next < tasks_.size() && running_.size() < workers)
+        if (const auto hung = hung_.find(tasks_[next].image); hung != hung_.end())
+          give_up(next++, hung->second);
+        else
+          start(next++);
+      if (!running_.empty()) wait();
     }
     return std::move(answers_);
   }
@@ -116,6 +161,12 @@ class Pool {
 
   Result<std::string> not_started(std::size_t task) const {
     return gone(task, ErrorCode::io, std::string("no worker could be started: ") + std::strerror(errno));
+  }
+
+  void give_up(std::size_t task, const std::string& where) {
+    answers_[task] = gone(task, ErrorCode::firmware, "not played: the firmware did not come back from " + where);
+    if (events_.given_up) events_.given_up(task);
+    if (events_.done) events_.done(task);
   }
 
   void start(std::size_t task) {
@@ -192,18 +243,15 @@ class Pool {
       return;
     }
     const bool in_firmware = w.page->guard.in_firmware.load() != 0;
-    if (in_firmware && cpu_s - w.cpu_at_mark_s > options_.hang_cpu_s)
-      return end(
-          w,
-          fmt::format("the firmware does not return: endless loop after sample {} ({:.0f} s of CPU time)",
-                      w.page->guard.sample_index.load(), options_.hang_cpu_s),
-          false);
-    // A calibration marks nothing for as long as it lasts; only the firmware is watched closely.
-    if (in_firmware && wall_s - w.wall_at_mark_s > options_.blocked_s)
-      return end(w,
-                 fmt::format("the firmware does not return: blocked after sample {}",
-                             w.page->guard.sample_index.load()),
-                 false);
+    if (!in_firmware) return;  // a calibration marks nothing for as long as it lasts
+    const bool loops = cpu_s - w.cpu_at_mark_s > options_.hang_cpu_s;
+    // On a busy machine a loop gets little time; what waits takes none.
+    const double waited_s = wall_s - w.wall_at_mark_s;
+    const bool blocked = waited_s > options_.blocked_s && cpu_s - w.cpu_at_mark_s < kWaits * waited_s;
+    if (!loops && !blocked) return;
+    const std::string how = loops ? fmt::format("endless loop, {:.0f} s of CPU time", options_.hang_cpu_s) : fmt::format("blocked for {:.0f} s", options_.blocked_s);
+    if (const WatchedTask& task = tasks_[w.task]; !task.image.empty()) hung_.emplace(task.image, task.id);
+    end(w, fmt::format("the firmware does not return {} ({})", place_of(w.page->guard), how), false);
   }
 
   void end(Worker& w, std::string text, bool interrupted) {
@@ -241,13 +289,21 @@ class Pool {
                           sigabbrev_np(WTERMSIG(status)) ? sigabbrev_np(WTERMSIG(status)) : "?",
                           strsignal(WTERMSIG(status)))
             : fmt::format("exit code {}", WEXITSTATUS(status));
+    const WorkerPage& page = *w.page;
+    const bool inside = page.guard.in_firmware.load() != 0, loaded = page.guard.loaded.load() != 0;
     // The emergency stop of a bench ends whoever holds it; no firmware is judged by that.
-    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM)
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM && page.own_signal.load() == 0)
       return gone(w.task, ErrorCode::cancelled, "stopped from outside: forcegate bench park, or a kill");
-    if (w.page->guard.in_firmware.load() != 0)
+    if (inside && WIFSIGNALED(status) && page.other_thread.load() == 0)
+      return gone(w.task, ErrorCode::firmware, fmt::format("the firmware crashed with {} {}", how, place_of(page.guard)));
+    if (loaded && WIFSIGNALED(status) && page.other_thread.load() != 0)  // no thread of ours computes beside the image
+      return gone(w.task, ErrorCode::firmware, fmt::format("a thread of the firmware crashed with {}", how));
+    // Abort is how our own code ends itself, too.
+    if (loaded && WIFSIGNALED(status) && page.own_signal.load() != 0 && WTERMSIG(status) != SIGABRT)
+      return gone(w.task, ErrorCode::firmware, fmt::format("the firmware sent its process {}", how));
+    if ((inside || loaded) && WIFEXITED(status) && page.finished.load() == 0)
       return gone(w.task, ErrorCode::firmware,
-                  fmt::format("the firmware crashed with {} after sample {}", how,
-                              w.page->guard.sample_index.load()));
+                  fmt::format("the firmware ended its process with {}{}", how, inside ? " " + place_of(page.guard) : std::string()));
     return gone(w.task, ErrorCode::internal, fmt::format("a worker ended with {} outside the firmware", how));
   }
 
@@ -265,6 +321,7 @@ class Pool {
   const WorkerEvents& events_;
   std::vector<Result<std::string>> answers_;
   std::vector<Worker> running_;
+  std::map<std::string, std::string> hung_;  ///< image, and the task that it did not come back from
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "hil/app/worker.h"
 
 #include <map>
+#include <set>
 
 #include "hil/app/case_recorder.h"
 #include "hil/base/rng.h"
@@ -91,7 +92,7 @@ std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const W
   for (const CaseJob& job : jobs)
     tasks.push_back({job.id, [&job](const std::function<void(double)>& progress) -> Result<std::string> {
                        return to_json(execute_job(job, progress));
-                     }});
+                     }, job.image});
   std::map<std::size_t, DutInfo> said;  // who crashed, as far as it told
   WorkerEvents all = events;
   all.died = [&](std::size_t task, const FirmwareGuard& guard) {
@@ -99,6 +100,8 @@ std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const W
     said[task].build_id = guard.build_id;
     said[task].algorithm_id = guard.algorithm_id;
   };
+  std::set<std::size_t> given_up;
+  all.given_up = [&](std::size_t task) { given_up.insert(task); };
   const auto answers = run_watched(tasks, options, all);
   std::vector<CaseRecord> records;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
@@ -109,7 +112,8 @@ std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const W
     }
     const ErrorCode code = answers[i] ? ErrorCode::internal : record.error().code;
     records.push_back(failed(jobs[i],
-                             code == ErrorCode::firmware    ? CaseFailure::Stage::firmware
+                             given_up.contains(i)           ? CaseFailure::Stage::setup
+                             : code == ErrorCode::firmware  ? CaseFailure::Stage::firmware
                              : code == ErrorCode::cancelled ? CaseFailure::Stage::setup
                                                             : CaseFailure::Stage::harness,
                              {code, record.error().text, jobs[i].id, {}}));

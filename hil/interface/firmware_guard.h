@@ -10,10 +10,16 @@
 
 namespace forcegate {
 
+/// What the image was called for.
+enum class FirmwareStage : std::uint32_t { samples, opening, closing };
+
 /// Lives in memory shared between worker and parent (mmap MAP_SHARED); lock-free atomics only.
 struct FirmwareGuard {
   std::atomic<std::uint32_t> in_firmware{0};   ///< 1 while code of the image runs
   std::atomic<std::uint32_t> sample_index{0};  ///< first index of the block handed to it last
+  std::atomic<std::uint32_t> sample_count{0};  ///< samples of that block; 0: not told
+  std::atomic<FirmwareStage> stage{FirmwareStage::samples};
+  std::atomic<std::uint32_t> loaded{0};        ///< 1 once code of the image is in this process: it may have threads
   std::atomic<std::uint32_t> known{0};         ///< 1 once the image has said who it is
   char board[32] = {}, build_id[48] = {}, algorithm_id[64] = {};  ///< that, with closing zeros
 };
@@ -33,11 +39,8 @@ inline std::atomic<FirmwareGuard*> g_firmware_guard{nullptr};
 /// Scope of a call into the image.
 class InFirmware {
  public:
-  explicit InFirmware(std::uint32_t first_index) : guard_(g_firmware_guard.load(std::memory_order_relaxed)) {
-    if (guard_ == nullptr) return;
-    guard_->sample_index.store(first_index, std::memory_order_relaxed);
-    guard_->in_firmware.store(1, std::memory_order_release);
-  }
+  explicit InFirmware(std::uint32_t first_index, std::uint32_t count = 0) : InFirmware(FirmwareStage::samples, first_index, count) {}
+  explicit InFirmware(FirmwareStage stage) : InFirmware(stage, 0, 0) {}
   ~InFirmware() {
     if (guard_ != nullptr) guard_->in_firmware.store(0, std::memory_order_release);
   }
@@ -45,6 +48,14 @@ class InFirmware {
   InFirmware& operator=(const InFirmware&) = delete;
 
  private:
+  InFirmware(FirmwareStage stage, std::uint32_t first_index, std::uint32_t count) : guard_(g_firmware_guard.load(std::memory_order_relaxed)) {
+    if (guard_ == nullptr) return;
+    guard_->stage.store(stage, std::memory_order_relaxed);
+    guard_->sample_index.store(first_index, std::memory_order_relaxed);
+    guard_->sample_count.store(count, std::memory_order_relaxed);
+    guard_->loaded.store(1, std::memory_order_relaxed);
+    guard_->in_firmware.store(1, std::memory_order_release);
+  }
   FirmwareGuard* guard_;
 };
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <thread>
 
 #include "hil/interface/firmware_guard.h"
 
@@ -74,10 +75,99 @@ TEST(WatchedTask, what_an_image_prints_or_reads_is_not_the_terminal_of_the_gate)
 TEST(WatchedTask, a_child_that_is_stopped_from_outside_says_nothing_about_the_image) {
   const auto stopped = in_child([]() -> Result<std::string> {
     const InFirmware marker(3);
-    std::raise(SIGTERM);
+    const pid_t child = getpid();
+    if (fork() == 0) {
+      kill(child, SIGTERM);
+      _exit(0);
+    }
+    pause();
     return std::string();
   });
   EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
+TEST(WatchedTask, a_signal_that_the_image_sends_itself_is_its_own) {
+  for (const int signal : {SIGTERM, SIGUSR1}) {
+    const auto inside = in_child([signal]() -> Result<std::string> {
+      const InFirmware marker(3);
+      std::raise(signal);
+      return std::string();
+    });
+    EXPECT_EQ(inside.error().code, ErrorCode::firmware) << signal;
+    const auto later = in_child([signal]() -> Result<std::string> {
+      { const InFirmware marker(3); }
+      std::raise(signal);  // as by a handler or a timer of the image
+      return std::string();
+    });
+    EXPECT_EQ(later.error().code, ErrorCode::firmware) << signal;
+  }
+}
+
+TEST(WatchedTask, a_thread_of_the_image_crashes_for_the_image_and_only_where_there_is_one) {
+  const auto with = [](bool image) {
+    return in_child([image]() -> Result<std::string> {
+      if (image) const InFirmware marker(0);
+      std::thread other([] { std::raise(SIGSEGV); });
+      other.join();
+      return std::string();
+    });
+  };
+  EXPECT_EQ(with(true).error().code, ErrorCode::firmware);
+  EXPECT_NE(with(true).error().text.find("thread"), std::string::npos) << with(true).error().text;
+  EXPECT_EQ(with(false).error().code, ErrorCode::internal);
+}
+
+TEST(WatchedTask, says_in_which_call_the_image_crashed) {
+  const auto text = [](auto... arguments) {
+    return in_child([=]() -> Result<std::string> {
+             const InFirmware marker(arguments...);
+             std::raise(SIGSEGV);
+             return std::string();
+           })
+        .error()
+        .text;
+  };
+  EXPECT_NE(text(FirmwareStage::opening).find("while it was opened"), std::string::npos);
+  EXPECT_NE(text(FirmwareStage::closing).find("while it was closed"), std::string::npos);
+  EXPECT_NE(text(4090U, 4090U).find("in the block of samples 4090 to 8179"), std::string::npos) << text(4090U, 4090U);
+}
+
+TEST(WatchedTask, an_image_that_hung_is_not_begun_again) {
+  std::vector<WatchedTask> tasks;
+  for (const char* image : {"hangs", "hangs", "good", "hangs", "good"})
+    tasks.push_back({image,
+                     [image](const auto&) -> Result<std::string> {
+                       if (image != std::string("hangs")) return std::string("text");
+                       const InFirmware marker(0);
+                       for (volatile bool forever = true; forever;) {
+                       }
+                       return std::string();
+                     },
+                     image});
+  WorkerOptions options;
+  options.workers = 1;
+  options.hang_cpu_s = 0.2;
+  std::vector<std::size_t> left_out;
+  WorkerEvents events;
+  events.given_up = [&](std::size_t task) { left_out.push_back(task); };
+  const auto answers = run_watched(tasks, options, events);
+  EXPECT_EQ(left_out, (std::vector<std::size_t>{1, 3}));
+  EXPECT_EQ(answers[2].value_or(""), "text");
+  EXPECT_EQ(answers[4].value_or(""), "text");
+  EXPECT_NE(answers[1].error().text.find("not played"), std::string::npos);
+}
+
+TEST(WatchedTask, an_image_that_waits_is_ended_without_using_time) {
+  WorkerOptions options;
+  options.blocked_s = 0.3;
+  const auto blocked = run_watched({{"task", [](const auto&) -> Result<std::string> {
+                                       const InFirmware marker(0);
+                                       pause();
+                                       return std::string();
+                                     }}},
+                                   options);
+  EXPECT_EQ(blocked.front().error().code, ErrorCode::firmware);
+  EXPECT_NE(blocked.front().error().text.find("blocked"), std::string::npos);
 }
 
 TEST(WatchedTask, texts_come_back_in_the_order_of_the_tasks) {

@@ -139,6 +139,20 @@ TEST(Worker, an_endless_loop_is_ended_and_charged_to_the_firmware) {
   EXPECT_NE(f.error.text.find("endless loop"), std::string::npos) << f.error.text;
 }
 
+TEST(Worker, records_that_a_hung_image_leaves_out_are_not_run_and_accept_nothing) {
+  WorkerOptions options;
+  options.workers = 1;
+  options.hang_cpu_s = 0.3;
+  const auto records = run_in_workers({job("loop"), job("loop"), job("good")}, options);
+  ASSERT_TRUE(records[1].failure);
+  const JudgedCase judged = judge_case(Plan{}, job("loop").planned, records[1], {});
+  ASSERT_EQ(judged.checks.size(), 1u);
+  EXPECT_FALSE(judged.harness_error);
+  EXPECT_EQ(judged.checks[0].check.verdict, Verdict::not_run);
+  EXPECT_EQ(judged.checks[0].check.blame, Blame::firmware);
+  EXPECT_FALSE(records[2].failure) << "another image";
+}
+
 TEST(Worker, one_bad_record_does_not_end_the_others_and_order_is_that_of_the_jobs) {
   std::vector<CaseJob> jobs{job("good_1"), job("segv"), job("good_2"), job("abort"), job("good_3")};
   std::vector<std::string> first;
