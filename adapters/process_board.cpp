@@ -92,6 +92,8 @@ class ProcessBoard final : public SensorBoard {
     FORCEGATE_TRY(const Reply reply, program_.ask("poll"));
     const double last_code = static_cast<double>((1U << adc_bits_) - 1U);
     for (const std::vector<double>& row : reply.rows) {
+      if (row.size() == 4 && whole(row[1], last_code + 1.0, 65535.0))
+        return program_.bad("the board sends code " + shortest(row[1]) + ", adc_bits = " + std::to_string(adc_bits_) + " ends at " + shortest(last_code));
       if (row.size() != 4 || !whole(row[0], 0, 4294967295.0) || !whole(row[1], 0, last_code) ||
           !whole(row[3], 0, 255))
         return program_.bad("a sample is not [index, code, force, flags]");

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <toml++/toml.h>
 
@@ -24,6 +25,12 @@ using Options = std::map<std::string, std::string>;
 Unexpected bad_option(const std::string& name, const std::string& value, const char* what) {
   return fail(ErrorCode::config, "option " + name + " = \"" + printable_utf8(value) + "\" " + what,
               "rig replay");
+}
+
+std::string fixed_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
 }
 
 Result<double> positive(const Options& options, const char* name, double fallback) {
@@ -182,6 +189,7 @@ class ReplayRig : public Rig {
 
  private:
   static constexpr float kNoForce = std::numeric_limits<float>::quiet_NaN();
+  static constexpr double kOverRange = 1.1, kSpikes = 0.01;  // of the converter's range; share of the rows
 
   std::size_t latest() const { return grid_.rows[at_ == 0 ? 0 : at_ - 1].source; }
 
@@ -211,7 +219,7 @@ class ReplayRig : public Rig {
       return fail(ErrorCode::config, "the record has no column of the reference force", path,
                   "name it F_ref_N, or map a column to that name: " + column_map_advice(trace, "F_ref", "N"));
     FORCEGATE_TRY(grid_, make_grid(trace.time_bases[force->time_base], path));
-    FORCEGATE_CHECK_OK(load_codes(trace, *force, path));
+    FORCEGATE_CHECK_OK(load_codes(trace, *force, path, file.notes));
     force_N_.assign(force->value.begin(), force->value.end());
     for (const auto& [name, column] : {std::pair{"F_cmd", &setpoint_N_}, std::pair{"theta", &theta_rad_}})
       if (const Channel* c = trace.find(name); c && c->time_base == force->time_base)
@@ -245,7 +253,7 @@ class ReplayRig : public Rig {
     return {};
   }
 
-  Result<void> load_codes(const Trace& trace, const Channel& force, const std::string& path) {
+  Result<void> load_codes(const Trace& trace, const Channel& force, const std::string& path, std::vector<std::string>& notes) {
     const double full = std::exp2(info_.adc_bits) - 1.0;
     const Channel* counts = nullptr;
     std::size_t candidates = 0;
@@ -268,6 +276,7 @@ class ReplayRig : public Rig {
     const std::size_t n = force.value.size();
     adc_.resize(n);
     status_.assign(n, 0);
+    if (!counts) FORCEGATE_CHECK_OK(check_range(*voltage, path, notes));
     std::uint16_t held = 0;
     for (std::size_t i = 0; i < n; ++i) {
       double code = kMissing;
@@ -289,6 +298,30 @@ class ReplayRig : public Rig {
       if (held == 0 || static_cast<double>(held) == full) status_[i] |= kRigAdcRail;
     }
     return {};
+  }
+
+  // Here and there a spike may go beyond the converter's range. A stretch of it is no voltage of that input.
+  Result<void> check_range(const Channel& voltage, const std::string& path, std::vector<std::string>& notes) const {
+    std::size_t beyond = 0, first = 0, values = 0;
+    double largest_V = 0.0;
+    for (std::size_t i = 0; i < voltage.value.size(); ++i) {
+      if (!std::isfinite(voltage.value[i])) continue;
+      ++values;
+      if (std::fabs(voltage.value[i]) <= kOverRange * info_.v_range_V) continue;
+      if (beyond++ == 0) first = i + 1;
+      largest_V = std::max(largest_V, std::fabs(voltage.value[i]));
+    }
+    if (beyond == 0) return {};
+    const std::string reaches = "U reaches " + fixed_digits(largest_V) + " V, the converter's range is " + shortest(info_.v_range_V) + " V";
+    if (static_cast<double>(beyond) <= kSpikes * static_cast<double>(values)) {
+      notes.push_back(reaches + ": " + std::to_string(beyond) + " rows were cut off there, the first is row " + std::to_string(first));
+      return {};
+    }
+    std::string unit;
+    for (const auto& [symbol, per_V] : {std::pair{"mV", 1e3}, std::pair{"uV", 1e6}})
+      if (unit.empty() && largest_V / per_V <= kOverRange * info_.v_range_V) unit = symbol;
+    return fail(ErrorCode::config, reaches + ": " + std::to_string(beyond) + " of " + std::to_string(values) + " rows lie beyond it, the first is row " + std::to_string(first), path,
+                (unit.empty() ? std::string() : "the column is probably in " + unit + " (name it U_" + unit + "); else ") + "give the range of the converter (v_range_V in --cal FILE)");
   }
 
   RigInfo info_;

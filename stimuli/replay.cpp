@@ -2,6 +2,8 @@
 // that `channel` names, linearly between its samples and without the file's own start time. Missing samples
 // are bridged.
 
+#include <fmt/format.h>
+
 #include "hil/trace/column_map.h"
 #include "stimuli/profile.h"
 
@@ -59,6 +61,20 @@ class Replay final : public Profile {
   std::vector<double> t_s_, recorded_N_;
 };
 
+// What is too large for a force in newtons may be one in another unit.
+Result<void> check_size(const Channel& force, const std::string& path) {
+  double largest_N = 0.0;
+  for (const double f : force.value)
+    if (std::isfinite(f)) largest_N = std::max(largest_N, f);
+  if (!(largest_N > kForceLimit_N)) return {};
+  std::string units;
+  for (const auto& [symbol, newton] : {std::pair{"gf", 9.80665e-3}, std::pair{"mN", 1e-3}})
+    if (const double real_N = largest_N * newton; real_N > 0.1 && real_N <= kForceLimit_N)
+      units += fmt::format("{}{:.3g} N if it is in {}", units.empty() ? "" : ", ", real_N, symbol);
+  return fail(ErrorCode::config, fmt::format("the recorded force reaches {:.4g} N", largest_N), path,
+              "a profile may not exceed " + shortest(kForceLimit_N) + " N" + (units.empty() ? "" : "; it would be " + units + ": name the unit in the column's header"));
+}
+
 Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   const std::string& path = spec.texts.at("path");
   const auto named = spec.texts.find("channel");
@@ -77,12 +93,10 @@ Result<std::unique_ptr<Stimulus>> make(const StimulusSpec& spec) {
   }
   const std::vector<double>& clock_s = file.trace.time_bases[channel->time_base].t_s;
   std::vector<double> t_s, force_N;
+  FORCEGATE_CHECK_OK(check_size(*channel, path));
   for (std::size_t i = 0; i < channel->value.size(); ++i) {
     const double force = channel->value[i];
     if (!std::isfinite(force)) continue;
-    if (force > kForceLimit_N)
-      return fail(ErrorCode::config, "the recorded force reaches " + shortest(force) + " N", path,
-                  "a profile may not exceed " + shortest(kForceLimit_N) + " N");
     t_s.push_back(clock_s[i]);
     force_N.push_back(std::max(0.0, force));  // the cell's noise around no load is not a pull
   }

@@ -1,6 +1,7 @@
 #include "adapters/board/link_board.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 
 #include "hil/base/text.h"
@@ -152,12 +153,23 @@ Result<void> LinkBoard::take(const link::Frame& frame, std::vector<BoardSample>&
                 where(), "look for what its firmware skips");
   counters_.indices_lost += samples->first_index - next_index_;
   std::uint32_t index = samples->first_index;
-  for (const link::Sample& s : samples->sample) out.push_back({index++, s.adc, s.force_N, s.flags});
+  for (const link::Sample& s : samples->sample) {
+    if (s.adc >> options_.adc_bits != 0) return wider(s.adc);
+    out.push_back({index++, s.adc, s.force_N, s.flags});
+  }
   next_index_ = index;
   counters_.samples += samples->sample.size();
   device_dropped_ = samples->dropped;
   device_bad_ = samples->bad;
   return {};
+}
+
+// Before the image is loaded nothing has been judged, and the bench file is what is wrong. Later it may be the image's own doing.
+Unexpected LinkBoard::wider(std::uint16_t code) const {
+  return fail(image_loaded_ ? ErrorCode::device : ErrorCode::config,
+              "the board sends code " + std::to_string(code) + ", adc_bits = " + std::to_string(options_.adc_bits) + " ends at " +
+                  std::to_string((1U << options_.adc_bits) - 1U),
+              where(), "enter the width of the board's converter: adc_bits of [board], " + std::to_string(std::bit_width(code)) + " or more");
 }
 
 DutCounters LinkBoard::counters() const {

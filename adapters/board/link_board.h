@@ -49,6 +49,7 @@ class LinkBoard final : public SensorBoard {
   Result<void> ask_time();
   void take_time(const link::Frame& frame);
   Result<void> take(const link::Frame& frame, std::vector<BoardSample>& out);
+  Unexpected wider(std::uint16_t code) const;
 
   LinkBoardOptions options_;
   OpenLine open_line_;

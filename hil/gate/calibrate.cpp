@@ -110,6 +110,7 @@ class CalibrationRun {
     const double volts = out_.rig.v_range_V / static_cast<double>((1u << out_.rig.adc_bits) - 1u);
     PairMeans means(std::max<std::size_t>(1, static_cast<std::size_t>(kMeanOver_s * out_.rig.rate_Hz)));
     const bool played = play(stimulus, 1000001, [&](const RigBlock& b, std::size_t rows) {
+      for (std::size_t i = 0; i < rows; ++i) largest_code_ = std::max<unsigned>(largest_code_, b.adc[i]);
       for (std::size_t i = 0; i < rows; ++i)
         if (means.push(volts * b.adc[i], b.force_ref_N[i]) && std::isfinite(means.force_N()))
           line.push(means.sensor_V(), means.force_N());
@@ -136,7 +137,17 @@ class CalibrationRun {
         fmt::format("{}: G {} N/V, F0 {} N from {} sweeps, residual {:.3f} N", job_.specimen,
                     with_uncertainty(c.gain_N_per_V, u_gain), with_uncertainty(c.offset_N, out_.u_offset_N),
                     job_.calibrate.sweeps, residual);
+    note_width(line.gain_N_per_V());
     return true;
+  }
+
+  // A converter of fewer bits than are declared never reaches the upper codes, and its gain comes out twice as large for each.
+  void note_width(double gain_N_per_V) {
+    const double nominal = nominal_calibration(out_.rig).gain_N_per_V;
+    const int missing = static_cast<int>(std::lround(std::log2(gain_N_per_V / nominal)));
+    if (missing < 2 || missing >= out_.rig.adc_bits || largest_code_ >> (out_.rig.adc_bits - missing) != 0) return;
+    out_.calibration_text += fmt::format("; G is {:.3g} times the nominal one and no code is above {}, as of a converter of {} bits where adc_bits = {}",
+                                         gain_N_per_V / nominal, largest_code_, out_.rig.adc_bits - missing, out_.rig.adc_bits);
   }
 
   bool identify() {
@@ -202,6 +213,7 @@ class CalibrationRun {
   Rig& rig_;
   const std::atomic<bool>* cancelled_;
   CaseRecord out_;
+  unsigned largest_code_ = 0;
 };
 
 }  // namespace

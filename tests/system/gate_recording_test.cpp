@@ -49,6 +49,36 @@ TEST_F(GateRecording, IsTheSameAsCsvHdf5AndMat) {
   EXPECT_EQ(checks({mat}), from_csv);
 }
 
+TEST_F(GateRecording, InAnotherUnitThanItsHeaderSaysIsRefusedWithTheProbableOne) {
+  std::string text = "t_s,F_ref_N,U_V\n", force = text;
+  for (int i = 0; i < 20000; ++i) {
+    const double load_N = 2.5 - 1.5 * std::cos(0.5 * 2.0 * 3.14159265 * 0.001 * i);
+    const std::string t_s = std::to_string(0.001 * i) + ",";
+    text += t_s + std::to_string(load_N) + "," + std::to_string(load_N / 0.5 * 1000.0) + "\n";
+    force += t_s + std::to_string(load_N / 9.80665e-3) + "," + std::to_string(load_N / 0.5) + "\n";
+  }
+  write_text(folder / "mv.csv", text);
+  const ProcessResult mv = forcegate({"gate", kNative, "--record", folder / "mv.csv", "-o", folder / "run"}, kHere);
+  EXPECT_EQ(mv.exit_code, 2) << mv.err;
+  EXPECT_THAT(mv.err, HasSubstr("U reaches 8000 V, the converter's range is 10 V"));
+  EXPECT_THAT(mv.err, HasSubstr("probably in mV"));
+  write_text(folder / "gf.csv", force);
+  const ProcessResult gf = forcegate({"gate", kNative, "--record", folder / "gf.csv", "-o", folder / "run"}, kHere);
+  EXPECT_EQ(gf.exit_code, 2) << gf.err;
+  EXPECT_THAT(gf.err, HasSubstr("reaches 407.9 N"));
+  EXPECT_THAT(gf.err, HasSubstr("4 N if it is in gf"));
+}
+
+TEST_F(GateRecording, ASpikeBeyondTheConvertersRangeIsCutOffAndSaid) {
+  const std::string csv = sine("spike.csv", "F_ref_N", 1.0);
+  std::string text = read_text(csv);
+  const std::size_t at = text.find("\n5.000000,") + 1;
+  text.replace(at, text.find('\n', at) - at, "5.000000,2.5,5000");
+  write_text(csv, text);
+  ASSERT_FALSE(checks({csv}).empty());
+  EXPECT_THAT(read_text(folder / "run/result.json"), HasSubstr("U reaches 5000 V, the converter's range is 10 V: 1 rows were cut off"));
+}
+
 TEST_F(GateRecording, SaysWhatItLeftOutOfTheFile) {
   const std::string csv = sine("cut.csv", "F_ref_N", 1.0);
   write_text(csv, read_text(csv) + "20.000,1.2");

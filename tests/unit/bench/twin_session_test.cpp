@@ -173,6 +173,23 @@ TEST(DigitalFt, AnotherSensorThanTheBenchFileSaysIsRefused) {
   EXPECT_TRUE(opened.error().where.starts_with("reference")) << opened.error().to_text();
 }
 
+TEST(TwinSession, ACodeThatTheDeclaredConverterCannotGiveIsToldWithBothNumbers) {
+  TwinBench b("twin.toml", {{"[board]", "[board]\nadc_bits = 12"}});
+  b.mount("low_N=1 high_N=4");
+  BenchSession& s = *b.session;
+  TwinBench::ok(s.open());
+  TwinBench::ok(s.board().start());
+  std::vector<BoardSample> samples;
+  Result<void> polled;
+  for (int i = 0; i < 20 && polled; ++i) {
+    TwinBench::ok(b.advance(0.01));
+    polled = s.board().poll(samples);
+  }
+  ASSERT_FALSE(polled);
+  EXPECT_EQ(polled.error().code, ErrorCode::config);
+  EXPECT_NE(polled.error().text.find("adc_bits = 12 ends at 4095"), std::string::npos) << polled.error().text;
+}
+
 TEST(BoardClock, IsComparedByTimeMessagesWhileTheBoardStreams) {
   TwinBench b;
   BenchSession& s = *b.session;
