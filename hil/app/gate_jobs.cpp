@@ -224,6 +224,10 @@ Result<GateSetup> prepare_gate(const GateRequest& request) {
     FORCEGATE_CHECK_OK(take_profile_of_recording(request, plan.cases.front()));
   }
   for (const PlanCase& c : plan.cases)
+    if (c.checks == 0)
+      return fail(ErrorCode::config, "case '" + c.name + "' asks for no check: nothing would judge its forces", c.where.empty() ? plan.path.string() : c.where,
+                  "add checks = [\"accuracy\"] (docs/plan.md), or leave the case out (--case)");
+  for (const PlanCase& c : plan.cases)
     for (const std::string& specimen : specimens_of(plan, c))
       if (std::find(setup.specimens.begin(), setup.specimens.end(), specimen) == setup.specimens.end())
         setup.specimens.push_back(specimen);

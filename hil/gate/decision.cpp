@@ -77,7 +77,7 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
     return c->id == "conformance" && c->verdict == Verdict::pass;
   });
   const bool unknown = std::any_of(all.begin(), all.end(), [](const Check* c) {
-    return c->id == "conformance" && c->verdict == Verdict::not_run && !c->required;
+    return c->id == "conformance" && c->verdict == Verdict::not_run;
   });
   if (events.level == CalibrationLevel::nominal && only_algorithm && unknown)
     return no_decision(Blame::calibration, 3,
@@ -185,6 +185,11 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
   d.reason = waived == 0
                  ? fmt::format("all {} required checks passed", required.size())
                  : fmt::format("{} required checks passed, {} waived", required.size() - waived, waived);
+  for (const Check* c : checks)
+    if (c != nullptr && c->id == "conformance" && c->verdict == Verdict::not_run && !c->required) {
+      d.reason += "; conformance was not run: " + c->evidence;
+      break;
+    }
   return d;
 }
 

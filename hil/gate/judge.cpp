@@ -11,6 +11,8 @@
 #include "hil/gate/input_checks.h"
 #include "hil/gate/judge_accuracy.h"
 #include "hil/gate/judge_target.h"
+#include "hil/gate/statistics.h"
+#include "hil/interface/comparator.h"
 #include "hil/rig/self_check.h"
 
 namespace forcegate {
@@ -18,6 +20,22 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kExtremaMissing = 0.02;
+
+bool known_algorithm(const std::string& id) {
+  const auto& kinds = Registry<ComparatorKind>::instance().all();
+  return std::any_of(kinds.begin(), kinds.end(), [&](const ComparatorKind& kind) { return kind.accepts(id); });
+}
+
+// Of the swing that most extrema belong to; infinity with too few to tell.
+double shortest_period_s(const std::vector<CasePair>& pairs, double from_s) {
+  std::vector<double> half_s;
+  for (std::size_t i = 1; i < pairs.size(); ++i)
+    if (pairs[i - 1].t_s >= from_s && pairs[i].maximum != pairs[i - 1].maximum) half_s.push_back(pairs[i].t_s - pairs[i - 1].t_s);
+  if (half_s.size() < 4) return std::numeric_limits<double>::infinity();
+  const auto middle = half_s.begin() + static_cast<std::ptrdiff_t>(half_s.size() / 2);
+  std::nth_element(half_s.begin(), middle, half_s.end());
+  return 2.0 * *middle;
+}
 
 class CaseJudge {
  public:
@@ -74,7 +92,7 @@ class CaseJudge {
       out_.harness_error = !cancelled && f.stage != CaseFailure::Stage::setup;
       if (out_.harness_error) out_.harness_text = text;
       checks_.final_check("record", "Record", Verdict::not_run,
-                          out_.harness_error ? Blame::harness : Blame::user,
+                          out_.harness_error ? Blame::harness : code == ErrorCode::firmware ? Blame::firmware : Blame::user,
                           cancelled ? "interrupted" : text);
     }
   }
@@ -226,24 +244,30 @@ class CaseJudge {
       checks_.value_check("learning_window", "Longest start window", o.learning_longest_s, "s", 0.0,
                           record_.samples, {Limit::Kind::upper, plan_.limits.learning_s, "ours: plan"},
                           fmt::format("the first window closed at {:.2f} s", o.learning_end_s));
-    if (record_.facts.dynamic && std::isfinite(record_.lag_s))
-      checks_.value_check("lag", "Distance in time between firmware and ATI", std::fabs(record_.lag_s), "s",
-                          record_.u_lag_s, record_.samples,
-                          {Limit::Kind::upper, plan_.limits.lag_s, "ours: plan"},
-                          fmt::format("the firmware is {:.1f} ms {} the ATI", 1000.0 * std::fabs(record_.lag_s),
-                                      record_.lag_s < 0.0 ? "ahead of" : "behind"));
+    if (record_.facts.dynamic) lag();
+  }
+
+  void lag() {
+    const double limit_s = plan_.limits.lag_s, period_s = shortest_period_s(record_.pairs, record_.facts.excitation_start_s);
+    const bool known = std::isfinite(record_.lag_s);
+    checks_.value_check("lag", "Distance in time between firmware and ATI", std::fabs(record_.lag_s), "s", known ? record_.u_lag_s : 0.0,
+                        record_.samples, {Limit::Kind::upper, limit_s, "ours: plan"},
+                        !known ? "cannot be told: the ATI's force hardly moves, or the output does not follow it"
+                               : fmt::format("the firmware is {:.1f} ms {} the ATI", 1000.0 * std::fabs(record_.lag_s),
+                                             record_.lag_s < 0.0 ? "ahead of" : "behind"));
+    JudgedCheck& j = checks_.list.back();
+    if (!known || !j.judgeable || !(0.5 * period_s <= limit_s + coverage_factor(plan_.rule.coverage_per_look(), 0.0) * record_.u_lag_s)) return;
+    // A delay by whole periods looks like none at all.
+    j.judgeable = false;
+    j.check.verdict = Verdict::inconclusive;
+    j.check.blame = Blame::user;
+    j.check.evidence += fmt::format(", or that and whole periods of {:.3g} ms: half a period is no more than the limit of {:.3g} ms and its uncertainty; play a slower profile",
+                                    1000.0 * period_s, 1000.0 * limit_s);
   }
 
   void conformance() {
     if (!(planned_.checks & kCheckConformance)) return;
-    if (!record_.conformance_known) {
-      checks_
-          .final_check(
-              "conformance", "Conformance with the declared algorithm", Verdict::not_run, Blame::none,
-              fmt::format("no independent implementation of '{}' is known", record_.firmware.algorithm_id))
-          .required = false;
-      return;
-    }
+    if (!record_.conformance_known) return without_oracle();
     checks_.value_check("conformance", "Conformance with the declared algorithm", record_.conformance,
                         record_.conformance_unit, 0.0, record_.conformance_n,
                         {Limit::Kind::upper, record_.conformance_limit, record_.conformance_source},
@@ -255,6 +279,24 @@ class CaseJudge {
       j.judgeable = true;
       j.check.blame = Blame::firmware;
     }
+  }
+
+  // What the plan asks for by name is owed. Only an image that says itself that it extends a known algorithm ("KNOWN+NAME")
+  // is let off, where its values are judged: its output differs on purpose.
+  void without_oracle() {
+    const std::string& id = record_.firmware.algorithm_id;
+    const bool extends = known_algorithm(id.substr(0, id.find('+'))) && id.find('+') != std::string::npos;
+    const bool judged = (planned_.checks & (kCheckAccuracy | kCheckPromise)) != 0;
+    Check& c = checks_.final_check("conformance", "Conformance with the declared algorithm", Verdict::not_run, Blame::user,
+                                   fmt::format("no independent implementation of '{}' is known", id));
+    if (extends && judged) {
+      c.required = false;
+      c.blame = Blame::none;
+      c.evidence += ", which extends one that is: its values alone are judged";
+      return;
+    }
+    c.evidence += extends ? ", and this case judges no values: add the check 'accuracy'"
+                          : "; an algorithm of its own is judged by a plan that asks for 'accuracy' and not for 'conformance', or with a waiver (--waivers)";
   }
 
   void hold() {

@@ -9,6 +9,8 @@
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
 #include "hil/gate/plan.h"
+#include "hil/interface/controller.h"
+#include "hil/interface/dut.h"
 #include "hil/rig/config.h"
 
 namespace forcegate {
@@ -66,6 +68,45 @@ Result<StimulusSpec> read_stimulus(const ConfigNode& node, std::uint64_t seed) {
   return spec;
 }
 
+// What the rig would stop at is no profile.
+Result<void> below_the_stop(const Plan& plan, double highest_N, const std::string& what, const std::string& where) {
+  if (!(highest_N >= plan.safety.force_max_N)) return {};
+  return fail(ErrorCode::config, fmt::format("{} goes to {} N, and a record is stopped at {} N", what, shortest(highest_N), shortest(plan.safety.force_max_N)),
+              where, "lower it, or raise force_max_N of [safety]");
+}
+
+double highest_N(const StimulusSpec& spec) {
+  const auto made = make_stimulus(spec);
+  return made ? (*made)->facts().maximum_N : std::numeric_limits<double>::quiet_NaN();
+}
+
+// A program that knows none of the kind (a test of the reader alone) has nothing to say.
+template <class Kind>
+const Kind* known_kind(ConfigReader& r, const ConfigNode& table, const char* key, const std::string& name) {
+  const auto& kinds = Registry<Kind>::instance();
+  const Kind* const kind = kinds.find(name);
+  const ConfigNode* const given = table.find(key);
+  if (kind != nullptr || kinds.names().empty() || given == nullptr) return kind;
+  const std::string near = nearest_name(name, kinds.names());
+  r.complain(*given, fmt::format("there is no {} named '{}'", key, printable_utf8(name)),
+             near.empty() ? "choose from: " + join(kinds.names(), ", ") : "did you mean '" + near + "'?");
+  return nullptr;
+}
+
+// A controller that looks at no estimate leaves a closed loop open, and the other way round.
+void read_devices(ConfigReader& r, const ConfigNode& node, PlanCase& c) {
+  c.controller = c.loop == LoopMode::closed ? "force_integral" : "open_loop";
+  r.text("controller", c.controller);
+  r.text("lane", c.lane);
+  if (!c.lane.empty()) known_kind<LaneKind>(r, node, "lane", c.lane);
+  const ControllerKind* const kind = known_kind<ControllerKind>(r, node, "controller", c.controller);
+  const bool closed = c.loop == LoopMode::closed;
+  if (kind == nullptr || node.find("controller") == nullptr || kind->make()->uses_estimate() == closed) return;
+  r.complain(*node.find("controller"),
+             fmt::format("the controller '{}' {} the firmware's estimate, the loop is {}", c.controller, closed ? "does not look at" : "needs", to_string(c.loop)),
+             closed ? "leave loop = \"closed\" out, or take force_integral" : "add loop = \"closed\", or leave the controller out");
+}
+
 Result<void> read_specimens(ConfigReader& r, std::vector<std::string>& out, const ConfigNode& table) {
   if (!r.texts("specimens", out)) return {};
   std::set<std::string> seen;
@@ -111,9 +152,7 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
   std::string loop = "open";
   r.choice("loop", loop, {"open", "closed"});
   c.loop = loop == "closed" ? LoopMode::closed : LoopMode::open;
-  c.controller = c.loop == LoopMode::closed ? "force_integral" : "open_loop";
-  r.text("controller", c.controller);
-  r.text("lane", c.lane);
+  read_devices(r, node, c);
   FORCEGATE_CHECK_OK(read_checks(r, node, c));
   FORCEGATE_CHECK_OK(read_specimens(r, c.specimens, node));
   r.number("rest_before_s", c.rest_before_s = plan.calibration.rest_s, 0.0, 1e9);
@@ -136,6 +175,7 @@ Result<PlanCase> read_case(const ConfigNode& node, const Plan& plan) {
     r.complain(*node.find("checks"), "the check 'promise' needs maxima_pct, minima_pct and limit_source");
   FORCEGATE_CHECK_OK(r.finish());
   FORCEGATE_TRY(c.stimulus, read_stimulus(*stimulus, mix_seed(plan.seed, "stimulus/" + c.name)));
+  FORCEGATE_CHECK_OK(below_the_stop(plan, highest_N(c.stimulus), "the profile of case '" + c.name + "'", stimulus->where));
   return c;
 }
 
@@ -170,7 +210,11 @@ Result<void> read_calibration(const ConfigNode& node, Plan& plan) {
   if (c.level == CalibrationLevel::identified && !c.identification)
     return fail(ErrorCode::config, "level 'identified' needs [calibration.identification]", node.where,
                 "name the sine record from which b and c/a are identified");
-  return {};
+  if (c.level == CalibrationLevel::nominal) return {};
+  const ConfigNode* const sweep = node.find("sweep_high_N");
+  FORCEGATE_CHECK_OK(below_the_stop(plan, c.sweep_high_N, "the calibration sweep", sweep != nullptr ? sweep->where : node.where));
+  if (c.level != CalibrationLevel::identified) return {};
+  return below_the_stop(plan, highest_N(c.identification->stimulus), "the record of the identification", identification->where);
 }
 
 Result<void> read_rule(const ConfigNode& node, DecisionRule& rule) {
@@ -292,8 +336,8 @@ Result<Plan> parse_plan(std::string_view text, const std::string& name) {
     if (panel->find("specimens") == nullptr) p.complain(*panel, "[panel] needs the key 'specimens'");
     FORCEGATE_CHECK_OK(p.finish());
   }
-  FORCEGATE_CHECK_OK(read_calibration(*calibration, plan));
   if (safety != nullptr) FORCEGATE_CHECK_OK(read_safety(*safety, plan.safety));
+  FORCEGATE_CHECK_OK(read_calibration(*calibration, plan));
   if (limits != nullptr) FORCEGATE_CHECK_OK(read_limits(*limits, plan.limits));
   if (uncertainty != nullptr) FORCEGATE_CHECK_OK(read_uncertainty(*uncertainty, plan.uncertainty));
   if (self != nullptr) FORCEGATE_CHECK_OK(read_self_check(*self, plan.self_check));

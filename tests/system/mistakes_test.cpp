@@ -41,6 +41,24 @@ TEST(Mistakes, OfAnImageOrALaneAreToldBeforeAnythingIsPlayed) {
   EXPECT_THAT(forcegate({"plan", "nowhere"}, kHere).err, testing::Not(HasSubstr("--plan")));
 }
 
+TEST(Mistakes, InAPlanThatJudgesNothingOrStopsItselfAreToldBeforeAnythingIsPlayed) {
+  TemporaryFolder folder;
+  const std::string plan = "format = 1\nname = \"mine\"\n[panel]\nspecimens = [\"q50\"]\n[calibration]\nlevel = \"nominal\"\n[[case]]\nname = \"sine\"\n"
+                           "stimulus = { name = \"sine\", f_Hz = 0.5, A_N = 1, m_N = 2, duration_s = 60 }\n";
+  write_text(folder / "none.toml", plan);
+  write_text(folder / "stop.toml", plan + "checks = [\"conformance\"]\n[safety]\nforce_max_N = 2.5\n");
+  write_text(folder / "lane.toml", plan + "checks = [\"conformance\"]\nlane = \"ukrt\"\n");
+  const auto gate = [&](const std::string& name) { return forcegate({"gate", kNative, "--plan", folder / name, "-o", folder / "out"}, kHere); };
+  for (const char* name : {"none.toml", "stop.toml", "lane.toml"}) EXPECT_EQ(gate(name).exit_code, 2) << name;
+  EXPECT_THAT(gate("none.toml").err, HasSubstr("asks for no check"));
+  for (const auto& [name, where] : {std::pair{"stop.toml", "stop.toml:9:1"}, std::pair{"lane.toml", "lane.toml:11:1"}}) {
+    EXPECT_THAT(gate(name).err, HasSubstr(where));
+    const ProcessResult planned = forcegate({"plan", folder / name}, kHere);
+    EXPECT_EQ(planned.exit_code, 2) << name;
+    EXPECT_THAT(planned.err, HasSubstr(where));
+  }
+}
+
 TEST(Mistakes, InTheRateOfARecordingBlameNoRig) {
   TemporaryFolder folder;
   std::string slow = "t_s,F_ref_N,U_V\n";

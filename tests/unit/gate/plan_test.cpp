@@ -70,6 +70,29 @@ TEST(Plan, needs_a_record_to_identify_a_specimen) {
   EXPECT_NE(error_of(with("\"static\"", "\"identified\"")).text.find("identification"), std::string::npos);
 }
 
+TEST(Plan, refuses_a_force_at_which_a_record_is_stopped) {
+  const std::string limit = kGood + "[safety]\nforce_max_N = ";
+  const Error profile = error_of(with("A_N = 1, m_N = 2", "A_N = 2, m_N = 3.2"));
+  EXPECT_EQ(profile.where, "p.toml:9:1") << "5 N without [safety]";
+  EXPECT_NE(profile.text.find("5.2 N"), std::string::npos) << profile.text;
+  const Error sweep = error_of(limit + "3.5\n");
+  EXPECT_NE(sweep.text.find("sweep"), std::string::npos) << sweep.text;
+  EXPECT_EQ(sweep.where, "p.toml:5:2");
+  EXPECT_TRUE(parse_plan(limit + "4.1\n", "p.toml"));
+  std::string nominal = limit + "3.5\n";
+  nominal.replace(nominal.find("static"), 6, "nominal");
+  EXPECT_TRUE(parse_plan(nominal, "p.toml")) << "sweeps that nobody plays";
+}
+
+TEST(Plan, refuses_a_controller_that_contradicts_the_loop_or_that_nobody_has) {
+  const Error force = error_of(kGood + "controller = \"force_integral\"\n");
+  EXPECT_EQ(force.where, "p.toml:11:1");
+  EXPECT_NE(force.text.find("the loop is open"), std::string::npos) << force.text;
+  EXPECT_NE(error_of(kGood + "loop = \"closed\"\ncontroller = \"open_loop\"\n").text.find("the loop is closed"), std::string::npos);
+  EXPECT_NE(error_of(kGood + "controller = \"open_lop\"\n").hint.find("open_loop"), std::string::npos);
+  EXPECT_TRUE(parse_plan(kGood + "loop = \"closed\"\ncontroller = \"force_integral\"\n", "p.toml"));
+}
+
 TEST(Plan, refuses_names_that_are_paths) {
   error_of(with("\"a_sine\"", "\"../x\""));
   error_of(with("\"a_sine\"", "\"\""));

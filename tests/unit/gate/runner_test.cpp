@@ -69,6 +69,56 @@ TEST(Runner, measures_a_lag_in_either_direction_of_the_force) {
   EXPECT_NEAR(r.lag_s, 0.030, 0.001);
 }
 
+TEST(Runner, a_lag_that_whole_periods_may_hide_is_not_decided) {
+  testing::Bench b;
+  b.job.planned.stimulus.numbers["f_Hz"] = 10.0;
+  b.job.planned.stimulus.numbers["A_N"] = 0.5;
+  b.job.planned.maxima_pct = b.job.planned.minima_pct = 90.0;
+  const CaseRecord record = b.run();
+  const JudgedCase judged = b.judge(record);
+  const Check* lag = find(judged, "lag");
+  ASSERT_NE(lag, nullptr);
+  EXPECT_EQ(lag->verdict, Verdict::inconclusive) << lag->evidence;
+  EXPECT_EQ(lag->blame, Blame::user);
+  EXPECT_NE(lag->evidence.find("whole periods of 100 ms"), std::string::npos) << lag->evidence;
+  b.plan.limits.lag_s = 0.02;
+  EXPECT_EQ(find(b.judge(record), "lag")->verdict, Verdict::pass);
+}
+
+TEST(Runner, a_lag_that_cannot_be_told_stays_in_the_list) {
+  testing::Bench b;
+  CaseRecord record = b.run();
+  ASSERT_EQ(find(b.judge(record), "lag")->verdict, Verdict::pass);
+  record.lag_s = record.u_lag_s = std::nan("");
+  const JudgedCase judged = b.judge(record);
+  ASSERT_NE(find(judged, "lag"), nullptr);
+  EXPECT_EQ(find(judged, "lag")->verdict, Verdict::inconclusive);
+}
+
+const Registration<ComparatorKind> kOracle{{"test", "for tests", [](std::string_view id) { return id == "known/1"; }, [] { return std::unique_ptr<Comparator>(); }}};
+
+TEST(Runner, a_conformance_that_is_asked_for_and_cannot_run_is_owed) {
+  testing::Bench b;
+  b.job.planned.checks |= kCheckConformance;
+  CaseRecord record = b.run();
+  const auto conformance = [&](const std::string& id) {
+    record.firmware.algorithm_id = id;
+    const JudgedCase judged = b.judge(record);
+    const Check* c = find(judged, "conformance");
+    EXPECT_NE(c, nullptr) << id;
+    return c == nullptr ? Check{} : *c;
+  };
+  for (const char* unknown : {"static/1", "knwn/1", "", "+", "other/1+creep"}) {
+    const Check c = conformance(unknown);
+    EXPECT_EQ(c.verdict, Verdict::not_run) << unknown;
+    EXPECT_TRUE(c.required) << unknown;
+    EXPECT_EQ(c.blame, Blame::user) << unknown;
+  }
+  EXPECT_FALSE(conformance("known/1+creep").required) << "differs on purpose, its values are judged";
+  b.job.planned.checks = kCheckConformance;
+  EXPECT_TRUE(conformance("known/1+creep").required) << "nothing else judges a value";
+}
+
 TEST(Runner, closes_the_loop_over_the_firmware_s_estimate) {
   Bench s;
   s.close_loop();
