@@ -68,12 +68,15 @@ std::string selfcheck_text(const SelfcheckAnswer& a) {
   if (a.charts.empty()) return out;
   out += fmt::format("  control chart over {} visits (centre and spread from the first {}; {} are needed)\n",
                      a.visits, std::min(a.visits - 1, ControlChart::kBaseline), ControlChart::kNeeded);
+  std::map<std::string, std::string> units;
+  for (const CaseResult& c : a.result.cases)
+    for (const Check& check : c.checks) units[check.id] = check.unit;
   for (const ControlChart& chart : a.charts)
-    out += fmt::format("    {:<11} {:<26} centre {:>10.4g} s {:<10.2g} {}\n",
+    out += fmt::format("    {:<11} {:<26} centre {:>10.4g} {:<4} sd {:<10} {}\n",
                        !chart.enough      ? "too few"
                        : chart.in_control ? "in control"
                                           : "OUT",
-                       chart.quantity, chart.centre, chart.s, sparkline(chart));
+                       chart.quantity, chart.centre, units[chart.quantity], chart.enough ? fmt::format("{:.2g}", chart.s) : "-", sparkline(chart));
   return out;
 }
 

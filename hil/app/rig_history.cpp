@@ -10,11 +10,12 @@
 
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
+#include "hil/gate/statistics.h"
 
 namespace forcegate {
 namespace {
 
-constexpr double kLambda = 0.2, kWidth = 3.0;
+constexpr double kLambda = 0.2, kMovingRangeDof = 0.62;
 
 bool belongs_to_rig(const Check& c) {
   return c.id.starts_with("rig_") || c.id == "mre_maxima" || c.id == "mre_minima" || c.id == "lag" ||
@@ -78,7 +79,7 @@ Result<void> append_visit(const std::filesystem::path& path, const RigVisit& v) 
   return {};
 }
 
-ControlChart control_chart(const std::string& quantity, const std::vector<double>& x, double resolution) {
+ControlChart control_chart(const std::string& quantity, const std::vector<double>& x, double resolution, std::size_t charts) {
   ControlChart chart;
   chart.quantity = quantity;
   chart.x = x;
@@ -96,10 +97,10 @@ ControlChart control_chart(const std::string& quantity, const std::vector<double
   double z = chart.centre;
   for (std::size_t i = 0; i < x.size(); ++i) chart.ewma.push_back(z = kLambda * x[i] + (1.0 - kLambda) * z);
   if (!chart.enough) return chart;
-  const double k = 2.0 * static_cast<double>(x.size());
-  const double width =
-      kWidth * chart.s * std::sqrt(kLambda / (2.0 - kLambda) * (1.0 - std::pow(1.0 - kLambda, k)));
-  if (std::fabs(x.back() - chart.centre) > kWidth * chart.s)
+  const auto n = static_cast<double>(base);
+  const double t = coverage_factor(1.0 - ControlChart::kFalseAlarm / (2.0 * static_cast<double>(charts)), kMovingRangeDof * (n - 1.0));
+  const double width = t * chart.s * std::sqrt(kLambda / (2.0 - kLambda) + 1.0 / n);
+  if (std::fabs(x.back() - chart.centre) > t * chart.s * std::sqrt(1.0 + 1.0 / n))
     chart.text = fmt::format("{:.4g} is {:.1f} standard deviations from {:.4g}", x.back(),
                              std::fabs(x.back() - chart.centre) / chart.s, chart.centre);
   else if (std::fabs(z - chart.centre) > width)
@@ -117,7 +118,7 @@ std::vector<ControlChart> control_charts(const std::vector<RigVisit>& history) {
     for (const RigVisit& v : history)
       if (v.rig == history.back().rig)
         if (const auto at = v.values.find(name); at != v.values.end()) x.push_back(at->second);
-    charts.push_back(control_chart(name, x, std::max(1e-4 * std::fabs(x.front()), 1e-6)));
+    charts.push_back(control_chart(name, x, std::max(1e-4 * std::fabs(x.front()), 1e-6), history.back().values.size()));
   }
   return charts;
 }

@@ -27,13 +27,17 @@ RigVisit visit_of(const RunResult& result);
 Result<std::vector<RigVisit>> read_history(const std::filesystem::path& path);
 Result<void> append_visit(const std::filesystem::path& path, const RigVisit& visit);
 
-/// Chart of one quantity: centre and spread from the first kBaseline visits (moving range / 1.128), then
-///   individuals: |x - centre| <= 3 s                                                              (Shewhart)
-///   EWMA: z_i = 0.2 x_i + 0.8 z_(i-1), |z_i - centre| <= 3 s sqrt(0.2 / 1.8 (1 - 0.8^(2 i)))      (Roberts 1959)
+/// Chart of one quantity: centre and spread from the first n <= kBaseline visits (moving range / 1.128, which has about
+/// 0.62 (n - 1) degrees of freedom), then
+///   individuals: |x - centre| <= t s sqrt(1 + 1 / n)                                              (Shewhart)
+///   EWMA: z_i = 0.2 x_i + 0.8 z_(i-1), |z_i - centre| <= t s sqrt(0.2 / 1.8 + 1 / n)              (Roberts 1959)
+/// 1 / n is the error of the centre, t Student's quantile for the degrees of freedom of s: with three standard deviations
+/// every third visit to a healthy rig would alarm. Its level is kFalseAlarm over all charts of a visit (Bonferroni).
 /// The spread is never taken below `resolution`: a quantity that did not vary at all is no reason for an alarm at its
 /// first last digit.
 struct ControlChart {
   static constexpr std::size_t kBaseline = 20, kNeeded = 8;
+  static constexpr double kFalseAlarm = 0.01;  ///< of a whole visit
   std::string quantity;
   std::vector<double> x, ewma;
   double centre = 0.0, s = 0.0;
@@ -41,7 +45,8 @@ struct ControlChart {
   bool in_control = true;  ///< of the last visit
   std::string text;        ///< why not
 };
-ControlChart control_chart(const std::string& quantity, const std::vector<double>& x, double resolution);
+/// `charts`: how many quantities a visit is judged by.
+ControlChart control_chart(const std::string& quantity, const std::vector<double>& x, double resolution, std::size_t charts = 1);
 
 /// One chart a quantity of the last visit, over the visits of the same rig.
 std::vector<ControlChart> control_charts(const std::vector<RigVisit>& history);

@@ -33,12 +33,27 @@ TEST(ControlChart, a_steady_rig_stays_in_control) {
   EXPECT_LE(alarms, 12) << "two charts at three standard deviations, spread from 20 visits";
 }
 
+TEST(ControlChart, a_healthy_rig_alarms_in_one_visit_of_a_hundred_over_all_its_charts) {
+  constexpr std::size_t kCharts = 25;
+  for (const int visits : {9, 13, 21, 41}) {
+    int alarms = 0;
+    for (std::uint64_t visit = 0; visit < 200; ++visit) {
+      bool alarm = false;
+      for (std::size_t k = 0; k < kCharts; ++k)
+        alarm = alarm || !control_chart("noise", steady(visits, 1000 * visit + k), 1e-6, kCharts).in_control;
+      alarms += alarm;
+    }
+    EXPECT_LE(alarms, 6) << visits << " visits: 2 are expected, three standard deviations gave 60";
+  }
+}
+
 TEST(ControlChart, a_jump_is_seen_at_once) {
   std::vector<double> x = steady(25);
   x.push_back(0.016);
   const ControlChart c = control_chart("noise", x, 1e-6);
   EXPECT_FALSE(c.in_control);
   EXPECT_NE(c.text.find("standard deviations"), std::string::npos) << c.text;
+  EXPECT_FALSE(control_chart("noise", x, 1e-6, 25).in_control) << "six standard deviations, among as many charts as a visit has";
 }
 
 TEST(ControlChart, a_slow_drift_is_seen_by_the_moving_mean_before_any_single_value_is_out) {
