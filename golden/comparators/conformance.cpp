@@ -1,8 +1,10 @@
 // Comparator "conformance": |F_dut - F_oracle| in units of the converter's step G v_range / (2^bits - 1),
 // worst sample of the record. Limit half an LSB, what rounding to the converter's step would cost: single
 // precision costs 0.04 LSB at 16 bits in the worst profile tried (2^-24 of 10 N is 6e-7 N, a few operations
-// deep, against 7.6e-5 N), while full scale taken as 2^bits instead of 2^bits - 1 costs 0.7 LSB and more. The state flags are decisions and must be equal; one that differs counts as
-// full scale.
+// deep, against 7.6e-5 N), while full scale taken as 2^bits instead of 2^bits - 1 costs 0.7 LSB and more. The state flags are decisions and must be equal: where the forces
+// are, the samples whose flags differ are the value, and none may.
+
+#include <fmt/format.h>
 
 #include <cmath>
 #include <optional>
@@ -41,8 +43,7 @@ class Conformance final : public Comparator {
       const LebosseOracle::Output expected = oracle_->step(adc[i]);
       double error = std::abs(static_cast<double>(force_N[i]) - expected.force_N) * per_lsb;
       if (((flags[i] ^ expected.flags) & kDecisions) != 0) {
-        if (flags_differ_++ == 0) first_flag_ = n_;
-        error = full_scale;
+        if (flags_differ_++ == 0) first_flag_ = n_, said_ = flags[i] & kDecisions, expected_ = expected.flags & kDecisions;
       }
       if (error <= worst_) continue;
       if (!(error <= full_scale)) error = full_scale;  // NaN and infinity too
@@ -66,16 +67,27 @@ class Conformance final : public Comparator {
     }
     c.value = worst_;
     c.worst_at_s = static_cast<double>(worst_at_) / 1000.0;
-    c.evidence = flags_differ_ > 0
-                     ? "state flags differ in " + std::to_string(flags_differ_) + " samples, first at " +
-                           shortest(static_cast<double>(first_flag_) / 1000.0) + " s"
-                     : "largest difference at " + shortest(c.worst_at_s) + " s";
+    c.evidence = "largest difference at " + shortest(c.worst_at_s) + " s";
+    if (flags_differ_ == 0) return c;
+    const std::string flags = fmt::format("state flags differ in {} samples, first at sample {} ({} s): 0x{:02x} instead of 0x{:02x}", flags_differ_, first_flag_,
+                                          shortest(static_cast<double>(first_flag_) / 1000.0), said_, expected_);
+    if (worst_ > kLimit_LSB) {
+      c.evidence += "; " + flags;
+      return c;
+    }
+    c.evidence = fmt::format("{}; the forces differ by {:.2g} LSB at most", flags, worst_);
+    c.value = static_cast<double>(flags_differ_);
+    c.unit = "samples";
+    c.limit = 0.0;
+    c.limit_source = "state flags are decisions and must be equal (docs/algorithm.md)";
+    c.worst_at_s = static_cast<double>(first_flag_) / 1000.0;
     return c;
   }
 
  private:
   std::optional<LebosseOracle> oracle_;
   std::uint64_t n_ = 0, worst_at_ = 0, flags_differ_ = 0, first_flag_ = 0;
+  unsigned said_ = 0, expected_ = 0;  ///< flags at the first sample that differs
   double worst_ = 0.0;
 };
 

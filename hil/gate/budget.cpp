@@ -36,13 +36,17 @@ double Budget::u_random() const {
   return std::sqrt(std::max(0.0, all * all - systematic * systematic));
 }
 
-std::string Budget::to_text() const {
-  std::string out;
+std::string Budget::to_text(const std::string& unit, bool only_random) const {
+  std::string in, out;
   for (const BudgetLine& line : lines) {
     if (line.u < 5e-4) continue;
-    out += fmt::format("{}{} {:.3f}", out.empty() ? "" : ", ", line.name, line.u);
+    if (std::string& list = only_random && line.systematic ? out : in; &list == &in)
+      list += fmt::format("{}{} {:.3f}", list.empty() ? "" : ", ", line.name, line.u);
+    else
+      list += (list.empty() ? "" : ", ") + line.name;
   }
-  return out;
+  in = in.empty() ? "u is below 0.0005 " + unit : "u from " + in + " " + unit;
+  return out.empty() ? in : in + ", without " + out + ", which stand in the derived limit as well";
 }
 
 Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double typical_N,

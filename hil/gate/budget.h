@@ -29,7 +29,8 @@ struct Budget {
   double u_systematic() const;
   /// Without the systematic parts: against a limit that was derived on the same rig they cancel.
   double u_random() const;
-  std::string to_text() const;  ///< "ATI calibration 0.50, alignment 0.20, ..."
+  /// "ATI calibration 0.500, alignment 0.200, ... %"; `only_random`: the parts of u_random(), and which were left out.
+  std::string to_text(const std::string& unit, bool only_random) const;
 };
 
 /// `typical_N` is the mean expected extremum, `standard_error` in 1 (not %), n the number of extrema.

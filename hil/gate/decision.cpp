@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +25,17 @@ bool truly_passed(const Check& c, const DecisionRule& rule) {
     case Limit::Kind::none: return true;
   }
   return false;
+}
+
+// Titles that say how it should be; beside what happened they would read as the opposite of the decision.
+bool title_is_a_promise(const Check& c) {
+  constexpr std::string_view kPromises[] = {"firmware_runs", "rig_runs", "safety_stop", "time_base", "record"};
+  return std::find(std::begin(kPromises), std::end(kPromises), c.id) != std::end(kPromises);
+}
+
+std::string title_and_evidence(const Check& c) {
+  if (c.evidence.empty() || !title_is_a_promise(c)) return c.evidence.empty() ? c.title : c.title + ": " + c.evidence;
+  return c.evidence;
 }
 
 std::string named(const Check& c) { return c.case_id.empty() ? "" : fmt::format(" in {}", c.case_id); }
@@ -92,7 +104,7 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
   }
   if (events.safety_stop) {
     d.safety_stop = true;
-    if (!events.safety_text.empty()) d.reason += "; " + events.safety_text;
+    if (!events.safety_text.empty() && d.reason.find(events.safety_text) == std::string::npos) d.reason += "; " + events.safety_text;
   }
   return d;
 }
@@ -102,7 +114,7 @@ Decision reject(const std::vector<const Check*>& failed, std::span<const Check* 
 std::string check_in_words(const Check& c) {
   const std::string title = !c.title.empty() ? c.title : !c.id.empty() ? c.id : "a check without a name";
   if (c.limit.kind == Limit::Kind::none || !std::isfinite(c.value))
-    return c.evidence.empty() ? title : title + ": " + c.evidence;
+    return c.evidence.empty() ? title : title_is_a_promise(c) ? c.evidence : title + ": " + c.evidence;
   const bool good = c.limit.kind == Limit::Kind::upper   ? c.value <= c.limit.value
                     : c.limit.kind == Limit::Kind::lower ? c.value >= c.limit.value
                                                          : c.value == c.limit.value;
@@ -143,7 +155,7 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
     const Check* root = cause(rig, {"rig_", "link_", "time_base", "firmware_runs", "safety_stop"});
     const Check& first = root != nullptr ? *root : *worst(rig);
     d = no_decision(first.blame == Blame::none ? Blame::rig : first.blame, 4,
-                    (first.evidence.empty() ? check_in_words(first) : first.title + ": " + first.evidence) +
+                    (first.evidence.empty() ? check_in_words(first) : title_and_evidence(first)) +
                         named(first) + more(rig.size()));
     d.safety_stop = events.safety_stop;
     return d;
@@ -158,11 +170,11 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
     if (first.verdict == Verdict::marginal)
       reason = "inside the limit by less than its uncertainty: " + check_in_words(first);
     else if (first.verdict == Verdict::not_run)
-      reason = "not run: " + first.title + (first.evidence.empty() ? "" : ": " + first.evidence);
+      reason = "not run: " + title_and_evidence(first);
     else if (first.evidence.empty())
       reason = "not decided: " + check_in_words(first);
     else
-      reason = "not decided: " + first.title + ": " + first.evidence;
+      reason = "not decided: " + title_and_evidence(first);
     Blame blame = first.blame;
     if (blame == Blame::none) blame = Blame::user;
     d = no_decision(blame, 3, reason + named(first) + more(open.size()));

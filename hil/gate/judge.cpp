@@ -286,7 +286,8 @@ class CaseJudge {
   void without_oracle() {
     const std::string& id = record_.firmware.algorithm_id;
     const bool extends = known_algorithm(id.substr(0, id.find('+'))) && id.find('+') != std::string::npos;
-    const bool judged = (planned_.checks & (kCheckAccuracy | kCheckPromise)) != 0;
+    const auto values = [](const PlanCase& c) { return (c.checks & (kCheckAccuracy | kCheckPromise)) != 0; };
+    const bool judged = values(planned_) || std::any_of(plan_.cases.begin(), plan_.cases.end(), values);
     Check& c = checks_.final_check("conformance", "Conformance with the declared algorithm", Verdict::not_run, Blame::user,
                                    fmt::format("no independent implementation of '{}' is known", id));
     if (extends && judged) {
@@ -295,7 +296,7 @@ class CaseJudge {
       c.evidence += ", which extends one that is: its values alone are judged";
       return;
     }
-    c.evidence += extends ? ", and this case judges no values: add the check 'accuracy'"
+    c.evidence += extends ? ", and no case of the plan judges values: add the check 'accuracy'"
                           : "; an algorithm of its own is judged by a plan that asks for 'accuracy' and not for 'conformance', or with a waiver (--waivers)";
   }
 

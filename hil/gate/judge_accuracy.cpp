@@ -54,8 +54,6 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
         planned.tail_s > 0.0 ? fmt::format(" over the last {:.0f} s", planned.tail_s) : "";
     const std::string mre_title = fmt::format("Mean relative error of the {}, {}{}", which, against, tail);
     const std::string mae_title = fmt::format("Mean absolute error of the {}, {}{}", which, against, tail);
-    const std::string evidence =
-        fmt::format("{} {}, largest {:.2f} %; u from {}", e.n, which, 100.0 * e.largest, relative.to_text());
     // A few extrema may fall into a gap of the reference; more, and their mean is not that of the record.
     const bool whole =
         static_cast<double>(e.not_finite) <= kFewMissing * static_cast<double>(s.expected.size());
@@ -81,12 +79,15 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
                                      record.duration_s, maximum ? "maximum" : "minimum", plan.limits.learning_s));
       continue;
     }
-    checks.value_check(mre_id, mre_title, mre, "%", derived ? relative.u_random() : relative.u(), e.n,
-                       judge_relative ? limit : none, evidence);
-    checks.repeatable(derived ? 0.0 : relative.u_systematic());
-    checks.value_check(mae_id, mae_title, mae, "N", derived ? absolute.u_random() : absolute.u(), items,
-                       judge_relative ? none : limit, fmt::format("{} {}", items, which));
-    checks.repeatable(derived ? 0.0 : absolute.u_systematic());
+    // What the limit was derived with is left out of the value that is held against it, and of no other.
+    const auto add = [&](const std::string& id, const std::string& title, double value, const char* unit, const Budget& budget, std::size_t n, bool judged,
+                         const std::string& evidence) {
+      const bool random = derived && judged;
+      checks.value_check(id, title, value, unit, random ? budget.u_random() : budget.u(), n, judged ? limit : none, evidence + "; " + budget.to_text(unit, random));
+      checks.repeatable(random ? 0.0 : budget.u_systematic());
+    };
+    add(mre_id, mre_title, mre, "%", relative, e.n, judge_relative, fmt::format("{} {}, largest {:.2f} %", e.n, which, 100.0 * e.largest));
+    add(mae_id, mae_title, mae, "N", absolute, items, !judge_relative, fmt::format("{} {}", items, which));
     if (wanted && limit.kind == Limit::Kind::none)
       checks.final_check("accuracy_" + std::string(which), judge_relative ? mre_title : mae_title,
                          Verdict::not_run, Blame::user,

@@ -1,7 +1,10 @@
 // "html": one self-contained file. First the decision, then what to look at, then every case: failed first
 // and open, passed collapsed.
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
@@ -48,6 +51,15 @@ std::string table_of(const std::map<std::string, std::string>& values) {
   return out;
 }
 
+// A build that never came so far has not told everything.
+std::string announced(const DutInfo& f) {
+  std::string out = f.algorithm_id.empty() ? "not announced" : escape(f.algorithm_id);
+  if (f.protocol_major > 0) out += ", protocol " + std::to_string(f.protocol_major) + "." + std::to_string(f.protocol_minor);
+  if (f.adc_bits > 0) out += ", ADC " + std::to_string(f.adc_bits) + " bit";
+  if (f.rate_Hz > 0.0) out += ", " + figures::display(f.rate_Hz) + " Hz";
+  return out;
+}
+
 std::string reproduce(const RunResult& r) {
   std::string out =
       "<section id=\"reproduce\"><h2>Reproduce</h2>\n<pre tabindex=\"0\" aria-label=\"Command\"><code>" +
@@ -59,10 +71,7 @@ std::string reproduce(const RunResult& r) {
   row("Decision rule", escape(r.decision_rule));
   row("Firmware SHA-256", hash(r.firmware_sha256));
   row("Build id", hash(r.firmware.build_id));
-  row("Algorithm",
-      escape(r.firmware.algorithm_id) + ", protocol " + std::to_string(r.firmware.protocol_major) + "." +
-          std::to_string(r.firmware.protocol_minor) + ", ADC " + std::to_string(r.firmware.adc_bits) +
-          " bit, " + figures::display(r.firmware.rate_Hz) + " Hz");
+  row("Algorithm", announced(r.firmware));
   row("Plan SHA-256", hash(r.plan_sha256));
   row("Seed", std::to_string(r.seed));
   row("Rig", escape(r.rig.name) + ", id " + escape(r.rig.id) + ", version " + escape(r.rig.version) + ", " +
@@ -127,11 +136,11 @@ std::string cases(const RunResult& r) {
     if (const std::string w(word(case_verdict(r.cases[i])));
         std::find(verdicts.begin(), verdicts.end(), w) == verdicts.end())
       verdicts.push_back(w);
+  const double k = coverage_k(r);
   std::string out =
       "<section id=\"cases\"><h2>Cases</h2>\n<p class=\"q\">Failed cases come first and are open. Values are "
-      "value(standard uncertainty in the last digits), k = 1; whiskers and U are k = 2. Error = later name "
-      "minus "
-      "earlier: firmware \u2212 " +
+      "value(standard uncertainty in the last digits), k = 1; whiskers are U" +
+      (std::isfinite(k) ? fmt::format(" with the k = {:.3g} of the decision rule", k) : std::string(" = 2 u")) + ". Error = later name minus earlier: firmware \u2212 " +
       (reference == r.rig.details.end() ? std::string("ATI, ATI \u2212 set-point") : reference->second) +
       ".</p>\n" + html_filter_row(verdicts);
   std::size_t opened = 0;

@@ -168,6 +168,17 @@ std::string calibration_levels(const RunResult& result) {
   return out.empty() ? "none" : out;
 }
 
+double coverage_k(const RunResult& result) {
+  double k = std::numeric_limits<double>::quiet_NaN();
+  for (const JudgedRow& row : judged_rows(result))
+    if (const Check& c = *row.check; c.u > 0.0 && c.expanded_u > 0.0) k = std::fmin(k, c.expanded_u / c.u);
+  return k;
+}
+
+bool accepts_marginal(const RunResult& result) {
+  return result.decision.kind == DecisionKind::accept || result.decision_rule.starts_with("simple");
+}
+
 std::string who_must_act(Blame blame) {
   switch (blame) {
     case Blame::none: return "";

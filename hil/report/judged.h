@@ -50,6 +50,12 @@ std::string ratio_text(double ratio);
 /// Levels used by the cases, "identified" or "nominal, identified".
 std::string calibration_levels(const RunResult& result);
 
+/// k of U = k u by the run's rule, the smallest where few degrees of freedom make it larger; NaN when no check has both.
+double coverage_k(const RunResult& result);
+
+/// Whether the run's rule accepts what is inside its limit by less than U.
+bool accepts_marginal(const RunResult& result);
+
 /// "" for ACCEPT, else who has to act: "the firmware", "the rig".
 std::string who_must_act(Blame blame);
 

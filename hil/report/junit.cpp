@@ -1,5 +1,5 @@
-// "junit": one suite a case, one test a check. fail -> failure, rig_error and inconclusive -> error, not_run
-// and waived -> skipped; a check that is not required never turns a suite red. The decision itself is the
+// "junit": one suite a case, one test a check. fail -> failure, rig_error and inconclusive -> error, so is marginal where the
+// rule does not accept it; not_run and waived -> skipped; a check that is not required never turns a suite red. The decision itself is the
 // first test.
 
 #include <cmath>
@@ -22,7 +22,7 @@ std::string property(std::string_view name, std::string_view value) {
   return "        <property name=\"" + std::string(name) + "\" value=\"" + escape(value) + "\"/>\n";
 }
 
-std::string test_of(const Check& c, const std::string& class_name, Counts& counts) {
+std::string test_of(const Check& c, const std::string& class_name, bool marginal_passes, Counts& counts) {
   ++counts.tests;
   std::string out = "    <testcase classname=\"" + escape(class_name) + "\" name=\"" + escape(c.id) + "\">\n";
   out += "      <properties>\n";
@@ -49,7 +49,7 @@ std::string test_of(const Check& c, const std::string& class_name, Counts& count
   } else if (c.verdict == Verdict::fail) {
     ++counts.failures;
     outcome("failure", "fail");
-  } else if (c.verdict == Verdict::rig_error || c.verdict == Verdict::inconclusive) {
+  } else if (c.verdict == Verdict::rig_error || c.verdict == Verdict::inconclusive || (c.verdict == Verdict::marginal && c.required && !marginal_passes)) {
     ++counts.errors;
     outcome("error", std::string(to_string(c.verdict)));
   }
@@ -94,12 +94,12 @@ std::string render(const RunResult& result) {
   };
   Counts counts;
   std::string tests = decision_test(result, counts);
-  for (const Check& c : result.checks) tests += test_of(c, "whole run", counts);
+  for (const Check& c : result.checks) tests += test_of(c, "whole run", accepts_marginal(result), counts);
   add("whole run", 0.0, tests, counts);
   for (const CaseResult& r : result.cases) {
     Counts of_case;
     std::string of_case_tests;
-    for (const Check& c : r.checks) of_case_tests += test_of(c, r.id, of_case);
+    for (const Check& c : r.checks) of_case_tests += test_of(c, r.id, accepts_marginal(result), of_case);
     add(r.id, r.duration_s, of_case_tests, of_case);
   }
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"forcegate " +

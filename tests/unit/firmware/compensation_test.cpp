@@ -105,6 +105,21 @@ TEST(Oracle, AgreesWithTheFirmwareAndSeesTwoPercentOfGain) {
   }
 }
 
+TEST(Oracle, CountsTheSamplesWhoseFlagsDifferWhereTheForcesAreEqual) {
+  const Record r = decaying_sine({.duration_s = 60.0});
+  const Calibration c = calibration_of(0.5, 0.15);
+  auto out = run("native", image(kReference), c, r.adc);
+  ASSERT_TRUE(out);
+  for (const std::size_t i : {1234, 1235, 50000}) out->flags[i] ^= kDutHeld;
+  const Comparison differs = conformance(*out, c, r.adc);
+  EXPECT_EQ(differs.value, 3.0);
+  EXPECT_EQ(differs.unit, "samples");
+  EXPECT_EQ(differs.limit, 0.0);
+  EXPECT_NE(differs.evidence.find("first at sample 1234 (1.234 s)"), std::string::npos) << differs.evidence;
+  out->force_N[2000] += 1.0f;
+  EXPECT_EQ(conformance(*out, c, r.adc).unit, "LSB") << "a force that differs says more";
+}
+
 TEST(NativeLane, MarksItsWayInAndOutOfTheFirmware) {
   FirmwareGuard guard;
   g_firmware_guard = &guard;

@@ -214,6 +214,28 @@ TEST(Decision, does_not_believe_a_pass_that_is_none) {
   }
 }
 
+TEST(Decision, a_reason_never_begins_with_the_opposite_of_the_decision) {
+  Check runs;
+  runs.id = "firmware_runs";
+  runs.title = "The firmware answers every sample";
+  runs.value = std::nan("");
+  runs.verdict = Verdict::fail;
+  runs.evidence = "the firmware crashed";
+  EXPECT_EQ(decided({runs}).reason, "the firmware crashed");
+  runs.id = "safety_stop";
+  runs.title = "No safety stop";
+  runs.evidence = "safety stop at 1.0 s: force above the limit (5.1 N); the firmware had left the ATI";
+  RunEvents events;
+  events.safety_stop = true;
+  events.safety_text = "safety stop at 1.0 s: force above the limit (5.1 N)";
+  EXPECT_EQ(decided({runs}, events).reason, runs.evidence) << "once";
+  runs.id = "rig_runs";
+  runs.title = "The rig plays the record";
+  runs.verdict = Verdict::rig_error;
+  runs.evidence = "the wheel does not reach";
+  EXPECT_EQ(decided({runs}).reason, "the wheel does not reach");
+}
+
 TEST(Decision, undecided_safety_stop_has_its_own_exit_code) {
   RunEvents events;
   events.safety_stop = true;

@@ -69,6 +69,22 @@ TEST(Runner, measures_a_lag_in_either_direction_of_the_force) {
   EXPECT_NEAR(r.lag_s, 0.030, 0.001);
 }
 
+TEST(Runner, only_what_is_held_against_a_derived_limit_leaves_out_what_that_limit_holds) {
+  testing::Bench b;
+  b.job.planned.maxima_pct = b.job.planned.minima_pct = std::nullopt;
+  DerivedLimits limits;
+  for (const char* id : {"mre_maxima", "mre_minima"}) limits.by_case_and_check[{"sine", id}].value = 5.0;
+  const CaseRecord record = b.run();
+  const JudgedCase judged = judge_case(b.plan, b.job.planned, record, limits);
+  const Check *relative = find(judged, "mre_maxima"), *absolute = find(judged, "mae_maxima");
+  const double calibration_N = record.rig.reference_u_rel * 3.0;
+  ASSERT_GT(calibration_N, 0.0);
+  EXPECT_GE(absolute->u, calibration_N) << "nothing is judged on it";
+  EXPECT_LT(relative->u / 100.0, record.rig.reference_u_rel);
+  EXPECT_NE(relative->evidence.find("without ATI calibration"), std::string::npos) << relative->evidence;
+  EXPECT_EQ(absolute->evidence.find("without"), std::string::npos) << absolute->evidence;
+}
+
 TEST(Runner, a_lag_that_whole_periods_may_hide_is_not_decided) {
   testing::Bench b;
   b.job.planned.stimulus.numbers["f_Hz"] = 10.0;

@@ -133,6 +133,22 @@ TEST(JUnit, counts_what_it_holds_and_maps_the_verdicts) {
   EXPECT_EQ(tests, static_cast<int>(judged_rows(r).size()) + 1);
 }
 
+TEST(JUnit, what_is_marginal_is_no_passed_test_where_the_rule_does_not_accept_it) {
+  RunResult r = sample::run(Variant::no_decision, 60.0);
+  r.cases[0].checks[1].verdict = Verdict::marginal;
+  const auto type = [&](const std::string& rule) {
+    r.decision_rule = rule + ": accept when ...";
+    pugi::xml_document doc;
+    EXPECT_TRUE(doc.load_string(render("junit", r).c_str()));
+    for (const auto suite : doc.child("testsuites"))
+      for (const auto test : suite)
+        if (test.find_node([](const auto& n) { return n.attribute("value").as_string() == std::string("marginal"); })) return std::string(test.child("error").attribute("type").as_string());
+    return std::string("no such test");
+  };
+  EXPECT_EQ(type("guarded"), "marginal");
+  EXPECT_EQ(type("simple"), "");
+}
+
 TEST(JUnit, does_not_turn_red_for_a_check_that_is_not_required) {
   RunResult r = sample::run(Variant::accept, 60.0);
   r.cases[0].checks[1].verdict = Verdict::fail;
