@@ -54,7 +54,7 @@ class AtiNetFt final : public ReferenceSensor {
     FORCEGATE_TRY(line_, named(world_.open_datagrams("reference", options_.host, options_.udp_port)));
     FORCEGATE_CHECK_OK(stop());
     if (options_.bias) FORCEGATE_CHECK_OK(send(RdtCommand::bias));
-    return DeviceIdentity{config.product, options_.serial, "", options_.calibration_id};
+    return DeviceIdentity{config.product, options_.serial, "", options_.calibration_id, true};
   }
 
   void close() noexcept override {

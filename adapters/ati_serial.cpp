@@ -46,7 +46,7 @@ class AtiSerial final : public ReferenceSensor {
     FORCEGATE_CHECK_OK(command("SM 1"));  // saturation and disconnected gages set the error byte
     FORCEGATE_CHECK_OK(command(fmt::format("SA {}", options_.average)));
     if (options_.bias) FORCEGATE_CHECK_OK(command("SB"));
-    return DeviceIdentity{"ATI F/T controller", options_.serial, "", options_.calibration_id};
+    return DeviceIdentity{"ATI F/T controller", options_.serial, "", options_.calibration_id, true};
   }
 
   void close() noexcept override {

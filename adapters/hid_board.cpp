@@ -20,6 +20,7 @@ Result<std::unique_ptr<SensorBoard>> make(const ConfigNode& table, BenchWorld& w
   in.integer("reply_timeout_ms", timeout_ms, 10, 60000);
   FORCEGATE_CHECK_OK(in.finish());
   o.adc_bits = static_cast<int>(bits);
+  o.serial_by_file = false;
   o.batch = static_cast<int>(batch);
   o.reply_timeout_s = static_cast<double>(timeout_ms) * 1e-3;
   const auto open = [&world, vendor, product, serial = o.serial]() -> Result<std::unique_ptr<Transport>> {

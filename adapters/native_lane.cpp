@@ -180,7 +180,7 @@ class NativeDut final : public Dut {
 
   void unload() {
     if (handle_ == nullptr) return;
-    const InFirmware marker(FirmwareStage::closing);
+    const InFirmware marker(FirmwareStage::closing, static_cast<std::uint32_t>(counters_.samples));
     if (close_ != nullptr) close_();
     dlclose(handle_);
     handle_ = nullptr;

@@ -33,6 +33,7 @@ class ProcessBoard final : public SensorBoard {
                   "set clock = \"paced\" under [twins]");
     counters_ = {};
     FORCEGATE_TRY(DeviceIdentity identity, program_.open(true));
+    identity.by_file = identity.serial != serial_;
     identity.serial = serial_;
     return identity;
   }

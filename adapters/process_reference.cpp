@@ -40,6 +40,7 @@ class ProcessReference final : public ReferenceSensor {
           ErrorCode::device,
           "the sensor has serial number " + identity.serial + ", the bench file says " + options_.serial,
           program_.where(), "connect the right sensor, or enter its calibration and serial number");
+    identity.by_file = identity.serial.empty();
     identity.serial = options_.serial;
     identity.calibration = options_.calibration_id;
     return identity;

@@ -36,7 +36,7 @@ Result<DeviceIdentity> LinkBoard::open() {
   FORCEGATE_TRY(const link::Frame reply, ask(link::Type::hello, link::hello_payload(0), link::Type::info));
   const auto info = link::decode_info(reply.payload);
   if (!info) return fail(ErrorCode::device, "the board sends a malformed INFO frame", where());
-  return DeviceIdentity{info->board, options_.serial, info->build_id, ""};
+  return DeviceIdentity{info->board, options_.serial, info->build_id, "", options_.serial_by_file};
 }
 
 void LinkBoard::close() noexcept {

@@ -18,6 +18,7 @@ struct LinkBoardOptions {
   double rate_Hz = 1000.0;
   int batch = 10;
   std::string serial;
+  bool serial_by_file = true;  ///< false: the line was opened by it
   double reply_timeout_s = 1.0;  ///< wall time; a request is sent three times
 };
 

@@ -101,6 +101,8 @@ bool is_program(const std::string& bytes) {
 }  // namespace
 
 Result<void> check_build_id(const Image& image, const std::string& announced, const std::string& where) {
+  if (announced.size() != 40 || announced.find_first_not_of("0123456789abcdef") != std::string::npos)
+    return fail(ErrorCode::firmware, "the image announces '" + printable_utf8(announced) + "' as its build id, not 40 hex digits", where, "docs/protocol.md");
   if (image.build_id.empty() || image.build_id == announced) return {};
   return fail(ErrorCode::firmware,
               "another build answers: the image announces " + announced.substr(0, 12) + ", the file is " +

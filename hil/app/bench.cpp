@@ -35,7 +35,17 @@ std::string who(const std::map<std::string, std::string>& details, const char* d
   for (const char* what : {" model", " serial", " calibration"})
     if (const auto at = details.find(std::string(device) + what); at != details.end())
       parts.push_back(at->second);
-  return join(parts, ", ");
+  return join(parts, ", ") + (details.contains(std::string(device) + " serial is that of") ? " (by the bench file)" : "");
+}
+
+// Records that came and were not taken say where to look.
+Result<void> no_reading(const std::map<std::string, std::uint64_t>& counts) {
+  std::vector<std::string> refused;
+  for (const auto& [name, n] : counts)
+    if (n > 0) refused.push_back(std::to_string(n) + " " + name);
+  if (refused.empty()) return fail(ErrorCode::timeout, "no record within 0.1 s", "reference", "look at the controller's display");
+  return fail(ErrorCode::device, "no record within 0.1 s that can be believed: " + join(refused, ", "), "reference",
+              "check scale, units and wiring: counts_per_force, units and force_max_N of [reference]");
 }
 
 }  // namespace
@@ -104,15 +114,16 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
   // One tenth of a second of both streams.
   std::vector<ReferenceReading> readings;
   std::vector<BoardSample> samples;
+  // Each by itself: what one says wrong is not the silence of the other.
   Result<void> reference = s->reference().start(), board = s->board().start();
-  for (int i = 0; i < 10 && reference && board; ++i) {
-    if (auto moved = world.advance_to(world.now_s() + kLookPeriod_s); !moved) reference = moved;
+  const double from_s = world.now_s();
+  for (int i = 0; i < 10 && (reference || board); ++i) {
+    if (auto moved = world.advance_to(world.now_s() + kLookPeriod_s); !moved) reference = board = moved;
     if (reference) reference = s->reference().poll(readings);
     if (board) board = s->board().poll(samples);
   }
-  if (reference && readings.empty())
-    reference =
-        fail(ErrorCode::timeout, "no record within 0.1 s", "reference", "look at the controller's display");
+  const double took_s = world.now_s() - from_s;
+  if (reference && readings.empty()) reference = no_reading(s->reference().counts());
   if (board && samples.empty())
     board = fail(ErrorCode::timeout, "no sample within 0.1 s", "board", "reset the board");
   add("reference", reference,
@@ -122,8 +133,8 @@ Result<std::vector<BenchItem>> examine_bench(const fs::path& file,
                         static_cast<double>(readings.back().force_N), s->reference().facts().rate_Hz));
   add("board", board,
       samples.empty() ? ""
-                      : fmt::format("{}: code {}, {} samples in 0.1 s", who(details, "board"),
-                                    samples.back().adc, samples.size()));
+                      : fmt::format("{}: code {}, {} samples in {:.2g} s", who(details, "board"),
+                                    samples.back().adc, samples.size(), took_s));
   const auto state = s->motor().read();
   add("motor", state ? Result<void>{} : Result<void>(Unexpected(state.error())),
       state ? fmt::format("{}: {:.3f} rad, {}, stops by itself after {:.0f} ms", who(details, "motor"),

@@ -99,6 +99,8 @@ std::vector<CaseRecord> run_in_workers(const std::vector<CaseJob>& jobs, const W
     said[task].board = guard.board;
     said[task].build_id = guard.build_id;
     said[task].algorithm_id = guard.algorithm_id;
+    said[task].protocol_major = guard.protocol_major, said[task].protocol_minor = guard.protocol_minor;
+    said[task].adc_bits = guard.adc_bits, said[task].rate_Hz = guard.rate_Hz;
   };
   std::set<std::size_t> given_up;
   all.given_up = [&](std::size_t task) { given_up.insert(task); };

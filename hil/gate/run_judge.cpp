@@ -132,9 +132,10 @@ RunResult to_run_result(const RunMaterial& material, const std::vector<JudgedChe
   }
   result.decision = decide(all, material.plan.rule, events);
   for (const PlayedRecord& one : material.records) {
-    if (one.record.firmware.algorithm_id.empty()) continue;
+    const auto silent = [](const DutInfo& f) { return f.algorithm_id.empty() && f.board.empty() && f.build_id.empty(); };
+    if (silent(one.record.firmware)) continue;
     const bool whole = !one.record.rig.name.empty();  // a crash leaves who crashed, and no more
-    if (whole || result.firmware.algorithm_id.empty()) result.firmware = one.record.firmware;
+    if (whole || silent(result.firmware)) result.firmware = one.record.firmware;
     if (!whole) continue;
     result.rig = one.record.rig;
     break;

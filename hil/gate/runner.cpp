@@ -97,7 +97,7 @@ class CaseRun {
                                                : devices_.dut->open(session);
     if (!opened) return failed(stage_of(opened.error()), blamed(opened.error()));
     record_.firmware = *opened;
-    tell_guard(g_firmware_guard.load(std::memory_order_relaxed), opened->board, opened->build_id, opened->algorithm_id);
+    tell_guard(g_firmware_guard.load(std::memory_order_relaxed), *opened);
     dut_open_ = true;
     if (opened->nonce != job_.nonce)
       return failed(Stage::firmware, {ErrorCode::firmware,

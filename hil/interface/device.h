@@ -20,6 +20,7 @@ namespace forcegate {
 
 struct DeviceIdentity {
   std::string model, serial, firmware, calibration;
+  bool by_file = false;  ///< serial and calibration are what the bench file says; the instrument cannot tell
 };
 
 class Device {

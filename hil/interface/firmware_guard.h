@@ -8,6 +8,8 @@
 #include <span>
 #include <string_view>
 
+#include "hil/interface/dut.h"
+
 namespace forcegate {
 
 /// What the image was called for.
@@ -22,14 +24,18 @@ struct FirmwareGuard {
   std::atomic<std::uint32_t> loaded{0};        ///< 1 once code of the image is in this process: it may have threads
   std::atomic<std::uint32_t> known{0};         ///< 1 once the image has said who it is
   char board[32] = {}, build_id[48] = {}, algorithm_id[64] = {};  ///< that, with closing zeros
+  int protocol_major = 0, protocol_minor = 0, adc_bits = 0;
+  double rate_Hz = 0.0;
 };
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
 
 /// What an image said of itself outlives its crash.
-inline void tell_guard(FirmwareGuard* guard, std::string_view board, std::string_view build_id, std::string_view algorithm_id) {
+inline void tell_guard(FirmwareGuard* guard, const DutInfo& said) {
   if (guard == nullptr) return;
   const auto keep = [](std::string_view text, std::span<char> into) { text.copy(into.data(), into.size() - 1); };
-  keep(board, guard->board), keep(build_id, guard->build_id), keep(algorithm_id, guard->algorithm_id);
+  keep(said.board, guard->board), keep(said.build_id, guard->build_id), keep(said.algorithm_id, guard->algorithm_id);
+  guard->protocol_major = said.protocol_major, guard->protocol_minor = said.protocol_minor;
+  guard->adc_bits = said.adc_bits, guard->rate_Hz = said.rate_Hz;
   guard->known.store(1, std::memory_order_release);
 }
 
@@ -40,7 +46,7 @@ inline std::atomic<FirmwareGuard*> g_firmware_guard{nullptr};
 class InFirmware {
  public:
   explicit InFirmware(std::uint32_t first_index, std::uint32_t count = 0) : InFirmware(FirmwareStage::samples, first_index, count) {}
-  explicit InFirmware(FirmwareStage stage) : InFirmware(stage, 0, 0) {}
+  explicit InFirmware(FirmwareStage stage, std::uint32_t samples_so_far = 0) : InFirmware(stage, samples_so_far, 0) {}
   ~InFirmware() {
     if (guard_ != nullptr) guard_->in_firmware.store(0, std::memory_order_release);
   }

@@ -113,6 +113,7 @@ Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
 }
 
 Unexpected wrong_rate(double image_Hz, double session_Hz, const std::string& where) {
+  if (!(image_Hz > 0.0)) return fail(ErrorCode::firmware, "the image announces a rate of " + shortest(image_Hz) + " Hz", where, "mend what it announces");
   return fail(ErrorCode::config, "the image runs at " + shortest(image_Hz) + " Hz, what it is to follow at " + shortest(session_Hz) + " Hz", where,
               "play or record at " + shortest(image_Hz) + " Hz (forcegate record --rate " + shortest(image_Hz) + "), or build the image for " +
                   shortest(session_Hz) + " Hz");

@@ -101,6 +101,7 @@ std::map<std::string, std::string> BenchSession::details() const {
     if (!id.model.empty()) out[device + " model"] = id.model;
     if (!id.serial.empty()) out[device + " serial"] = id.serial;
     if (!id.calibration.empty()) out[device + " calibration"] = id.calibration;
+    if (id.by_file) out[device + " serial is that of"] = "the bench file";
   }
   const auto add = [&](const std::string& device, const std::map<std::string, std::uint64_t>& counts) {
     for (const auto& [name, n] : counts)

@@ -181,6 +181,17 @@ TEST_F(Bench, DoctorSeesEveryInstrumentOfTheDeliveredBenches) {
   }
 }
 
+TEST_F(Bench, DoctorSaysOfRecordsThatItCannotBelieveThatTheyCame) {
+  std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
+  text.replace(text.find("counts_per_force = 1000\n"), 24, "counts_per_force = 10\n");  // 0.5 N reads as 50 N
+  write_text(folder / "grams.toml", text);
+  const ProcessResult r = forcegate({"bench", "doctor", folder / "grams.toml"}, kHere);
+  EXPECT_NE(r.exit_code, 0);
+  EXPECT_THAT(r.out, HasSubstr("that can be believed"));
+  EXPECT_THAT(r.out, HasSubstr("ok    board"));
+  EXPECT_THAT(r.out, HasSubstr("(by the bench file)"));
+}
+
 TEST_F(Bench, KnownMassesFindAReferenceWhoseScaleIsWrong) {
   std::string text = read_text(FORCEGATE_SOURCE_DIR "/rigs/twin.toml");
   text.replace(text.find("counts_per_force = 1000\n"), 24, "counts_per_force = 1050\n");  // the twin has 1000

@@ -106,6 +106,9 @@ TEST(Worker, a_crash_leaves_who_crashed) {
   ASSERT_EQ(records.size(), 1u);
   EXPECT_EQ(records[0].firmware.board, "fake");
   EXPECT_EQ(records[0].firmware.algorithm_id, "static/1");
+  EXPECT_EQ(records[0].firmware.protocol_major, 1);
+  EXPECT_EQ(records[0].firmware.adc_bits, 16);
+  EXPECT_EQ(records[0].firmware.rate_Hz, 1000.0);
 }
 
 TEST(Worker, a_crash_outside_the_firmware_is_ours) {
