@@ -4,9 +4,12 @@
 #include <dlfcn.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <vector>
 
 #include "adapters/link/image.h"
 #include "hil/base/text.h"
@@ -92,15 +95,23 @@ class NativeDut final : public Dut {
                        std::span<float> force_N, std::span<std::uint8_t> flags) override {
     if (process_ == nullptr) return fail(ErrorCode::internal, "the native lane is not open", where_);
     std::int32_t status = 0;
-    mark_unanswered(force_N, flags);
+    guard_block(adc.size());
+    const std::span<float> own_N(force_.data() + kGuard, adc.size());
+    const std::span<std::uint8_t> own_flags(flags_.data() + kGuard, adc.size());
+    mark_unanswered(own_N, own_flags);
     // Asking costs a microsecond: too much for the ten samples of a control period.
     const bool watch_heap = first_index >= kHeapSettled && adc.size() >= 256;
     const std::int64_t before = watch_heap ? heap_bytes() : 0;
     {
       const InFirmware marker(first_index, static_cast<std::uint32_t>(adc.size()));
-      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), force_N.data(),
-                        flags.data());
+      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), own_N.data(), own_flags.data());
     }
+    std::copy(own_N.begin(), own_N.end(), force_N.begin());
+    std::copy(own_flags.begin(), own_flags.end(), flags.begin());
+    if (!guards_hold(adc.size()))
+      return fail(ErrorCode::firmware,
+                  "the image writes beyond its block of " + std::to_string(adc.size()) + " samples from sample " + std::to_string(first_index) + " on", where_,
+                  "what lies there on a board is other data");
     if (watch_heap)
       heap_growth_ =
           (std::isnan(heap_growth_) ? 0.0 : heap_growth_) + static_cast<double>(heap_bytes() - before);
@@ -167,6 +178,26 @@ class NativeDut final : public Dut {
                    static_cast<double>(info.rate_Hz)};
   }
 
+  // Bytes before and behind the block that no answer may touch. The block has the caller's size: most overruns are by a few.
+  void guard_block(std::size_t n) {
+    force_.resize(n + 2 * kGuard);
+    flags_.resize(n + 2 * kGuard);
+    each_guard(n, [](auto& word) { std::memset(&word, kGuardByte, sizeof word); });
+  }
+  bool guards_hold(std::size_t n) {
+    bool hold = true;
+    each_guard(n, [&](auto& word) {
+      unsigned char bytes[sizeof word];
+      std::memcpy(bytes, &word, sizeof word);
+      hold = hold && std::all_of(std::begin(bytes), std::end(bytes), [](unsigned char b) { return b == kGuardByte; });
+    });
+    return hold;
+  }
+  template <class Visit>
+  void each_guard(std::size_t n, Visit visit) {
+    for (std::size_t i = 0; i < kGuard; ++i) visit(force_[i]), visit(force_[kGuard + n + i]), visit(flags_[i]), visit(flags_[kGuard + n + i]);
+  }
+
   static std::int64_t heap_bytes() {
     const struct mallinfo2 info = mallinfo2();
     return static_cast<std::int64_t>(info.uordblks + info.hblkhd);
@@ -190,6 +221,10 @@ class NativeDut final : public Dut {
     close_ = nullptr;
   }
 
+  static constexpr std::size_t kGuard = 16;
+  static constexpr unsigned char kGuardByte = 0xA5;
+  std::vector<float> force_;
+  std::vector<std::uint8_t> flags_;
   link::Image image_;
   void* handle_ = nullptr;
   std::uint32_t (*abi_)() = nullptr;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <muParser.h>
+#include <string_view>
 
 namespace forcegate {
 
@@ -21,6 +22,23 @@ UserEquation::~UserEquation() = default;
 double UserEquation::output() const { return parsers_->output.Eval(); }
 double UserEquation::derivative(std::size_t k) const { return parsers_->derivative[k].Eval(); }
 
+namespace {
+
+// The parser's own '=' would write into the input or parameter that it names.
+bool assigns(const std::string& expression) {
+  for (std::size_t i = 0; i < expression.size(); ++i) {
+    if (expression[i] != '=') continue;
+    if (i + 1 < expression.size() && expression[i + 1] == '=') {
+      ++i;
+      continue;
+    }
+    if (i == 0 || std::string_view("<>!").find(expression[i - 1]) == std::string_view::npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 Result<std::unique_ptr<UserEquation>> UserEquation::make(const UserEffect& effect) {
   std::unique_ptr<UserEquation> out(new UserEquation);
   Parsers& p = *out->parsers_;
@@ -35,6 +53,7 @@ Result<std::unique_ptr<UserEquation>> UserEquation::make(const UserEffect& effec
     parser.DefineVar("th", &out->th);
     for (std::size_t k = 0; k < effect.states.size(); ++k) parser.DefineVar(effect.states[k].first, &out->state[k]);
     for (std::size_t k = 0; k < effect.parameters.size(); ++k) parser.DefineVar(effect.parameters[k].name, &p.parameter[k]);
+    if (assigns(expression)) throw mu::Parser::exception_type("it assigns; a comparison is ==");
     parser.SetExpr(expression);
     parser.Eval();
   };

@@ -143,6 +143,34 @@ void forcegate_native_close(void) {}
   }
 }
 
+TEST_F(Bench, AFirmwareThatWritesBeyondItsBlockIsRejectedWhereItRunsInTheProcess) {
+  const std::string source = folder / "overrun.c", image = folder / "overrun.so";
+  write_text(source, R"(#include <string.h>
+#include "ports/native.h"
+uint32_t forcegate_native_abi(void) { return 1; }
+int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* in, ForcegateNativeInfo* info) {
+  memset(info, 0, sizeof *info);
+  info->nonce = nonce, info->protocol_major = 1, info->rate_Hz = 1000, info->calibration = *in;
+  memset(info->build_id, '0', 40);
+  memcpy(info->algorithm_id, "overrun/1", 9);
+  return 0;
+}
+int32_t forcegate_native_process(uint32_t first, uint32_t n, const uint16_t* adc, float* force_N, uint8_t* flags) {
+  for (uint32_t i = 0; i < n; ++i) force_N[i] = adc[i] * 1e-4f, flags[i] = 0;
+  if (first > 0) PLACE = 0;
+  return 0;
+}
+void forcegate_native_close(void) {}
+)");
+  for (const char* place : {"force_N[n]", "force_N[-1]", "flags[n + 4]", "flags[-2]"}) {
+    const ProcessResult made = run_process({"cc", "-shared", "-fPIC", "-O1", std::string("-DPLACE=") + place, "-I", FORCEGATE_SOURCE_DIR "/rigs/firmware", "-o", image, source});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    const ProcessResult r = forcegate({"gate", image, "--case", "four_sines", "--specimen", "q50", "-o", folder / "run"}, kHere);
+    EXPECT_EQ(r.exit_code, 1) << place << r.out << r.err;
+    EXPECT_THAT(r.out, HasSubstr("writes beyond its block")) << place;
+  }
+}
+
 TEST_F(Bench, EveryVerbThatTakesARigTakesABenchFile) {
   const std::string made = folder / "campaign";
   const ProcessResult recorded =
