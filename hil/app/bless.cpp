@@ -176,8 +176,15 @@ Result<BlessAnswer> bless_run(const BlessRequest& request) {
 
 Result<BlessAnswer> bless_limits(const BlessRequest& request) {
   FORCEGATE_TRY(const DerivedLimits now, read_limits(request.source));
-  FORCEGATE_TRY(const fs::path plan_path, find_plan(now.plan));
+  auto found = find_plan(request.plan.empty() ? now.plan : request.plan);
+  if (!found) {
+    found.error().hint = "give its file: --plan FOLDER/" + now.plan + ".toml";
+    return Unexpected(found.error());
+  }
+  const fs::path plan_path = *found;
   FORCEGATE_TRY(const Plan plan, read_plan(plan_path));
+  if (plan.name != now.plan)
+    return fail(ErrorCode::usage, "the limits are those of the plan '" + printable_utf8(now.plan) + "', not of '" + plan.name + "'", plan_path.string());
   if (plan.limits.derived.empty())
     return fail(ErrorCode::usage, "the plan uses no derived limits", plan_path.string());
   const fs::path target = (plan_path.parent_path() / plan.limits.derived).lexically_normal();

@@ -14,6 +14,7 @@ struct BlessRequest {
   std::filesystem::path source;   ///< folder of a run, or a limits file made by forcegate limits
   std::string who, reason;        ///< neither may be empty
   std::filesystem::path goldens;  ///< folder of the goldens; empty = the one that the run's plan names
+  std::string plan;               ///< of the limits: name or file; empty = the one that they name
   bool dry_run = false;
 };
 

@@ -128,8 +128,13 @@ Explanation explanation_of(const EffectKind& effect) {
 
 std::vector<Explanation> find_explanations(std::string_view term) {
   std::vector<Explanation> out;
-  std::ranges::copy_if(explanations(), std::back_inserter(out),
-                       [&](const Explanation& e) { return ascii_lower(e.term) == ascii_lower(term); });
+  // Tables write "rig error" and "not run".
+  const auto plain = [](std::string_view text) {
+    std::string lower = ascii_lower(text);
+    std::ranges::replace(lower, '_', ' ');
+    return lower;
+  };
+  std::ranges::copy_if(explanations(), std::back_inserter(out), [&](const Explanation& e) { return plain(e.term) == plain(term); });
   const std::string check(term.substr(0, term.find('/')));  // of a case: promise_maxima/CASE
   std::ranges::copy_if(check_explanations(), std::back_inserter(out), [&](const Explanation& e) { return e.term == ascii_lower(check); });
   for (const EffectKind& effect : EffectRegistry::instance().all())

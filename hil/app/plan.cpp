@@ -9,6 +9,8 @@
 #include "hil/app/weight_gate.h"
 #include "hil/base/text.h"
 #include "hil/gate/case_result.h"
+#include "hil/gate/limits.h"
+#include "hil/interface/rig.h"
 #include "hil/interface/stimulus.h"
 
 namespace forcegate {
@@ -26,6 +28,42 @@ std::string hours(double s) {
   if (s < 120.0) return fmt::format("{:.3g} s", s);
   if (s < 7200.0) return fmt::format("{:.0f} min", s / 60.0);
   return fmt::format("{:.1f} h", s / 3600.0);
+}
+
+// What a gate of this plan would stumble over, on the emulated rig at least: no mistake of the file.
+Result<std::vector<std::string>> remarks_on(const Plan& plan) {
+  std::vector<std::string> out;
+  FORCEGATE_TRY(const auto rig, make_rig("emulated", {}));
+  const double highest_N = rig->info().force_max_N;
+  DerivedLimits limits;
+  if (!plan.limits.derived.empty()) {
+    const std::filesystem::path path = plan.path.parent_path() / plan.limits.derived;
+    if (auto read = read_limits(path))
+      limits = std::move(*read);
+    else
+      out.push_back("limits file " + plan.limits.derived + ": " + read.error().text + " (forcegate limits)");
+  }
+  std::set<std::string> specimens;
+  for (const PlanCase& c : plan.cases) {
+    specimens.insert(specimens_of(plan, c).begin(), specimens_of(plan, c).end());
+    const auto made = make_stimulus(c.stimulus);
+    if (made && (*made)->facts().maximum_N > highest_N)
+      out.push_back(fmt::format("case {} goes to {:.4g} N, the emulated rig to {:.4g} N", c.name, (*made)->facts().maximum_N, highest_N));
+    if (c.checks == 0 && plan.name != "campaign") out.push_back("case " + c.name + " asks for no check: forcegate gate refuses it");
+    const bool dynamic = made && (*made)->facts().dynamic;
+    if (dynamic && c.checks & kCheckAccuracy && !c.maxima_pct && limits.find(c.name, "mre_maxima").kind == Limit::Kind::none)
+      out.push_back("case " + c.name + " asks for an accuracy and has no limit: maxima_pct, minima_pct and limit_source, or forcegate limits");
+    if (dynamic && c.checks & kCheckAccuracy && (*made)->duration_s() <= (*made)->facts().excitation_start_s + plan.limits.learning_s)
+      out.push_back(fmt::format("case {} ends within the start window of {:.4g} s: no extremum of it is judged", c.name, plan.limits.learning_s));
+  }
+  for (const std::string& specimen : specimens) {
+    RigRecordRequest probe;
+    probe.specimen = specimen;
+    probe.duration_s = 1.0;
+    probe.force_high_N = 1.0;
+    if (auto begun = rig->begin(probe); !begun) out.push_back(begun.error().text + (begun.error().hint.empty() ? "" : " (" + begun.error().hint + ")"));
+  }
+  return out;
 }
 
 }  // namespace
@@ -109,7 +147,9 @@ Result<PlanEstimate> estimate_named_plan(const std::string& name) {
   FORCEGATE_TRY(const bool weights, is_weight_plan(name));
   if (!weights) {
     FORCEGATE_TRY(const Plan plan, read_plan(path));
-    return estimate_plan(plan);
+    PlanEstimate e = estimate_plan(plan);
+    FORCEGATE_TRY(e.remarks, remarks_on(plan));
+    return e;
   }
   FORCEGATE_TRY(const characterize::WeightGatePlan plan, characterize::read_weight_gate_plan(path));
   FORCEGATE_TRY(const auto bench, make_weight_bench("dead_weight", {}));
@@ -117,8 +157,8 @@ Result<PlanEstimate> estimate_named_plan(const std::string& name) {
 }
 
 std::string plan_in_words(const PlanEstimate& e, bool with_times) {
-  std::string out = fmt::format("plan {}: {} cases, {} records, calibration {}, rule {}\n", e.name,
-                                e.cases.size(), e.records, e.calibration, e.rule_name);
+  const auto many = [](std::size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
+  std::string out = fmt::format("plan {}: {}, {}, calibration {}, rule {}\n", e.name, many(e.cases.size(), "case"), many(e.records, "record"), e.calibration, e.rule_name);
   if (!e.doc.empty()) out += e.doc + "\n";
   for (const PlanEstimateRow& row : e.cases) {
     out += fmt::format("  {:<26} {:<6} x {:<3} {}", row.name, row.loop, row.specimens, row.stimulus);
@@ -133,6 +173,7 @@ std::string plan_in_words(const PlanEstimate& e, bool with_times) {
   if (with_times && e.looks > 1)
     out += fmt::format("what stays undecided is measured in up to {} sessions: at most {} times as long\n",
                        e.looks, e.looks);
+  for (const std::string& remark : e.remarks) out += "note: " + remark + "\n";
   return out;
 }
 

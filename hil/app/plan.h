@@ -21,6 +21,7 @@ struct PlanEstimate {
   int looks = 1;
   bool weights = false;  ///< a plan of kind capacitance-gate
   std::vector<PlanEstimateRow> cases;
+  std::vector<std::string> remarks;  ///< what a gate would stumble over although the file is right
   std::size_t records = 0;
   double calibration_bench_s = 0.0;
   double bench_s = 0.0;         ///< calibration, records and rests, one after the other
@@ -35,7 +36,7 @@ PlanEstimate estimate_plan(const Plan& plan, double rate_Hz = 1000.0, double ns_
 /// same weights. `bench`: sensors, and the converter's rate for the training.
 PlanEstimate estimate_plan(const characterize::WeightGatePlan& plan, const WeightBenchInfo& bench);
 
-/// Plan of either kind, with the emulated bench's sensors and rate. Errors: those of the plan.
+/// Plan of either kind, with the emulated bench's sensors and rate, and remarks on one of cases. Errors: those of the plan.
 Result<PlanEstimate> estimate_named_plan(const std::string& name);
 
 /// Table for a person.

@@ -19,6 +19,12 @@ Result<RunResult> read_run(const std::filesystem::path& path) {
   return read_result(std::filesystem::is_directory(path, ignored) ? path / "result.json" : path);
 }
 
+std::vector<std::string> named(std::vector<std::string> cases) {
+  for (std::string& id : cases)
+    if (id.empty()) id = "the checks of the whole run";
+  return cases;
+}
+
 using Checks = std::map<std::string, const Check*>;  // by id
 
 std::map<std::string, Checks> by_case(const RunResult& r) {
@@ -153,8 +159,8 @@ std::string diff_text(const RunDiff& d) {
                        std::isfinite(c.delta) ? with_uncertainty(c.delta, c.u) : "-", c.unit, to_string(c.verdict_b),
                        c.verdict_a == c.verdict_b ? "" : fmt::format(", was {}", to_string(c.verdict_a)));
   }
-  if (!d.only_in_a.empty()) out += "only in A: " + join(d.only_in_a, ", ") + "\n";
-  if (!d.only_in_b.empty()) out += "only in B: " + join(d.only_in_b, ", ") + "\n";
+  if (!d.only_in_a.empty()) out += "only in A: " + join(named(d.only_in_a), ", ") + "\n";
+  if (!d.only_in_b.empty()) out += "only in B: " + join(named(d.only_in_b), ", ") + "\n";
   return out;
 }
 

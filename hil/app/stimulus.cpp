@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "hil/app/write_file.h"
 #include "hil/base/text.h"
@@ -49,16 +50,19 @@ Result<StimulusSpec> parse_stimulus_words(const std::string& name, std::span<con
   spec.name = name;
   spec.seed = seed;
   const StimulusKind* kind = Registry<StimulusKind>::instance().find(name);
+  std::set<std::string> given;
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
     if (equals == 0 || equals == std::string::npos)
       return fail(ErrorCode::usage, fmt::format("\"{}\" is not KEY=VALUE", word), "forcegate stimulus",
                   "write parameters as in f_Hz=0.5; \"forcegate stimulus --list\" shows them");
     const std::string key = word.substr(0, equals), value = word.substr(equals + 1);
+    if (!given.insert(key).second)
+      return fail(ErrorCode::usage, fmt::format("{} is given twice", key), "forcegate stimulus", "give it once; lists have commas");
     const StimulusParameter* parameter = find_parameter(kind, key);
     if (parameter != nullptr && parameter->is_text) {
       spec.texts[key] = value;
-    } else if ((parameter != nullptr && parameter->is_list) || value.find(',') != std::string::npos) {
+    } else if (parameter != nullptr ? parameter->is_list : value.find(',') != std::string::npos) {
       for (const std::string& part : split(value, ',')) {
         double number = 0.0;
         if (!parse_double(part, number)) return not_number(word, part);

@@ -38,6 +38,11 @@ std::string title_and_evidence(const Check& c) {
   return c.evidence;
 }
 
+// Bytes and counts in full, as the tables have them.
+std::string exact(double value) {
+  return value == std::floor(value) && std::fabs(value) < 1e15 ? fmt::format("{:.0f}", value) : fmt::format("{:.6g}", value);
+}
+
 std::string named(const Check& c) { return c.case_id.empty() ? "" : fmt::format(" in {}", c.case_id); }
 
 std::string more(std::size_t n) { return n > 1 ? fmt::format(" (and {} more)", n - 1) : std::string(); }
@@ -122,9 +127,8 @@ std::string check_in_words(const Check& c) {
                          : c.limit.kind == Limit::Kind::lower ? (good ? ">=" : "<")
                                                               : (good ? "=" : "is not");
   const std::string unit = c.unit == "1" ? "" : " " + c.unit;
-  const std::string value = c.u > 0.0 ? with_uncertainty(c.value, c.u) : fmt::format("{:.6g}", c.value);
-  return fmt::format("{} {}{} {} {}{} ({})", title, value, unit, relation,
-                     fmt::format("{:.6g}", c.limit.value), unit, c.limit.source);
+  const std::string value = c.u > 0.0 ? with_uncertainty(c.value, c.u) : exact(c.value);
+  return fmt::format("{} {}{} {} {}{} ({})", title, value, unit, relation, exact(c.limit.value), unit, c.limit.source);
 }
 
 Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, const RunEvents& events) {

@@ -21,6 +21,9 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kExtremaMissing = 0.02;
 
+// Nobody reads the thirty digits of a float that ran away.
+std::string force_text(double force_N) { return std::fabs(force_N) < 1e6 ? fmt::format("{:.3f}", force_N) : fmt::format("{:.4g}", force_N); }
+
 bool known_algorithm(const std::string& id) {
   const auto& kinds = Registry<ComparatorKind>::instance().all();
   return std::any_of(kinds.begin(), kinds.end(), [&](const ComparatorKind& kind) { return kind.accepts(id); });
@@ -238,7 +241,7 @@ class CaseJudge {
         std::isnan(o.minimum_N + o.maximum_N) ? kNan
                                               : std::max(std::fabs(o.minimum_N), std::fabs(o.maximum_N)),
         "N", 0.0, record_.samples, {Limit::Kind::upper, plan_.limits.output_max_N, "ours: plan"},
-        fmt::format("{:.3f} to {:.3f} N", o.minimum_N, o.maximum_N));
+        fmt::format("{} to {} N", force_text(o.minimum_N), force_text(o.maximum_N)));
     if (calibration_fits_) checks_.judge_even_if_incomplete();
     if (record_.facts.dynamic)
       checks_.value_check("learning_window", "Longest start window", o.learning_longest_s, "s", 0.0,

@@ -154,7 +154,7 @@ std::string limit_text(const Check& check, Glyphs glyphs) {
 
 std::string ratio_text(double ratio) {
   if (!std::isfinite(ratio)) return "";
-  return fmt::format("{:.{}f}", ratio, ratio < 100.0 ? 2 : 0);
+  return ratio < 1e6 ? fmt::format("{:.{}f}", ratio, ratio < 100.0 ? 2 : 0) : fmt::format("{:.2g}", ratio);
 }
 
 std::string calibration_levels(const RunResult& result) {

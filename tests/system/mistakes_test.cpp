@@ -59,6 +59,32 @@ TEST(Mistakes, InAPlanThatJudgesNothingOrStopsItselfAreToldBeforeAnythingIsPlaye
   }
 }
 
+TEST(Mistakes, InThePlanThatOnlyAGateWouldShowAreRemarksOfThePlan) {
+  TemporaryFolder folder;
+  write_text(folder / "mine.toml", "format = 1\nname = \"mine\"\n[panel]\nspecimens = [\"q51x\"]\n[calibration]\nlevel = \"nominal\"\n[safety]\nforce_max_N = 9\n[limits]\nderived = \"none.toml\"\n"
+                                   "[[case]]\nname = \"sine\"\nchecks = [\"accuracy\"]\nstimulus = { name = \"sine\", f_Hz = 0.5, A_N = 2, m_N = 5, duration_s = 10 }\n");
+  const ProcessResult r = forcegate({"plan", folder / "mine.toml"}, kHere);
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  for (const char* remark : {"none.toml", "q51x", "goes to 7 N", "has no limit", "start window", "1 case, 1 record,"}) EXPECT_THAT(r.out, HasSubstr(remark));
+  for (const char* plan : {"smoke", "nightly", "panel", "power", "campaign"}) EXPECT_THAT(forcegate({"plan", plan}, kHere).out, testing::Not(HasSubstr("note: "))) << plan;
+}
+
+TEST(Mistakes, InWordsOfTheCommandLineAreToldAsWhatTheyAre) {
+  const auto err = [](const std::vector<std::string>& words) {
+    const ProcessResult r = forcegate(words, kHere);
+    EXPECT_EQ(r.exit_code, 2) << words[0];
+    return r.err;
+  };
+  EXPECT_THAT(err({"stimulus", "sine", "f_Hz=0,5", "A_N=1", "m_N=2"}), HasSubstr("\"0,5\" in \"f_Hz=0,5\" is not a number"));
+  EXPECT_THAT(err({"stimulus", "sine", "f_Hz=0.5", "f_Hz=0.6", "A_N=1", "m_N=2"}), HasSubstr("f_Hz is given twice"));
+  EXPECT_THAT(err({"export", "flexiforce", "-o", "fit.h"}), HasSubstr("the header is --c FILE"));
+  EXPECT_THAT(err({"explain", "7"}), HasSubstr("exit codes: 0, "));
+  EXPECT_THAT(forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=3", "m_N=4"}, kHere).err, HasSubstr("the wheel of the bench ends at 5.5 N"));
+  EXPECT_THAT(forcegate({"explain", "rig error"}, kHere).out, HasSubstr("self-check"));
+  EXPECT_THAT(forcegate({"explain", "marginal"}, kHere).out, HasSubstr("NO-DECISION"));
+  for (const char* check : {"accuracy_maxima", "waiver_valid", "record"}) EXPECT_EQ(forcegate({"explain", check}, kHere).exit_code, 0) << check;
+}
+
 TEST(Mistakes, InTheRateOfARecordingBlameNoRig) {
   TemporaryFolder folder;
   std::string slow = "t_s,F_ref_N,U_V\n";

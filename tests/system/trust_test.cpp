@@ -172,6 +172,24 @@ TEST_F(Trust, a_golden_is_missing_then_blessed_then_held) {
 }
 
 // No retry mends a golden that the plan has left behind: exit 3, and the plan is named, not the rig.
+TEST_F(Trust, limits_of_a_plan_that_is_not_shipped_are_blessed_with_its_file) {
+  const auto renamed = [](std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  write_text(folder / "mine.toml", renamed(renamed(read_text(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml"), "name = \"smoke\"", "name = \"mine\""), "../../golden/limits/smoke.toml", "lim.toml"));
+  write_text(folder / "new.toml", renamed(read_text(FORCEGATE_SOURCE_DIR "/golden/limits/smoke.toml"), "plan = \"smoke\"", "plan = \"mine\""));
+  const std::vector<std::string> line{"bless", folder / "new.toml", "--who", "B", "--reason", "first limits"};
+  EXPECT_THAT(run(line).err, HasSubstr("--plan FOLDER/mine.toml"));
+  std::vector<std::string> with = line;
+  with.insert(with.end(), {"--plan", folder / "mine.toml"});
+  EXPECT_EQ(run(with).exit_code, 0) << run(with).err;
+  EXPECT_THAT(read_text(folder / "lim.toml"), HasSubstr("plan = \"mine\""));
+  with.back() = "smoke";
+  EXPECT_THAT(run(with).err, HasSubstr("not of 'smoke'"));
+}
+
 TEST_F(Trust, a_golden_of_another_profile_is_not_the_rigs_fault) {
   for (const auto& [from, to] : {std::pair{"m_N = 2.0, duration_s = 600", "m_N = 2.0, duration_s = 300"}, std::pair{"m_N = 2.0, duration_s = 600", "m_N = 2.15, duration_s = 600"}}) {
     std::string plan = read_text(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml");

@@ -19,7 +19,7 @@ std::string line_after(const BlessRequest& asked, const BlessAnswer& answer) {
   std::error_code ignored;
   if (in_force(answer)) return std::filesystem::is_directory(asked.source, ignored) ? "forcegate check " + shell_quoted(asked.source.string()) : "forcegate gate --help";
   return bless_line(asked.source.string(), shell_quoted(asked.reason), shell_quoted(asked.who)) +
-         (asked.goldens.empty() ? "" : " --goldens " + shell_quoted(asked.goldens.string()));
+         (asked.goldens.empty() ? "" : " --goldens " + shell_quoted(asked.goldens.string())) + (asked.plan.empty() ? "" : " --plan " + shell_quoted(asked.plan));
 }
 
 Result<int> run(const Invocation& in) {
@@ -28,6 +28,7 @@ Result<int> run(const Invocation& in) {
   request.who = in.text("who");
   request.reason = in.text("reason");
   if (in.given("goldens")) request.goldens = in.text("goldens");
+  if (in.given("plan")) request.plan = in.text("plan");
   request.dry_run = in.flag("dry-run");
   FORCEGATE_TRY(const BlessAnswer answer, bless(request));
   in.console().print(bless_text(answer));
@@ -52,6 +53,7 @@ const Registration<Command> kRow{Command{
                 {.name = "goldens",
                  .value_name = "FOLDER",
                  .doc = "Where the goldens are; default: as the plan says."},
+                {.name = "plan", .value_name = "PLAN", .doc = "Whose limits these are, where it is no plan of ci/plans; a file or a name."},
                 {.name = "dry-run", .value_name = "", .doc = "Only show what would change."}},
     .examples = {{"forcegate bless run --reason \"first goldens of the smoke plan\" --who \"A. Smith\"",
                   "After an accepted run:"},

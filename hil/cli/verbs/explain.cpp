@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "hil/base/text.h"
@@ -35,6 +36,7 @@ std::string row_of(const std::string& head, const std::string& words) {
 
 std::string line_after(const std::string& kind) {
   if (kind == "exit code") return "forcegate doctor";
+  if (kind == "check") return "forcegate gate --help";
   return kind == "diagnosis" || kind == "side" || kind == "effect" ? "forcegate diagnose --help" : "forcegate report --help";
 }
 
@@ -80,6 +82,12 @@ Result<int> run(const Invocation& in) {
   const std::vector<Explanation> found = find_explanations(term);
   if (found.empty()) {
     const std::vector<std::string> known = terms();
+    const bool number = term.find_first_not_of("0123456789") == std::string::npos;
+    if (number) {
+      std::vector<std::string> codes;
+      std::ranges::copy_if(known, std::back_inserter(codes), [](const std::string& t) { return t.find_first_not_of("0123456789") == std::string::npos; });
+      return fail(ErrorCode::usage, fmt::format("no verb ends with the code {}", term), "forcegate explain", "exit codes: " + join(codes, ", "));
+    }
     const std::string near = nearest_name(term, known);
     return fail(
         ErrorCode::usage, fmt::format("no report uses the word \"{}\"", term), "forcegate explain",
@@ -108,7 +116,7 @@ const Registration<Command> kRow{Command{
                      .choices = terms,
                      .only_choices = false,
                      .list_choices = false}},
-    .examples = {{"forcegate explain marginal", "Why a check that passed is not simply \"pass\":"},
+    .examples = {{"forcegate explain marginal", "Why a value inside its limit is not simply \"pass\":"},
                  {"forcegate explain creep", "What an effect does and what parts it from its look-alikes:"},
                  {"forcegate explain 4", "What a continuous integration should do after exit code 4:"}},
     .details = topics,

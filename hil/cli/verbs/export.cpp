@@ -44,6 +44,8 @@ Result<int> run(const Invocation& in) {
     request.fit->campaign = in.text("fit");
     request.fit->maps = in.texts("map");
   }
+  if (in.given("output") && !in.given("fit"))
+    return fail(ErrorCode::usage, "-o names the model file that --fit writes", "-o " + in.text("output"), "the header is --c FILE");
   request.fitted = in.text("output");
   FORCEGATE_TRY(const ExportResult answer, export_model(request));
   in.console().print(export_text(answer));

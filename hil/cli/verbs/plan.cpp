@@ -30,7 +30,8 @@ Json to_json(const PlanEstimate& e) {
           {"rig_s", e.rig_s},
           {"bench_s", e.bench_s},
           {"emulated_cpu_s", e.emulated_cpu_s},
-          {"cases", cases}};
+          {"cases", cases},
+          {"remarks", e.remarks}};
 }
 
 Result<int> run(const Invocation& in) {

@@ -13,6 +13,7 @@ namespace forcegate {
 namespace {
 
 using Json = nlohmann::ordered_json;
+constexpr double kWheelEnd_N = 5.5;
 
 std::vector<std::string> names() { return Registry<StimulusKind>::instance().names(); }
 
@@ -74,6 +75,7 @@ Result<int> run(const Invocation& in) {
   console.print(fact("smallest force", f.minimum_N, "N"));
   console.print(fact("largest force", f.maximum_N, "N"));
   console.print(fmt::format("  {:<22}{}", "cyclic loading", f.dynamic ? "yes" : "no"));
+  if (f.maximum_N > kWheelEnd_N) console.note(fmt::format("the wheel of the bench ends at {} N, this profile goes to {:.4g} N", shortest(kWheelEnd_N), f.maximum_N));
   if (in.given("csv")) console.print("  written               " + in.text("csv"));
   if (in.given("plot")) console.print("  drawn                 " + in.text("plot"));
   console.print_json(Json{
