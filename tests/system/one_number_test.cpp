@@ -7,7 +7,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "tests/support/last_line.h"
 #include "tests/support/noise.h"
@@ -15,23 +18,33 @@
 namespace forcegate::test {
 namespace {
 
-/// Six records of steps to 0.5 .. 5 N; from the fourth on the sensor lies otherwise: gain -15 %, zero +50 mV.
-void write_overload(const TemporaryFolder& folder) {
-  std::filesystem::create_directory(folder.path() / "overload");
+struct Level {
+  double gain, zero_V;
+};
+
+/// Records of steps to 0.5 .. 5 N, one for each level of the sensor.
+void write_levels(const TemporaryFolder& folder, const std::string& name, const std::vector<Level>& levels) {
+  std::filesystem::create_directory(folder.path() / name);
   Noise noise;
-  for (int r = 0; r < 6; ++r) {
+  for (int r = 0; r < std::ssize(levels); ++r) {
+    const Level& level = levels[static_cast<std::size_t>(r)];
     std::string csv = "t_s,F_ref_N,U_V\n";
     double force = 0.0;
     for (int i = 0; i < 6000; ++i) {
-      const int level = (i / 500 * 7 + 3 * r) % 11;
-      force += 0.2 * (0.5 * level - force);
+      const int target = (i / 500 * 7 + 3 * r) % 11;
+      force += 0.2 * (0.5 * target - force);
       char row[96];
-      std::snprintf(row, sizeof row, "%.2f,%.4f,%.5f\n", 0.02 * i, force + 0.01 * noise(),
-                    0.3 * force * (r < 3 ? 1.0 : 0.85) + (r < 3 ? 0.1 : 0.15) + 0.003 * noise());
+      std::snprintf(row, sizeof row, "%.2f,%.4f,%.5f\n", 0.02 * i, force + 0.01 * noise(), 0.3 * force * level.gain + level.zero_V + 0.003 * noise());
       csv += row;
     }
-    write_text(folder / ("overload/r" + std::to_string(r + 1) + ".csv"), csv);
+    write_text(folder / (name + "/r" + std::to_string(r + 1) + ".csv"), csv);
   }
+}
+
+/// From the fourth record on the sensor lies otherwise: gain -15 %, zero +50 mV.
+void write_overload(const TemporaryFolder& folder) {
+  constexpr Level kBefore{1.0, 0.1}, kAfter{0.85, 0.15};
+  write_levels(folder, "overload", {kBefore, kBefore, kBefore, kAfter, kAfter, kAfter});
 }
 
 TEST(OneNumber, TheWaterfallOfAHistoryBeginsAndEndsWhereItsStepDoes) {
@@ -80,6 +93,18 @@ TEST(OneNumber, TheRecordOfAMountingIsCountedFromOneEverywhere) {
   ASSERT_EQ(pasted("forcegate add mounting --fit overload -o better.toml", folder).exit_code, 0);
   EXPECT_THAT(read_text(folder / "better.toml"), ::testing::HasSubstr("shape.record = { value = 4.0"));
   EXPECT_THAT(pasted("forcegate explain mounting", folder).out, ::testing::HasSubstr("counted from one"));
+}
+
+TEST(OneNumber, MountingsThatNobodyWroteDownGoIntoTheModelAsTheyWereFound) {
+  const TemporaryFolder folder;
+  constexpr Level kFirst{1.0, 0.1}, kSecond{0.85, 0.1}, kThird{1.1, 0.1};
+  write_levels(folder, "thrice", {kFirst, kFirst, kFirst, kSecond, kSecond, kSecond, kThird, kThird});
+  const ProcessResult said = pasted("forcegate diagnose thrice", folder);
+  EXPECT_THAT(said.out, ::testing::AllOf(::testing::HasSubstr("  record_2 = 4 "), ::testing::HasSubstr("  record_3 = 7 "))) << said.out;
+  ASSERT_EQ(pasted("forcegate add mounting --fit thrice -o better.toml", folder).exit_code, 0);
+  EXPECT_THAT(read_text(folder / "better.toml"), ::testing::AllOf(::testing::HasSubstr("form = \"two_steps\""), ::testing::HasSubstr("shape.record_2 = { value = 4.0"),
+                                                                  ::testing::HasSubstr("shape.record_3 = { value = 7.0")));
+  EXPECT_THAT(pasted("forcegate diagnose thrice --model better.toml", folder).out, ::testing::HasSubstr("verdict: nothing is missing"));
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "hil/base/rng.h"
+#include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/between/record_chance.h"
+#include "hil/diagnose/between/record_questions.h"
 #include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
@@ -19,98 +21,15 @@ constexpr double kFree = 1.0;                        // spread of a gain or zero
 constexpr double kSession_s = 3600.0;                // a rest of this length begins a new session
 constexpr double kTypicalGain = 6e-3, kTypicalZero = 2e-3;  // to which specimens repeat
 
-// Sizes (RMS over the records) that an effect may have: shares of the gain, and of the span for a zero.
-const std::vector<double> kGainSizes = {0.003, 0.01, 0.03, 0.1}, kZeroSizes = {0.001, 0.003, 0.01, 0.03};
-
-// What one variant moves, and what explains it.
-struct Asked {
-  int variant = 0;
-  RecordPredictor predictor;
-};
-
-struct Family {
-  std::vector<Asked> gain, zero;
-};
-
-bool moves_gain(const ResidualChannel& channel, const RecordLevels& levels, const std::vector<int>& columns) {
-  double gain = 0.0, zero = 0.0;
-  for (std::size_t i = 0; i < channel.problem.records.size(); ++i)
-    for (const int j : columns) {
-      const auto row = static_cast<Index>(i);
-      gain += std::pow(levels.gain_of_column(row, j), 2) * channel.problem.records[i].gram(0, 0);
-      zero += std::pow(levels.zero_of_column(row, j), 2);
-    }
-  return gain >= zero;
+const Candidate& candidate_of(const ResidualChannel& channel, int variant) {
+  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)];
 }
 
-// Waves of the campaign's time: the slower, the larger. How much so is not known.
-std::vector<VectorXd> priors_of(const Candidate& candidate, std::size_t columns) {
-  const auto k = static_cast<Index>(columns);
-  if (columns == 1) return {VectorXd::Ones(1)};
-  if (candidate.form->name != kUnrecorded && !candidate.form->bank) return {VectorXd::Ones(k)};
-  std::vector<VectorXd> out;
-  for (const double power : {2.0, 4.0}) {
-    VectorXd weight(k);
-    for (Index j = 0; j < k; ++j) weight[j] = std::pow(static_cast<double>(j + 1), -power);
-    out.push_back(weight);
-  }
-  return out;
-}
-
-bool is_unrecorded(const ResidualChannel& channel, int variant) {
-  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)].form->name == kUnrecorded;
-}
-
-// One column for each group of records, the first included: which one is the first must not matter.
-RecordPredictor of_groups(const MatrixXd& map, const std::vector<int>& columns) {
-  const auto groups = static_cast<Index>(columns.size()) + 1;
-  MatrixXd member = MatrixXd::Zero(map.rows(), groups);
-  for (Index i = 0; i < map.rows(); ++i) {
-    Index group = 0;
-    double most = 0.0;
-    for (Index j = 1; j < groups; ++j)
-      if (const double of = std::abs(map(i, columns[static_cast<std::size_t>(j - 1)])); of > most) most = of, group = j;
-    member(i, group) = 1.0;
-  }
-  return {member, VectorXd::Ones(groups), false};
-}
-
-Family ask(const ResidualChannel& channel, const RecordLevels& levels, const EffectKind& kind) {
-  Family out;
-  for (std::size_t v = 0; v < channel.variants.size(); ++v) {
-    const Variant& variant = channel.variants[v];
-    const Candidate& candidate = channel.candidates[static_cast<std::size_t>(variant.candidate)];
-    // both columns of a form at once are asked by its single columns together
-    if (candidate.kind != &kind || (candidate.form->singles && variant.columns.size() > 1)) continue;
-    const bool gain = moves_gain(channel, levels, variant.columns);
-    const MatrixXd& map = gain ? levels.gain_of_column : levels.zero_of_column;
-    if (candidate.form->groups) {
-      RecordPredictor p = of_groups(map, variant.columns);
-      if (normalise(p) > 0.0) (gain ? out.gain : out.zero).push_back({static_cast<int>(v), std::move(p)});
-      continue;
-    }
-    for (const VectorXd& weight : priors_of(candidate, variant.columns.size())) {
-      RecordPredictor p{MatrixXd(map.rows(), weight.size()), weight, false};
-      for (Index j = 0; j < weight.size(); ++j) p.column.col(j) = map.col(variant.columns[static_cast<std::size_t>(j)]);
-      p.positive = weight.size() == 1 && candidate.form->sign == StrengthSign::positive;
-      if (normalise(p) > 0.0) (gain ? out.gain : out.zero).push_back({static_cast<int>(v), std::move(p)});
-    }
-  }
-  return out;
-}
-
-std::vector<RecordPredictor> predictors_of(const std::vector<Asked>& asked) {
-  std::vector<RecordPredictor> out;
-  for (const Asked& a : asked) out.push_back(a.predictor);
-  return out;
-}
+bool is_unrecorded(const ResidualChannel& channel, int variant) { return candidate_of(channel, variant).form->name == kUnrecorded; }
 
 // Nats. A bench whose description tells of no mounting may have had one between any two records; it is the less likely cause of what a
 // course over the campaign explains too.
-double prior_of(const ResidualChannel& channel, int variant) {
-  const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)];
-  return c.form->name == "step" ? -1.0 : 0.0;
-}
+double prior_of(const ResidualChannel& channel, int variant) { return unknown_steps(candidate_of(channel, variant)) > 0 ? -1.0 : 0.0; }
 
 struct Answer {
   RecordEvidence evidence;
@@ -127,17 +46,17 @@ int whole_of(const ResidualChannel& channel, int variant) {
   return variant;
 }
 
-Answer evidence(const ResidualChannel& channel, const RecordLevels& levels, const Family& asked) {
+Answer evidence(const ResidualChannel& channel, const RecordLevels& levels, const FamilyQuestion& asked) {
   constexpr double kBoth = 1.0;  // nats in each part
   Answer out;
   std::vector<double> gains;
   double highest = -1e299;
   for (const bool gain : {true, false}) {
-    const std::vector<Asked>& part = gain ? asked.gain : asked.zero;
-    const std::vector<RecordScore> scores = score_predictors(gain ? levels.gain : levels.zero, predictors_of(part), gain ? kGainSizes : kZeroSizes);
+    const std::vector<Asked>& part = asked.part(gain);
+    const std::vector<RecordScore> scores = scores_of(levels, asked, gain);
     std::vector<double> of_part;
     for (std::size_t a = 0; a < scores.size(); ++a) {
-      of_part.push_back(scores[a].gain + prior_of(channel, part[a].variant));
+      of_part.push_back(scores[a].gain + part[a].log_weight + prior_of(channel, part[a].variant));
       out.ranked.emplace_back(of_part.back(), part[a].variant);
     }
     if (of_part.empty()) continue;
@@ -184,7 +103,7 @@ VectorXd as_physics_allows(const ResidualChannel& channel, const RecordLevels& l
   return answer.added.dot(map.col(variant.columns.front())) < 0.0 ? VectorXd(-answer.added) : answer.added;
 }
 
-std::vector<RecordQuestion> questions_of(const RecordLevels& levels, const Family& asked) {
+std::vector<RecordQuestion> questions_of(const RecordLevels& levels, const FamilyQuestion& asked) {
   std::vector<RecordQuestion> out;
   if (!asked.gain.empty()) out.push_back({levels.gain, predictors_of(asked.gain)});
   if (!asked.zero.empty()) out.push_back({levels.zero, predictors_of(asked.zero)});
@@ -204,7 +123,7 @@ std::vector<RecordQuestion> asked_of_static(const std::vector<RecordQuestion>& q
     RecordQuestion part{{q.series.value(rows), q.series.variance(rows), {}, {}, q.series.typical_scatter}, {}};
     for (const Index i : rows) part.series.session.push_back(q.series.session[static_cast<std::size_t>(i)]);
     for (const RecordPredictor& p : q.predictors)
-      if (RecordPredictor own{p.column(rows, Eigen::all), p.weight, p.positive}; normalise(own) > 0.0) part.predictors.push_back(std::move(own));
+      if (RecordPredictor own{p.column(rows, Eigen::all), p.weight, p.positive, p.alone}; normalise(own) > 0.0) part.predictors.push_back(std::move(own));
     out.push_back(std::move(part));
   }
   return out;
@@ -213,7 +132,7 @@ std::vector<RecordQuestion> asked_of_static(const std::vector<RecordQuestion>& q
 // Orders of the records are weighed as the model without the effect weighs them, and that one takes the scatter of the effect for that of all
 // records: cyclic ones, of which less is known, then hide what the others show. These are asked alone too, and the chance counts twice
 // (Bonferroni).
-RecordChance chance(const RecordLevels& levels, const Family& asked, const std::string& name, int draws) {
+RecordChance chance_of(const RecordLevels& levels, const FamilyQuestion& asked, const std::string& name, int draws) {
   const std::vector<RecordQuestion> of_all = questions_of(levels, asked);
   if (of_all.empty()) return {};
   const RecordChance all = chance_of_records(of_all, draws, mix_seed(2, name));
@@ -224,18 +143,36 @@ RecordChance chance(const RecordLevels& levels, const Family& asked, const std::
   return {std::min(1.0, 2.0 * smaller.of_orders), std::min(1.0, 2.0 * smaller.of_directions)};
 }
 
-// What nobody measured, a step, a smooth course, the loading done: sessions of a bench can look like it.
-bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& family) {
-  const Variant& variant = channel.variants[static_cast<std::size_t>(family.records.variant)];
-  const EffectForm& of = *channel.candidates[static_cast<std::size_t>(variant.candidate)].form;
-  if (of.from_rig) return false;
-  const std::string& form = of.name;
-  return form == kUnrecorded || form == "step" || family.kind->name == "wear" || family.kind->name == "reference_drift";
+// Steps are asked of their own number: an order that has one step more, somewhere, is no better. The smaller numbers were asked before, and the
+// chance counts that often.
+RecordChance chance(const ResidualChannel& channel, const RecordLevels& levels, FamilyQuestion asked, int variant, const std::string& name, int draws) {
+  const int steps = unknown_steps(candidate_of(channel, variant));
+  for (std::vector<Asked>* part : {&asked.gain, &asked.zero})
+    if (steps > 0) std::erase_if(*part, [&](const Asked& a) { return unknown_steps(candidate_of(channel, a.variant)) != steps; });
+  RecordChance out = chance_of(levels, asked, name, draws);
+  const double times = std::max(1, steps);
+  out.of_orders = std::min(1.0, times * out.of_orders);
+  out.of_directions = std::min(1.0, times * out.of_directions);
+  return out;
 }
 
-Refusal objection(const RecordEvidence& records, bool with_time, const SelectionRules& rules) {
+// What nobody measured, steps, a smooth course, the loading done: sessions of a bench can look like it.
+bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& family) {
+  const Candidate& of = candidate_of(channel, family.records.variant);
+  if (of.form->from_rig) return false;
+  return of.form->name == kUnrecorded || unknown_steps(of) > 0 || family.kind->name == "wear" || family.kind->name == "reference_drift";
+}
+
+// Share of the scatter that is to go away. Two or three levels go through many courses within the scatter that sessions leave: they are steps
+// where they stand three times above what is left within them.
+double least_explained(const ResidualChannel& channel, int variant, bool with_time, const SelectionRules& rules) {
+  constexpr double kOfSeveralSteps = 0.9;
+  return unknown_steps(candidate_of(channel, variant)) > 1 ? kOfSeveralSteps : with_time ? rules.between_course_fall : rules.between_fall;
+}
+
+Refusal objection(const ResidualChannel& channel, const RecordEvidence& records, bool with_time, const SelectionRules& rules) {
   if (!records.valid || records.gain < rules.between_gain) return Refusal::too_little_evidence;
-  if (records.explained < (with_time ? rules.between_course_fall : rules.between_fall)) return Refusal::records_scatter_on;
+  if (records.explained < least_explained(channel, records.variant, with_time, rules)) return Refusal::records_scatter_on;
   if (records.left_out > rules.between_left_out) return Refusal::helps_no_left_levels;
   return Refusal::none;
 }
@@ -289,6 +226,7 @@ RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& ch
     if (i > 0 && input.records[channel.record_of[k]].rest_before_s >= kSession_s) ++session;
     out.gain.session.push_back(session);
     out.gain.cyclic.push_back(input.records[channel.record_of[k]].dynamic ? 1 : 0);
+    out.start_s.push_back(input.has_start_times ? input.records[channel.record_of[k]].start_s : static_cast<double>(i));
   }
   out.zero.session = out.gain.session;
   out.zero.cyclic = out.gain.cyclic;
@@ -333,12 +271,12 @@ RecordTest test_records(const CampaignInput& input, const ResidualChannel& chann
   constexpr int kDraws = 19999;
   RecordTest out;
   const bool with_time = only_goes_with_time(channel, family);
-  out.objection = objection(family.records, with_time, rules);
+  out.objection = objection(channel, family.records, with_time, rules);
   if (out.objection == Refusal::none && with_time && family.kind->name != "wear" && family.kind->name != "mounting" && !input.has_start_times)
     out.objection = Refusal::start_unknown;
   if (out.objection != Refusal::none) return out;
   const RecordLevels levels = record_levels(input, channel, base);
-  const RecordChance chances = chance(levels, ask(channel, levels, *family.kind), family.kind->name, kDraws);
+  const RecordChance chances = chance(channel, levels, ask(channel, levels, *family.kind), family.records.variant, family.kind->name, kDraws);
   out.chance = chances.of_directions;
   if (as_good_by_chance(chances, rules)) out.objection = Refusal::any_order;
   return out;
@@ -347,7 +285,7 @@ RecordTest test_records(const CampaignInput& input, const ResidualChannel& chann
 double visible_between_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
                                const SelectionRules& rules) {
   RecordLevels levels = record_levels(input, channel, base);
-  const Family asked = ask(channel, levels, *family.kind);
+  const FamilyQuestion asked = ask(channel, levels, *family.kind);
   const Answer now = evidence(channel, levels, asked);
   if (!now.evidence.valid) return 0.0;
   RecordSeries& series = now.of_gain ? levels.gain : levels.zero;
@@ -359,8 +297,9 @@ double visible_between_records(const CampaignInput& input, const ResidualChannel
   constexpr int kDraws = 199;
   const auto passes = [&](double size) {
     series.value = rest + size / rms * added;
-    return objection(evidence(channel, levels, asked).evidence, with_time, rules) == Refusal::none &&
-           !as_good_by_chance(chance(levels, asked, family.kind->name, kDraws), rules);
+    const RecordEvidence shown = evidence(channel, levels, asked).evidence;
+    return objection(channel, shown, with_time, rules) == Refusal::none &&
+           !as_good_by_chance(chance(channel, levels, asked, shown.variant, family.kind->name, kDraws), rules);
   };
   double low = 1e-5, high = 0.5;
   if (!passes(high)) return 0.0;

@@ -15,6 +15,7 @@ namespace forcegate::diagnose {
 /// else within its spread; and what the same linear map makes of every column of S.
 struct RecordLevels {
   RecordSeries gain, zero;
+  std::vector<double> start_s;  ///< of each record; its number where nobody wrote the times down
   Eigen::MatrixXd gain_of_column, zero_of_column;  ///< records x ns
 };
 RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& fit);

@@ -1,7 +1,9 @@
 #include "hil/diagnose/between/record_chance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "hil/base/rng.h"
@@ -19,7 +21,7 @@ using Eigen::VectorXd;
 struct Likely {
   RecordStructure of;
   double scatter = 0.0, log_evidence = -1e300;
-  MatrixXd covariance_for(const RecordSeries& series) const { return covariance(series, scatter, of.session, of.cyclic); }
+  MatrixXd covariance_for(const RecordSeries& series) const { return covariance(series, scatter, of); }
 };
 
 std::vector<Likely> likely_structures(const RecordSeries& series) {
@@ -27,7 +29,7 @@ std::vector<Likely> likely_structures(const RecordSeries& series) {
   for (const RecordStructure& of : structures(series)) {
     Likely& best = out.emplace_back(Likely{of});
     for (const auto& [s, log_prior] : scatters(series)) {
-      const double e = whiten(series, covariance(series, s, of.session, of.cyclic), MatrixXd(series.value.size(), 0)).log_null + std::log(of.prior) + log_prior;
+      const double e = whiten(series, covariance(series, s, of), MatrixXd(series.value.size(), 0)).log_null + std::log(of.prior) + log_prior;
       if (e > best.log_evidence) best.log_evidence = e, best.scatter = s;
     }
   }
@@ -57,17 +59,12 @@ class Exchangeable {
       view.one = seen.normalized();
       view.log_null = std::log(other.of.prior) - half_log_det(MatrixXd(own.matrixL())) - std::log(seen.norm());
       for (const RecordPredictor& p : question.predictors) {
+        if (p.alone && !other.of.apart()) continue;
         MatrixXd X = view.map * MatrixXd(llt.matrixL().solve(p.column)) * p.weight.cwiseSqrt().asDiagonal();
         X -= view.one * (view.one.transpose() * X);
-        const Eigen::JacobiSVD<MatrixXd> svd(X, Eigen::ComputeThinU);
-        VectorXd lambda = svd.singularValues().cwiseAbs2();
-        if (lambda.sum() > 0.0) lambda *= static_cast<double>(n - 1) / lambda.sum();
-        MatrixXd U = svd.matrixU();
-        if (p.positive && U.col(0).dot(X.col(0)) < 0.0) U = -U;
-        view.direction.push_back(std::move(U));
-        view.positive.push_back(p.positive);
-        view.lambda.push_back(lambda);
+        view.add(p, X);
       }
+      predictors_ = question.predictors.size();
       views_.push_back(std::move(view));
     }
   }
@@ -82,40 +79,59 @@ class Exchangeable {
       if (!(square > 0.0)) return -1e300;
       const double log_null = view.log_null - half * std::log(square);
       null.add(log_null);
-      for (std::size_t v = 0; v < view.direction.size(); ++v) {
-        const VectorXd along = view.direction[v].transpose() * r, share = along.cwiseAbs2() / square;
-        for (const double ratio : kRatios) {
-          double removed = 0.0, cost = 0.0;
-          for (Index j = 0; j < share.size(); ++j) {
-            const double a = ratio * view.lambda[v][j];
-            removed += a / (1.0 + a) * share[j];
-            cost += 0.5 * std::log1p(a);
-          }
-          const double left = std::max(1e-12, 1.0 - removed);
-          const double a = ratio * view.lambda[v][0], of_sign = view.positive[v] ? log_one_sided(along[0] * std::sqrt(a / (1.0 + a) * 2.0 * half / (square * left))) : 0.0;
-          with.add(log_null - cost - half * std::log(left) + of_sign);
+      const VectorXd along = view.directions.transpose() * r, share = along.cwiseAbs2() / square;
+      for (const Asked& a : view.asked)
+        for (Index k = 0; k < std::ssize(kRatios); ++k) {
+          const double left = std::max(1e-12, 1.0 - view.removed.row(k).segment(a.first, a.count).dot(share.segment(a.first, a.count)));
+          const double of_sign = a.positive ? log_one_sided(along[a.first] * std::sqrt(view.removed(k, a.first) * 2.0 * half / (square * left))) : 0.0;
+          with.add(log_null - a.cost[static_cast<std::size_t>(k)] - half * std::log(left) + of_sign);
         }
-      }
     }
-    return with.log() - null.log() - std::log(static_cast<double>(std::size(kRatios) * views_.front().direction.size()));
+    return with.log() - null.log() - std::log(static_cast<double>(std::size(kRatios) * predictors_));
   }
 
  private:
   static constexpr double kRatios[] = {1.0, 4.0, 16.0, 64.0};  // variance of the effect over that of the scatter
+
+  // A predictor: its directions among those of a view, and what its strengths cost at every ratio.
+  struct Asked {
+    Index first = 0, count = 0;
+    bool positive = false;
+    std::array<double, std::size(kRatios)> cost{};
+  };
 
   // One covariance in the coordinates of the residuals.
   struct View {
     MatrixXd map;
     VectorXd one;
     double log_null = 0.0;
-    std::vector<MatrixXd> direction;
-    std::vector<VectorXd> lambda;
-    std::vector<bool> positive;
+    MatrixXd directions, removed;  // n x all; ratios x all: the share that goes away along each
+    std::vector<Asked> asked;
+
+    void add(const RecordPredictor& p, const MatrixXd& X) {
+      const Eigen::JacobiSVD<MatrixXd> svd(X, Eigen::ComputeThinU);
+      VectorXd lambda = svd.singularValues().cwiseAbs2();
+      if (lambda.sum() > 0.0) lambda *= static_cast<double>(X.rows() - 1) / lambda.sum();
+      MatrixXd U = svd.matrixU();
+      if (p.positive && U.col(0).dot(X.col(0)) < 0.0) U = -U;
+      Asked a{directions.cols(), U.cols(), p.positive};
+      directions.conservativeResize(X.rows(), a.first + a.count);
+      directions.rightCols(a.count) = U;
+      removed.conservativeResize(std::ssize(kRatios), a.first + a.count);
+      for (Index k = 0; k < std::ssize(kRatios); ++k)
+        for (Index j = 0; j < a.count; ++j) {
+          const double ratio = kRatios[k] * lambda[j];
+          removed(k, a.first + j) = ratio / (1.0 + ratio);
+          a.cost[static_cast<std::size_t>(k)] += 0.5 * std::log1p(ratio);
+        }
+      asked.push_back(a);
+    }
   };
 
   static VectorXd without(const VectorXd& one, const VectorXd& x) { return x - one * one.dot(x); }
   VectorXd residual_;
   std::vector<View> views_;
+  std::size_t predictors_ = 0;
 };
 
 constexpr int kHits = 40;  // enough to tell

@@ -16,10 +16,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 struct Best {
-  double log_evidence = -1e300, scatter = 0.0, session = 0.0, cyclic = 0.0, size = 0.0;
-  MatrixXd covariance_of(const RecordSeries& series) const { return covariance(series, scatter, session, cyclic); }
+  double log_evidence = -1e300, scatter = 0.0;
+  RecordStructure more;
+  double size = 0.0;
+  MatrixXd covariance_of(const RecordSeries& series) const { return covariance(series, scatter, more); }
   // of each record by itself; what a session shares does not make one of its records count less than another
-  VectorXd weight_of(const RecordSeries& series) const { return covariance(series, scatter, 0.0, cyclic).diagonal().cwiseInverse(); }
+  VectorXd weight_of(const RecordSeries& series) const { return covariance(series, scatter, {.cyclic = more.cyclic}).diagonal().cwiseInverse(); }
 };
 
 // Errors of records predicted from the others under a covariance, mu flat: (P y)_i / P_ii.
@@ -48,15 +50,41 @@ VectorXd told_by_others(const RecordPredictor& p) {
   return out;
 }
 
-double log_bayes(const MatrixXd& S, Index first, const RecordPredictor& p, double size) {
+// X'X and X'y of whitened columns, scaled by the roots of their prior variances.
+struct CrossProducts {
+  MatrixXd square;
+  VectorXd with_y;
+};
+CrossProducts cross_products(const Whitened& white, Index first, const RecordPredictor& p) {
   const Index k = p.weight.size();
-  const VectorXd root = size * p.weight.cwiseSqrt();
-  MatrixXd M = root.asDiagonal() * S.block(first, first, k, k) * root.asDiagonal();
+  const VectorXd root = p.weight.cwiseSqrt();
+  const auto X = white.columns.middleCols(first, k);
+  return {root.asDiagonal() * MatrixXd(X.transpose() * X) * root.asDiagonal(), root.cwiseProduct(X.transpose() * white.y)};
+}
+
+template <class Matrix, class Vector>
+double log_bayes(const CrossProducts& cross, bool positive, double size) {
+  Matrix M = size * size * cross.square;
   M.diagonal().array() += 1.0;
-  const Eigen::LLT<MatrixXd> llt(M);
-  const VectorXd b = root.cwiseProduct(S.col(0).segment(first, k));
-  const double both = 0.5 * b.dot(llt.solve(b)) - half_log_det(MatrixXd(llt.matrixL()));
-  return p.positive ? both + log_one_sided(b[0] / std::sqrt(M(0, 0))) : both;
+  const Eigen::LLT<Matrix> llt(M);
+  const Vector b = size * cross.with_y, z = llt.matrixL().solve(b);
+  const double both = 0.5 * z.squaredNorm() - llt.matrixLLT().diagonal().array().log().sum();
+  return positive ? both + log_one_sided(b[0] / std::sqrt(M(0, 0))) : both;
+}
+
+// Of a few columns on the stack: steps at unknown places are many predictors.
+double log_bayes(const CrossProducts& cross, bool positive, double size) {
+  constexpr int kFew = 8;
+  if (cross.with_y.size() > kFew) return log_bayes<MatrixXd, VectorXd>(cross, positive, size);
+  return log_bayes<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kFew, kFew>, Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kFew, 1>>(cross, positive, size);
+}
+
+// Whether it stands beside sessions and courses, or is the best of its number of columns of those that do not.
+bool leads(const std::vector<RecordPredictor>& predictors, const std::vector<RecordScore>& scores, std::size_t at) {
+  if (!predictors[at].alone) return true;
+  for (std::size_t v = 0; v < predictors.size(); ++v)
+    if (predictors[v].alone && predictors[v].column.cols() == predictors[at].column.cols() && scores[v].gain > scores[at].gain) return false;
+  return true;
 }
 
 }  // namespace
@@ -99,14 +127,18 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
   std::vector<RecordScore> out(predictors.size());
   const Index n = series.value.size();
   if (n < kFewestRecords || predictors.empty()) return out;
-  Index k = 0;
-  std::vector<Index> first;
-  for (const RecordPredictor& p : predictors) {
-    first.push_back(k + 1);
-    k += p.column.cols();
+  Index k = 0, beside = 0;  // columns of all; of those that have evidence beside sessions and courses, which stand first
+  std::vector<Index> first(predictors.size());
+  for (const bool alone : {false, true}) {
+    for (std::size_t v = 0; v < predictors.size(); ++v)
+      if (predictors[v].alone == alone) {
+        first[v] = k;
+        k += predictors[v].column.cols();
+      }
+    if (!alone) beside = k;
   }
   MatrixXd columns(n, k);
-  for (std::size_t v = 0; v < predictors.size(); ++v) columns.middleCols(first[v] - 1, predictors[v].column.cols()) = predictors[v].column;
+  for (std::size_t v = 0; v < predictors.size(); ++v) columns.middleCols(first[v], predictors[v].column.cols()) = predictors[v].column;
 
   LogSum null;
   Best best_null;
@@ -114,22 +146,26 @@ std::vector<RecordScore> score_predictors(const RecordSeries& series, const std:
   std::vector<Best> best(predictors.size());
   for (const auto& [s, log_prior] : scatters(series))
     for (const RecordStructure& more : structures(series)) {
-      const Whitened white = whiten(series, covariance(series, s, more.session, more.cyclic), columns);
+      const Whitened white = whiten(series, covariance(series, s, more), more.apart() ? columns : MatrixXd(columns.leftCols(beside)));
       const double prior = std::log(more.prior) + log_prior;
       const double spread = log_variance(s, more);
       null.add(white.log_null + prior, spread);
-      if (white.log_null + prior > best_null.log_evidence) best_null = {white.log_null + prior, s, more.session, more.cyclic, 0.0};
-      for (std::size_t v = 0; v < predictors.size(); ++v)
+      if (white.log_null + prior > best_null.log_evidence) best_null = {white.log_null + prior, s, more, 0.0};
+      for (std::size_t v = 0; v < predictors.size(); ++v) {
+        if (predictors[v].alone && !more.apart()) continue;
+        const CrossProducts cross = cross_products(white, first[v], predictors[v]);
         for (const double size : sizes) {
-          const double e = white.log_null + prior + log_bayes(white.S, first[v], predictors[v], size);
+          const double e = white.log_null + prior + log_bayes(cross, predictors[v].positive, size);
           with[v].add(e, spread);
-          if (e > best[v].log_evidence) best[v] = {e, s, more.session, more.cyclic, size};
+          if (e > best[v].log_evidence) best[v] = {e, s, more, size};
         }
+      }
     }
   const VectorXd e0 = left_out_errors(series, best_null.covariance_of(series));
+  for (std::size_t v = 0; v < predictors.size(); ++v) out[v].gain = with[v].log() - std::log(static_cast<double>(sizes.size())) - null.log();
   for (std::size_t v = 0; v < predictors.size(); ++v) {
     const RecordPredictor& p = predictors[v];
-    out[v].gain = with[v].log() - std::log(static_cast<double>(sizes.size())) - null.log();
+    if (!leads(predictors, out, v)) continue;
     out[v].explained = 1.0 - std::exp(with[v].mean() - null.mean());
     const MatrixXd K = best[v].size * best[v].size * p.column * p.weight.asDiagonal() * p.column.transpose();
     const MatrixXd C = best[v].covariance_of(series);

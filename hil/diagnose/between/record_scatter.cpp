@@ -34,16 +34,38 @@ Choices cyclic_ratios(const RecordSeries& series) {
   return {{0.0, 0.4}, {10.0, 0.2}, {100.0, 0.2}, {1000.0, 0.2}};
 }
 
+// From the first record to the last; 0: no course is a rival.
+double whole_time_s(const RecordSeries& series) {
+  if (series.start_s.empty()) return 0.0;
+  const auto [first, last] = std::ranges::minmax(series.start_s);
+  return last - first;
+}
+
 }  // namespace
 
 std::vector<RecordStructure> structures(const RecordSeries& series) {
+  constexpr double kOfCourses = 0.5;  // of the prior, where a course is a rival
+  std::vector<RecordStructure> courses;
+  if (const double all_s = whole_time_s(series); all_s > 0.0)
+    for (const double ratio : {10.0, 100.0, 1000.0}) {
+      courses.push_back({.course = ratio, .course_s = all_s, .smooth = false});
+      for (const double part : {0.2, 0.6}) courses.push_back({.course = ratio, .course_s = part * all_s, .smooth = true});
+    }
+  const double rest = courses.empty() ? 1.0 : 1.0 - kOfCourses, each = courses.empty() ? 0.0 : kOfCourses / static_cast<double>(courses.size());
   std::vector<RecordStructure> out;
-  for (const auto& [session, of_session] : session_ratios(series))
-    for (const auto& [cyclic, of_cyclic] : cyclic_ratios(series)) out.push_back({session, cyclic, of_session * of_cyclic});
+  for (const auto& [cyclic, of_cyclic] : cyclic_ratios(series)) {
+    for (const auto& [session, of_session] : session_ratios(series)) out.push_back({.session = session, .cyclic = cyclic, .prior = rest * of_session * of_cyclic});
+    for (RecordStructure course : courses) {
+      course.cyclic = cyclic;
+      course.prior = each * of_cyclic;
+      out.push_back(course);
+    }
+  }
   return out;
 }
 
-MatrixXd covariance(const RecordSeries& series, double scatter, double session, double cyclic) {
+MatrixXd covariance(const RecordSeries& series, double scatter, const RecordStructure& more) {
+  const double session = more.session, cyclic = more.cyclic;
   const Index n = series.value.size();
   const double s2 = scatter * scatter;
   MatrixXd out = MatrixXd::Zero(n, n);
@@ -55,6 +77,12 @@ MatrixXd covariance(const RecordSeries& series, double scatter, double session, 
     for (Index a = 0; a < n; ++a)
       for (Index b = 0; b < n; ++b)
         if (series.session[static_cast<std::size_t>(a)] == series.session[static_cast<std::size_t>(b)]) out(a, b) += session * s2;
+  if (more.course > 0.0)
+    for (Index a = 0; a < n; ++a)
+      for (Index b = 0; b < n; ++b) {
+        const double apart = std::abs(series.start_s[static_cast<std::size_t>(a)] - series.start_s[static_cast<std::size_t>(b)]) / more.course_s;
+        out(a, b) += more.course * s2 * std::exp(more.smooth ? -0.5 * apart * apart : -apart);
+      }
   return out;
 }
 
@@ -70,7 +98,7 @@ std::vector<Scatter> scatters(const RecordSeries& series) {
   return out;
 }
 
-double log_variance(double scatter, const RecordStructure& more) { return std::log(scatter * scatter * (1.0 + more.session)); }
+double log_variance(double scatter, const RecordStructure& more) { return std::log(scatter * scatter * (1.0 + more.session + more.course)); }
 
 Whitened whiten(const RecordSeries& series, const MatrixXd& C, const MatrixXd& columns) {
   const Index n = series.value.size();
@@ -80,11 +108,13 @@ Whitened whiten(const RecordSeries& series, const MatrixXd& C, const MatrixXd& c
   B.col(1) = series.value;
   B.rightCols(columns.cols()) = columns;
   llt.matrixL().solveInPlace(B);
-  const MatrixXd Q = B.transpose() * B;
+  const double square = B.col(0).squaredNorm();
+  const VectorXd one = B.col(0) / std::sqrt(square);
+  B.rightCols(B.cols() - 1) -= one * (one.transpose() * B.rightCols(B.cols() - 1));
   Whitened out;
-  out.S = Q.bottomRightCorner(Q.rows() - 1, Q.cols() - 1) -
-          Q.col(0).tail(Q.rows() - 1) * Q.row(0).tail(Q.cols() - 1) / Q(0, 0);
-  out.log_null = -half_log_det(MatrixXd(llt.matrixL())) - 0.5 * std::log(Q(0, 0)) - 0.5 * out.S(0, 0);
+  out.y = B.col(1);
+  out.columns = B.rightCols(columns.cols());
+  out.log_null = -half_log_det(MatrixXd(llt.matrixL())) - 0.5 * std::log(square) - 0.5 * out.y.squaredNorm();
   return out;
 }
 

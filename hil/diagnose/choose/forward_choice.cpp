@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hil/diagnose/between/between_records.h"
+#include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/refine.h"
@@ -67,6 +68,7 @@ class ForwardChoice {
     result_ = screen(channel_, present_, taken_, warm, threads_);
     place_ = 0;
     if (!result_.base.valid) return false;
+    if (std::ranges::find(taken_, "mounting") == taken_.end()) place_mountings(input_, channel_, result_.base, threads_);
     judge_between_records(input_, channel_, present_, rules_, result_);
     out_.final = result_.base;
     out_.excess_after = excess_mean_square(channel_, result_.base);

@@ -7,6 +7,7 @@
 #include "hil/diagnose/answer/record_errors.h"
 #include "hil/diagnose/answer/residual_map.h"
 #include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/choose/further_forms.h"
 #include "hil/diagnose/choose/refine.h"
@@ -20,6 +21,7 @@ Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::strin
   std::vector<std::string> others;
   for (const EffectKind* kind : kinds_of(w.output))
     if (kind->name != effect) others.push_back(kind->name);
+  if (effect == "mounting") place_mountings(w, base.columns, &base, threads);
   ScreenResult result = screen(w.output, base.columns, others, &base, threads, 9, RecordUse::fit_records);
   if (result.families.empty()) return fail(ErrorCode::config, "the campaign cannot show " + effect, w.input.name);
   refine_family(w.input, w.output, base.columns, result.base, result.families.front(), threads);

@@ -10,6 +10,7 @@
 #include "hil/diagnose/answer/shape_covariance.h"
 #include "hil/diagnose/base/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/choose/further_forms.h"
 #include "hil/diagnose/choose/reference_latency.h"
@@ -36,6 +37,7 @@ Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::v
   std::vector<std::string> others;
   for (const EffectKind* kind : kinds_of(w.output))
     if (kind->name != name) others.push_back(kind->name);
+  if (name == "mounting") place_mountings(w, present, warm, threads);
   ScreenResult result = screen(w.output, present, others, warm, threads, 9, RecordUse::fit_records);
   if (result.families.empty())
     return fail(

@@ -46,6 +46,11 @@ CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
   cyclic.jump_log_ratio = {0.7};
   const auto serves = [&] { return is_available(kind, out) && !form.grid(out).empty(); };
   if (serves()) return out;
+  // several mountings that nobody wrote down ask for more records
+  const CampaignInput few = out;
+  for (std::size_t k = 0; k < 2; ++k) out.records.emplace_back(few.records[k]).index = few.records.size() + k;
+  if (serves()) return out;
+  out = few;
   for (RecordInput& r : out.records) r.mounting = static_cast<int>(r.index);
   out.mountings = static_cast<int>(out.records.size());
   if (serves()) return out;

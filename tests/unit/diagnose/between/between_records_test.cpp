@@ -142,6 +142,45 @@ TEST(BetweenRecords, WhichMountingIsTheFirstDoesNotMatter) {
   }
 }
 
+// Three mountings of three, three and two records that nobody wrote down.
+constexpr double kOfMounting[] = {2.0, 2.0, 2.0, 1.8, 1.8, 1.8, 2.2, 2.2};
+
+Campaign with_gains(std::uint64_t seed, const double (&gains)[8]) {
+  return make_campaign(seed, [&](const std::vector<double>&, const std::vector<double>& F, int record) {
+    std::vector<double> U;
+    for (const double f : F) U.push_back(gains[record] * f + 0.2);
+    return U;
+  });
+}
+
+TEST(BetweenRecords, SeveralMountingsThatNobodyWroteDownAreFoundWhereTheyBegin) {
+  const Diagnosis d = answer(with_gains(81, kOfMounting));
+  ASSERT_FALSE(d.findings.empty());
+  const Finding& f = d.findings.front();
+  EXPECT_EQ(f.effect, "mounting") << told(d);
+  EXPECT_GE(f.probability, 0.5) << told(d);
+  ASSERT_EQ(f.form, "two_steps");
+  ASSERT_EQ(f.parameters.size(), 6U);
+  EXPECT_EQ(f.parameters[0].name, "record_2");
+  EXPECT_EQ(f.parameters[0].value, 4.0);
+  EXPECT_EQ(f.parameters[1].name, "record_3");
+  EXPECT_EQ(f.parameters[1].value, 7.0);
+  EXPECT_EQ(f.parameters[2].name, "c_2");
+  EXPECT_NEAR(f.parameters[2].value, -0.1, 0.015);
+}
+
+// The same levels with days between them: whatever else changed meanwhile does it too.
+TEST(BetweenRecords, LevelsThatChangeFromSessionToSessionAreNoMountings) {
+  Campaign c = with_gains(81, kOfMounting);
+  for (std::size_t k = 0; k < c.records.size(); ++k) *c.records[k].start_s += 86400.0 * (k < 3 ? 0.0 : k < 6 ? 1.0 : 2.0);
+  EXPECT_LT(probability(answer(std::move(c)), "mounting"), 0.5);
+}
+
+TEST(BetweenRecords, AGainThatGoesSmoothlyWithTheTimeIsNoMounting) {
+  constexpr double kCourse[] = {2.0, 2.02, 2.06, 2.11, 2.16, 2.19, 2.2, 2.2};
+  EXPECT_LT(probability(answer(with_gains(82, kCourse)), "mounting"), 0.5);
+}
+
 // One wave of the gain over sixteen records, and nobody wrote down what the air did.
 TEST(BetweenRecords, ACourseThatNothingRecordedExplainsIsSeenAndNotNamed) {
   const auto half = [](int first) {
