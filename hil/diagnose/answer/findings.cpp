@@ -8,6 +8,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/found_parameters.h"
 #include "hil/diagnose/answer/reservation.h"
+#include "hil/diagnose/between/foretold.h"
 #include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/choose/objection.h"
 
@@ -84,11 +85,14 @@ MixedFit without_levels(const ResidualChannel& channel, MixedFit freedom) {
   return freedom;
 }
 
-// Every record predicted from all others, held-out ones too. NaN where the columns cannot be fitted.
-double left_out_of_all(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom) {
+// Every record predicted from all others, held-out ones too, and those that tell of each other beside `variant`. NaN where the columns cannot
+// be fitted.
+double left_out_of_all(const ResidualChannel& channel, int variant, const MixedFit& fit, const MixedFit& freedom) {
   const MixedFit of_all = fit_mixed(channel.problem, fit.columns, &fit, 12, RecordUse::all_records);
   if (!of_all.valid) return std::numeric_limits<double>::quiet_NaN();
-  return channel.scale * std::sqrt(judged(channel, leave_one_out(channel.problem, of_all, &freedom).adapted, JudgedBy::left_out));
+  std::vector<double> square = leave_one_out(channel.problem, of_all, &freedom).adapted;
+  set_unforetold_aside(channel, variant, JudgedBy::left_out, square);
+  return channel.scale * std::sqrt(judged(channel, square, JudgedBy::left_out));
 }
 
 }  // namespace
@@ -118,7 +122,8 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
   const MixedFit* before = &selection.base;
   for (ChosenEffect& chosen : selection.chosen) {
     const auto error = [&](const MixedFit& fit) {
-      const auto square = chosen.between ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+      auto square = chosen.between ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+      set_unforetold_aside(channel, chosen.variant, w.judges, square);
       return channel.scale * std::sqrt(judged(channel, square, w.judges));
     };
     chosen.error_before = error(*before);
@@ -135,9 +140,8 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     // a handful of fit records does not reach to the held-out ones: each record is asked from all others
     if (!chosen.borne_out && (chosen.by_records() || !chosen.between)) {
       const MixedFit freedom = chosen.between ? without_levels(channel, selection.base) : selection.base;
-      const double all_before = left_out_of_all(channel, *before, freedom), all_after = left_out_of_all(channel, chosen.fit, freedom);
-      // of a mounting that has one record the others say nothing: those that have more must tell each other
-      // yet where the held-out ones get plainly worse by it, whoever takes it in gets a worse model
+      const double all_before = left_out_of_all(channel, chosen.variant, *before, freedom), all_after = left_out_of_all(channel, chosen.variant, chosen.fit, freedom);
+      // where the held-out ones get plainly worse by it, whoever takes it in gets a worse model
       const bool worse = chosen.error_after > kPlainlyWorse * chosen.error_before;
       const bool told = !worse && chosen.by_records() && chosen.records.left_out <= kPlainly * kPlainly && all_after < all_before;
       if (told || all_after <= kPlainly * all_before) {
