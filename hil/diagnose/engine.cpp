@@ -7,8 +7,11 @@
 #include <cstdio>
 
 #include "hil/diagnose/answer/capacitance_witness.h"
+#include "hil/diagnose/answer/decay_course.h"
+#include "hil/diagnose/answer/explains_little.h"
 #include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/answer/guessed_effects.h"
+#include "hil/diagnose/answer/late_drive.h"
 #include "hil/diagnose/answer/null_calibration.h"
 #include "hil/diagnose/answer/pictures.h"
 #include "hil/diagnose/answer/ranking.h"
@@ -74,8 +77,10 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
     if (!rig.chosen.empty()) out.errors["F"] = errors_of_rig(w, rig);
   }
   if (w.has_command && search.drive.base.valid) add_findings(w, w.command, search.drive, kNamedEnough, out);
+  if (auto late = listed_late_drive(w, out.findings)) out.findings.push_back(*std::move(late));
   share_among_timing(search.output, out.findings);
   if (!w.input.generic) leave_curves_to_larger_causes(out.findings);
+  leave_spikes_to_codes(w, out.findings);
 }
 
 // One entry for each effect, claims first; of equally sure ones what explains more of the error first.
@@ -107,8 +112,6 @@ bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out)
   return together >= kTogether;
 }
 
-constexpr std::size_t kSeveralRecords = 2;
-
 void tell_records_far_above(const Workspace& w, const Remainder& rest, Diagnosis& out) {
   constexpr std::size_t kNamed = 4;
   std::string text;
@@ -132,19 +135,11 @@ void tell_wide_scatter(const Workspace& w, const MixedFit& fit, Diagnosis& out) 
   out.follows = {scatter->follows};
 }
 
-// In one recording the base law takes whatever its swing loses: how much that is, and what the model's own constants would make of it.
-void tell_decay(const Workspace& w, Diagnosis& out) {
-  const RecordInput& r = w.input.records.front();
-  if (!w.input.single || !w.law.decays || !r.dynamic || r.decay.empty()) return;
-  const double by_law = decay_factor(r.t_s.back() - r.onset_s, w.law.decay_rate_per_s(r.f_Hz), w.law.depth_ratio(r.A_N));
-  out.notes.push_back(fmt::format("its swing goes down to {:.3g} % by the end of the recording, which is taken for the decay of the base law; by the model's constants it would be {:.3g} %",
-                                  100.0 * r.decay.back(), 100.0 * by_law));
-}
-
 // Spikes are told apart from what is left without them. Where that stands far above the noise and has no name, they may be its tips: the
 // slips of a film that sticks. True when they were withdrawn.
 bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
   constexpr double kWithdrawn = 0.2;
+  constexpr std::size_t kSeveralRecords = 2;
   if (!rest.structured() && !(rest.far_above && rest.records_far_above.size() >= kSeveralRecords)) return false;
   const auto is_tip = [](const Finding& f) { return f.effect == "outliers" && f.form == "raw"; };
   if (std::ranges::any_of(findings, [&](const Finding& f) { return !is_tip(f) && f.probability > kNoClaim; })) return false;
@@ -237,9 +232,9 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed(); });
   const bool follows = follows_force(w.output, selection.base);
   if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
-  const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.records_far_above.size() >= kSeveralRecords;
+  const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.leaves_far_more();
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
-  if (out.verdict == DiagnosisVerdict::unknown && rest.records_far_above.size() >= kSeveralRecords) tell_records_far_above(w, rest, out);
+  if (out.verdict == DiagnosisVerdict::unknown && rest.leaves_far_more()) tell_records_far_above(w, rest, out);
   out.residual_unknown = claims && (rest.beside_claims || some_outdone);
 
   const auto residual = residual_rows(w.output, selection.base);
@@ -270,7 +265,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   tell_wide_scatter(w, selection.final, out);
-  tell_decay(w, out);
+  tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);
   suspect_refused(search.rules, out);
   tell_guessed_effects(w, selection.claimed.valid ? selection.claimed : selection.base, search.rules.first_gain, out);

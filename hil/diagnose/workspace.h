@@ -73,6 +73,13 @@ struct ResidualChannel : ChannelFacts {
 /// RMS over the records of what the declared instruments may leave, share of the channel's scale.
 double allowed_rms(const ResidualChannel& channel);
 
+/// A drive whose force is late behind its command by about as much in every record; 0: none is seen to be.
+struct LateDrive {
+  double lag_s = 0.0, u_s = 0.0;              ///< median over the records, half their quartiles' distance
+  double before_N = 0.0, after_N = 0.0;       ///< RMS of the force against the command's line, without and with the lag
+  int records = 0;
+};
+
 struct Workspace {
   CampaignInput input;
   std::vector<RecordHealth> health;  ///< per record; the parts of one recording share that of its samples
@@ -81,6 +88,7 @@ struct Workspace {
   std::vector<std::unique_ptr<EffectKind>> user_kinds;  ///< effects of the user's own, beside the registry
   BaseLaw law;
   bool zero_wanders = true;         ///< EngineOptions
+  bool decays_otherwise = false;    ///< the maxima decay, and not along `law`, which is static since
   double gain_V_per_N = 2.0;        ///< slope of the static law at the current fit
   std::vector<RecordShift> shifts;  ///< per record
   std::vector<double> noise_V;      ///< row noise of U at given F_ref, errors in variables included
@@ -88,6 +96,7 @@ struct Workspace {
   std::vector<double> smoothed_V;   ///< what smoothing leaves of the noise of F
   ResidualChannel output, rig, command;
   bool has_command = false;
+  LateDrive late_drive;
   bool has_rig = false;
   std::vector<double> rig_slope_N;  ///< per record: newtons a unit of 1 - cos th; 0 without an angle
   bool rig_sees_zero =

@@ -305,66 +305,6 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
       }
 }
 
-namespace {
-
-struct LeftOver {
-  double rms = 0.0;         // of the channel's scale
-  double log_factor = 0.0;  // mean over records of log(rms / noise): a few noisy records must not hide what the others show
-};
-
-// Over all records, an effect may show in none of those that judge; but those where hum is left.
-LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& base, const std::vector<char>& of_hum, JudgedBy by) {
-  const std::vector<double> square = by == JudgedBy::whole ? fit.adapted : leave_one_out(channel.problem, fit, &base).adapted;
-  LeftOver out;
-  double n = 0.0;
-  for (std::size_t k = 0; k < square.size(); ++k) {
-    if (of_hum[k] != 0) continue;
-    const RecordGram& record = channel.problem.records[k];
-    out.rms += square[k];
-    out.log_factor += 0.5 * std::log(std::max(1e-9, square[k] / (record.allowed_variance + record.smoothed_variance)));
-    n += 1.0;
-  }
-  n = std::max(n, 1.0);
-  return {std::sqrt(out.rms / n), out.log_factor / n};
-}
-
-}  // namespace
-
-bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
-                                   std::vector<Finding>& findings) {
-  constexpr double kMost = 0.75;                             // of the RMS error: over half of the mean square
-  constexpr double kMostOfFamily = 0.36, kBesideRaw = 0.45;  // the same of all forms: an eighth; a fifth beside claims about raw samples
-  constexpr double kAbove = 2.5, kFarAbove = 8.0;            // of the instruments' noise
-  constexpr double kWithdrawn = 0.2;
-  const bool remains = rest.beside_claims;
-  const LeftOver before = left_over(channel, selection.base, selection.base, rest.of_hum, by),
-                after = left_over(channel, selection.claimed, selection.base, rest.of_hum, by);
-  const double above = remains ? kAbove : kFarAbove;
-  // what the samples themselves have named, such as spikes, is left here too
-  const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.form == "raw" && f.probability > kNoClaim; });
-  if (!(after.rms > above * allowed_rms(channel)) && (named || !(after.log_factor > std::log(above)))) return false;
-  const bool leaves_most = after.rms > kMost * before.rms;
-  // of another machine the forms of the library are rough, and the right one leaves much as well
-  const bool rough = !channel.signs_known;
-  const double of_family = named ? kBesideRaw : kMostOfFamily;
-  if (!(selection.excess_after > of_family * of_family * selection.excess_before)) return false;
-  const auto of_course = [&](const ChosenEffect& c) { return !c.between && (leaves_most || (remains && c.kind->traits.any_course && !rough)); };
-  const auto claimed = [](const Finding& f) { return f.form != "raw" && f.probability > kNoClaim; };
-  const auto finding_of = [&](const ChosenEffect& c, const Finding& f) { return f.effect == c.kind->name && claimed(f); };
-  const bool withdrawn = std::ranges::any_of(selection.chosen, [&](const ChosenEffect& c) {
-    return of_course(c) && std::ranges::any_of(findings, [&](const Finding& f) { return finding_of(c, f); });
-  });
-  if (!withdrawn) return false;
-  // what was chosen beside a form that is wrong was chosen by what that form leaves
-  for (const ChosenEffect& c : selection.chosen)
-    for (Finding& f : findings)
-      if (!c.between && finding_of(c, f)) {
-        f.limit(kWithdrawn, of_course(c) ? "it leaves too much of the error, far above the noise"
-                                         : "what stands beside it leaves too much of the error, far above the noise");
-      }
-  return true;
-}
-
 void tell_not_separable(const Selection& selection, Diagnosis& out) {
   constexpr double kOdds = 4.0, kWithdrawn = 0.2;
   for (const ChosenEffect& c : selection.chosen) {

@@ -44,14 +44,6 @@ void suspect_refused(const SelectionRules& rules, Diagnosis& out);
 /// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings);
 
-/// Claims about the output are suspicions where all forms of their families leave more than an eighth of the mean square that the noise does not
-/// explain (a fifth beside claims about raw samples, whose remains count here too), far above it (all records, or the typical one) or with
-/// structure that `remains`, and they themselves leave more than half of the mean square of all records, or could take any course of their kind
-/// (a curve, a loop, a lag; not of another machine, of which the forms of the library are rough): something else is at work. With one of them
-/// all others within records go. True when one was withdrawn.
-bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
-                                   std::vector<Finding>& findings);
-
 /// Rivals that no more than odds of 4 : 1 part.
 void tell_not_separable(const Selection& selection, Diagnosis& out);
 

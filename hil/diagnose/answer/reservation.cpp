@@ -110,6 +110,22 @@ void leave_curves_to_larger_causes(std::vector<Finding>& findings) {
   }
 }
 
+void leave_spikes_to_codes(const Workspace& w, std::vector<Finding>& findings) {
+  constexpr double kOfSteps = 1.5;
+  const auto codes = std::ranges::find_if(findings, [](const Finding& f) { return f.effect == "adc_codes" && f.form != "raw" && f.claimed(); });
+  if (codes == findings.end()) return;
+  double steps_N = 0.0, square_V2 = 0.0, n = 0.0;
+  for (const FoundParameter& p : codes->parameters)
+    if (p.unit == "N") steps_N += std::abs(p.value);
+  for (const RecordHealth& h : w.health) {
+    square_V2 += h.outlier_square_V2;
+    n += static_cast<double>(h.outliers);
+  }
+  if (!(std::sqrt(square_V2 / std::max(1.0, n)) < kOfSteps * std::abs(w.gain_V_per_N) * steps_N)) return;
+  for (Finding& f : findings)
+    if (f.effect == "outliers" && f.form == "raw") f.limit(kNoClaim, "they stand off by no more than the steps of the converter's codes: where noise crosses one, a sample jumps");
+}
+
 }  // namespace forcegate::diagnose
 
 namespace forcegate {

@@ -19,4 +19,8 @@ void reserve(const Workspace& workspace, const ResidualChannel& channel, const M
 /// codes; no record tells it from another one.
 void leave_curves_to_larger_causes(std::vector<Finding>& findings);
 
+/// To kNoClaim: spikes beside claimed steps of the converter's codes where they stand off (RMS) by less than half as much again as these steps
+/// together.
+void leave_spikes_to_codes(const Workspace& workspace, std::vector<Finding>& findings);
+
 }  // namespace forcegate::diagnose

@@ -7,6 +7,7 @@
 #include "hil/diagnose/answer/coloured_noise.h"
 #include "hil/diagnose/answer/unresolved_edges.h"
 #include "hil/diagnose/raw/folded_hum.h"
+#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
@@ -42,12 +43,27 @@ AboveNoise far_above_noise(const ResidualChannel& channel, const Workspace& w, c
     noise += allowed;
     log_ratio += std::log(std::max(1e-9, own / allowed));
     records += 1.0;
-    if (own > kFar * kFar * allowed) out.records.push_back({channel.record_of[i], std::sqrt(own / allowed)});
+    if (own > kFar * kFar * allowed) out.records.push_back({channel.record_of[i], std::sqrt(own / allowed), std::sqrt(own)});
     very_far += own > kVeryFar * kVeryFar * allowed ? 1 : 0;
   }
   std::ranges::stable_sort(out.records, std::ranges::greater{}, &RecordAbove::times);
   out.all = !out.records.empty() && (very_far >= kSeveral || left > kFar * kFar * noise || log_ratio > records * std::log(kFar * kFar));
   return out;
+}
+
+// The rows that leave most: among spikes, where the force is fast, some are missed, and they are no structure.
+void drop_rare(std::vector<std::vector<double>>& residual) {
+  constexpr double kRare = 0.05;
+  for (std::vector<double>& e : residual) {
+    std::vector<double> size;
+    for (const double v : e) size.push_back(std::abs(v));
+    const double most = quantile(std::move(size), 1.0 - kRare);
+    std::erase_if(e, [&](double v) { return std::abs(v) > most; });
+  }
+}
+
+bool has_spikes(const Workspace& w) {
+  return std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "outliers"; });
 }
 
 }  // namespace
@@ -77,6 +93,12 @@ Structure structure_of(const ResidualChannel& channel, const std::vector<std::ve
   return out;
 }
 
+bool Remainder::leaves_far_more() const {
+  constexpr std::size_t kSeveral = 2;
+  constexpr double kLarge = 0.01;  // how a swept record decays differs from law to law by some tenths of a per cent
+  return records_far_above.size() >= kSeveral || (far_above && records_far_above.front().rms > kLarge);
+}
+
 Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned threads) {
   constexpr double kNearlyAll = 0.8;
   Remainder out;
@@ -88,6 +110,7 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
     std::vector<std::vector<double>> kept = without_unresolved_edges(w.input, w.output, e);
     for (std::size_t k = 0; k < kept.size(); ++k)
       if (out.of_hum[k] != 0) kept[k].clear();
+    if (has_spikes(w)) drop_rare(kept);
     return kept;
   };
   const auto resolved = learnable(residual);

@@ -20,6 +20,7 @@ Structure structure_of(const ResidualChannel& channel, const std::vector<std::ve
 struct RecordAbove {
   std::size_t record = 0;  ///< of the workspace's input
   double times = 0.0;      ///< RMS of what is left over that of what the instruments may leave
+  double rms = 0.0;        ///< of what is left, share of the span
 };
 
 /// What a choice leaves of the output, beside what its instruments may.
@@ -37,6 +38,8 @@ struct Remainder {
   bool beside_claims = false;  ///< structure remains beside what would be claimed
 
   bool structured() const { return smooth && !coloured; }
+  /// More than one record's whim; or one of them stands so far off, by a hundredth of the span and more, that the error of all does.
+  bool leaves_far_more() const;
 };
 
 Remainder remainder_of(const Workspace& workspace, const Selection& selection, unsigned threads);

@@ -211,6 +211,20 @@ void choose_excitation(Workspace& w, const std::vector<std::vector<std::size_t>>
   }
 }
 
+// Whether the courses that the records have of their own take swing away.
+bool own_courses_decay(const CampaignInput& input, const MixedFit& fit) {
+  constexpr double kLoses = 0.03;  // of the swing, by the end of a record
+  for (std::size_t k = 0; k < input.records.size(); ++k) {
+    const RecordInput& r = input.records[k];
+    if (!r.dynamic || r.t_s.empty()) continue;
+    const auto shape = hats(r.t_s.back() - r.onset_s);
+    double change = 0.0;
+    for (int j = 0; j < kShapes; ++j) change += shape[static_cast<std::size_t>(j)] * (fit.coefficient[kFirstShape + j] + fit.zeta[k][kFirstShape + j]);
+    if (change < -kLoses * std::max(0.1, fit.coefficient[0] + fit.zeta[k][0])) return true;
+  }
+  return false;
+}
+
 // Blocks of one recording have one decay: a late block alone has hardly any of it left.
 void start_blocks(Workspace& w, const std::vector<std::vector<std::size_t>>& rows) {
   const RecordInput& whole = w.input.records.front();
@@ -346,7 +360,9 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
       w.shifts = shifts;
       w.gain_V_per_N = gain;
     } else {
-      w.input.notes.push_back("no decay of the maxima is seen: the static law alone is the starting model");
+      w.decays_otherwise = without.valid && own_courses_decay(w.input, without);
+      w.input.notes.emplace_back(w.decays_otherwise ? "the maxima decay, and not along the law of the model: each record's own course is taken for its decay"
+                                                    : "no decay of the maxima is seen: the static law alone is the starting model");
     }
   } else {
     run(2);

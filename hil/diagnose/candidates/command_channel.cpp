@@ -66,13 +66,18 @@ double drive_noise_N(const RecordInput& r) {
   return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
 }
 
-// By which the drive of a record is late, s: its force over the command and the command's rate. 0: not seen beside the noise.
-double drive_lag_s(const RecordInput& r) {
+// One record's drive: its force over the command and the command's rate.
+struct DriveFit {
+  double lag_s = 0.0;                     // 0: not seen beside the noise
+  double before_N2 = 0.0, after_N2 = 0.0; // mean squares about the command's line
+};
+
+DriveFit fit_drive(const RecordInput& r) {
   constexpr double kPlain = 3.0;  // RMS of what the lag makes, over the noise of a row
   const std::vector<double>& y = reached_N(r);
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  double n = 0.0, rates = 0.0;
+  double n = 0.0, rates = 0.0, squares = 0.0;
   for (std::size_t i = 1; i + 1 < r.rows(); ++i) {
     const double span_s = r.t_s[i + 1] - r.t_s[i - 1];
     if (r.ok[i] == 0 || !(span_s > 0.0)) continue;
@@ -80,26 +85,36 @@ double drive_lag_s(const RecordInput& r) {
     const Eigen::Vector3d x(1.0, r.F_cmd_N[i], rate);
     A += x * x.transpose();
     b += x * y[i];
+    squares += y[i] * y[i];
     n += 1.0;
     rates += rate * rate;
   }
-  if (n < 50.0 || !(rates > 0.0)) return 0.0;
+  DriveFit out;
+  if (n < 50.0 || !(rates > 0.0)) return out;
   const Eigen::Vector3d c = A.ldlt().solve(b);
+  const Eigen::Vector2d line = A.topLeftCorner<2, 2>().ldlt().solve(b.head<2>());
   const double lag_s = c[1] > 0.0 ? -c[2] / c[1] : 0.0;
-  return lag_s > 0.0 && lag_s * std::sqrt(rates / n) > kPlain * drive_noise_N(r) ? lag_s : 0.0;
+  if (!(lag_s > 0.0 && lag_s * std::sqrt(rates / n) > kPlain * drive_noise_N(r))) return out;
+  return {lag_s, std::max(0.0, squares - line.dot(b.head<2>())) / n, std::max(0.0, squares - c.dot(b)) / n};
 }
 
-// Drives follow late, and that is no finding; by how much is worth a note where the records agree.
-void note_drive_lag(Workspace& w, const std::vector<std::size_t>& records) {
+// Where the records agree.
+LateDrive late_drive(const Workspace& w, const std::vector<std::size_t>& records) {
   constexpr double kAgree = 2.0;
   constexpr std::size_t kSeveral = 2;
   std::vector<double> lags;
+  double before = 0.0, after = 0.0;
   for (const std::size_t k : records)
-    if (const double lag_s = drive_lag_s(w.input.records[k]); lag_s > 0.0) lags.push_back(lag_s);
-  if (lags.size() < kSeveral || quantile(lags, 0.75) > kAgree * quantile(lags, 0.25)) return;
-  char text[96];
-  std::snprintf(text, sizeof text, "the force follows its command %.3g ms late, as drives do: no finding", 1e3 * quantile(lags, 0.5));
-  w.input.notes.emplace_back(text);
+    if (const DriveFit fit = fit_drive(w.input.records[k]); fit.lag_s > 0.0) {
+      lags.push_back(fit.lag_s);
+      before += fit.before_N2;
+      after += fit.after_N2;
+    }
+  if (lags.size() < kSeveral) return {};
+  const auto n = static_cast<double>(lags.size());
+  const auto [low, high] = quantiles(lags, 0.25, 0.75);
+  if (high > kAgree * low) return {};
+  return {quantile(lags, 0.5), 0.5 * (high - low), std::sqrt(before / n), std::sqrt(after / n), static_cast<int>(lags.size())};
 }
 
 }  // namespace
@@ -113,7 +128,7 @@ void build_command_channel(Workspace& w, unsigned threads) {
     if (follows_command(w.input.records[k], w.input.range_N)) channel.record_of.push_back(k);
   w.has_command = channel.record_of.size() >= 2;
   if (!w.has_command) return;
-  note_drive_lag(w, channel.record_of);
+  w.late_drive = late_drive(w, channel.record_of);
   MixedProblem& p = channel.problem;
   p.nz = 10;
   p.n_fixed = 3;

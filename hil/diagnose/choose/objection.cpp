@@ -119,7 +119,11 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
   const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
   const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
   if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return Refusal::too_little_evidence;
-  const bool explains_its_own = rules.where_it_acts && chosen.left_out.share > (first ? rules.first_fall : rules.later_fall);
+  // one record with another fault of its drive must not hide what the others show
+  constexpr double kOfTypical = 0.7;  // ln of the mean squares: half of it
+  const CrossFit& left = chosen.left_out;
+  const bool of_typical = rules.typical_record && left.helps() && !left.blocks && left.log_ratio > std::max(kOfTypical, 2.0 * left.log_ratio_error);
+  const bool explains_its_own = of_typical || (rules.where_it_acts && left.share > (first ? rules.first_fall : rules.later_fall));
   const bool leaves_most = !explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
       family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);

@@ -26,6 +26,7 @@ SelectionRules rules_of_rig(SelectionRules rules) {
   rules.sure_gain = 1e9;
   rules.first_total_fall = 0.3;
   rules.later_total_fall = 0.6;
+  rules.typical_record = true;
   rules.smallest_rms = 4e-4;
   return rules;
 }

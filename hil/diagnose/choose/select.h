@@ -69,6 +69,7 @@ struct SelectionRules {
   double first_total_fall = 0.06,
          later_total_fall = 0.35;  ///< where the declared noise allows the whole residual
   bool where_it_acts = false;  ///< the records that an effect touches count: a drive has another fault in every manner of moving
+  bool typical_record = false;  ///< what the typical one of them shows counts, whatever a single one leaves
   double form_error = 0.25;  ///< of the RMS that the largest effect removed: a second one must remove more
   bool forms_are_rough =
       false;  ///< the recording is of another machine: forms within form_error of each other are one

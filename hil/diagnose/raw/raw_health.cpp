@@ -215,9 +215,13 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const double quiet = 8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V;
 
   const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
+  // a swing that the end of the range cuts off was under way before
+  constexpr double kUnderWay = 0.5;
+  const auto calm_before = [&](std::size_t i) { return i >= 2 && std::abs(U[i - 2] - U[i - 1]) < kUnderWay * std::abs(U[i - 1] - U[i]); };
+  const auto calm_behind = [&](std::size_t end, double from) { return end + 1 < n && std::abs(U[end + 1] - U[end]) < kUnderWay * std::abs(U[end] - from); };
   // A fall to the end of the range that the force does not explain: lost samples. Else the instrument's declared range.
   const auto falls_there = [&](std::size_t i) {
-    if (i < 2 || !std::isfinite(U[i - 1])) return false;
+    if (i < 2 || !std::isfinite(U[i - 1]) || !calm_before(i)) return false;
     const auto [low, high] = std::minmax({F[i - 2], F[i - 1], F[i]});
     return std::abs(U[i - 1] - U[i]) > quiet + 1.5 * gain * (high - low);
   };
@@ -226,25 +230,14 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     out.bad[i] = static_cast<std::uint8_t>(why);
   };
   std::vector<std::size_t> spike;
-  std::vector<double> spike_level;
+  std::vector<double> spike_level, spike_V;
   // a spike comes back, and its neighbours know nothing of it; what stays is an edge, or held samples that were let go, and what they
   // climb to is a peak
   const auto stands_alone = [&](std::size_t i, double jump) {
     return std::abs(U[i + 1] - U[i - 1]) < 0.6 * jump && std::abs(U[i - 1] + U[i + 1] - U[i - 2] - U[i + 2]) < 0.8 * jump;
   };
-  // to one side, one or two may be what the contact did
-  constexpr std::size_t kFewestTails = 6;
-  std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain});
-  if (short_spikes.size() < kFewestTails) std::erase_if(short_spikes, [](const ShortSpike& s) { return !s.both_ways; });
-  for (const ShortSpike& s : short_spikes)
-    for (std::size_t i = s.begin; i < s.begin + s.length; ++i) {
-      mark(i, BadSample::outlier, s.peak_V);
-      ++out.outliers;
-      out.outlier_square_V2 += s.peak_V * s.peak_V;
-    }
   // missing, spikes and zeros: a sample against its neighbours, allowing for what the force does there
   for (std::size_t i = 2; i + 2 < n; ++i) {
-    if (out.bad[i] != 0) continue;
     if (!std::isfinite(U[i])) {
       out.bad[i] = static_cast<std::uint8_t>(BadSample::missing);
       continue;
@@ -255,12 +248,29 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     const auto [low, high] = range_of_present({&F[i - 2], 5});
     if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
     if (std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V) {
-      mark(i, BadSample::zero, jump);
+      if (calm_before(i) || calm_behind(i + 1, U[i])) mark(i, BadSample::zero, jump);
     } else if (stands_alone(i, jump) && jump > kAboveAround * scatter_around(U, i)) {
       spike.push_back(i);
       spike_level.push_back(middle);
+      spike_V.push_back(U[i] - middle);
     }
   }
+  const std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain}, spike_V);
+  for (const ShortSpike& s : short_spikes)
+    for (std::size_t i = s.begin; i < s.begin + s.length; ++i) {
+      mark(i, BadSample::outlier, s.peak_V);
+      ++out.outliers;
+      out.outlier_square_V2 += s.peak_V * s.peak_V;
+    }
+  // the first sample of one that falls quickly stands alone too
+  std::size_t alone = 0;
+  for (std::size_t k = 0; k < spike.size(); ++k) {
+    if (out.bad[spike[k]] != 0) continue;
+    spike[alone] = spike[k];
+    spike_level[alone++] = spike_level[k];
+  }
+  spike.resize(alone);
+  spike_level.resize(alone);
   const LoneSpikes lone{U, spike, spike_level};
   const double bit_V = common_bit_V(lone, bench.voltage_max_V - low_rail, scales.U_range_V);
   if (!sit_at_fixed_levels(lone) || (bit_V > 0.0 && stay_on_one_side(lone, F, scales.gain_V_per_N, bit_V))) {
@@ -306,7 +316,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
         around_low = std::min(around_low, F[k]);
         around_high = std::max(around_high, F[k]);
       }
-      const bool falls = at_bottom && i > 0 && end < n &&
+      const bool falls = at_bottom && i > 0 && end < n && (calm_before(i) || calm_behind(end, U[i])) &&
                          std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
       if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
         const bool rail = at_top && length >= kFlatTop;

@@ -40,6 +40,7 @@ std::optional<ShortSpike> spike_of(const std::vector<double>& U, const Allowance
     lowest = std::min(lowest, U[k] - level(k));
   }
   out.peak_V = std::max(highest, -lowest);
+  out.up = highest > -lowest;
   // nothing that the force does jumps up and down within a few samples while the reference is still
   const bool to_the_last = std::abs(U[end - 1] - level(end - 1)) > 0.5 * allowed;
   out.both_ways = std::min(highest, -lowest) > allowed && to_the_last;
@@ -75,14 +76,33 @@ std::vector<ShortSpike> spikes_of(const std::vector<double>& t_s, const std::vec
   return out;
 }
 
+constexpr std::ptrdiff_t kSeveral = 3;
+
+// Some up and some down, each by as much as it likes: a switch, a bit of the converter, a slip have a size or a direction.
+bool thrown_at_random(const std::vector<ShortSpike>& blocks, std::span<const double> lone_V) {
+  constexpr double kDiffer = 1.5;
+  std::vector<double> up, down;
+  for (const ShortSpike& s : blocks) (s.up ? up : down).push_back(s.peak_V);
+  for (const double v : lone_V) (v > 0.0 ? up : down).push_back(std::abs(v));
+  if (up.empty() || down.empty() || std::ssize(up) + std::ssize(down) < kSeveral) return false;
+  up.insert(up.end(), down.begin(), down.end());
+  const auto [low, high] = quantiles(std::move(up), 0.15, 0.85);
+  return high > kDiffer * low;
+}
+
 }  // namespace
 
-std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales) {
-  constexpr std::ptrdiff_t kSeveral = 3;
+std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales,
+                                          std::span<const double> lone_V) {
+  constexpr std::size_t kFewestTails = 6;
   const Allowance allowance{F, scales};
-  std::vector<ShortSpike> out = spikes_of(t_s, U, allowance, false);
+  std::vector<ShortSpike> falling = spikes_of(t_s, U, allowance, false), any = spikes_of(t_s, U, allowance, true);
   // what throws samples up and down throws some of them to one side only
-  return std::ranges::count_if(out, &ShortSpike::both_ways) < kSeveral ? out : spikes_of(t_s, U, allowance, true);
+  const bool throws = std::ranges::count_if(falling, &ShortSpike::both_ways) >= kSeveral;
+  if (throws || thrown_at_random(any, lone_V)) return any;
+  // to one side, one or two may be what the contact did
+  if (falling.size() < kFewestTails) std::erase_if(falling, [](const ShortSpike& s) { return !s.both_ways; });
+  return falling;
 }
 
 double scatter_around(const std::vector<double>& U, std::size_t at) {

@@ -3,6 +3,7 @@
 // samples up and down. Their neighbours know of them. And what spikes of a single sample have in common.
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace forcegate::diagnose {
@@ -37,6 +38,7 @@ struct ShortSpike {
   std::size_t begin = 0, length = 0;  ///< samples
   double peak_V = 0.0;                ///< above or below the line between its surroundings
   bool both_ways = false;             ///< above and below
+  bool up = false;                    ///< its peak stands above
 };
 
 struct SpikeScales {
@@ -45,7 +47,9 @@ struct SpikeScales {
 };
 
 /// Excursions of 2 to kLongestSpike samples that end where they began: to both sides, or within 40 ms to one, largest at their first sample and
-/// falling after it. A record with three to both sides may have any to one side. `t_s`, `F` and `U` on one clock; samples that are missing belong to none.
-std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales);
+/// falling after it. A record with three to both sides may have any to one side, and so may one with three spikes and more that
+/// stand up and down by sizes that differ by half; `lone_V`, how far its spikes of a single sample stand off, counts there. `t_s`, `F` and `U` on one clock; samples that are missing belong to none.
+std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales,
+                                          std::span<const double> lone_V = {});
 
 }  // namespace forcegate::diagnose

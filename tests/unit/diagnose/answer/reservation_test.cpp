@@ -21,6 +21,30 @@ TEST(Reservation, EachSaysWhyAndOnlyOneThatLowersCounts) {
   EXPECT_EQ(f.reservations[1].why, "it leaves too much");
 }
 
+// Spikes of `size_V` beside claimed steps of 0.05 and 0.15 N of a sensor of 2 V/N.
+double spikes_beside_codes(double size_V) {
+  Workspace w;
+  w.gain_V_per_N = 2.0;
+  w.health.resize(2);
+  w.health[1].outliers = 10;
+  w.health[1].outlier_square_V2 = 10.0 * size_V * size_V;
+  std::vector<Finding> findings(2);
+  findings[0].effect = "adc_codes";
+  findings[0].form = "bit_weights";
+  findings[0].probability = 0.98;
+  findings[0].parameters = {{"range_V", 10.0, 0.0, "V"}, {"bit1_N", 0.05, 0.01, "N"}, {"bit2_N", -0.15, 0.01, "N"}};
+  findings[1].effect = "outliers";
+  findings[1].form = "raw";
+  findings[1].probability = 0.95;
+  leave_spikes_to_codes(w, findings);
+  return findings[1].probability;
+}
+
+TEST(Reservation, SpikesNoLargerThanTheStepsOfTheCodesAreTheirs) {
+  EXPECT_LT(spikes_beside_codes(0.5), 0.5);
+  EXPECT_EQ(spikes_beside_codes(0.8), 0.95);
+}
+
 // A curve of `sag` of the span at its middle, and a reference that is fine enough to show it.
 Diagnosis of_curved_amplifier(double sag) {
   std::vector<std::vector<double>> exact_N;

@@ -1,0 +1,70 @@
+#include "hil/diagnose/answer/decay_course.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "hil/base/parallel.h"
+#include "hil/base/plain_number.h"
+#include "hil/diagnose/base/own_decay.h"
+#include "hil/diagnose/diagnosis.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+void tell_of_one_recording(const Workspace& w, Diagnosis& out) {
+  const RecordInput& r = w.input.records.front();
+  if (!w.law.decays || !r.dynamic || r.decay.empty()) return;
+  const double by_law = decay_factor(r.t_s.back() - r.onset_s, w.law.decay_rate_per_s(r.f_Hz), w.law.depth_ratio(r.A_N));
+  out.notes.push_back(fmt::format("its swing goes down to {:.3g} % by the end of the recording, which is taken for the decay of the base law; by the model's constants it would be {:.3g} %",
+                                  100.0 * r.decay.back(), 100.0 * by_law));
+}
+
+struct Course {
+  std::size_t record = 0;
+  double left_V = 0.0, beside_V = 0.0;  // RMS
+};
+
+// A change of frequency is not counted: how the decay goes on after it differs from law to law.
+std::vector<Course> not_exponential(const Workspace& w, const MixedFit& fit, unsigned threads) {
+  constexpr double kFar = 2.5, kLeast = 1e-3;  // of the noise and of what is left; of the span
+  std::vector<Course> all(w.output.record_of.size());
+  parallel_for(all.size(), threads, [&](std::size_t i) {
+    const RecordInput& r = w.input.records[w.output.record_of[i]];
+    const RecordGram& gram = w.output.problem.records[i];
+    if (!r.dynamic || !r.frequency_jumps_s.empty()) return;
+    const double beside = std::sqrt(std::max(fit.adapted[i], gram.allowed_variance + gram.smoothed_variance)), left = std::sqrt(left_by_decay(r)) / w.output.scale;
+    if (left > kFar * beside && left > kLeast) all[i] = {w.output.record_of[i], left * w.output.scale, beside * w.output.scale};
+  });
+  std::erase_if(all, [](const Course& c) { return c.left_V == 0.0; });
+  return all;
+}
+
+}  // namespace
+
+void tell_decay(const Workspace& w, const MixedFit& fit, unsigned threads, Diagnosis& out) {
+  if (w.input.single) return tell_of_one_recording(w, out);
+  constexpr std::size_t kSeveral = 2, kNamed = 3;
+  if (out.verdict == DiagnosisVerdict::known || w.input.generic || !fit.valid) return;
+  if (w.decays_otherwise && out.verdict == DiagnosisVerdict::none) {
+    out.verdict = DiagnosisVerdict::unknown;
+    out.depends_on = {"time"};
+    out.follows = {"the decay of the maxima, which has another course than the model's"};
+  }
+  const std::vector<Course> courses = not_exponential(w, fit, threads);
+  if (courses.size() < kSeveral) return;
+  const PrintedUnit unit = printed_unit(w.output.unit);
+  std::string which;
+  for (std::size_t k = 0; k < std::min(kNamed, courses.size()); ++k)
+    which += fmt::format("{}{} ({} {} beside {})", k == 0 ? "" : ", ", w.input.records[courses[k].record].name, plain_number(courses[k].left_V * unit.factor),
+                         unit.name, plain_number(courses[k].beside_V * unit.factor));
+  if (courses.size() > kNamed) which += fmt::format(" and {} more", courses.size() - kNamed);
+  out.notes.push_back("the decay of the maxima is no single exponential: one of any rate and depth leaves more than the noise in " + which +
+                      "; each record's own course is taken for it, so the error of one law for all is larger");
+}
+
+}  // namespace forcegate::diagnose

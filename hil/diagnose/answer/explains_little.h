@@ -1,0 +1,21 @@
+#pragma once
+// A claim that leaves most of the error is no name for it.
+
+#include <vector>
+
+#include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/choose/select.h"
+#include "hil/diagnose/diagnosis.h"
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+/// Claims about the output are suspicions where all forms of their families leave more than an eighth of the mean square that the noise does not
+/// explain (a fifth beside claims about raw samples, whose remains count here too), far above it (all records, or the typical one) or with
+/// structure that `remains`, and they themselves leave more than half of the mean square, of all records and of the typical one that stood far
+/// above the noise, or could take any course of their kind (a curve, a loop, a lag; not of another machine, of which the forms of the library
+/// are rough): something else is at work. With one of them all others within records go. True when one was withdrawn.
+bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
+                                   std::vector<Finding>& findings);
+
+}  // namespace forcegate::diagnose
