@@ -97,6 +97,7 @@ const Registration<ComparatorKind> kRegistered{{
     "declares.",
     [](std::string_view algorithm_id) { return algorithm_id == LebosseOracle::kAlgorithm; },
     [] { return std::unique_ptr<Comparator>(std::make_unique<Conformance>()); },
+    {LebosseOracle::kAlgorithm},
 }};
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/base/text.h"
 #include "hil/gate/blame.h"
 #include "hil/gate/case_checks.h"
 #include "hil/gate/input_checks.h"
@@ -24,9 +25,11 @@ constexpr double kExtremaMissing = 0.02;
 // Nobody reads the thirty digits of a float that ran away.
 std::string force_text(double force_N) { return std::fabs(force_N) < 1e6 ? fmt::format("{:.3f}", force_N) : fmt::format("{:.4g}", force_N); }
 
-bool known_algorithm(const std::string& id) {
-  const auto& kinds = Registry<ComparatorKind>::instance().all();
-  return std::any_of(kinds.begin(), kinds.end(), [&](const ComparatorKind& kind) { return kind.accepts(id); });
+// A slip in an id that is known; "" for one that is another algorithm's.
+std::string meant_algorithm(const std::string& id) {
+  std::vector<std::string> known;
+  for (const ComparatorKind& kind : Registry<ComparatorKind>::instance().all()) known.insert(known.end(), kind.algorithms.begin(), kind.algorithms.end());
+  return nearest_name(id, known);
 }
 
 // Of the swing that most extrema belong to; infinity with too few to tell.
@@ -284,23 +287,25 @@ class CaseJudge {
     }
   }
 
-  // What the plan asks for by name is owed. Only an image that says itself that it extends a known algorithm ("KNOWN+NAME")
-  // is let off, where its values are judged: its output differs on purpose.
+  // What the plan asks for by name is owed. An algorithm of its own is let off only where the plan judges its values, and the
+  // decision says so: a slip in the id, or none, switches nothing off.
   void without_oracle() {
     const std::string& id = record_.firmware.algorithm_id;
-    const bool extends = known_algorithm(id.substr(0, id.find('+'))) && id.find('+') != std::string::npos;
     const auto values = [](const PlanCase& c) { return (c.checks & (kCheckAccuracy | kCheckPromise)) != 0; };
     const bool judged = values(planned_) || std::any_of(plan_.cases.begin(), plan_.cases.end(), values);
+    const std::string meant = id.find('+') == std::string::npos ? meant_algorithm(id) : std::string();  // "KNOWN+NAME" extends one
     Check& c = checks_.final_check("conformance", "Conformance with the declared algorithm", Verdict::not_run, Blame::user,
                                    fmt::format("no independent implementation of '{}' is known", id));
-    if (extends && judged) {
+    if (!id.empty() && meant.empty() && judged) {
       c.required = false;
       c.blame = Blame::none;
-      c.evidence += ", which extends one that is: its values alone are judged";
-      return;
+      c.evidence += ", its values alone are judged";
+    } else if (id.empty() || !meant.empty()) {
+      c.blame = Blame::firmware;
+      c.evidence += meant.empty() ? ": the image announces no algorithm" : "; is '" + meant + "' meant?";
+    } else {
+      c.evidence += ", and no case of the plan judges values: add the check 'accuracy', or sign a waiver (--waivers)";
     }
-    c.evidence += extends ? ", and no case of the plan judges values: add the check 'accuracy'"
-                          : "; an algorithm of its own is judged by a plan that asks for 'accuracy' and not for 'conformance', or with a waiver (--waivers)";
   }
 
   void hold() {

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hil/base/registry.h"
 #include "hil/base/result.h"
@@ -51,6 +52,7 @@ struct ComparatorKind {
   /// Whether this comparator knows the algorithm that the image declares.
   std::function<bool(std::string_view algorithm_id)> accepts;
   std::function<std::unique_ptr<Comparator>()> make;
+  std::vector<std::string> algorithms = {};  ///< by their ids, for who slipped in one
 };
 
 }  // namespace forcegate

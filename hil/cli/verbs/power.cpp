@@ -1,5 +1,6 @@
 #include "hil/app/power.h"
 
+#include "hil/app/beside_program.h"
 #include "hil/app/write_file.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
@@ -10,6 +11,8 @@ namespace {
 Result<int> run(const Invocation& in) {
   PowerRequest request;
   request.firmware = in.text("firmware");
+  std::error_code ignored;
+  if (!in.given("firmware") && !std::filesystem::is_directory(request.firmware, ignored)) request.firmware = program_folder() / "firmware";
   request.plan = in.text("plan");
   FORCEGATE_TRY(const std::int64_t seeds, in.integer("seeds", 0, 100000));
   FORCEGATE_TRY(const std::int64_t mutant_seeds, in.integer("mutant-seeds", 0, 100000));

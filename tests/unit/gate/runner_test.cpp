@@ -111,7 +111,7 @@ TEST(Runner, a_lag_that_cannot_be_told_stays_in_the_list) {
   EXPECT_EQ(find(judged, "lag")->verdict, Verdict::inconclusive);
 }
 
-const Registration<ComparatorKind> kOracle{{"test", "for tests", [](std::string_view id) { return id == "known/1"; }, [] { return std::unique_ptr<Comparator>(); }}};
+const Registration<ComparatorKind> kOracle{{"test", "for tests", [](std::string_view id) { return id == "known/1"; }, [] { return std::unique_ptr<Comparator>(); }, {"known/1"}}};
 
 TEST(Runner, a_conformance_that_is_asked_for_and_cannot_run_is_owed) {
   testing::Bench b;
@@ -124,15 +124,22 @@ TEST(Runner, a_conformance_that_is_asked_for_and_cannot_run_is_owed) {
     EXPECT_NE(c, nullptr) << id;
     return c == nullptr ? Check{} : *c;
   };
-  for (const char* unknown : {"static/1", "knwn/1", "", "+", "other/1+creep"}) {
-    const Check c = conformance(unknown);
-    EXPECT_EQ(c.verdict, Verdict::not_run) << unknown;
-    EXPECT_TRUE(c.required) << unknown;
-    EXPECT_EQ(c.blame, Blame::user) << unknown;
+  for (const char* slip : {"knwn/1", "known/2", "Known/1", ""}) {
+    const Check c = conformance(slip);
+    EXPECT_EQ(c.verdict, Verdict::not_run) << slip;
+    EXPECT_TRUE(c.required) << slip;
+    EXPECT_EQ(c.blame, Blame::firmware) << slip;
   }
-  EXPECT_FALSE(conformance("known/1+creep").required) << "differs on purpose, its values are judged";
+  EXPECT_NE(conformance("knwn/1").evidence.find("is 'known/1' meant?"), std::string::npos);
+  for (const char* own : {"known/1+creep", "own-filter/3"}) EXPECT_FALSE(conformance(own).required) << own << ": its values are judged";
   b.job.planned.checks = kCheckConformance;
-  EXPECT_TRUE(conformance("known/1+creep").required) << "nothing else judges a value";
+  for (const char* own : {"known/1+creep", "own-filter/3"}) {
+    EXPECT_TRUE(conformance(own).required) << own << ": nothing else judges a value";
+    EXPECT_EQ(conformance(own).blame, Blame::user);
+  }
+  b.plan.cases.push_back(b.job.planned);
+  b.plan.cases.back().checks = kCheckPromise;
+  EXPECT_FALSE(conformance("own-filter/3").required) << "another case does";
 }
 
 TEST(Runner, closes_the_loop_over_the_firmware_s_estimate) {
