@@ -97,10 +97,9 @@ class Unseen {
       : chosen_(chosen), effect_(effect), of_all_(fit_both(chosen.channel, chosen.selection, effect, std::nullopt)) {
     if (!of_all_.valid()) return;
     const auto& records = chosen.channel.problem.records;
-    const bool some_heldout = std::ranges::any_of(records, &RecordGram::heldout);
-    for (std::size_t k = 0; k < records.size(); ++k)
-      if (!some_heldout || records[k].heldout) order_.push_back(k);
-    std::ranges::stable_sort(order_, [&](std::size_t a, std::size_t b) { return of_all_.fall(a) > of_all_.fall(b); });
+    for (std::size_t k = 0; k < records.size(); ++k) (records[k].heldout ? heldout_ : others_).push_back(k);
+    for (std::vector<std::size_t>* order : {&heldout_, &others_})
+      std::ranges::stable_sort(*order, [&](std::size_t a, std::size_t b) { return of_all_.fall(a) > of_all_.fall(b); });
   }
 
   const Pair& fits(std::size_t record) {
@@ -111,10 +110,20 @@ class Unseen {
                                  : left_out_.emplace(record, fit_both(chosen_.channel, chosen_.selection, effect_, record)).first->second;
   }
 
+  // A held-out record that the effect hardly touches shows nothing: then one of the others.
   std::optional<std::size_t> best(const std::string& x_name) {
+    constexpr double kShows = 0.1;  // of the mean square
+    const auto heldout = best_of(heldout_, x_name);
+    if (heldout && fits(*heldout).fall(*heldout) > kShows * fits(*heldout).without.adapted[*heldout]) return heldout;
+    const auto other = best_of(others_, x_name);
+    return other && (!heldout || fits(*other).fall(*other) > fits(*heldout).fall(*heldout)) ? other : heldout;
+  }
+
+ private:
+  std::optional<std::size_t> best_of(const std::vector<std::size_t>& order, const std::string& x_name) {
     std::optional<std::size_t> out;
     std::size_t tried = 0;
-    for (const std::size_t k : order_) {
+    for (const std::size_t k : order) {
       if (tried == kTried) break;
       if (!tells(chosen_, k, x_name)) continue;
       ++tried;
@@ -123,11 +132,10 @@ class Unseen {
     return out;
   }
 
- private:
   const Chosen& chosen_;
   const ChosenEffect& effect_;
   Pair of_all_;
-  std::vector<std::size_t> order_;
+  std::vector<std::size_t> heldout_, others_;
   std::map<std::size_t, Pair> left_out_;
 };
 
