@@ -79,7 +79,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .name = "mounting",
     .side = "sensor",
     .summary = "gain and zero are new from one record on and stay, as after mounting the sensor anew (or an overload)",
-    .equation = "dU = g (c_k W + o_k R) in mounting k; not written down: a step from the record number k on, counted from one, or two or three",
+    .equation = "dU = g (c_k W + o_k R) in mounting k; not written down: one to three steps, each from a record on, counted from one",
     .source = "Sensors 20 (2020) 6863",
     .look_alikes = {"wear", "thermal", "bias", "slow_recovery"},
     .separates = "the same ramp before and after touching the mounting, and again without touching it",
