@@ -93,14 +93,9 @@ Structure structure_of(const ResidualChannel& channel, const std::vector<std::ve
   return out;
 }
 
-bool Remainder::leaves_far_more() const {
-  constexpr std::size_t kSeveral = 2;
-  constexpr double kLarge = 0.01;  // how a swept record decays differs from law to law by some tenths of a per cent
-  return records_far_above.size() >= kSeveral || (far_above && records_far_above.front().rms > kLarge);
-}
-
 Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned threads) {
   constexpr double kNearlyAll = 0.8;
+  constexpr double kLarge = 0.01;  // how a swept record decays differs from law to law by some tenths of a per cent
   Remainder out;
   out.noise_rms = allowed_rms(w.output);
   out.explained = selection.excess_before > 0.0 ? 1.0 - selection.excess_after / selection.excess_before : 1.0;
@@ -124,6 +119,7 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
     AboveNoise above = far_above_noise(w.output, w, resolved);
     out.records_far_above = std::move(above.records);
     out.far_above = above.all;
+    out.one_far_off = above.all && !w.input.single && out.records_far_above.front().rms > kLarge;
   }
   const bool far_beside_claims = !out.coloured && far_above_noise(w.output, w, learnable(out.of_claimed)).all;
   out.beside_claims = (out.structured() && out.explained < kNearlyAll) || far_beside_claims;

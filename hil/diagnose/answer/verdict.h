@@ -35,11 +35,12 @@ struct Remainder {
   bool coloured = false;      ///< but noise that hangs together over time
   std::vector<RecordAbove> records_far_above;  ///< of which all forms leave more than 2.5 times what the instruments may, the farthest first
   bool far_above = false;     ///< so are all records together, or the typical one; or two with 5 times
+  bool one_far_off = false;   ///< one record, no part of a single recording, stands so far above that all do, by a hundredth of the span
   bool beside_claims = false;  ///< structure remains beside what would be claimed
 
   bool structured() const { return smooth && !coloured; }
-  /// More than one record's whim; or one of them stands so far off, by a hundredth of the span and more, that the error of all does.
-  bool leaves_far_more() const;
+  /// More than one record's whim, or one that is far off.
+  bool leaves_far_more() const { return records_far_above.size() > 1 || one_far_off; }
 };
 
 Remainder remainder_of(const Workspace& workspace, const Selection& selection, unsigned threads);
