@@ -313,7 +313,7 @@ class ReplayRig : public Rig {
     }
     if (beyond == 0) return {};
     const std::string reaches = "U reaches " + fixed_digits(largest_V) + " V, the converter's range is " + shortest(info_.v_range_V) + " V";
-    if (static_cast<double>(beyond) <= kSpikes * static_cast<double>(values)) {
+    if (static_cast<double>(beyond) <= std::max(1.0, kSpikes * static_cast<double>(values))) {
       notes.push_back(reaches + ": " + std::to_string(beyond) + " rows were cut off there, the first is row " + std::to_string(first));
       return {};
     }
