@@ -106,11 +106,9 @@ TEST_F(Bench, AFirmwareThatFailsOnABenchIsRejectedAsInTheProcess) {
   }
 }
 
-// The answer of the firmware drives the loop: a wheel that cannot follow nonsense is no bad wheel.
-TEST_F(Bench, AFirmwareThatAnswersNonsenseIsNotTheRigsFault) {
-  const std::string source = folder / "nonsense.c";
-  write_text(source, R"(#include <math.h>
-#include <stdlib.h>
+// A native image whose answer to one block is `body`, with `define` set.
+void make_image(const std::string& path, const std::string& body, const std::string& define) {
+  write_text(path + ".c", R"(#include <math.h>
 #include <string.h>
 #include "ports/native.h"
 static unsigned long state = 1;
@@ -119,52 +117,39 @@ int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* 
   memset(info, 0, sizeof *info);
   info->nonce = nonce, info->protocol_major = 1, info->rate_Hz = 1000, info->calibration = *in;
   memset(info->build_id, '0', 40);
-  memcpy(info->algorithm_id, "nonsense/1", 10);
+  memcpy(info->algorithm_id, "made/1", 6);
   return 0;
 }
 int32_t forcegate_native_process(uint32_t first, uint32_t n, const uint16_t* adc, float* force_N, uint8_t* flags) {
-  for (uint32_t i = 0; i < n; ++i) {
-    (void)adc, (void)first;
-    state = state * 6364136223846793005ul + 1442695040888963407ul;
-    force_N[i] = NOT_FINITE ? NAN : (float)((double)(state >> 33) / 1073741824.0 - 1.0) * 1000.0f;
-    flags[i] = 0;
-  }
+  (void)first, (void)adc, (void)state;
+)" + body + R"(
   return 0;
 }
 void forcegate_native_close(void) {}
 )");
-  for (const char* not_finite : {"0", "1"}) {
-    const std::string image = folder / (std::string("nonsense") + not_finite + ".so");
-    const ProcessResult made = run_process({"cc", "-shared", "-fPIC", "-O1", "-DNOT_FINITE=" + std::string(not_finite),
-                                            "-I" FORCEGATE_SOURCE_DIR "/rigs/firmware", "-o", image, source});
-    ASSERT_EQ(made.exit_code, 0) << made.err;
+  const ProcessResult made = run_process({"cc", "-shared", "-fPIC", "-O1", "-D" + define, "-I" FORCEGATE_SOURCE_DIR "/rigs/firmware", "-o", path, path + ".c"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+}
+
+// The answer of the firmware drives the loop: a wheel that cannot follow nonsense is no bad wheel.
+TEST_F(Bench, AFirmwareThatAnswersNonsenseIsNotTheRigsFault) {
+  for (const std::string not_finite : {"0", "1"}) {
+    const std::string image = folder / ("nonsense" + not_finite + ".so");
+    ASSERT_NO_FATAL_FAILURE(make_image(image, R"(  for (uint32_t i = 0; i < n; ++i) {
+    state = state * 6364136223846793005ul + 1442695040888963407ul;
+    force_N[i] = NOT_FINITE ? NAN : (float)((double)(state >> 33) / 1073741824.0 - 1.0) * 1000.0f;
+    flags[i] = 0;
+  })", "NOT_FINITE=" + not_finite));
     for (const char* rig : {"emulated", "rigs/twin.toml"})
       EXPECT_EQ(gate(image, rig, 1)["decision"]["blame"], "firmware") << not_finite << " " << rig;
   }
 }
 
 TEST_F(Bench, AFirmwareThatWritesBeyondItsBlockIsRejectedWhereItRunsInTheProcess) {
-  const std::string source = folder / "overrun.c", image = folder / "overrun.so";
-  write_text(source, R"(#include <string.h>
-#include "ports/native.h"
-uint32_t forcegate_native_abi(void) { return 1; }
-int32_t forcegate_native_open(uint32_t nonce, const ForcegateNativeCalibration* in, ForcegateNativeInfo* info) {
-  memset(info, 0, sizeof *info);
-  info->nonce = nonce, info->protocol_major = 1, info->rate_Hz = 1000, info->calibration = *in;
-  memset(info->build_id, '0', 40);
-  memcpy(info->algorithm_id, "overrun/1", 9);
-  return 0;
-}
-int32_t forcegate_native_process(uint32_t first, uint32_t n, const uint16_t* adc, float* force_N, uint8_t* flags) {
-  for (uint32_t i = 0; i < n; ++i) force_N[i] = adc[i] * 1e-4f, flags[i] = 0;
-  if (first > 0) PLACE = 0;
-  return 0;
-}
-void forcegate_native_close(void) {}
-)");
-  for (const char* place : {"force_N[n]", "force_N[-1]", "flags[n + 4]", "flags[-2]"}) {
-    const ProcessResult made = run_process({"cc", "-shared", "-fPIC", "-O1", std::string("-DPLACE=") + place, "-I", FORCEGATE_SOURCE_DIR "/rigs/firmware", "-o", image, source});
-    ASSERT_EQ(made.exit_code, 0) << made.err;
+  const std::string image = folder / "overrun.so";
+  for (const std::string place : {"force_N[n]", "force_N[-1]", "flags[n + 4]", "flags[-2]"}) {
+    ASSERT_NO_FATAL_FAILURE(make_image(image, R"(  for (uint32_t i = 0; i < n; ++i) force_N[i] = adc[i] * 1e-4f, flags[i] = 0;
+  if (first > 0) PLACE = 0;)", "PLACE=" + place));
     const ProcessResult r = forcegate({"gate", image, "--case", "four_sines", "--specimen", "q50", "-o", folder / "run"}, kHere);
     EXPECT_EQ(r.exit_code, 1) << place << r.out << r.err;
     EXPECT_THAT(r.out, HasSubstr("writes beyond its block")) << place;
