@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <toml++/toml.h>
 
 #include "hil/base/digest.h"
+#include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/interface/rig.h"
 #include "hil/trace/column_map.h"
@@ -25,12 +25,6 @@ using Options = std::map<std::string, std::string>;
 Unexpected bad_option(const std::string& name, const std::string& value, const char* what) {
   return fail(ErrorCode::config, "option " + name + " = \"" + printable_utf8(value) + "\" " + what,
               "rig replay");
-}
-
-std::string fixed_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
 }
 
 Result<double> positive(const Options& options, const char* name, double fallback) {
@@ -312,7 +306,7 @@ class ReplayRig : public Rig {
       largest_V = std::max(largest_V, std::fabs(voltage.value[i]));
     }
     if (beyond == 0) return {};
-    const std::string reaches = "U reaches " + fixed_digits(largest_V) + " V, the converter's range is " + shortest(info_.v_range_V) + " V";
+    const std::string reaches = "U reaches " + plain_number(largest_V) + " V, the converter's range is " + shortest(info_.v_range_V) + " V";
     if (static_cast<double>(beyond) <= std::max(1.0, kSpikes * static_cast<double>(values))) {
       notes.push_back(reaches + ": " + std::to_string(beyond) + " rows were cut off there, the first is row " + std::to_string(first));
       return {};
