@@ -195,7 +195,9 @@ Result<Diagnosis> compare_workspace(Workspace& w, const EngineOptions& options) 
   out.judged_by = w.judges;
   const auto residual = residual_rows(w.output, base);
   out.maps = residual_maps(w, w.output, residual, options.threads);
-  add_records(w, base, base, out);
+  Selection of_base;
+  of_base.base = of_base.claimed = base;
+  add_records(w, of_base, out);
   const auto sd = [&](int k) { return std::sqrt(base.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   if (options.pictures) add_pictures(w, Search{}, base, options.threads, out);
@@ -244,7 +246,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
     out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);
   if (!out.depends_on.empty()) tell_what_it_follows(outdone, out);
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
-  add_records(w, selection.base, selection.claimed, out);
+  add_records(w, selection, out);
   add_steps(w, selection, out);
   for (Finding& f : out.findings)
     if (f.form == "raw") {

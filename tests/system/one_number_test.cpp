@@ -107,5 +107,20 @@ TEST(OneNumber, MountingsThatNobodyWroteDownGoIntoTheModelAsTheyWereFound) {
   EXPECT_THAT(pasted("forcegate diagnose thrice --model better.toml", folder).out, ::testing::HasSubstr("verdict: nothing is missing"));
 }
 
+// Nothing foretells the record of the third mounting; the diagnosis, what it says of its finding and the model with it leave it out alike.
+TEST(OneNumber, AMountingWithOneRecordIsInNoErrorOfLeftOutRecords) {
+  const TemporaryFolder folder;
+  constexpr Level kFirst{1.0, 0.1}, kSecond{0.85, 0.1}, kThird{1.1, 0.1};
+  write_levels(folder, "lone", {kFirst, kFirst, kFirst, kFirst, kSecond, kSecond, kSecond, kSecond, kSecond, kThird});
+  const auto answer = nlohmann::json::parse(pasted("forcegate diagnose lone --json", folder).out);
+  const auto& finding = answer["findings"][0];
+  ASSERT_EQ(finding["effect"], "mounting");
+  EXPECT_DOUBLE_EQ(finding["error_after"].get<double>(), answer["error_after"].get<double>());
+  EXPECT_LT(answer["error_after"].get<double>(), 0.1 * answer["error_before"].get<double>());
+  EXPECT_THAT(pasted("forcegate diagnose lone", folder).out, ::testing::HasSubstr("no other record has the mounting of "));
+  const auto model = nlohmann::json::parse(pasted("forcegate add mounting --fit lone -o better.toml --json", folder).out);
+  EXPECT_NEAR(model["error_after"].get<double>(), answer["error_after"].get<double>(), 1e-3 * answer["error_after"].get<double>());
+}
+
 }  // namespace
 }  // namespace forcegate::test

@@ -4,11 +4,36 @@
 #include <cmath>
 
 #include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/between/foretold.h"
 
 namespace forcegate::diagnose {
 
-void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final, Diagnosis& out) {
+namespace {
+
+// 1: it is among those that the mean error is of.
+std::vector<char> records_that_count(const Workspace& w, const Selection& selection, bool levels) {
+  std::vector<char> out;
+  for (const RecordGram& g : w.output.problem.records) out.push_back(w.judges != JudgedBy::heldout || g.heldout ? 1 : 0);
+  if (!levels) return out;
+  for (const ChosenEffect& chosen : selection.chosen) {
+    const std::vector<char> foretold = foretold_records(w.output, chosen.variant, w.judges);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = out[i] != 0 && foretold[i] != 0 ? 1 : 0;
+  }
+  return out;
+}
+
+void tell_unforetold(const Workspace& w, const std::vector<char>& counts, Diagnosis& out) {
+  std::string names;
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    if (counts[i] == 0 && (w.judges != JudgedBy::heldout || w.output.problem.records[i].heldout)) names += (names.empty() ? "" : ", ") + w.output.problem.records[i].name;
+  if (!names.empty()) out.notes.push_back("no other record has the mounting of " + names + ": nothing foretells it, and the error is that of the others");
+}
+
+}  // namespace
+
+void add_records(const Workspace& w, const Selection& selection, Diagnosis& out) {
   const ResidualChannel& channel = w.output;
+  const MixedFit &base = selection.base, &final = selection.claimed;
   Judged before = judge(channel, base, base, w.judges), after = judge(channel, final, base, w.judges);
   // what a claim changes between the records, their own gains and zeros would hide
   out.levels = std::any_of(out.findings.begin(), out.findings.end(),
@@ -33,9 +58,11 @@ void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final
     e.explainable = e.before > 0.0 ? std::clamp(1.0 - std::pow(e.floor / e.before, 2), 0.0, 1.0) : 0.0;
     out.records.push_back(e);
   }
+  const std::vector<char> counts = records_that_count(w, selection, out.levels);
+  tell_unforetold(w, counts, out);
   double n = 0.0, a = 0.0, b = 0.0, pa = 0.0, pb = 0.0, f = 0.0;
-  for (const RecordError& e : out.records)
-    if (w.judges != JudgedBy::heldout || e.heldout) {
+  for (std::size_t i = 0; i < out.records.size(); ++i)
+    if (const RecordError& e = out.records[i]; counts[i] != 0) {
       n += 1.0;
       b += e.before * e.before;
       a += e.after * e.after;
@@ -55,7 +82,9 @@ void add_records(const Workspace& w, const MixedFit& base, const MixedFit& final
 void add_steps(const Workspace& w, const Selection& selection, Diagnosis& out) {
   const ResidualChannel& channel = w.output;
   const auto error = [&](const MixedFit& fit) {
-    const auto square = out.levels ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+    auto square = out.levels ? judge_levels(channel, fit, selection.base, w.judges) : judge(channel, fit, selection.base, w.judges).adapted;
+    for (const ChosenEffect& chosen : selection.chosen)
+      if (out.levels) set_unforetold_aside(channel, chosen.variant, w.judges, square);
     return channel.scale * std::sqrt(judged(channel, square, w.judges));
   };
   out.steps = {{"", error(selection.base)}};

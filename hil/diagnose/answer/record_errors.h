@@ -7,9 +7,10 @@
 
 namespace forcegate::diagnose {
 
-/// Sets records, error_before and error_after, their plain companions and the floor. After the findings: a claim that acts between records
-/// is judged where they keep the gain and the zero of all, and a claimed line or bad sample counts before and not after.
-void add_records(const Workspace& workspace, const MixedFit& base, const MixedFit& final, Diagnosis& out);
+/// Sets records, error_before and error_after, their plain companions and the floor, of the base and of what is claimed. After the findings: a
+/// claim that acts between records is judged where they keep the gain and the zero of all, by the records that others foretell (those that none
+/// does are named in a note); a claimed line or bad sample counts before and not after.
+void add_records(const Workspace& workspace, const Selection& selection, Diagnosis& out);
 
 /// Sets steps, by the same measure. After add_records.
 void add_steps(const Workspace& workspace, const Selection& selection, Diagnosis& out);

@@ -8,9 +8,11 @@
 
 namespace forcegate::diagnose {
 
-/// Mean square errors of records that the others predict. A record that is the only one of its mounting among those that may say something of
-/// it is predicted by none, with the effect and without it: it takes the mean of those that are. Nothing changes for other effects, nor where
-/// fewer than half of the records that judge are predicted.
+/// Per record, 1 where the others say something of it. 0: the only one of its mounting among those that may; no model foretells it, with the
+/// effect of `variant` or without. All 1 for other effects, and where fewer than half of the records that judge are foretold.
+std::vector<char> foretold_records(const ResidualChannel& channel, int variant, JudgedBy by);
+
+/// Mean square errors of records that the others predict: one that is not foretold takes the mean of those that are, and changes no mean.
 void set_unforetold_aside(const ResidualChannel& channel, int variant, JudgedBy by, std::vector<double>& mean_square);
 
 }  // namespace forcegate::diagnose

@@ -64,7 +64,7 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   f.probability = 1.0;
   out.findings.push_back(std::move(f));
   selection.chosen.push_back(std::move(chosen));
-  add_records(w, selection.base, selection.claimed, out);
+  add_records(w, selection, out);
   const auto residual = residual_rows(w.output, selection.base), left = residual_rows(w.output, selection.claimed);
   out.maps = residual_maps(w, w.output, residual, before.threads);
   out.maps_after = residual_maps(w, w.output, left, before.threads);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 
 #include "hil/base/text.h"
 #include "hil/diagnose/answer/findings.h"
@@ -10,6 +11,7 @@
 #include "hil/diagnose/answer/shape_covariance.h"
 #include "hil/diagnose/base/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/between/foretold.h"
 #include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/choose/further_forms.h"
@@ -21,14 +23,16 @@ namespace forcegate::diagnose {
 
 namespace {
 
-double held_out_rms(const Workspace& w, const std::vector<double>& square) {
+// Root of the mean of squares of records, those set aside that nothing foretells beside the variants `between`.
+double held_out_rms(const Workspace& w, std::vector<double> square, const std::vector<int>& between) {
+  for (const int variant : between) set_unforetold_aside(w.output, variant, w.judges, square);
   return w.output.scale * std::sqrt(judged(w.output, square, w.judges));
 }
 
-// As a diagnosis judges: both models follow a record by the spreads of the base. What an effect between records changes, a record's own
-// gain and zero would hide.
-double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& base, bool levels) {
-  return held_out_rms(w, levels ? judge_levels(w.output, fit, base, w.judges) : judge(w.output, fit, base, w.judges).adapted);
+// As a diagnosis judges: both models follow a record by the spreads of the base. What an effect between records changes (variants `between`), a
+// record's own gain and zero would hide.
+double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& base, const std::vector<int>& between) {
+  return held_out_rms(w, between.empty() ? judge(w.output, fit, base, w.judges).adapted : judge_levels(w.output, fit, base, w.judges), between);
 }
 
 // Best variant of one family beside the columns that are in, its shape refined; fit records only.
@@ -67,20 +71,20 @@ ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const 
 // `chain`: the fits by which the model was made, with the first k effects each. One error has one value: no fit of them is made anew.
 Waterfall waterfall_of(const Workspace& w,
                        const std::vector<std::pair<std::string, std::vector<int>>>& effects,
-                       const std::vector<MixedFit>& chain, bool levels) {
+                       const std::vector<MixedFit>& chain, const std::vector<int>& between) {
   const MixedFit& base = chain.front();
   Waterfall out;
   const std::size_t n = effects.size();
   out.all_orders = n <= 4;
   const auto error_of = [&](unsigned mask) {
     const auto taken = static_cast<std::size_t>(std::popcount(mask));
-    if (mask == (1u << taken) - 1u) return held_out_rms(w, chain[taken], base, levels);
+    if (mask == (1u << taken) - 1u) return held_out_rms(w, chain[taken], base, between);
     std::vector<int> columns = base.columns;
     for (std::size_t k = 0; k < n; ++k)
       if ((mask >> k & 1u) != 0)
         columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
     const MixedFit fit = fit_mixed(w.output.problem, columns, &base, 10);
-    return fit.valid ? held_out_rms(w, fit, base, levels) : kMissing;
+    return fit.valid ? held_out_rms(w, fit, base, between) : kMissing;
   };
   const unsigned all = (1u << std::min<std::size_t>(n, 16)) - 1u;
   std::vector<double> error(out.all_orders ? all + 1u : 0u);
@@ -246,19 +250,19 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   out.moves.insert(out.moves.begin() + law_moves, library.begin(), library.end());
   if (!names.empty() && whole_must_judge(w, base, now)) w.judges = JudgedBy::whole;
   out.judged_by = w.judges;
-  out.levels = std::any_of(names.begin(), names.end(), is_between_records);
-  out.error_before = held_out_rms(w, before, base, out.levels);
-  out.error_after = held_out_rms(w, now, base, out.levels);
-  out.plain_before = held_out_rms(w, judge(w.output, before, base, w.judges).plain);
-  out.plain_after = held_out_rms(w, judge(w.output, now, base, w.judges).plain);
-  double floor = 0.0, n = 0.0;
-  for (std::size_t i = 0; i < w.noise_V.size(); ++i)
-    if (w.judges != JudgedBy::heldout || w.output.problem.records[i].heldout) {
-      floor += w.noise_V[i] * w.noise_V[i];
-      n += 1.0;
-    }
-  out.floor = std::min(std::sqrt(floor / std::max(n, 1.0)), out.error_after);
-  out.waterfall = waterfall_of(w, effects, chain, out.levels);
+  std::vector<int> between;
+  std::ranges::copy_if(variants, std::back_inserter(between), [&](int v) {
+    return w.output.candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)].kind->traits.between_records;
+  });
+  out.levels = !between.empty();
+  out.error_before = held_out_rms(w, before, base, between);
+  out.error_after = held_out_rms(w, now, base, between);
+  out.plain_before = held_out_rms(w, judge(w.output, before, base, w.judges).plain, between);
+  out.plain_after = held_out_rms(w, judge(w.output, now, base, w.judges).plain, between);
+  std::vector<double> noise;
+  for (const double noise_V : w.noise_V) noise.push_back(noise_V * noise_V / (w.output.scale * w.output.scale));
+  out.floor = std::min(held_out_rms(w, std::move(noise), between), out.error_after);
+  out.waterfall = waterfall_of(w, effects, chain, between);
   out.waterfall.floor = out.floor;
   out.waterfall.unit = w.output.unit;
   HistoryStep step;
