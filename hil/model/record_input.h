@@ -40,6 +40,8 @@ struct RecordInput {
   double clock_start_s = 0.0;    ///< what the record's clock showed at its first sample; t_s begins at 0
   double f_Hz = 0.0, A_N = 0.0;  ///< lowest frequency at the start; half the peak-to-peak force
   double F_min_N = 0.0;          ///< lowest settled force
+  /// What else may be meant by it: the lowest force that was touched at all, m - A as declared; those that agree with it are not here
+  std::vector<double> other_F_min_N;
   std::vector<double> frequency_jumps_s, jump_log_ratio;  ///< where the cycle frequency changes, ln(f2/f1)
 
   // campaign

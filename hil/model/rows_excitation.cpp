@@ -25,15 +25,24 @@ std::vector<double> half_periods(const std::vector<Extremum>& turns) {
   return out;
 }
 
+// A sum of sines is at its lowest for less than the hundredth of the time that a spike may take too.
+void may_be_lowest(RecordInput& record, double F_N) {
+  constexpr double kAgrees = 0.02;  // of the swing
+  if (std::abs(F_N - record.F_min_N) > kAgrees * 2.0 * record.A_N) record.other_F_min_N.push_back(F_N);
+}
+
 // F_min and A from where the cycles are settled.
 void set_swing(RecordInput& record, double from_s) {
   std::vector<double> settled;
   for (std::size_t i = 0; i < record.rows(); ++i)
     if (record.t_s[i] >= from_s && record.ok[i] != 0) settled.push_back(record.F_N[i]);
   if (settled.empty()) settled = record.F_N;
+  const double touched = quantile(settled, 0.0005);
   const auto [low, high] = quantiles(std::move(settled), 0.01, 0.99);
   record.F_min_N = low;
   record.A_N = 0.5 * (high - low);
+  record.other_F_min_N.clear();
+  may_be_lowest(record, touched);
 }
 
 bool is_static_kind(const std::string& kind) {
@@ -98,7 +107,10 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
   record.onset_s = declared != nullptr && declared->excitation_start_s ? since_start_s(record, *declared->excitation_start_s, seen_s) : seen_s;
 
   set_swing(record, std::min(record.onset_s + typical_half_s, 0.5 * record.duration_s));
-  if (declared != nullptr && declared->A_N && *declared->A_N > 0.0) record.A_N = *declared->A_N;
+  if (declared != nullptr && declared->A_N && *declared->A_N > 0.0) {
+    record.A_N = *declared->A_N;
+    if (declared->m_N) may_be_lowest(record, *declared->m_N - record.A_N);
+  }
   record.f_Hz =
       declared != nullptr && declared->f_min_Hz ? *declared->f_min_Hz : 0.5 / std::max(typical_half_s, 1e-3);
   if (!record.dynamic)
@@ -149,6 +161,7 @@ void set_static(RecordInput& record) {
   record.dynamic = false;
   record.f_Hz = 0.0;
   record.F_min_N = 0.0;
+  record.other_F_min_N.clear();
   record.onset_s = 0.0;
   record.frequency_jumps_s.clear();
   record.jump_log_ratio.clear();

@@ -25,9 +25,7 @@ std::vector<double> warmth_of(const RecordInput& r) {
   return out;
 }
 
-}  // namespace
-
-OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
+OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std::size_t>& rows) {
   constexpr int kRates = 14, kWarmGain = 5, kDecay = 6, kOutput = 7;
   using Row = Eigen::Matrix<double, kOutput + 1, 1>;
   using Moments = Eigen::Matrix<double, kOutput + 1, kOutput + 1>;
@@ -53,7 +51,7 @@ OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
       const double bend = i > 0 && i + 1 < r.rows() ? r.F_N[i - 1] - 2.0 * r.F_N[i] + r.F_N[i + 1] : 0.0;
       Row x;
       x << 1.0, r.F_N[i], known(r.rate_N_per_s[i]), known(bend), warmth[i], warmth[i] * r.F_N[i],
-          std::expm1(-rate * since) * (r.F_N[i] - r.F_min_N), r.U_V[i];
+          std::expm1(-rate * since) * (r.F_N[i] - F_min_N), r.U_V[i];
       M += x * x.transpose();
     }
     // a column of nothing takes no part
@@ -79,6 +77,10 @@ OwnDecay own_decay(const RecordInput& r, const std::vector<std::size_t>& rows) {
   return best;
 }
 
+}  // namespace
+
+OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows) { return decay_about(record.F_min_N, record, rows); }
+
 bool OwnDecay::is_decay() const {
   constexpr double kExplains = 0.6;
   return mean_square < (1.0 - kExplains) * static_mean_square && depth > 0.03;
@@ -86,6 +88,20 @@ bool OwnDecay::is_decay() const {
 
 bool decays_by_itself(const RecordInput& record) {
   return own_decay(record, choose_rows(record, kRows)).is_decay();
+}
+
+double lowest_force_of_decay(const RecordInput& record) {
+  constexpr double kClearly = 0.7;  // of the mean square
+  if (record.other_F_min_N.empty()) return record.F_min_N;
+  const std::vector<std::size_t> rows = choose_rows(record, kRows);
+  double found = record.F_min_N, least = kClearly * own_decay(record, rows).mean_square;
+  for (const double other : record.other_F_min_N) {
+    const OwnDecay own = decay_about(other, record, rows);
+    if (!own.is_decay() || own.mean_square >= least) continue;
+    found = other;
+    least = own.mean_square;
+  }
+  return found;
 }
 
 double left_by_decay(const RecordInput& record) {

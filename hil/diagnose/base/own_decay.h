@@ -25,6 +25,9 @@ OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& ro
 
 /// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
 bool decays_by_itself(const RecordInput& record);
+/// F_min, N, about which the swing of a cyclic record decays: another one that may be meant (RecordInput::other_F_min_N) where the record's own
+/// decay is clearly less by it, what was found otherwise.
+double lowest_force_of_decay(const RecordInput& record);
 /// Mean square, V^2, that a straight line whose slope decays from the record's onset on leaves of it, at the best rate and depth.
 double left_by_decay(const RecordInput& record);
 

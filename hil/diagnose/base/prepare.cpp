@@ -231,6 +231,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
     constexpr std::size_t kFewestTurns = 4;
     estimate_excitation(input, declared, w.input.range_N, kFewestTurns);
     if (options.law.decays && input.dynamic && input.dynamic_assumed) find_late_onset(input, w.input.range_N);
+    if (options.law.decays && input.dynamic) input.F_min_N = lowest_force_of_decay(input);
     if (single && input.dynamic && input.dynamic_assumed) {
       input.dynamic_assumed = false;  // the blocks share the answer of the whole
       if (!options.law.decays || !decays_by_itself(input)) {

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -53,6 +56,27 @@ TEST(OwnDecay, ARecordedTemperatureTakesWhatItDoesToTheGain) {
   };
   EXPECT_FALSE(decays_by_itself(cooling(0.02, 0.0)));
   EXPECT_TRUE(decays_by_itself(cooling(0.0, 0.3)));
+}
+
+/// A sum of three sines of which the lowest force is touched for less than a hundredth of the time, decaying about `F_min_N`.
+RecordInput beats_about(double F_min_N) {
+  RecordInput r = edges(0.0);
+  for (std::size_t i = 0; i < r.rows(); ++i) {
+    const double t = r.t_s[i];
+    r.F_N[i] = 3.0 + std::sin(0.8 * t) + std::sin(1.9 * t + 1.0) + 0.8 * std::sin(3.3 * t + 2.0);
+    r.U_V[i] = 2.0 * (F_min_N + (1.0 + 0.5 * std::expm1(-0.05 * t)) * (r.F_N[i] - F_min_N)) + 0.01 * std::sin(37.0 * t);
+  }
+  estimate_excitation(r, nullptr, 5.0);
+  return r;
+}
+
+TEST(OwnDecay, ARareLowestForceIsFoundByTheDecayThatTurnsAboutIt) {
+  const RecordInput r = beats_about(0.0);
+  const double lowest = std::ranges::min(r.F_N), usual = r.F_min_N;
+  ASSERT_GT(usual, lowest + 0.1);
+  EXPECT_NEAR(lowest_force_of_decay(beats_about(lowest)), lowest, 0.05);
+  EXPECT_EQ(lowest_force_of_decay(beats_about(usual)), usual);
+  EXPECT_EQ(lowest_force_of_decay(edges(0.3)), 0.5);
 }
 
 // A tenth of a degree goes with the decay by chance.
