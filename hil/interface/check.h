@@ -1,9 +1,10 @@
 #pragma once
-// One judged quantity, and the decision over all of them (GATE sections 3-4).
+// One judged quantity, and the decision over all of them (docs/gate.md, 4 and 5).
 
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace forcegate {
 
@@ -12,9 +13,18 @@ enum class DecisionKind { accept, reject, no_decision };
 /// Who must act. `none` goes with ACCEPT.
 enum class Blame { none, firmware, sensor, rig, reference, link, calibration, user, harness };
 
+// The words of files and reports; empty for a value that the enumeration does not have.
 std::string_view to_string(Verdict v);       ///< "pass" ... "waived"
 std::string_view to_string(DecisionKind d);  ///< "ACCEPT", "REJECT", "NO-DECISION"
 std::string_view to_string(Blame b);
+
+/// Every word of an enumeration that counts from 0 and whose to_string is empty beyond its last value, in its order.
+template <class E>
+std::vector<std::string_view> words_of() {
+  std::vector<std::string_view> out;
+  for (std::string_view word; !(word = to_string(static_cast<E>(out.size()))).empty();) out.push_back(word);
+  return out;
+}
 
 /// Limits are inclusive: value == limit passes.
 struct Limit {
@@ -22,6 +32,7 @@ struct Limit {
   double value = 0.0;
   std::string source;  ///< "Lebosse 2011, IV-B2", "derived: p99 of n=300, 2026-11-21, rig emulated/1"
 };
+std::string_view to_string(Limit::Kind k);  ///< "none" ... "equal"
 
 struct Check {
   std::string id;           ///< "mre_maxima", unique within its case

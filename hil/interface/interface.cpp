@@ -14,7 +14,7 @@ std::string_view to_string(CalibrationLevel level) {
     case CalibrationLevel::statical: return "static";
     case CalibrationLevel::identified: return "identified";
   }
-  return "nominal";
+  return {};
 }
 
 std::string_view to_string(Verdict v) {
@@ -27,7 +27,7 @@ std::string_view to_string(Verdict v) {
     case Verdict::not_run: return "not_run";
     case Verdict::waived: return "waived";
   }
-  return "not_run";
+  return {};
 }
 
 std::string_view to_string(DecisionKind d) {
@@ -36,7 +36,7 @@ std::string_view to_string(DecisionKind d) {
     case DecisionKind::reject: return "REJECT";
     case DecisionKind::no_decision: return "NO-DECISION";
   }
-  return "NO-DECISION";
+  return {};
 }
 
 std::string_view to_string(Blame b) {
@@ -51,7 +51,17 @@ std::string_view to_string(Blame b) {
     case Blame::user: return "user";
     case Blame::harness: return "harness";
   }
-  return "harness";
+  return {};
+}
+
+std::string_view to_string(Limit::Kind k) {
+  switch (k) {
+    case Limit::Kind::none: return "none";
+    case Limit::Kind::upper: return "upper";
+    case Limit::Kind::lower: return "lower";
+    case Limit::Kind::equal: return "equal";
+  }
+  return {};
 }
 
 Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {

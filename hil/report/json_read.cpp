@@ -1,5 +1,4 @@
 #include <cmath>
-#include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -36,22 +35,17 @@ class Reader {
     if (node_->contains(name)) (*this)(name, value);
   }
   template <class E>
-  void choice(const char* name, E& value, std::initializer_list<const char*> words) {
+  void choice(const char* name, E& value) {
     const json* child = find(name);
     if (child == nullptr) return;
-    int at = 0;
-    for (const char* word : words) {
-      if (child->is_string() && *child == word) {
+    const auto words = words_of<E>();
+    for (std::size_t at = 0; at < words.size(); ++at) {
+      if (child->is_string() && *child == words[at]) {
         value = static_cast<E>(at);
         return;
       }
-      ++at;
     }
     mistake(place(name), "is not one of the allowed words");
-  }
-  void blame(const char* name, Blame& value) {
-    choice(name, value,
-           {"none", "firmware", "sensor", "rig", "reference", "link", "calibration", "user", "harness"});
   }
   void refuse_unknown() {
     for (const auto& item : node_->items())

@@ -1,6 +1,5 @@
 #include <charconv>
 #include <cmath>
-#include <initializer_list>
 
 #include "hil/base/text.h"
 #include "hil/report/result_fields.h"
@@ -22,11 +21,7 @@ class Writer {
     if (value != T{}) (*this)(name, value);
   }
   template <class E>
-  void choice(const char* name, E& value, std::initializer_list<const char*> words) {
-    key(name);
-    text(words.begin()[static_cast<std::size_t>(value)]);
-  }
-  void blame(const char* name, Blame& value) {
+  void choice(const char* name, E& value) {
     key(name);
     text(to_string(value));
   }

@@ -1,7 +1,7 @@
 #pragma once
 // The fields of a result in the order of the file: one list, walked by the writer and by the reader, so that
 // the two cannot differ. An archive has operator()(name, value) for numbers, texts, vectors, maps and the
-// structs below.
+// structs below, and choice(name, value) for an enumeration that has words (to_string).
 
 #include "hil/interface/run_result.h"
 
@@ -9,7 +9,7 @@ namespace forcegate::result_fields {
 
 template <class A>
 void walk(A& a, Limit& v) {
-  a.choice("kind", v.kind, {"none", "upper", "lower", "equal"});
+  a.choice("kind", v.kind);
   a("value", v.value);
   a("source", v.source);
 }
@@ -25,17 +25,16 @@ void walk(A& a, Check& v) {
   a.optional("expanded_u", v.expanded_u);
   a("n", v.n);
   a("limit", v.limit);
-  a.choice("verdict", v.verdict,
-           {"pass", "marginal", "fail", "inconclusive", "rig_error", "not_run", "waived"});
-  a.blame("blame", v.blame);
+  a.choice("verdict", v.verdict);
+  a.choice("blame", v.blame);
   a("required", v.required);
   a("evidence", v.evidence);
 }
 
 template <class A>
 void walk(A& a, Decision& v) {
-  a.choice("kind", v.kind, {"ACCEPT", "REJECT", "NO-DECISION"});
-  a.blame("blame", v.blame);
+  a.choice("kind", v.kind);
+  a.choice("blame", v.blame);
   a("reason", v.reason);
   a("safety_stop", v.safety_stop);
   a("exit_code", v.exit_code);
@@ -49,7 +48,7 @@ void walk(A& a, Calibration& v) {
   a("v_range_V", v.v_range_V);
   a("b_scale", v.b_scale);
   a("q_scale", v.q_scale);
-  a.choice("level", v.level, {"nominal", "static", "identified"});
+  a.choice("level", v.level);
   a("id", v.id);
 }
 

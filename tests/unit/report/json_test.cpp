@@ -85,6 +85,42 @@ TEST(ResultJson, of_every_variant_follows_the_schema) {
   }
 }
 
+/// The list of words of every "enum" of the schema that a key of this name has.
+std::vector<std::vector<std::string>> enums(const json& node, const std::string& name) {
+  std::vector<std::vector<std::string>> out;
+  if (node.is_object())
+    for (const auto& item : node.items()) {
+      if (item.key() == name && item.value().is_object() && item.value().contains("enum")) out.push_back(item.value()["enum"]);
+      for (auto& deeper : enums(item.value(), name)) out.push_back(std::move(deeper));
+    }
+  return out;
+}
+
+template <class E>
+std::vector<std::string> words() {
+  const auto views = words_of<E>();
+  return {views.begin(), views.end()};
+}
+
+TEST(ResultJson, the_words_of_the_enumerations_are_those_of_the_schema) {
+  using Lists = std::vector<std::vector<std::string>>;
+  const json rules = schema();
+  EXPECT_EQ(enums(rules, "verdict"), Lists{words<Verdict>()});
+  EXPECT_EQ(enums(rules, "blame"), (Lists{words<Blame>(), words<Blame>()}));
+  EXPECT_EQ(enums(rules, "level"), Lists{words<CalibrationLevel>()});
+  EXPECT_THAT(enums(rules, "kind"), testing::UnorderedElementsAre(words<DecisionKind>(), words<Limit::Kind>()));
+  EXPECT_EQ(words<Verdict>().size(), 7U);
+  EXPECT_EQ(words<Blame>().size(), 9U);
+}
+
+TEST(ResultJson, a_value_beyond_its_enumeration_is_no_word_and_is_refused) {
+  RunResult r = sample::run(Variant::accept, 60.0);
+  r.checks.front().verdict = static_cast<Verdict>(99);
+  const auto back = result_from_json(to_json(r));
+  ASSERT_FALSE(back.has_value());
+  EXPECT_THAT(back.error().to_text(), HasSubstr("is not one of the allowed words"));
+}
+
 TEST(ResultJson, the_schema_refuses_what_is_not_a_result) {
   const json rules = schema();
   json value = json::parse(to_json(sample::run(Variant::accept, 60.0)));
