@@ -135,7 +135,7 @@ class AtiDigital final : public ReferenceSensor {
   }
 
   ReferenceFacts facts() const override {
-    return {options_.rate_Hz, options_.resolution_N, options_.noise_N, 0.5 / options_.rate_Hz};
+    return {options_.rate_Hz, 0.5 / options_.rate_Hz};
   }
   std::map<std::string, std::uint64_t> counts() const override {
     return {{"bad records", bad_records_},

@@ -110,7 +110,7 @@ class AtiNetFt final : public ReferenceSensor {
   }
 
   ReferenceFacts facts() const override {
-    return {options_.rate_Hz, options_.resolution_N, options_.noise_N, options_.u_time_s};
+    return {options_.rate_Hz, options_.u_time_s};
   }
   std::map<std::string, std::uint64_t> counts() const override {
     return {{"bad datagrams", bad_datagrams_},

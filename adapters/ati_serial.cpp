@@ -116,7 +116,7 @@ class AtiSerial final : public ReferenceSensor {
   }
 
   ReferenceFacts facts() const override {
-    return {rate_Hz(), options_.resolution_N, options_.noise_N, 0.5 / rate_Hz()};
+    return {rate_Hz(), 0.5 / rate_Hz()};
   }
   std::map<std::string, std::uint64_t> counts() const override {
     return {{"bad records", bad_records_},

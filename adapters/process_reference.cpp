@@ -126,8 +126,9 @@ Result<std::unique_ptr<ReferenceSensor>> make(const ConfigNode& table, BenchWorl
   in.any("calibration_expires");
   in.any("u_rel");
   in.number("rate_Hz", o.facts.rate_Hz, 1, 100000, ConfigReader::required);
-  in.number("resolution_N", o.facts.resolution_N, 1e-6, 10, ConfigReader::required);
-  in.number("noise_N", o.facts.noise_N, 0, 10);
+  double resolution_N = 0.0, noise_N = 0.0;  // the bench file hands them to the gate
+  in.number("resolution_N", resolution_N, 1e-6, 10, ConfigReader::required);
+  in.number("noise_N", noise_N, 0, 10);
   in.number("u_time_s", o.facts.u_time_s, 1e-6, 0.1, ConfigReader::required);
   in.number("force_max_N", o.force_max_N, 0.1, 100000, ConfigReader::required);
   in.number("jump_max_N", o.jump_max_N, 0.01, 100000);

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace forcegate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 double root_of_squares(const std::vector<BudgetLine>& lines, bool only_systematic) {
   double sum = 0.0;
@@ -66,9 +66,10 @@ Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
   b.lines.push_back({"noise", 100.0 * record.rig.reference_noise_N / averaged / typical_N / root_n, false});
   const double f_Hz =
       std::isfinite(record.facts.lowest_frequency_Hz) ? record.facts.lowest_frequency_Hz : 0.0;
-  const double u_lag_s = std::isfinite(record.u_lag_s) ? record.u_lag_s : 0.0;
+  const double u_sync_s =
+      std::hypot(std::isfinite(record.u_lag_s) ? record.u_lag_s : 0.0, record.rig.reference_u_time_s);
   b.lines.push_back(
-      {"synchronisation", 100.0 * (1.0 - std::cos(std::min(kPi, 2.0 * kPi * f_Hz * u_lag_s))), true});
+      {"synchronisation", 100.0 * (1.0 - std::cos(std::min(std::numbers::pi, 2.0 * std::numbers::pi * f_Hz * u_sync_s))), true});
   if (std::isfinite(standard_error)) b.lines.push_back({"repeatability", 100.0 * standard_error, false});
   return b;
 }

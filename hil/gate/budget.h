@@ -7,7 +7,8 @@
 //   drift             100 hypot(|zero| / F, |spring slope - 1|) / sqrt 3   systematic: what this record showed of it
 //   resolution        100 (r / sqrt 12) / (F sqrt n)   rectangular, random because the noise dithers it
 //   noise             100 s / (F sqrt(2 h + 1) sqrt n)  s of one reading, mean of 2 h + 1 samples
-//   synchronisation   100 (1 - cos(2 pi f u_lag))     systematic; zero slope at an extremum
+//   synchronisation   100 (1 - cos(2 pi f u))         systematic; zero slope at an extremum; u^2 = u_lag^2 + u_time^2: of the
+//                     lag as measured, and of a reading's time as the reference's adapter declares it
 //   repeatability     standard error over the extrema  random
 
 #include <string>

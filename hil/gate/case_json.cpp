@@ -83,7 +83,7 @@ void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, RigInfo> 
   f("name", v.name), f("id", v.id), f("version", v.version), f("rate", v.rate_Hz), f("bits", v.adc_bits);
   f("range", v.v_range_V), f("force", v.force_max_N), f("resolution", v.reference_resolution_N);
   f("noise", v.reference_noise_N), f("u_rel", v.reference_u_rel), f("geometry", v.geometry);
-  f("can_move", v.can_move), f("emulated", v.emulated), f("details", v.details);
+  f("can_move", v.can_move), f("emulated", v.emulated), f("details", v.details), f("u_time", v.reference_u_time_s);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, DutInfo> {

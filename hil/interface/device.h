@@ -66,8 +66,6 @@ struct ReferenceReading {
 
 struct ReferenceFacts {
   double rate_Hz = 0.0;
-  double resolution_N = 0.0;
-  double noise_N = 0.0;
   double u_time_s = 0.0;  ///< standard uncertainty of ReferenceReading::t_s
 };
 

@@ -67,6 +67,7 @@ struct RigInfo {
   double reference_resolution_N = 0.025;
   double reference_noise_N = 0.0;  ///< standard deviation of one reading as declared
   double reference_u_rel = 0.0;    ///< relative standard uncertainty of its calibration
+  double reference_u_time_s = 0.0;  ///< standard uncertainty of the time of a reading, once a record has begun
   RigGeometry geometry;
   double force_rate_max_N_per_s = 0.0;  ///< fastest change of force that a command may cause; 0: none
   bool can_move = false;                ///< false: replay, no closed loop, no calibration sweeps

@@ -96,6 +96,7 @@ void walk(A& a, RigInfo& v) {
   a("reference_resolution_N", v.reference_resolution_N);
   a("reference_noise_N", v.reference_noise_N);
   a("reference_u_rel", v.reference_u_rel);
+  a.optional("reference_u_time_s", v.reference_u_time_s);
   a("geometry", v.geometry);
   a("can_move", v.can_move);
   a("emulated", v.emulated);

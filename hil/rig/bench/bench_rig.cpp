@@ -65,6 +65,7 @@ class BenchRig final : public Rig, public Dut {
     FORCEGATE_CHECK_OK(safely(session_->world().mount(request)));
     FORCEGATE_CHECK_OK(safely(session_->open()));
     for (const auto& [key, value] : session_->details()) info_.details[key] = value;
+    info_.reference_u_time_s = session_->reference().facts().u_time_s;
     FORCEGATE_TRY(const MotorState state, safely(session_->motor().read()));
     theta_rad_ = state.theta_rad;
     FORCEGATE_CHECK_OK(safely(go_to_start(request.force_low_N)));
@@ -342,8 +343,7 @@ class BenchRig final : public Rig, public Dut {
     if (end > kRefineBack) refined_ = std::max(refined_, end - kRefineBack);
   }
 
-  // A board that was flashed by hand and runs another build than the file must not be judged for it. The image holds
-  // its build id as text (docs/protocol.md).
+  // A board flashed by hand must not be judged for another build than the file; the image holds its build id as text (docs/protocol.md).
   Result<void> same_build(const std::filesystem::path& image, const std::string& build_id) const {
     FORCEGATE_TRY(const std::string bytes, read_file(image));
     if (bytes.find(build_id) != std::string::npos) return {};

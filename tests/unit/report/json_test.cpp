@@ -121,6 +121,17 @@ TEST(ResultJson, a_value_beyond_its_enumeration_is_no_word_and_is_refused) {
   EXPECT_THAT(back.error().to_text(), HasSubstr("is not one of the allowed words"));
 }
 
+TEST(ResultJson, the_time_of_a_reading_stands_only_where_it_is_declared) {
+  RunResult r = sample::run(Variant::accept, 60.0);
+  EXPECT_THAT(to_json(r), testing::Not(HasSubstr("reference_u_time_s")));
+  r.rig.reference_u_time_s = 0.1;
+  std::vector<std::string> errors;
+  const json rules = schema();
+  validate(rules, rules, json::parse(to_json(r)), "result", errors);
+  EXPECT_THAT(errors, testing::IsEmpty());
+  EXPECT_EQ(result_from_json(to_json(r))->rig.reference_u_time_s, 0.1);
+}
+
 TEST(ResultJson, the_schema_refuses_what_is_not_a_result) {
   const json rules = schema();
   json value = json::parse(to_json(sample::run(Variant::accept, 60.0)));

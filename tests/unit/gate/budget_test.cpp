@@ -1,0 +1,50 @@
+#include "hil/gate/budget.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/gate/case_json.h"
+
+namespace forcegate {
+namespace {
+
+CaseRecord record(double f_Hz, double u_time_s) {
+  CaseRecord r;
+  r.id = "sine/q50";
+  r.facts.lowest_frequency_Hz = f_Hz;
+  r.u_lag_s = 0.0005;
+  r.rig.reference_u_time_s = u_time_s;
+  return r;
+}
+
+Budget budget(const CaseRecord& r) { return mre_budget({}, r, 3.0, 0.001, 100, 0.005); }
+
+double synchronisation_pct(const CaseRecord& r) {
+  const Budget b = budget(r);
+  const auto line = std::find_if(b.lines.begin(), b.lines.end(), [](const BudgetLine& l) { return l.name == "synchronisation"; });
+  return line == b.lines.end() ? std::nan("") : line->u;
+}
+
+TEST(Budget, TheDeclaredTimeOfAReadingIsAPartOfItsSynchronisation) {
+  EXPECT_NEAR(synchronisation_pct(record(0.5, 0.1)), 100.0 * (1.0 - std::cos(0.31417)), 1e-3);
+  EXPECT_LT(synchronisation_pct(record(0.5, 0.0)), 2e-4);
+  EXPECT_GT(budget(record(0.5, 0.1)).u(), budget(record(0.5, 0.0)).u() + 3.0);
+}
+
+// 0.002 s is the largest that rigs/*.toml declare, half a period of the slowest stream of an ATI is 0.0018 s; the fastest
+// profile of the plans for a bench is 0.5 Hz.
+TEST(Budget, WhatTheDeliveredBenchesDeclareIsFarBelowWhatTipsAVerdict) {
+  EXPECT_LT(synchronisation_pct(record(0.5, 0.002)), 0.003);
+  EXPECT_NEAR(budget(record(0.5, 0.002)).u(), budget(record(0.5, 0.0)).u(), 1e-4);
+}
+
+TEST(Budget, ARecordThatIsJudgedAgainHasTheTimeToo) {
+  const auto again = record_from_json(to_json(record(0.5, 0.1)));
+  ASSERT_TRUE(again) << again.error().to_text();
+  EXPECT_EQ(synchronisation_pct(*again), synchronisation_pct(record(0.5, 0.1)));
+}
+
+}  // namespace
+}  // namespace forcegate
