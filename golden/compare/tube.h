@@ -1,5 +1,5 @@
 #pragma once
-// Tube comparison of a tested trace with a golden one (GATE section 4.4). The tube at instant t is
+// Tube comparison of a tested trace with a golden one (docs/trust.md, "What is golden?"). The tube at instant t is
 //   upper(t) = max over |s - t| <= time_s of  g(s) + tol(s),   lower(t) = min of g(s) - tol(s),
 //   tol(s)   = max(absolute, relative |g(s)|, scale (max g - min g)),
 // with g linear between samples, so that a time tolerance that is no multiple of the step is honoured. A

@@ -1,5 +1,5 @@
 #pragma once
-// What the harness finds out about a specimen before any sample counts (GATE section 1).
+// What the harness finds out about a specimen before any sample counts (docs/gate.md, 1).
 //
 //   static      slow sweeps on the rig, least squares of F_ref = G U + F0 (Lebosse 2011, eq. 1)
 //   identified  and an earlier dynamic record: U_max(t) = U_min + a exp(-b t) + c fitted to the maxima (eq.

@@ -1,5 +1,5 @@
 #pragma once
-// From the measured facts of a record to its checks (GATE section 4): rig first, then coverage, then values.
+// From the measured facts of a record to its checks (docs/gate.md, 2 to 4): rig first, then coverage, then values.
 // A pure function; nothing here touches a rig or a firmware, so that a stored record is judged again in the
 // same way.
 

@@ -23,7 +23,7 @@ inline constexpr int kPlanFormat = 1;
 enum class LoopMode { open, closed };
 std::string_view to_string(LoopMode mode);
 
-/// Kinds of check a case can ask for (GATE section 3).
+/// Kinds of check a case can ask for (docs/gate.md, 4).
 enum CaseCheck : unsigned {
   kCheckConformance = 1u << 0,  ///< (a) against an independent implementation of the declared algorithm
   kCheckPromise = 1u << 1,      ///< (b) closed loop: ATI against set-point, mean over the panel

@@ -5,7 +5,7 @@
 
 namespace forcegate {
 
-/// How much of the specimen the compensation has been told (GATE section 1).
+/// How much of the specimen the compensation has been told (docs/gate.md, 1).
 enum class CalibrationLevel {
   nominal,     ///< the paper's values for the sensor type
   statical,    ///< G and F0 of this specimen and session measured by two slow sweeps (eq. 1)

@@ -1,6 +1,6 @@
 // Force control (IV-B2, Fig. 9-11): 1.1 to 3.2 N at 0.5 Hz for 20 minutes, integral control on the sensor.
 //   raw        F = G U + F0 of this session: the wheel comes to its stop
-//   nominal, static, identified   F by eq. (7) with that much known of the specimen (GATE section 1)
+//   nominal, static, identified   F by eq. (7) with that much known of the specimen (docs/gate.md, 1)
 //   four sines with the identified calibration, errors over the last tenth ("at the end")
 // The FSR is used without compensation (V-A), so only `raw` is played for it.
 // MRE (eq. 9) of the ATI against the set-point, maxima and minima each, from the end of the start window.

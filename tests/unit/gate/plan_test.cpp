@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "hil/base/read_file.h"
+
 namespace forcegate {
 namespace {
 
@@ -112,6 +114,15 @@ TEST(Plan, all_committed_plans_are_good) {
     }
   }
   EXPECT_EQ(n, 4);
+}
+
+TEST(Plan, the_page_of_plans_names_every_committed_plan) {
+  const auto page = read_file(FORCEGATE_SOURCE_DIR "/docs/plan.md");
+  ASSERT_TRUE(page) << page.error().to_text();
+  for (const auto& entry : std::filesystem::directory_iterator(FORCEGATE_SOURCE_DIR "/ci/plans"))
+    if (entry.path().extension() == ".toml") {
+      EXPECT_NE(page->find("`" + entry.path().stem().string() + "`"), std::string::npos) << entry.path();
+    }
 }
 
 TEST(Plan, nightly_holds_the_paper_s_twenty_sines_and_a_panel_of_nine) {
