@@ -104,6 +104,15 @@ class MarkdownPaths(unittest.TestCase):
         self.assertEqual(len(self.check("see `hil/base/gone.h`")), 1)
         self.assertEqual(len(self.check("see [it](gone.md)")), 1)
 
+    def test_a_link_within_the_page_meets_a_heading(self):
+        self.assertEqual(self.check("[it](#a-thing-of-8-)\n## A `thing` of 8 %"), [])
+        self.assertEqual(len(self.check("[it](#gone)")), 1)
+
+    def test_every_decision_is_in_the_index(self):
+        page = "# Decisions\n- [One](#one)\n## One\n"
+        self.assertEqual(markdown_paths.check(Tree().put("docs/decisions.md", page).root), [])
+        self.assertEqual(len(markdown_paths.check(Tree().put("docs/decisions.md", page + "## Two\n").root)), 1)
+
     def test_existing_paths_globs_addresses_and_made_files_are_left_alone(self):
         for line in ["`hil/base/text.h`", "[it](paper.md#x)", "`hil/*/x.h`", "[it](https://example.org/a)", "`build/forcegate`",
                      "`a/b`", "`hil/base/`"]:

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Every path that a Markdown file names exists: links, and `code spans` that begin with a folder of the tree."""
+"""Every path that a Markdown file names exists: links, and `code spans` that begin with a folder of the tree. So does every heading that a
+page links to within itself; in docs/decisions.md, whose head is an index, every heading is linked."""
 
 import re
 from pathlib import Path
@@ -7,6 +8,8 @@ from common import files, main, text
 
 LINK = re.compile(r"\]\(([^)#\s]+)")
 SPAN = re.compile(r"`([^`\s]+)`")
+WITHIN = re.compile(r"\]\(#([^)\s]+)\)")
+INDEXED = "docs/decisions.md"
 MADE = ("build",)  # folders that a run makes
 
 
@@ -18,11 +21,26 @@ def paths_in(line):
         yield match.group(1), False
 
 
+def anchor(heading):
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def headings(root, name):
+    lines = text(root, name).splitlines()
+    at = {anchor(line.lstrip("#")): number for number, line in enumerate(lines, 1) if re.match(r"#+ ", line)}
+    linked = {found: number for number, line in enumerate(lines, 1) for found in WITHIN.findall(line)}
+    complaints = [f"{name}:{number}: there is no heading #{found}" for found, number in linked.items() if found not in at]
+    if name == INDEXED:
+        complaints += [f"{name}:{number}: not in the index: #{heading}" for heading, number in at.items() if heading not in linked and number > 1]
+    return complaints
+
+
 def check(root):
     root = Path(root)
     top = {p.name for p in root.iterdir() if p.is_dir()} - {".git"}
     complaints = []
     for name in files(root, ".md"):
+        complaints += headings(root, name)
         fenced = False
         for number, line in enumerate(text(root, name).splitlines(), 1):
             if line.lstrip().startswith("```"):
