@@ -5,14 +5,14 @@
 #include <algorithm>
 
 #include "hil/app/league_tally.h"
+#include "hil/model/effect.h"
 
 namespace forcegate {
 namespace {
 
-/// Effects of the raw samples: no signature, a detector finds them.
-bool is_raw(const std::string& name) {
-  constexpr std::string_view kRaw[] = {"reference_noise", "outliers", "dropouts", "hum", "clipping"};
-  return std::find(std::begin(kRaw), std::end(kRaw), name) != std::end(kRaw);
+bool has_detector(const std::string& name) {
+  const EffectKind* kind = EffectRegistry::instance().find(name);
+  return kind != nullptr && is_detected(*kind);
 }
 
 const AnswerFinding* first_claim(const Answer& answer) {
@@ -46,7 +46,7 @@ Miss lost(const LeagueMatch& m, const hidden::TruthEffect& effect) {
       return at(MissStage::outclaimed, claim ? claim->effect : "",
                 fmt::format("place {} with probability {:.2f}", i + 1, answer.findings[i].probability));
   if (own == ranking.end())
-    return is_raw(effect.name) ? at(MissStage::raw_health, claim ? claim->effect : "",
+    return has_detector(effect.name) ? at(MissStage::raw_health, claim ? claim->effect : "",
                                     "the detector of the raw samples was silent")
                                : at(MissStage::not_a_candidate, claim ? claim->effect : "",
                                     "not among the families that were screened");

@@ -1,21 +1,26 @@
 #include "hil/model/effect.h"
 
-#include <cmath>
+#include <algorithm>
 
 namespace forcegate {
 
-bool is_available(const EffectKind& kind, const CampaignInput& campaign) {
-  for (const std::string& need : kind.needs) {
-    if (need == "theta" && !campaign.has_theta) return false;
-    if (need == "temp" && !campaign.has_temp) return false;
-    if (need == "humidity" && !campaign.has_humidity) return false;
-    if (need == "drive" && !campaign.has_drive) return false;
-    if (need == "command" && !campaign.has_command) return false;
-    if (need == "range" && !std::isfinite(campaign.bench.voltage_max_V)) return false;
-    if (need == "generic" && !campaign.generic) return false;
-    if (need == "witness" && !campaign.has_theta && !campaign.has_command) return false;
+namespace {
+
+bool has(const CampaignInput& campaign, Need need) {
+  switch (need) {
+    case Need::theta: return campaign.has_theta;
+    case Need::drive: return campaign.has_drive;
+    case Need::command: return campaign.has_command;
+    case Need::witness: return campaign.has_theta || campaign.has_command;
+    case Need::generic: return campaign.generic;
   }
-  return true;
+  return false;
+}
+
+}  // namespace
+
+bool is_available(const EffectKind& kind, const CampaignInput& campaign) {
+  return std::ranges::all_of(kind.needs, [&](Need need) { return has(campaign, need); });
 }
 
 const EffectForm* find_form(const EffectKind& kind, std::string_view form_name) {

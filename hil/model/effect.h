@@ -69,14 +69,32 @@ struct EffectForm {
   std::string beside = {};  ///< an effect that the model must have: the form is how this one and that one act together
 };
 
+/// By how much of a second an effect of time makes the output late.
+enum class TimeShift {
+  none,          ///< it is no shift
+  first_shape,   ///< strength times the first constant of its shape
+  percent_lead,  ///< strength in hundredths of a second, ahead
+};
+
 /// What the judge must know of a family beside its columns.
 struct EffectTraits {
   bool between_records = false;  ///< changes gain or zero from record to record, where their repeatability absorbs it
   bool needs_records = false;    ///< and nothing else: one recording cannot show it
   bool timing = false;           ///< of time alone: what one such family explains, the others nearly explain too
+  TimeShift shift = TimeShift::none;  ///< of such a family: what two clocks are forgiven
   bool late = false;             ///< a plain shift or tail: beside a lead that is carried along, it only mends the lead
   bool known_form = false;       ///< one course, known but for its strength, which is then the same in all records that show it
   bool any_course = false;       ///< any curve, loop or tail of its kind: the right one leaves little
+  bool in_samples = false;       ///< a detector finds it in the samples too, beside its columns
+};
+
+/// What a campaign must have beside F and U.
+enum class Need {
+  theta,
+  drive,
+  command,
+  witness,  ///< angle or command: what the rig did
+  generic,  ///< no force sensor's recording
 };
 
 struct EffectKind {
@@ -88,13 +106,15 @@ struct EffectKind {
   std::string source;
   std::vector<std::string> look_alikes;
   std::string separates;  ///< stimulus that settles it
-  std::vector<std::string>
-      needs;  ///< "theta", "temp", "drive", "humidity", "command", "range", "witness", "generic" (no force sensor's recording); empty: only F and U
+  std::vector<Need> needs;
   EffectTraits traits = {};
   std::vector<EffectForm> forms;
 };
 
 using EffectRegistry = Registry<EffectKind>;
+
+/// Whether a detector of the raw samples finds the effect.
+inline bool is_detected(const EffectKind& kind) { return kind.channel == EffectChannel::raw || kind.traits.in_samples; }
 
 /// True when the campaign has the channels that the effect needs.
 bool is_available(const EffectKind& kind, const CampaignInput& campaign);

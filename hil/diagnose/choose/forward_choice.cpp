@@ -120,7 +120,7 @@ class ForwardChoice {
 
   // A shift there and, beside it, one back again: their difference is the bend of the force, which smoothing has flattened.
   bool only_repairs_smoothing(const FamilyScore& family) const {
-    return latencies_ > 0 && family.kind->traits.timing && family.kind->name != "clock_skew" &&
+    return latencies_ > 0 && family.kind->traits.shift != TimeShift::none &&
            std::abs(net_shift_s(channel_, family.best.fit)) <= allowed_latency_s_;
   }
 

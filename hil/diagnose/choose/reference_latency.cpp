@@ -15,10 +15,7 @@ const Candidate& best_candidate(const ResidualChannel& channel, const FamilyScor
   return channel.candidates[static_cast<std::size_t>(variant.candidate)];
 }
 
-// Its first shape is the time by which a strength of 1 shifts the output.
-bool is_shift(const Candidate& c) {
-  return c.kind->traits.timing && !c.shape.empty() && c.kind->name != "clock_skew" && c.kind->name != "piezocapacitance";
-}
+bool is_shift(const Candidate& c) { return c.kind->traits.shift == TimeShift::first_shape && !c.shape.empty(); }
 
 bool is_lead(const Candidate& c) { return c.kind->name == kLatencyEffect && c.shape[0] < 0.0; }
 
@@ -34,7 +31,7 @@ double allowed_latency_s(const CampaignInput& input) {
 double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
   const Candidate& c = best_candidate(channel, family);
   const double share = family.best.fit.coefficient[family.best.fit.coefficient.size() - 1];
-  if (family.kind->name == "piezocapacitance") return 0.01 * std::abs(share);
+  if (family.kind->traits.shift == TimeShift::percent_lead) return 0.01 * std::abs(share);
   return is_shift(c) ? std::abs(c.shape[0] * share) : 0.0;
 }
 

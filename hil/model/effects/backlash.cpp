@@ -64,7 +64,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .source = "play operator; linear guide with friction",
     .look_alikes = {"hysteresis", "motor"},
     .separates = "plot both loops: F_ref against angle and U against F_ref",
-    .needs = {"witness"},
+    .needs = {Need::witness},
     .forms = {{.name = "play_bank",
                .shape = {kPlayKept},
                .strength = {{"w1", "1", -2.0, 2.0, 0.0, "radius 0.4 % of the span"},

@@ -24,7 +24,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .source = "Sensors 11 (2011) 8836; Proceedings 1 (2017) 813",
     .look_alikes = {"wear", "thermal", "mounting"},
     .separates = "one ramp at several drive voltages in random order",
-    .needs = {"drive"},
+    .needs = {Need::drive},
     .traits = {.between_records = true, .needs_records = true},
     .forms = {
         {.name = "relative",

@@ -32,7 +32,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .source = "Lebosse et al. 2011, eq. 2: m >= A is required",
     .look_alikes = {"dead_zone", "spring_nonlinearity"},
     .separates = "the same cycle with a higher mean force",
-    .needs = {"witness"},
+    .needs = {Need::witness},
     .forms = {
         {.name = "at_zero",
          .shape = {},

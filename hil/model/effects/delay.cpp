@@ -16,7 +16,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .separates =
         "fast edges sampled at 1 kHz: onset time against slope; phase linear in frequency, no attenuation",
     .needs = {},
-    .traits = {.timing = true, .late = true, .known_form = true},
+    .traits = {.timing = true, .shift = TimeShift::first_shape, .late = true, .known_form = true},
     .forms = {
         {.name = "shift",
          .shape = {{"delay_s", "s", -1.0, 1.0, 0.01, "positive: the sensor's channel is late"}},

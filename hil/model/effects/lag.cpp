@@ -120,7 +120,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .separates =
         "fast edges at 1 kHz and sines at two frequencies a decade apart: a lag attenuates, a delay does not",
     .needs = {},
-    .traits = {.timing = true, .late = true, .any_course = true},
+    .traits = {.timing = true, .shift = TimeShift::first_shape, .late = true, .any_course = true},
     .forms = {form("one_pole", Kind::one_pole, {0.001, 0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
               form("two_poles", Kind::two_poles, {0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
               form("diffusive", Kind::diffusive, {0.001, 0.004, 0.016, 0.064, 0.256}), two_speeds()}}};

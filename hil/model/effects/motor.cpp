@@ -136,7 +136,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .source = "Lebosse et al. 2011, fig. 5: final force reached in 70 ms",
     .look_alikes = {"backlash", "lag"},
     .separates = "a step command: F_ref against the wheel angle stays a single curve",
-    .needs = {"command"},
+    .needs = {Need::command},
     .forms = {one_pole(), ripple(), ripples(), pitch()}}};
 
 }  // namespace

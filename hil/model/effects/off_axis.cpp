@@ -110,7 +110,7 @@ const Registration<EffectKind> kRegistered{
                .source = "geometry of an eccentric wheel; Lebosse et al. 2011, fig. 3",
                .look_alikes = {"hysteresis", "static_nonlinearity"},
                .separates = "the same cycle with the wheel turning the other way: the loop flips",
-               .needs = {"theta"},
+               .needs = {Need::theta},
                .traits = {.known_form = true},
                .forms = {form("sine", true), form("sine_undecayed", false), cam(), odd()}}};
 

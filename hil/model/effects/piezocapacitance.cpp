@@ -102,7 +102,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"delay", "rc", "lag"},
     .separates = "edges of equal height at low and high load, with the capacitance channel recorded",
     .needs = {},
-    .traits = {.timing = true, .known_form = true},
+    .traits = {.timing = true, .shift = TimeShift::percent_lead, .known_form = true},
     .forms = {form("load_dependent", false), fading(), form("measured_capacitance", true)}}};
 
 }  // namespace

@@ -82,7 +82,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"lag", "delay", "piezocapacitance"},
     .separates = "steps of equal height at low and at high mean load, with the capacitance channel recorded",
     .needs = {},
-    .traits = {.timing = true},
+    .traits = {.timing = true, .shift = TimeShift::first_shape},
     .forms = {form("load_dependent_pole", false), form("measured_capacitance", true)}}};
 
 }  // namespace

@@ -100,7 +100,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"thermal", "creep"},
     .separates =
         "an unloaded zero before and after every record; a third witness: the rig's own law, or the capacitance C_F",
-    .needs = {"witness"},
+    .needs = {Need::witness},
     .traits = {.between_records = true, .needs_records = true},
     .forms = {polynomial(), warm_up(), wander(), as_rig_shows()}}};
 

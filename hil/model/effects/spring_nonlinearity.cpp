@@ -15,7 +15,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .source = "compression spring with closing coils",
     .look_alikes = {"static_nonlinearity"},
     .separates = "a quasi-static turn of the wheel at full eccentricity: F_ref minus k x against x",
-    .needs = {"witness"},
+    .needs = {Need::witness},
     .forms = {{.name = "cubic",
                .shape = {},
                .strength = {{"c2", "1", -2.0, 2.0, 0.0, "quadratic part"},

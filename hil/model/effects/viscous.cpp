@@ -51,7 +51,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"hysteresis", "lag", "piezocapacitance"},
     .separates =
         "the same stroke at speeds a decade apart: a viscous loop grows with the speed, hysteresis keeps its width",
-    .needs = {"generic"},
+    .needs = {Need::generic},
     .forms = {form("linear", 1.0), form("thinning", 0.5)}}};
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "hil/diagnose/choose/reference_latency.h"
 #include "tests/unit/diagnose/made_recording.h"
 
 namespace forcegate::diagnose {
@@ -36,6 +37,25 @@ Campaign edges(std::uint64_t seed, const std::function<double(double F)>& lead_s
     r.kind = "steps";
   }
   return c;
+}
+
+double shift_of(TimeShift shift) {
+  EffectKind kind{.name = "an effect of time", .traits = {.timing = true, .shift = shift}, .forms = {}};
+  EffectForm form;
+  ResidualChannel channel;
+  channel.candidates.push_back({&kind, &form, {0.5}, 0, 1});
+  channel.variants.push_back({0, {0}});
+  FamilyScore family;
+  family.kind = &kind;
+  family.best.variant = 0;
+  family.best.fit.coefficient = Eigen::VectorXd::Constant(1, -2.0);
+  return shift_s(channel, family);
+}
+
+TEST(ReferenceLatency, AnEffectOfTimeShiftsByWhatItsTraitsSay) {
+  EXPECT_EQ(shift_of(TimeShift::none), 0.0);
+  EXPECT_EQ(shift_of(TimeShift::first_shape), 1.0);
+  EXPECT_EQ(shift_of(TimeShift::percent_lead), 0.02);
 }
 
 TEST(ReferenceLatency, ALeadThatIsTheSameAtEveryLoadIsTheReferences) {
