@@ -104,4 +104,7 @@ struct Workspace {
   JudgedBy judges = JudgedBy::heldout;
 };
 
+/// An effect by its name: the user's own, else that of the registry; null where neither has it.
+const EffectKind* kind_of(const Workspace& workspace, const std::string& name);
+
 }  // namespace forcegate::diagnose

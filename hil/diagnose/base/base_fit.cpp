@@ -324,7 +324,7 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
                            Z(j, 2) * w.shifts[k].log_b + Z(j, 3) * w.shifts[k].log_q;
         RecordGram& gram = problem.records[k];
         gram.gram = (A.transpose() * A) / std::max<double>(1.0, static_cast<double>(A.rows()));
-        gram.n_eff = std::min(150.0, static_cast<double>(A.rows()) / 5.0 + 1.0);
+        gram.n_eff = effective_samples(rows[k].size());
         gram.noise_variance = 1e-6;
         gram.heldout = w.input.records[k].heldout && w.judges == JudgedBy::heldout;
       });

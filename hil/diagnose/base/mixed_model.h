@@ -9,6 +9,8 @@
 // samples, not n: residuals are autocorrelated. All rows enter through Z'Z, Z'S, S'S, Z'y, S'y, y'y only.
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,14 @@ inline constexpr double kHeldVariance = 1e-14;
 /// the fit records times the predictive density of the held-out ones. Parameters that are reported come from fit
 /// records alone.
 enum class RecordUse { fit_records, all_records };
+
+/// What a record counts for at most: evidence within records is only a scale, n counts records.
+inline constexpr double kMostSamples = 150.0;
+/// Samples that `rows` count for: neighbours hang together over about five.
+inline double effective_samples(std::size_t rows) {
+  constexpr double kRowsOfASample = 5.0;
+  return std::clamp(static_cast<double>(rows) / kRowsOfASample, 1.0, kMostSamples);
+}
 
 struct RecordGram {
   std::string name;

@@ -5,8 +5,6 @@
 
 #include "hil/base/largest_first.h"
 #include "hil/diagnose/base/base_fit.h"
-#include "hil/diagnose/candidates/command_jumps.h"
-#include "hil/diagnose/candidates/rig_law.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
@@ -253,7 +251,7 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<Cand
     }
     RecordGram& gram = channel.problem.records[k];
     gram.name = r.name;
-    gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
+    gram.n_eff = effective_samples(y.size());
     gram.noise_variance = std::pow(w.white_V[k] / channel.scale, 2) + 1e-8;
     gram.allowed_variance = std::pow(w.noise_V[k] / channel.scale, 2) + 1e-8;
     gram.smoothed_variance = std::pow(w.smoothed_V[k] / channel.scale, 2);
@@ -262,57 +260,6 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<Cand
   });
   finish_records(w.input, channel, threads);
   set_column_priors(channel);
-}
-
-void build_rig_channel(Workspace& w, unsigned threads) {
-  w.has_rig = false;
-  ResidualChannel& channel = w.rig;
-  channel = ResidualChannel{};
-  channel.scale = w.input.range_N;
-  channel.unit = "N";
-  find_rig_law(w, channel.record_of, threads);
-  if (channel.record_of.size() < 2) return;
-  w.has_rig = true;
-
-  MixedProblem& p = channel.problem;
-  p.nz = 4 + 3 + 2;
-  p.n_fixed = 4;
-  // a command reaches the force through a motor, a reference reads the force a few milliseconds late, and the angle's zero is
-  // known to a degree or two: no findings. Both are the same in all records: what differs from record to record is a play. Slow records
-  // say nothing of a lag
-  p.components = {{"rig_gain", 0.02, 0.002, 0.5},      {"rig_offset", 0.02, 0.001, 0.5},
-                  {"reference_lag", 0.01, 0.01, 50.0, true}, {"angle_zero", 5e-4, 5e-4, 50.0, true},
-                  {"rig_wander", 0.002, 3e-4, 0.5},    {"motor_lag", 1.0, 1.0, 1.0}};
-  p.component_of_z = {0, 1, 2, 3, 4, 4, 4, 5, 5};
-  p.fixed_prior_sd = Eigen::Vector4d(10.0, 10.0, 2.0, 0.03);
-  list_candidates(w, EffectChannel::rig, false, channel);
-  fill_channel(w, channel, threads,
-               [&](const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::MatrixXd& Z,
-                   std::vector<double>& y) {
-                 const double slope = w.rig_slope_N[r.index] / channel.scale;
-                 for (std::size_t j = 0; j < rows.size(); ++j) {
-                   const auto row = static_cast<Eigen::Index>(j);
-                   Z(row, 0) = r.rig_force_N[rows[j]] / channel.scale;
-                   Z(row, 1) = 1.0;
-                   if (slope != 0.0) {
-                     Z(row, 2) = slope * (r.cos_theta[rows[j]] - r.late_cos_theta[rows[j]]);
-                     Z(row, 3) = slope * r.sin_theta[rows[j]];
-                   }
-                   y.push_back(r.F_N[rows[j]] / channel.scale);
-                 }
-                 add_waves(r, rows, 4, 3, Z);
-                 if (r.theta_rad.empty())
-                   add_drive_lag(r, r.rig_force_N, rows, channel.scale, 7, Z);
-               },
-               [&](const RecordInput& r, std::vector<std::size_t>& rows) {
-                 if (r.theta_rad.empty()) leave_out_command_jumps(r, w.input.range_N, rows);
-               });
-}
-
-double allowed_rms(const ResidualChannel& channel) {
-  double sum = 0.0;
-  for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
-  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
 void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill, const LeaveOutRows& leave_out) {
@@ -332,7 +279,7 @@ void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads
     fill(r, rows, Z, y);
     RecordGram& gram = p.records[k];
     gram.name = r.name;
-    gram.n_eff = std::clamp(static_cast<double>(y.size()) / 5.0, 1.0, 150.0);
+    gram.n_eff = effective_samples(y.size());
     const RecordHealth* h =
         channel.record_of[k] < w.health.size() ? &w.health[channel.record_of[k]] : nullptr;
     const double step = h != nullptr ? h->lsb_F_N : 0.0, white = h != nullptr ? h->noise_F_N : 0.0;

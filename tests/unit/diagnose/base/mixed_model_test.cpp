@@ -58,6 +58,12 @@ double gain_of(const MixedProblem& p, int column) {
   return with.log_evidence - base.log_evidence;
 }
 
+TEST(MixedModel, ARecordCountsForAFifthOfItsRowsAtMostForALongOne) {
+  EXPECT_EQ(effective_samples(1), 1.0);
+  EXPECT_EQ(effective_samples(100), 20.0);
+  EXPECT_EQ(effective_samples(100000), kMostSamples);
+}
+
 TEST(MixedModel, FindsASlopeBetweenRecordsWithinItsUncertainty) {
   const Made m = make(4, 0.05);
   const MixedFit fit = fit_mixed(m.problem, {0}, nullptr, 30, RecordUse::all_records);

@@ -1,0 +1,20 @@
+#include "hil/diagnose/workspace.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forcegate::diagnose {
+
+double allowed_rms(const ResidualChannel& channel) {
+  double sum = 0.0;
+  for (const RecordGram& g : channel.problem.records) sum += g.allowed_variance;
+  return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
+}
+
+const EffectKind* kind_of(const Workspace& w, const std::string& name) {
+  for (const auto& own : w.user_kinds)
+    if (own->name == name) return own.get();
+  return EffectRegistry::instance().find(name);
+}
+
+}  // namespace forcegate::diagnose
