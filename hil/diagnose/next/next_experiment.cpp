@@ -144,8 +144,8 @@ Pair project(const VectorXd& a, const VectorXd& b, const RecordInput& r, double 
   G.diagonal().array() += 1e-9 * G.trace();
   const Eigen::LDLT<MatrixXd> solve(G);
   const VectorXd pa = a - X * solve.solve(X.transpose() * a), pb = b - X * solve.solve(X.transpose() * b);
-  // a segment counts for its seconds, at most 150 of them, not for its rows
-  const double weight = std::min(150.0, r.duration_s) / static_cast<double>(a.size()) / (noise * noise);
+  // a segment counts for its seconds, not for its rows
+  const double weight = std::min(kMostSamples, r.duration_s) / static_cast<double>(a.size()) / (noise * noise);
   return {pa.squaredNorm() * weight, pa.dot(pb) * weight, pb.squaredNorm() * weight};
 }
 
@@ -163,10 +163,10 @@ VectorXd signature(const Workspace& w, const RecordInput& r, const Rival& rival)
 }
 
 // Findings that the diagnosis could not part, each group in the order of the findings.
-std::vector<std::string> sharing_a_place(const Diagnosis& d) {
+std::vector<std::string> sharing_a_place(const Workspace& w, const Diagnosis& d) {
   std::vector<std::string> out;
   for (const Finding& f : d.findings) {
-    const EffectKind* kind = EffectRegistry::instance().find(f.effect);
+    const EffectKind* kind = kind_of(w, f.effect);
     if (kind == nullptr || kind->channel != EffectChannel::output || out.size() == kMostRivals) continue;
     if (std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& o) { return compete_for_one_place(d, f.effect, o.effect); }))
       out.push_back(f.effect);
@@ -194,10 +194,10 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
   if (w.output.problem.records.empty()) return out;
   // rivals: those that share a place among the findings, and the best of the ranking that these data leave open, at least two
   std::vector<Rival> rivals;
-  std::vector<std::string> open = sharing_a_place(d);
+  std::vector<std::string> open = sharing_a_place(w, d);
   const double top = d.ranking.empty() ? 0.0 : d.ranking.front().score;
   for (const RankedEffect& r : d.ranking) {
-    const EffectKind* kind = EffectRegistry::instance().find(r.effect);
+    const EffectKind* kind = kind_of(w, r.effect);
     if (kind == nullptr || kind->channel != EffectChannel::output || !r.note.empty()) continue;
     if (std::find(open.begin(), open.end(), r.effect) != open.end()) continue;
     if (open.size() < 2 || (open.size() < kMostRivals && r.score > 0.6 * top && r.score > 3.0)) open.push_back(r.effect);

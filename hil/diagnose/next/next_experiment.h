@@ -1,5 +1,5 @@
 #pragma once
-// S8: which segments of rig time separate the rivals best. Rivals are the effects that compete for the explanation; each
+// S8: which segments of rig time separate the rivals best. Rivals are the effects that compete for the explanation, a user's own among them; each
 // segment is simulated for all of them and the rival is refitted inside (T-optimality, Atkinson and Fedorov 1975):
 // what counts is the part of an effect's signature that the rival and the base law cannot imitate, per minute.
 

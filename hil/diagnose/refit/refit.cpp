@@ -134,9 +134,7 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   for (const UserEffect& effect : start.user_effects)
     if (is_fitted(effect)) names.push_back(effect.name);
   if (!add.empty()) {
-    const EffectKind* kind = EffectRegistry::instance().find(add);
-    for (const auto& own : w.user_kinds)
-      if (own->name == add) kind = own.get();
+    const EffectKind* kind = kind_of(w, add);
     for (const UserEffect& own : start.user_effects)
       if (kind != nullptr && own.name == add) FORCEGATE_CHECK_OK(check_excited(own, *kind, w.input));
     if (kind == nullptr) {

@@ -113,5 +113,20 @@ TEST(NextExperiment, AsksNothingOfEffectsThatTheAnswerDoesNotNameNorOfWhatIsKnow
   EXPECT_TRUE(propose_experiment(**asked.workspace, d).segments.empty()) << "90 to 1 already";
 }
 
+TEST(NextExperiment, AUsersOwnEquationIsARivalAsAnyOther) {
+  EngineOptions options = LateOutput::options();
+  options.user_effects = {{"own_lag", {{"k", "1", 1.0, 0.0, -5.0, 5.0, 0.0}, {"tau_s", "s", 0.06, 0.0, 0.01, 1.0, 0.06}}, {{"x", "(F - x) / tau_s"}}, "k * (x - F)"}};
+  Campaign c = make_campaign(61, late);
+  std::erase_if(c.records, [](const Record& r) { return r.kind != "ramp"; });
+  const auto w = prepare(std::move(c), options);
+  ASSERT_TRUE(w.has_value()) << w.error().to_text();
+  Diagnosis d;
+  d.findings = {finding("own_lag", 0.5), finding("delay", 0.45, "own_lag")};
+  d.ranking = {ranked("own_lag", 500.0), ranked("delay", 499.0)};
+  const NextExperiment next = propose_experiment(**w, d);
+  ASSERT_FALSE(next.segments.empty());
+  EXPECT_EQ(next.segments.front().separates, "own_lag / delay");
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
