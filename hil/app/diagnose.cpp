@@ -31,7 +31,7 @@ bool has_unknown_column(const Campaign& campaign) {
 std::optional<Model> with_claims(diagnose::Workspace& w, const Model& model, const Diagnosis& d, unsigned threads) {
   std::optional<Model> out;
   for (const Finding& f : d.findings) {
-    if (!f.claimed() || f.form == "raw" || f.unit != d.unit) continue;
+    if (!f.claimed() || f.of_samples() || f.unit != d.unit) continue;
     if (auto refit = diagnose::refit_model(w, out ? *out : model, f.effect, threads)) out = std::move(refit->model);
   }
   return out;
@@ -73,7 +73,7 @@ const Finding* worth_adding(const Diagnosis& d) {
   if (d.error_after > kSame * d.error_before) return nullptr;
   for (const Finding& f : d.findings) {
     const EffectKind* kind = EffectRegistry::instance().find(f.effect);
-    if (f.claimed() && f.form != "raw" && f.effect != "drift" && f.unit == d.unit &&
+    if (f.claimed() && !f.of_samples() && f.effect != "drift" && f.unit == d.unit &&
         f.error_after < f.error_before && (kind == nullptr || kind->channel == EffectChannel::output))
       return &f;
   }

@@ -47,11 +47,6 @@ WhatNext after_diagnosis(const Diagnosis& d, const Standing& at) {
   return {Step::explain, word_of(d)};
 }
 
-bool is_noise(double error, double floor) {
-  constexpr double kToItsNoise = 1.5;
-  return floor > 0.0 && error <= kToItsNoise * floor;
-}
-
 bool is_shipped_model(const std::string& model) {
   const std::vector<std::string> known = library_model_names();
   return model.empty() || std::ranges::find(known, model) != known.end();

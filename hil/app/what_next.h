@@ -44,9 +44,6 @@ struct Standing {
 
 WhatNext after_diagnosis(const Diagnosis& diagnosis, const Standing& standing);
 
-/// Whether what is left is what the instruments leave, so that no further effect can be hidden in it.
-bool is_noise(double error, double floor);
-
 /// True for a name of the models that come with the program, and for "".
 bool is_shipped_model(const std::string& model);
 

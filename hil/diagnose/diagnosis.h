@@ -59,6 +59,19 @@ struct Reservation {
 
 /// A finding at least this probable is a claim.
 inline constexpr double kClaim = 0.5;
+/// To which what may well be there is lowered: a suspicion. Whether something is claimed, Finding::claimed() says.
+inline constexpr double kNoClaim = 0.49;
+/// To which what something else explains as well or better is lowered.
+inline constexpr double kWithdrawn = 0.2;
+static_assert(kWithdrawn < kNoClaim && kNoClaim < kClaim);
+
+/// RMS of a model over that of the noise which its instruments may leave, up to which it describes the records: noise is declared no better.
+inline constexpr double kToItsNoise = 1.5;
+/// The same from which something is left that no instrument makes: one that is declared too good by twice stays below.
+inline constexpr double kFarAboveNoise = 2.5;
+
+/// Form of a finding that a detector made of the samples themselves: no term of a model.
+inline constexpr const char* kOfSamples = "raw";
 
 struct Finding {
   std::string effect;
@@ -79,8 +92,10 @@ struct Finding {
   bool side_witnessed =
       true;  ///< false: no third channel could tell sensor from reference; said in `evidence`
   std::vector<Reservation> reservations;  ///< in the order in which they were made
+  bool between_records = false;  ///< it changes gain or zero from record to record: their levels are its evidence
 
   bool claimed() const { return probability >= kClaim; }
+  bool of_samples() const { return form == kOfSamples; }
 
   /// Lowers a probability above `most` to it, and says why in `reservations` and at the end of `evidence`. The only way to a lower one.
   /// True when it was above.
@@ -182,6 +197,7 @@ struct ModelStep {
 struct Diagnosis {
   std::string campaign;
   std::string model;
+  bool single = false;  ///< one recording: its records are parts of it
   DiagnosisVerdict verdict = DiagnosisVerdict::none;
   bool residual_unknown = false;
   std::vector<Finding> findings;                              ///< claims first, then weaker ones
@@ -208,6 +224,15 @@ struct Diagnosis {
   std::vector<std::string> notes;
   double force_range_N = 0.0, voltage_range_V = 0.0;
 };
+
+/// Whether what is left is what the instruments leave, so that no further effect can be hidden in it.
+inline bool is_noise(double error, double floor) { return floor > 0.0 && error <= kToItsNoise * floor; }
+
+/// Records that are each described by a gain and zero of their own, and not by one for all.
+inline bool differs_between_records(const Diagnosis& d) {
+  constexpr double kFar = 3.0;
+  return !d.single && d.plain_after > kFar * d.error_after && is_noise(d.error_after, d.floor);
+}
 
 /// What was refused with evidence and does not stand among the findings: for people, who have read those.
 inline std::vector<RefusedEffect> refused_beside_findings(const Diagnosis& d) {

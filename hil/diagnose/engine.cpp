@@ -32,6 +32,7 @@ namespace {
 void set_scales(const Workspace& w, const EngineOptions& options, Diagnosis& out) {
   out.campaign = w.input.name;
   out.model = options.model_name;
+  out.single = w.input.single;
   out.unit = w.output.unit;
   out.notes = w.input.notes;
   out.force_range_N = w.input.range_N;
@@ -40,14 +41,11 @@ void set_scales(const Workspace& w, const EngineOptions& options, Diagnosis& out
 
 Finding of_raw_samples(const HealthClaim& claim, const std::string& unit) {
   const EffectKind* kind = EffectRegistry::instance().find(claim.effect);
-  Finding out;
-  out.effect = claim.effect;
-  out.side = kind != nullptr ? kind->side : "instrument";
-  out.unit = unit;  // of its errors, which are the output's
+  Finding out = finding_about(*kind, unit);  // of its errors, which are the output's
   out.probability = claim.probability;
   out.evidence = claim.evidence;
   out.parameters.push_back({claim.parameter, claim.value, claim.u, claim.unit});
-  out.form = "raw";
+  out.form = kOfSamples;
   out.samples = claim.samples;
   return out;
 }
@@ -90,7 +88,7 @@ void put_in_order(std::vector<Finding>& findings) {
   const auto rank = [&](const Finding& f) {
     const double of = most[f.unit], fall = of > 0.0 ? (f.error_before * f.error_before - f.error_after * f.error_after) / (of * of) : 0.0;
     const double sure = f.probability >= 0.8 ? 1.0 : f.claimed() ? std::floor(10.0 * f.probability) / 10.0 : f.probability;
-    return std::pair{sure, f.form == "raw" ? 0.0 : fall};
+    return std::pair{sure, f.of_samples() ? 0.0 : fall};
   };
   std::stable_sort(findings.begin(), findings.end(), [&](const Finding& a, const Finding& b) { return rank(a) > rank(b); });
   std::vector<Finding> unique;
@@ -138,14 +136,13 @@ void tell_wide_scatter(const Workspace& w, const MixedFit& fit, Diagnosis& out) 
 // Spikes are told apart from what is left without them. Where that stands far above the noise and has no name, they may be its tips: the
 // slips of a film that sticks. True when they were withdrawn.
 bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
-  constexpr double kWithdrawn = 0.2;
   constexpr std::size_t kSeveralRecords = 2;
   if (!rest.structured() && !(rest.far_above && rest.records_far_above.size() >= kSeveralRecords)) return false;
-  const auto is_tip = [](const Finding& f) { return f.effect == "outliers" && f.form == "raw"; };
-  if (std::ranges::any_of(findings, [&](const Finding& f) { return !is_tip(f) && f.probability > kNoClaim; })) return false;
+  const auto is_tip = [](const Finding& f) { return f.effect == "outliers" && f.of_samples(); };
+  if (std::ranges::any_of(findings, [&](const Finding& f) { return !is_tip(f) && f.claimed(); })) return false;
   bool out = false;
   for (Finding& f : findings)
-    if (is_tip(f) && f.probability > kNoClaim)
+    if (is_tip(f) && f.claimed())
       out |= f.limit(kWithdrawn, "what is left without them is far above the noise, and they may belong to it");
   return out;
 }
@@ -225,7 +222,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
     for (Finding& f : out.findings)
-      if (f.form != "raw") f.limit(0.5 * f.probability, "the noise of the reference bends and delays whatever is compared with it");
+      if (!f.of_samples()) f.limit(0.5 * f.probability, "the noise of the reference bends and delays whatever is compared with it");
   const bool tips = withdraw_tips(rest, out.findings);
   put_in_order(out.findings);
   tell_not_separable(selection, out);
@@ -249,7 +246,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   add_records(w, selection, out);
   add_steps(w, selection, out);
   for (Finding& f : out.findings)
-    if (f.form == "raw") {
+    if (f.of_samples()) {
       f.error_before = out.error_before;
       f.error_after = out.error_after;
     }
@@ -269,7 +266,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   tell_wide_scatter(w, selection.final, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);
-  suspect_refused(search.rules, out);
+  suspect_refused(w, search.rules, out);
   tell_guessed_effects(w, selection.claimed.valid ? selection.claimed : selection.base, search.rules.first_gain, out);
   state_probabilities(out);
   if (options.pictures) add_pictures(w, search, selection.claimed, options.threads, out);

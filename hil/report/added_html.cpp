@@ -27,7 +27,7 @@ std::string section(const Diagnosis& view, const AddedEffect& added, const Recor
   out += picture(figures::waterfall(error_title(view.judged_by) + " over the model's effects", "base law", added.steps, "now", added.unit,
                                     added.floor > 0.0 ? added.floor : NAN, "does not lower the error in every order of adding"));
   if (!view.findings.empty()) {
-    if (shows_between_records(added.effect)) out += between_records(pictures);
+    if (view.findings.front().between_records) out += between_records(pictures);
     out += evidence(view.findings.front(), view.judged_by);
   }
   return out + parameters(added) + "</section>\n";

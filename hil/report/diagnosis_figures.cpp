@@ -97,11 +97,11 @@ Figure diagnosis_waterfall(const Diagnosis& d) {
   std::vector<WaterfallStep> steps;
   double error = d.error_before;
   const auto claims = [&](const std::string& effect) {
-    return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.form != "raw" && f.claimed(); });
+    return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && !f.of_samples() && f.claimed(); });
   };
   std::vector<std::string> raw;
   for (const Finding& f : d.findings)
-    if (f.form == "raw" && f.claimed()) raw.push_back(f.effect);
+    if (f.of_samples() && f.claimed()) raw.push_back(f.effect);
   for (const ModelStep& step : d.steps) {
     const std::string name = step.effect.empty() ? join(raw, ", ") : step.effect;
     if (name.empty()) continue;
@@ -120,7 +120,7 @@ Figure diagnosis_waterfall(const Diagnosis& d) {
 bool is_of_rig(const Diagnosis& d, const Finding& f) {
   const auto rig = d.errors.find("F");
   // what the drive does is held against its command
-  return rig != d.errors.end() && f.claimed() && f.form != "raw" && f.unit == rig->second.unit && f.effect != "motor";
+  return rig != d.errors.end() && f.claimed() && !f.of_samples() && f.unit == rig->second.unit && f.effect != "motor";
 }
 
 bool claims_hum(const Diagnosis& d) {

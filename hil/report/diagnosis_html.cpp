@@ -34,22 +34,6 @@ std::string chance_sentence(const Diagnosis& d) {
          " effects still pass the threshold. What ranks without a claim may be a leftover of something else.";
 }
 
-// The blocks of one recording are called "NAME/1", "NAME/2" ...
-bool is_one_recording(const Diagnosis& d) {
-  if (d.records.size() < 2) return false;
-  const std::string& first = d.records.front().record;
-  const std::string name = first.substr(0, first.rfind('/'));
-  for (std::size_t k = 0; k < d.records.size(); ++k)
-    if (d.records[k].record != name + "/" + std::to_string(k + 1)) return false;
-  return true;
-}
-
-// Records that are each described by a gain and zero of their own, and not by one for all.
-bool differs_between_records(const Diagnosis& d) {
-  constexpr double kFar = 3.0, kToItsNoise = 1.5;
-  return !is_one_recording(d) && d.plain_after > kFar * d.error_after && d.error_after <= kToItsNoise * d.floor;
-}
-
 // What else than claims the error after holds, as the waterfall draws it hollow.
 std::string unclaimed_share(const Diagnosis& d) {
   std::vector<std::string> names;
@@ -63,9 +47,8 @@ std::string unclaimed_share(const Diagnosis& d) {
 }
 
 std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks) {
-  constexpr double kToItsNoise = 1.5;
   const bool comparison = page.comparison;
-  const bool fits = comparison ? d.error_before <= kToItsNoise * d.floor : d.verdict == Answer::none;
+  const bool fits = comparison ? is_noise(d.error_before, d.floor) : d.verdict == Answer::none;
   const std::string colour = fits ? "ok" : comparison || d.verdict == Answer::known ? "wa" : "no";
   std::string out = "<header class=\"" + (page.lead ? page.lead->colour : colour) + "\"><div><h1>" +
                     escape(page.lead    ? page.lead->headline
@@ -87,7 +70,7 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   };
   fact("campaign", escape(d.campaign));
   fact("model", escape(d.model));
-  if (is_one_recording(d))
+  if (d.single)
     fact("one recording, parts", std::to_string(d.records.size()));
   else if (!d.records.empty())
     fact("records", std::to_string(d.records.size()));
@@ -121,7 +104,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bo
     if (!html.empty()) out += "<dt>" + std::string(name) + "</dt><dd>" + html + "</dd>";
   };
   // a fault that is seen in the raw samples is no term of the model: the fall of the error is not its doing. A rival was not taken in
-  if (f.form != "raw" && f.error_before > 0.0) {
+  if (!f.of_samples() && f.error_before > 0.0) {
     fact(error_title(judged_by),
          escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
     if (f.effect_rms > 0.0) fact("Effect", escape(in_unit(f.effect_rms, f.unit)) + " RMS");
@@ -146,7 +129,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bo
   return out + "</div></details>\n";
 }
 
-bool is_claimed_between_records(const Finding& f) { return f.claimed() && shows_between_records(f.effect); }
+bool is_claimed_between_records(const Finding& f) { return f.claimed() && f.between_records; }
 
 bool differs_without_cause(const Diagnosis& d) {
   return d.verdict == Answer::unknown && d.not_separable.empty() && !d.follows.empty() && differs_between_records(d);
@@ -161,7 +144,7 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
     out += differs_without_cause(d) ? ""
            : d.verdict == Answer::unknown
                ? "<p>No listed effect has this shape. The maps below show where the error lives.</p>\n"
-               : "<p>No listed effect lowers the error of " + std::string(is_one_recording(d) ? "parts" : "records") +
+               : "<p>No listed effect lowers the error of " + std::string(d.single ? "parts" : "records") +
                      " that were not fitted. What is left is noise for these inputs; it says nothing about inputs that were not played.</p>\n";
   }
   std::size_t opened = 0;
@@ -169,7 +152,7 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
   for (const Finding& f : d.findings) {
     const bool here = !drawn && is_claimed_between_records(f);
     drawn |= here;
-    out += finding(f, d.judged_by, is_one_recording(d), f.claimed() && opened++ < 3, here ? between_records(pictures) : "");
+    out += finding(f, d.judged_by, d.single, f.claimed() && opened++ < 3, here ? between_records(pictures) : "");
   }
   if (differs_without_cause(d))
     out += "<p>Each record is described to its noise by a gain and zero of its own, and nothing that was recorded says why they differ.</p>\n" + between_records(pictures);

@@ -1,10 +1,8 @@
 #include "hil/report/record_pictures.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-#include <string_view>
 
 #include "hil/report/figures/plots.h"
 #include "hil/report/figures/text.h"
@@ -87,11 +85,6 @@ void add_line(Panel& panel, std::vector<double> x, std::vector<double> y, Style 
 }
 
 }  // namespace
-
-bool shows_between_records(const std::string& effect) {
-  constexpr std::array<std::string_view, 8> kEffects = {"bias", "wear", "reference_drift", "mounting", "thermal", "humidity", "slow_recovery", "drift"};
-  return std::ranges::find(kEffects, effect) != kEffects.end();
-}
 
 Figure spectrum_figure(const ResidualSpectrum& s, const std::string& unit, bool mains) {
   Figure figure("Spectrum of the residual, record " + s.record, kWidth);

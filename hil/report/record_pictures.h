@@ -62,7 +62,4 @@ figures::Figure extrema_figure(const ExtremaDecay& extrema, const std::string& u
 figures::Figure levels_figure(const RecordPictures& pictures);
 figures::Figure drift_figure(const DriftCourse& course, const std::string& unit);
 
-/// Whether the effect changes gain or zero from record to record, so that levels_figure is its evidence.
-bool shows_between_records(const std::string& effect);
-
 }  // namespace forcegate

@@ -31,14 +31,14 @@ struct Course {
 
 // A change of frequency is not counted: how the decay goes on after it differs from law to law.
 std::vector<Course> not_exponential(const Workspace& w, const MixedFit& fit, unsigned threads) {
-  constexpr double kFar = 2.5, kLeast = 1e-3;  // of the noise and of what is left; of the span
+  constexpr double kLeast = 1e-3;  // of the span
   std::vector<Course> all(w.output.record_of.size());
   parallel_for(all.size(), threads, [&](std::size_t i) {
     const RecordInput& r = w.input.records[w.output.record_of[i]];
     const RecordGram& gram = w.output.problem.records[i];
     if (!r.dynamic || !r.frequency_jumps_s.empty()) return;
     const double beside = std::sqrt(std::max(fit.adapted[i], gram.allowed_variance + gram.smoothed_variance)), left = std::sqrt(left_by_decay(r)) / w.output.scale;
-    if (left > kFar * beside && left > kLeast) all[i] = {w.output.record_of[i], left * w.output.scale, beside * w.output.scale};
+    if (left > kFarAboveNoise * beside && left > kLeast) all[i] = {w.output.record_of[i], left * w.output.scale, beside * w.output.scale};
   });
   std::erase_if(all, [](const Course& c) { return c.left_V == 0.0; });
   return all;

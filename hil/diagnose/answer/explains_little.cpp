@@ -39,11 +39,10 @@ LeftOver left_over(const ResidualChannel& channel, const MixedFit& fit, const Mi
 // The error of all, and that of the typical record that stood far above the noise: one record may have a fault of its own.
 bool leaves_most_of(const LeftOver& before, const LeftOver& after) {
   constexpr double kMost = 0.75;  // of the RMS: over half of the mean square
-  constexpr double kFar = 2.5;    // of the noise
   if (!(after.rms > kMost * before.rms)) return false;
   double log_ratio = 0.0, n = 0.0;
   for (std::size_t k = 0; k < before.square.size(); ++k) {
-    if (!(before.square[k] > kFar * kFar * before.noise[k])) continue;
+    if (!(before.square[k] > kFarAboveNoise * kFarAboveNoise * before.noise[k])) continue;
     log_ratio += 0.5 * std::log(std::max(1e-9, after.square[k] / before.square[k]));
     n += 1.0;
   }
@@ -55,14 +54,13 @@ bool leaves_most_of(const LeftOver& before, const LeftOver& after) {
 bool withdraw_what_explains_little(const ResidualChannel& channel, const Selection& selection, const Remainder& rest, JudgedBy by,
                                    std::vector<Finding>& findings) {
   constexpr double kMostOfFamily = 0.36, kBesideRaw = 0.45;  // the same of all forms: an eighth; a fifth beside claims about raw samples
-  constexpr double kAbove = 2.5, kFarAbove = 8.0;            // of the instruments' noise
-  constexpr double kWithdrawn = 0.2;
+  constexpr double kInAnyCase = 8.0;                         // of the instruments' noise
   const bool remains = rest.beside_claims;
   const LeftOver before = left_over(channel, selection.base, selection.base, rest.of_hum, by),
                 after = left_over(channel, selection.claimed, selection.base, rest.of_hum, by);
-  const double above = remains ? kAbove : kFarAbove;
+  const double above = remains ? kFarAboveNoise : kInAnyCase;
   // what the samples themselves have named, such as spikes, is left here too
-  const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.form == "raw" && f.probability > kNoClaim; });
+  const bool named = std::ranges::any_of(findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
   if (!(after.rms > above * allowed_rms(channel)) && (named || !(after.log_factor > std::log(above)))) return false;
   const bool leaves_most = leaves_most_of(before, after);
   // of another machine the forms of the library are rough, and the right one leaves much as well
@@ -70,7 +68,7 @@ bool withdraw_what_explains_little(const ResidualChannel& channel, const Selecti
   const double of_family = named ? kBesideRaw : kMostOfFamily;
   if (!(selection.excess_after > of_family * of_family * selection.excess_before)) return false;
   const auto of_course = [&](const ChosenEffect& c) { return !c.between && (leaves_most || (remains && c.kind->traits.any_course && !rough)); };
-  const auto claimed = [](const Finding& f) { return f.form != "raw" && f.probability > kNoClaim; };
+  const auto claimed = [](const Finding& f) { return !f.of_samples() && f.claimed(); };
   const auto finding_of = [&](const ChosenEffect& c, const Finding& f) { return f.effect == c.kind->name && claimed(f); };
   const bool withdrawn = std::ranges::any_of(selection.chosen, [&](const ChosenEffect& c) {
     return of_course(c) && std::ranges::any_of(findings, [&](const Finding& f) { return finding_of(c, f); });

@@ -61,6 +61,15 @@ constexpr const char* kDoesNotFall = "the error of records left out does not fal
 
 }  // namespace
 
+Finding finding_about(const EffectKind& kind, const std::string& unit) {
+  Finding out;
+  out.effect = kind.name;
+  out.side = kind.side;
+  out.unit = unit;
+  out.between_records = kind.traits.between_records;
+  return out;
+}
+
 double judged(const ResidualChannel& channel, const std::vector<double>& mean_square, JudgedBy by) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < mean_square.size(); ++i)
@@ -158,10 +167,7 @@ std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selecti
   std::vector<Finding> out;
   for (const ChosenEffect& chosen : selection.chosen) {
     if (chosen.borne_out) continue;
-    Finding f;
-    f.effect = chosen.kind->name;
-    f.side = chosen.kind->side;
-    f.unit = channel.unit;
+    Finding f = finding_about(*chosen.kind, channel.unit);
     f.probability = chosen.share_of_family;
     f.evidence = chosen.kind->summary;
     f.limit(kNoClaim, kDoesNotFall);
@@ -187,10 +193,7 @@ bool cause_differs(const CampaignInput& campaign, const ResidualChannel& channel
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out) {
   for (const ChosenEffect& chosen : selection.chosen) {
-    Finding f;
-    f.effect = chosen.kind->name;
-    f.side = chosen.kind->side;
-    f.unit = channel.unit;
+    Finding f = finding_about(*chosen.kind, channel.unit);
     // evidence between records is honest, since n counts records: posterior odds against a prior of 1 in 20, of 1 in 5 where the cause was
     // recorded and differed. Within records the evidence counts rows that hang together and is only a scale
     const double prior_odds = cause_differs(w.input, channel, chosen) ? 1.0 / 5.0 : 1.0 / 20.0;
@@ -231,14 +234,9 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     out.findings.push_back(std::move(f));
     // the rivals of this place stand beside it with what is left of the probability
     for (const auto& [name, share] : chosen.rivals) {
-      const EffectKind* kind = EffectRegistry::instance().find(name);
-      for (const auto& own : w.user_kinds)
-        if (own->name == name) kind = own.get();
+      const EffectKind* kind = kind_of(w, name);
       if (kind == nullptr || share < 0.05) continue;
-      Finding weak;
-      weak.effect = name;
-      weak.side = kind->side;
-      weak.unit = channel.unit;
+      Finding weak = finding_about(*kind, channel.unit);
       weak.rival_of = chosen.kind->name;
       weak.probability = std::clamp(share * real * whole, 0.0, kNoClaim);
       weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
@@ -249,13 +247,10 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
 
 namespace {
 
-void add_suspicion(const RefusedEffect& refused, double probability, Diagnosis& out) {
-  const EffectKind* kind = EffectRegistry::instance().find(refused.effect);
+void add_suspicion(const Workspace& w, const RefusedEffect& refused, double probability, Diagnosis& out) {
+  const EffectKind* kind = kind_of(w, refused.effect);
   if (kind == nullptr) return;
-  Finding f;
-  f.effect = kind->name;
-  f.side = kind->side;
-  f.unit = kind->channel == EffectChannel::rig ? "N" : out.unit;
+  Finding f = finding_about(*kind, kind->channel == EffectChannel::rig ? "N" : out.unit);
   f.probability = probability;
   f.evidence = kind->summary + "; not claimed: " + std::string(traits_of(refused.reason).sentence);
   const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [&](const Finding& o) { return o.probability < f.probability; });
@@ -276,17 +271,17 @@ const RefusedEffect* likeliest_between_records(const std::vector<RefusedEffect>&
 
 }  // namespace
 
-void suspect_refused(const SelectionRules& rules, Diagnosis& out) {
+void suspect_refused(const Workspace& w, const SelectionRules& rules, Diagnosis& out) {
   constexpr double kLeastScore = 20.0;
   constexpr double kBetweenRecords = 0.4;  // how often it was that one: counted on 50 of them from three generators
   const RefusedEffect* strongest = nullptr;
   const std::vector<RefusedEffect> refused = refused_beside_findings(out);
   for (const RefusedEffect& r : refused)
     if (r.score >= kLeastScore && (strongest == nullptr || r.score > strongest->score)) strongest = &r;
-  const bool any_claim = std::ranges::any_of(out.findings, [](const Finding& o) { return o.probability > kNoClaim; });
-  if (strongest != nullptr) add_suspicion(*strongest, suspicion_probability(strongest->reason, any_claim), out);
+  const bool any_claim = std::ranges::any_of(out.findings, [](const Finding& o) { return o.claimed(); });
+  if (strongest != nullptr) add_suspicion(w, *strongest, suspicion_probability(strongest->reason, any_claim), out);
   if (!out.findings.empty()) return;
-  if (const RefusedEffect* between = likeliest_between_records(out.refused, rules.between_gain)) add_suspicion(*between, kBetweenRecords, out);
+  if (const RefusedEffect* between = likeliest_between_records(out.refused, rules.between_gain)) add_suspicion(w, *between, kBetweenRecords, out);
 }
 
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings) {
@@ -299,14 +294,14 @@ void share_among_timing(const Selection& selection, std::vector<Finding>& findin
   double left = 1.0;
   for (const ChosenEffect* c : timing)
     for (Finding& f : findings)
-      if (f.effect == c->kind->name && f.form != "raw") {
+      if (f.effect == c->kind->name && !f.of_samples()) {
         f.limit(std::max(0.0, left), "one residual has one cause in time");
         left -= f.probability;
       }
 }
 
 void tell_not_separable(const Selection& selection, Diagnosis& out) {
-  constexpr double kOdds = 4.0, kWithdrawn = 0.2;
+  constexpr double kOdds = 4.0;
   for (const ChosenEffect& c : selection.chosen) {
     std::vector<std::string> set = {c.kind->name};
     for (const auto& [name, share] : c.rivals)

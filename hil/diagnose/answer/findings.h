@@ -10,8 +10,8 @@
 
 namespace forcegate::diagnose {
 
-/// Below it a finding is a suspicion, no claim.
-constexpr double kNoClaim = 0.49;
+/// A finding about an effect, of errors in `unit`: nothing is said of it yet.
+Finding finding_about(const EffectKind& kind, const std::string& unit);
 
 /// Mean square residual of every record, predicted: held-out records by a fit of the others, without any by leaving each
 /// out in turn. Both models of a comparison may follow a record by the same spread, that of `freedom`.
@@ -39,7 +39,7 @@ void add_findings(const Workspace& workspace, const ResidualChannel& channel, co
 
 /// The strongest of what was refused becomes a suspicion, with the share of such that was there; where nothing else is told, the likeliest cause
 /// between records does. After everything else was found.
-void suspect_refused(const SelectionRules& rules, Diagnosis& out);
+void suspect_refused(const Workspace& workspace, const SelectionRules& rules, Diagnosis& out);
 
 /// One residual has one cause in time: the effects of time share one probability, the one that can be spared least first.
 void share_among_timing(const Selection& selection, std::vector<Finding>& findings);

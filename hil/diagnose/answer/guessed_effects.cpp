@@ -28,11 +28,8 @@ void tell_guessed_effects(const Workspace& w, const MixedFit& fit, double first_
       continue;
     }
     if (std::ranges::any_of(out.findings, [&](const Finding& o) { return o.effect == c.kind->name; })) continue;  // two forms of one effect
-    Finding f;
-    f.effect = c.kind->name;
-    f.side = c.kind->side;
+    Finding f = finding_about(*c.kind, out.unit);
     f.form = c.form->name;
-    f.unit = out.unit;
     f.probability = kNoClaim;
     f.in_model = true;
     std::string values;

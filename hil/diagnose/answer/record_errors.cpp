@@ -37,7 +37,7 @@ void add_records(const Workspace& w, const Selection& selection, Diagnosis& out)
   Judged before = judge(channel, base, base, w.judges), after = judge(channel, final, base, w.judges);
   // what a claim changes between the records, their own gains and zeros would hide
   out.levels = std::any_of(out.findings.begin(), out.findings.end(),
-                           [](const Finding& f) { return f.claimed() && f.form != "raw" && is_between_records(f.effect); });
+                           [](const Finding& f) { return f.claimed() && !f.of_samples() && is_between_records(f.effect); });
   if (out.levels) {
     before.adapted = judge_levels(channel, base, base, w.judges);
     after.adapted = judge_levels(channel, final, base, w.judges);

@@ -27,7 +27,7 @@ struct AboveNoise {
 
 // A change of frequency is not counted: how the decay goes on after it differs from law to law.
 AboveNoise far_above_noise(const ResidualChannel& channel, const Workspace& w, const std::vector<std::vector<double>>& residual) {
-  constexpr double kFar = 2.5, kVeryFar = 5.0;
+  constexpr double kFar = kFarAboveNoise, kVeryFar = 5.0;
   constexpr int kSeveral = 2;
   AboveNoise out;
   int very_far = 0;

@@ -6,9 +6,6 @@
 
 namespace forcegate::diagnose {
 
-/// RMS of a model of one recording over that of the noise that its instruments may leave, up to which it describes it.
-inline constexpr double kToItsNoise = 1.5;
-
 /// Whether `fit`, without zetas of the parts, leaves in every part no more than kToItsNoise times the noise.
 bool is_down_to_noise(const ResidualChannel& channel, const MixedFit& fit);
 

@@ -183,6 +183,7 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   if (leaves_more) out.depends_on = {"time"};
   Finding f;
   f.effect = "drift";
+  f.between_records = true;  // the levels of the records show it
   f.side = "unknown";
   f.side_witnessed = false;
   f.form = form;

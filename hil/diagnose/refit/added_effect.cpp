@@ -46,6 +46,7 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   Diagnosis out;
   out.campaign = w.input.name;
   out.model = before.model_name;
+  out.single = w.input.single;
   out.unit = w.output.unit;
   out.force_range_N = w.input.range_N;
   out.voltage_range_V = w.input.U_range_V;
@@ -57,10 +58,7 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   if (!selection.base.valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name);
   FORCEGATE_TRY(ChosenEffect chosen, choose(w, selection.base, effect, before.threads));
   selection.claimed = selection.final = chosen.fit;
-  Finding f;
-  f.effect = effect;
-  f.side = chosen.kind->side;
-  f.unit = out.unit;
+  Finding f = finding_about(*chosen.kind, out.unit);
   f.probability = 1.0;
   out.findings.push_back(std::move(f));
   selection.chosen.push_back(std::move(chosen));

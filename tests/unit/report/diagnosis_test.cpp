@@ -222,7 +222,8 @@ TEST(DiagnosisPage, draws_spectrum_and_level_or_says_why_not) {
 
 TEST(DiagnosisPage, draws_the_level_of_the_records_beside_a_claim_that_acts_between_them) {
   Diagnosis d = sample::diagnosis();
-  d.findings[0].effect = "wear";
+  d.findings[0].effect = "a new one";
+  d.findings[0].between_records = true;
   const std::string page = diagnosis_html(d, {"0.1.0", "", false, some_pictures()});
   EXPECT_EQ(count(page, "<title>Level of every record in its order</title>"), 1u);
   EXPECT_LT(page.find("<title>Level of every record in its order</title>"), page.find("id=\"looks\""));

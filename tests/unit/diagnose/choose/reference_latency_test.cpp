@@ -40,7 +40,9 @@ Campaign edges(std::uint64_t seed, const std::function<double(double F)>& lead_s
 }
 
 double shift_of(TimeShift shift) {
-  EffectKind kind{.name = "an effect of time", .traits = {.timing = true, .shift = shift}, .forms = {}};
+  EffectKind kind;
+  kind.traits.timing = true;
+  kind.traits.shift = shift;
   EffectForm form;
   ResidualChannel channel;
   channel.candidates.push_back({&kind, &form, {0.5}, 0, 1});
