@@ -40,79 +40,125 @@ double last_corner_N(const Finding& clipping) {
   return out;
 }
 
-Reservation reservation(const Workspace& w, const ResidualChannel& channel, const MixedFit& base, const Finding& f) {
-  const CampaignInput& campaign = w.input;
-  const double declared_N = campaign.bench.reference_resolution_N, resolution_N = std::isfinite(declared_N) ? declared_N : w.scales.step_N;
-  constexpr double kOrdinaryCurve = 8e-4;      // of the span, RMS: amplifiers, converters and references are bent by as much
-  constexpr double kOrdinaryServo_pct = 0.5;  // of the span, width of a loop
-  constexpr double kOrdinaryLead_pct = 1.0;   // the same of a loop that runs ahead of the load
-  constexpr double kOfSteps = 4.0;            // of the reference's: what its rounding makes of a turning point at most
-  constexpr double kStops = 0.1;              // of the slope, at least, however softly the rail is met
-  constexpr double kStillRises = 0.2;         // of the slope, beyond the last corner
-  constexpr double kFarAbove = 2.5;           // times what the instruments may leave
-  constexpr double kOfNoSpring = 0.01;        // of the span, RMS: what a law of the rig leaves at most
-  constexpr double kHardlyFalls = 0.95;
-  constexpr double kErrors = 2.0;
-  constexpr double kNothingToFind = 0.2;
-  if (f.form == kUnrecorded) return {kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"};
-  if (f.effect == "static_nonlinearity" && f.effect_rms < kOrdinaryCurve * channel.scale)
-    return {kNothingToFind, "honest amplifiers and references are as bent as that"};
-  if (f.form == "as_rig_shows" && f.effect_rms * campaign.range_N / channel.scale < 0.5 * resolution_N)
-    return {kNothingToFind, "a zero is taken to half a step of the reference before a record, and this one jumps by no more"};
-  if (f.effect == "clipping" && !f.parameters.empty()) {
-    double taken = 0.0;
-    for (const FoundParameter& p : f.parameters)
-      if (p.name == "c" || p.name.ends_with(".c")) taken += p.value;
-    if (taken < kStops) return {kNothingToFind, "a rail stops the output, and this hardly bends it"};
-    // one that is met softly rises a little too, but its corners leave no more than the noise
-    if (f.error_after > kFarAbove * allowed_rms(channel) * channel.scale && rise_beyond_rail(w, last_corner_N(f)).value_or(0.0) > kStillRises)
-      return {kNothingToFind, "a rail stops the output at one value, and this one goes on rising with the force"};
+struct Asked {
+  const Workspace& w;
+  const ResidualChannel& channel;
+  const MixedFit& base;
+  const Finding& f;
+
+  // Of the reference, N: as declared, else its smallest step.
+  double resolution_N() const {
+    const double declared_N = w.input.bench.reference_resolution_N;
+    return std::isfinite(declared_N) ? declared_N : w.scales.step_N;
   }
+  template <typename Test>
+  bool any_width(Test test) const {
+    return std::ranges::any_of(f.parameters, [&](const FoundParameter& p) { return p.name == "loop_width" && test(p); });
+  }
+  bool is_blind_play() const { return f.effect == "backlash" && !w.input.has_theta; }
+};
+
+bool is_ordinary_curve(const Asked& a) {
+  constexpr double kOrdinary = 8e-4;  // of the span, RMS: amplifiers, converters and references are bent by as much
+  return a.f.effect == "static_nonlinearity" && a.f.effect_rms < kOrdinary * a.channel.scale;
+}
+
+bool is_ordinary_zero(const Asked& a) {
+  return a.f.form == "as_rig_shows" && a.f.effect_rms * a.w.input.range_N / a.channel.scale < 0.5 * a.resolution_N();
+}
+
+bool is_soft_rail(const Asked& a) {
+  constexpr double kStops = 0.1;  // of the slope, at least, however softly the rail is met
+  if (a.f.effect != "clipping" || a.f.parameters.empty()) return false;
+  double taken = 0.0;
+  for (const FoundParameter& p : a.f.parameters)
+    if (p.name == "c" || p.name.ends_with(".c")) taken += p.value;
+  return taken < kStops;
+}
+
+// One that is met softly rises a little too, but its corners leave no more than the noise.
+bool is_rising_rail(const Asked& a) {
+  constexpr double kStillRises = 0.2;  // of the slope, beyond the last corner
+  return a.f.effect == "clipping" && !a.f.parameters.empty() && a.f.error_after > kFarAboveNoise * allowed_rms(a.channel) * a.channel.scale &&
+         rise_beyond_rail(a.w, last_corner_N(a.f)).value_or(0.0) > kStillRises;
+}
+
+bool is_undeclared_spring(const Asked& a) {
+  constexpr double kOfNoSpring = 0.01;  // of the span, RMS: what a law of the rig leaves at most
   // an error of 0: no record that is left out turns
-  const bool fits = f.error_after > 0.0 && f.error_after <= kOfNoSpring * campaign.range_N;
-  if (f.effect == "spring_nonlinearity" && !has_declared_law(campaign) && !fits)
-    return {kNothingToFind, "nobody wrote down that the angle drives a spring, and a crank or a joint bends the force against its angle as well"};
-  if (f.effect == "off_axis" && !has_declared_law(campaign) && f.error_after > kHardlyFalls * f.error_before)
-    return {kNothingToFind, "nobody wrote down that the angle is that of a wheel, and left-out records hardly gain"};
-  if (f.effect == "hysteresis" && channel.signs_known)
-    for (const FoundParameter& p : f.parameters)
-      if (p.name == "loop_width" && p.value <= 0.0 && p.value > -kOrdinaryLead_pct &&
-          (-0.01 * p.value * campaign.range_N < kOfSteps * resolution_N || may_be_late_reference(w, channel, base, f)))
-        return {kNothingToFind, "a film is behind its load; that an output is ahead of it by so little is what a late or coarse reference leaves"};
-  if (f.effect == "hysteresis" || f.effect == "backlash")
-    for (const FoundParameter& p : f.parameters)
-      if (p.name == "loop_width" && std::abs(p.value) < kErrors * p.u) return {kNothingToFind, "its loop is no wider than that is known"};
-  if (f.effect == "backlash" && !campaign.has_theta)
-    for (const FoundParameter& p : f.parameters) {
-      if (p.name != "loop_width") continue;
-      if (p.value < 0.0) return {kNothingToFind, "nobody reads the angle, and no play is ahead of its command"};
-      if (p.value < kOrdinaryServo_pct) return {kNothingToFind, "nobody reads the angle, and a servo leaves as much between command and force"};
-    }
-  return {};
+  const bool fits = a.f.error_after > 0.0 && a.f.error_after <= kOfNoSpring * a.w.input.range_N;
+  return a.f.effect == "spring_nonlinearity" && !has_declared_law(a.w.input) && !fits;
+}
+
+bool is_undeclared_wheel(const Asked& a) {
+  constexpr double kHardlyFalls = 0.95;
+  return a.f.effect == "off_axis" && !has_declared_law(a.w.input) && a.f.error_after > kHardlyFalls * a.f.error_before;
+}
+
+bool is_loop_ahead(const Asked& a) {
+  constexpr double kOrdinary_pct = 1.0;  // of the span, width of a loop
+  constexpr double kOfSteps = 4.0;       // of the reference's: what its rounding makes of a turning point at most
+  return a.f.effect == "hysteresis" && a.channel.signs_known && a.any_width([&](const FoundParameter& p) {
+    return p.value <= 0.0 && p.value > -kOrdinary_pct &&
+           (-0.01 * p.value * a.w.input.range_N < kOfSteps * a.resolution_N() || may_be_late_reference(a.w, a.channel, a.base, a.f));
+  });
+}
+
+bool is_unclear_loop(const Asked& a) {
+  constexpr double kErrors = 2.0;
+  return (a.f.effect == "hysteresis" || a.f.effect == "backlash") && a.any_width([](const FoundParameter& p) { return std::abs(p.value) < kErrors * p.u; });
+}
+
+bool is_play_ahead(const Asked& a) {
+  return a.is_blind_play() && a.any_width([](const FoundParameter& p) { return p.value < 0.0; });
+}
+
+bool is_ordinary_servo(const Asked& a) {
+  constexpr double kOrdinary_pct = 0.5;  // of the span, width of a loop
+  return a.is_blind_play() && a.any_width([](const FoundParameter& p) { return p.value < kOrdinary_pct; });
+}
+
+// Of a finding alone.
+constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
+    {Cap::unrecorded, [](const Asked& a) { return a.f.form == kUnrecorded; }},
+    {Cap::ordinary_curve, is_ordinary_curve},
+    {Cap::ordinary_zero, is_ordinary_zero},
+    {Cap::soft_rail, is_soft_rail},
+    {Cap::rising_rail, is_rising_rail},
+    {Cap::undeclared_spring, is_undeclared_spring},
+    {Cap::undeclared_wheel, is_undeclared_wheel},
+    {Cap::loop_ahead, is_loop_ahead},
+    {Cap::unclear_loop, is_unclear_loop},
+    {Cap::play_ahead, is_play_ahead},
+    {Cap::ordinary_servo, is_ordinary_servo},
+};
+
+void lower(Cap cap, Finding& f) {
+  const CapRow& row = row_of(cap);
+  f.limit(row.most, std::string(row.why));
 }
 
 }  // namespace
 
 void reserve(const Workspace& w, const ResidualChannel& channel, const MixedFit& base, Finding& f) {
-  const Reservation r = reservation(w, channel, base, f);
-  f.limit(r.most, r.why);
+  const Asked asked{w, channel, base, f};
+  for (const auto& [cap, holds] : kTests)
+    if (holds(asked)) return lower(cap, f);
 }
 
 void leave_curves_to_larger_causes(std::vector<Finding>& findings) {
-  constexpr std::pair<const char*, const char*> kCauses[] = {
-      {"hysteresis", "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model"},
-      {"adc_codes", "codes of the converter that are off bend the output too: the curve is asked again with another converter"}};
-  for (const auto& [effect, why] : kCauses) {
-    const auto cause = std::ranges::find_if(findings, [&](const Finding& f) { return f.effect == effect && f.form != "raw" && f.effect_rms > 0.0; });
+  constexpr std::pair<const char*, Cap> kCauses[] = {{"hysteresis", Cap::curve_of_loop}, {"adc_codes", Cap::curve_of_codes}};
+  for (const auto& [effect, cap] : kCauses) {
+    const auto cause = std::ranges::find_if(findings, [&, name = effect](const Finding& f) { return f.effect == name && !f.of_samples() && f.effect_rms > 0.0; });
     if (cause == findings.end()) continue;
     for (Finding& f : findings)
-      if (is_curve(f.effect) && f.side == "sensor" && f.form != "raw" && f.unit == cause->unit && f.effect_rms < cause->effect_rms) f.limit(kNoClaim, why);
+      if (is_curve(f.effect) && f.side == "sensor" && !f.of_samples() && f.unit == cause->unit && f.effect_rms < cause->effect_rms) lower(cap, f);
   }
 }
 
 void leave_spikes_to_codes(const Workspace& w, std::vector<Finding>& findings) {
   constexpr double kOfSteps = 1.5;
-  const auto codes = std::ranges::find_if(findings, [](const Finding& f) { return f.effect == "adc_codes" && f.form != "raw" && f.claimed(); });
+  const auto codes = std::ranges::find_if(findings, [](const Finding& f) { return f.effect == "adc_codes" && !f.of_samples() && f.claimed(); });
   if (codes == findings.end()) return;
   double steps_N = 0.0, square_V2 = 0.0, n = 0.0;
   for (const FoundParameter& p : codes->parameters)
@@ -123,19 +169,7 @@ void leave_spikes_to_codes(const Workspace& w, std::vector<Finding>& findings) {
   }
   if (!(std::sqrt(square_V2 / std::max(1.0, n)) < kOfSteps * std::abs(w.gain_V_per_N) * steps_N)) return;
   for (Finding& f : findings)
-    if (f.effect == "outliers" && f.form == "raw") f.limit(kNoClaim, "they stand off by no more than the steps of the converter's codes: where noise crosses one, a sample jumps");
+    if (f.effect == "outliers" && f.of_samples()) lower(Cap::spikes_of_codes, f);
 }
 
 }  // namespace forcegate::diagnose
-
-namespace forcegate {
-
-bool Finding::limit(double most, const std::string& why) {
-  if (!(probability > most)) return false;
-  probability = most;
-  reservations.push_back({most, why});
-  evidence += (most < 0.5 ? "; not claimed: " : "; less sure: ") + why;
-  return true;
-}
-
-}  // namespace forcegate

@@ -1,26 +1,80 @@
 #pragma once
-// What is borne out by the records and still no claim: imperfections that honest benches have, and causes that nobody recorded.
+// What is borne out by the records and still no claim: imperfections that honest benches have, and causes that nobody recorded. A new cap is
+// one line in the enumeration, one in the table, and its test in reservation.cpp.
+
+#include <array>
+#include <cstddef>
+#include <string_view>
 
 #include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/workspace.h"
 
 namespace forcegate::diagnose {
 
-/// Lowers the probability of such a finding and says why in its evidence. To 0.2: a curve of less than 0.08 % of the channel's span (RMS); a
-/// loop of less than 0.5 % where nobody reads an angle, or ahead of the command there; any that is narrower than twice its uncertainty; a
-/// sensor's loop that runs ahead of the load by less than 1 % and either four steps of the reference, or three times what a late reference
-/// explains; a zero of the reference that jumps from record to record by less than half its resolution; a rail that takes less than a tenth
-/// of the slope, or that leaves 2.5 times the noise while the output rises beyond its last corner by a fifth of what it would without one; a bent spring of a bench whose law nobody declared and that leaves 1 % of the span or is left out nowhere; a push from the
-/// side there that left-out records hardly gain by. To kNoClaim: a free course over the campaign in the name of an unrecorded channel.
+enum class Cap {
+  unrecorded,          ///< a free course over the campaign in the name of a channel
+  ordinary_curve,
+  ordinary_zero,       ///< of the reference, from record to record
+  soft_rail,
+  rising_rail,
+  undeclared_spring,
+  undeclared_wheel,
+  loop_ahead,          ///< of a sensor
+  unclear_loop,        ///< of a sensor or a rig
+  play_ahead,
+  ordinary_servo,
+  curve_of_loop,
+  curve_of_codes,
+  spikes_of_codes
+};
+
+struct CapRow {
+  Cap cap;
+  std::string_view name;  ///< in docs/diagnosis-engine.md
+  double most;            ///< probability that it leaves
+  std::string_view why;   ///< for people
+};
+
+// in the order of the enumeration, which is the one in which they are asked
+inline constexpr std::array kCaps = {
+    CapRow{Cap::unrecorded, "unrecorded", kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"},
+    CapRow{Cap::ordinary_curve, "ordinary_curve", kWithdrawn, "honest amplifiers and references are as bent as that"},
+    CapRow{Cap::ordinary_zero, "ordinary_zero", kWithdrawn, "a zero is taken to half a step of the reference before a record, and this one jumps by no more"},
+    CapRow{Cap::soft_rail, "soft_rail", kWithdrawn, "a rail stops the output, and this hardly bends it"},
+    CapRow{Cap::rising_rail, "rising_rail", kWithdrawn, "a rail stops the output at one value, and this one goes on rising with the force"},
+    CapRow{Cap::undeclared_spring, "undeclared_spring", kWithdrawn,
+           "nobody wrote down that the angle drives a spring, and a crank or a joint bends the force against its angle as well"},
+    CapRow{Cap::undeclared_wheel, "undeclared_wheel", kWithdrawn, "nobody wrote down that the angle is that of a wheel, and left-out records hardly gain"},
+    CapRow{Cap::loop_ahead, "loop_ahead", kWithdrawn,
+           "a film is behind its load; that an output is ahead of it by so little is what a late or coarse reference leaves"},
+    CapRow{Cap::unclear_loop, "unclear_loop", kWithdrawn, "its loop is no wider than that is known"},
+    CapRow{Cap::play_ahead, "play_ahead", kWithdrawn, "nobody reads the angle, and no play is ahead of its command"},
+    CapRow{Cap::ordinary_servo, "ordinary_servo", kWithdrawn, "nobody reads the angle, and a servo leaves as much between command and force"},
+    CapRow{Cap::curve_of_loop, "curve_of_loop", kNoClaim,
+           "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model"},
+    CapRow{Cap::curve_of_codes, "curve_of_codes", kNoClaim, "codes of the converter that are off bend the output too: the curve is asked again with another converter"},
+    CapRow{Cap::spikes_of_codes, "spikes_of_codes", kNoClaim,
+           "they stand off by no more than the steps of the converter's codes: where noise crosses one, a sample jumps"},
+};
+
+constexpr bool caps_in_order() {
+  for (std::size_t i = 0; i < kCaps.size(); ++i)
+    if (static_cast<std::size_t>(kCaps[i].cap) != i) return false;
+  return kCaps.back().cap == Cap::spikes_of_codes;
+}
+static_assert(caps_in_order(), "every cap has one row, in the order of the enumeration");
+
+constexpr const CapRow& row_of(Cap cap) { return kCaps[static_cast<std::size_t>(cap)]; }
+
+/// Lowers the probability of a finding by the first cap that holds of it alone, and says why in its evidence.
 void reserve(const Workspace& workspace, const ResidualChannel& channel, const MixedFit& base, Finding& finding);
 
-/// To kNoClaim: a curve of a sensor beside a loop or beside wrong codes of the converter that are larger than it, whether or not these are
+/// curve_of_loop, curve_of_codes: a curve of a sensor beside a loop or beside wrong codes that are larger than it, whether or not these are
 /// claimed. Loops whose elements do not close evenly over the force (Preisach) have a curve of their own, of up to their own size, and so have
 /// codes; no record tells it from another one.
 void leave_curves_to_larger_causes(std::vector<Finding>& findings);
 
-/// To kNoClaim: spikes beside claimed steps of the converter's codes where they stand off (RMS) by less than half as much again as these steps
-/// together.
+/// spikes_of_codes, beside claimed steps of the codes.
 void leave_spikes_to_codes(const Workspace& workspace, std::vector<Finding>& findings);
 
 }  // namespace forcegate::diagnose

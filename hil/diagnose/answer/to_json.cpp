@@ -7,33 +7,13 @@ namespace forcegate {
 
 using Json = nlohmann::ordered_json;
 
-std::string to_string(DiagnosisVerdict verdict) {
-  switch (verdict) {
-    case DiagnosisVerdict::none: return "none";
-    case DiagnosisVerdict::known: return "known";
-    case DiagnosisVerdict::unknown: return "unknown";
-  }
-  return "none";
-}
-
-std::string to_string(JudgedBy by) {
-  switch (by) {
-    case JudgedBy::heldout: return "heldout";
-    case JudgedBy::left_out: return "left_out";
-    case JudgedBy::whole: return "whole";
-  }
-  return "heldout";
-}
-
-std::string error_name(JudgedBy by) { return by == JudgedBy::whole ? "error of the whole recording" : "held-out error"; }
-
 namespace {
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 // A claim about raw samples takes them out of the fit, with all others of its kind in one step; what the effects do after it is not its own.
 double error_after(const Finding& f, const Diagnosis& d) {
-  return f.form == "raw" && !d.steps.empty() && d.steps.front().effect.empty() ? d.steps.front().error : f.error_after;
+  return f.of_samples() && !d.steps.empty() && d.steps.front().effect.empty() ? d.steps.front().error : f.error_after;
 }
 
 Json finding_json(const Finding& f, const Diagnosis& d) {

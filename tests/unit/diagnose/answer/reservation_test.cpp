@@ -1,6 +1,7 @@
 // What is there, and is no finding: an ordinary curve.
 
 #include "hil/diagnose/answer/reservation.h"
+#include "hil/base/read_file.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {
@@ -19,6 +20,17 @@ TEST(Reservation, EachSaysWhyAndOnlyOneThatLowersCounts) {
   ASSERT_EQ(f.reservations.size(), 2U);
   EXPECT_EQ(f.reservations[1].most, 0.2);
   EXPECT_EQ(f.reservations[1].why, "it leaves too much");
+}
+
+// Its table has a row for every cap and no other: | `name` | because |
+TEST(Reservation, EveryCapHasAReasonOnThePageOfTheEngine) {
+  const auto page = read_file(FORCEGATE_SOURCE_DIR "/docs/diagnosis-engine.md");
+  ASSERT_TRUE(page.has_value()) << page.error().to_text();
+  const std::size_t begin = page->find("| cap | because |"), end = page->find("\n\n", begin);
+  ASSERT_NE(begin, std::string::npos);
+  const std::string table = page->substr(begin, end - begin);
+  for (const CapRow& row : kCaps) EXPECT_NE(table.find("| `" + std::string(row.name) + "` | "), std::string::npos) << row.name;
+  EXPECT_EQ(std::ranges::count(table, '\n'), std::ssize(kCaps) + 1) << "a row of no cap";
 }
 
 // Spikes of `size_V` beside claimed steps of 0.05 and 0.15 N of a sensor of 2 V/N.
