@@ -35,10 +35,7 @@ Result<std::size_t> ReportLine::read(std::span<std::uint8_t> into, double timeou
     raw_.insert(raw_.end(), chunk, chunk + n);
     if (raw_.size() < kReportSize) continue;
     const auto used = unpack(std::span<const std::uint8_t>(raw_).first<kReportSize>());
-    if (used)
-      bytes_.insert(bytes_.end(), used->begin(), used->end());
-    else
-      ++bad_reports_;
+    if (used) bytes_.insert(bytes_.end(), used->begin(), used->end());
     raw_.erase(raw_.begin(), raw_.begin() + kReportSize);
   }
   const std::size_t n = std::min(into.size(), bytes_.size());

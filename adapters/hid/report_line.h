@@ -26,12 +26,10 @@ class ReportLine final : public Transport {
   Result<void> write(std::span<const std::uint8_t> bytes, double timeout_s) override;
   Result<std::size_t> read(std::span<std::uint8_t> into, double timeout_s) override;
   std::string name() const override { return reports_->name(); }
-  std::uint64_t bad_reports() const { return bad_reports_; }
 
  private:
   std::unique_ptr<Transport> reports_;
   std::vector<std::uint8_t> raw_, bytes_;
-  std::uint64_t bad_reports_ = 0;
 };
 
 /// ErrorCode::device when there is no such device, or several and no serial number tells them apart.

@@ -50,17 +50,4 @@ RelativeError mean_relative_error(std::span<const double> actual, std::span<cons
   return out;
 }
 
-double root_mean_square_error(std::span<const double> measured, std::span<const double> model) {
-  assert(measured.size() == model.size());
-  double squares = 0.0;
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    const double difference = measured[i] - model[i];
-    if (!std::isfinite(difference)) continue;
-    squares += difference * difference;
-    ++n;
-  }
-  return n > 0 ? std::sqrt(squares / static_cast<double>(n)) : std::numeric_limits<double>::quiet_NaN();
-}
-
 }  // namespace forcegate

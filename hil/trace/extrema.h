@@ -137,7 +137,4 @@ struct RelativeError {
 RelativeError mean_relative_error(std::span<const double> actual, std::span<const double> expected,
                                   double floor);
 
-/// Root mean square of measured - model over the items that are finite on both sides (eq. 8); NaN without any.
-double root_mean_square_error(std::span<const double> measured, std::span<const double> model);
-
 }  // namespace forcegate

@@ -57,7 +57,6 @@ class JournalWriter {
   Result<void> flush();
   /// Marks the end and syncs.
   Result<void> close();
-  std::uint64_t bytes_written() const;
 
  private:
   struct Impl;

@@ -75,7 +75,6 @@ struct JournalWriter::Impl {
       }
       done += static_cast<std::size_t>(n);
     }
-    written += buffer.size();
     buffer.clear();
     unsynced = true;
     return {};
@@ -89,7 +88,7 @@ struct JournalWriter::Impl {
   std::filesystem::path path;
   int descriptor;
   std::vector<std::byte> buffer;
-  std::uint64_t written = 0, flushed_ns = 0;
+  std::uint64_t flushed_ns = 0;
   int write_errno = 0;
   std::atomic<int> sync_errno{0};
   std::atomic<bool> unsynced{false};
@@ -150,6 +149,5 @@ Result<void> JournalWriter::close() {
   return {};
 }
 
-std::uint64_t JournalWriter::bytes_written() const { return impl_->written; }
 
 }  // namespace forcegate

@@ -52,7 +52,6 @@ class EmulatedRig final : public Rig {
 
   /// The truth, for tests and studies of the rig itself; the gate never sees it.
   const Film& film() const { return film_; }
-  const FilmParameters& film_parameters() const { return film_parameters_; }
 
  private:
   void run_to_tick(std::size_t n, RigBlock& out, std::size_t at);

@@ -88,13 +88,7 @@ class LoadingMemory {
 
   double lost_share() const { return lost_; }          ///< y
   double expression() const { return expression_; }    ///< E
-  double disturbance() const { return disturbance_; }  ///< B
-  double activity() const { return activity_; }
   double envelope_low_N() const { return lo_; }
-  double envelope_high_N() const { return hi_; }
-  double imprint_amplitude_N() const { return amplitude_; }
-  double imprint_frequency_Hz() const { return frequency_; }
-  bool conditioned() const { return conditioned_; }
 
  private:
   void turn(double force_N);

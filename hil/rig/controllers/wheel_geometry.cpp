@@ -1,13 +1,13 @@
 #include "hil/rig/controllers/wheel_geometry.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "hil/base/portable_math.h"
 
 namespace forcegate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 // acos by a polynomial start (Abramowitz and Stegun 4.4.45, error 7e-5) and one Newton step on the cosine.
 double portable_acos(double c) {
@@ -15,14 +15,10 @@ double portable_acos(double c) {
   const double a = c < 0.0 ? -c : c;
   double x = __builtin_sqrt(1.0 - a) * (1.5707288 + a * (-0.2121144 + a * (0.0742610 - a * 0.0187293)));
   if (const double s = portable::sin(x); s > 1e-3) x += (portable::cos(x) - a) / s;
-  return c < 0.0 ? kPi - x : x;
+  return c < 0.0 ? std::numbers::pi - x : x;
 }
 
 }  // namespace
-
-double wheel_force_N(const RigGeometry& g, double theta_rad) {
-  return g.spring_N_per_mm * (g.preload_mm + g.eccentricity_mm * (1.0 - portable::cos(theta_rad)));
-}
 
 double wheel_angle_rad(const RigGeometry& g, double force_N) {
   const double slope = wheel_slope_max_N_per_rad(g);

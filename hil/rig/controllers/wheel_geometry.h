@@ -1,12 +1,9 @@
 #pragma once
-// Force and wheel angle: F = k (preload + e (1 - cos theta)), 0 <= theta <= pi (Lebosse 2011, II-B).
+// Wheel angle of a force: F = k (preload + e (1 - cos theta)), 0 <= theta <= pi (Lebosse 2011, II-B).
 
 #include "hil/interface/rig.h"
 
 namespace forcegate {
-
-/// Force at an angle, N.
-double wheel_force_N(const RigGeometry& geometry, double theta_rad);
 
 /// Angle of a force, rad, cut to the travel; theta_min when the wheel has no eccentricity.
 double wheel_angle_rad(const RigGeometry& geometry, double force_N);

@@ -23,12 +23,6 @@ double hyperbolic_tangent(double x) {
   return (e - 1.0) / (e + 1.0);
 }
 
-double arc_tangent(double x) {
-  const double magnitude = x < 0.0 ? -x : x;
-  const double angle = arc_cosine(1.0 / std::sqrt(1.0 + magnitude * magnitude));
-  return x < 0.0 ? -angle : angle;
-}
-
 double softplus(double x) {
   if (x > 35.0) return x;
   if (x < -35.0) return 0.0;

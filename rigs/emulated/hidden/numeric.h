@@ -2,21 +2,19 @@
 // Small functions of the truth side that give the same bits on every machine.
 
 #include <cmath>
+#include <numbers>
 
 #include "hil/base/portable_math.h"
 
 namespace forcegate::hidden {
 
-inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kPi = std::numbers::pi;
 
 /// arccos on [-1, 1] (clamped), absolute error < 3e-8 rad (Abramowitz and Stegun 4.4.46).
 double arc_cosine(double x);
 
 /// Hyperbolic tangent, relative error < 1e-14 for |x| > 1e-4, < 4e-12 below.
 double hyperbolic_tangent(double x);
-
-/// Arc tangent, absolute error < 2e-8 rad.
-double arc_tangent(double x);
 
 /// log(1 + e^x) without overflow.
 double softplus(double x);
