@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include "hil/app/record_pictures.h"
@@ -13,6 +12,7 @@
 #include "hil/diagnose/next/next_experiment.h"
 #include "hil/diagnose/refit/refit.h"
 #include "hil/report/finding_side.h"
+#include "hil/trace/channels.h"
 
 namespace forcegate {
 
@@ -20,10 +20,9 @@ namespace {
 
 // A column that Forcegate knows nothing of may be the force: where nobody mapped it, only drift could be judged, and wrongly.
 bool has_unknown_column(const Campaign& campaign) {
-  constexpr std::array kKnown = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "supply", "humidity"};
   for (const Record& record : campaign.records)
     for (const Channel& channel : record.trace.channels)
-      if (std::ranges::find(kKnown, channel.name) == kKnown.end()) return true;
+      if (known_channel(channel.name) == nullptr) return true;
   return false;
 }
 

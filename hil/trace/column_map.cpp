@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hil/base/text.h"
+#include "hil/trace/channels.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/convert.h"
 
@@ -96,10 +97,9 @@ Result<TraceFile> read_mapped_trace(const std::filesystem::path& path, std::stri
 }
 
 std::string column_map_advice(const Trace& trace, std::string_view name, std::string_view unit) {
-  static constexpr const char* kTaken[] = {"F_ref", "F_cmd", "F_dut", "U", "drive", "supply"};
   const std::string wanted(name);
   for (const Channel& c : trace.channels)
-    if (c.unit == unit && std::ranges::find(kTaken, c.name) == std::ranges::end(kTaken))
+    if (c.unit == unit && known_channel(c.name) == nullptr)
       return "--map " + shell_quoted(header_of(c.name, c.unit) + "=" + wanted + "_" + c.unit);
   for (const Channel& c : trace.channels)  // a column that is called by its unit
     if (const auto called = find_unit(c.name); c.unit.empty() && called && called->canonical == unit)

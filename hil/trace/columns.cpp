@@ -4,6 +4,7 @@
 #include <array>
 
 #include "hil/base/text.h"
+#include "hil/trace/channels.h"
 
 namespace forcegate {
 namespace {
@@ -14,49 +15,19 @@ std::string identifier(std::string_view text) {
   return out;
 }
 
-struct Synonyms {
-  const char* name;
-  const char* quantity;
-  const char* unit;
-  std::array<const char*, 11> words;  ///< lower case
-};
-
-constexpr std::array kSynonyms = {
-    Synonyms{"F_ref",
-             "force",
-             "N",
-             {"f_ref", "fref", "f", "force", "ati", "f_ati", "force_ref", "reference", "load_cell", "fz",
-              "kraft"}},
-    Synonyms{"F_cmd",
-             "force",
-             "N",
-             {"f_cmd", "f_set", "setpoint", "set_point", "command", "target", "f_target", "f_sp", "soll", "sollwert", "sollkraft"}},
-    Synonyms{"F_dut", "force", "N", {"f_dut", "dut", "f_est", "estimate", "firmware", "f_fw"}},
-    Synonyms{"U",
-             "voltage",
-             "V",
-             {"u", "v", "voltage", "vout", "v_out", "u_out", "sensor", "u_sensor", "signal", "spannung"}},
-    Synonyms{"drive", "voltage", "V", {"drive", "v_drive", "u_drive"}},
-    Synonyms{"supply", "voltage", "V", {"supply", "vcc", "v_supply", "versorgung"}},
-    Synonyms{"theta", "angle", "rad", {"theta", "angle", "phi", "wheel", "winkel"}},
-    Synonyms{"temp", "temperature", "C", {"temp", "temperature", "t_amb", "temp_amb", "temperatur"}},
-    Synonyms{"humidity", "ratio", "pct", {"humidity", "rh", "relative_humidity", "rel_humidity", "rel_hum", "hum", "luftfeuchte", "feuchte"}},
-    Synonyms{"C", "capacitance", "F", {"c", "capacitance", "cap", "kapazitaet", "kapazit\xC3\xA4t"}},
-};
-
-const Synonyms* synonym(std::string_view name) {
+const KnownChannel* synonym(std::string_view name) {
   const std::string word = ascii_lower(name);
-  for (const Synonyms& s : kSynonyms)
-    for (const char* w : s.words)
-      if (w && word == w) return &s;
+  for (const KnownChannel& channel : kKnownChannels)
+    for (const std::string_view w : channel.words)
+      if (!w.empty() && word == w) return &channel;
   return nullptr;
 }
 
 }  // namespace
 
 std::string known_name(std::string_view name) {
-  const Synonyms* known = synonym(name);
-  return known != nullptr ? known->name : std::string(name);
+  const KnownChannel* known = synonym(name);
+  return std::string(known != nullptr ? known->name : name);
 }
 
 namespace {
@@ -106,8 +77,8 @@ ColumnMeaning meaning_of(std::string_view header) {
       out.name.resize(at);
       return out;
     }
-    const Synonyms* known = synonym(out.name);
-    if (out.unit.symbol == "F" && known && known->quantity == std::string_view("temperature"))
+    const KnownChannel* known = synonym(out.name);
+    if (out.unit.symbol == "F" && known && known->quantity == "temperature")
       out.unit = *find_unit("degF");
     out.is_clock = out.unit.quantity == "time" && names_a_clock(out.name);
     return out;
@@ -130,7 +101,7 @@ ColumnMeaning meaning_of(std::string_view header) {
     out.name = "temp";
     out.unit = *find_unit("C");
     out.note = "column \"T\" was taken for a temperature in degree Celsius";
-  } else if (const Synonyms* known = synonym(out.name)) {
+  } else if (const KnownChannel* known = synonym(out.name)) {
     out.unit = *find_unit(known->unit);
     out.note = "column \"" + out.name + "\" has no unit; " + out.unit.symbol + " was assumed";
   }
@@ -157,32 +128,31 @@ std::string unknown_unit(std::string_view header) {
 
 std::vector<std::string> use_canonical_names(Trace& trace, const std::vector<std::string>& headers) {
   std::vector<std::string> notes;
-  const auto rename = [&](Channel& channel, const char* name, const char* why) {
+  const auto rename = [&](Channel& channel, std::string_view name, const std::string& why) {
     const auto at = static_cast<std::size_t>(&channel - trace.channels.data());
-    notes.push_back("column \"" + (at < headers.size() ? headers[at] : header_of(channel.name, channel.unit)) + "\" was taken for " + name + why);
+    notes.push_back("column \"" + (at < headers.size() ? headers[at] : header_of(channel.name, channel.unit)) + "\" was taken for " + std::string(name) + why);
     channel.name = name;
   };
   for (Channel& channel : trace.channels) {
-    const Synonyms* known = synonym(channel.name);
+    const KnownChannel* known = synonym(channel.name);
     if (!known || channel.quantity != known->quantity || channel.name == known->name) continue;
     if (trace.find(known->name)) continue;
-    if (channel.name.size() == 1 || known->name == std::string_view("supply"))
+    if (channel.name.size() == 1 || known->name == "supply")
       channel.name = known->name;  // "F", "U": nothing to tell
     else
       rename(channel, known->name, "");
   }
-  for (const char* name : {"F_ref", "U", "theta", "temp", "C"}) {
-    if (trace.find(name)) continue;
-    const Synonyms& wanted = *synonym(name);
+  for (const KnownChannel& wanted : kKnownChannels) {
+    if (!wanted.stands_alone || trace.find(wanted.name)) continue;
     Channel* only = nullptr;
     std::size_t n = 0;
     for (Channel& channel : trace.channels) {
-      const Synonyms* known = synonym(channel.name);
+      const KnownChannel* known = synonym(channel.name);
       if (channel.quantity != wanted.quantity || (known && channel.name == known->name)) continue;
       ++n;
       only = &channel;
     }
-    if (n == 1) rename(*only, name, (", the only " + std::string(wanted.quantity)).c_str());
+    if (n == 1) rename(*only, wanted.name, ", the only " + std::string(wanted.quantity));
   }
   // a sensor that is read as counts, resistance or conductance: every law here is fitted in the output's own scale
   if (!trace.find("U"))
@@ -197,10 +167,9 @@ std::vector<std::string> use_canonical_names(Trace& trace, const std::vector<std
 }
 
 std::vector<std::string> unused_columns(const Trace& trace, const std::map<std::string, std::string>& headers) {
-  static constexpr std::array kRead = {"F_ref", "U", "theta", "temp", "C", "F_cmd", "F_dut", "drive", "supply", "humidity", "unused"};
   std::vector<std::string> out;
   for (const Channel& channel : trace.channels)
-    if (std::ranges::find(kRead, channel.name) == kRead.end())
+    if (known_channel(channel.name) == nullptr && channel.name != "unused")
       out.push_back(headers.contains(channel.name) ? headers.at(channel.name) : header_of(channel.name, channel.unit));
   return out;
 }
