@@ -1,5 +1,7 @@
 #include "hil/diagnose/laws/drift.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,60 +12,84 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr std::size_t kParts = 10;
-constexpr const char* kForms[] = {"constant", "line", "exponential", "logarithm", "power"};
+double of_record(double record_s) { return record_s / 1000.0; }
+
+constexpr std::array<DriftLaw, 5> kLaws{{
+    {.name = "constant",
+     .course = [](double, double) { return 0.0; },
+     .primitive = [](double, double) { return 0.0; },
+     .shape_low = nullptr,
+     .shape_high = nullptr,
+     .shape_name = nullptr,
+     .shape_unit = nullptr,
+     .per = "",
+     .sentence = [](const DriftFit&, const std::string&, const std::string&) { return std::string("the output stays"); }},
+    {.name = "line",
+     .course = [](double s, double) { return s; },
+     .primitive = [](double s, double) { return 0.5 * s * s; },
+     .shape_low = nullptr,
+     .shape_high = nullptr,
+     .shape_name = nullptr,
+     .shape_unit = nullptr,
+     .per = "/s",
+     .sentence = [](const DriftFit& f, const std::string& from, const std::string& unit) {
+       return fmt::format("the output moves steadily{} by {:.3g} {}/s", from, f.size, unit);
+     }},
+    {.name = "exponential",
+     .course = [](double s, double tau) { return std::exp(-s / tau); },
+     .primitive = [](double s, double tau) { return -tau * std::expm1(-(s / tau)); },
+     .shape_low = of_record,
+     .shape_high = [](double record_s) { return record_s * 10.0; },
+     .shape_name = "tau_s",
+     .shape_unit = "s",
+     .per = "",
+     .sentence = [](const DriftFit& f, const std::string& from, const std::string& unit) {
+       return fmt::format("the output moves exponentially{} towards {:.4g} {} with one time constant of {:.3g} s", from, f.constant, unit, f.shape);
+     }},
+    {.name = "logarithm",
+     .course = [](double s, double t1) { return std::log10(1.0 + s / t1); },
+     .primitive = [](double s, double t1) {
+       const double z = s / t1;
+       return t1 * ((1.0 + z) * std::log1p(z) - z) / std::log(10.0);
+     },
+     .shape_low = of_record,
+     // one that does not cover a decade of time within the record is no creep but any curve
+     .shape_high = [](double record_s) { return record_s / 10.0; },
+     .shape_name = "t1_s",
+     .shape_unit = "s",
+     .per = "",
+     .sentence = [](const DriftFit& f, const std::string& from, const std::string& unit) {
+       return fmt::format("the output creeps with the logarithm of time{}, {:.3g} {} a decade", from, f.size, unit);
+     }},
+    {.name = "power",
+     .course = [](double s, double p) { return std::pow(s, p); },
+     .primitive = [](double s, double p) { return std::pow(s, p + 1.0) / (p + 1.0); },
+     .shape_low = [](double) { return 0.02; },
+     .shape_high = [](double) { return 0.9; },
+     .shape_name = "exponent",
+     .shape_unit = "1",
+     .per = "",
+     .sentence = [](const DriftFit& f, const std::string& from, const std::string&) {
+       return fmt::format("the output creeps as a power of time{}, exponent {:.2g}", from, f.shape);
+     }},
+}};
+
+double course(const DriftFit& fit, double since_s) { return fit.law->course(std::max(0.0, since_s), fit.shape); }
+
+// From the onset; before it the course stands.
+double integral(const DriftFit& fit, double since_s) {
+  return since_s <= 0.0 ? since_s * course(fit, 0.0) : fit.law->primitive(since_s, fit.shape);
+}
 
 // A law is averaged over a block as the output is: the beginning of creep is over before the first block ends.
-struct Blocks {
-  std::vector<double> begin_s, end_s, y;
-  double length_s() const { return 0.5 * (begin_s.back() + end_s.back()); }
-};
-
-Blocks block_means(const std::vector<double>& t_s, const std::vector<double>& y) {
-  std::vector<std::size_t> good;
-  for (std::size_t i = 0; i < y.size(); ++i)
-    if (std::isfinite(y[i])) good.push_back(i);
-  Blocks out;
-  const std::size_t n = std::min(kDriftBlocks, good.size());
-  for (std::size_t b = 0; b < n; ++b) {
-    const std::size_t from = b * good.size() / n, to = (b + 1) * good.size() / n;
-    double sum = 0.0;
-    for (std::size_t k = from; k < to; ++k) sum += y[good[k]];
-    const double first_s = t_s[good[from]] - t_s[good.front()], last_s = t_s[good[to - 1]] - t_s[good.front()];
-    const double half_step_s = to - from > 1 ? 0.5 * (last_s - first_s) / static_cast<double>(to - from - 1) : 0.0;
-    out.begin_s.push_back(first_s - half_step_s), out.end_s.push_back(last_s + half_step_s);
-    out.y.push_back(sum / static_cast<double>(to - from));
-  }
-  return out;
-}
-
-double law(const std::string& form, double since_s, double shape) {
-  const double s = std::max(0.0, since_s);
-  if (form == "line") return s;
-  if (form == "exponential") return std::exp(-s / shape);
-  if (form == "logarithm") return std::log10(1.0 + s / shape);
-  if (form == "power") return std::pow(s, shape);
-  return 0.0;
-}
-
-// Integral of the law from the onset.
-double primitive(const std::string& form, double since_s, double shape) {
-  if (since_s <= 0.0) return since_s * law(form, 0.0, shape);
-  const double z = since_s / shape;
-  if (form == "line") return 0.5 * since_s * since_s;
-  if (form == "exponential") return -shape * std::expm1(-z);
-  if (form == "logarithm") return shape * ((1.0 + z) * std::log1p(z) - z) / std::log(10.0);
-  if (form == "power") return std::pow(since_s, shape + 1.0) / (shape + 1.0);
-  return 0.0;
-}
-
-double law_of_block(const Blocks& b, std::size_t i, const DriftFit& fit) {
+double law_of_block(const DriftBlocks& b, std::size_t i, const DriftFit& fit) {
   const double begin_s = b.begin_s[i] - fit.onset_s, end_s = b.end_s[i] - fit.onset_s;
-  if (!(end_s > begin_s)) return law(fit.form, begin_s, fit.shape);
-  return (primitive(fit.form, end_s, fit.shape) - primitive(fit.form, begin_s, fit.shape)) / (end_s - begin_s);
+  if (!(end_s > begin_s)) return course(fit, begin_s);
+  return (integral(fit, end_s) - integral(fit, begin_s)) / (end_s - begin_s);
 }
 
 // Least squares of c + a law(t) on the blocks that are kept; returns the squared error on all kept blocks.
-double solve(const Blocks& b, const std::vector<char>& kept, DriftFit& fit) {
+double solve(const DriftBlocks& b, const std::vector<char>& kept, DriftFit& fit) {
   std::vector<double> x(b.y.size());
   double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
   for (std::size_t i = 0; i < b.y.size(); ++i) {
@@ -83,22 +109,20 @@ double solve(const Blocks& b, const std::vector<char>& kept, DriftFit& fit) {
 }
 
 // Golden section in log(shape) around the best of a log grid, for each onset of a grid that is then refined.
-DriftFit best_fit(const Blocks& b, const std::vector<char>& kept, const std::string& form) {
+DriftFit best_fit(const DriftBlocks& b, const std::vector<char>& kept, const DriftLaw& law) {
   const double length = b.length_s();
   DriftFit best;
-  best.form = form;
+  best.law = &law;
   best.shape = 1.0;
   double error = solve(b, kept, best);
-  if (form == "constant") return best;
-  // a logarithm that does not cover a decade of time within the record is no creep but any curve
-  const double low = form == "power" ? 0.02 : length / 1000.0;
-  const double high = form == "power" ? 0.9 : form == "logarithm" ? length / 10.0 : length * 10.0;
+  if (&law == &kLaws.front()) return best;
   const auto shape_error = [&](double onset_s, double shape, DriftFit& fit) {
-    fit.form = form, fit.onset_s = onset_s, fit.shape = shape;
+    fit.law = &law, fit.onset_s = onset_s, fit.shape = shape;
     return solve(b, kept, fit);
   };
   const auto best_shape = [&](double onset_s, DriftFit& out) {
-    if (form == "line") return shape_error(onset_s, 1.0, out);
+    if (law.shape_low == nullptr) return shape_error(onset_s, 1.0, out);
+    const double low = law.shape_low(length), high = law.shape_high(length);
     constexpr int kGrid = 16;
     double least = 1e300;
     int at = 0;
@@ -142,7 +166,7 @@ DriftFit best_fit(const Blocks& b, const std::vector<char>& kept, const std::str
   return at_once_error < 1.2 * error ? at_once : best;
 }
 
-double rms_over(const Blocks& b, const DriftFit& fit, const std::vector<char>& use) {
+double rms_over(const DriftBlocks& b, const DriftFit& fit, const std::vector<char>& use) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < b.y.size(); ++i) {
     if (!use[i]) continue;
@@ -164,9 +188,32 @@ double jackknife(const std::vector<double>& left_out) {
 
 }  // namespace
 
+const std::array<DriftLaw, 5>& drift_laws() { return kLaws; }
+
+double value_at(const DriftFit& fit, double t_s) { return fit.constant + fit.size * course(fit, t_s - fit.onset_s); }
+
+DriftBlocks drift_blocks(const std::vector<double>& t_s, const std::vector<double>& y) {
+  std::vector<std::size_t> good;
+  for (std::size_t i = 0; i < y.size(); ++i)
+    if (std::isfinite(y[i])) good.push_back(i);
+  DriftBlocks out;
+  const std::size_t n = std::min(kDriftBlocks, good.size());
+  for (std::size_t b = 0; b < n; ++b) {
+    const std::size_t from = b * good.size() / n, to = (b + 1) * good.size() / n;
+    double t = 0.0, sum = 0.0;
+    for (std::size_t k = from; k < to; ++k) t += t_s[good[k]] - t_s[good.front()], sum += y[good[k]];
+    const double first_s = t_s[good[from]] - t_s[good.front()], last_s = t_s[good[to - 1]] - t_s[good.front()];
+    const double half_step_s = to - from > 1 ? 0.5 * (last_s - first_s) / static_cast<double>(to - from - 1) : 0.0;
+    out.begin_s.push_back(first_s - half_step_s), out.end_s.push_back(last_s + half_step_s);
+    out.t_s.push_back(t / static_cast<double>(to - from));
+    out.y.push_back(sum / static_cast<double>(to - from));
+  }
+  return out;
+}
+
 Result<RecordDrift> fit_drift(const std::string& record, const std::vector<double>& t_s,
                               const std::vector<double>& y) {
-  const Blocks b = block_means(t_s, y);
+  const DriftBlocks b = drift_blocks(t_s, y);
   if (b.y.size() < 40)
     return fail(ErrorCode::parse, "the record has only " + std::to_string(b.y.size()) + (b.y.size() == 1 ? " sample" : " samples"), record,
                 "at least 40 are needed to tell one law of drift from another");
@@ -175,8 +222,8 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
   out.span = quantile(b.y, 0.999) - quantile(b.y, 0.001);
   out.noise = movement_of(b.y).noise;
   const std::vector<char> all(b.y.size(), 1);
-  for (const char* form : kForms) {
-    DriftFit fit = best_fit(b, all, form);
+  for (const DriftLaw& law : kLaws) {
+    DriftFit fit = best_fit(b, all, law);
     fit.rms = rms_over(b, fit, all);
     double sum = 0.0;
     std::vector<double> sizes, shapes, onsets_s;
@@ -184,7 +231,7 @@ Result<RecordDrift> fit_drift(const std::string& record, const std::vector<doubl
       std::vector<char> kept(b.y.size(), 1), left(b.y.size(), 0);
       for (std::size_t i = part * b.y.size() / kParts; i < (part + 1) * b.y.size() / kParts; ++i)
         kept[i] = 0, left[i] = 1;
-      const DriftFit without = best_fit(b, kept, form);
+      const DriftFit without = best_fit(b, kept, law);
       sizes.push_back(without.size);
       shapes.push_back(without.shape);
       onsets_s.push_back(without.onset_s);

@@ -1,10 +1,12 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "hil/diagnose/laws/drift.h"
 #include "hil/model/rows.h"
+#include "hil/trace/channels.h"
 #include "hil/trace/columns.h"
 
 namespace forcegate::diagnose {
@@ -33,8 +35,8 @@ void tell_unused(const Record& record, const Channel& output, Diagnosis& out) {
 /// What drifts together is not told apart by its course alone.
 void tell_recorded_causes(const Record& record, const Channel& output, Diagnosis& out) {
   const std::vector<double>& t_s = record.trace.time_bases[output.time_base].t_s;
-  for (const char* name : {"temp", "humidity", "drive"}) {
-    const Channel* c = record.trace.find(name);
+  for (const KnownChannel& known : kKnownChannels) {
+    const Channel* c = known.is_cause ? record.trace.find(known.name) : nullptr;
     if (c == nullptr || !movement_of(c->value).stands_out()) continue;
     if (response_as_a_whole(at_times(record.trace.time_bases[c->time_base].t_s, c->value, t_s), output.value).found)
       out.notes.push_back(record.name + ": the output goes with " + header_of(c->name, c->unit) + " as it goes with time: either may be the cause");
@@ -51,7 +53,7 @@ void follows_no_law(Diagnosis& out) {
 void add_records(const Campaign& campaign, const std::vector<RecordDrift>& drifts, const std::string& form, Diagnosis& out) {
   for (std::size_t k = 0; k < drifts.size(); ++k) {
     const auto left_out = [&](const std::string& name) {
-      return std::find_if(drifts[k].fits.begin(), drifts[k].fits.end(), [&](const DriftFit& f) { return f.form == name; })->left_out_rms;
+      return std::find_if(drifts[k].fits.begin(), drifts[k].fits.end(), [&](const DriftFit& f) { return f.law->name == name; })->left_out_rms;
     };
     RecordError e;
     e.record = drifts[k].record;
@@ -66,24 +68,9 @@ void add_records(const Campaign& campaign, const std::vector<RecordDrift>& drift
 }
 
 std::string sentence_of(const DriftFit& f, const std::string& unit, double ratio, const std::string& second) {
-  char text[300], from[40] = "";
-  if (f.onset_s > 0.0) std::snprintf(from, sizeof from, " from %.3g s on", f.onset_s);
-  if (f.form == "exponential")
-    std::snprintf(text, sizeof text,
-                  "the output moves exponentially%s towards %.4g %s with one time constant of %.3g s", from,
-                  f.constant, unit.c_str(), f.shape);
-  else if (f.form == "logarithm")
-    std::snprintf(text, sizeof text, "the output creeps with the logarithm of time%s, %.3g %s a decade", from,
-                  f.size, unit.c_str());
-  else if (f.form == "power")
-    std::snprintf(text, sizeof text, "the output creeps as a power of time%s, exponent %.2g", from, f.shape);
-  else
-    std::snprintf(text, sizeof text, "the output moves steadily%s by %.3g %s/s", from, f.size, unit.c_str());
-  char tail[160];
-  std::snprintf(tail, sizeof tail,
-                "; parts of the record that were left out are predicted %.2g times better than by the %s law",
-                ratio, second.c_str());
-  return std::string(text) + tail;
+  const std::string from = f.onset_s > 0.0 ? fmt::format(" from {:.3g} s on", f.onset_s) : "";
+  return f.law->sentence(f, from, unit) +
+         fmt::format("; parts of the record that were left out are predicted {:.2g} times better than by the {} law", ratio, second);
 }
 
 }  // namespace
@@ -117,8 +104,8 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
     wavers |= left > kFarAbove * drift.noise && left > kOfSample * movement_of(U->value).noise;
     tell_recorded_causes(record, *U, out);
     for (const DriftFit& f : drift.fits) {
-      left_out[f.form] += f.left_out_rms * f.left_out_rms;
-      if (f.form == "constant") before += f.left_out_rms * f.left_out_rms;
+      left_out[std::string(f.law->name)] += f.left_out_rms * f.left_out_rms;
+      if (f.law == &drift_laws().front()) before += f.left_out_rms * f.left_out_rms;
     }
     noise += drift.noise * drift.noise;
     drifts.push_back(std::move(drift));
@@ -147,10 +134,7 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
       out.notes.push_back(form + ": fails on parts that were left out");
       continue;
     }
-    char text[120];
-    std::snprintf(text, sizeof text, "%s: %.4g %s on parts that were left out", form.c_str(), error,
-                  out.unit.c_str());
-    out.notes.push_back(text);
+    out.notes.push_back(fmt::format("{}: {:.4g} {} on parts that were left out", form, error, out.unit));
   }
   if (!moves || ranked.front().second == "constant") {
     out.error_after = out.plain_after = out.error_before;
@@ -193,13 +177,11 @@ Result<Diagnosis> diagnose_drift(const Campaign& campaign) {
   f.error_after = out.error_after;
   f.records_excited = f.records_improved = static_cast<int>(drifts.size());
   const DriftFit& first = *std::find_if(drifts.front().fits.begin(), drifts.front().fits.end(),
-                                        [&](const DriftFit& d) { return d.form == form; });
+                                        [&](const DriftFit& d) { return d.law->name == form; });
   f.evidence = sentence_of(first, out.unit, ratio, rival->second) +
                "; without an input the side cannot be told: sensor, chamber and instrument may drift";
-  f.parameters.push_back({"size", first.size, first.u_size, form == "line" ? out.unit + "/s" : out.unit});
-  if (form == "exponential") f.parameters.push_back({"tau_s", first.shape, first.u_shape, "s"});
-  if (form == "logarithm") f.parameters.push_back({"t1_s", first.shape, first.u_shape, "s"});
-  if (form == "power") f.parameters.push_back({"exponent", first.shape, first.u_shape, "1"});
+  f.parameters.push_back({"size", first.size, first.u_size, out.unit + first.law->per});
+  if (first.law->shape_name != nullptr) f.parameters.push_back({first.law->shape_name, first.shape, first.u_shape, first.law->shape_unit});
   if (first.onset_s > 0.0) f.parameters.push_back({"onset_s", first.onset_s, first.u_onset_s, "s"});
   f.effect_rms =
       std::sqrt(std::max(0.0, out.error_before * out.error_before - out.error_after * out.error_after));
