@@ -4,6 +4,7 @@
 #include "hil/app/league.h"
 #include "hil/app/league_stage.h"
 #include "hil/app/league_tally.h"
+#include "hil/base/json_number.h"
 #include "hil/gate/statistics.h"
 
 namespace forcegate {
@@ -21,8 +22,6 @@ Json exact_json(const Count& count) {
   return {{"k", count.k}, {"n", count.n}, {"low", i.low}, {"high", i.high}};
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json to_json(const TierTally& tier) {
   return {{"top1", to_json(tier.named)},
           {"top2", to_json(tier.top2)},
@@ -34,10 +33,10 @@ Json to_json(const TierTally& tier) {
           {"look_alike", to_json(tier.look_alike)},
           {"side_right", to_json(tier.side)},
           {"with_false_claim", to_json(tier.false_claims)},
-          {"removed_median", number(score_quantile(tier.removed, 0.5))},
-          {"removed_lower_quartile", number(score_quantile(tier.removed, 0.25))},
+          {"removed_median", json_number<Json>(score_quantile(tier.removed, 0.5))},
+          {"removed_lower_quartile", json_number<Json>(score_quantile(tier.removed, 0.25))},
           {"removed_n", tier.removed.size()},
-          {"removed_median_named", number(score_quantile(tier.removed_named, 0.5))},
+          {"removed_median_named", json_number<Json>(score_quantile(tier.removed_named, 0.5))},
           {"removed_n_named", tier.removed_named.size()}};
 }
 
@@ -119,10 +118,10 @@ std::string league_json(const LeagueResult& result) {
                   {"calibration", calibration},
                   {"matches", matches},
                   {"seconds",
-                   {{"engine_median", number(score_quantile(t.engine_s, 0.5))},
-                    {"engine_95", number(score_quantile(t.engine_s, 0.95))},
-                    {"engine_max", number(score_quantile(t.engine_s, 1.0))},
-                    {"generation_median", number(score_quantile(t.generation_s, 0.5))},
+                   {{"engine_median", json_number<Json>(score_quantile(t.engine_s, 0.5))},
+                    {"engine_95", json_number<Json>(score_quantile(t.engine_s, 0.95))},
+                    {"engine_max", json_number<Json>(score_quantile(t.engine_s, 1.0))},
+                    {"generation_median", json_number<Json>(score_quantile(t.generation_s, 0.5))},
                     {"whole", result.seconds}}}};
   return j.dump(1);
 }

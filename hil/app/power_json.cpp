@@ -2,14 +2,13 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/power.h"
+#include "hil/base/json_number.h"
 #include "hil/gate/statistics.h"
 
 namespace forcegate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json count(std::size_t k, std::size_t n) {
   const Interval95 i = clopper_pearson_95(k, n);
@@ -21,7 +20,7 @@ Json to_json(const MutantOutcome& o) {
   for (const auto& [id, n] : o.checks) checks[id] = n;
   return {{"name", o.mutant.name},
           {"family", o.mutant.family},
-          {"level", o.mutant.level ? number(*o.mutant.level) : Json(nullptr)},
+          {"level", o.mutant.level ? json_number<Json>(*o.mutant.level) : Json(nullptr)},
           {"unit", o.mutant.unit},
           {"kind", o.mutant.good() ? "good" : "bad"},
           {"breaks", o.mutant.breaks},
@@ -52,8 +51,8 @@ Json to_json(const FamilyOutcome& f) {
                       {"slipped", count(o->accepted, o->runs)}});
   return {{"family", f.family},
           {"unit", f.unit},
-          {"smallest", number(f.smallest)},
-          {"smallest_without_conformance", f.blind_runs > 0 ? number(f.smallest_blind) : Json(nullptr)},
+          {"smallest", json_number<Json>(f.smallest)},
+          {"smallest_without_conformance", f.blind_runs > 0 ? json_number<Json>(f.smallest_blind) : Json(nullptr)},
           {"runs", f.runs},
           {"levels", levels}};
 }

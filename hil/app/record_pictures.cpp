@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 
 #include "hil/trace/extrema.h"
@@ -11,7 +12,6 @@
 namespace forcegate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 struct ModelledRecord {
   std::string name;
@@ -116,7 +116,7 @@ void transform(std::vector<std::complex<double>>& x) {  // n a power of two
     if (i < j) std::swap(x[i], x[j]);
   }
   for (std::size_t length = 2; length <= n; length <<= 1) {
-    const std::complex<double> turn = std::polar(1.0, -2.0 * kPi / static_cast<double>(length));
+    const std::complex<double> turn = std::polar(1.0, -2.0 * std::numbers::pi / static_cast<double>(length));
     for (std::size_t begin = 0; begin < n; begin += length) {
       std::complex<double> w = 1.0;
       for (std::size_t i = 0; i < length / 2; ++i, w *= turn) {
@@ -154,14 +154,14 @@ std::vector<Stretch> stretches(const std::vector<std::uint8_t>& ok, std::vector<
 std::optional<std::vector<double>> density(const std::vector<double>& y, const std::vector<Stretch>& where, std::size_t length, double step_s) {
   std::vector<double> power(length / 2 + 1, 0.0);
   double windows = 0.0, weight = 0.0;
-  for (std::size_t i = 0; i < length; ++i) weight += std::pow(std::sin(kPi * static_cast<double>(i) / static_cast<double>(length)), 4.0);
+  for (std::size_t i = 0; i < length; ++i) weight += std::pow(std::sin(std::numbers::pi * static_cast<double>(i) / static_cast<double>(length)), 4.0);
   std::vector<std::complex<double>> x(length);
   for (const Stretch& s : where)
     for (std::size_t begin = s.begin; begin + length <= s.end; begin += length / 2) {
       double mean = 0.0;
       for (std::size_t i = 0; i < length; ++i) mean += y[begin + i] / static_cast<double>(length);
       for (std::size_t i = 0; i < length; ++i)
-        x[i] = (y[begin + i] - mean) * std::pow(std::sin(kPi * static_cast<double>(i) / static_cast<double>(length)), 2.0);
+        x[i] = (y[begin + i] - mean) * std::pow(std::sin(std::numbers::pi * static_cast<double>(i) / static_cast<double>(length)), 2.0);
       transform(x);
       for (std::size_t k = 0; k < power.size(); ++k) power[k] += 2.0 * std::norm(x[k]) * step_s / weight;
       windows += 1.0;

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/json_number.h"
 #include "hil/base/text.h"
 #include "hil/gate/statistics.h"
 #include "hil/report/result_json.h"
@@ -165,9 +166,6 @@ std::string diff_text(const RunDiff& d) {
 }
 
 std::string diff_json(const RunDiff& d) {
-  const auto number = [](double v) {
-    return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json();
-  };
   nlohmann::ordered_json checks = nlohmann::ordered_json::array(), summary = nlohmann::ordered_json::array(),
                          failures = nlohmann::ordered_json::array();
   for (const OneSided& f : d.failures)
@@ -176,20 +174,20 @@ std::string diff_json(const RunDiff& d) {
     checks.push_back({{"case", c.case_id},
                       {"check", c.check_id},
                       {"unit", c.unit},
-                      {"a", number(c.a)},
-                      {"b", number(c.b)},
-                      {"delta", number(c.delta)},
-                      {"u", number(c.u)},
+                      {"a", json_number<nlohmann::ordered_json>(c.a)},
+                      {"b", json_number<nlohmann::ordered_json>(c.b)},
+                      {"delta", json_number<nlohmann::ordered_json>(c.delta)},
+                      {"u", json_number<nlohmann::ordered_json>(c.u)},
                       {"verdict_a", to_string(c.verdict_a)},
                       {"verdict_b", to_string(c.verdict_b)}});
   for (const CheckSummary& s : d.summary)
     summary.push_back({{"check", s.check_id},
                        {"unit", s.unit},
                        {"n", s.n},
-                       {"mean_delta", number(s.mean_delta)},
-                       {"u", number(s.u)},
-                       {"low", number(s.low)},
-                       {"high", number(s.high)},
+                       {"mean_delta", json_number<nlohmann::ordered_json>(s.mean_delta)},
+                       {"u", json_number<nlohmann::ordered_json>(s.u)},
+                       {"low", json_number<nlohmann::ordered_json>(s.low)},
+                       {"high", json_number<nlohmann::ordered_json>(s.high)},
                        {"b_is", s.in_words}});
   const auto side = [](const RunResult& r) {
     return nlohmann::ordered_json{{"firmware", r.firmware_path},

@@ -1,11 +1,11 @@
 #include "hil/base/units.h"
 
 #include <array>
+#include <numbers>
 
 namespace forcegate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 struct Row {
   const char* symbol;
@@ -41,8 +41,8 @@ constexpr std::array kTable = {
     Row{"lsb", "counts", "code", 1, 0},
     Row{"rad", "rad", "angle", 1, 0},
     Row{"mrad", "rad", "angle", 1e-3, 0},
-    Row{"deg", "rad", "angle", kPi / 180, 0},
-    Row{"rev", "rad", "angle", 2 * kPi, 0},
+    Row{"deg", "rad", "angle", std::numbers::pi / 180, 0},
+    Row{"rev", "rad", "angle", 2 * std::numbers::pi, 0},
     Row{"C", "C", "temperature", 1, 0},
     Row{"degC", "C", "temperature", 1, 0},
     Row{"K", "C", "temperature", 1, -273.15},

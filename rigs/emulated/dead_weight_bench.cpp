@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 
 #include "hil/base/portable_math.h"
 #include "hil/base/text.h"
@@ -14,7 +15,6 @@ namespace forcegate::emulated {
 namespace {
 
 constexpr std::size_t kSensors = 8;
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kForceMax_N = 250.0, kForceURel = 1e-4;  // weights of class M1
 constexpr double kFeedbackURel = 1e-3, kBandwidthURel = 0.10;
 constexpr double kPace = 0.2;  // relative spread of the time that a person takes for a weight
@@ -97,12 +97,12 @@ Result<void> DeadWeightBench::capture(std::size_t index, const WeightBenchSource
       (sine ? sensor.admittance_S(f_Hz) : std::complex<double>{sensor.state().conductance_S, 0.0});
   const std::complex<double> transfer =
       -loop / (1.0 + (1.0 + loop) * std::complex<double>{0.0, f_Hz / gain_bandwidth_Hz_});
-  const double step_rad = 2.0 * kPi * f_Hz / options_.rate_Hz;
+  const double step_rad = 2.0 * std::numbers::pi * f_Hz / options_.rate_Hz;
   const std::complex<double> turn{portable::cos(step_rad), portable::sin(step_rad)};
   std::complex<double> phasor{sine ? 0.0 : 1.0, sine ? -1.0 : 0.0};  // its real part is sin, or 1
   phasor *= source.amplitude_V * transfer;
   WhiteNoise white(noise_.next(), "read"), flicker(noise_.next(), "flicker");
-  const double keep = portable::exp(-2.0 * kPi * kFlicker_Hz / options_.rate_Hz),
+  const double keep = portable::exp(-2.0 * std::numbers::pi * kFlicker_Hz / options_.rate_Hz),
                fresh = kFlicker_V * std::sqrt(1.0 - keep * keep);
   double slow_V = kFlicker_V * flicker.next();
   const double per_volt = static_cast<double>(1 << kBits) / (2.0 * kRange_V);

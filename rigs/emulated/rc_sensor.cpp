@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "hil/base/portable_math.h"
@@ -9,7 +10,6 @@
 namespace forcegate::emulated {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRange_N = 250.0;
 constexpr double kGapLever = 5.0;     // lambda = 2 kappa s, a gap of some 0.9 nm behind a barrier of 0.3 eV
 constexpr double kCommonShare = 0.5;  // of the variance of what does not repeat in the conductance
@@ -112,11 +112,11 @@ RcState RcSensor::state() const {
 
 std::complex<double> RcSensor::admittance_S(double f_Hz) const {
   const RcState s = state();
-  const double w = 2.0 * kPi * f_Hz;
+  const double w = 2.0 * std::numbers::pi * f_Hz;
   const double onset_Hz = p_.divergence_Hz * kOnsetPerDivergence *
                           (1.0 + kOnsetForceSlope * portable::log(std::max(force_N_, 1.0) / 125.0));
   // Loss of the whole band far above its lower end: G f / onset, so that tan(phi) stays where it was at the onset.
-  double each_F = 2.0 / kPi * s.conductance_S / (2.0 * kPi * onset_Hz) * portable::log(kBandRatio);
+  double each_F = 2.0 / std::numbers::pi * s.conductance_S / (2.0 * std::numbers::pi * onset_Hz) * portable::log(kBandRatio);
   each_F = std::min(each_F, 0.8 * s.capacitance_F / kRelaxations);
   std::complex<double> y{s.conductance_S, w * (s.capacitance_F - kRelaxations * each_F)};
   double relaxation_Hz = onset_Hz;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "tests/support/process.h"
@@ -20,7 +21,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-constexpr double kDelay_s = 0.03, kPi = 3.141592653589793;
+constexpr double kDelay_s = 0.03;
 
 std::string row(double t_s, double force_N, double output_V) {
   std::ostringstream out;
@@ -35,7 +36,7 @@ constexpr const char* kTwoOfThree = "parts (delay|lag|viscous) / (delay|lag|visc
 std::string slow_sine() {
   std::string text = "t,F,U\n";
   std::uint32_t state = 1;
-  const auto force_N = [](double t_s) { return 2.0 + 1.2 * std::sin(kPi * t_s); };
+  const auto force_N = [](double t_s) { return 2.0 + 1.2 * std::sin(std::numbers::pi * t_s); };
   for (int i = 0; i < 6000; ++i) {
     double noise = 0.0;
     for (int k = 0; k < 12; ++k) noise += ((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0 - 0.5;

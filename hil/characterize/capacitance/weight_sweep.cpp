@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace forcegate::characterize {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kDeparture = 1.2;  // BodeFit::divergence_Hz: eq. (9) over what is measured
 
 // The same definition on the true admittance.
@@ -61,7 +61,7 @@ Result<SweepResult> play_sweep(WeightBench& bench, std::size_t sensor, double fo
   out.true_conductance_S = out.true_capacitance_F = out.true_divergence_Hz = std::nan("");
   if (const auto y = bench.true_admittance_S(sensor, 1.0)) {
     out.true_conductance_S = y->real();
-    out.true_capacitance_F = y->imag() / (2.0 * kPi);
+    out.true_capacitance_F = y->imag() / (2.0 * std::numbers::pi);
     out.true_divergence_Hz = true_divergence_Hz(bench, sensor, plan.sweep_low_Hz, plan.sweep_high_Hz);
   }
   if (!out.fitted || std::isnan(out.fit.divergence_Hz)) return out;

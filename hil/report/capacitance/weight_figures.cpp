@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace forcegate {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 using namespace figures;
 using namespace characterize;
 
-constexpr double kWidth = 680.0, kHeight = 230.0, kPi = 3.14159265358979323846;
+constexpr double kWidth = 680.0, kHeight = 230.0;
 constexpr std::size_t kSensor = 2;  // of pack 0
 constexpr Role kForceRoles[] = {Role::model, Role::rising, Role::firmware, Role::falling, Role::raw};
 constexpr Marker kForceMarkers[] = {Marker::dot, Marker::square, Marker::up, Marker::ring, Marker::cross};
@@ -28,7 +29,7 @@ class Pictures {
     conductance();
     sweep(
         "fig06.svg", "Fig. 6", "Phase over frequency", Axis{"Phase", "°", 0.0, 90.0},
-        [](const impedance::RcReading& r) { return r.phase_rad * 180.0 / kPi; }, true);
+        [](const impedance::RcReading& r) { return r.phase_rad * 180.0 / std::numbers::pi; }, true);
     sweep(
         "fig07.svg", "Fig. 7", "Capacitance over frequency", Axis{"C_s", "pF", 0.0, 1000.0},
         [](const impedance::RcReading& r) { return 1e12 * r.capacitance_F; }, false);
@@ -89,7 +90,7 @@ class Pictures {
         const double value = get(r);
         x.push_back(r.f_Hz);
         y.push_back(p.y_axis.scale == Scale::logarithmic && !(value > 0.0) ? kAuto : value);
-        law.push_back(s.fit.phase_rad(r.f_Hz) * 180.0 / kPi);
+        law.push_back(s.fit.phase_rad(r.f_Hz) * 180.0 / std::numbers::pi);
       }
       p.points(x, y, {kForceRoles[i], Dash::solid, 1.0, kForceMarkers[i], 4.5},
                fmt::format("{:.0f} N", s.force_N));
@@ -109,7 +110,7 @@ class Pictures {
     if (with_law)
       caption = fmt::format(
           "Markers: measured. Lines: eq. (9) with R_s and C_s of the Bode fit. Beyond the divergence the phase saturates: at {:.0f} N {:.1f}° at 10 kHz and {:.1f}° at 40 kHz, where eq. (9) says {:.1f}°.",
-          top.force_N, at(1e4), at(4e4), top.fit.phase_rad(4e4) * 180.0 / kPi);
+          top.force_N, at(1e4), at(4e4), top.fit.phase_rad(4e4) * 180.0 / std::numbers::pi);
     else if (p.y_axis.scale == Scale::logarithmic)
       caption = fmt::format(
           "Resistance falls beyond the divergence: at {:.0f} N from {:.0f} kΩ at 1 kHz to {:.0f} kΩ at 40 kHz.",

@@ -1,7 +1,8 @@
 #include "hil/report/capacitance/weight_json.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "hil/base/json_number.h"
 
 namespace forcegate {
 namespace {
@@ -9,29 +10,27 @@ namespace {
 using Json = nlohmann::ordered_json;
 using namespace characterize;
 
-Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
-
 template <class Values>
 Json numbers(const Values& values) {
   Json out = Json::array();
-  for (const double v : values) out.push_back(number(v));
+  for (const double v : values) out.push_back(json_number<Json>(v));
   return out;
 }
 
-Json of(const ShareOf& s) { return {{"share", number(s.share())}, {"k", s.k}, {"n", s.n}}; }
+Json of(const ShareOf& s) { return {{"share", json_number<Json>(s.share())}, {"k", s.k}, {"n", s.n}}; }
 
 Json of(const SensorResult& s) {
-  Json out{{"mse_N2", numbers(s.mse_N2)},    {"per_pct", number(s.per_pct)},
+  Json out{{"mse_N2", numbers(s.mse_N2)},    {"per_pct", json_number<Json>(s.per_pct)},
            {"covered", s.covered},           {"tested", s.tested},
-           {"u_mean_N", number(s.u_mean_N)}, {"unloading_mse_N2", numbers(s.unloading_mse_N2)},
+           {"u_mean_N", json_number<Json>(s.u_mean_N)}, {"unloading_mse_N2", numbers(s.unloading_mse_N2)},
            {"sweeps", Json::array()}};
   for (const SweepResult& w : s.sweeps)
     out["sweeps"].push_back({{"force_N", w.force_N},
                              {"fitted", w.fitted},
-                             {"conductance_S", {number(w.fit.conductance_S), number(w.fit.u_conductance_S)}},
-                             {"capacitance_F", {number(w.fit.capacitance_F), number(w.fit.u_capacitance_F)}},
-                             {"divergence_Hz", {number(w.fit.divergence_Hz), number(w.fit.u_divergence_Hz)}},
-                             {"chi2_per_dof", number(w.fit.chi2_per_dof)}});
+                             {"conductance_S", {json_number<Json>(w.fit.conductance_S), json_number<Json>(w.fit.u_conductance_S)}},
+                             {"capacitance_F", {json_number<Json>(w.fit.capacitance_F), json_number<Json>(w.fit.u_capacitance_F)}},
+                             {"divergence_Hz", {json_number<Json>(w.fit.divergence_Hz), json_number<Json>(w.fit.u_divergence_Hz)}},
+                             {"chi2_per_dof", json_number<Json>(w.fit.chi2_per_dof)}});
   return out;
 }
 
@@ -50,11 +49,11 @@ std::string weight_json(const WeightStudy& study, const WeightSummary& s, bool s
   Json models = Json::array();
   for (const auto name : kForceModelNames) models.push_back(std::string(name));
   root["models"] = models;
-  root["per_pct"] = {{"mean", number(s.per_mean_pct)},
-                     {"sd_sets", number(s.per_sd_sets_pct)},
-                     {"standard_error", number(s.per_se_pct)},
-                     {"lowest_set", number(s.per_low_pct)},
-                     {"highest_set", number(s.per_high_pct)}};
+  root["per_pct"] = {{"mean", json_number<Json>(s.per_mean_pct)},
+                     {"sd_sets", json_number<Json>(s.per_sd_sets_pct)},
+                     {"standard_error", json_number<Json>(s.per_se_pct)},
+                     {"lowest_set", json_number<Json>(s.per_low_pct)},
+                     {"highest_set", json_number<Json>(s.per_high_pct)}};
   root["mse_N2"] = {{"mean", numbers(s.mse_mean)},
                     {"q05", numbers(s.mse_q05)},
                     {"median", numbers(s.mse_median)},
@@ -75,8 +74,8 @@ std::string weight_json(const WeightStudy& study, const WeightSummary& s, bool s
   if (sensors)
     for (const SetResult& set : study.sets) {
       Json one{{"set", set.set},
-               {"per_mean_pct", number(set.per_mean_pct())},
-               {"operating_Hz", number(set.operating_Hz)},
+               {"per_mean_pct", json_number<Json>(set.per_mean_pct())},
+               {"operating_Hz", json_number<Json>(set.operating_Hz)},
                {"sensors", Json::array()}};
       for (const SensorResult& sensor : set.sensors) one["sensors"].push_back(of(sensor));
       root["packs"].push_back(std::move(one));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/json_number.h"
 #include "hil/report/characterization/paper_claims.h"
 
 namespace forcegate {
@@ -11,29 +12,27 @@ namespace {
 using Json = nlohmann::ordered_json;
 using namespace characterize;
 
-Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
-
 Json of(const Spread& s) {
   return {{"key", s.key},
           {"title", s.title},
           {"unit", s.unit},
-          {"mean", number(s.mean)},
-          {"sd_specimens", number(s.sd_specimens)},
-          {"sd_sessions", number(s.sd_sessions)},
-          {"lowest", number(s.lowest)},
-          {"q05", number(s.q05)},
-          {"median", number(s.median)},
-          {"q95", number(s.q95)},
-          {"largest", number(s.largest)},
+          {"mean", json_number<Json>(s.mean)},
+          {"sd_specimens", json_number<Json>(s.sd_specimens)},
+          {"sd_sessions", json_number<Json>(s.sd_sessions)},
+          {"lowest", json_number<Json>(s.lowest)},
+          {"q05", json_number<Json>(s.q05)},
+          {"median", json_number<Json>(s.median)},
+          {"q95", json_number<Json>(s.q95)},
+          {"largest", json_number<Json>(s.largest)},
           {"specimens", s.specimens},
           {"n", s.n}};
 }
 
 Json of(const LawErrors& e) {
-  return {{"a_pct", number(e.a_pct)},
-          {"b_pct", number(e.b_pct)},
-          {"c_pct", number(e.c_pct)},
-          {"mre_pct", number(e.mre_pct)}};
+  return {{"a_pct", json_number<Json>(e.a_pct)},
+          {"b_pct", json_number<Json>(e.b_pct)},
+          {"c_pct", json_number<Json>(e.c_pct)},
+          {"mre_pct", json_number<Json>(e.mre_pct)}};
 }
 
 Json of(const LawStudy& study) {
@@ -63,10 +62,10 @@ Json of(const SessionSheet& s) {
   Json out{{"specimen", s.specimen}, {"session", s.session}, {"samples", s.samples}};
   if (s.failure) out["failure"] = s.failure->text;
   if (!s.notes.empty()) out["notes"] = s.notes;
-  for (const Measurement& m : s.values) out["values"][m.key] = number(m.value);
+  for (const Measurement& m : s.values) out["values"][m.key] = json_number<Json>(m.value);
   for (const DecayRecord& d : s.decays) {
-    Json r{{"set", d.set}, {"f_Hz", d.f_Hz},         {"A_N", number(d.A_N)},
-           {"m_N", d.m_N}, {"loss", number(d.loss)}, {"u_min_V", number(d.u_min_V)}};
+    Json r{{"set", d.set}, {"f_Hz", d.f_Hz},         {"A_N", json_number<Json>(d.A_N)},
+           {"m_N", d.m_N}, {"loss", json_number<Json>(d.loss)}, {"u_min_V", json_number<Json>(d.u_min_V)}};
     if (d.f2_Hz > 0.0) r["f2_Hz"] = d.f2_Hz;
     if (d.fitted)
       r.update({{"a_V", d.fit.a_V},
@@ -104,11 +103,11 @@ std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan&
   for (const LimitResult& r : check_limits(studies, plan))
     root["limits"].push_back({{"key", r.limit.key},
                               {"sensor", r.sensor},
-                              {"worst", number(r.worst)},
+                              {"worst", json_number<Json>(r.worst)},
                               {"unit", r.unit},
                               {"specimen", r.specimen},
-                              {"minimum", number(r.limit.minimum)},
-                              {"maximum", number(r.limit.maximum)},
+                              {"minimum", json_number<Json>(r.limit.minimum)},
+                              {"maximum", json_number<Json>(r.limit.maximum)},
                               {"source", r.limit.source},
                               {"sessions", r.sessions},
                               {"outside", r.outside},
@@ -118,10 +117,10 @@ std::string study_json(const std::vector<SensorStudy>& studies, const StudyPlan&
                              {"sensor", c.sensor},
                              {"quantity", c.subject},
                              {"says", c.paper},
-                             {"paper", number(c.paper_value)},
+                             {"paper", json_number<Json>(c.paper_value)},
                              {"unit", c.unit},
-                             {"ours", number(c.ours)},
-                             {"sd", number(c.spread)},
+                             {"ours", json_number<Json>(c.ours)},
+                             {"sd", json_number<Json>(c.spread)},
                              {"specimens", c.specimens},
                              {"inside", c.inside()}});
   return root.dump(1) + "\n";

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hil/base/rng.h"
 
 namespace forcegate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 // Static records of a linear sensor: sine of 0.1 Hz, a line of `line_Hz` in the output alone, a zero that moves from record to record.
 diagnose::Workspace workspace(std::size_t records, double line_Hz, double zero_step_V) {
@@ -21,10 +21,10 @@ diagnose::Workspace workspace(std::size_t records, double line_Hz, double zero_s
     r.name = "r" + std::to_string(k);
     r.start_s = 600.0 * static_cast<double>(k);
     for (int i = 0; i < 5000; ++i) {
-      const double t = 0.02 * i, F = 2.0 + std::sin(2.0 * kPi * 0.1 * t);
+      const double t = 0.02 * i, F = 2.0 + std::sin(2.0 * std::numbers::pi * 0.1 * t);
       r.t_s.push_back(t);
       r.F_N.push_back(F);
-      r.U_V.push_back(2.0 * F + 0.01 * std::sin(2.0 * kPi * line_Hz * t) + zero_step_V * static_cast<double>(k) + 0.001 * rng.normal());
+      r.U_V.push_back(2.0 * F + 0.01 * std::sin(2.0 * std::numbers::pi * line_Hz * t) + zero_step_V * static_cast<double>(k) + 0.001 * rng.normal());
       r.ok.push_back(1);
       r.decay.push_back(1.0);
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,6 @@ namespace {
 
 using namespace emulated;
 
-constexpr double kPi = 3.14159265358979323846;
 
 double mean_V(DeadWeightBench& bench, std::size_t sensor, const WeightBenchSource& source) {
   std::vector<std::int16_t> codes(6400);
@@ -22,10 +22,10 @@ double mean_V(DeadWeightBench& bench, std::size_t sensor, const WeightBenchSourc
   return sum / static_cast<double>(codes.size()) * bench.info().volts_per_code();
 }
 
-double phase_deg(const RcSensor& s, double f_Hz) { return std::arg(s.admittance_S(f_Hz)) * 180.0 / kPi; }
+double phase_deg(const RcSensor& s, double f_Hz) { return std::arg(s.admittance_S(f_Hz)) * 180.0 / std::numbers::pi; }
 double rc_phase_deg(const RcSensor& s, double f_Hz) {
   const RcState at = s.state();
-  return std::atan(2.0 * kPi * f_Hz * at.capacitance_F / at.conductance_S) * 180.0 / kPi;
+  return std::atan(2.0 * std::numbers::pi * f_Hz * at.capacitance_F / at.conductance_S) * 180.0 / std::numbers::pi;
 }
 
 TEST(DeadWeightBench, direct_voltage_shows_the_conductance_by_equation_8) {
@@ -46,7 +46,7 @@ TEST(DeadWeightBench, phase_follows_the_RC_law_up_to_the_divergence_and_saturate
     s.load(125.0, 20.0);
     EXPECT_NEAR(phase_deg(s, 1000.0), rc_phase_deg(s, 1000.0), 1.0);
     EXPECT_NEAR(rc_phase_deg(s, p.divergence_Hz) - phase_deg(s, p.divergence_Hz), 3.0, 2.0);
-    EXPECT_GT(std::tan(rc_phase_deg(s, 40e3) * kPi / 180.0) / std::tan(phase_deg(s, 40e3) * kPi / 180.0),
+    EXPECT_GT(std::tan(rc_phase_deg(s, 40e3) * std::numbers::pi / 180.0) / std::tan(phase_deg(s, 40e3) * std::numbers::pi / 180.0),
               3.0);
     EXPECT_NEAR(phase_deg(s, 40e3), phase_deg(s, 15e3), 5.0);
     // Fig. 8 and Fig. 7: the resistance falls dramatically, the capacitance varies little
@@ -64,9 +64,9 @@ TEST(DeadWeightBench, admittance_is_passive_and_its_capacitance_falls_where_its_
   for (double f = 100.0; f < 60e3; f *= 1.3) {
     const auto y = s.admittance_S(f);
     EXPECT_GT(y.real(), before_S);
-    EXPECT_LT(y.imag() / (2.0 * kPi * f), before_F);
+    EXPECT_LT(y.imag() / (2.0 * std::numbers::pi * f), before_F);
     before_S = y.real();
-    before_F = y.imag() / (2.0 * kPi * f);
+    before_F = y.imag() / (2.0 * std::numbers::pi * f);
   }
 }
 
