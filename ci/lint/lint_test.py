@@ -72,6 +72,12 @@ class TestsRun(unittest.TestCase):
         tree = Tree().put("tests/unit/a/CMakeLists.txt", "").put("tests/unit/a/a_test.cpp", "TEST(A, DISABLED_b) {}\n")
         self.assertEqual(len(tests_run.check(tree.root)), 1)
 
+    def test_two_styles_of_names_in_a_file_are_refused(self):
+        tree = Tree().put("tests/unit/a/CMakeLists.txt", "").put("tests/unit/a/a_test.cpp", "TEST(A, b_is_c) {}\nTEST(A, DIsE) {}\n")
+        self.assertEqual(len(tests_run.check(tree.root)), 1)
+        tree.put("tests/unit/a/a_test.cpp", "TEST(A, b_is_c) {}\nTEST_F(A, d_is_e) {}\n")
+        self.assertEqual(tests_run.check(tree.root), [])
+
     def test_a_hidden_scenario_is_refused(self):
         tree = Tree().put("tests/scenarios/CMakeLists.txt", "")
         tree.put("tests/scenarios/a.cpp", 'TEST_CASE("x", "[.slow]") {}\n')

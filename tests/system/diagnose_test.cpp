@@ -20,7 +20,7 @@ std::string last_line(std::string text) {
 
 class DiagnoseSaysWhatIsNext : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(DiagnoseSaysWhatIsNext, with_and_without_a_page) {
+TEST_P(DiagnoseSaysWhatIsNext, WithAndWithoutAPage) {
   const TemporaryFolder folder;
   const ProcessOptions there{.folder = folder.path()};
   const ProcessResult made = forcegate({"mystery", "--seed", "5", "--effect", GetParam(), "--minutes", "3", "try"}, there);

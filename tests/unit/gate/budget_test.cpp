@@ -27,7 +27,7 @@ double synchronisation_pct(const CaseRecord& r) {
   return line == b.lines.end() ? std::nan("") : line->u;
 }
 
-TEST(Budget, TheDeclaredTimeOfAReadingIsAPartOfItsSynchronisation) {
+TEST(Budget, the_declared_time_of_a_reading_is_a_part_of_its_synchronisation) {
   EXPECT_NEAR(synchronisation_pct(record(0.5, 0.1)), 100.0 * (1.0 - std::cos(0.31417)), 1e-3);
   EXPECT_LT(synchronisation_pct(record(0.5, 0.0)), 2e-4);
   EXPECT_GT(budget(record(0.5, 0.1)).u(), budget(record(0.5, 0.0)).u() + 3.0);
@@ -35,12 +35,12 @@ TEST(Budget, TheDeclaredTimeOfAReadingIsAPartOfItsSynchronisation) {
 
 // 0.002 s is the largest that rigs/*.toml declare, half a period of the slowest stream of an ATI is 0.0018 s; the fastest
 // profile of the plans for a bench is 0.5 Hz.
-TEST(Budget, WhatTheDeliveredBenchesDeclareIsFarBelowWhatTipsAVerdict) {
+TEST(Budget, what_the_delivered_benches_declare_is_far_below_what_tips_a_verdict) {
   EXPECT_LT(synchronisation_pct(record(0.5, 0.002)), 0.003);
   EXPECT_NEAR(budget(record(0.5, 0.002)).u(), budget(record(0.5, 0.0)).u(), 1e-4);
 }
 
-TEST(Budget, ARecordThatIsJudgedAgainHasTheTimeToo) {
+TEST(Budget, a_record_that_is_judged_again_has_the_time_too) {
   const auto again = record_from_json(to_json(record(0.5, 0.1)));
   ASSERT_TRUE(again) << again.error().to_text();
   EXPECT_EQ(synchronisation_pct(*again), synchronisation_pct(record(0.5, 0.1)));

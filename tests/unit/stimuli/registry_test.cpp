@@ -1,12 +1,11 @@
-// Properties that every profile of the registry must have.
+// Properties that every profile of the registry must have at parameters that make sense; bounds, purity and refusals at any others are those
+// of tests/conformance/stimulus_test.cpp.
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
-#include "hil/base/rng.h"
 #include "hil/interface/stimulus.h"
 
 namespace forcegate {
@@ -51,35 +50,19 @@ class EveryStimulus : public ::testing::TestWithParam<std::string> {
   }
 };
 
-TEST_P(EveryStimulus, stays_within_the_bounds_it_declares_and_reaches_them) {
+TEST_P(EveryStimulus, reaches_the_bounds_it_declares) {
   for_each([](const Stimulus& s) {
     const StimulusFacts f = s.facts();
     double low = std::numeric_limits<double>::infinity(), high = -low;
     const int n = 200000;
     for (int i = 0; i <= n; ++i) {
       const double force = s.force_N(s.duration_s() * i / n);
-      ASSERT_TRUE(std::isfinite(force));
       low = std::min(low, force);
       high = std::max(high, force);
     }
-    EXPECT_GE(low, f.minimum_N - 1e-9);
-    EXPECT_LE(high, f.maximum_N + 1e-9);
     EXPECT_NEAR(low, f.minimum_N, 0.01);
     EXPECT_NEAR(high, f.maximum_N, 0.01);
     EXPECT_GE(f.minimum_N, 0.0);
-  });
-}
-
-TEST_P(EveryStimulus, is_a_pure_function_of_time) {
-  for_each([](const Stimulus& s) {
-    Rng rng(11);
-    for (int i = 0; i < 300; ++i) {
-      const double t = s.duration_s() * rng.uniform();
-      const double once = s.force_N(t);
-      (void)s.force_N(s.duration_s() * rng.uniform());
-      const double again = s.force_N(t);
-      EXPECT_EQ(std::memcmp(&once, &again, sizeof once), 0);
-    }
   });
 }
 
@@ -99,11 +82,6 @@ TEST_P(EveryStimulus, fill_agrees_with_single_calls_and_does_not_depend_on_the_b
       ASSERT_NEAR(whole[i], s.force_N(static_cast<double>(i) * 0.001), 1e-9) << i;
       ASSERT_NEAR(whole[i], pieces[i], 1e-9) << i;
     }
-    std::vector<double> again(100);
-    s.fill(5.0, 0.001, 100, again.data());
-    std::vector<double> twice(100);
-    s.fill(5.0, 0.001, 100, twice.data());
-    EXPECT_EQ(std::memcmp(again.data(), twice.data(), 800), 0);
   });
 }
 
@@ -129,7 +107,7 @@ TEST_P(EveryStimulus, with_a_ramp_begins_at_zero_and_without_one_at_its_lowest_f
   }
 }
 
-TEST_P(EveryStimulus, documents_itself_and_refuses_what_it_does_not_know) {
+TEST_P(EveryStimulus, documents_itself) {
   const StimulusKind* kind = Registry<StimulusKind>::instance().find(GetParam());
   ASSERT_NE(kind, nullptr);
   EXPECT_FALSE(kind->doc.empty());
@@ -137,9 +115,6 @@ TEST_P(EveryStimulus, documents_itself_and_refuses_what_it_does_not_know) {
     EXPECT_FALSE(p.doc.empty()) << p.name;
     EXPECT_LT(p.minimum, p.maximum + (p.is_text ? 1 : 0)) << p.name;
   }
-  StimulusSpec wrong = sample(GetParam(), 0);
-  wrong.numbers["A_Newton"] = 1.0;
-  EXPECT_FALSE(make_stimulus(wrong).has_value());
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryStimulus,
