@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Refuses an #include that crosses a wall. The build's link lists refuse most of them too; this says why.
+"""Refuses an #include that crosses a wall. A header compiles anywhere, so this is the wall; the link lists (link_lists.py) follow it.
 
 Folder -> what it may include of the project, and which third-party headers (in .cpp files only, save where a
 header is named under HEADERS). hil/base is free for all except the firmware."""
@@ -16,7 +16,6 @@ WALLS = {
     "hil/diagnose": ["hil/trace", "hil/model", "hil/interface"],
     "hil/gate": ["hil/trace", "hil/interface", "hil/rig"],
     "hil/characterize": ["hil/trace", "hil/interface", "hil/rig", "hil/gate", "hil/model/impedance"],
-    "hil/store": ["hil/trace", "hil/interface"],
     "hil/report": ["hil/trace", "hil/interface", "hil/model", "hil/diagnose", "hil/characterize"],
     "adapters": ["hil/trace", "hil/interface"],
     "stimuli": ["hil/trace", "hil/interface"],
@@ -25,7 +24,6 @@ WALLS = {
     "rigs/firmware": None,  # the device under test: nothing of the harness
     "hil/app": ["*"],
     "hil/cli": ["hil/app", "hil/report", "hil/interface"],  # interface: names of the plug-ins as choices
-    "hil/web": ["hil/app", "hil/report", "hil/interface"],
 }
 
 WHY = {
@@ -40,23 +38,20 @@ WHY = {
 }
 
 THIRD_PARTY = {  # first directory or name of the header -> folders whose .cpp files may include it
-    "toml++": ["hil/rig", "hil/gate", "hil/model", "hil/diagnose", "hil/app", "golden/compare", "rigs/emulated", "hil/store",
+    "toml++": ["hil/rig", "hil/gate", "hil/model", "hil/diagnose", "hil/app", "golden/compare", "rigs/emulated",
                "adapters"],
-    "nlohmann": ["hil/report", "hil/app", "hil/cli", "hil/web", "hil/gate", "hil/trace", "hil/diagnose", "hil/store",
+    "nlohmann": ["hil/report", "hil/app", "hil/cli", "hil/gate", "hil/trace", "hil/diagnose",
                  "golden/compare", "adapters", "rigs/emulated"],
     "pugixml": ["hil/report"],
     "hdf5": ["hil/trace"],
     "matio": ["hil/trace"],
-    "ceres": ["hil/model", "hil/diagnose"],
     "muParser": ["hil/model"],
-    "sqlite3": ["hil/store"],
     "modbus": ["adapters", "rigs/emulated"],
     "hidapi": ["adapters"],
-    "boost": ["hil/web"],
     "openssl": ["hil/base"],
 }
-# Jet is part of the formula template; the handle of HDF5 is private to the three files that read and write it.
-HEADERS = {("ceres", "hil/model"), ("ceres", "hil/diagnose"), ("hdf5", "hil/trace")}
+# The handle of HDF5 is private to the three files that read and write it.
+HEADERS = {("hdf5", "hil/trace")}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
@@ -84,7 +79,7 @@ def complaint_of(name, header, quoted):
         if not target or target in (own, "hil/base"):
             return None
         allowed = WALLS[own]
-        if own == "hil/app" and target not in ("hil/cli", "hil/web", "rigs/firmware"):
+        if own == "hil/app" and target not in ("hil/cli", "rigs/firmware"):
             return None
         if any(header.startswith(a + "/") for a in allowed):
             return None

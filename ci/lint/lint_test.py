@@ -10,6 +10,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 import file_length
 import include_walls
+import link_lists
 import markdown_paths
 import process_state
 import tests_run
@@ -65,6 +66,22 @@ class IncludeWalls(unittest.TestCase):
         for name, header in [("hil/gate/runner.cpp", "hil/rig/safety_gate.h"), ("hil/app/x.cpp", "rigs/emulated/plant.h"),
                              ("stimuli/sine.cpp", "hil/interface/stimulus.h"), ("hil/gate/a.cpp", "hil/base/text.h")]:
             self.assertEqual(self.refused(name, f'#include "{header}"'), [], name)
+
+
+class LinkLists(unittest.TestCase):
+    def check(self, deps):
+        tree = Tree().put("hil/trace/CMakeLists.txt", "forcegate_library(NAME trace SOURCES a.cpp)")
+        tree.put("hil/model/CMakeLists.txt", "forcegate_library(NAME model SOURCES a.cpp DEPS forcegate::trace)")
+        tree.put("hil/report/CMakeLists.txt", f"forcegate_plugins(NAME report DEPS {deps})").put("hil/report/a.h", '#include "hil/trace/a.h"')
+        return link_lists.check(tree.root)
+
+    def test_what_is_included_is_linked_at_first_or_second_hand(self):
+        self.assertEqual(self.check("forcegate::trace"), [])
+        self.assertEqual(self.check("forcegate::model"), [])
+        self.assertEqual(self.check("forcegate::app"), [])
+        found = self.check("forcegate::base")
+        self.assertEqual(len(found), 1)
+        self.assertIn("hil/report/a.h:1", found[0])
 
 
 class TestsRun(unittest.TestCase):
