@@ -39,7 +39,7 @@ std::optional<Reduction> reduction_of(const hidden::Truth& truth, const Answer& 
   constexpr double kLeast = 0.1;  // of the error before
   if (!twin || truth.effects.size() != 1 || truth.foreign() || !truth.effects[0].reducible) return std::nullopt;
   const hidden::TruthEffect& effect = truth.effects[0];
-  const bool between = diagnose::is_between_records(effect.name);
+  const bool between = is_between_records(effect.name);
   const auto counted = [&](const std::string& unit, const diagnose::BaseError& campaign, const diagnose::BaseError& of_twin,
                            std::optional<double> before, std::optional<double> after, bool common) -> std::optional<Reduction> {
     if (!named) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hil/base/result.h"
-#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/base_errors.h"
 #include "rigs/emulated/hidden/truth.h"
 
 namespace forcegate {

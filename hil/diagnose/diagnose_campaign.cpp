@@ -1,11 +1,11 @@
 #include <algorithm>
 
 #include "hil/diagnose/answer/verdict.h"
-#include "hil/diagnose/base/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/candidates/unnamed_dependences.h"
 #include "hil/diagnose/engine.h"
-#include "hil/diagnose/refit/refit.h"
+#include "hil/diagnose/one_zero.h"
 
 namespace forcegate::diagnose {
 
@@ -16,23 +16,6 @@ Result<Diagnosed> diagnose_rows(CampaignRows rows, const EngineOptions& options)
   FORCEGATE_TRY(out.workspace, prepare(std::move(rows), options));
   FORCEGATE_TRY(out.diagnosis, diagnose_workspace(*out.workspace, options));
   return out;
-}
-
-Result<Refit> refit_rows(CampaignRows rows, const EngineOptions& options, const Model& start, const std::string& add) {
-  FORCEGATE_TRY(const std::unique_ptr<Workspace> w, prepare(std::move(rows), options));
-  return refit_model(*w, start, add, options.threads);
-}
-
-EngineOptions with_one_zero(EngineOptions options) {
-  options.zero_wanders = false;
-  return options;
-}
-
-// A zero that wanders by itself and what a hold shows of creep look alike within a fifth of a recording. One zero for all is believed
-// where it describes the whole recording down to its noise, which no course of an effect does with a wander.
-bool one_zero_is_enough(double plain_with_one, double plain_with_many, double floor) {
-  constexpr double kFarBetter = 0.6;
-  return plain_with_one < kFarBetter * plain_with_many && plain_with_one < kToItsNoise * floor;
 }
 
 // Nothing is unknown in what the law with one zero describes to its noise, though a part may tell little of the others, such as the decay of
@@ -86,14 +69,6 @@ Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& o
 Result<Diagnosis> diagnose_campaign(Campaign campaign, const EngineOptions& options) {
   FORCEGATE_TRY(Diagnosed out, diagnose_campaign_in(std::move(campaign), options));
   return std::move(out.diagnosis);
-}
-
-Result<Refit> refit_campaign(Campaign campaign, const EngineOptions& options, const Model& start, const std::string& add) {
-  FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
-  if (!rows.input.single) return refit_rows(std::move(rows), options, start, add);
-  FORCEGATE_TRY(Refit stands, refit_rows(rows, with_one_zero(options), start, add));
-  FORCEGATE_TRY(Refit wanders, refit_rows(std::move(rows), options, start, add));
-  return one_zero_is_enough(stands.plain_after, wanders.plain_after, stands.floor) ? std::move(stands) : std::move(wanders);
 }
 
 }  // namespace forcegate::diagnose

@@ -19,7 +19,7 @@
 #include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
-#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/choose/outdone.h"
 #include "hil/diagnose/choose/search.h"

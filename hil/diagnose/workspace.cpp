@@ -11,6 +11,15 @@ double allowed_rms(const ResidualChannel& channel) {
   return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
+Finding finding_about(const EffectKind& kind, const std::string& unit) {
+  Finding out;
+  out.effect = kind.name;
+  out.side = kind.side;
+  out.unit = unit;
+  out.between_records = kind.traits.between_records;
+  return out;
+}
+
 const EffectKind* kind_of(const Workspace& w, const std::string& name) {
   for (const auto& own : w.user_kinds)
     if (own->name == name) return own.get();

@@ -10,7 +10,7 @@
 
 #include "hil/diagnose/base/mixed_model.h"
 #include "hil/diagnose/diagnosis.h"
-#include "hil/diagnose/raw/raw_health.h"
+#include "hil/diagnose/raw/health_claims.h"
 #include "hil/model/base_law.h"
 #include "hil/model/effect.h"
 #include "hil/model/record_input.h"
@@ -103,6 +103,9 @@ struct Workspace {
       false;  ///< the rig's own law has one zero for all records: a drift of the reference shows beside it
   JudgedBy judges = JudgedBy::heldout;
 };
+
+/// A finding about an effect, of errors in `unit`: nothing is said of it yet.
+Finding finding_about(const EffectKind& kind, const std::string& unit);
 
 /// An effect by its name: the user's own, else that of the registry; null where neither has it.
 const EffectKind* kind_of(const Workspace& workspace, const std::string& name);

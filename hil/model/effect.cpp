@@ -23,6 +23,18 @@ bool is_available(const EffectKind& kind, const CampaignInput& campaign) {
   return std::ranges::all_of(kind.needs, [&](Need need) { return has(campaign, need); });
 }
 
+bool is_between_records(const std::string& effect) {
+  const EffectKind* kind = EffectRegistry::instance().find(effect);
+  return kind != nullptr && kind->traits.between_records;
+}
+
+bool look_alike(const EffectKind& a, const EffectKind& b) {
+  const auto lists = [](const EffectKind& x, const EffectKind& y) {
+    return std::find(x.look_alikes.begin(), x.look_alikes.end(), y.name) != x.look_alikes.end();
+  };
+  return (a.traits.timing && b.traits.timing) || lists(a, b) || lists(b, a);
+}
+
 const EffectForm* find_form(const EffectKind& kind, std::string_view form_name) {
   for (const EffectForm& form : kind.forms)
     if (form.name == form_name) return &form;

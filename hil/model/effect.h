@@ -113,6 +113,12 @@ struct EffectKind {
 
 using EffectRegistry = Registry<EffectKind>;
 
+/// EffectTraits::between_records by name; false where the registry has none of it.
+bool is_between_records(const std::string& effect);
+
+/// Effects that the library knows to be mistaken for each other.
+bool look_alike(const EffectKind& a, const EffectKind& b);
+
 /// Whether a detector of the raw samples finds the effect.
 inline bool is_detected(const EffectKind& kind) { return kind.channel == EffectChannel::raw || kind.traits.in_samples; }
 

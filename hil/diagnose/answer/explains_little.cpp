@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/base/mixed_model.h"
 
 namespace forcegate::diagnose {

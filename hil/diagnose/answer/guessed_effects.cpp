@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/choose/screen.h"
 
 namespace forcegate::diagnose {

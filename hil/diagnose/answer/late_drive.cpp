@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "hil/diagnose/answer/findings.h"
-
 namespace forcegate::diagnose {
 
 std::optional<Finding> listed_late_drive(const Workspace& w, const std::vector<Finding>& findings) {

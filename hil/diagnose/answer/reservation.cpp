@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/answer/rail_voltage.h"
+#include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/model/lagged_channel.h"

@@ -192,21 +192,6 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
 
 }  // namespace
 
-std::vector<std::vector<double>> residual_rows(const ResidualChannel& channel, const MixedFit& fit) {
-  std::vector<std::vector<double>> out;
-  const MixedProblem& p = channel.problem;
-  for (std::size_t k = 0; k < channel.rows.size(); ++k) {
-    const auto& A = channel.rows[k].matrix;
-    Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.nz) * fit.zeta[k] -
-                        A.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
-    for (std::size_t b = 0; b < fit.columns.size(); ++b)
-      e -= A.col(p.nz + fit.columns[b]) * fit.coefficient[p.n_fixed + static_cast<Eigen::Index>(b)];
-    e *= channel.scale;
-    out.emplace_back(e.data(), e.data() + e.size());
-  }
-  return out;
-}
-
 std::vector<ResidualMap> residual_maps(const Workspace& w, const ResidualChannel& channel,
                                        const std::vector<std::vector<double>>& residual, unsigned threads) {
   const std::size_t n = channel.record_of.size();

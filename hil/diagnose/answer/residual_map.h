@@ -4,13 +4,11 @@
 
 #include <vector>
 
+#include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/workspace.h"
 
 namespace forcegate::diagnose {
-
-/// Residual (adapted) of the chosen rows of every record, in the channel's unit.
-std::vector<std::vector<double>> residual_rows(const ResidualChannel& channel, const MixedFit& fit);
 
 /// Maps of the residual, largest share first.
 std::vector<ResidualMap> residual_maps(const Workspace& workspace, const ResidualChannel& channel,

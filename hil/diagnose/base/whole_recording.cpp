@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/base/judge.h"
 
 namespace forcegate::diagnose {
 

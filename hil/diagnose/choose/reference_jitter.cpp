@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hil/diagnose/answer/residual_map.h"
+#include "hil/diagnose/base/judge.h"
 
 namespace forcegate::diagnose {
 

@@ -4,6 +4,7 @@
 
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/candidates/model_effects.h"
+#include "hil/diagnose/choose/borne_out.h"
 #include "hil/diagnose/choose/reference_latency.h"
 
 namespace forcegate::diagnose {

@@ -4,10 +4,9 @@
 
 #include <vector>
 
-#include "hil/diagnose/answer/findings.h"
 #include "hil/diagnose/choose/select.h"
 #include "hil/diagnose/engine.h"
-#include "hil/diagnose/raw/raw_health.h"
+#include "hil/diagnose/raw/health_claims.h"
 
 namespace forcegate::diagnose {
 

@@ -101,18 +101,6 @@ void find_what_completes_whole(const CampaignInput& input, const ResidualChannel
 
 }  // namespace
 
-bool is_between_records(const std::string& effect) {
-  const EffectKind* kind = EffectRegistry::instance().find(effect);
-  return kind != nullptr && kind->traits.between_records;
-}
-
-bool look_alike(const EffectKind& a, const EffectKind& b) {
-  const auto lists = [](const EffectKind& x, const EffectKind& y) {
-    return std::find(x.look_alikes.begin(), x.look_alikes.end(), y.name) != x.look_alikes.end();
-  };
-  return (a.traits.timing && b.traits.timing) || lists(a, b) || lists(b, a);
-}
-
 double threshold_of(const std::string& effect, const SelectionRules& rules) {
   return is_between_records(effect) ? rules.between_gain : rules.first_gain;
 }

@@ -81,12 +81,6 @@ struct SelectionRules {
   int most = 3;
 };
 
-/// EffectTraits::between_records by name; false where the registry has none of it.
-bool is_between_records(const std::string& effect);
-
-/// Effects that the library knows to be mistaken for each other.
-bool look_alike(const EffectKind& a, const EffectKind& b);
-
 /// Score from which an effect is considered at all.
 double threshold_of(const std::string& effect, const SelectionRules& rules);
 

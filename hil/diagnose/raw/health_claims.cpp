@@ -1,10 +1,11 @@
+#include "hil/diagnose/raw/health_claims.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "hil/diagnose/raw/held_codes.h"
 #include "hil/diagnose/raw/mains_line.h"
-#include "hil/diagnose/raw/raw_health.h"
 #include "hil/diagnose/raw/reference_noise_claim.h"
 #include "hil/model/rows.h"
 

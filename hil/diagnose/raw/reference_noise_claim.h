@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "hil/diagnose/raw/raw_health.h"
+#include "hil/diagnose/raw/health_claims.h"
 
 namespace forcegate::diagnose {
 

@@ -1,7 +1,7 @@
 #pragma once
 // What a person looks at who doubts a claim about raw samples: some of the samples it names, among their neighbours.
 
-#include "hil/diagnose/raw/raw_health.h"
+#include "hil/diagnose/raw/health_claims.h"
 
 namespace forcegate::diagnose {
 

@@ -6,7 +6,7 @@
 #include "hil/diagnose/answer/pictures.h"
 #include "hil/diagnose/answer/record_errors.h"
 #include "hil/diagnose/answer/residual_map.h"
-#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/choose/further_forms.h"

@@ -6,11 +6,10 @@
 #include <iterator>
 
 #include "hil/base/text.h"
-#include "hil/diagnose/answer/findings.h"
-#include "hil/diagnose/answer/moved_parameters.h"
 #include "hil/diagnose/answer/shape_covariance.h"
-#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/base/whole_recording.h"
+#include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/between/foretold.h"
 #include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/candidates/user_candidates.h"
@@ -18,6 +17,8 @@
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/refine.h"
 #include "hil/diagnose/choose/select.h"
+#include "hil/diagnose/one_zero.h"
+#include "hil/diagnose/refit/moved_parameters.h"
 
 namespace forcegate::diagnose {
 
@@ -275,6 +276,23 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   step.accepted = add.empty() || out.error_after < out.error_before;
   m.history.push_back(step);
   return out;
+}
+
+namespace {
+
+Result<Refit> refit_rows(CampaignRows rows, const EngineOptions& options, const Model& start, const std::string& add) {
+  FORCEGATE_TRY(const std::unique_ptr<Workspace> w, prepare(std::move(rows), options));
+  return refit_model(*w, start, add, options.threads);
+}
+
+}  // namespace
+
+Result<Refit> refit_campaign(Campaign campaign, const EngineOptions& options, const Model& start, const std::string& add) {
+  FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
+  if (!rows.input.single) return refit_rows(std::move(rows), options, start, add);
+  FORCEGATE_TRY(Refit stands, refit_rows(rows, with_one_zero(options), start, add));
+  FORCEGATE_TRY(Refit wanders, refit_rows(std::move(rows), options, start, add));
+  return one_zero_is_enough(stands.plain_after, wanders.plain_after, stands.floor) ? std::move(stands) : std::move(wanders);
 }
 
 }  // namespace forcegate::diagnose

@@ -4,7 +4,7 @@
 
 #include "hil/diagnose/answer/load_direction.h"
 #include "hil/diagnose/answer/residual_map.h"
-#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/base_errors.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {

@@ -1,6 +1,6 @@
 // Names of what a refit moved: one name, one parameter.
 
-#include "hil/diagnose/answer/moved_parameters.h"
+#include "hil/diagnose/refit/moved_parameters.h"
 
 #include <gtest/gtest.h>
 

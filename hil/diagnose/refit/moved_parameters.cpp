@@ -1,4 +1,4 @@
-#include "hil/diagnose/answer/moved_parameters.h"
+#include "hil/diagnose/refit/moved_parameters.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
-#include "hil/diagnose/base/base_errors.h"
+#include "hil/diagnose/base_errors.h"
 
 #include <cmath>
 
-#include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/base/judge.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/choose/screen.h"

@@ -1,4 +1,4 @@
-#include "hil/diagnose/answer/findings.h"
+#include "hil/diagnose/choose/borne_out.h"
 
 #include "tests/unit/diagnose/chosen_by_hand.h"
 
