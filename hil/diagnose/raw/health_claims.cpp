@@ -99,7 +99,8 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   const std::size_t n = health.size();
   const bool many_records = n >= 3;
   const std::size_t several = std::min<std::size_t>(2, n);  // one recording has no second to bear it out
-  if (bit_errors / samples > 1.5e-4 && with_bit_errors >= several)
+  constexpr double kShare = 1.5e-4;  // of the samples: fewer are left out, and no matter for a fit
+  if (bit_errors / samples > kShare && with_bit_errors >= several)
     out.push_back(
         {"adc_codes", 0.95,
          percent(bit_errors / samples) + " of the samples are off by the weight of one bit of the converter",
@@ -118,7 +119,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   // a few are somebody's hand on the cable, unless they make an error that matters, again and again
   constexpr double kFew = 5.0, kLargeError = 0.01;  // RMS, of the span
   const bool few_but_large = outliers >= kFew && with_any_outlier >= 3 && std::sqrt(outlier_square_V2 / samples) > kLargeError * scales.U_range_V;
-  if (few_but_large || (outliers / samples > 1.5e-4 && outliers >= 12 && (with_outliers >= 2 || !many_records)))
+  if (few_but_large || (outliers / samples > kShare && outliers >= 12 && (with_outliers >= 2 || !many_records)))
     out.push_back({"outliers", 0.95,
                    percent(outliers / samples) +
                        " of the samples stand far off their neighbours while the force is smooth",
@@ -138,7 +139,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
                    percent(missing / samples) + " of the samples of the output are missing while the reference goes on" +
                        (reference_missing > 0.0 ? ", " + percent(reference_missing / samples) + " of the reference's alone" : ""),
                    "share", "1", more / samples, u_more / samples});
-  else if (plain_zeros || ((held + zeros) / samples > 1.5e-4 && held + zeros >= 20 && (with_held >= 2 || !many_records || plainly_held)))
+  else if (plain_zeros || ((held + zeros) / samples > kShare && held + zeros >= 20 && (with_held >= 2 || !many_records || plainly_held)))
     out.push_back(
         {"dropouts", 0.95,
          percent((held + zeros) / samples) + " of the samples are held or zero where the force says otherwise",

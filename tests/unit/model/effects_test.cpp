@@ -195,16 +195,6 @@ TEST(Library, HoldsEveryEffectThatACampaignMayName) {
     EXPECT_NE(EffectRegistry::instance().find(name), nullptr) << name;
 }
 
-TEST(Library, TellsInSecondsWhatShiftsByAShape) {
-  for (const std::string& name : EffectRegistry::instance().names()) {
-    const EffectKind& kind = *EffectRegistry::instance().find(name);
-    if (kind.traits.shift == TimeShift::none) continue;
-    EXPECT_TRUE(kind.traits.timing) << name;
-    for (const EffectForm& form : kind.forms)
-      if (kind.traits.shift == TimeShift::first_shape && !form.shape.empty()) EXPECT_EQ(form.shape[0].unit, "s") << name << "/" << form.name;
-  }
-}
-
 TEST(Play, BeginsARecordingAsTheOnesBeforeEndedOrAnew) {
   CampaignInput campaign = input();
   // two blocks of one recording hold all of its rows
