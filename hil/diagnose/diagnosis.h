@@ -91,6 +91,7 @@ struct Finding {
   std::vector<SampleWindow> samples;  ///< of a claim about raw samples
   bool side_witnessed =
       true;  ///< false: no third channel could tell sensor from reference; said in `evidence`
+  bool name_is_open = false;  ///< no claim, and yet there is something: at kNoClaim the verdict is no "none"
   std::vector<Reservation> reservations;  ///< in the order in which they were made
   bool between_records = false;  ///< it changes gain or zero from record to record: their levels are its evidence
 

@@ -22,6 +22,7 @@
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/choose/outdone.h"
+#include "hil/diagnose/choose/reference_witness.h"
 #include "hil/diagnose/choose/search.h"
 #include "hil/model/lagged_channel.h"
 
@@ -102,7 +103,7 @@ void put_in_order(std::vector<Finding>& findings) {
 bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out) {
   constexpr double kTogether = 0.8;
   if (std::ranges::any_of(not_borne_out, [](const Finding& f) { return !is_between_records(f.effect); })) return true;
-  if (std::ranges::any_of(d.findings, [](const Finding& f) { return f.form == kUnrecorded && f.probability >= kNoClaim; })) return true;
+  if (std::ranges::any_of(d.findings, [](const Finding& f) { return f.name_is_open && f.probability >= kNoClaim; })) return true;
   double together = 0.0;
   for (const std::vector<std::string>& set : d.not_separable)
     for (const Finding& f : d.findings)
@@ -218,7 +219,9 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   const std::vector<Outdone> outdone = outdone_by_unnamed(w.input, w.output, selection, rest.structured(), options.threads);
   withdraw_outdone(outdone, out);
   const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effects.empty(); });
-  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, w.judges, out.findings) || some_outdone;
+  const AgainstReference against = against_reference(w.input, w.output, selection, options.threads);
+  withdraw_against_reference(against, w.rig.unit, out);
+  const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, w.judges, out.findings) || some_outdone || !against.effects.empty();
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
     for (Finding& f : out.findings)
@@ -234,7 +237,9 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.leaves_far_more();
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
   if (out.verdict == DiagnosisVerdict::unknown && rest.leaves_far_more()) tell_records_far_above(w, rest, out);
-  out.residual_unknown = claims && (rest.beside_claims || some_outdone);
+  // what the user gets who takes the findings in, not what all forms of their families soak up beside them
+  add_records(w, selection, out);
+  out.residual_unknown = claims && (rest.beside_claims || some_outdone || most_stays(w, out));
 
   const auto residual = residual_rows(w.output, selection.base);
   out.maps = residual_maps(w, w.output, residual, options.threads);
@@ -242,8 +247,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);
   if (!out.depends_on.empty()) tell_what_it_follows(outdone, out);
-  // what the user gets who takes the findings in, not what all forms of their families soak up beside them
-  add_records(w, selection, out);
+  if (!against.effects.empty() && out.verdict == DiagnosisVerdict::unknown) out.follows.insert(out.follows.begin(), "an error of the reference itself");
   add_steps(w, selection, out);
   for (Finding& f : out.findings)
     if (f.of_samples()) {

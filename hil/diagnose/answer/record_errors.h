@@ -12,6 +12,10 @@ namespace forcegate::diagnose {
 /// does are named in a note); a claimed line or bad sample counts before and not after.
 void add_records(const Workspace& workspace, const Selection& selection, Diagnosis& out);
 
+/// Whether claims within the records leave most of the error of left-out ones, far above the floor and large enough to matter: what all forms
+/// of their families soak up does not foretell another record. After add_records.
+bool most_stays(const Workspace& workspace, const Diagnosis& diagnosis);
+
 /// Sets steps, by the same measure. After add_records.
 void add_steps(const Workspace& workspace, const Selection& selection, Diagnosis& out);
 

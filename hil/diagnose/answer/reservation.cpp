@@ -63,6 +63,11 @@ bool is_ordinary_curve(const Asked& a) {
   return a.f.effect == "static_nonlinearity" && a.f.effect_rms < kOrdinary * a.channel.scale;
 }
 
+bool is_ordinary_codes(const Asked& a) {
+  constexpr double kOrdinary = 5e-4;  // of the span, RMS: two codes of twelve bits
+  return a.f.effect == "adc_codes" && !a.f.of_samples() && a.f.effect_rms < kOrdinary * a.channel.scale;
+}
+
 bool is_ordinary_zero(const Asked& a) {
   return a.f.form == "as_rig_shows" && a.f.effect_rms * a.w.input.range_N / a.channel.scale < 0.5 * a.resolution_N();
 }
@@ -118,10 +123,20 @@ bool is_ordinary_servo(const Asked& a) {
   return a.is_blind_play() && a.any_width([](const FoundParameter& p) { return p.value < kOrdinary_pct; });
 }
 
+bool is_bump_that_stays(const Asked& a) {
+  constexpr double kFades_s = 90.0;  // the one of the paper is over in some tens of seconds (Lebosse 2011, fig. 8)
+  if (a.f.effect != "frequency_bump") return false;
+  double shortest_s = std::numeric_limits<double>::infinity();
+  for (const FoundParameter& p : a.f.parameters)
+    if (p.name.ends_with("tau_s")) shortest_s = std::min(shortest_s, p.value);
+  return std::isfinite(shortest_s) && shortest_s > kFades_s;
+}
+
 // Of a finding alone.
 constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::unrecorded, [](const Asked& a) { return a.f.form == kUnrecorded; }},
     {Cap::ordinary_curve, is_ordinary_curve},
+    {Cap::ordinary_codes, is_ordinary_codes},
     {Cap::ordinary_zero, is_ordinary_zero},
     {Cap::soft_rail, is_soft_rail},
     {Cap::rising_rail, is_rising_rail},
@@ -131,11 +146,13 @@ constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::unclear_loop, is_unclear_loop},
     {Cap::play_ahead, is_play_ahead},
     {Cap::ordinary_servo, is_ordinary_servo},
+    {Cap::bump_that_stays, is_bump_that_stays},
 };
 
 void lower(Cap cap, Finding& f) {
   const CapRow& row = row_of(cap);
   f.limit(row.most, std::string(row.why));
+  f.name_is_open |= row.leaves_name_open;
 }
 
 }  // namespace

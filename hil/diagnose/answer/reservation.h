@@ -14,6 +14,7 @@ namespace forcegate::diagnose {
 enum class Cap {
   unrecorded,          ///< a free course over the campaign in the name of a channel
   ordinary_curve,
+  ordinary_codes,      ///< of the converter
   ordinary_zero,       ///< of the reference, from record to record
   soft_rail,
   rising_rail,
@@ -23,6 +24,7 @@ enum class Cap {
   unclear_loop,        ///< of a sensor or a rig
   play_ahead,
   ordinary_servo,
+  bump_that_stays,     ///< after a change of frequency
   curve_of_loop,
   curve_of_codes,
   spikes_of_codes
@@ -33,12 +35,14 @@ struct CapRow {
   std::string_view name;  ///< in docs/diagnosis-engine.md
   double most;            ///< probability that it leaves
   std::string_view why;   ///< for people
+  bool leaves_name_open = false;  ///< there is something, and the verdict is no "none"
 };
 
 // in the order of the enumeration, which is the one in which they are asked
 inline constexpr std::array kCaps = {
-    CapRow{Cap::unrecorded, "unrecorded", kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same"},
+    CapRow{Cap::unrecorded, "unrecorded", kNoClaim, "nobody recorded it, and whatever else changes as slowly does the same", true},
     CapRow{Cap::ordinary_curve, "ordinary_curve", kWithdrawn, "honest amplifiers and references are as bent as that"},
+    CapRow{Cap::ordinary_codes, "ordinary_codes", kWithdrawn, "honest converters are off their straight line by as much"},
     CapRow{Cap::ordinary_zero, "ordinary_zero", kWithdrawn, "a zero is taken to half a step of the reference before a record, and this one jumps by no more"},
     CapRow{Cap::soft_rail, "soft_rail", kWithdrawn, "a rail stops the output, and this hardly bends it"},
     CapRow{Cap::rising_rail, "rising_rail", kWithdrawn, "a rail stops the output at one value, and this one goes on rising with the force"},
@@ -50,6 +54,7 @@ inline constexpr std::array kCaps = {
     CapRow{Cap::unclear_loop, "unclear_loop", kWithdrawn, "its loop is no wider than that is known"},
     CapRow{Cap::play_ahead, "play_ahead", kWithdrawn, "nobody reads the angle, and no play is ahead of its command"},
     CapRow{Cap::ordinary_servo, "ordinary_servo", kWithdrawn, "nobody reads the angle, and a servo leaves as much between command and force"},
+    CapRow{Cap::bump_that_stays, "bump_that_stays", kNoClaim, "it is not seen to fade back: a gain that goes with the frequency leaves the same", true},
     CapRow{Cap::curve_of_loop, "curve_of_loop", kNoClaim,
            "a loop that is wider at one end of the force has a curve of its own: it is asked again once the loop is in the model"},
     CapRow{Cap::curve_of_codes, "curve_of_codes", kNoClaim, "codes of the converter that are off bend the output too: the curve is asked again with another converter"},

@@ -15,12 +15,6 @@ namespace forcegate::diagnose {
 
 namespace {
 
-std::vector<int> all_columns(const ResidualChannel& channel, const ChosenEffect& chosen) {
-  std::vector<int> out = chosen.columns;
-  for (const int v : chosen.further) add_columns(out, channel.variants[static_cast<std::size_t>(v)].columns);
-  return out;
-}
-
 MixedFit fit_all(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& warm) {
   return fit_mixed(channel.problem, columns, &warm, 12, RecordUse::all_records);
 }
@@ -69,7 +63,7 @@ std::vector<Place> places_of(const ResidualChannel& channel, const Selection& se
     if (chosen.between) continue;
     Place place{{chosen.kind->name}, selection.base.columns, {}};
     for (const ChosenEffect& other : selection.chosen)
-      if (&other != &chosen) add_columns(place.others, all_columns(channel, other));
+      if (&other != &chosen) add_columns(place.others, columns_of(channel, other));
     place.without = fit_all(channel, place.others, claimed);
     if (!place.without.valid) continue;
     place.gain = claimed.log_evidence - place.without.log_evidence;
@@ -79,7 +73,7 @@ std::vector<Place> places_of(const ResidualChannel& channel, const Selection& se
     Place all{{}, selection.base.columns, {}};
     for (const Place& one : out) all.effects.push_back(one.effects.front());
     for (const ChosenEffect& other : selection.chosen)
-      if (other.between) add_columns(all.others, all_columns(channel, other));
+      if (other.between) add_columns(all.others, columns_of(channel, other));
     all.without = fit_all(channel, all.others, claimed);
     all.gain = claimed.log_evidence - all.without.log_evidence;
     if (all.without.valid) out.push_back(std::move(all));

@@ -86,6 +86,9 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     constexpr double kManyHeld = 0.005;
     constexpr std::size_t kManyRuns = 10;
     plainly_held = plainly_held || (static_cast<double>(h.held) > kManyHeld * static_cast<double>(h.samples) && h.at_rail == 0 && h.runs.size() >= kManyRuns);
+    // nor does any hand hold the output that long at one code where its noise goes over the codes
+    constexpr std::size_t kLongHold = 100;
+    plainly_held = plainly_held || (h.at_rail == 0 && h.noise_U_V > h.lsb_U_V && std::ranges::any_of(h.runs, [](const HeldRun& run) { return run.samples >= kLongHold; }));
     with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
     bit_errors += static_cast<double>(h.bit_errors);
     if (h.bit_errors > 0) {

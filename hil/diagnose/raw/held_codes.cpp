@@ -10,7 +10,7 @@
 namespace forcegate::diagnose {
 
 HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthScales& scales) {
-  constexpr std::size_t kMostValues = 6, kFewestRuns = 4;
+  constexpr std::size_t kMostValues = 8, kFewestRuns = 4, kSeveral = 3;  // the carries of the three upper bits are seven
   constexpr double kNearlyAll = 0.9, kNearby = 0.15, kBeyond = 0.02;  // of the samples; of the span
   struct Value {
     std::size_t runs = 0, records = 0;
@@ -31,12 +31,15 @@ HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthS
       held += static_cast<double>(run.samples);
     }
   }
+  // lost samples stay at any of a thousand values, two records seldom at the same one; a link falls to one value from anywhere, not to several
+  const auto comes_again = [](const Value& v) { return v.records >= 2 || v.runs >= kFewestRuns; };
+  std::size_t again = 0;
+  for (const auto& [value_V, v] : values) again += comes_again(v) ? 1 : 0;
+  const double nearby = again >= kSeveral ? 1.0 : kNearby;
   HeldCodes out;
   for (auto& [value_V, v] : values) {
-    // lost samples stay at any of a thousand values: two records seldom at the same one
-    const bool again = v.records >= 2 || v.runs >= kFewestRuns;
     const double step_V = quantile(std::move(v.step_V), kNearlyAll);
-    if (!again || !(step_V < kNearby * scales.U_range_V) || value_V > top_V - kBeyond * scales.U_range_V) continue;
+    if (!comes_again(v) || !(step_V < nearby * scales.U_range_V) || value_V > top_V - kBeyond * scales.U_range_V) continue;
     out.value_V.push_back(value_V);
     out.samples += v.samples;
   }

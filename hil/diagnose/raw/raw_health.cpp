@@ -47,6 +47,19 @@ std::pair<double, double> range_of_present(std::span<const double> x) {
   return low <= high ? std::pair(low, high) : std::pair(high, low);
 }
 
+// Between its eighths, whose means scatter less than its samples; 0 for what is too short to have some.
+double swing_of(std::span<const double> x) {
+  constexpr std::size_t kParts = 8, kFewest = 4;
+  if (x.size() < kParts * kFewest) return 0.0;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const double mean = mean_of_present(x.subspan(k * x.size() / kParts, x.size() / kParts));
+    low = std::min(low, mean);
+    high = std::max(high, mean);
+  }
+  return low <= high ? high - low : 0.0;
+}
+
 double middle_of_four(double a, double b, double c, double d) {
   const double low = std::min(std::min(a, b), std::min(c, d)),
                high = std::max(std::max(a, b), std::max(c, d));
@@ -285,6 +298,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   }
   // runs of one value: held while the force moves on, flat tops at the largest value of all
   constexpr std::size_t kFlatTop = 8;  // samples
+  constexpr double kCycles = 3.0;
   const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {
     return (std::isfinite(a) ? a : -1e300) < (std::isfinite(b) ? b : -1e300);
   });
@@ -304,7 +318,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       // on as the force went
       const double release = end < n ? std::abs(U[end] - U[i]) : 0.0;
       const double next = end + 1 < n ? std::abs(U[end + 1] - U[end]) : 0.0;
-      const bool late = release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next;
+      // a late output does not stand still while the force comes back to where it was
+      const double there_and_back = swing_of(held);
+      const bool cycles = there_and_back > kCycles * moved && gain * there_and_back > kCycles * move_V;
+      const bool late = !cycles && (release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next);
       const bool at_end = U[i] >= top - 1e-12 || std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
       // noise breaks the flat top of an output that stops there into short runs at its last codes
       const bool of_top = U[i] >= top - 1.5 * out.lsb_U_V && !(at_top && length >= kFlatTop);
@@ -318,7 +335,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       }
       const bool falls = at_bottom && i > 0 && end < n && (calm_before(i) || calm_behind(end, U[i])) &&
                          std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
-      if (falls || (!allowed && gain * std::min(moved, high - low) > move_V)) {
+      if (falls || (!allowed && (cycles || gain * std::min(moved, high - low) > move_V))) {
         const bool rail = at_top && length >= kFlatTop;
         const BadSample why = rail ? BadSample::rail : at_bottom ? BadSample::zero : BadSample::held;
         for (std::size_t k = i; k < end; ++k) mark(k, why, 0.5 * gain * (high - low));

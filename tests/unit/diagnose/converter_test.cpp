@@ -73,6 +73,17 @@ TEST(Converter, CodesThatNeverComeAreNoLostSamplesAndNoRail) {
   EXPECT_EQ(claims[0].value, 2.3);
 }
 
+// Of six carries, from either side: so many values are nobody's lost samples, though a staircase jumps to them.
+TEST(Converter, CodesThatStickAtEveryCarryOfThreeBitsAreNoLostSamples) {
+  Campaign c = make_campaign(89, straight);
+  for (Record& r : c.records)
+    for (double& u : output_of(r)) {
+      const double carry = 1.25 * std::round(u / 1.25);
+      if (std::abs(u - carry) < 0.2 && carry > 0.0 && carry < 8.0) u = carry;
+    }
+  EXPECT_EQ(named(claims_of_samples(c)), std::vector<std::string>{"adc_codes"});
+}
+
 TEST(Converter, ACodeThatStandsOnceInEachOfTwoRecordsIsNoLostSample) {
   Campaign c = make_campaign(88, straight);
   for (const std::size_t k : {0u, 4u})  // the slow ramps, on their first way up

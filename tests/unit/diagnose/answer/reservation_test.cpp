@@ -57,15 +57,15 @@ TEST(Reservation, SpikesNoLargerThanTheStepsOfTheCodesAreTheirs) {
   EXPECT_EQ(spikes_beside_codes(0.8), 0.95);
 }
 
-// A curve of `sag` of the span at its middle, and a reference that is fine enough to show it.
-Diagnosis of_curved_amplifier(double sag) {
+// U = 0.2 + 2 F + `error_V`(F), and a reference that is fine enough to show it.
+Diagnosis of_amplifier(const std::function<double(double)>& error_V) {
   std::vector<std::vector<double>> exact_N;
   Campaign c = make_campaign(
       91,
       [&](const std::vector<double>&, const std::vector<double>& F, int) {
         exact_N.push_back(F);
         std::vector<double> U;
-        for (const double f : F) U.push_back(2.0 * f + 0.2 + 8.8 * sag * 4.0 * f * (4.4 - f) / (4.4 * 4.4));
+        for (const double f : F) U.push_back(2.0 * f + 0.2 + error_V(f));
         return U;
       },
       0.002);
@@ -75,11 +75,39 @@ Diagnosis of_curved_amplifier(double sag) {
 }
 
 TEST(Reservation, ACurveThatAnHonestAmplifierHasIsSeenAndNotClaimed) {
-  const Diagnosis slight = of_curved_amplifier(0.002), plain = of_curved_amplifier(0.02);
+  const auto of_curved = [](double sag) { return of_amplifier([=](double F) { return 8.8 * sag * 4.0 * F * (4.4 - F) / (4.4 * 4.4); }); };
+  const Diagnosis slight = of_curved(0.002), plain = of_curved(0.02);
   EXPECT_EQ(slight.verdict, DiagnosisVerdict::none) << told(slight);
   EXPECT_LT(probability(slight, "static_nonlinearity"), 0.5) << told(slight);
   EXPECT_NE(told(slight).find("as bent as that"), std::string::npos) << told(slight);
   EXPECT_GE(probability(plain, "static_nonlinearity"), 0.5) << told(plain);
+}
+
+// Half of the range weighs too much.
+TEST(Reservation, CodesThatAnHonestConverterIsOffByAreSeenAndNotClaimed) {
+  const auto of_bit = [](double error_V) { return of_amplifier([=](double F) { return 2.0 * F + 0.2 >= 5.0 ? error_V : 0.0; }); };
+  const Diagnosis slight = of_bit(0.014), plain = of_bit(0.05);
+  EXPECT_EQ(slight.verdict, DiagnosisVerdict::none) << told(slight);
+  EXPECT_LT(probability(slight, "adc_codes"), 0.5) << told(slight);
+  EXPECT_NE(told(slight).find("off their straight line by as much"), std::string::npos) << told(slight);
+  EXPECT_GE(probability(plain, "adc_codes"), 0.5) << told(plain);
+}
+
+// Over the forms of its family the shortest one counts.
+TEST(Reservation, ABumpThatIsNotSeenToFadeMayHaveAnotherName) {
+  const auto reserved = [](double first_s, double second_s) {
+    Finding f;
+    f.effect = "frequency_bump";
+    f.probability = 0.98;
+    f.parameters = {{"tau_s", first_s, 1.0, "s"}, {"whole_swing.tau_s", second_s, 1.0, "s"}};
+    reserve(Workspace{}, ResidualChannel{}, MixedFit{}, f);
+    return f;
+  };
+  EXPECT_TRUE(reserved(120.0, 24.0).claimed());
+  const Finding stays = reserved(120.0, 200.0);
+  EXPECT_EQ(stays.probability, kNoClaim);
+  EXPECT_TRUE(stays.name_is_open);
+  EXPECT_NE(stays.evidence.find("not seen to fade back"), std::string::npos);
 }
 
 // A foot presses a crank in one half of its turn: its angle is recorded, and nobody wrote of a spring.

@@ -45,6 +45,20 @@ TEST(LostSamples, OneRecordThatHoldsAgainAndAgainIsEnoughWhereTheOthersAreSlow) 
   EXPECT_TRUE(held(5).empty()) << "a hand on the cable";
 }
 
+// A triangle of 5 s comes back to where it was: ends and halves of what is held there have the same force.
+TEST(LostSamples, AHoldOverAWholeCycleIsLostSamplesAndALongOneIsEnough) {
+  const auto held = [](std::size_t length) {
+    Campaign c = make_campaign(39, straight);
+    auto& U = c.records[3].trace.find("U")->value;
+    for (std::size_t i = 0; i < length; ++i) U[4000 + i] = U[4000];
+    return claims_of_samples(c);
+  };
+  const std::vector<HealthClaim> claims = held(1000);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+  EXPECT_TRUE(held(20).empty()) << "a tenth of a second, once";
+}
+
 TEST(LostSamples, AnOutputThatGoesMissingAgainAndAgainLosesSamples) {
   const auto missing = [](std::size_t records, std::size_t each, std::size_t length, bool reference_too) {
     Campaign c = make_campaign(36, straight);

@@ -1,0 +1,96 @@
+#include "hil/diagnose/choose/reference_witness.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/diagnose/candidates/signatures.h"
+#include "hil/diagnose/candidates/spare_room.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// dU = -g D c (F - L), L the force by the rig's law; a zero of the angle that is off by a degree is the rig's own: g D c2 sin th, where it turns.
+// Rows near zero force take no part: an open contact carries nothing.
+EffectKind rig_misfit(bool turns) {
+  EffectForm form;
+  form.name = "rig_misfit";
+  form.strength.push_back({"c", "1", -10.0, 10.0, 0.0, "share of the rig's misfit"});
+  if (turns) form.strength.push_back({"zero_rad", "rad", -10.0, 10.0, 0.0, "zero of the angle"});
+  form.refine = false;
+  form.columns = [turns](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+    constexpr double kOpen = 0.02;  // of the force span
+    out.setZero();
+    if (r.rig_force_N.size() != r.rows()) return;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      if (!(r.F_N[i] > kOpen * c.range_N)) continue;
+      out(row, 0) = -r.decay[i] * (r.F_N[i] - r.rig_force_N[i]);
+      if (turns && r.sin_theta.size() == r.rows()) out(row, 1) = r.decay[i] * c.range_N * r.sin_theta[i];
+    }
+  };
+  EffectKind out;
+  out.name = "rig_misfit";
+  out.forms.push_back(std::move(form));
+  return out;
+}
+
+}  // namespace
+
+AgainstReference against_reference(const CampaignInput& input, ResidualChannel& channel, const Selection& selection, unsigned threads) {
+  // where the claims stand on their own, what the rig adds beside them is the noise of the reference, in its size too, and they lose nothing
+  constexpr double kKept = 0.3;    // of a claim's log evidence
+  constexpr double kAgrees = 0.2;  // of the misfit's size
+  AgainstReference out;
+  // a push from the side may come to the reference alone: it is the rig's in any case
+  const auto within = [](const ChosenEffect& c) { return !c.between && (c.kind->side == "sensor" || c.kind->side == "instrument"); };
+  if (std::ranges::none_of(input.records, [](const RecordInput& r) { return !r.rig_force_N.empty(); }) || std::ranges::none_of(selection.chosen, within)) return out;
+  const SpareRoom room(channel);
+  const EffectKind kind = rig_misfit(input.has_theta);
+  const EffectForm& form = kind.forms.front();
+  if (place_candidate(channel, {&kind, &form, {}, 0, static_cast<int>(form.strength.size())}) < 0) return out;
+  const Candidate placed = channel.candidates.back();
+  fill_candidate(input, channel, placed, threads);
+
+  struct Beside {
+    MixedFit without, with;  ///< the witness
+    double share = 0.0;
+  };
+  const auto beside = [&](std::vector<int> columns) {
+    const auto fit = [&] { return fit_mixed(channel.problem, columns, &selection.claimed, 12, RecordUse::all_records); };
+    Beside b;
+    b.without = fit();
+    for (int j = 0; j < placed.count; ++j) columns.push_back(placed.first + j);
+    b.with = fit();
+    if (b.with.valid) b.share = b.with.coefficient[b.with.coefficient.size() - placed.count] * channel.gain_of_unit / b.with.coefficient[0];
+    return b;
+  };
+  const Beside claimed = beside(selection.claimed.columns);
+  const auto is_needless = [&](const auto& is_asked) {
+    std::vector<int> others = selection.base.columns;
+    for (const ChosenEffect& c : selection.chosen)
+      if (!is_asked(c)) add_columns(others, columns_of(channel, c));
+    const Beside b = beside(std::move(others));
+    if (!b.without.valid || !b.with.valid || !claimed.with.valid || !(std::abs(b.share - 1.0) < kAgrees)) return false;
+    out.share = b.share;
+    return claimed.with.log_evidence - b.with.log_evidence < kKept * (claimed.without.log_evidence - b.without.log_evidence);
+  };
+  const bool all = is_needless(within);
+  for (const ChosenEffect& c : selection.chosen)
+    if (within(c) && (all || is_needless([&](const ChosenEffect& o) { return &o == &c; }))) out.effects.push_back(c.kind->name);
+  return out;
+}
+
+void withdraw_against_reference(const AgainstReference& against, const std::string& rig_unit, Diagnosis& out) {
+  if (against.effects.empty()) return;
+  for (Finding& f : out.findings)
+    if (!f.of_samples() && (std::ranges::find(against.effects, f.effect) != against.effects.end() || (f.unit == rig_unit && !is_between_records(f.effect))))
+      f.limit(kWithdrawn, "the output and the rig agree about it, and the reference alone departs from both");
+  out.notes.push_back(fmt::format("the reference itself is off: what the output misses of it ({}) is what it has too much by the rig's law, in the same size ({:.2f} times)",
+                                  fmt::join(against.effects, ", "), against.share));
+}
+
+}  // namespace forcegate::diagnose
