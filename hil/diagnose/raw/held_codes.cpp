@@ -10,7 +10,8 @@
 namespace forcegate::diagnose {
 
 HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthScales& scales) {
-  constexpr std::size_t kMostValues = 8, kFewestRuns = 4, kSeveral = 3;  // the carries of the three upper bits are seven
+  constexpr std::size_t kMostValues = 6, kMostCarries = 7, kFewestRuns = 4;  // carries: of the three upper bits
+  constexpr std::ptrdiff_t kSeveral = 3;
   constexpr double kNearlyAll = 0.9, kNearby = 0.15, kBeyond = 0.02;  // of the samples; of the span
   struct Value {
     std::size_t runs = 0, records = 0;
@@ -33,9 +34,8 @@ HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthS
   }
   // lost samples stay at any of a thousand values, two records seldom at the same one; a link falls to one value from anywhere, not to several
   const auto comes_again = [](const Value& v) { return v.records >= 2 || v.runs >= kFewestRuns; };
-  std::size_t again = 0;
-  for (const auto& [value_V, v] : values) again += comes_again(v) ? 1 : 0;
-  const double nearby = again >= kSeveral ? 1.0 : kNearby;
+  const bool several = std::ranges::count_if(values, [](const auto& of) { return of.second.runs >= kFewestRuns; }) >= kSeveral;
+  const double nearby = several ? 1.0 : kNearby;
   HeldCodes out;
   for (auto& [value_V, v] : values) {
     const double step_V = quantile(std::move(v.step_V), kNearlyAll);
@@ -43,7 +43,7 @@ HeldCodes find_held_codes(const std::vector<RecordHealth>& health, const HealthS
     out.value_V.push_back(value_V);
     out.samples += v.samples;
   }
-  out.found = !out.value_V.empty() && out.value_V.size() <= kMostValues && out.samples >= kNearlyAll * held;
+  out.found = !out.value_V.empty() && out.value_V.size() <= (several ? kMostCarries : kMostValues) && out.samples >= kNearlyAll * held;
   return out;
 }
 

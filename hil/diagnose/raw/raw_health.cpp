@@ -298,7 +298,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   }
   // runs of one value: held while the force moves on, flat tops at the largest value of all
   constexpr std::size_t kFlatTop = 8;  // samples
-  constexpr double kCycles = 3.0;
+  constexpr std::size_t kCertain = 16;
+  constexpr double kCycles = 3.0, kJump = 4.0;
   const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {
     return (std::isfinite(a) ? a : -1e300) < (std::isfinite(b) ? b : -1e300);
   });
@@ -321,7 +322,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       // a late output does not stand still while the force comes back to where it was
       const double there_and_back = swing_of(held);
       const bool cycles = there_and_back > kCycles * moved && gain * there_and_back > kCycles * move_V;
-      const bool late = !cycles && (release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next);
+      // nor at one code that its noise goes over, and lets go with a jump
+      const bool noisy_elsewhere = out.lsb_U_V > 0.0 && out.noise_U_V > out.lsb_U_V && length >= kCertain && release > kJump * out.noise_U_V;
+      const bool late = !cycles && !noisy_elsewhere && (release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next);
       const bool at_end = U[i] >= top - 1e-12 || std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
       // noise breaks the flat top of an output that stops there into short runs at its last codes
       const bool of_top = U[i] >= top - 1.5 * out.lsb_U_V && !(at_top && length >= kFlatTop);
@@ -335,7 +338,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       }
       const bool falls = at_bottom && i > 0 && end < n && (calm_before(i) || calm_behind(end, U[i])) &&
                          std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
-      if (falls || (!allowed && (cycles || gain * std::min(moved, high - low) > move_V))) {
+      if (falls || (!allowed && (cycles || gain * std::max(std::min(moved, high - low), noisy_elsewhere ? there_and_back : 0.0) > move_V))) {
         const bool rail = at_top && length >= kFlatTop;
         const BadSample why = rail ? BadSample::rail : at_bottom ? BadSample::zero : BadSample::held;
         for (std::size_t k = i; k < end; ++k) mark(k, why, 0.5 * gain * (high - low));

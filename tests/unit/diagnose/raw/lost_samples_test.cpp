@@ -59,6 +59,25 @@ TEST(LostSamples, AHoldOverAWholeCycleIsLostSamplesAndALongOneIsEnough) {
   EXPECT_TRUE(held(20).empty()) << "a tenth of a second, once";
 }
 
+// Of a sine of 3 Hz a hold is let go wherever the force is by then, and the next sample is far again: the noise tells that it was held.
+TEST(LostSamples, HoldsOfAFastSineAreFoundWhereverTheyEnd) {
+  Campaign c = make_campaign(40, straight);
+  Rng rng(40, "sine");
+  Record& r = c.records[3];
+  auto &F = r.trace.find("F_ref")->value, &U = r.trace.find("U")->value;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    F[i] = 2.2 + 1.8 * std::sin(6.0 * 3.14159265358979 * r.trace.time_bases[0].t_s[i]);
+    U[i] = std::round((2.0 * F[i] + 0.2 + 0.004 * rng.normal()) * 409.6) / 409.6;
+  }
+  std::size_t held = 0;
+  for (std::size_t j = 0; j < 18; ++j) {
+    const std::size_t from = 1007 + 1119 * j, length = 20 + 2 * j;
+    for (std::size_t i = 1; i < length; ++i) U[from + i] = U[from];
+    held += length;
+  }
+  EXPECT_GT(check_raw_health(r, health_scales(c), c.bench).held, held * 9 / 10);
+}
+
 TEST(LostSamples, AnOutputThatGoesMissingAgainAndAgainLosesSamples) {
   const auto missing = [](std::size_t records, std::size_t each, std::size_t length, bool reference_too) {
     Campaign c = make_campaign(36, straight);
