@@ -122,14 +122,21 @@ void tell_records_far_above(const Workspace& w, const Remainder& rest, Diagnosis
   out.notes.push_back("far above what their instruments may leave: " + text);
 }
 
-// What no cause between the records explains, and is far more than a specimen repeats to.
-void tell_wide_scatter(const Workspace& w, const MixedFit& fit, Diagnosis& out) {
-  if (w.input.single || std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && is_between_records(f.effect); })) return;
-  const std::optional<WideScatter> scatter = wide_scatter(w, fit);
+// What no claim between the records explains, and is far more than a specimen repeats to.
+void tell_wide_scatter(const Workspace& w, const Selection& selection, Diagnosis& out) {
+  if (w.input.single) return;
+  const bool claimed = std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && f.between_records; });
+  // a cause that is listed and not claimed explains nothing yet
+  const bool listed = !claimed && std::ranges::any_of(selection.chosen, &ChosenEffect::between);
+  std::vector<int> columns = selection.base.columns;
+  for (const ChosenEffect& c : selection.chosen)
+    if (!c.between) add_columns(columns, columns_of(w.output, c));
+  const std::optional<WideScatter> scatter = wide_scatter(w, listed ? fit_mixed(w.output.problem, columns, &selection.base, 18, RecordUse::all_records) : selection.final);
   if (!scatter) return;
-  out.notes.push_back(scatter->note);
-  if (scatter->follows.empty() || out.verdict != DiagnosisVerdict::none) return;
-  out.verdict = DiagnosisVerdict::unknown;
+  out.notes.push_back((claimed ? "beside what is claimed: " : "") + scatter->note);
+  if (scatter->follows.empty() || out.verdict == DiagnosisVerdict::unknown || (out.verdict == DiagnosisVerdict::known && !claimed)) return;
+  if (claimed) out.residual_unknown = true;
+  else out.verdict = DiagnosisVerdict::unknown;
   out.depends_on = {"time"};
   out.follows = {scatter->follows};
 }
@@ -267,7 +274,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
-  tell_wide_scatter(w, selection.final, out);
+  tell_wide_scatter(w, selection, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);
   suspect_refused(w, search.rules, out);

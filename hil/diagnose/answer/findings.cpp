@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/found_parameters.h"
 #include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/between/foretold.h"
-#include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/choose/objection.h"
+#include "hil/diagnose/choose/probability.h"
 
 namespace forcegate::diagnose {
 
@@ -57,33 +56,13 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
   return out;
 }
 
-// Whether what was recorded of the effect's cause differs plainly between the records.
-bool cause_differs(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen) {
-  const RecordedCause& cause = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(chosen.variant)].candidate)].form->cause;
-  if (!cause.of_record) return false;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const RecordInput& r : campaign.records)
-    if (const double x = cause.of_record(r); std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
-  return high - low >= cause.plain;
-}
-
 }  // namespace
 
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out) {
   for (const ChosenEffect& chosen : selection.chosen) {
     Finding f = finding_about(*chosen.kind, channel.unit);
-    // evidence between records is honest, since n counts records: posterior odds against a prior of 1 in 20, of 1 in 5 where the cause was
-    // recorded and differed. Within records the evidence counts rows that hang together and is only a scale
-    const double prior_odds = cause_differs(w.input, channel, chosen) ? 1.0 / 5.0 : 1.0 / 20.0;
-    double factor = std::exp(std::min(50.0, chosen.gain));
-    const bool records_alone = chosen.by_records() && chosen.gain <= chosen.records.gain;
-    if (records_alone) factor = std::min(factor, bayes_factor_bound(chosen.chance));
-    const double odds = prior_odds * factor;
-    const double real = chosen.between       ? std::min(0.98, odds / (1.0 + odds))
-                        : chosen.stands_out  ? 0.75
-                        : chosen.gain > 40.0 ? 0.98
-                                             : 0.90;
+    const double real = probability_that_real(w.input, channel, chosen);
     const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
     const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];

@@ -80,12 +80,13 @@ void add_records(const Workspace& w, const Selection& selection, Diagnosis& out)
 }
 
 bool most_stays(const Workspace& w, const Diagnosis& d) {
-  constexpr double kMost = 0.5;        // of the mean square above the floor
+  constexpr double kMost = 0.5, kSome = 0.9;  // of the mean square above the floor: what acts on a few rows hardly changes it
   constexpr double kMatters = 0.0015;  // of the span
   const auto is_within = [&](const Finding& f) { return f.claimed() && !f.of_samples() && f.unit == w.output.unit && !is_between_records(f.effect); };
   if (d.levels || std::ranges::none_of(d.findings, is_within)) return false;
   const auto above_floor = [&](double error) { return error * error - d.floor * d.floor; };
-  return d.error_after > std::max(kFarAboveNoise * d.floor, kMatters * w.output.scale) && above_floor(d.error_after) > kMost * above_floor(d.error_before);
+  const double stays = above_floor(d.error_after) / std::max(1e-300, above_floor(d.error_before));
+  return d.error_after > std::max(kFarAboveNoise * d.floor, kMatters * w.output.scale) && stays > kMost && stays < kSome;
 }
 
 void add_steps(const Workspace& w, const Selection& selection, Diagnosis& out) {

@@ -5,6 +5,7 @@
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/choose/borne_out.h"
+#include "hil/diagnose/choose/probability.h"
 #include "hil/diagnose/choose/reference_latency.h"
 
 namespace forcegate::diagnose {
@@ -105,8 +106,11 @@ Search search_channels(Workspace& w, const EngineOptions& options) {
   }
   out.skip = options.in_model;
   Given given{model_columns(w.output, options), model_families(w.output, options)};
-  // a zero that jumps at will follows no course from record to record; the output is asked then whether it shows the same jumps
-  if (std::ranges::any_of(out.rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "reference_drift" && c.borne_out; })) {
+  // of a zero that jumps at will, or of a course that few records bear, the output is asked whether it shows the same
+  const auto is_plain_drift = [&](const ChosenEffect& c) {
+    return c.kind->name == "reference_drift" && c.borne_out && probability_that_real(w.input, w.rig, c) >= kClaim;
+  };
+  if (std::ranges::any_of(out.rig.chosen, is_plain_drift)) {
     add_columns(given.base, drift_columns(w.output));
     out.skip.emplace_back("reference_drift");
   }

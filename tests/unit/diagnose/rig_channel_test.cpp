@@ -46,6 +46,16 @@ TEST(RigChannel, AZeroThatJumpsAtWillIsTheReferencesWhereTheRigShowsTheSame) {
 }
 
 // The rig was set up anew for each record: the output follows what the reference reads, and nobody is to blame.
+// A course that seven records bear out no better than even: the output shows the same, turned over and of the same size.
+TEST(RigChannel, AZeroOfNoPlainCourseIsTheReferencesWhereTheOutputShowsTheSame) {
+  Bench bench;
+  bench.zero_N = [](double t) { return 0.15 * -std::expm1(-t / 2500.0) + 0.05 * std::sin(t / 620.0); };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(claims(d), "reference_drift ");
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings.front().form, "as_rig_shows");
+}
+
 TEST(RigChannel, AForceBesideTheDeclaredPreloadIsNoDriftOfTheReference) {
   Bench bench;
   bench.seat_N = jump_N;

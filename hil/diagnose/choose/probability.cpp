@@ -1,0 +1,36 @@
+#include "hil/diagnose/choose/probability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hil/diagnose/between/record_chance.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+// Whether what was recorded of the effect's cause differs plainly between the records.
+bool cause_differs(const CampaignInput& campaign, const ChannelFacts& channel, const ChosenEffect& chosen) {
+  const RecordedCause& cause = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(chosen.variant)].candidate)].form->cause;
+  if (!cause.of_record) return false;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const RecordInput& r : campaign.records)
+    if (const double x = cause.of_record(r); std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+  return high - low >= cause.plain;
+}
+
+}  // namespace
+
+double probability_that_real(const CampaignInput& input, const ChannelFacts& channel, const ChosenEffect& chosen) {
+  constexpr double kPlain = 40.0;  // nats
+  if (!chosen.between) return chosen.stands_out ? 0.75 : chosen.gain > kPlain ? 0.98 : 0.90;
+  const double prior_odds = cause_differs(input, channel, chosen) ? 1.0 / 5.0 : 1.0 / 20.0;
+  double factor = std::exp(std::min(50.0, chosen.gain));
+  const bool records_alone = chosen.by_records() && chosen.gain <= chosen.records.gain;
+  if (records_alone) factor = std::min(factor, bayes_factor_bound(chosen.chance));
+  const double odds = prior_odds * factor;
+  return std::min(0.98, odds / (1.0 + odds));
+}
+
+}  // namespace forcegate::diagnose
