@@ -10,8 +10,9 @@ namespace forcegate::diagnose {
 std::optional<HealthClaim> claim_of_reference_noise(const std::vector<RecordHealth>& health,
                                                     const HealthScales& scales, const BenchFacts& bench) {
   constexpr double kLeast = 0.0025;  // of the range
+  // a step says less of the noise than a declared one would: what is about as large may be the noise of an honest cell;
   // where the output stands still nothing else scatters, and the measure is exact: less above what is declared is enough
-  constexpr double kAbove = 2.0, kAboveSteps = 1.3, kAboveStill = 1.5;
+  constexpr double kAbove = 2.0, kAboveSteps = 1.6, kAboveStill = 1.5;
   std::vector<double> noise, stood, ladder;
   double lsb_N = 0.0, lsb_V = 0.0;
   for (const RecordHealth& h : health) {
