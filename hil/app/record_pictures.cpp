@@ -12,7 +12,6 @@
 namespace forcegate {
 namespace {
 
-
 struct ModelledRecord {
   std::string name;
   const RecordInput* input = nullptr;

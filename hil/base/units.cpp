@@ -6,7 +6,6 @@
 namespace forcegate {
 namespace {
 
-
 struct Row {
   const char* symbol;
   const char* canonical;

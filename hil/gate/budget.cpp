@@ -9,7 +9,6 @@
 namespace forcegate {
 namespace {
 
-
 double root_of_squares(const std::vector<BudgetLine>& lines, bool only_systematic) {
   double sum = 0.0;
   for (const BudgetLine& line : lines)

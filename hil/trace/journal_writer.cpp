@@ -149,5 +149,4 @@ Result<void> JournalWriter::close() {
   return {};
 }
 
-
 }  // namespace forcegate

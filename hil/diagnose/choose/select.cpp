@@ -188,7 +188,6 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
   return chosen;
 }
 
-
 Selection select_effects(const CampaignInput& input, ResidualChannel& channel, const Given& given, const std::vector<std::string>& skip,
                          const SelectionRules& rules, unsigned threads) {
   ForwardChosen forward = choose_forward(input, channel, given, skip, rules, threads);

@@ -9,9 +9,11 @@
 
 #include "hil/base/portable_math.h"
 #include "hil/diagnose/raw/mains_line.h"
+#include "hil/diagnose/raw/range_ends.h"
 #include "hil/diagnose/raw/reference_scatter.h"
 #include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/raw/short_spikes.h"
+#include "hil/diagnose/raw/suspect_runs.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -26,68 +28,10 @@ const std::vector<double>& aligned(const Channel& channel, std::size_t n, std::v
   return room;
 }
 
-// Of the samples that are there; a lost one of the reference does not hide what the output does meanwhile.
-double mean_of_present(std::span<const double> x) {
-  double sum = 0.0, n = 0.0;
-  for (const double v : x)
-    if (std::isfinite(v)) {
-      sum += v;
-      n += 1.0;
-    }
-  return n > 0.0 ? sum / n : kMissing;
-}
-
-// Without bounds where nothing is there.
-std::pair<double, double> range_of_present(std::span<const double> x) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double v : x) {
-    low = std::min(low, v);
-    high = std::max(high, v);
-  }
-  return low <= high ? std::pair(low, high) : std::pair(high, low);
-}
-
-// Between its eighths, whose means scatter less than its samples; 0 for what is too short to have some.
-double swing_of(std::span<const double> x) {
-  constexpr std::size_t kParts = 8, kFewest = 4;
-  if (x.size() < kParts * kFewest) return 0.0;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (std::size_t k = 0; k < kParts; ++k) {
-    const double mean = mean_of_present(x.subspan(k * x.size() / kParts, x.size() / kParts));
-    low = std::min(low, mean);
-    high = std::max(high, mean);
-  }
-  return low <= high ? high - low : 0.0;
-}
-
 double middle_of_four(double a, double b, double c, double d) {
   const double low = std::min(std::min(a, b), std::min(c, d)),
                high = std::max(std::max(a, b), std::max(c, d));
   return 0.5 * (a + b + c + d - low - high);
-}
-
-// Where U has come to the declared ends of its range. A converter cannot go below zero (or above its full scale): what
-// lies there, or so near that noise was cut off, says nothing about the sensor and is no finding.
-struct RangeEnds {
-  double low_V = -std::numeric_limits<double>::infinity(), high_V = std::numeric_limits<double>::infinity();
-  bool holds(double U_V) const { return U_V <= low_V || U_V >= high_V; }
-};
-
-RangeEnds ends_of_range(const std::vector<double>& U, double low_V, double high_V, double lsb_V,
-                        double noise_V) {
-  constexpr int kEnough = 4;
-  const double margin = std::max(1.5 * lsb_V, 3.0 * noise_V);
-  int at_low = 0, at_high = 0, beyond_low = 0, beyond_high = 0;
-  for (const double u : U) {
-    at_low += u <= low_V + 0.5 * lsb_V ? 1 : 0;
-    beyond_low += u < low_V - lsb_V ? 1 : 0;
-    at_high += u >= high_V - 1.5 * lsb_V ? 1 : 0;
-    beyond_high += u > high_V + lsb_V ? 1 : 0;
-  }
-  RangeEnds ends;
-  if (at_low >= kEnough && beyond_low == 0) ends.low_V = low_V + margin;
-  if (std::isfinite(high_V) && at_high >= kEnough && beyond_high == 0) ends.high_V = high_V - margin;
-  return ends;
 }
 
 // Of two channels, their sums of squares about the means.
@@ -228,16 +172,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const double quiet = 8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V;
 
   const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
-  // a swing that the end of the range cuts off was under way before
-  constexpr double kUnderWay = 0.5;
-  const auto calm_before = [&](std::size_t i) { return i >= 2 && std::abs(U[i - 2] - U[i - 1]) < kUnderWay * std::abs(U[i - 1] - U[i]); };
-  const auto calm_behind = [&](std::size_t end, double from) { return end + 1 < n && std::abs(U[end + 1] - U[end]) < kUnderWay * std::abs(U[end] - from); };
-  // A fall to the end of the range that the force does not explain: lost samples. Else the instrument's declared range.
-  const auto falls_there = [&](std::size_t i) {
-    if (i < 2 || !std::isfinite(U[i - 1]) || !calm_before(i)) return false;
-    const auto [low, high] = std::minmax({F[i - 2], F[i - 1], F[i]});
-    return std::abs(U[i - 1] - U[i]) > quiet + 1.5 * gain * (high - low);
-  };
+  const StepsOfOutput steps(F, U, gain, quiet);
   const auto mark = [&](std::size_t i, BadSample why, double error) {
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = static_cast<std::uint8_t>(why);
@@ -258,10 +193,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     const double middle = middle_of_four(U[i - 2], U[i - 1], U[i + 1], U[i + 2]);
     const double jump = std::abs(U[i] - middle);
     if (!(jump > quiet)) continue;
-    const auto [low, high] = range_of_present({&F[i - 2], 5});
-    if (!(jump > quiet + 1.5 * gain * (high - low))) continue;
+    const auto [low, high] = spread_of_present({&F[i - 2], 5});
+    if (!steps.exceeds(jump, high - low)) continue;
     if (std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V) {
-      if (calm_before(i) || calm_behind(i + 1, U[i])) mark(i, BadSample::zero, jump);
+      if (steps.calm_before(i) || steps.calm_behind(i + 1, U[i])) mark(i, BadSample::zero, jump);
     } else if (stands_alone(i, jump) && jump > kAboveAround * scatter_around(U, i)) {
       spike.push_back(i);
       spike_level.push_back(middle);
@@ -296,62 +231,18 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       if (out.bit_V == 0.0) out.outlier_square_V2 += size[k] * size[k];
     }
   }
-  // runs of one value: held while the force moves on, flat tops at the largest value of all
-  constexpr std::size_t kFlatTop = 8;  // samples
-  constexpr std::size_t kCertain = 16;
-  constexpr double kCycles = 3.0, kJump = 4.0;
-  const double top = *std::max_element(U.begin(), U.end(), [](double a, double b) {
+  out.top_V = *std::max_element(U.begin(), U.end(), [](double a, double b) {
     return (std::isfinite(a) ? a : -1e300) < (std::isfinite(b) ? b : -1e300);
   });
-  out.top_V = top;
-  const double move_V = std::max({0.015 * scales.U_range_V, 4.0 * out.lsb_U_V, 6.0 * gain * out.noise_F_N});
-  for (std::size_t i = 0; i < n;) {
-    std::size_t end = i + 1;
-    while (end < n && U[end] == U[i]) ++end;
-    const std::size_t length = end - i;
-    if (length >= 4 && std::isfinite(U[i])) {
-      const auto [low, high] = range_of_present({&F[i], length});
-      const bool at_top = U[i] >= top - 1e-12;
-      // ends against each other: the scatter of a noisy reference is no movement
-      const std::span<const double> held(&F[i], length);
-      const double moved = 2.0 * std::abs(mean_of_present(held.last(length / 2)) - mean_of_present(held.first(length / 2)));
-      // held samples are let go with a jump to where the output has been meanwhile; an output that is merely late goes
-      // on as the force went
-      const double release = end < n ? std::abs(U[end] - U[i]) : 0.0;
-      const double next = end + 1 < n ? std::abs(U[end + 1] - U[end]) : 0.0;
-      // a late output does not stand still while the force comes back to where it was
-      const double there_and_back = swing_of(held);
-      const bool cycles = there_and_back > kCycles * moved && gain * there_and_back > kCycles * move_V;
-      // nor at one code that its noise goes over, and lets go with a jump
-      const bool noisy_elsewhere = out.lsb_U_V > 0.0 && out.noise_U_V > out.lsb_U_V && length >= kCertain && release > kJump * out.noise_U_V;
-      const bool late = !cycles && !noisy_elsewhere && (release < 0.5 * gain * std::min(moved, high - low) || release < 2.5 * next);
-      const bool at_end = U[i] >= top - 1e-12 || std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
-      // noise breaks the flat top of an output that stops there into short runs at its last codes
-      const bool of_top = U[i] >= top - 1.5 * out.lsb_U_V && !(at_top && length >= kFlatTop);
-      const bool allowed = (ends.holds(U[i]) && !falls_there(i)) || (late && !at_end) || of_top;
-      const bool at_bottom = std::abs(U[i] - low_rail) < 1e-9 + out.lsb_U_V;
-      // down and up again though the force stays where it is, before and after too: an output at the end of its range glides there
-      double around_low = low, around_high = high;
-      for (std::size_t k = i >= 2 ? i - 2 : 0; k < std::min(n, end + 2); ++k) {
-        around_low = std::min(around_low, F[k]);
-        around_high = std::max(around_high, F[k]);
-      }
-      const bool falls = at_bottom && i > 0 && end < n && (calm_before(i) || calm_behind(end, U[i])) &&
-                         std::min(U[i - 1], U[end]) - U[i] > quiet + 1.5 * gain * (around_high - around_low);
-      if (falls || (!allowed && (cycles || gain * std::max(std::min(moved, high - low), noisy_elsewhere ? there_and_back : 0.0) > move_V))) {
-        const bool rail = at_top && length >= kFlatTop;
-        const BadSample why = rail ? BadSample::rail : at_bottom ? BadSample::zero : BadSample::held;
-        for (std::size_t k = i; k < end; ++k) mark(k, why, 0.5 * gain * (high - low));
-        if (!at_bottom && i > 0) out.runs.push_back({U[i], U[i - 1], length});
-        if (rail) {
-          out.at_rail += length;
-          out.rail_V = U[i];
-        } else if (!at_bottom) {
-          out.held += length;
-        }
-      }
-    }
-    i = end;
+  const RunScales of_runs{.gain_V_per_N = gain, .U_range_V = scales.U_range_V, .noise_F_N = out.noise_F_N, .noise_U_V = out.noise_U_V, .lsb_U_V = out.lsb_U_V,
+                          .low_V = low_rail, .high_V = bench.voltage_max_V, .top_V = out.top_V, .quiet_V = quiet};
+  for (const SuspectRun& run : find_suspect_runs(F, U, of_runs)) {
+    for (std::size_t k = run.begin; k < run.end; ++k) mark(k, run.why, run.error_V);
+    const std::size_t length = run.end - run.begin;
+    if (run.why == BadSample::zero) continue;  // count_zeros
+    if (run.begin > 0) out.runs.push_back({U[run.begin], U[run.begin - 1], length});
+    (run.why == BadSample::rail ? out.at_rail : out.held) += length;
+    if (run.why == BadSample::rail) out.rail_V = U[run.begin];
   }
   count_zeros(!short_spikes.empty(), out);
   out.bad_mean_square_V2 /= static_cast<double>(n);

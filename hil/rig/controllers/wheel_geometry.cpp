@@ -8,7 +8,6 @@
 namespace forcegate {
 namespace {
 
-
 // acos by a polynomial start (Abramowitz and Stegun 4.4.45, error 7e-5) and one Newton step on the cosine.
 double portable_acos(double c) {
   c = std::clamp(c, -1.0, 1.0);

@@ -11,7 +11,6 @@
 namespace forcegate {
 namespace {
 
-
 // Static records of a linear sensor: sine of 0.1 Hz, a line of `line_Hz` in the output alone, a zero that moves from record to record.
 diagnose::Workspace workspace(std::size_t records, double line_Hz, double zero_step_V) {
   diagnose::Workspace w;

@@ -13,7 +13,6 @@ namespace {
 
 using namespace emulated;
 
-
 double mean_V(DeadWeightBench& bench, std::size_t sensor, const WeightBenchSource& source) {
   std::vector<std::int16_t> codes(6400);
   EXPECT_TRUE(bench.capture(sensor, source, codes).has_value());
