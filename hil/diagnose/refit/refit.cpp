@@ -126,142 +126,135 @@ Waterfall waterfall_of(const Workspace& w,
   return out;
 }
 
-}  // namespace
-
-Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
-  std::vector<std::string> names;  // an effect may stand in the model with several forms
+// Those of the model and the one to be added, each once: an effect may stand in the model with several forms.
+Result<std::vector<std::string>> effects_to_fit(const Workspace& w, const Model& start, const std::string& add) {
+  std::vector<std::string> names;
   for (const std::string& name : start.effect_names())
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   for (const UserEffect& effect : start.user_effects)
     if (is_fitted(effect)) names.push_back(effect.name);
-  if (!add.empty()) {
-    const EffectKind* kind = kind_of(w, add);
-    for (const UserEffect& own : start.user_effects)
-      if (kind != nullptr && own.name == add) FORCEGATE_CHECK_OK(check_excited(own, *kind, w.input));
-    if (kind == nullptr) {
-      std::vector<std::string> known = EffectRegistry::instance().names();
-      for (const UserEffect& own : start.user_effects) known.push_back(own.name);
-      const std::string near = nearest_name(add, known);
-      return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add",
-                  near.empty() ? "" : "did you mean \"" + near + "\"?");
-    }
-    if (kind->channel != EffectChannel::output)
-      return fail(
-          ErrorCode::config,
-          add + " is not an effect of the sensor: it is mended at the " + kind->side + ", not in the model",
-          "forcegate add", kind->separates);
-    if (std::find(names.begin(), names.end(), add) != names.end())
-      return fail(ErrorCode::config, "the model has " + add + " already", start.name,
-                  "forcegate fit refits it");
-    names.push_back(add);
+  if (add.empty()) return names;
+  const EffectKind* kind = kind_of(w, add);
+  for (const UserEffect& own : start.user_effects)
+    if (kind != nullptr && own.name == add) FORCEGATE_CHECK_OK(check_excited(own, *kind, w.input));
+  if (kind == nullptr) {
+    std::vector<std::string> known = EffectRegistry::instance().names();
+    for (const UserEffect& own : start.user_effects) known.push_back(own.name);
+    const std::string near = nearest_name(add, known);
+    return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add", near.empty() ? "" : "did you mean \"" + near + "\"?");
   }
-  Refit out;
-  // what a diagnosis carries along is no error of the model here either
-  const MixedFit base = law_beside(w, {}, std::ranges::find(names, kLatencyEffect) == names.end(), out.notes);
-  if (!base.valid)
-    return fail(ErrorCode::config, "the records do not determine the model", w.input.name,
-                "more records, or records with more force");
-  std::vector<int> present = base.columns;
-  std::vector<std::pair<std::string, std::vector<int>>> effects;
-  std::vector<int> variants;
-  MixedFit now = base, before = base;
-  std::vector<MixedFit> chain{base};
-  for (const std::string& name : names) {
-    FORCEGATE_TRY(VariantScore best, best_of(w, name, present, &now, threads));
-    const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
-    before = now;
-    present.insert(present.end(), variant.columns.begin(), variant.columns.end());
-    variants.push_back(best.variant);
-    now = fit_mixed(w.output.problem, present, &best.fit, 15);
-    const EffectKind& kind = *w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
-    const std::size_t first = present.size() - variant.columns.size();
-    if (!kind.traits.between_records)
-      for (const int v : further_forms(w.output, kind, present, now)) variants.push_back(v);
-    chain.push_back(now);
-    effects.emplace_back(
-        name, std::vector<int>(present.begin() + static_cast<std::ptrdiff_t>(first), present.end()));
-  }
-  if (!now.valid)
-    return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,
-                "more records, or a model with fewer effects");
-  const ShapeCovariance joint = shape_covariance(w.input, w.output, now, variants);
-  const auto se = [&](int k) { return joint.of_coefficient(k); };
-  constexpr double kKnown = 2.0;  // of its standard error
-  if (!(std::abs(now.coefficient[0]) > kKnown * se(0)))
-    return fail(ErrorCode::config, "the records do not tell the gain of the sensor: the output does not follow the force beyond the noise", w.input.name,
-                "a record in which the force moves over a good part of its range");
-  if (add.empty()) before = base;
+  if (kind->channel != EffectChannel::output)
+    return fail(ErrorCode::config, add + " is not an effect of the sensor: it is mended at the " + kind->side + ", not in the model", "forcegate add",
+                kind->separates);
+  if (std::ranges::find(names, add) != names.end())
+    return fail(ErrorCode::config, "the model has " + add + " already", start.name, "forcegate fit refits it");
+  names.push_back(add);
+  return names;
+}
 
-  out.model = start;
-  out.model.frame = frame_of(w.input);
+// The law alone, then with one effect more each time.
+struct FittedEffects {
+  std::vector<MixedFit> chain;  ///< front: the law; back: all of them
+  std::vector<int> variants;    ///< every form that was taken
+  std::vector<std::pair<std::string, std::vector<int>>> columns;  ///< of each effect
+  const MixedFit& law() const { return chain.front(); }
+  const MixedFit& all() const { return chain.back(); }
+};
+
+Result<FittedEffects> fit_effects(Workspace& w, const std::vector<std::string>& names, unsigned threads, std::vector<std::string>& notes) {
+  FittedEffects out;
+  // what a diagnosis carries along is no error of the model here either
+  out.chain.push_back(law_beside(w, {}, std::ranges::find(names, kLatencyEffect) == names.end(), notes));
+  if (!out.law().valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name, "more records, or records with more force");
+  std::vector<int> present = out.law().columns;
+  for (const std::string& name : names) {
+    FORCEGATE_TRY(VariantScore best, best_of(w, name, present, &out.all(), threads));
+    const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
+    const auto first = static_cast<std::ptrdiff_t>(present.size());
+    present.insert(present.end(), variant.columns.begin(), variant.columns.end());
+    out.variants.push_back(best.variant);
+    MixedFit now = fit_mixed(w.output.problem, present, &best.fit, 15);
+    const EffectKind& kind = *w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
+    if (!kind.traits.between_records)
+      for (const int v : further_forms(w.output, kind, present, now)) out.variants.push_back(v);
+    out.chain.push_back(std::move(now));
+    out.columns.emplace_back(name, std::vector<int>(present.begin() + first, present.end()));
+  }
+  return out;
+}
+
+void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, const Model& start, Refit& out) {
+  const auto se = [&](int k) { return joint.of_coefficient(k); };
   Model& m = out.model;
   m.law = w.law;
   // a law of decay that no record shows and some contradict would bend every later record
   const auto is = [&](auto which) { return std::any_of(w.input.records.begin(), w.input.records.end(), which); };
-  if (is([](const RecordInput& r) { return r.found_static; }) && !is([](const RecordInput& r) { return r.dynamic && !r.found_static; }))
-    m.law.decays = false;
-  const double g = w.gain_V_per_N * now.coefficient[0];
+  if (is([](const RecordInput& r) { return r.found_static; }) && !is([](const RecordInput& r) { return r.dynamic && !r.found_static; })) m.law.decays = false;
+  const double g = w.gain_V_per_N * fit.coefficient[0];
   m.law.gain_N_per_V = 1.0 / g;
-  m.law.offset_N = -now.coefficient[1] * w.output.scale / g;
-  m.law.b_scale = w.law.b_scale * std::exp(now.coefficient[2]);
-  m.law.q_scale = w.law.q_scale * std::exp(now.coefficient[3]);
-  m.se_gain = std::abs(m.law.gain_N_per_V * se(0) / now.coefficient[0]);
+  m.law.offset_N = -fit.coefficient[1] * w.output.scale / g;
+  m.law.b_scale = w.law.b_scale * std::exp(fit.coefficient[2]);
+  m.law.q_scale = w.law.q_scale * std::exp(fit.coefficient[3]);
+  m.se_gain = std::abs(m.law.gain_N_per_V * se(0) / fit.coefficient[0]);
   m.se_offset = se(1) * w.output.scale / std::abs(g);
   m.se_b_scale = m.law.b_scale * se(2);
   m.se_q_scale = m.law.q_scale * se(3);
-  const auto move = [&](const char* name, const char* unit, double a, double b, double u) {
-    out.moves.push_back({name, unit, a, b, u});
-  };
-  move("gain_N_per_V", "N/V", start.law.gain_N_per_V, m.law.gain_N_per_V, m.se_gain);
-  move("offset_N", "N", start.law.offset_N, m.law.offset_N, m.se_offset);
-  if (m.law.decays) {
-    move("b_scale", "1", start.law.b_scale, m.law.b_scale, m.se_b_scale);
-    move("q_scale", "1", start.law.q_scale, m.law.q_scale, m.se_q_scale);
+  out.moves.push_back({"gain_N_per_V", "N/V", start.law.gain_N_per_V, m.law.gain_N_per_V, m.se_gain});
+  out.moves.push_back({"offset_N", "N", start.law.offset_N, m.law.offset_N, m.se_offset});
+  if (!m.law.decays) return;
+  out.moves.push_back({"b_scale", "1", start.law.b_scale, m.law.b_scale, m.se_b_scale});
+  out.moves.push_back({"q_scale", "1", start.law.q_scale, m.law.q_scale, m.se_q_scale});
+}
+
+void write_user_effect(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, int variant, const Candidate& c, UserEffect& own, Refit& out) {
+  for (std::size_t b = 0; b < fit.columns.size(); ++b) {
+    if (fit.columns[b] != c.first) continue;
+    const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
+    const UserEffect before_fit = own;
+    const double gain = fit.coefficient[0] * w.output.gain_of_unit;
+    std::vector<Estimate> shape;
+    for (std::size_t k = 0; k < c.shape.size(); ++k) shape.push_back({c.shape[k], joint.of_shape(variant, k)});
+    own = with_fit(before_fit, *c.form, shape, {fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)});
+    for (const ModelParameter& p : own.parameters) {
+      double old = p.neutral;  // a share is new
+      for (const ModelParameter& q : before_fit.parameters) old = q.name == p.name ? q.value : old;
+      out.moves.push_back({own.name + "." + p.name, p.unit, old, p.value, p.se});
+    }
   }
+}
+
+void write_effects(const Workspace& w, const FittedEffects& fitted, const ShapeCovariance& joint, const Model& start, Refit& out) {
+  Model& m = out.model;
   m.effects.clear();
   const std::ptrdiff_t law_moves = std::ssize(out.moves);
-  for (int v : variants) {
-    const Candidate& c =
-        w.output
-            .candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)];
-    const auto own = std::find_if(m.user_effects.begin(), m.user_effects.end(),
-                                  [&](const UserEffect& e) { return e.name == c.kind->name; });
-    if (own != m.user_effects.end()) {
-      for (std::size_t b = 0; b < now.columns.size(); ++b)
-        if (now.columns[b] == c.first) {
-          const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
-          const UserEffect before_fit = *own;
-          const double gain = now.coefficient[0] * w.output.gain_of_unit;
-          std::vector<Estimate> shape;
-          for (std::size_t k = 0; k < c.shape.size(); ++k) shape.push_back({c.shape[k], joint.of_shape(v, k)});
-          *own = with_fit(before_fit, *c.form, shape, {now.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)});
-          for (const ModelParameter& p : own->parameters) {
-            double old = p.neutral;  // a share is new
-            for (const ModelParameter& q : before_fit.parameters) old = q.name == p.name ? q.value : old;
-            out.moves.push_back({own->name + "." + p.name, p.unit, old, p.value, p.se});
-          }
-        }
-      continue;
-    }
-    m.effects.push_back(effect_of(w, v, now, joint));
+  for (const int v : fitted.variants) {
+    const Candidate& c = w.output.candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)];
+    const auto own = std::ranges::find(m.user_effects, c.kind->name, &UserEffect::name);
+    if (own != m.user_effects.end()) write_user_effect(w, fitted.all(), joint, v, c, *own, out);
+    else m.effects.push_back(effect_of(w, v, fitted.all(), joint));
   }
   const std::vector<ParameterMove> library = moved_parameters(start.effects, m.effects);
   out.moves.insert(out.moves.begin() + law_moves, library.begin(), library.end());
-  if (!names.empty() && whole_must_judge(w, base, now)) w.judges = JudgedBy::whole;
+}
+
+// Errors of records that were left out, before (without what was added, or without all) and after, and the step in the model's history.
+void measure(Workspace& w, const FittedEffects& fitted, const std::string& add, Refit& out) {
+  const MixedFit &law = fitted.law(), &now = fitted.all(), &before = add.empty() ? law : fitted.chain[fitted.chain.size() - 2];
+  if (!fitted.columns.empty() && whole_must_judge(w, law, now)) w.judges = JudgedBy::whole;
   out.judged_by = w.judges;
   std::vector<int> between;
-  std::ranges::copy_if(variants, std::back_inserter(between), [&](int v) {
+  std::ranges::copy_if(fitted.variants, std::back_inserter(between), [&](int v) {
     return w.output.candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)].kind->traits.between_records;
   });
   out.levels = !between.empty();
-  out.error_before = held_out_rms(w, before, base, between);
-  out.error_after = held_out_rms(w, now, base, between);
-  out.plain_before = held_out_rms(w, judge(w.output, before, base, w.judges).plain, between);
-  out.plain_after = held_out_rms(w, judge(w.output, now, base, w.judges).plain, between);
+  out.error_before = held_out_rms(w, before, law, between);
+  out.error_after = held_out_rms(w, now, law, between);
+  out.plain_before = held_out_rms(w, judge(w.output, before, law, w.judges).plain, between);
+  out.plain_after = held_out_rms(w, judge(w.output, now, law, w.judges).plain, between);
   std::vector<double> noise;
   for (const double noise_V : w.noise_V) noise.push_back(noise_V * noise_V / (w.output.scale * w.output.scale));
   out.floor = std::min(held_out_rms(w, std::move(noise), between), out.error_after);
-  out.waterfall = waterfall_of(w, effects, chain, between);
+  out.waterfall = waterfall_of(w, fitted.columns, fitted.chain, between);
   out.waterfall.floor = out.floor;
   out.waterfall.unit = w.output.unit;
   HistoryStep step;
@@ -274,7 +267,29 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
   step.floor = out.floor;
   step.unit = w.output.unit;
   step.accepted = add.empty() || out.error_after < out.error_before;
-  m.history.push_back(step);
+  out.model.history.push_back(step);
+}
+
+}  // namespace
+
+Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
+  Refit out;
+  FORCEGATE_TRY(const std::vector<std::string> names, effects_to_fit(w, start, add));
+  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, names, threads, out.notes));
+  const MixedFit& now = fitted.all();
+  if (!now.valid)
+    return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,
+                "more records, or a model with fewer effects");
+  const ShapeCovariance joint = shape_covariance(w.input, w.output, now, fitted.variants);
+  constexpr double kKnown = 2.0;  // of its standard error
+  if (!(std::abs(now.coefficient[0]) > kKnown * joint.of_coefficient(0)))
+    return fail(ErrorCode::config, "the records do not tell the gain of the sensor: the output does not follow the force beyond the noise", w.input.name,
+                "a record in which the force moves over a good part of its range");
+  out.model = start;
+  out.model.frame = frame_of(w.input);
+  write_law(w, now, joint, start, out);
+  write_effects(w, fitted, joint, start, out);
+  measure(w, fitted, add, out);
   return out;
 }
 
