@@ -189,5 +189,22 @@ TEST(TwoEffects, SamplesThatAreLostHereAndThereHideNoLoop) {
   EXPECT_TRUE(claims(d, "hysteresis")) << told(d);
 }
 
+// A gain that swings with the time, differently in each record, has no name; a loop beside a lag may be part of it.
+TEST(TwoEffects, ASecondClaimBesideStructureWithoutANameIsLessSure) {
+  const Diagnosis d = answer(make_campaign(95, [](const std::vector<double>& t, const std::vector<double>& F, int record) {
+    std::vector<double> U;
+    double late = F[0], play = F[0];
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      late += (F[i] - late) * -std::expm1(-0.005 / 0.08);
+      play = std::min(std::max(play, F[i] - 0.2), F[i] + 0.2);
+      U.push_back(2.0 * late + 0.2 + 0.3 * (play - F[i]) + 0.02 * F[i] * std::sin(t[i] / (3.0 + record)));
+    }
+    return U;
+  }));
+  EXPECT_TRUE(d.residual_unknown) << told(d);
+  EXPECT_GT(probability(d, "lag"), 0.9) << told(d);
+  EXPECT_NEAR(probability(d, "hysteresis"), 0.75, 1e-9) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
