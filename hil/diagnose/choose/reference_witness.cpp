@@ -55,16 +55,23 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
   const Candidate placed = channel.candidates.back();
   fill_candidate(input, channel, placed, threads);
 
+  const auto with_witness = [&](std::vector<int> columns) {
+    for (int j = 0; j < placed.count; ++j) columns.push_back(placed.first + j);
+    return fit_mixed(channel.problem, columns, &selection.claimed, 12, RecordUse::all_records);
+  };
+  // what takes the evidence of claims away has about as much of its own; most campaigns end here
+  constexpr double kAsMuch = 0.5;
+  double least = selection.claimed.log_evidence - selection.base.log_evidence;
+  for (const ChosenEffect& c : selection.chosen)
+    if (within(c) && c.unique > 0.0) least = std::min(least, c.unique);  // of one alone it is not asked
+  if (!(with_witness(selection.base.columns).log_evidence - selection.base.log_evidence > kAsMuch * least)) return out;
+
   struct Beside {
     MixedFit without, with;  ///< the witness
     double share = 0.0;
   };
-  const auto beside = [&](std::vector<int> columns) {
-    const auto fit = [&] { return fit_mixed(channel.problem, columns, &selection.claimed, 12, RecordUse::all_records); };
-    Beside b;
-    b.without = fit();
-    for (int j = 0; j < placed.count; ++j) columns.push_back(placed.first + j);
-    b.with = fit();
+  const auto beside = [&](const std::vector<int>& columns) {
+    Beside b{fit_mixed(channel.problem, columns, &selection.claimed, 12, RecordUse::all_records), with_witness(columns)};
     if (b.with.valid) b.share = b.with.coefficient[b.with.coefficient.size() - placed.count] * channel.gain_of_unit / b.with.coefficient[0];
     return b;
   };
@@ -73,7 +80,7 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
     std::vector<int> others = selection.base.columns;
     for (const ChosenEffect& c : selection.chosen)
       if (!is_asked(c)) add_columns(others, columns_of(channel, c));
-    const Beside b = beside(std::move(others));
+    const Beside b = beside(others);
     if (!b.without.valid || !b.with.valid || !claimed.with.valid || !(std::abs(b.share - 1.0) < kAgrees)) return false;
     out.share = b.share;
     return claimed.with.log_evidence - b.with.log_evidence < kKept * (claimed.without.log_evidence - b.without.log_evidence);
