@@ -251,6 +251,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (w.has_rig && search.rig.base.valid) tell_not_separable(search.rig, out);
 
   const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed(); });
+  if (std::ranges::none_of(out.findings, [&](const Finding& f) { return f.claimed() && f.unit == w.rig.unit; })) out.errors.erase("F");
   const bool follows = follows_force(w.output, selection.base);
   if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
   const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.leaves_far_more();

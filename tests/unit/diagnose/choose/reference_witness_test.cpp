@@ -18,6 +18,7 @@ TEST(ReferenceWitness, AReferenceThatIsBentIsNeitherTheSensorsCurveNorTheSprings
   EXPECT_EQ(to_string(d.verdict), "unknown");
   ASSERT_FALSE(d.follows.empty());
   EXPECT_EQ(d.follows.front(), "an error of the reference itself");
+  EXPECT_FALSE(d.errors.contains("F")) << "nothing that is told lowers it";
 }
 
 // What the reference has in common with the rig's law alone, or with the output alone, is no fault of its own.
