@@ -155,7 +155,7 @@ bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
   return out;
 }
 
-// Beside structure without a name a second claim may be part of it: on nine draws of four outside generators 9 of 12 were true, and 51 of 53
+// Beside structure without a name a second claim may be part of it: on nine draws of three outside generators 9 of 12 were true, and 51 of 53
 // first ones.
 void doubt_later_claims(const std::string& unit, std::vector<Finding>& findings) {
   constexpr double kLater = 0.75;

@@ -28,6 +28,17 @@ inline std::string bench_text(const std::string& file, const Changes& changes = 
   return text;
 }
 
+/// A second between 0.5 and 4 N on the emulated specimen q50.
+inline RigRecordRequest request_of_a_second() {
+  RigRecordRequest q;
+  q.specimen = "q50";
+  q.seed = 1;
+  q.duration_s = 1.0;
+  q.force_low_N = 0.5;
+  q.force_high_N = 4.0;
+  return q;
+}
+
 struct TwinBench {
   explicit TwinBench(const std::string& file = "twin.toml", const Changes& changes = {}) {
     auto bench = read_bench_text(bench_text(file, changes), FORCEGATE_SOURCE_DIR "/rigs/" + file);

@@ -124,7 +124,7 @@ bool is_ordinary_servo(const Asked& a) {
 }
 
 bool is_bump_that_stays(const Asked& a) {
-  constexpr double kFades_s = 90.0;  // the one of the paper is over in some tens of seconds (Lebosse 2011, fig. 8)
+  constexpr double kFades_s = 90.0;  // what takes longer, records of some minutes hardly tell from a step
   if (a.f.effect != "frequency_bump") return false;
   double shortest_s = std::numeric_limits<double>::infinity();
   for (const FoundParameter& p : a.f.parameters)

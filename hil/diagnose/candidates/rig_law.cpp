@@ -20,7 +20,6 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr double kOpen = 0.02;  // of the force span
 // Shares of the force's variance that the angle or the command explains where the rig makes the force of it.
 constexpr double kOfWheel = 0.9, kOfCommand = 0.5;
 
@@ -100,11 +99,11 @@ double stiffness_N_per_mm(const CampaignInput& input) {
   int n = 0, with_angle = 0;
   for (const RecordInput& r : input.records) {
     // a rest below the contact says nothing of the spring, and nothing against it
-    if (r.cos_theta.empty() || line_of(r.cos_theta, r, kOpen * input.range_N).n < 50.0) continue;
+    if (r.cos_theta.empty() || line_of(r.cos_theta, r, kOpenContact * input.range_N).n < 50.0) continue;
     ++with_angle;
     const std::vector<double> x = spring_travel_mm(r);
     if (x.empty()) continue;
-    const Line line = line_of(x, r, kOpen * input.range_N);
+    const Line line = line_of(x, r, kOpenContact * input.range_N);
     ++n;
     xx += line.xx / line.n;
     xy += line.xy / line.n;
@@ -176,7 +175,7 @@ void find_zeros(CampaignInput& input, unsigned threads) {
   parallel_for(input.records.size(), threads, [&](std::size_t k) {
     RecordInput& r = input.records[k];
     r.rig_zero_N.clear();
-    if (!r.rig_force_N.empty()) r.rig_zero_N = zero_over_rig_N(r, kOpen * input.range_N);
+    if (!r.rig_force_N.empty()) r.rig_zero_N = zero_over_rig_N(r, kOpenContact * input.range_N);
   });
   std::vector<double> middle;
   for (const RecordInput& r : input.records)
@@ -209,10 +208,10 @@ void find_rig_law(Workspace& w, std::vector<std::size_t>& records, unsigned thre
     if (!r.cos_theta.empty())
       for (const double c : r.cos_theta) s.push_back(1.0 - c);
     else if (!r.F_cmd_N.empty() && is_resolved(r.F_cmd_N))
-      s = command_as_followed(r, kOpen * w.input.range_N);
+      s = command_as_followed(r, kOpenContact * w.input.range_N);
     else
       continue;
-    const Line line = line_of(s, r, kOpen * w.input.range_N);
+    const Line line = line_of(s, r, kOpenContact * w.input.range_N);
     // without a clear linear relation the coordinate is not the rig's: a crank or a joint has an angle too, and a hand or a foot makes its force
     const double least = r.cos_theta.empty() ? kOfCommand : kOfWheel;
     if (line.n < 50.0 || !(line.xx > 0.0) || line.xy * line.xy < least * line.xx * line.yy ||

@@ -7,6 +7,9 @@
 
 namespace forcegate::diagnose {
 
+/// Share of the force span below which a contact counts as open: the force stands at zero whatever the rig does.
+inline constexpr double kOpenContact = 0.02;
+
 /// Candidates and Gram matrices of F_ref against angle or command; sets has_rig.
 void build_rig_channel(Workspace& workspace, unsigned threads);
 

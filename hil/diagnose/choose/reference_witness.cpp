@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/candidates/rig_law.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/candidates/spare_room.h"
 
@@ -22,12 +23,11 @@ EffectKind rig_misfit(bool turns) {
   if (turns) form.strength.push_back({"zero_rad", "rad", -10.0, 10.0, 0.0, "zero of the angle"});
   form.refine = false;
   form.columns = [turns](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
-    constexpr double kOpen = 0.02;  // of the force span
     out.setZero();
     if (r.rig_force_N.size() != r.rows()) return;
     for (std::size_t i = 0; i < r.rows(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      if (!(r.F_N[i] > kOpen * c.range_N)) continue;
+      if (!(r.F_N[i] > kOpenContact * c.range_N)) continue;
       out(row, 0) = -r.decay[i] * (r.F_N[i] - r.rig_force_N[i]);
       if (turns && r.sin_theta.size() == r.rows()) out(row, 1) = r.decay[i] * c.range_N * r.sin_theta[i];
     }

@@ -3,12 +3,31 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "hil/app/record_pictures.h"
 #include "hil/diagnose/laws/drift.h"
 
 namespace forcegate {
 namespace {
+
+// One recording of 200 s without an input, 10 samples a second, `scatter_V` to either side in turn.
+Campaign hold(const std::function<double(double t_s)>& course, double scatter_V) {
+  Record record;
+  record.name = "hold";
+  record.trace.time_bases.emplace_back();
+  Channel U;
+  U.name = "U";
+  U.unit = "V";
+  for (int i = 0; i < 2000; ++i) {
+    record.trace.time_bases[0].t_s.push_back(0.1 * i);
+    U.value.push_back(course(0.1 * i) + (i % 2 == 0 ? scatter_V : -scatter_V));
+  }
+  record.trace.channels.push_back(U);
+  Campaign campaign;
+  campaign.records.push_back(record);
+  return campaign;
+}
 
 class EveryLaw : public testing::TestWithParam<diagnose::DriftLaw> {
  protected:
@@ -41,19 +60,7 @@ TEST_P(EveryLaw, ThePrimitiveIsTheIntegralOfTheCourse) {
 }
 
 TEST_P(EveryLaw, IsDrawnAsItWasFitted) {
-  Campaign campaign;
-  Record record;
-  record.name = "hold";
-  record.trace.time_bases.emplace_back();
-  Channel U;
-  U.name = "U";
-  U.unit = "V";
-  for (int i = 0; i < 2000; ++i) {
-    record.trace.time_bases[0].t_s.push_back(0.1 * i);
-    U.value.push_back(diagnose::value_at(truth(), 0.1 * i) + (i % 2 == 0 ? 1e-5 : -1e-5));
-  }
-  record.trace.channels.push_back(U);
-  campaign.records.push_back(record);
+  const Campaign campaign = hold([&](double t_s) { return diagnose::value_at(truth(), t_s); }, 1e-5);
   const RecordPictures p = drift_pictures(campaign, std::string(law().name));
   ASSERT_EQ(p.drift.size(), 1U);
   EXPECT_EQ(p.drift[0].form, law().name);
@@ -66,6 +73,13 @@ TEST_P(EveryLaw, IsToldWithItsNumbers) {
   if (&law() == &diagnose::drift_laws().front()) return;
   EXPECT_NE(told.find(" from 3 s on"), std::string::npos) << told;
   EXPECT_EQ(law().shape_low == nullptr, law().shape_name == nullptr);
+}
+
+TEST(DriftPictures, DriftWithoutAnInputIsDrawnWithItsLaw) {
+  const RecordPictures p = drift_pictures(hold([](double t_s) { return 1.0 + 0.002 * t_s; }, 1e-4), "line");
+  ASSERT_EQ(p.drift.size(), 1u);
+  EXPECT_EQ(p.drift[0].form, "line");
+  EXPECT_NEAR(p.drift[0].modelled.back(), 1.4, 0.003);
 }
 
 }  // namespace

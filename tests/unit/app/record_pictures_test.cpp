@@ -94,25 +94,5 @@ TEST(RecordPictures, WhatTheRecordsCannotShowIsSaid) {
   EXPECT_NE(p.missing[2].find("three records"), std::string::npos);
 }
 
-TEST(RecordPictures, DriftWithoutAnInputIsDrawnWithItsLaw) {
-  Campaign campaign;
-  Record record;
-  record.name = "hold";
-  record.trace.time_bases.emplace_back();
-  Channel U;
-  U.name = "U";
-  U.unit = "V";
-  for (int i = 0; i < 2000; ++i) {
-    record.trace.time_bases[0].t_s.push_back(0.1 * i);
-    U.value.push_back(1.0 + 0.002 * 0.1 * i + (i % 2 == 0 ? 1e-4 : -1e-4));
-  }
-  record.trace.channels.push_back(U);
-  campaign.records.push_back(record);
-  const RecordPictures p = drift_pictures(campaign, "line");
-  ASSERT_EQ(p.drift.size(), 1u);
-  EXPECT_EQ(p.drift[0].form, "line");
-  EXPECT_NEAR(p.drift[0].modelled.back(), 1.4, 0.003);
-}
-
 }  // namespace
 }  // namespace forcegate

@@ -17,13 +17,7 @@ class ReferenceTime : public FolderTest {
     auto rig = Registry<RigKind>::instance().find("bench")->make({{"file", path.string()}});
     EXPECT_TRUE(rig) << rig.error().to_text();
     if (!rig) return -1.0;
-    RigRecordRequest q;
-    q.specimen = "q50";
-    q.seed = 1;
-    q.duration_s = 1.0;
-    q.force_low_N = 0.5;
-    q.force_high_N = 4.0;
-    const auto begun = (*rig)->begin(q);
+    const auto begun = (*rig)->begin(test::request_of_a_second());
     EXPECT_TRUE(begun) << begun.error().to_text();
     const double out_s = (*rig)->info().reference_u_time_s;
     (*rig)->park();

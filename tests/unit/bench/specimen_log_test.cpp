@@ -71,12 +71,7 @@ class RestedSpecimen : public SpecimenLogTest {
     EXPECT_TRUE(begun) << begun.error().to_text();
   }
   static RigRecordRequest request() {
-    RigRecordRequest q;
-    q.specimen = "q50";
-    q.seed = 1;
-    q.duration_s = 1.0;
-    q.force_low_N = 0.5;
-    q.force_high_N = 4.0;
+    RigRecordRequest q = test::request_of_a_second();
     q.rest_before_s = 7200.0;
     return q;
   }
