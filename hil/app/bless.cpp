@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/bundle.h"
-#include "hil/app/gate.h"
+#include "hil/app/find_plan.h"
 #include "hil/app/write_file.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "golden/compare/lebosse_oracle.h"
-#include "hil/app/gate.h"
+#include "hil/app/find_plan.h"
 #include "hil/app/write_file.h"
 #include "hil/base/text.h"
 #include "hil/characterize/recording.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/find_plan.h"
 #include "hil/app/weight_gate.h"
 #include "hil/app/worker.h"
 #include "hil/base/read_file.h"

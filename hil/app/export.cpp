@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/calibration_map.h"
-#include "hil/app/gate.h"
+#include "hil/app/find_plan.h"
 #include "hil/app/write_file.h"
 #include "hil/base/digest.h"
 #include "hil/base/plain_number.h"

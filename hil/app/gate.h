@@ -64,7 +64,4 @@ using GateProgress = std::function<void(double fraction, std::string_view now)>;
 Result<RunResult> gate(const GateRequest& request, const GateProgress& progress = {},
                        const std::atomic<bool>* cancelled = nullptr);
 
-/// File for a plan's name: the path itself, ci/plans/NAME.toml in the current folder or beside the program.
-Result<std::filesystem::path> find_plan(const std::string& name);
-
 }  // namespace forcegate

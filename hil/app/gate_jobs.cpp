@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "hil/app/beside_program.h"
+#include "hil/app/find_plan.h"
 #include "hil/base/digest.h"
 #include "hil/base/rng.h"
 #include "hil/base/text.h"
@@ -86,30 +86,6 @@ std::map<std::string, double> faults_of_attempt(const std::map<std::string, doub
 }
 
 }  // namespace
-
-Result<std::filesystem::path> find_plan(const std::string& name) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  if (fs::is_regular_file(name, ignored)) return fs::path(name);
-  std::vector<fs::path> folders{fs::path("ci") / "plans"};
-  if (const fs::path folder = program_folder(); !folder.empty()) {
-    folders.push_back(folder.parent_path() / "ci" / "plans");
-    folders.push_back(folder.parent_path() / "share" / "forcegate" / "plans");
-  }
-  std::vector<std::string> known;
-  for (const fs::path& folder : folders) {
-    const fs::path path = folder / (name + ".toml");
-    if (fs::is_regular_file(path, ignored)) return path;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-      if (entry.path().extension() == ".toml") known.push_back(entry.path().stem().string());
-  }
-  const std::string near = nearest_name(name, known);
-  std::vector<std::string> looked_in;
-  for (const fs::path& folder : folders) looked_in.push_back(folder.string());
-  return fail(ErrorCode::usage, "there is no plan '" + printable_utf8(name) + "'", "looked in " + join(looked_in, ", "),
-              !near.empty() ? "did you mean '" + near + "'?"
-                            : "give the file instead of its name (FOLDER/" + printable_utf8(name) + ".toml), or run it in the source tree, which has ci/plans");
-}
 
 bool plays_on_one_bench(const GateRequest& request, const GateSetup& setup) {
   return request.rig == "bench" && (!setup.rig.emulated || request.rig_options.contains("attach"));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/app/find_plan.h"
 #include "hil/base/digest.h"
 #include "hil/gate/statistics.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "hil/app/find_plan.h"
 #include "hil/app/weight_gate.h"
 #include "hil/base/text.h"
 #include "hil/gate/case_result.h"

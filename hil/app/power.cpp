@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "hil/app/find_plan.h"
 #include "hil/app/power_gatings.h"
 #include "hil/base/text.h"
 #include "hil/interface/dut.h"

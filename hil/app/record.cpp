@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "hil/app/gate.h"
+#include "hil/app/find_plan.h"
 #include "hil/base/text.h"
 
 namespace forcegate {

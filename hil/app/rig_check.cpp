@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/find_plan.h"
 #include "hil/gate/statistics.h"
 
 namespace forcegate {

@@ -8,6 +8,7 @@
 
 #include "hil/app/accepted_build.h"
 #include "hil/app/bundle.h"
+#include "hil/app/find_plan.h"
 #include "hil/app/gate_jobs.h"
 #include "hil/app/weight_session.h"
 #include "hil/base/rng.h"

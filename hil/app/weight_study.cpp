@@ -1,6 +1,6 @@
 #include "hil/app/weight_study.h"
 
-#include "hil/app/gate.h"
+#include "hil/app/find_plan.h"
 #include "hil/app/write_file.h"
 #include "hil/report/capacitance/network_header.h"
 #include "hil/report/capacitance/weight_figures.h"

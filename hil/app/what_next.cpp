@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "hil/app/diagnose.h"
-#include "hil/app/gate.h"
+#include "hil/app/find_plan.h"
 
 namespace forcegate {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hil/app/gate.h"
+#include "hil/app/find_plan.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 

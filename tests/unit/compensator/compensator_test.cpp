@@ -8,7 +8,7 @@
 
 #include "hil/app/calibration_map.h"
 #include "hil/app/compensator_check.h"
-#include "hil/app/gate.h"
+#include "hil/app/find_plan.h"
 
 namespace forcegate {
 namespace {
