@@ -11,8 +11,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "hil/app/compare.h"
-#include "hil/app/diagnose.h"
+#include "hil/app/diagnose/diagnose.h"
+#include "hil/app/model/compare.h"
 #include "hil/base/rng.h"
 #include "hil/diagnose/answer/residual_map.h"
 #include "hil/diagnose/answer/verdict.h"

@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hil/app/worker.h"
+#include "hil/app/play/worker.h"
 #include "hil/gate/case_json.h"
 #include "hil/gate/decision.h"
 #include "hil/gate/judge.h"

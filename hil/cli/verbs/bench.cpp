@@ -1,4 +1,4 @@
-#include "hil/app/bench.h"
+#include "hil/app/bench/bench.h"
 
 #include <fmt/format.h>
 

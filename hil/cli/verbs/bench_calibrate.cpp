@@ -5,8 +5,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "hil/app/bench_calibrate.h"
-#include "hil/app/write_file.h"
+#include "hil/app/bench/bench_calibrate.h"
+#include "hil/app/files/write_file.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"

@@ -1,4 +1,4 @@
-#include "hil/app/fault_matrix.h"
+#include "hil/app/bench/fault_matrix.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hil/app/beside_program.h"
+#include "hil/app/files/beside_program.h"
 #include "hil/cli/parse.h"
 
 namespace forcegate {

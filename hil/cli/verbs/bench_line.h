@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "hil/app/bench.h"
+#include "hil/app/bench/bench.h"
 #include "hil/cli/command.h"
 
 namespace forcegate {

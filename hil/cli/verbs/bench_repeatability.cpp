@@ -1,5 +1,5 @@
-#include "hil/app/rig_check.h"
-#include "hil/app/write_file.h"
+#include "hil/app/bench/rig_check.h"
+#include "hil/app/files/write_file.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
 #include "hil/cli/verbs/limits_line.h"

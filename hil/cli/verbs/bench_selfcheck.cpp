@@ -1,4 +1,4 @@
-#include "hil/app/rig_check.h"
+#include "hil/app/bench/rig_check.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"

@@ -1,4 +1,4 @@
-#include "hil/app/bless.h"
+#include "hil/app/stored/bless.h"
 
 #include <algorithm>
 

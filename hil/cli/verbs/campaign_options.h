@@ -1,7 +1,7 @@
 #pragma once
 // The campaign of a verb: its options, and the request they make.
 
-#include "hil/app/model_input.h"
+#include "hil/app/model/model_input.h"
 #include "hil/cli/command.h"
 
 namespace forcegate {

@@ -1,11 +1,11 @@
-#include "hil/app/characterize.h"
+#include "hil/app/characterize/characterize.h"
 
 #include <fmt/format.h>
 
 #include <chrono>
 #include <cmath>
 
-#include "hil/app/weight_study.h"
+#include "hil/app/characterize/weight_study.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/rig_choice.h"

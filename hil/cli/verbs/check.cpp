@@ -1,6 +1,6 @@
-#include "hil/app/check.h"
+#include "hil/app/stored/check.h"
 
-#include "hil/app/write_file.h"
+#include "hil/app/files/write_file.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/report/result_json.h"

@@ -1,4 +1,4 @@
-#include "hil/app/convert.h"
+#include "hil/app/recording/convert.h"
 
 #include <fmt/format.h>
 

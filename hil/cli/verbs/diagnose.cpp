@@ -1,9 +1,9 @@
-#include "hil/app/diagnose.h"
+#include "hil/app/diagnose/diagnose.h"
 
 #include <fmt/format.h>
 
-#include "hil/app/pictures.h"
-#include "hil/app/write_file.h"
+#include "hil/app/files/write_file.h"
+#include "hil/app/pictures/pictures.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"

@@ -1,4 +1,4 @@
-#include "hil/app/run_diff.h"
+#include "hil/app/stored/run_diff.h"
 
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"

@@ -1,10 +1,10 @@
-#include "hil/app/doctor.h"
+#include "hil/app/help/doctor.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "hil/app/beside_program.h"
+#include "hil/app/files/beside_program.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 

@@ -1,4 +1,4 @@
-#include "hil/app/explain.h"
+#include "hil/app/help/explain.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-#include "hil/app/export.h"
-#include "hil/app/find_plan.h"
+#include "hil/app/export/export.h"
+#include "hil/app/files/find_plan.h"
 
 #include <cmath>
 #include <filesystem>

@@ -1,8 +1,8 @@
-#include "hil/app/fit.h"
+#include "hil/app/model/fit.h"
 
 #include <fmt/format.h>
 
-#include "hil/app/write_file.h"
+#include "hil/app/files/write_file.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"

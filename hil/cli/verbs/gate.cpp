@@ -1,5 +1,5 @@
-#include "hil/app/gate.h"
-#include "hil/app/weight_gate.h"
+#include "hil/app/gate/gate.h"
+#include "hil/app/gate/weight_gate.h"
 
 #include <charconv>
 

@@ -1,4 +1,4 @@
-#include "hil/app/history.h"
+#include "hil/app/model/history.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
-#include "hil/app/laws.h"
+#include "hil/app/diagnose/laws.h"
 
 #include <algorithm>
 
-#include "hil/app/find_plan.h"
+#include "hil/app/files/find_plan.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 

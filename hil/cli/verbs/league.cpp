@@ -1,6 +1,6 @@
-#include "hil/app/league.h"
+#include "hil/app/league/league.h"
 
-#include "hil/app/write_file.h"
+#include "hil/app/files/write_file.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
 

@@ -1,6 +1,6 @@
-#include "hil/app/limits.h"
+#include "hil/app/power/limits.h"
 
-#include "hil/app/write_file.h"
+#include "hil/app/files/write_file.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "hil/app/limits.h"
+#include "hil/app/power/limits.h"
 #include "hil/cli/command.h"
 
 namespace forcegate {

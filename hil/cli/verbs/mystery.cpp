@@ -1,4 +1,4 @@
-#include "hil/app/mystery.h"
+#include "hil/app/mystery/mystery.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-#include "hil/app/mystery.h"
-#include "hil/app/next_run.h"
+#include "hil/app/diagnose/next_run.h"
+#include "hil/app/mystery/mystery.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"

@@ -1,7 +1,7 @@
 #include "hil/cli/verbs/next_line.h"
 
-#include "hil/app/diagnose.h"
-#include "hil/app/find_plan.h"
+#include "hil/app/diagnose/diagnose.h"
+#include "hil/app/files/find_plan.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
 

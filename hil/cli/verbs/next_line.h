@@ -1,10 +1,10 @@
 #pragma once
-// The last lines of the diagnosis: hil/app/what_next.h as a command that works when it is pasted, with the names that the user gave.
+// The last lines of the diagnosis: hil/app/diagnose/what_next.h as a command that works when it is pasted, with the names that the user gave.
 
 #include <optional>
 #include <string>
 
-#include "hil/app/what_next.h"
+#include "hil/app/diagnose/what_next.h"
 #include "hil/cli/command.h"
 
 namespace forcegate {

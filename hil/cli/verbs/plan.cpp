@@ -1,8 +1,8 @@
-#include "hil/app/plan.h"
+#include "hil/app/gate/plan.h"
 
 #include <nlohmann/json.hpp>
 
-#include "hil/app/beside_program.h"
+#include "hil/app/files/beside_program.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 

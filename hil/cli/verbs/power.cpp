@@ -1,7 +1,7 @@
-#include "hil/app/power.h"
+#include "hil/app/power/power.h"
 
-#include "hil/app/beside_program.h"
-#include "hil/app/write_file.h"
+#include "hil/app/files/beside_program.h"
+#include "hil/app/files/write_file.h"
 #include "hil/base/text.h"
 #include "hil/cli/command.h"
 

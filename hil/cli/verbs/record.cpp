@@ -1,4 +1,4 @@
-#include "hil/app/record.h"
+#include "hil/app/recording/record.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hil/app/recover.h"
+#include "hil/app/recording/recover.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hil/app/report.h"
+#include "hil/app/stored/report.h"
 
 #include <nlohmann/json.hpp>
 

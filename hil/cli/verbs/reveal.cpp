@@ -1,4 +1,4 @@
-#include "hil/app/reveal.h"
+#include "hil/app/mystery/reveal.h"
 
 #include <nlohmann/json.hpp>
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hil/app/convert.h"
+#include "hil/app/recording/convert.h"
 #include "hil/base/text.h"
 #include "hil/base/utc_clock.h"
 #include "hil/cli/parse.h"

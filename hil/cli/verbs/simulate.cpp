@@ -1,4 +1,4 @@
-#include "hil/app/simulate.h"
+#include "hil/app/model/simulate.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hil/app/stimulus.h"
+#include "hil/app/recording/stimulus.h"
 
 #include <fmt/format.h>
 

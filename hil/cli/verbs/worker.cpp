@@ -1,4 +1,4 @@
-#include "hil/app/worker.h"
+#include "hil/app/play/worker.h"
 
 #include <iostream>
 #include <iterator>

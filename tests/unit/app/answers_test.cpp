@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hil/app/diagnose.h"
-#include "hil/app/fit.h"
+#include "hil/app/diagnose/diagnose.h"
+#include "hil/app/model/fit.h"
 
 namespace forcegate {
 namespace {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/app/model_input.h"
+#include "hil/app/model/model_input.h"
 #include "hil/model/rows.h"
 #include "tests/support/folder_test.h"
 

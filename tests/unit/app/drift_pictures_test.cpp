@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "hil/app/record_pictures.h"
+#include "hil/app/pictures/record_pictures.h"
 #include "hil/diagnose/laws/drift.h"
 
 namespace forcegate {

@@ -1,4 +1,4 @@
-#include "hil/app/league_stage.h"
+#include "hil/app/league/league_stage.h"
 
 #include <gtest/gtest.h>
 

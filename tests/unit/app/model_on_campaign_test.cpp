@@ -8,10 +8,10 @@
 #include <fstream>
 #include <numbers>
 
-#include "hil/app/compare.h"
-#include "hil/app/export.h"
-#include "hil/app/fit.h"
-#include "hil/app/simulate.h"
+#include "hil/app/export/export.h"
+#include "hil/app/model/compare.h"
+#include "hil/app/model/fit.h"
+#include "hil/app/model/simulate.h"
 #include "hil/base/rng.h"
 #include "tests/support/folder_test.h"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hil/app/model_input.h"
+#include "hil/app/model/model_input.h"
 #include "tests/support/folder_test.h"
 
 namespace forcegate {

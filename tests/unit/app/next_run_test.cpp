@@ -1,4 +1,4 @@
-#include "hil/app/next_run.h"
+#include "hil/app/diagnose/next_run.h"
 
 #include <gtest/gtest.h>
 

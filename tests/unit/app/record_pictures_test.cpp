@@ -1,4 +1,4 @@
-#include "hil/app/record_pictures.h"
+#include "hil/app/pictures/record_pictures.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hil/app/rig_history.h"
+#include "hil/app/bench/rig_history.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hil/app/sensor_records.h"
+#include "hil/app/gate/sensor_records.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hil/app/watched_task.h"
+#include "hil/app/play/watched_task.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "hil/app/what_next.h"
+#include "hil/app/diagnose/what_next.h"
 
 #include <gtest/gtest.h>
 

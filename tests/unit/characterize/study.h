@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "hil/app/characterize.h"
+#include "hil/app/characterize/characterize.h"
 #include "hil/characterize/population_study.h"
 #include "hil/interface/rig.h"
 #include "tests/support/value_or_abort.h"

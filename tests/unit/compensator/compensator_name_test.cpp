@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "hil/app/compensator_check.h"
+#include "hil/app/export/compensator_check.h"
 #include "hil/model/compensator/compensator.h"
 #include "tests/unit/compensator/to_and_fro.h"
 

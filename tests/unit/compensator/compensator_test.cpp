@@ -6,9 +6,9 @@
 
 #include <cmath>
 
-#include "hil/app/calibration_map.h"
-#include "hil/app/compensator_check.h"
-#include "hil/app/find_plan.h"
+#include "hil/app/export/calibration_map.h"
+#include "hil/app/export/compensator_check.h"
+#include "hil/app/files/find_plan.h"
 
 namespace forcegate {
 namespace {

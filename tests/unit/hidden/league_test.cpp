@@ -1,4 +1,4 @@
-#include "hil/app/league.h"
+#include "hil/app/league/league.h"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <set>
 
-#include "hil/app/diagnose.h"
-#include "hil/app/league_stage.h"
-#include "hil/app/league_tally.h"
-#include "hil/app/model_input.h"
+#include "hil/app/diagnose/diagnose.h"
+#include "hil/app/league/league_stage.h"
+#include "hil/app/league/league_tally.h"
+#include "hil/app/model/model_input.h"
 #include "rigs/emulated/hidden/campaign_writer.h"
 
 namespace forcegate {

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hil/app/mystery.h"
+#include "hil/app/mystery/mystery.h"
 #include "tests/support/process.h"
 
 namespace forcegate {

@@ -1,4 +1,4 @@
-#include "hil/app/scoring.h"
+#include "hil/app/mystery/scoring.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hil/app/mutant.h"
+#include "hil/app/power/mutant.h"
 
 #include <gtest/gtest.h>
 

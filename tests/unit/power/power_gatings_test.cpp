@@ -1,11 +1,11 @@
-#include "hil/app/power_gatings.h"
+#include "hil/app/power/power_gatings.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "adapters/transport/private_folder.h"
-#include "hil/app/power.h"
+#include "hil/app/power/power.h"
 
 namespace forcegate {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/app/worker.h"
+#include "hil/app/play/worker.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "hil/app/run_folder.h"
+#include "hil/app/gate/run_folder.h"
 #include "hil/gate/case_json.h"
 #include "hil/gate/decision.h"
 #include "hil/gate/judge.h"

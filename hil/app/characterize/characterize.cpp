@@ -1,0 +1,194 @@
+#include "hil/app/characterize/characterize.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "golden/compare/lebosse_oracle.h"
+#include "hil/app/files/find_plan.h"
+#include "hil/app/files/write_file.h"
+#include "hil/base/text.h"
+#include "hil/characterize/recording.h"
+#include "hil/interface/dut.h"
+#include "hil/report/characterization/data_sheet.h"
+#include "hil/report/characterization/golden_traces.h"
+#include "hil/report/characterization/paper_page.h"
+#include "hil/report/characterization/study_json.h"
+
+namespace forcegate {
+namespace {
+
+namespace fs = std::filesystem;
+using characterize::SensorStudy;
+using characterize::SessionSheet;
+
+constexpr std::size_t kMostCalibrationFiles = 60;
+
+std::string file_name_of(std::string specimen) {
+  for (char& c : specimen)
+    if (std::string_view("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-").find(c) ==
+        std::string_view::npos)
+      c = '-';
+  return specimen;
+}
+
+class Writer {
+ public:
+  explicit Writer(std::vector<fs::path>& files) : files_(files) {}
+  Result<void> write(const fs::path& path, std::string_view text) {
+    FORCEGATE_CHECK_OK(write_file_atomically(path, text));
+    files_.push_back(path);
+    return {};
+  }
+
+ private:
+  std::vector<fs::path>& files_;
+};
+
+Result<void> write_output(const CharacterizeRequest& request, const Characterization& made, Writer& writer) {
+  if (request.output.empty()) return {};
+  FORCEGATE_CHECK_OK(writer.write(request.output / "study.json", study_json(made.studies, made.plan)));
+  for (const SensorStudy& study : made.studies) {
+    FORCEGATE_CHECK_OK(writer.write(request.output / ("sheet-" + study.sensor + ".html"),
+                                    data_sheet_html(study, made.plan, request.command_line)));
+    FORCEGATE_CHECK_OK(writer.write(request.output / ("sheet-" + study.sensor + ".json"),
+                                    study_json({study}, made.plan, false)));
+    if (study.find("static.gain") != nullptr) {
+      FORCEGATE_TRY(const std::string model, model_of_study(study));
+      FORCEGATE_CHECK_OK(writer.write(request.output / (study.sensor + ".toml"), model));
+    }
+    if (study.sheets.size() > kMostCalibrationFiles) continue;
+    for (const SessionSheet& sheet : study.sheets)
+      if (!sheet.failure && sheet.find("static.gain") != nullptr)
+        FORCEGATE_CHECK_OK(
+            writer.write(request.output / fmt::format("calibration-{}-{}-s{}.toml", study.sensor,
+                                                      file_name_of(sheet.specimen), sheet.session),
+                         calibration_text(sheet)));
+  }
+  return {};
+}
+
+Result<void> write_paper(const CharacterizeRequest& request, const Characterization& made, Writer& writer) {
+  if (!request.paper.empty()) {
+    const auto pictures = figures_of_the_paper(made.studies);
+    for (const PaperPicture& p : pictures)
+      FORCEGATE_CHECK_OK(writer.write(request.paper / "pictures" / "paper" / p.file,
+                                      p.figure.svg(figures::Figure::Target::standalone)));
+    FORCEGATE_CHECK_OK(writer.write(
+        request.paper / "paper.md",
+        paper_markdown(made.studies, made.plan, pictures, request.command_line, "pictures/paper")));
+  }
+  if (!request.golden.empty())
+    for (const SensorStudy& study : made.studies)
+      for (const GoldenTrace& trace : golden_traces(study, made.plan))
+        FORCEGATE_CHECK_OK(writer.write(request.golden / (trace.name + ".csv"), golden_text(trace)));
+  return {};
+}
+
+Result<void> study_recordings(const CharacterizeRequest& request, characterize::BenchProgress& progress,
+                              Characterization& out) {
+  SensorStudy study;
+  study.sensor = request.sensors.size() == 1 ? request.sensors.front() : "recording";
+  for (const fs::path& path : request.recordings) {
+    auto options = request.rig_options;
+    options["record"] = path.string();
+    FORCEGATE_TRY(const auto rig, make_rig(request.rig, options));
+    Result<SessionSheet> made = characterize::characterize_recording(*rig, path.filename().string(), progress);
+    if (!made && made.error().where == path.filename()) made.error().where = path.string();
+    FORCEGATE_TRY(SessionSheet sheet, std::move(made));
+    study.rig_time_s += static_cast<double>(sheet.samples) / rig->info().rate_Hz;
+    study.samples += sheet.samples;
+    study.sheets.push_back(std::move(sheet));
+  }
+  characterize::summarise(study, out.plan);
+  out.studies.push_back(std::move(study));
+  return {};
+}
+
+Result<void> study_rig(const CharacterizeRequest& request,
+                       const std::function<void(double, std::string_view)>& progress,
+                       characterize::BenchProgress& state, Characterization& out) {
+  FORCEGATE_TRY(const fs::path path, find_plan(request.plan));
+  FORCEGATE_TRY(out.plan, characterize::read_study_plan(path));
+  if (request.seed) out.plan.seed = *request.seed;
+  if (request.sessions) out.plan.sessions = *request.sessions;
+  if (!request.specimens.empty()) {
+    out.plan.specimens = request.specimens;
+    out.plan.identification.assign(
+        request.specimens.begin(),
+        request.specimens.begin() + static_cast<std::ptrdiff_t>((request.specimens.size() + 1) / 2));
+  }
+  characterize::StudyRequest study;
+  study.plan = out.plan;
+  for (const std::string& sensor : request.sensors)
+    if (!(sensor == "fsr" ? out.plan.fsr : out.plan.flexiforce).empty()) study.sensors.push_back(sensor);
+  if (study.sensors.empty())
+    return fail(ErrorCode::usage, "the plan has no procedure for this sensor", path.string());
+  study.make_rig = [&](const std::string& sensor) {
+    auto options = request.rig_options;
+    if (request.rig == "emulated") options["sensor"] = sensor;
+    return make_rig(request.rig, options);
+  };
+  FORCEGATE_TRY(const auto probe, study.make_rig(study.sensors.front()));
+  if (!probe->info().can_move)
+    return fail(ErrorCode::usage, "rig '" + request.rig + "' cannot move a wheel", {},
+                "give recordings: --rig replay --record FILE");
+  if (!probe->info().emulated) {
+    study.threads = 1;  // there is one bench
+    study.plan.exemplar.clear();
+  } else {
+    study.threads = request.threads;
+  }
+  study.compensation = oracle_compensation;
+  study.progress = progress;
+  FORCEGATE_TRY(out.studies, characterize::run_study(study, state));
+  return {};
+}
+
+}  // namespace
+
+characterize::Compensation oracle_compensation(const Calibration& calibration) {
+  struct State {
+    LebosseOracle oracle;
+    std::uint8_t flags = 0;
+  };
+  const auto state = std::make_shared<State>(State{LebosseOracle(calibration)});
+  return {[state](std::uint16_t code) {
+            const LebosseOracle::Output out = state->oracle.step(code);
+            state->flags = out.flags;
+            return out.force_N;
+          },
+          [state] { return (state->flags & kDutLearning) != 0; }};
+}
+
+Result<Characterization> characterize_request(const CharacterizeRequest& request,
+                                              const std::function<void(double, std::string_view)>& progress,
+                                              const std::atomic<bool>* cancelled) {
+  if (request.sensors.empty()) return fail(ErrorCode::usage, "no sensor is named");
+  Characterization out;
+  characterize::BenchProgress state;
+  state.cancelled = cancelled;
+  if (!request.recordings.empty())
+    FORCEGATE_CHECK_OK(study_recordings(request, state, out));
+  else
+    FORCEGATE_CHECK_OK(study_rig(request, progress, state, out));
+  const Error* first = nullptr;
+  bool sound = false;
+  for (const SensorStudy& s : out.studies) {
+    out.rig_time_s += s.rig_time_s;
+    out.samples += s.samples;
+    for (const SessionSheet& sheet : s.sheets) {
+      sound = sound || !sheet.failure;
+      if (sheet.failure && first == nullptr) first = &*sheet.failure;
+    }
+  }
+  if (!sound && first != nullptr) return Unexpected(*first);
+  Writer writer(out.files);
+  FORCEGATE_CHECK_OK(write_output(request, out, writer));
+  FORCEGATE_CHECK_OK(write_paper(request, out, writer));
+  return out;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,136 @@
+#include "hil/app/diagnose/laws.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "hil/base/text.h"
+#include "hil/base/units.h"
+#include "hil/trace/csv_table.h"
+
+namespace forcegate {
+namespace {
+
+std::string plain_name(const std::string& header) {
+  const auto split_off = split_unit_suffix(header);
+  return split_off ? split_off->name : header;
+}
+
+const CsvColumn* find_column(const CsvTable& table, const std::string& name) {
+  for (const CsvColumn& c : table.columns)
+    if (c.header == name || plain_name(c.header) == name) return &c;
+  return nullptr;
+}
+
+Result<const CsvColumn*> column(const CsvTable& table, const std::string& name, const LawsRequest& request) {
+  if (const CsvColumn* found = find_column(table, name)) return found;
+  std::vector<std::string> names;
+  for (const CsvColumn& c : table.columns) names.push_back(plain_name(c.header));
+  const std::string near = nearest_name(name, names);
+  return fail(ErrorCode::usage, "the table has no column '" + printable_utf8(name) + "'",
+              request.table.string(),
+              near.empty() ? "it has: " + join(names, ", ") : "did you mean '" + near + "'?");
+}
+
+std::string unit_of(const std::string& header) {
+  const auto split_off = split_unit_suffix(header);
+  return split_off ? split_off->unit.symbol : "";
+}
+
+}  // namespace
+
+Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request) {
+  FORCEGATE_TRY(const CsvTable table, read_csv_table(request.table));
+  ParameterQuestion base;
+  base.alpha = request.alpha / static_cast<double>(std::max<std::size_t>(1, request.of.size()));
+  base.seed = request.seed;
+  base.scale = request.scale == "log"          ? ResponseScale::logarithm
+               : request.scale == "reciprocal" ? ResponseScale::reciprocal
+                                               : ResponseScale::linear;
+  std::vector<std::string> over = request.over;
+  if (over.empty())
+    for (const CsvColumn& c : table.columns) {
+      const std::string name = plain_name(c.header);
+      if (!name.starts_with("u_") &&
+          std::find(request.of.begin(), request.of.end(), name) == request.of.end() &&
+          std::find(request.of.begin(), request.of.end(), c.header) == request.of.end())
+        over.push_back(name);
+    }
+  for (const std::string& name : over) {
+    FORCEGATE_TRY(const CsvColumn* c, column(table, name, request));
+    base.covariates.push_back({name, unit_of(c->header), c->value});
+  }
+  for (const std::string& text : request.law) {
+    FORCEGATE_TRY(LawTerm term, parse_term(text));
+    base.law.push_back(std::move(term));
+  }
+  std::vector<ParameterAnswer> out;
+  for (const std::string& name : request.of) {
+    ParameterQuestion q = base;
+    FORCEGATE_TRY(const CsvColumn* c, column(table, name, request));
+    q.name = name;
+    q.unit = request.scale == "log" ? "" : unit_of(c->header);
+    q.value = c->value;
+    if (const CsvColumn* u = find_column(table, "u_" + name)) q.u = u->value;
+    FORCEGATE_TRY(ParameterAnswer answer, missing_dependence(q));
+    out.push_back(std::move(answer));
+  }
+  return out;
+}
+
+std::string laws_text(const std::vector<ParameterAnswer>& answers) {
+  std::string out;
+  for (const ParameterAnswer& a : answers) {
+    out += a.sentence + "\n  law: " + a.name + " =";
+    for (std::size_t k = 0; k < a.law.size(); ++k)
+      out += fmt::format(" {}{}{}", k == 0 ? "" : "+ ", with_uncertainty(a.law[k].value, a.law[k].u),
+                         a.law[k].term == "1" ? "" : " " + a.law[k].term);
+    out += fmt::format(
+        "\n  leave-one-out error: constant {:.3g}, the law given {:.3g}, the law now {:.3g}; scatter between records {:.3g}\n",
+        a.loo_constant, a.loo_before, a.loo_after, a.scatter);
+    out += "  candidates beside the law given:\n";
+    for (std::size_t k = 0; k < std::min<std::size_t>(5, a.ranking.size()); ++k) {
+      const RankedTerm& r = a.ranking[k];
+      out += fmt::format(
+          "    {:<14} F {:>7.2f}  p {:.4f} (alone {:.4f})  takes {:>3.0f} %  leave-one-out {:.3g}\n",
+          to_string(r.term), r.F, r.p, r.p_alone, 100.0 * r.r2, r.loo_after);
+    }
+  }
+  return out;
+}
+
+std::string laws_json(const std::vector<ParameterAnswer>& answers) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  const auto term_json = [](const RankedTerm& r) {
+    return nlohmann::ordered_json{
+        {"term", to_string(r.term)}, {"F", r.F},      {"p", r.p},
+        {"p_alone", r.p_alone},      {"share", r.r2}, {"leave_one_out", r.loo_after}};
+  };
+  for (const ParameterAnswer& a : answers) {
+    nlohmann::ordered_json added = nlohmann::ordered_json::array(), ranking = added, law = added;
+    for (const FoundTerm& f : a.added) {
+      nlohmann::ordered_json one = term_json(f.found);
+      one["fits_as_well"] = nlohmann::ordered_json::array();
+      for (const LawTerm& t : f.fits_as_well) one["fits_as_well"].push_back(to_string(t));
+      added.push_back(one);
+    }
+    for (const RankedTerm& r : a.ranking) ranking.push_back(term_json(r));
+    for (const LawCoefficient& c : a.law) law.push_back({{"term", c.term}, {"value", c.value}, {"u", c.u}});
+    list.push_back(
+        {{"parameter", a.name},
+         {"unit", a.unit},
+         {"records", a.n},
+         {"candidates", a.candidates},
+         {"missing", added},
+         {"law", law},
+         {"leave_one_out", {{"constant", a.loo_constant}, {"before", a.loo_before}, {"after", a.loo_after}}},
+         {"scatter", a.scatter},
+         {"smallest_share_seen", a.smallest_share},
+         {"ranking", ranking},
+         {"sentence", a.sentence}});
+  }
+  return nlohmann::ordered_json{{"format", 1}, {"parameters", list}}.dump(2) + "\n";
+}
+
+}  // namespace forcegate

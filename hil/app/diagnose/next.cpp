@@ -1,0 +1,79 @@
+#include "hil/app/diagnose/next.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "hil/base/plain_number.h"
+#include "hil/base/text.h"
+
+namespace forcegate {
+
+namespace {
+
+std::string what_parts(const std::string& effect) {
+  const EffectKind* kind = EffectRegistry::instance().find(effect);
+  return kind == nullptr ? "" : kind->separates;
+}
+
+// The effect with the most evidence that was turned down all the same.
+const RefusedEffect* strongest_refused(const Diagnosis& d) {
+  constexpr double kMuch = 20.0;  // nats
+  for (const RankedEffect& r : d.ranking) {
+    if (r.score < kMuch) break;
+    for (const RefusedEffect& refused : d.refused)
+      if (refused.effect == r.effect) return &refused;
+  }
+  return nullptr;
+}
+
+std::string without_segments(const Diagnosis& d) {
+  if (!d.not_separable.empty()) {
+    std::string out = "not separable here: " + join(d.not_separable.front(), " or ") +
+                      "; none of the short segments that a rig can play would part them\nwhat would:\n";
+    for (const std::string& effect : d.not_separable.front())
+      if (const std::string how = what_parts(effect); !how.empty()) out += "  " + effect + ": " + how + "\n";
+    return out;
+  }
+  if (d.verdict == DiagnosisVerdict::unknown)
+    return "structure remains that no effect of the library explains, so none competes" +
+           (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) +
+           "\nLook at its map (--html), or write an equation of your own: [[effect]] in the model file (docs/diagnosis.md)\n";
+  if (const Finding* first = worth_adding(d); first != nullptr)
+    return "nothing competes with " + first->effect + ": no further measurement is needed to tell it from others\n";
+  if (const RefusedEffect* refused = strongest_refused(d))
+    return "no two effects compete, but " + refused->effect + " has evidence and was not taken: " +
+           std::string(diagnose::traits_of(refused->reason).sentence) + "\nto settle it, record more of what shows it: " + what_parts(refused->effect) + "\n";
+  return "nothing competes: no further measurement is needed to tell effects apart\n"
+         "What these records do not excite they cannot show: slow ramps, a staircase with long holds, long sines of two\n"
+         "frequencies and swings, a rest, and one ramp again at the end (docs/campaign.md)\n";
+}
+
+}  // namespace
+
+std::string next_text(const Diagnosis& d) {
+  const NextExperiment& n = d.next_experiment;
+  if (n.segments.empty()) return without_segments(d);
+  std::string out = fmt::format("measure next, {:.2g} minutes of rig time:\n", n.minutes);
+  for (const ExperimentSegment& s : n.segments) {
+    out += fmt::format("  {:<38} {:>4.2g} min  parts {}: odds {} -> {} to 1{}, likeness {:.2f} -> {:.2f}\n",
+                       s.name, s.minutes, s.separates, odds_text(s.odds_before), odds_text(s.odds_after),
+                       s.odds_stated ? "" : " by the evidence", s.cosine_before, s.cosine_after);
+    for (const auto& [name, value] : s.numbers) out += fmt::format("      {} = {:g}\n", name, value);
+  }
+  if (n.segments.size() > 1) out += "the first odds are those of the diagnosis; a later segment starts from what those above it leave\n";
+  return out;
+}
+
+std::string next_json(const Diagnosis& d) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_json(d))["next_experiment"];
+  if (d.next_experiment.segments.empty()) {
+    std::string sentence = without_segments(d);
+    while (sentence.ends_with('\n')) sentence.pop_back();
+    out["sentence"] = sentence;
+  }
+  out["format"] = 1;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate

@@ -1,0 +1,375 @@
+#include "hil/app/diagnose/next_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "hil/app/files/write_file.h"
+#include "hil/app/mystery/mystery.h"
+#include "hil/base/plain_number.h"
+#include "hil/base/text.h"
+#include "hil/diagnose/next/rival_odds.h"
+#include "hil/trace/campaign_description.h"
+#include "hil/trace/csv.h"
+
+namespace forcegate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kProfiles = "profiles";  // forces that were asked for
+
+std::string slug(const std::string& text) {
+  std::string out;
+  for (char c : text)
+    out += std::isalnum(static_cast<unsigned char>(c))
+               ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
+               : '_';
+  return out;
+}
+
+// What a run leaves that could play nothing: the forces to record, if anything.
+bool holds_only_profiles(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename() != kProfiles) return false;
+  return !error;
+}
+
+// The copy was made for records that never came. Forces that a person may still record stay.
+void forget_copy(const fs::path& folder, bool keep_profiles) {
+  std::error_code error;
+  if (!keep_profiles) {
+    fs::remove_all(folder, error);
+    return;
+  }
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename() != kProfiles) fs::remove_all(entry.path(), error);
+  fs::remove(folder, error);  // where it is empty
+}
+
+// Until the records are there: whatever ends the run before leaves the folder as it was found.
+class Copy {
+ public:
+  Copy(fs::path folder, bool keep_profiles) : folder_(std::move(folder)), keep_profiles_(keep_profiles) {}
+  Copy(const Copy&) = delete;
+  Copy& operator=(const Copy&) = delete;
+  ~Copy() {
+    if (!kept_) forget_copy(folder_, keep_profiles_);
+  }
+  void keep() { kept_ = true; }
+
+ private:
+  fs::path folder_;
+  bool keep_profiles_, kept_ = false;
+};
+
+Result<void> check_new(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !holds_only_profiles(folder))
+    return fail(ErrorCode::usage, "the output exists already", folder.string(), "choose another folder with -o");
+  return {};
+}
+
+bool leaves_folder(const fs::path& file) { return file.is_absolute() || *file.lexically_normal().begin() == ".."; }
+
+// The records of a description that stand in subfolders are copied to their place, those outside of the folder are named where they are.
+Result<void> copy_listed(const std::vector<DescribedRecord>& listed, const fs::path& from, const fs::path& to, Json& description) {
+  std::error_code error;
+  for (std::size_t k = 0; k < listed.size(); ++k) {
+    const fs::path file = listed[k].file;
+    if (leaves_folder(file)) {
+      description["records"][k]["file"] = fs::absolute(from / file).lexically_normal().string();
+      continue;
+    }
+    if (fs::exists(to / file, error)) continue;
+    fs::create_directories((to / file).parent_path(), error);
+    fs::copy_file(from / file, to / file, error);
+    if (error) return fail(ErrorCode::io, "the record cannot be copied: " + error.message(), (from / file).string(), "is the disk full?");
+  }
+  return {};
+}
+
+// A whole campaign with a description that lists its records, in a new folder.
+Result<void> copy_campaign(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  const bool is_file = fs::is_regular_file(from, error), single = is_file && from.extension() != ".json";
+  const fs::path folder = is_file ? from.parent_path() : from;
+  const fs::path described = single ? fs::path() : is_file ? from : from / "campaign.json";
+  fs::create_directories(to, error);
+  std::vector<fs::path> files;
+  if (single)
+    files.push_back(from);
+  else
+    for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error))
+      if (entry.is_regular_file()) files.push_back(entry.path());
+  std::vector<std::string> records;
+  for (const fs::path& file : files) {
+    fs::copy_file(file, to / file.filename(), error);
+    if (error) return fail(ErrorCode::io, "the campaign cannot be copied: " + error.message(), to.string(), "is the disk full?");
+    const std::string ending = file.extension().string();
+    if (single || ending == ".csv" || ending == ".h5" || ending == ".hdf5" || ending == ".mat") records.push_back(file.filename().string());
+  }
+  Json json = {{"campaign", to.filename().string()}};
+  if (fs::exists(described, error)) {
+    FORCEGATE_TRY(const CampaignDescription description, read_description(described));
+    std::ifstream text(described, std::ios::binary);
+    json = Json::parse(text, nullptr, false, true);
+    if (description.records) {
+      const Json before = json;
+      FORCEGATE_CHECK_OK(copy_listed(*description.records, folder, to, json));
+      if (json == before && described.filename() == "campaign.json") return {};  // copied as it was written
+      return write_file_atomically(to / "campaign.json", json.dump(1) + "\n");
+    }
+  }
+  std::ranges::sort(records, natural_less);
+  Json list = Json::array();
+  for (const std::string& file : records) list.push_back({{"file", file}});
+  json["records"] = list;
+  return write_file_atomically(to / "campaign.json", json.dump(1) + "\n");
+}
+
+Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folder, std::size_t number) {
+  std::string text = "t_s,F_ref_N\n";
+  for (std::size_t i = 0; i < s.t_s.size(); ++i)
+    fmt::format_to(std::back_inserter(text), "{:.4f},{:.5f}\n", s.t_s[i], s.force_N[i]);
+  const fs::path path = folder / kProfiles / fmt::format("{}_{}.csv", number, slug(s.name));
+  FORCEGATE_CHECK_OK(write_file_atomically(path, text));
+  return path;
+}
+
+// What tells pieces of rig time apart: length, range, mean and greatest speed of the force.
+struct Character {
+  double value[5];
+};
+Character character_of(const std::vector<double>& t_s, const std::vector<double>& F) {
+  double low = 1e300, high = -1e300, way = 0.0, fastest = 0.0;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < F.size(); ++i) {
+    if (!std::isfinite(F[i])) continue;
+    low = std::min(low, F[i]), high = std::max(high, F[i]);
+    // over at least 50 ms, so that noise is no motion
+    if (t_s[i] - t_s[last] >= 0.05) {
+      way += std::fabs(F[i] - F[last]);
+      fastest = std::max(fastest, std::fabs(F[i] - F[last]) / (t_s[i] - t_s[last]));
+      last = i;
+    }
+  }
+  const double seconds = std::max(1e-3, t_s.back() - t_s.front());
+  return {{std::log(seconds), std::log(0.02 + way / seconds), std::log(0.1 + fastest), low, high}};
+}
+double distance(const Character& a, const Character& b) {
+  double sum = 0.0;
+  for (int k = 0; k < 5; ++k) sum += (a.value[k] - b.value[k]) * (a.value[k] - b.value[k]);
+  return std::sqrt(sum);
+}
+
+// Among the numbers of the segment; 0 when it has none.
+double lowest_frequency_Hz(const ExperimentSegment& s) {
+  double lowest = 0.0;
+  for (const auto& [name, value] : s.numbers)
+    if (name.starts_with("f") && name.ends_with("_Hz") && (lowest == 0.0 || value < lowest)) lowest = value;
+  return lowest;
+}
+
+struct Recording {
+  fs::path path;
+  Character character;
+  bool used = false;
+};
+
+Result<std::vector<Recording>> read_recordings(const std::vector<fs::path>& paths) {
+  std::vector<Recording> out;
+  for (const fs::path& path : paths) {
+    FORCEGATE_TRY(const TraceFile file, read_csv(path));
+    const Channel* F = file.trace.find("F_ref");
+    if (F == nullptr)
+      return fail(ErrorCode::config, "the recording has no reference force", path.string(),
+                  "name its column F_ref_N");
+    out.push_back({path, character_of(file.trace.time_bases[F->time_base].t_s, F->value), false});
+  }
+  return out;
+}
+
+// Appends a recorded file to the description of the campaign.
+Result<void> append_recording(const fs::path& source, const fs::path& folder, const std::string& kind) {
+  std::error_code error;
+  const fs::path target = folder / source.filename();
+  if (fs::exists(target, error))
+    return fail(ErrorCode::usage, "there is such a record already", target.string(), "rename the recording");
+  fs::copy_file(source, target, error);
+  if (error)
+    return fail(ErrorCode::io, "the recording cannot be copied: " + error.message(), target.string());
+  std::ifstream file(folder / "campaign.json", std::ios::binary);
+  Json json = Json::parse(file, nullptr, false, true);
+  if (json.is_discarded())
+    return fail(ErrorCode::parse, "the campaign's description cannot be read",
+                (folder / "campaign.json").string());
+  json["records"].push_back({{"file", source.filename().string()}, {"kind", kind}});
+  return write_file_atomically(folder / "campaign.json", json.dump(1) + "\n");
+}
+
+}  // namespace
+
+fs::path next_folder(const fs::path& campaign) {
+  const fs::path from = campaign.filename().empty() ? campaign.parent_path() : campaign;
+  return from.parent_path() / (from.stem().string() + "-next");
+}
+
+Result<std::vector<fs::path>> write_profiles(const NextExperiment& planned, const fs::path& folder) {
+  FORCEGATE_CHECK_OK(check_new(folder));
+  std::vector<fs::path> out;
+  for (std::size_t k = 0; k < planned.segments.size(); ++k) {
+    FORCEGATE_TRY(fs::path path, write_profile(planned.segments[k], folder, k + 1));
+    out.push_back(std::move(path));
+  }
+  return out;
+}
+
+bool is_playable(const NextExperiment& planned) {
+  return std::ranges::any_of(planned.segments, [](const ExperimentSegment& s) { return !s.heats; });
+}
+
+Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingProgress& progress,
+                               const std::atomic<bool>* cancelled) {
+  NextRunResult out;
+  std::error_code error;
+  const bool sealed = request.bench.rig != "replay" && is_mystery(request.campaign.campaign);
+  if (progress) progress(0.0, "diagnosing what there is");
+  FORCEGATE_TRY(out.before, diagnose_request(request.campaign));
+  out.planned = out.before.next_experiment;
+  if (out.planned.segments.empty()) return out;
+  fs::path from = request.campaign.campaign;
+  if (from.filename().empty()) from = from.parent_path();
+  out.folder = !request.output.empty() ? request.output : next_folder(from);
+  FORCEGATE_TRY(std::vector<Recording> recordings, read_recordings(request.recorded));
+  FORCEGATE_CHECK_OK(check_new(out.folder));
+  const bool on_rig = request.bench.rig != "replay";
+  Copy copy(out.folder, !on_rig || fs::exists(out.folder, error));
+  FORCEGATE_CHECK_OK(copy_campaign(from, out.folder));
+  std::vector<ProfileToRecord> profiles;
+  std::vector<MysterySegment> asked;
+  for (std::size_t k = 0; k < out.planned.segments.size(); ++k) {
+    const ExperimentSegment& s = out.planned.segments[k];
+    FORCEGATE_TRY(const fs::path profile, write_profile(s, out.folder, k + 1));
+    SegmentOdds odds;
+    odds.segment = s.name;
+    odds.rivals = s.separates;
+    if (request.bench.rig == "replay") {
+      const Character wanted = character_of(s.t_s, s.force_N);
+      Recording* best = nullptr;
+      for (Recording& r : recordings)
+        if (!r.used && (best == nullptr || distance(r.character, wanted) < distance(best->character, wanted)))
+          best = &r;
+      if (best == nullptr || distance(best->character, wanted) > 2.0) {
+        out.skipped.push_back(s.name + ": none of the recordings is like it; the force to play is " +
+                              profile.string());
+        continue;
+      }
+      best->used = true;
+      FORCEGATE_CHECK_OK(append_recording(best->path, out.folder, s.stimulus));
+      odds.file = best->path.filename().string();
+    } else if (s.heats) {
+      out.skipped.push_back(s.name + ": this rig cannot heat");
+      continue;
+    } else if (sealed) {
+      asked.push_back({slug(s.name), s.stimulus, s.t_s, s.force_N, lowest_frequency_Hz(s)});
+    } else {
+      ProfileToRecord p;
+      p.name = slug(s.name);
+      p.stimulus.name = "replay";
+      p.stimulus.texts["path"] = profile.string();
+      profiles.push_back(std::move(p));
+    }
+    out.segments.push_back(std::move(odds));
+  }
+  out.on_stock_sensor = !profiles.empty() && request.bench.rig == "emulated";
+  if (!profiles.empty()) {
+    FORCEGATE_TRY(const std::vector<RecordedFile> files, record_profiles(
+                                                             request.bench, profiles, out.folder,
+                                                             [&](double fraction, std::string_view now) {
+                                                               if (progress)
+                                                                 progress(0.2 + 0.5 * fraction, now);
+                                                             },
+                                                             cancelled));
+    for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k].file;
+  }
+  if (!asked.empty()) {
+    FORCEGATE_TRY(const std::vector<std::string> files, play_on_mystery(out.folder, asked));
+    for (std::size_t k = 0; k < files.size(); ++k) out.segments[k].file = files[k];
+  }
+  if (out.segments.empty())
+    return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(),
+                from.string(), "record one of them and give it with --record");
+  if (on_rig) copy.keep();  // what was played is worth more than a second try
+  if (progress) progress(0.8, "diagnosing again");
+  CampaignRequest again = request.campaign;
+  again.campaign = out.folder;
+  auto after = diagnose_request(again);
+  if (!after) {
+    if (on_rig) after.error().hint += (after.error().hint.empty() ? "" : "; ") + std::string("what was recorded is in ") + out.folder.string();
+    return tl::unexpected(std::move(after).error());
+  }
+  out.after = std::move(*after);
+  copy.keep();
+  for (SegmentOdds& odds : out.segments) {
+    const std::size_t at = odds.rivals.find(" / ");
+    const std::string first = odds.rivals.substr(0, at),
+                      second = at == std::string::npos ? "" : odds.rivals.substr(at + 3);
+    for (const ExperimentSegment& s : out.planned.segments)
+      if (s.name == odds.segment) odds.expected = s.odds_after;
+    if (const auto before = diagnose::rival_odds(out.before, first, second)) odds.log_before = before->log_odds;
+    const auto now = diagnose::rival_odds(out.after, first, second);
+    if (!now) continue;
+    odds.log_after = now->log_odds;
+    odds.leads = now->log_odds >= 0.0 ? first : second;
+  }
+  return out;
+}
+
+std::string next_run_text(const NextRunResult& r) {
+  std::string out;
+  if (r.on_stock_sensor)
+    out += "the emulated rig holds a sensor of its own: what follows means something only where the first records were played on it too;\n"
+           "for records of a bench give yours with --rig replay --record FILE\n";
+  for (const SegmentOdds& s : r.segments)
+    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {} to 1 expected, {}\n", s.segment, s.file, s.rivals,
+                       odds_text(std::exp(std::fabs(s.log_before))), odds_text(s.expected),
+                       s.log_after ? fmt::format("{} to 1 now for {}", odds_text(std::exp(std::fabs(*s.log_after))), s.leads)
+                                   : "both are found now");
+  for (const std::string& s : r.skipped) out += "left out " + s + "\n";
+  const auto claims = [](const Diagnosis& d) {
+    std::string text = to_string(d.verdict);
+    for (const Finding& f : d.findings)
+      if (f.claimed()) text += fmt::format(", {} ({:.2f})", f.effect, f.probability);
+    return text;
+  };
+  out += "before: " + claims(r.before) + "\nnow:    " + claims(r.after) + "\n";
+  return out + diagnosis_text(r.after);
+}
+
+std::string next_run_json(const NextRunResult& r) {
+  Json segments = Json::array();
+  for (const SegmentOdds& s : r.segments)
+    segments.push_back({{"segment", s.segment},
+                        {"file", s.file},
+                        {"rivals", s.rivals},
+                        {"log_odds_before", s.log_before},
+                        {"odds_expected", s.expected},
+                        {"log_odds_after", s.log_after ? Json(*s.log_after) : Json(nullptr)},
+                        {"leads", s.leads}});
+  const Json out = {{"format", 1},
+                    {"folder", r.folder.string()},
+                    {"segments", segments},
+                    {"skipped", r.skipped},
+                    {"on_stock_sensor", r.on_stock_sensor},
+                    {"before", Json::parse(to_json(r.before))},
+                    {"after", Json::parse(to_json(r.after))}};
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate

@@ -1,0 +1,313 @@
+#include "hil/app/export/compensator_check.h"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <fstream>
+#include <memory>
+
+#include "hil/base/plain_number.h"
+#include "hil/base/read_file.h"
+#include "hil/base/text.h"
+#include "hil/model/rows.h"
+
+extern char** environ;
+
+namespace forcegate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kFloorMemory_s = 120.0;
+constexpr double kTrackerStep_s = 0.1;
+
+// low_N: the force itself; floor_N: what a firmware sees of it.
+constexpr const char* kDriver = R"(#include "compensation.h"
+void fg_replay(int n, const float* u_N, const float* shrink, const float* low_N, int low_is_force, const float* T_C, float* F_N) {
+  FgComp c;
+  fg_comp_reset(&c);
+  for (int i = 0; i < n; ++i)
+    F_N[i] = fg_comp_step(&c, u_N[i], shrink[i], low_is_force ? low_N[i] + c.at_floor_N : low_N[i], T_C[i]);
+}
+)";
+using Replay = void (*)(int, const float*, const float*, const float*, int, const float*, float*);
+
+struct TemporaryFolder {
+  fs::path path;
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "forcegate-check-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path.empty()) fs::remove_all(path, ignored);
+  }
+};
+
+class Library {
+ public:
+  static Result<std::unique_ptr<Library>> build(const std::string& header) {
+    auto out = std::make_unique<Library>();
+    const fs::path& folder = out->folder_.path;
+    if (folder.empty())
+      return fail(ErrorCode::io, "no temporary folder can be made", fs::temp_directory_path().string());
+    std::ofstream(folder / "compensation.h", std::ios::binary) << header;
+    std::ofstream(folder / "replay.c", std::ios::binary) << kDriver;
+    const std::string source = (folder / "replay.c").string(), target = (folder / "replay.so").string(),
+                      log = (folder / "log").string();
+    const char* const words[] = {"cc",
+                                 "-std=c11",
+                                 "-O2",
+                                 "-ffp-contract=off",
+                                 "-Wall",
+                                 "-Wextra",
+                                 "-Wno-unused-function",
+                                 "-Werror",
+                                 "-fPIC",
+                                 "-shared",
+                                 source.c_str(),
+                                 "-o",
+                                 target.c_str(),
+                                 nullptr};
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    posix_spawn_file_actions_adddup2(&actions, 1, 2);
+    pid_t pid = 0;
+    const int started = posix_spawnp(&pid, "cc", &actions, nullptr, const_cast<char* const*>(words), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (started != 0)
+      return fail(ErrorCode::io, "there is no C compiler to build the header with", "cc",
+                  "apt-get install gcc");
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+      return fail(ErrorCode::config,
+                  "the exported header does not compile: " + read_file(log).value_or("").substr(0, 600),
+                  "cc");
+    out->handle_ = dlopen(target.c_str(), RTLD_NOW | RTLD_LOCAL);
+    out->replay_ =
+        out->handle_ == nullptr ? nullptr : reinterpret_cast<Replay>(dlsym(out->handle_, "fg_replay"));
+    if (out->replay_ == nullptr) return fail(ErrorCode::io, "the built header cannot be loaded", target);
+    return out;
+  }
+  ~Library() {
+    if (handle_ != nullptr) dlclose(handle_);
+  }
+  std::vector<float> run(const std::vector<float>& u, const std::vector<float>& shrink,
+                         const std::vector<float>& low, bool low_is_force,
+                         const std::vector<float>& T) const {
+    std::vector<float> F(u.size());
+    replay_(static_cast<int>(u.size()), u.data(), shrink.data(), low.data(), low_is_force ? 1 : 0, T.data(),
+            F.data());
+    return F;
+  }
+
+ private:
+  TemporaryFolder folder_;
+  void* handle_ = nullptr;
+  Replay replay_ = nullptr;
+};
+
+std::vector<double> resample(const RecordInput& r, const std::vector<double>& x, double rate_Hz,
+                             std::size_t n) {
+  std::vector<double> out;
+  if (x.empty()) return out;
+  out.resize(n);
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = r.t_s.front() + static_cast<double>(i) / rate_Hz;
+    while (j + 2 < r.rows() && r.t_s[j + 1] <= t) ++j;
+    const double share = std::clamp((t - r.t_s[j]) / (r.t_s[j + 1] - r.t_s[j]), 0.0, 1.0);
+    out[i] = x[j] + share * (x[j + 1] - x[j]);
+  }
+  return out;
+}
+
+// 1 where both rows around an instant hold samples and no gap lies between them; what bridges a gap is an input, no measurement.
+std::vector<std::uint8_t> judged_instants(const RecordInput& r, double rate_Hz, std::size_t n) {
+  constexpr double kGap = 4.0;  // rows
+  std::vector<std::uint8_t> out(n, 0);
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = r.t_s.front() + static_cast<double>(i) / rate_Hz;
+    while (j + 2 < r.rows() && r.t_s[j + 1] <= t) ++j;
+    out[i] = r.ok[j] != 0 && r.ok[j + 1] != 0 && r.t_s[j + 1] - r.t_s[j] <= kGap * r.row_step_s ? 1 : 0;
+  }
+  return out;
+}
+
+// The record at the rate of the compensator: rows and full rate are the same.
+RecordInput at_rate(const RecordInput& r, double rate_Hz, double most_s) {
+  RecordInput out = r;
+  const double seconds = std::min(most_s, r.t_s.back() - r.t_s.front());
+  const auto n = static_cast<std::size_t>(seconds * rate_Hz);
+  out.row_step_s = 1.0 / rate_Hz;
+  out.F_N = resample(r, r.F_N, rate_Hz, n);
+  out.U_V = resample(r, r.U_V, rate_Hz, n);
+  out.temp_C = resample(r, r.temp_C, rate_Hz, n);
+  out.humidity = resample(r, r.humidity, rate_Hz, n);
+  out.theta_rad = resample(r, r.theta_rad, rate_Hz, n);
+  out.drive_V = resample(r, r.drive_V, rate_Hz, n);
+  out.travel_N = resample(r, r.travel_N, rate_Hz, n);
+  out.C_F.clear();
+  out.F_cmd_N.clear();
+  out.rig_force_N.clear();
+  out.ok = judged_instants(r, rate_Hz, n);
+  out.t_s.resize(n);
+  out.rate_N_per_s.assign(n, 0.0);
+  out.row_begin.resize(n + 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    out.t_s[i] = r.t_s.front() + static_cast<double>(i) / rate_Hz;
+    out.row_begin[i] = static_cast<std::uint32_t>(i);
+    if (i == 1) out.rate_N_per_s[i] = rate_Hz * (out.F_N[i] - out.F_N[i - 1]);
+    if (i > 1) out.rate_N_per_s[i] = rate_Hz * (1.5 * out.F_N[i] - 2.0 * out.F_N[i - 1] + 0.5 * out.F_N[i - 2]);
+  }
+  out.row_begin[n] = static_cast<std::uint32_t>(n);
+  out.fast_t_s = out.t_s;
+  out.fast_F_N = out.F_N;
+  return out;
+}
+
+// Lowest u of the last two minutes of cycling, as the reference firmware tracks U_min.
+std::vector<float> tracked_floor(const RecordInput& r, const std::vector<float>& u, double rate_Hz) {
+  std::vector<float> out(u.size());
+  std::deque<std::pair<std::size_t, float>> least;
+  const auto memory = static_cast<std::size_t>(kFloorMemory_s * rate_Hz),
+             step = static_cast<std::size_t>(std::max(1.0, kTrackerStep_s * rate_Hz));
+  float bucket = 0.0f;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const bool cycling = r.dynamic && r.t_s[i] >= r.onset_s;
+    bucket = i % step == 0 ? u[i] : std::min(bucket, u[i]);
+    if (cycling && i % step == step - 1) {
+      while (!least.empty() && least.back().second >= bucket) least.pop_back();
+      least.emplace_back(i, bucket);
+      while (least.front().first + memory < i) least.pop_front();
+    }
+    out[i] = least.empty() ? u[i] : std::min(u[i], least.front().second);
+  }
+  return out;
+}
+
+// Sums for the best straight line from x to F over the campaign.
+struct Line {
+  double n = 0, x = 0, F = 0, xx = 0, xF = 0;
+  void add(double xi, double Fi) { n += 1, x += xi, F += Fi, xx += xi * xi, xF += xi * Fi; }
+  std::pair<double, double> fit() const {
+    const double v = xx / n - x * x / (n * n), slope = v > 0.0 ? (xF / n - x * F / (n * n)) / v : 1.0;
+    return {slope, F / n - slope * x / n};
+  }
+};
+
+struct Thinned {
+  std::vector<float> F, plain, compensated;
+};
+
+}  // namespace
+
+std::vector<std::string> objections(const CompensatorCheck& check) {
+  constexpr double kFewLSB = 8.0, kOfWhatIsLeft = 0.1, kLarger = 1.02;
+  std::vector<std::string> out;
+  if (check.largest_N > std::max(kFewLSB * check.lsb_N, kOfWhatIsLeft * check.compensated_rms_N))
+    out.push_back(fmt::format("the header differs from the model's own inverse by {:.2g} LSB: it does not undo this model", check.largest_N / check.lsb_N));
+  if (check.compensated_rms_N > kLarger * check.plain_rms_N)
+    out.push_back(fmt::format("the error on these records is larger with the header than with the law alone: {} -> {} mN",
+                              plain_number(1e3 * check.plain_rms_N), plain_number(1e3 * check.compensated_rms_N)));
+  return out;
+}
+
+Result<CompensatorCheck> check_compensator(const Model& model, const Compensator& compensator, double rate_Hz,
+                                           const Campaign& campaign, double most_s) {
+  FORCEGATE_TRY(const std::unique_ptr<Library> library, Library::build(compensator.header));
+  FORCEGATE_TRY(CampaignInput own, make_campaign_input(campaign));
+  const CampaignInFrame in_frame(model.frame, std::move(own));
+  const CampaignInput& input = in_frame.input();
+  CompensatorCheck out;
+  out.compiler = "cc -std=c11 -O2 -ffp-contract=off";
+  const double range_V = std::isfinite(campaign.bench.voltage_max_V) ? campaign.bench.voltage_max_V : 10.0;
+  const int bits = campaign.bench.adc_bits > 0 ? campaign.bench.adc_bits : 16;
+  out.lsb_N = model.law.gain_N_per_V * range_V / (std::ldexp(1.0, bits) - 1.0);
+  const double G = model.law.gain_N_per_V, F0 = model.law.offset_N;
+  std::vector<Thinned> kept;
+  Line plain_line, compensated_line;
+  for (const RecordInput& rows : input.records) {
+    if (rows.rows() < 16) continue;
+    if (const auto of = std::ranges::find(campaign.records, rows.name, &Record::name); compensator.needs_temperature && rows.temp_C.empty())
+      return fail(ErrorCode::config, "the model needs a temperature (" + join(compensator.effects, "; ") + "), and this record has none",
+                  of != campaign.records.end() ? of->place() : rows.name,
+                  "replay the header on records with a column temp_C; without --check it is written all the same");
+    RecordInput r = at_rate(rows, rate_Hz, most_s);
+    set_decay(r, model.law);
+    r.recording =
+        input.records.front().recording;  // no history: the firmware is switched on where the record begins
+    FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, in_frame, r));
+    const std::size_t n = r.rows();
+    std::vector<float> u(n), shrink(n), low(n, static_cast<float>(r.F_min_N)), T(n, 0.0f), recorded(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      u[i] = static_cast<float>(G * U[i] + F0);
+      recorded[i] = static_cast<float>(G * r.U_V[i] + F0);
+      shrink[i] = static_cast<float>(r.decay[i]);
+      if (!r.temp_C.empty()) T[i] = static_cast<float>(r.temp_C[i]);
+    }
+    ReplayedRecord item;
+    item.record = r.name;
+    const auto judged = static_cast<std::size_t>(std::count(r.ok.begin(), r.ok.end(), std::uint8_t{1}));
+    item.seconds = static_cast<double>(judged) / rate_Hz;
+    item.left_out_s = static_cast<double>(n - judged) / rate_Hz;
+    item.cut_s = std::max(0.0, rows.t_s.back() - rows.t_s.front() - most_s);
+    const std::vector<float> inverse = library->run(u, shrink, low, true, T);
+    for (std::size_t i = 0; i < n; ++i)
+      if (r.ok[i] != 0) item.largest_N = std::max(item.largest_N, std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]));
+    if (!std::isfinite(item.largest_N))
+      return fail(ErrorCode::config, "the compensator gives no number", r.name);
+
+    const std::vector<float> floor = tracked_floor(r, recorded, rate_Hz);
+    const std::vector<float> found = library->run(recorded, shrink, floor, false, T);
+    Thinned t;
+    const auto every = static_cast<std::size_t>(std::max(1.0, 0.05 * rate_Hz));
+    for (std::size_t i = every; i < n; i += every) {
+      if (r.ok[i] == 0) continue;
+      const double above = static_cast<double>(recorded[i] - floor[i]);
+      t.F.push_back(static_cast<float>(r.F_N[i]));
+      t.plain.push_back(above > 0.0 ? static_cast<float>(static_cast<double>(floor[i]) +
+                                                         above / static_cast<double>(shrink[i]))
+                                    : recorded[i]);
+      t.compensated.push_back(found[i]);
+      plain_line.add(static_cast<double>(t.plain.back()), r.F_N[i]);
+      compensated_line.add(static_cast<double>(found[i]), r.F_N[i]);
+    }
+    if (t.F.empty()) continue;  // no instant of it was measured
+    kept.push_back(std::move(t));
+    out.largest_N = std::max(out.largest_N, item.largest_N);
+    out.records.push_back(item);
+  }
+  if (kept.empty()) return fail(ErrorCode::config, "the campaign has no record to replay", campaign.name);
+  const auto rms = [](const std::vector<float>& x, const std::vector<float>& F,
+                      std::pair<double, double> line) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      sum += std::pow(line.first * static_cast<double>(x[i]) + line.second - static_cast<double>(F[i]), 2);
+    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, x.size())));
+  };
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    ReplayedRecord& item = out.records[k];
+    item.plain_rms_N = rms(kept[k].plain, kept[k].F, plain_line.fit());
+    item.compensated_rms_N = rms(kept[k].compensated, kept[k].F, compensated_line.fit());
+    out.plain_rms_N += item.plain_rms_N * item.plain_rms_N / static_cast<double>(kept.size());
+    out.compensated_rms_N +=
+        item.compensated_rms_N * item.compensated_rms_N / static_cast<double>(kept.size());
+  }
+  out.plain_rms_N = std::sqrt(out.plain_rms_N);
+  out.compensated_rms_N = std::sqrt(out.compensated_rms_N);
+  return out;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,166 @@
+#include "hil/app/export/export.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hil/app/export/calibration_map.h"
+#include "hil/app/files/find_plan.h"
+#include "hil/app/files/write_file.h"
+#include "hil/base/digest.h"
+#include "hil/base/plain_number.h"
+#include "hil/base/text.h"
+#include "hil/diagnose/laws/no_input.h"
+
+namespace forcegate {
+namespace {
+
+// A strength belongs to the temperature from which it was fitted: another one makes another model of it.
+Result<void> set_reference(Model& model, double given_C) {
+  constexpr double kSame_degC = 1e-3;
+  if (std::isnan(given_C)) return {};
+  if (std::isfinite(model.frame.temperature_C) && std::fabs(model.frame.temperature_C - given_C) > kSame_degC)
+    return fail(ErrorCode::usage, fmt::format("the effects of {} are zero at {:.4g} degC, not at {:.4g}", model.name, model.frame.temperature_C, given_C),
+                "--reference-temperature", "leave it out: the model says it");
+  if (!std::isfinite(model.frame.temperature_C)) model.frame.temperature_C = given_C;
+  return {};
+}
+
+}  // namespace
+
+Result<ExportResult> export_model(const ExportRequest& request) {
+  FORCEGATE_TRY(Model model, load_model(request.model));
+  ExportResult out;
+  CompensatorOptions options;
+  options.rate_Hz = request.rate_Hz;
+  options.reference_temperature_C = request.reference_temperature_C;
+  if (request.fit) {
+    FORCEGATE_TRY(Campaign records, load_campaign(*request.fit));
+    FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(records));
+    FORCEGATE_TRY(out.fit, diagnose::fit_one_law(std::move(records), model, [&](const Model& m) { return make_compensator(m, options).has_value(); },
+                                                 request.fit->threads));
+    model = out.fit->model;
+    if (!request.fitted.empty())
+      FORCEGATE_CHECK_OK(write_file_atomically(request.fitted, write_model(model)));
+  }
+  FORCEGATE_CHECK_OK(set_reference(model, request.reference_temperature_C));
+  if (request.plan != "none") {
+    FORCEGATE_TRY(const std::filesystem::path path, find_plan(request.plan));
+    FORCEGATE_TRY(const Plan plan, read_plan(path));
+    FORCEGATE_TRY(options.calibration, calibration_map(model, plan));
+    if (options.calibration.known)
+      options.calibration.protocol = "plan " + plan.name + ": " + options.calibration.protocol;
+  }
+  options.provenance.push_back(
+      fmt::format("Model {}, SHA-256 {}.", model.name, sha256_hex(write_model(model)).substr(0, 16)));
+  for (const HistoryStep& step : model.history) {
+    const PrintedUnit unit = printed_unit(step.unit);
+    options.provenance.push_back(fmt::format("{} on campaign {}: held-out error {:.3g} -> {:.3g} {}.",
+                                             step.effect.empty() ? "Refitted" : step.effect + " added", step.campaign,
+                                             unit.factor * step.error_before, unit.factor * step.error_after, unit.name));
+  }
+  options.provenance.push_back(fmt::format("G {} N/V, F0 {} N, b x {}, c/a x {}.",
+                                           with_uncertainty(model.law.gain_N_per_V, model.se_gain),
+                                           with_uncertainty(model.law.offset_N, model.se_offset),
+                                           with_uncertainty(model.law.b_scale, model.se_b_scale),
+                                           with_uncertainty(model.law.q_scale, model.se_q_scale)));
+  for (const ModelEffect& e : model.effects)
+    for (const ModelParameter& p : e.strength)
+      if (p.value != 0.0)
+        options.provenance.push_back(fmt::format("{} {} = {}{}.", e.effect, p.name,
+                                                 with_uncertainty(p.value, p.se),
+                                                 p.unit == "1" ? "" : " " + p.unit));
+  FORCEGATE_TRY(out.compensator, make_compensator(model, options));
+  out.calibration = options.calibration;
+  if (request.check) {
+    FORCEGATE_TRY(const Campaign campaign, load_campaign(*request.check));
+    FORCEGATE_TRY(out.check, check_compensator(model, out.compensator, request.rate_Hz, campaign));
+  }
+  if (!request.header.empty()) {
+    FORCEGATE_CHECK_OK(write_file_atomically(request.header, out.compensator.header));
+    out.header = request.header;
+  }
+  return out;
+}
+
+std::string export_text(const ExportResult& r) {
+  const Compensator& c = r.compensator;
+  std::string out;
+  if (r.fit) {
+    out += fmt::format(
+        "one law for all records, as a firmware has it: error of records left out {} -> {} mV with the effects\n",
+        plain_number(1e3 * r.fit->law_left_out_V), plain_number(1e3 * r.fit->left_out_V));
+    for (const auto& item : r.fit->records)
+      out += fmt::format("    {:<28} {:>8.1f} -> {:.1f} mV\n", item.record, 1e3 * item.law_V,
+                         1e3 * item.model_V);
+    for (const std::string& note : r.fit->notes) out += "note: " + note + "\n";
+  }
+  if (!r.header.empty())
+    out += fmt::format("{}: compensator {}, {} bytes of C11\n", r.header.string(), c.id, c.header.size());
+  for (const std::string& effect : c.effects) out += "  undoes " + effect + "\n";
+  if (c.effects.empty())
+    out += "  the law alone: the reference firmware computes its inverse without this header\n";
+  out += fmt::format(
+      "  at most {} floating-point operations a sample, {} bytes of state, noise at rest x {:.2f}\n",
+      c.operations, c.state_bytes, c.noise_gain);
+  if (r.calibration.known)
+    out += fmt::format(
+        "  takes back what the calibration makes of it ({}): gain x {:.4f}, offset {:+.4f} N\n",
+        r.calibration.protocol, 1.0 / r.calibration.alpha, -r.calibration.beta_N / r.calibration.alpha);
+  if (!r.check) return out;
+  out += fmt::format(
+      "built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N = {} LSB\n",
+      r.check->compiler, r.check->largest_N, plain_number(r.check->largest_N / r.check->lsb_N));
+  out += "  recorded voltages against recorded force, RMS in mN (the law alone -> with this header):\n";
+  for (const ReplayedRecord& item : r.check->records)
+    out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {} LSB{}\n", item.record,
+                       item.seconds, 1e3 * item.plain_rms_N, 1e3 * item.compensated_rms_N,
+                       plain_number(item.largest_N / r.check->lsb_N),
+                       (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
+                           (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
+  out += fmt::format("    {:<28} {:>7} {:>8.1f} -> {:<8.1f}\n", "all records", "",
+                     1e3 * r.check->plain_rms_N, 1e3 * r.check->compensated_rms_N);
+  for (const std::string& objection : objections(*r.check)) out += "warning: " + objection + "\n";
+  return out;
+}
+
+std::string export_json(const ExportResult& r) {
+  nlohmann::ordered_json out = {{"format", 1},
+                                {"header", r.header.string()},
+                                {"id", r.compensator.id},
+                                {"effects", r.compensator.effects},
+                                {"operations", r.compensator.operations},
+                                {"state_bytes", r.compensator.state_bytes},
+                                {"noise_gain", r.compensator.noise_gain},
+                                {"needs_temperature", r.compensator.needs_temperature}};
+  if (r.fit) out["fit"] = {{"law_left_out_V", r.fit->law_left_out_V}, {"left_out_V", r.fit->left_out_V}, {"notes", r.fit->notes}};
+  if (r.calibration.known)
+    out["calibration"] = {{"protocol", r.calibration.protocol},
+                          {"alpha", r.calibration.alpha},
+                          {"beta_N", r.calibration.beta_N},
+                          {"b", r.calibration.b},
+                          {"q", r.calibration.q},
+                          {"residual_pct", r.calibration.residual_pct}};
+  if (r.check) {
+    nlohmann::ordered_json records = nlohmann::ordered_json::array();
+    for (const ReplayedRecord& item : r.check->records)
+      records.push_back({{"record", item.record},
+                         {"seconds", item.seconds},
+                         {"left_out_s", item.left_out_s},
+                         {"cut_s", item.cut_s},
+                         {"largest_N", item.largest_N},
+                         {"plain_rms_N", item.plain_rms_N},
+                         {"compensated_rms_N", item.compensated_rms_N}});
+    out["check"] = {{"compiler", r.check->compiler},
+                    {"largest_N", r.check->largest_N},
+                    {"lsb_N", r.check->lsb_N},
+                    {"plain_rms_N", r.check->plain_rms_N},
+                    {"compensated_rms_N", r.check->compensated_rms_N},
+                    {"objections", objections(*r.check)},
+                    {"records", records}};
+  }
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate

@@ -1,0 +1,38 @@
+#pragma once
+// `forcegate export`: a fitted model as a C header for firmware.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "hil/app/export/compensator_check.h"
+#include "hil/app/model/model_input.h"
+#include "hil/diagnose/refit/one_law.h"
+
+namespace forcegate {
+
+struct ExportRequest {
+  std::string model;             ///< library name or file
+  std::filesystem::path header;  ///< to write; empty: none
+  double rate_Hz = 1000.0;
+  std::string plan = "smoke";            ///< whose calibration is taken back; "none"
+  std::optional<CampaignRequest> fit;    ///< refit one law for all records of this campaign first
+  std::filesystem::path fitted;          ///< model file to write after the refit; empty: none
+  std::optional<CampaignRequest> check;  ///< campaign to replay
+  double reference_temperature_C = kMissing;  ///< where a thermal effect is zero, for a model that does not say
+  std::string command_line;
+};
+
+struct ExportResult {
+  std::filesystem::path header;
+  Compensator compensator;
+  CalibrationMap calibration;
+  std::optional<diagnose::OneLawFit> fit;
+  std::optional<CompensatorCheck> check;
+};
+
+Result<ExportResult> export_model(const ExportRequest& request);
+std::string export_text(const ExportResult& result);
+std::string export_json(const ExportResult& result);
+
+}  // namespace forcegate

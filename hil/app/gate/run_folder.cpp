@@ -1,0 +1,177 @@
+#include "hil/app/gate/run_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <utility>
+#include <vector>
+
+#include "hil/app/files/write_file.h"
+#include "hil/base/text.h"
+#include "hil/interface/reporter.h"
+
+namespace forcegate {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kPart = ".part-";
+
+// Everything that a run may leave in its folder.
+bool is_ours(const fs::path& folder) {
+  std::vector<std::string> ours{"traces", "bundle", "bundle.json", "golden"};
+  for (const ReporterKind& reporter : Registry<ReporterKind>::instance().all())
+    if (!reporter.file_name.empty()) ours.push_back(reporter.file_name);
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (std::find(ours.begin(), ours.end(), entry.path().filename().string()) == ours.end()) return false;
+  return !error;
+}
+
+void sync_folder(const fs::path& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+  if (descriptor < 0) return;
+  fsync(descriptor);
+  close(descriptor);
+}
+
+std::vector<fs::path> traces_in(const fs::path& folder) {
+  std::vector<fs::path> out;
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, error))
+    if (const fs::path ending = entry.path().extension(); ending == ".fgj" || ending == ".h5") out.push_back(entry.path());
+  std::ranges::sort(out);
+  return out;
+}
+
+fs::path unfinished(const fs::path& final_path, long pid) { return final_path.string() + ".unfinished-" + std::to_string(pid); }
+
+bool lives(long pid) { return pid > 0 && pid != getpid() && kill(static_cast<pid_t>(pid), 0) == 0; }
+
+// The folder that a living run fills for the same name; "" without one.
+fs::path of_another_run(const fs::path& final_path) {
+  const std::string prefix = final_path.filename().string() + kPart;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(final_path.parent_path(), ignored))
+    if (const std::string name = entry.path().filename().string();
+        name.starts_with(prefix) && lives(std::strtol(name.c_str() + prefix.size(), nullptr, 10)))
+      return entry.path();
+  return {};
+}
+
+// Temporary folders whose process is gone. Those that hold traces stay under another name, which is returned.
+std::vector<fs::path> remove_leftovers(const fs::path& final_path) {
+  const std::string prefix = final_path.filename().string() + kPart;
+  std::error_code ignored;
+  std::vector<std::pair<fs::path, long>> dead;
+  for (const auto& entry : fs::directory_iterator(final_path.parent_path(), ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix)) continue;
+    const long pid = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
+    if (lives(pid)) continue;
+    dead.emplace_back(entry.path(), pid);
+  }
+  std::vector<fs::path> stay;
+  for (const auto& [path, pid] : dead) {
+    if (traces_in(path).empty()) {
+      fs::remove_all(path, ignored);
+      continue;
+    }
+    std::error_code failed;
+    fs::rename(path, unfinished(final_path, pid), failed);
+    stay.push_back(failed ? path : unfinished(final_path, pid));
+  }
+  return stay;
+}
+
+}  // namespace
+
+Result<RunFolder> RunFolder::open(const fs::path& final_path) {
+  RunFolder folder;
+  std::error_code error;
+  folder.final_ = fs::absolute(final_path).lexically_normal();
+  if (folder.final_.filename().empty()) folder.final_ = folder.final_.parent_path();
+  if (const fs::path other = of_another_run(folder.final_); !other.empty())
+    return fail(ErrorCode::usage, "another run is writing there now", folder.final_.string(),
+                "give another folder with --output, or wait for it (it fills " + other.string() + ")");
+  if (fs::exists(folder.final_, error)) {
+    if (!fs::is_directory(folder.final_, error))
+      return fail(ErrorCode::usage, "the output is a file", folder.final_.string(),
+                  "give a folder with --output");
+    if (!is_ours(folder.final_))
+      return fail(ErrorCode::usage, "the output folder holds files that are not of a run",
+                  folder.final_.string(), "give a new or empty folder with --output");
+    fs::remove(folder.final_ / "result.json", error);
+    fs::remove_all(folder.final_, error);
+    if (error)
+      return fail(ErrorCode::io, "the older result cannot be removed: " + error.message(),
+                  folder.final_.string(), "check its permissions and the free space");
+  }
+  fs::create_directories(folder.final_.parent_path(), error);
+  folder.left_ = remove_leftovers(folder.final_);
+  folder.temporary_ = folder.final_.string() + kPart + std::to_string(getpid());
+  fs::create_directories(folder.temporary_, error);
+  if (const fs::path other = of_another_run(folder.final_); !error && !other.empty())  // began in this very moment
+    return fail(ErrorCode::usage, "another run is writing there now", folder.final_.string(), "give another folder with --output");
+  if (error)
+    return fail(ErrorCode::io, "the output folder cannot be made: " + error.message(),
+                folder.final_.string(), "check its permissions and the free space");
+  return folder;
+}
+
+RunFolder::RunFolder(RunFolder&& other) noexcept
+    : final_(std::move(other.final_)), temporary_(std::move(other.temporary_)), keeps_traces_(other.keeps_traces_), left_(std::move(other.left_)) {
+  other.temporary_.clear();
+}
+
+RunFolder::~RunFolder() {
+  if (temporary_.empty()) return;
+  std::error_code ignored;
+  if (keeps_traces_ && !traces_in(temporary_).empty()) fs::rename(temporary_, unfinished(final_, getpid()), ignored);
+  else fs::remove_all(temporary_, ignored);
+}
+
+fs::path RunFolder::keep_traces() {
+  keeps_traces_ = true;
+  return unfinished(final_, getpid());
+}
+
+std::vector<fs::path> RunFolder::traces_that_stay() const {
+  std::vector<fs::path> out;
+  if (!keeps_traces_) return out;
+  for (const fs::path& trace : traces_in(temporary_)) out.push_back(unfinished(final_, getpid()) / trace.lexically_relative(temporary_));
+  return out;
+}
+
+Result<void> RunFolder::publish(const RunResult& result) {
+  const ReporterKind* last = nullptr;
+  for (const ReporterKind& reporter : Registry<ReporterKind>::instance().all()) {
+    if (reporter.file_name.empty()) continue;
+    if (reporter.file_name == "result.json") {
+      last = &reporter;
+      continue;
+    }
+    FORCEGATE_CHECK_OK(write_file_atomically(temporary_ / reporter.file_name, reporter.render(result)));
+  }
+  if (last != nullptr)
+    FORCEGATE_CHECK_OK(write_file_atomically(temporary_ / last->file_name, last->render(result)));
+  sync_folder(temporary_);
+  std::error_code error;
+  fs::rename(temporary_, final_, error);
+  if (error) {
+    const std::string why = error.message();
+    const fs::path kept = final_.string() + ".run-" + std::to_string(getpid());
+    fs::rename(temporary_, kept, error);
+    const fs::path stays = error ? temporary_ : kept;
+    temporary_.clear();
+    return fail(ErrorCode::io, "the result cannot be given its name: " + why, final_.string(),
+                "it is kept whole: forcegate report " + shell_quoted(stays.string()));
+  }
+  temporary_.clear();
+  sync_folder(final_.parent_path());
+  return {};
+}
+
+}  // namespace forcegate

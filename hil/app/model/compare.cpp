@@ -1,0 +1,133 @@
+#include "hil/app/model/compare.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hil/app/model/clean_input.h"
+#include "hil/app/pictures/record_pictures.h"
+#include "hil/base/parallel.h"
+#include "hil/base/plain_number.h"
+#include "hil/diagnose/answer/residual_map.h"
+
+namespace forcegate {
+
+namespace {
+
+Comparison::AsWritten as_written(const RecordInput& r, const std::vector<double>& U) {
+  double square = 0.0, mean = 0.0, swing = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) {
+      square += (r.U_V[i] - U[i]) * (r.U_V[i] - U[i]);
+      mean += r.U_V[i];
+      n += 1.0;
+    }
+  mean /= std::max(n, 1.0);
+  for (std::size_t i = 0; i < r.rows(); ++i)
+    if (r.ok[i] != 0) swing += (r.U_V[i] - mean) * (r.U_V[i] - mean);
+  return {r.name, std::sqrt(square / std::max(n, 1.0)), swing > 0.0 ? std::sqrt(square / swing) : 0.0};
+}
+
+Result<std::vector<Comparison::AsWritten>> as_written(const Model& model, CampaignInput rows, unsigned threads) {
+  for (RecordInput& r : rows.records) set_decay(r, model.law);
+  const CampaignInFrame input(model.frame, std::move(rows));
+  const std::vector<RecordInput>& records = input.input().records;
+  std::vector<Result<Comparison::AsWritten>> made(records.size());
+  parallel_for(made.size(), threads, [&](std::size_t k) {
+    made[k] = model_output_V(model, input, records[k]).map([&](const std::vector<double>& U) {
+      return as_written(records[k], U);
+    });
+  });
+  std::vector<Comparison::AsWritten> out;
+  for (Result<Comparison::AsWritten>& one : made) {
+    FORCEGATE_TRY(Comparison::AsWritten written, std::move(one));
+    out.push_back(std::move(written));
+  }
+  return out;
+}
+
+Result<Comparison> compare_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, bool pictures) {
+  Comparison out;
+  if (campaign.records.size() == 1) {  // the comparison cuts it into blocks, and the model is asked about the whole
+    FORCEGATE_TRY(CampaignInput whole, clean_input(campaign, request.threads));
+    FORCEGATE_TRY(out.as_written, as_written(model, std::move(whole), request.threads));
+  }
+  diagnose::EngineOptions options = engine_options(model, request.threads);
+  options.search = false;
+  options.pictures = pictures;
+  FORCEGATE_TRY(diagnose::CampaignRows rows, diagnose::take_rows(std::move(campaign), options));
+  if (out.as_written.empty()) {
+    FORCEGATE_TRY(out.as_written, as_written(model, rows.input, request.threads));
+  }
+  FORCEGATE_TRY(std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(rows), options));
+  FORCEGATE_TRY(out.view, diagnose::compare_workspace(*w, options));
+  if (pictures) out.pictures = record_pictures(*w, model);
+  return out;
+}
+
+}  // namespace
+
+Result<Comparison> compare_request(const CampaignRequest& request, bool pictures) {
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+  const PlacesOf places(campaign, request.campaign);
+  Result<Comparison> out = compare_recordings(request, std::move(campaign), model, pictures);
+  if (!out) return Unexpected(places.with_file(std::move(out.error())));
+  return out;
+}
+
+std::string comparison_text(const Comparison& c) {
+  const Diagnosis& d = c.view;
+  const PrintedUnit unit = printed_unit(d.unit);
+  // of one recording the file's own numbers are asked about the whole, everything else about its blocks
+  const bool blocks = c.as_written.size() == 1 && d.records.size() > 1;
+  std::string out = fmt::format("{}: model {} against {} {}\n", d.campaign, d.model, d.records.size(), blocks ? "blocks of one recording" : "records");
+  const auto row = [&](const std::string& record, const std::string& kind, const std::string& written, const auto&... cells) {
+    out += fmt::format("  {:<22} {:<10}", record, kind);
+    if (!blocks) out += fmt::format(" {:>12}", written);
+    out += fmt::format(" {:>12} {:>12} {:>9} {:>12}", cells...);
+  };
+  row("record", "kind", "as written", "refitted", "adapted", "floor", "explainable");
+  out += "\n";
+  row("", "", unit.name, unit.name, unit.name, unit.name, "%");
+  out += "\n";
+  for (const RecordError& r : d.records) {
+    std::string written = "-";
+    for (const auto& a : c.as_written)
+      if (a.record == r.record) written = plain_number(unit.factor * a.rmse_V);
+    row(r.record, r.kind, written, plain_number(unit.factor * r.plain_before), plain_number(unit.factor * r.before),
+        plain_number(unit.factor * r.floor), fmt::format("{:.0f}", 100.0 * r.explainable));
+    out += r.heldout ? "  held out\n" : "\n";
+  }
+  if (blocks) out += fmt::format("as written, the whole recording: {} {}\n", plain_number(unit.factor * c.as_written.front().rmse_V), unit.name);
+  out +=
+      "\nas written: the file's own numbers. refitted: one law for all records. adapted: each record with its own gain, offset\n"
+      "and decay within the spread of the campaign. floor: what the instruments may leave.\n\nwhere the residual sits:\n";
+  constexpr double kLeastShare = 0.005;
+  for (std::size_t k = 0; k < d.maps.size() && k < 4 && d.maps[k].share > kLeastShare; ++k)
+    out += fmt::format("  {:<26} {:>4.0f} %  {}\n", d.maps[k].coordinate, 100.0 * d.maps[k].share,
+                       d.maps[k].sentence);
+  if (d.maps.empty() || d.maps.front().share <= kLeastShare)
+    out += "  nowhere in particular: no coordinate predicts it on rows that it was not made from\n";
+  out +=
+      fmt::format("repeatability between records: gain {:.2g} %, offset {:.2g} {}, b {:.2g} %, q {:.2g} %\n",
+                  100.0 * d.repeatability.gain, unit.factor * d.repeatability.offset_V, unit.name,
+                  100.0 * d.repeatability.log_b,
+                  100.0 * d.repeatability.log_q);
+  return out;
+}
+
+std::string comparison_json(const Comparison& c) {
+  auto out = nlohmann::ordered_json::parse(to_json(c.view));
+  for (const char* key :
+       {"verdict", "residual_unknown", "findings", "ranking", "expected_false", "next_experiment"})
+    out.erase(key);
+  nlohmann::ordered_json written = nlohmann::ordered_json::array();
+  for (const auto& a : c.as_written)
+    written.push_back({{"record", a.record}, {"rmse_V", a.rmse_V}, {"relative", a.relative}});
+  out["as_written"] = written;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate

@@ -1,0 +1,24 @@
+#pragma once
+// `forcegate compare`: how far is the model from the data, and where does it fail.
+
+#include "hil/app/model/model_input.h"
+#include "hil/report/record_pictures.h"
+
+namespace forcegate {
+
+struct Comparison {
+  Diagnosis view;     ///< records, maps, overlays of the refitted base; no findings
+  struct AsWritten {  ///< the model file's own numbers, nothing refitted
+    std::string record;
+    double rmse_V = 0.0, relative = 0.0;  ///< eq. (8); RMS over the RMS swing of U
+  };
+  std::vector<AsWritten> as_written;
+  RecordPictures pictures;
+};
+
+/// `pictures`: those beside the view too.
+Result<Comparison> compare_request(const CampaignRequest& request, bool pictures = false);
+std::string comparison_text(const Comparison& comparison);
+std::string comparison_json(const Comparison& comparison);
+
+}  // namespace forcegate

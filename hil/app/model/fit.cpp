@@ -1,0 +1,134 @@
+#include "hil/app/model/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hil/base/plain_number.h"
+#include "hil/base/text.h"
+#include "hil/diagnose/candidates/user_candidates.h"
+#include "hil/diagnose/laws/no_input.h"
+
+namespace forcegate {
+namespace {
+
+bool has_effect(const Model& model, const std::string& name) {
+  const std::vector<std::string> names = model.effect_names();
+  return std::ranges::find(names, name) != names.end() ||
+         std::ranges::any_of(model.user_effects, [&](const UserEffect& e) { return e.name == name && diagnose::is_fitted(e); });
+}
+
+}  // namespace
+
+namespace {
+
+Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign campaign, const Model& model,
+                                     const std::string& add) {
+  const PlacesOf places(campaign, request.campaign);
+  FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(campaign));
+  if (!add.empty() && has_effect(model, add))
+    return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
+                "forcegate fit refits it");
+  auto out = diagnose::refit_campaign(std::move(campaign), engine_options(model, request.threads), model, add);
+  const auto own = std::ranges::find(model.user_effects, add, &UserEffect::name);
+  if (!out && own != model.user_effects.end() && out.error().text.starts_with("the campaign cannot show"))
+    return fail(out.error().code, "the campaign cannot show " + add, out.error().where,
+                "its equation has no value at the shapes tried, or the records ask for a parameter outside of its min and max");
+  if (!out) return Unexpected(places.with_file(std::move(out.error())));
+  return out;
+}
+
+}  // namespace
+
+Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add) {
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+  return fit_campaign(request, std::move(campaign), model, add);
+}
+
+Result<diagnose::Refit> fit_request(const CampaignRequest& request, const Model& model, const std::string& add) {
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  return fit_campaign(request, std::move(campaign), model, add);
+}
+
+std::string waterfall_text(const diagnose::Waterfall& w) {
+  const PrintedUnit unit = printed_unit(w.unit);
+  const auto number = [&](double v) { return plain_number(unit.factor * v); };
+  std::string out = fmt::format("  {:<22} {:>8} {}\n", "base law", number(w.start), unit.name);
+  const double full = std::max(w.start, 1e-12);
+  // below a ten thousandth of the error a change is rounding of the fit, in whatever digits it comes
+  constexpr double kNone = 1e-4;
+  const auto change = [&](double fall) { return !std::isfinite(fall) ? std::string("?") : std::abs(fall) < kNone * full ? std::string("0") : fmt::format("{:+.3g}", -unit.factor * fall); };
+  for (const auto& bar : w.bars) {
+    const double shown = std::isfinite(bar.as_added) ? std::clamp(40.0 * bar.as_added / full, 0.0, 40.0) : 0.0;
+    const auto length = static_cast<std::size_t>(shown);
+    std::string picture;
+    for (std::size_t k = 0; k < length; ++k) picture += bar.hollow ? "o" : "#";
+    const std::string orders =
+        w.all_orders ? fmt::format("over all orders {} [{}, {}]", change(bar.average), change(bar.high), change(bar.low)) : "in this order";
+    out += fmt::format("  {:<22} {:>8} {}  {:<40} {}\n", bar.effect, change(bar.as_added), unit.name, picture, orders);
+  }
+  out += fmt::format("  {:<22} {:>8} {}\n  {:<22} {:>8} {}\n", "what is left", number(w.end), unit.name, "floor",
+                     number(w.floor), unit.name);
+  return out;
+}
+
+std::string refit_text(const diagnose::Refit& r, const std::string& add) {
+  const PrintedUnit unit = printed_unit(r.waterfall.unit);
+  const auto number = [&](double v) { return plain_number(unit.factor * v); };
+  std::string out = add.empty() ? "refitted\n" : "added " + add + " and refitted everything\n";
+  out += fmt::format(
+      "{}{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
+      error_name(r.judged_by), r.levels ? ", one gain and offset for all" : "",
+      number(r.error_before), number(r.error_after), unit.name, number(r.floor), unit.name, number(r.plain_before),
+      number(r.plain_after), unit.name);
+  constexpr double kFalls = 1.0 - 1e-6;  // beyond rounding
+  if (!add.empty() && r.error_after >= kFalls * r.error_before)
+    out += "the error did not fall: this effect is not needed for these records\n";
+  out += "parameters:\n";
+  for (const auto& m : r.moves)
+    out += fmt::format("  {:<28} {:>12.5g} -> {} {}\n", m.name, m.before, with_uncertainty(m.after, m.u),
+                       m.unit == "1" ? "" : m.unit);
+  for (const std::string& note : r.notes) out += "note: " + note + "\n";
+  if (!r.waterfall.bars.empty()) out += "error by effect, held out:\n" + waterfall_text(r.waterfall);
+  return out;
+}
+
+std::string waterfall_json(const diagnose::Waterfall& w) {
+  nlohmann::ordered_json bars = nlohmann::ordered_json::array();
+  for (const auto& b : w.bars)
+    bars.push_back({{"effect", b.effect},
+                    {"as_added", b.as_added},
+                    {"average", b.average},
+                    {"low", b.low},
+                    {"high", b.high},
+                    {"hollow", b.hollow}});
+  return nlohmann::ordered_json{{"start", w.start}, {"end", w.end}, {"floor", w.floor}, {"bars", bars}}.dump();
+}
+
+std::string refit_json(const diagnose::Refit& r, const std::string& add) {
+  nlohmann::ordered_json moves = nlohmann::ordered_json::array();
+  for (const auto& m : r.moves)
+    moves.push_back(
+        {{"name", m.name}, {"before", m.before}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
+  const nlohmann::ordered_json out = {
+      {"format", 1},
+      {"added", add},
+      {"model", r.model.name},
+      {"parameters", moves},
+      {"notes", r.notes},
+      {"error_before", r.error_before},
+      {"error_after", r.error_after},
+      {"floor", r.floor},
+      {"adapted", r.levels ? nlohmann::ordered_json{"decay"} : nlohmann::ordered_json{"gain", "zero", "decay"}},
+      {"plain_before", r.plain_before},
+      {"plain_after", r.plain_after},
+      {"judged_by", to_string(r.judged_by)},
+      {"unit", r.waterfall.unit},
+      {"waterfall", nlohmann::ordered_json::parse(waterfall_json(r.waterfall))}};
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate

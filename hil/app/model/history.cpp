@@ -1,0 +1,78 @@
+#include "hil/app/model/history.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "hil/base/plain_number.h"
+
+namespace forcegate {
+namespace {
+
+// The latest step that put an effect in which the model still has; null where it has none.
+const HistoryStep* last_added(const Model& model) {
+  const std::vector<std::string> names = model.effect_names();
+  for (auto step = model.history.rbegin(); step != model.history.rend(); ++step)
+    if (std::ranges::find(names, step->effect) != names.end()) return &*step;
+  return nullptr;
+}
+
+// The model from which the step was taken. Its law is kept by no file; that of a first step is the one that comes with the program, which
+// may decay where the refit found that these records do not.
+Model before_step(const Model& with_step, const HistoryStep& step) {
+  Model model = with_step;
+  std::erase_if(model.effects, [&](const ModelEffect& e) { return e.effect == step.effect; });
+  if (&step == &with_step.history.front())
+    if (const Result<Model> library = library_model(model.name)) model.law = library->law;
+  return model;
+}
+
+}  // namespace
+
+Result<History> history_request(const CampaignRequest& request) {
+  History out;
+  FORCEGATE_TRY(out.model, load_model(request.model));
+  if (!request.campaign.empty()) {
+    // as the step was taken: a model that holds the effect already weighs the records by it, and its errors are no step's
+    const HistoryStep* step = last_added(out.model);
+    FORCEGATE_TRY(diagnose::Refit refit, step != nullptr ? fit_request(request, before_step(out.model, *step), step->effect)
+                                                         : fit_request(request, ""));
+    out.waterfall = std::move(refit.waterfall);
+  }
+  return out;
+}
+
+std::string history_text(const History& h) {
+  std::string out =
+      h.model.name + ", " + (h.model.sensor.empty() ? "sensor not named" : h.model.sensor) + "\n";
+  if (h.model.history.empty()) out += "  no steps yet: the model is as it was written\n";
+  for (const HistoryStep& s : h.model.history) {
+    const PrintedUnit unit = printed_unit(s.unit);
+    out += fmt::format("  {:<22} on {:<16} {:>8} -> {:>8} {} held out (floor {}){}\n",
+                       s.effect.empty() ? "refit" : "+ " + s.effect, s.campaign,
+                       plain_number(unit.factor * s.error_before), plain_number(unit.factor * s.error_after), unit.name,
+                       plain_number(unit.factor * s.floor), s.accepted ? "" : "  [the held-out error did not fall]");
+  }
+  if (h.waterfall) out += "waterfall, held out:\n" + waterfall_text(*h.waterfall);
+  return out;
+}
+
+std::string history_json(const History& h) {
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  for (const HistoryStep& s : h.model.history)
+    steps.push_back({{"effect", s.effect},
+                     {"campaign", s.campaign},
+                     {"error_before", s.error_before},
+                     {"error_after", s.error_after},
+                     {"plain_before", s.plain_before},
+                     {"plain_after", s.plain_after},
+                     {"floor", s.floor},
+                     {"unit", s.unit},
+                     {"accepted", s.accepted}});
+  nlohmann::ordered_json out = {{"format", 1}, {"model", h.model.name}, {"steps", steps}};
+  if (h.waterfall) out["waterfall"] = nlohmann::ordered_json::parse(waterfall_json(*h.waterfall));
+  return out.dump(2) + "\n";
+}
+
+}  // namespace forcegate

@@ -1,0 +1,19 @@
+#pragma once
+// `forcegate history`: did the error fall? The model's own steps, and the order-averaged waterfall on a campaign.
+
+#include <optional>
+
+#include "hil/app/model/fit.h"
+
+namespace forcegate {
+
+struct History {
+  Model model;
+  std::optional<diagnose::Waterfall> waterfall;  ///< when a campaign was given
+};
+
+Result<History> history_request(const CampaignRequest& request);
+std::string history_text(const History& history);
+std::string history_json(const History& history);
+
+}  // namespace forcegate

@@ -1,0 +1,97 @@
+#include "hil/app/model/model_input.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <tuple>
+
+#include "hil/base/text.h"
+#include "hil/trace/column_map.h"
+#include "hil/trace/columns.h"
+
+#include "hil/diagnose/candidates/user_candidates.h"
+
+namespace forcegate {
+
+Result<Model> load_model(const std::string& name) {
+  if (name.empty()) return library_model("flexiforce");
+  const std::vector<std::string> known = library_model_names();
+  if (std::find(known.begin(), known.end(), name) != known.end()) return library_model(name);
+  Result<Model> model = read_model(name);
+  constexpr std::array kRecordings = {".csv", ".tsv", ".txt", ".lvm", ".mat", ".h5", ".hdf5", ".fgj"};
+  const std::string ending = ascii_lower(std::filesystem::path(name).extension().string());
+  std::error_code unknown;
+  if (!model && std::ranges::find(kRecordings, ending) != kRecordings.end() && std::filesystem::exists(name, unknown))
+    return fail(ErrorCode::usage, "this is a recording and no model file", name,
+                "a model file is TOML, as forcegate add -o and forcegate fit -o write it; the models that come with the program are " + join(known, " and "));
+  return model;
+}
+
+Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
+  if (!request.model.empty()) return load_model(request.model);
+  const std::string name = library_model_of(campaign.sensor);
+  if (name != "flexiforce")
+    campaign.notes.push_back("sensor \"" + campaign.sensor + "\": the model is " + name + " (--model flexiforce for the other one)");
+  return library_model(name);
+}
+
+Result<Campaign> load_recordings(const CampaignRequest& request) {
+  CampaignOptions options;
+  options.assumed_rate_Hz = request.assumed_rate_Hz;
+  options.threads = request.threads;
+  FORCEGATE_TRY(options.column_map, parse_column_map(request.maps));
+  return read_campaign(request.campaign, options);
+}
+
+Result<Campaign> load_campaign(const CampaignRequest& request) {
+  FORCEGATE_TRY(Campaign campaign, load_recordings(request));
+  FORCEGATE_CHECK_OK(check_channels(campaign));
+  return campaign;
+}
+
+Result<void> check_channels(const Campaign& campaign) {
+  for (const Record& record : campaign.records)
+    for (const auto& [name, what, unit] :
+         {std::tuple{"F_ref", "reference force", "N"}, std::tuple{"U", "output", "V"}}) {
+      if (record.trace.find(name)) continue;
+      std::vector<std::string> columns;
+      std::string in_grams;
+      for (const Channel& c : record.trace.channels) {
+        columns.push_back(header_of(c.name, c.unit));
+        // a weight in grams: "g" may also be an acceleration, and is no unit here
+        if (std::string_view(name) == "F_ref" && c.unit.empty() && (c.name == "g" || c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
+          in_grams = c.name;
+      }
+      return fail(ErrorCode::parse,
+                  std::string("no column is the ") + what + ": there are " + join(columns, ", "),
+                  record.place_of_header(),
+                  in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit)
+                                   : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
+    }
+  return {};
+}
+
+PlacesOf::PlacesOf(const Campaign& campaign, const std::filesystem::path& given) {
+  for (const Record& record : campaign.records) file_[record.name] = record.place();
+  file_.try_emplace(campaign.name, given.string());
+}
+
+Error PlacesOf::with_file(Error error) const {
+  if (const auto file = file_.find(error.where); file != file_.end()) error.where = file->second;
+  return error;
+}
+
+diagnose::EngineOptions engine_options(const Model& model, unsigned threads) {
+  diagnose::EngineOptions out;
+  out.law = model.law;
+  out.model_name = model.name;
+  out.in_model = model.effect_names();
+  out.model_effects = model.effects;
+  out.user_effects = model.user_effects;
+  for (const UserEffect& effect : model.user_effects)
+    if (diagnose::is_fitted(effect)) out.in_model.push_back(effect.name);
+  out.threads = threads;
+  return out;
+}
+
+}  // namespace forcegate

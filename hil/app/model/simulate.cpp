@@ -1,0 +1,57 @@
+#include "hil/app/model/simulate.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hil/app/files/write_file.h"
+#include "hil/app/model/clean_input.h"
+#include "hil/base/plain_number.h"
+
+namespace forcegate {
+
+Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder) {
+  FORCEGATE_TRY(Campaign campaign, load_campaign(request));
+  FORCEGATE_TRY(const Model model, load_model(request, campaign));
+  Simulation out;
+  const Channel* output = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("U");
+  if (output != nullptr && (output->quantity == "ratio" || (!output->unit.empty() && output->unit != "1"))) out.unit = output->unit;
+  FORCEGATE_TRY(CampaignInput rows, clean_input(std::move(campaign), request.threads));
+  for (RecordInput& r : rows.records) set_decay(r, model.law);
+  const CampaignInFrame input(model.frame, std::move(rows));
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "");
+  for (const RecordInput& r : input.input().records) {
+    FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
+    std::string text = "t_s,F_ref_N,U_V,U_model_V\n";
+    double square = 0.0;
+    std::size_t counted = 0;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      // a row without a sample of force or output, or with one that is none of the sensor's, has no error; its model is what the force before it makes of it
+      if (r.ok[i] == 0) {
+        text += fmt::format("{:.6g},,,{:.6g}\n", r.t_s[i], U[i]);
+        continue;
+      }
+      text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g}\n", r.t_s[i], r.F_N[i], r.U_V[i], U[i]);
+      square += (r.U_V[i] - U[i]) * (r.U_V[i] - U[i]);
+      ++counted;
+    }
+    const auto file = folder / (r.name + ".csv");
+    FORCEGATE_CHECK_OK(write_file_atomically(file, text));
+    out.items.push_back({r.name, file, r.rows(), r.row_step_s, r.fast_t_s.size() > r.rows(),
+                         std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, counted)))});
+  }
+  return out;
+}
+
+std::string simulation_text(const Simulation& s) {
+  const PrintedUnit unit = printed_unit(s.unit);
+  std::string out;
+  for (const Simulation::Item& item : s.items)
+    out += fmt::format("{}: {} rows{}, model against measurement {} {} RMS\n", item.file.string(), item.rows,
+                       item.is_thinned ? fmt::format(" (means of {:.3g} ms)", 1e3 * item.row_s) : "", plain_number(unit.factor * item.rmse_V), unit.name);
+  return out;
+}
+
+}  // namespace forcegate

@@ -1,0 +1,234 @@
+#include "hil/app/stored/check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "hil/app/files/find_plan.h"
+#include "hil/app/gate/weight_gate.h"
+#include "hil/app/play/worker.h"
+#include "hil/base/read_file.h"
+#include "hil/gate/case_json.h"
+#include "hil/gate/remeasure.h"
+#include "hil/interface/comparator.h"
+#include "hil/report/result_json.h"
+#include "hil/trace/hdf5_io.h"
+
+namespace forcegate {
+namespace fs = std::filesystem;
+namespace {
+
+using characterize::WeightMaterial;
+
+std::unique_ptr<Comparator> comparator_for(const CaseRecord& record) {
+  if (!record.conformance_known) return nullptr;
+  for (const ComparatorKind& kind : Registry<ComparatorKind>::instance().all())
+    if (kind.accepts(record.firmware.algorithm_id)) return kind.make();
+  return nullptr;
+}
+
+// Facts of kept records must follow from their samples.
+Result<void> measure_kept(const fs::path& run, const RunMaterial& m, CheckAnswer& answer) {
+  for (const PlayedRecord& one : m.records) {
+    const CaseRecord& stored = one.record;
+    if (stored.trace_file.empty()) continue;
+    FORCEGATE_TRY(const TraceFile file, read_hdf5(run / stored.trace_file));
+    const auto comparator = comparator_for(stored);
+    CaseJob job = one.job;
+    job.curves = !stored.overview.empty();
+    FORCEGATE_TRY(const CaseRecord again, measure_again(job, stored, file.trace, comparator.get()));
+    ++answer.measured_again;
+    if (again.digest != stored.digest)
+      answer.differences.push_back(
+          fmt::format("{}: the kept samples are not those of the record", stored.id));
+    else if (to_json(again) != to_json(stored))
+      answer.differences.push_back(
+          fmt::format("{}: this program measures something else in the same samples", stored.id));
+  }
+  return {};
+}
+
+Result<void> play_again(const CheckRequest& request, const RunMaterial& m, const GateProgress& progress,
+                        const std::atomic<bool>* cancelled, CheckAnswer& answer) {
+  if (!m.head.rig.emulated)
+    return fail(ErrorCode::usage, "only records of the emulated rig can be played again",
+                request.run.string(), "leave --replay out: what was measured is judged in any case");
+  std::vector<CaseJob> jobs;
+  std::vector<std::size_t> place;
+  for (std::size_t i = 0; i < m.records.size(); ++i) {
+    if (m.records[i].record.failure || m.records[i].record.digest.empty()) continue;
+    jobs.push_back(m.records[i].job);
+    jobs.back().index = jobs.size() - 1;
+    jobs.back().keep_path.clear();
+    jobs.back().curves = false;
+    jobs.back().image = fs::absolute(request.run / "bundle" / "firmware").string();
+    place.push_back(i);
+  }
+  WorkerOptions options;
+  options.workers = request.threads;
+  options.cancelled = cancelled;
+  double done = 0.0;
+  const WorkerEvents events{{}, [&](std::size_t job) {
+                              done += 1.0;
+                              if (progress) progress(done / static_cast<double>(jobs.size()), jobs[job].id);
+                            }};
+  const auto made = run_in_workers(jobs, options, events);
+  for (std::size_t k = 0; k < made.size(); ++k) {
+    const CaseRecord& stored = m.records[place[k]].record;
+    if (made[k].failure && made[k].failure->error.code == ErrorCode::cancelled)
+      return fail(ErrorCode::cancelled, "interrupted");
+    ++answer.played_again;
+    if (made[k].failure)
+      answer.differences.push_back(
+          fmt::format("{}: cannot be played again: {}", stored.id, made[k].failure->error.to_text()));
+    else if (made[k].digest != stored.digest)
+      answer.differences.push_back(fmt::format("{}: played again it gives other samples", stored.id));
+  }
+  return {};
+}
+
+// Rule, limits and checks of another plan for the cases that were played.
+Result<void> take_plan(const fs::path& path, RunMaterial& m) {
+  FORCEGATE_TRY(Plan other, read_plan(path));
+  for (PlanCase& c : m.plan.cases) {
+    const auto at = std::find_if(other.cases.begin(), other.cases.end(),
+                                 [&](const PlanCase& o) { return o.name == c.name; });
+    if (at == other.cases.end())
+      return fail(ErrorCode::usage, "the plan has no case '" + c.name + "', which the run has",
+                  path.string());
+    c.checks = at->checks;
+    c.tail_s = at->tail_s;
+    c.maxima_pct = at->maxima_pct;
+    c.minima_pct = at->minima_pct;
+    c.limit_source = at->limit_source;
+  }
+  m.plan.rule = other.rule;
+  m.plan.limits = other.limits;
+  m.plan.uncertainty = other.uncertainty;
+  m.plan.self_check = other.self_check;
+  m.head.decision_rule = other.rule.to_text();
+  m.head.plan_sha256 = other.sha256;
+  if (other.limits.derived.empty()) return {};
+  FORCEGATE_TRY(m.limits, read_limits(path.parent_path() / other.limits.derived));
+  return {};
+}
+
+// A run of cases on the test bench under what the request asks for.
+Result<void> look_again(const CheckRequest& request, RunMaterial& m, const GateProgress& progress,
+                        const std::atomic<bool>* cancelled, CheckAnswer& answer) {
+  FORCEGATE_CHECK_OK(measure_kept(request.run, m, answer));
+  if (request.replay) FORCEGATE_CHECK_OK(play_again(request, m, progress, cancelled, answer));
+  if (!request.plan.empty()) {
+    FORCEGATE_TRY(const fs::path plan, find_plan(request.plan.string()));
+    FORCEGATE_CHECK_OK(take_plan(plan, m));
+  }
+  if (!request.limits.empty()) {
+    FORCEGATE_TRY(m.limits, read_limits(request.limits));
+  }
+  return {};
+}
+
+// A run of a firmware that reads conductance and capacitance.
+Result<void> look_again(const CheckRequest& request, WeightMaterial& m, const GateProgress& progress,
+                        const std::atomic<bool>* cancelled, CheckAnswer& answer) {
+  if (!request.limits.empty())
+    return fail(ErrorCode::usage, "a gate of conductance and capacitance has no derived limits",
+                request.limits.string(),
+                "its limits stand in its plan: --plan judges under those of another");
+  if (request.replay) {
+    FORCEGATE_TRY(const auto digests, play_weights_again(m, request.run / "bundle" / "firmware", request.threads, progress, cancelled));
+    for (std::size_t i = 0; i < digests.size(); ++i) {
+      if (m.records[i].failure) continue;
+      ++answer.played_again;
+      const std::string& id = m.head.cases[i].id;
+      if (!digests[i])
+        answer.differences.push_back(fmt::format("{}: cannot be played again: {}", id, digests[i].error().to_text()));
+      else if (*digests[i] != m.head.cases[i].digest)
+        answer.differences.push_back(fmt::format("{}: played again it gives other samples", id));
+    }
+  }
+  if (request.plan.empty()) return {};
+  FORCEGATE_TRY(const fs::path path, find_plan(request.plan.string()));
+  FORCEGATE_TRY(characterize::WeightGatePlan other, characterize::read_weight_gate_plan(path));
+  if (other.loadings != m.plan.loadings || other.pack != m.plan.pack ||
+      other.frame_samples() != m.plan.frame_samples() || other.study.seed != m.plan.study.seed)
+    return fail(ErrorCode::usage, "the plan plays something else than the run did", path.string(),
+                "give one that differs in its limits alone");
+  other.goldens = m.plan.goldens;
+  m.plan = std::move(other);
+  m.head.plan_sha256 = m.plan.sha256;
+  m.head.decision_rule = m.plan.rule.to_text();
+  return {};
+}
+
+}  // namespace
+
+Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& progress,
+                              const std::atomic<bool>* cancelled) {
+  FORCEGATE_CHECK_OK(check_day(request.today));
+  FORCEGATE_TRY(Bundle bundle, read_bundle(request.run));
+  CheckAnswer answer;
+  answer.bundle_id = bundle.id;
+  if (!request.today.empty()) bundle.evidence.today = request.today;
+  answer.other_limits = !request.plan.empty() || !request.limits.empty() || !request.today.empty();
+  std::vector<std::string> notes;  // head.json has them already
+  const Result<void> judged = std::visit(
+      [&](auto& m) -> Result<void> {
+        answer.records = m.records.size();
+        FORCEGATE_CHECK_OK(look_again(request, m, progress, cancelled, answer));
+        answer.result = judged_run(m, bundle.evidence, notes);
+        return {};
+      },
+      bundle.material);
+  if (!judged) return Unexpected(judged.error());
+  const fs::path stored = request.run / "result.json";
+  FORCEGATE_TRY(const RunResult before, read_result(stored));
+  answer.stored = before.decision;
+  FORCEGATE_TRY(const std::string bytes, read_file(stored));
+  answer.same_bytes = bytes == to_json(answer.result);
+  if (!answer.same_bytes && !answer.other_limits)
+    answer.differences.push_back(
+        bundle.tool_version == answer.result.tool_version
+            ? "result.json differs from what the same records give now"
+            : fmt::format("result.json was written by version {}", bundle.tool_version));
+  return answer;
+}
+
+std::string check_text(const CheckAnswer& a) {
+  std::string out = fmt::format("{}: {}\n", to_string(a.result.decision.kind), a.result.decision.reason);
+  out += fmt::format("  bundle {}, {} records, every file as the run wrote it\n", a.bundle_id.substr(0, 16),
+                     a.records);
+  if (a.measured_again > 0)
+    out += fmt::format("  {} records measured again from their samples\n", a.measured_again);
+  if (a.played_again > 0)
+    out += fmt::format("  {} records played again by the emulated rig\n", a.played_again);
+  if (a.other_limits)
+    out += fmt::format("  under the limits of the run: {}: {}\n", to_string(a.stored.kind), a.stored.reason);
+  else if (a.same_bytes)
+    out += "  the result is the stored one, byte for byte\n";
+  for (const std::string& d : a.differences) out += "  DIFFERENT: " + d + "\n";
+  return out;
+}
+
+std::string check_json(const CheckAnswer& a) {
+  const auto decision = [](const Decision& d) {
+    return nlohmann::ordered_json{{"kind", to_string(d.kind)},
+                                  {"blame", to_string(d.blame)},
+                                  {"exit_code", d.exit_code},
+                                  {"reason", d.reason}};
+  };
+  return nlohmann::ordered_json{{"format", 1},
+                                {"bundle", a.bundle_id},
+                                {"decision", decision(a.result.decision)},
+                                {"stored", decision(a.stored)},
+                                {"other_limits", a.other_limits},
+                                {"same_bytes", a.same_bytes},
+                                {"records", a.records},
+                                {"measured_again", a.measured_again},
+                                {"played_again", a.played_again},
+                                {"differences", a.differences}}
+      .dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace forcegate

@@ -1,0 +1,31 @@
+#include "hil/app/stored/report.h"
+
+#include "hil/app/files/write_file.h"
+#include "hil/base/text.h"
+#include "hil/interface/reporter.h"
+#include "hil/report/console.h"
+#include "hil/report/result_json.h"
+
+namespace forcegate {
+
+std::vector<std::string> report_formats() { return Registry<ReporterKind>::instance().names(); }
+
+Result<ReportAnswer> render_report(const ReportRequest& request) {
+  const ReporterKind* kind = Registry<ReporterKind>::instance().find(request.format);
+  if (kind == nullptr) {
+    const std::vector<std::string> names = report_formats();
+    const std::string near = nearest_name(request.format, names);
+    return fail(ErrorCode::usage, "there is no report format '" + printable_utf8(request.format) + "'", {},
+                near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
+  }
+  std::error_code ignored;
+  const bool folder = std::filesystem::is_directory(request.result, ignored);
+  FORCEGATE_TRY(RunResult result, read_result(folder ? request.result / "result.json" : request.result));
+  const bool painted = request.colour && kind->name == "console" && request.output.empty();
+  ReportAnswer answer{painted ? render_console(result, {.colour = true}) : kind->render(result), {}};
+  answer.result = std::move(result);
+  if (!request.output.empty()) FORCEGATE_CHECK_OK(write_file_atomically(request.output, answer.text));
+  return answer;
+}
+
+}  // namespace forcegate
