@@ -2,10 +2,18 @@
 """Refuses an #include that crosses a wall. A header compiles anywhere, so this is the wall; the link lists (link_lists.py) follow it.
 
 Folder -> what it may include of the project, and which third-party headers (in .cpp files only, save where a
-header is named under HEADERS). hil/base is free for all except the firmware."""
+header is named under HEADERS). hil/base is free for all except the firmware. A folder names only folders above it, so there is no circle."""
 
 import re
 from common import files, main, text
+
+EVERY = "every library"
+
+
+def app(*rooms):
+    """hil/app joins what no other folder may join; its rooms stand in an order."""
+    return [EVERY, "hil/app/files"] + [f"hil/app/{room}" for room in rooms]
+
 
 WALLS = {
     "hil/base": [],
@@ -22,7 +30,22 @@ WALLS = {
     "golden/compare": ["hil/trace", "hil/interface"],
     "rigs/emulated": ["hil/trace", "hil/interface", "adapters/transport"],
     "rigs/firmware": None,  # the device under test: nothing of the harness
-    "hil/app": ["*"],
+    "hil/app/files": [EVERY],
+    "hil/app/play": app(),
+    "hil/app/gate": app("play"),
+    "hil/app/stored": app("play", "gate"),
+    "hil/app/power": app("gate"),
+    "hil/app/bench": app("gate"),
+    "hil/app/recording": app(),
+    "hil/app/characterize": app(),
+    "hil/app/pictures": app(),
+    "hil/app/model": app("pictures"),
+    "hil/app/export": app("model"),
+    "hil/app/mystery": app(),
+    "hil/app/league": app("model", "mystery"),
+    "hil/app/diagnose": app("recording", "pictures", "model", "export", "mystery"),
+    "hil/app/help": app(),
+    "hil/app": [],  # no room: what stands here is refused
     "hil/cli": ["hil/app", "hil/report", "hil/interface"],  # interface: names of the plug-ins as choices
 }
 
@@ -56,13 +79,13 @@ HEADERS = {("hdf5", "hil/trace")}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
+def within(path, folders):
+    return any(path == folder or path.startswith(folder + "/") for folder in folders)
+
+
 def folder_of(path):
     """Longest wall that holds the path."""
-    best = ""
-    for wall in WALLS:
-        if (path == wall or path.startswith(wall + "/")) and len(wall) > len(best):
-            best = wall
-    return best
+    return max((wall for wall in WALLS if within(path, [wall])), key=len, default="")
 
 
 def complaint_of(name, header, quoted):
@@ -79,7 +102,7 @@ def complaint_of(name, header, quoted):
         if not target or target in (own, "hil/base"):
             return None
         allowed = WALLS[own]
-        if own == "hil/app" and target not in ("hil/cli", "rigs/firmware"):
+        if EVERY in allowed and not target.startswith(("hil/app", "hil/cli", "rigs/firmware")):
             return None
         if any(header.startswith(a + "/") for a in allowed):
             return None
@@ -87,7 +110,7 @@ def complaint_of(name, header, quoted):
     library = re.split(r"[/.]", header)[0]
     if library not in THIRD_PARTY:
         return None
-    if own not in THIRD_PARTY[library]:
+    if not within(own, THIRD_PARTY[library]):
         return f"{library} belongs to {', '.join(THIRD_PARTY[library])}"
     if name.endswith(".h") and (library, own) not in HEADERS:
         return f"{library} stays inside one .cpp file, never in a header"
@@ -97,6 +120,8 @@ def complaint_of(name, header, quoted):
 def check(root):
     complaints = []
     for name in files(root, ".h", ".cpp", ".c"):
+        if folder_of(name) == "hil/app":
+            complaints.append(f"{name}:1: stands in no room of hil/app (WALLS names them)")
         for number, line in enumerate(text(root, name).splitlines(), 1):
             match = INCLUDE.match(line)
             if match:

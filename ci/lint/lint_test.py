@@ -54,8 +54,25 @@ class IncludeWalls(unittest.TestCase):
         self.assertFalse(self.refused("rigs/firmware/link.c", '#include "link_codec.h"'))
 
     def test_libraries_never_include_the_skins(self):
-        self.assertTrue(self.refused("hil/app/gate.cpp", '#include "hil/cli/command.h"'))
+        self.assertTrue(self.refused("hil/app/gate/gate.cpp", '#include "hil/cli/command.h"'))
         self.assertTrue(self.refused("hil/gate/runner.cpp", '#include "hil/report/figure.h"'))
+
+    def test_a_room_of_app_sees_only_what_stands_before_it(self):
+        self.assertFalse(self.refused("hil/app/stored/check.cpp", '#include "hil/app/gate/bundle.h"'))
+        self.assertTrue(self.refused("hil/app/gate/bundle.cpp", '#include "hil/app/stored/check.h"'))
+        self.assertTrue(self.refused("hil/app/model/fit.cpp", '#include "hil/app/gate/gate.h"'))
+        self.assertFalse(self.refused("hil/app/help/explain.cpp", "#include <nlohmann/json.hpp>"))
+
+    def test_what_stands_in_no_room_of_app_is_refused(self):
+        self.assertTrue(self.refused("hil/app/gate.cpp", "#include <string>"))
+        self.assertTrue(self.refused("hil/app/new_room/gate.cpp", "#include <string>"))
+
+    def test_a_folder_names_only_folders_above_it(self):
+        walls = list(include_walls.WALLS.items())
+        for at, (own, allowed) in enumerate(walls):
+            above = [folder for folder, _ in walls[:at]]
+            for folder in allowed or []:
+                self.assertTrue(folder == include_walls.EVERY or include_walls.within(folder, above), f"{own}: {folder}")
 
     def test_third_party_headers_stay_in_their_folder_and_out_of_headers(self):
         self.assertTrue(self.refused("hil/base/text.cpp", "#include <toml++/toml.h>"))
@@ -63,7 +80,7 @@ class IncludeWalls(unittest.TestCase):
         self.assertFalse(self.refused("hil/gate/plan.cpp", "#include <toml++/toml.h>"))
 
     def test_the_allowed_direction_is_left_alone(self):
-        for name, header in [("hil/gate/runner.cpp", "hil/rig/safety_gate.h"), ("hil/app/x.cpp", "rigs/emulated/plant.h"),
+        for name, header in [("hil/gate/runner.cpp", "hil/rig/safety_gate.h"), ("hil/app/gate/x.cpp", "rigs/emulated/plant.h"),
                              ("stimuli/sine.cpp", "hil/interface/stimulus.h"), ("hil/gate/a.cpp", "hil/base/text.h")]:
             self.assertEqual(self.refused(name, f'#include "{header}"'), [], name)
 
