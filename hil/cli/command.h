@@ -45,6 +45,16 @@ int exit_code_of(ErrorCode code);
 
 using Choices = std::function<std::vector<std::string>()>;
 
+/// The file or folder that a value names: an output that is an input of the same line is refused (lost_input.h).
+enum class Names {
+  nothing,   ///< no file, or one that the verb itself looks after (a journal that it goes on with)
+  input,     ///< is read
+  campaign,  ///< is read, with the recordings in it or beside it
+  file,      ///< is written
+  records,   ///< a folder is written, files named as the recordings that are read
+  folder,    ///< a folder is written, under names of the verb's own
+};
+
 struct Option {
   std::string name;          ///< "record" for --record
   std::string value_name;    ///< "FILE", "N", "SECONDS"; empty: a flag without value
@@ -55,6 +65,7 @@ struct Option {
   bool required = false;
   bool repeatable = false;  ///< Invocation::texts gives all of them
   char letter = 0;          ///< 'o' for -o; 0: none
+  Names names = Names::nothing;
 };
 
 /// The lists one after the other.
@@ -68,6 +79,7 @@ struct Positional {
   Choices choices{};
   bool only_choices = true;
   bool list_choices = true;  ///< false: --help shows them in another way (details)
+  Names names = Names::nothing;
 };
 
 struct Example {

@@ -4,6 +4,7 @@
 
 #include "hil/cli/help.h"
 #include "hil/cli/interrupt.h"
+#include "hil/cli/lost_input.h"
 #include "hil/cli/parse.h"
 
 namespace forcegate {
@@ -38,6 +39,10 @@ int run(const ParsedLine& line, Console& console, const std::vector<Command>& ta
     console.print(command_text(*line.command, console));
     console.print_json(command_json(*line.command));
     return kExitSuccess;
+  }
+  if (const std::optional<Error> lost = lost_input(*line.command, line.values)) {
+    console.error(*lost);
+    return exit_code_of(lost->code);
   }
   Invocation invocation(*line.command, console);
   for (const auto& [name, value] : line.values) invocation.set(name, value);

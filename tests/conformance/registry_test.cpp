@@ -95,5 +95,20 @@ TEST(CommandTable, RowsAreCompleteAndTheirNamesUnique) {
   }
 }
 
+// Whoever writes a verb says which of its values are files: only then does no output of it replace an input.
+TEST(CommandTable, EveryValueThatIsAFileSaysWhetherItIsReadOrWritten) {
+  const std::set<std::string> files = {"FILE", "FOLDER", "DIR", "CAMPAIGN", "MODEL", "PLAN", "RUN", "FIRMWARE", "JOURNAL", "FROM", "TO", "TABLE", "RESULT",
+                                       "RUN_A", "RUN_B", "SOURCE", "IMAGE|RUN", "NAME|FILE"};
+  // gone on with, or a folder that twins share
+  const std::set<std::string> by_themselves = {"journal", "history", "attach", "folder"};
+  for (const Command& row : Registry<Command>::instance().all()) {
+    if (row.hidden) continue;
+    for (const Option& o : row.options)
+      EXPECT_TRUE(!files.contains(o.value_name) || by_themselves.contains(o.name) || o.names != Names::nothing) << row.name << " --" << o.name;
+    for (const Positional& p : row.positionals)
+      EXPECT_TRUE(!files.contains(p.name) || p.names != Names::nothing) << row.name << " " << p.name;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate

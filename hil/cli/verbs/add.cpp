@@ -48,9 +48,9 @@ const Registration<Command> kRow{Command{
                      .choices = [] { return EffectRegistry::instance().names(); },
                      .only_choices = false}},
     .options =
-        joined({{{.name = "fit", .value_name = "CAMPAIGN", .doc = "Campaign to fit on.", .required = true},
-                 {.name = "output", .value_name = "FILE", .doc = "Model file to write.", .letter = 'o'},
-                 {.name = "html", .value_name = "FILE", .doc = "Write the pictures, before and after."},
+        joined({{{.name = "fit", .value_name = "CAMPAIGN", .doc = "Campaign to fit on.", .required = true, .names = Names::campaign},
+                 {.name = "output", .value_name = "FILE", .doc = "Model file to write.", .letter = 'o', .names = Names::file},
+                 {.name = "html", .value_name = "FILE", .doc = "Write the pictures, before and after.", .names = Names::file},
                  model_row()},
                 campaign_rows()}),
     .examples = {{"forcegate add hysteresis --fit m7 -o better.toml", "Add a loop and watch the error:"},

@@ -207,7 +207,7 @@ const Registration<Command> kRow{Command{
                            return std::vector<std::string>{"list", "doctor", "scan", "serve",
                                                            "park", "jog",    "who",  "specimens"};
                          }},
-                    {.name = "FILE", .doc = "Bench file.", .required = false, .repeatable = true}},
+                    {.name = "FILE", .doc = "Bench file.", .required = false, .repeatable = true, .names = Names::input}},
     .options = {{.name = "attach",
                  .value_name = "FOLDER",
                  .doc = "Twins that `bench serve` runs in that folder."},

@@ -114,7 +114,7 @@ const Registration<Command> kRow{Command{
         "sensor     two slow sweeps of the specimen: gain and offset of F = gain U + offset (Lebosse 2011, eq. 1)\n\n"
         "Nothing is changed: what follows is printed as lines for the bench file, and the sensor's calibration can be written with -o "
         "for `gate --cal`. A bench of twins lays the masses on by itself with --yes.",
-    .positionals = {{.name = "FILE", .doc = "Bench file."},
+    .positionals = {{.name = "FILE", .doc = "Bench file.", .names = Names::input},
                     {.name = "WHAT",
                      .doc = "What to calibrate.",
                      .choices =
@@ -139,7 +139,8 @@ const Registration<Command> kRow{Command{
          {.name = "output",
           .value_name = "FILE",
           .doc = "sensor: write the calibration there.",
-          .letter = 'o'}},
+          .letter = 'o',
+          .names = Names::file}},
     .examples = {{"forcegate bench calibrate rigs/twin.toml reference --masses 0,100,200,400 --yes",
                   "The reference of the twins:"},
                  {"forcegate bench calibrate rigs/twin.toml spring", "The spring against the reference:"},

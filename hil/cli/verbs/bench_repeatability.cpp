@@ -45,13 +45,13 @@ const Registration<Command> kRow{Command{
                    "such a rig would decide by chance. What is left goes into a limits file with n, date and "
                    "rig id; forcegate bless "
                    "puts it in force.\n\nExit code 3: at least one limit was refused.",
-    .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image."}},
+    .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image.", .names = Names::input}},
     .options = joined(
         {rig_rows(),
-         {{.name = "plan", .value_name = "PLAN", .doc = "What is played.", .fallback = "selfcheck"},
+         {{.name = "plan", .value_name = "PLAN", .doc = "What is played.", .fallback = "selfcheck", .names = Names::input},
           {.name = "count", .value_name = "N", .doc = "How often.", .fallback = "20"},
           {.name = "seed", .value_name = "N", .doc = "First seed of the emulated rig; default: the plan's."},
-          {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}}}),
+          {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o', .names = Names::file}}}),
     .examples =
         {{"forcegate bench repeatability build/firmware/reference.native.so --count 20 -o limits.toml",
           "Twenty times the known profile:"}},

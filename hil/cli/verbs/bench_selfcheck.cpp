@@ -55,18 +55,19 @@ const Registration<Command> kRow{Command{
                    "this rig (single values and "
                    "their moving mean) says when the rig has drifted, long before a limit is passed.\n\nExit "
                    "code 4: the rig is not fit.",
-    .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image."}},
+    .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image.", .names = Names::input}},
     .options = joined(
         {rig_rows(),
-         {{.name = "record", .value_name = "FILE", .doc = "Recording to look at (rig replay)."},
+         {{.name = "record", .value_name = "FILE", .doc = "Recording to look at (rig replay).", .names = Names::input},
           map_row(),
           {.name = "cal",
            .value_name = "FILE",
-           .doc = "Calibration of the specimen instead of measuring it."},
-          {.name = "plan", .value_name = "PLAN", .doc = "Known profile; default: selfcheck, or replay."},
+           .doc = "Calibration of the specimen instead of measuring it.",
+           .names = Names::input},
+          {.name = "plan", .value_name = "PLAN", .doc = "Known profile; default: selfcheck, or replay.", .names = Names::input},
           {.name = "seed", .value_name = "N", .doc = "Seed of the emulated rig; default: the plan's."},
           {.name = "history", .value_name = "FILE", .doc = "File of all visits; this one is added to it."},
-          {.name = "output", .value_name = "FOLDER", .doc = "Keep the whole result there.", .letter = 'o'}}}),
+          {.name = "output", .value_name = "FOLDER", .doc = "Keep the whole result there.", .letter = 'o', .names = Names::folder}}}),
     .examples = {{"forcegate bench selfcheck build/firmware/reference.native.so --history bench.jsonl",
                   "Every morning:"},
                  {"forcegate bench selfcheck build/firmware/reference.native.so --record yesterday.csv --cal "

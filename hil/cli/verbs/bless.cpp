@@ -47,13 +47,14 @@ const Registration<Command> kRow{Command{
         "goldens, or a file made by forcegate limits. The table says what changes; a line in CHANGES.md beside the goldens "
         "keeps date, name, reason, firmware hash, rig and calibration.\n\nA golden keeps its tolerances when it is renewed: "
         "they are edited by hand, in the file, and show in the review.",
-    .positionals = {{.name = "SOURCE", .doc = "Folder of a run, or a limits file."}},
+    .positionals = {{.name = "SOURCE", .doc = "Folder of a run, or a limits file.", .names = Names::input}},
     .options = {{.name = "reason", .value_name = "TEXT", .doc = "Why it changes.", .required = true},
                 {.name = "who", .value_name = "NAME", .doc = "Who answers for it.", .required = true},
                 {.name = "goldens",
                  .value_name = "FOLDER",
-                 .doc = "Where the goldens are; default: as the plan says."},
-                {.name = "plan", .value_name = "PLAN", .doc = "Whose limits these are, where it is no plan of ci/plans; a file or a name."},
+                 .doc = "Where the goldens are; default: as the plan says.",
+                 .names = Names::folder},
+                {.name = "plan", .value_name = "PLAN", .doc = "Whose limits these are, where it is no plan of ci/plans; a file or a name.", .names = Names::input},
                 {.name = "dry-run", .value_name = "", .doc = "Only show what would change."}},
     .examples = {{"forcegate bless run --reason \"first goldens of the smoke plan\" --who \"A. Smith\"",
                   "After an accepted run:"},

@@ -7,7 +7,8 @@ namespace forcegate {
 Option model_row() {
   return {.name = "model",
           .value_name = "MODEL",
-          .doc = "flexiforce, fsr, or a model file; else the one of the sensor that the campaign names, and flexiforce where it names none."};
+          .doc = "flexiforce, fsr, or a model file; else the one of the sensor that the campaign names, and flexiforce where it names none.",
+          .names = Names::input};
 }
 
 std::vector<Option> campaign_rows() {
@@ -24,7 +25,7 @@ std::vector<Option> campaign_rows() {
 }
 
 Positional campaign_positional() {
-  return {.name = "CAMPAIGN", .doc = "Campaign folder, campaign.json, one CSV or one HDF5 run."};
+  return {.name = "CAMPAIGN", .doc = "Campaign folder, campaign.json, one CSV or one HDF5 run.", .names = Names::campaign};
 }
 
 std::string campaign_words(const Invocation& in, const std::string& campaign) {

@@ -48,9 +48,9 @@ const Registration<Command> kRow{Command{
         "compares the result with the stored one byte for byte.\n\nWith --limits or --plan the same records are judged under "
         "other limits; nothing is played. --replay plays the records of an emulated rig again and compares their digests.\n\n"
         "The exit code is that of the decision; 6 when something did not come out the same.",
-    .positionals = {{.name = "RUN", .doc = "Folder that forcegate gate -o wrote."}},
-    .options = {{.name = "limits", .value_name = "FILE", .doc = "Judge under these derived limits."},
-                {.name = "plan", .value_name = "PLAN", .doc = "Judge under rule and limits of this plan."},
+    .positionals = {{.name = "RUN", .doc = "Folder that forcegate gate -o wrote.", .names = Names::input}},
+    .options = {{.name = "limits", .value_name = "FILE", .doc = "Judge under these derived limits.", .names = Names::input},
+                {.name = "plan", .value_name = "PLAN", .doc = "Judge under rule and limits of this plan.", .names = Names::input},
                 {.name = "today",
                  .value_name = "DATE",
                  .doc = "Day against which the run's waivers expire; default: that of the run."},
@@ -64,7 +64,8 @@ const Registration<Command> kRow{Command{
                 {.name = "output",
                  .value_name = "FILE",
                  .doc = "Write the result as result.json there.",
-                 .letter = 'o'}},
+                 .letter = 'o',
+                 .names = Names::file}},
     .examples = {{"forcegate check build/nightly", "Does the stored decision hold?"},
                  {"forcegate check run --limits golden/limits/smoke.toml", "And under other limits?"},
                  {"forcegate check run --replay", "Does this machine make the same samples?"}},

@@ -31,7 +31,7 @@ const Registration<Command> kRow{Command{
     .description = "Error of the model on every record, as written and refitted, beside the floor that the "
                    "declared instruments allow, and the quantities that the residual depends on.",
     .positionals = {campaign_positional()},
-    .options = joined({{{.name = "html", .value_name = "FILE", .doc = "Write the pictures."}, model_row()},
+    .options = joined({{{.name = "html", .value_name = "FILE", .doc = "Write the pictures.", .names = Names::file}, model_row()},
                        campaign_rows()}),
     .examples = {{"forcegate compare m7", "How far is the built-in model from the campaign m7:"}},
     .run = run,

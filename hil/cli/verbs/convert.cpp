@@ -69,7 +69,7 @@ const Registration<Command> kRow{Command{
         "ending of its name. The unit stands in the name of a column (F_ref_N, U_mV, theta_deg) and becomes SI. Gaps "
         "and missing samples stay what they are; nothing is interpolated. What had to be assumed is said.\n\n"
         "A CSV has one clock: a trace whose devices have clocks of their own needs HDF5 or MAT.",
-    .positionals = {{.name = "FROM", .doc = "File to read."}, {.name = "TO", .doc = "File to write."}},
+    .positionals = {{.name = "FROM", .doc = "File to read.", .names = Names::input}, {.name = "TO", .doc = "File to write.", .names = Names::file}},
     .options =
         {{.name = "map",
           .value_name = "COLUMN=NAME",

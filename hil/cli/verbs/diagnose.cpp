@@ -52,8 +52,8 @@ const Registration<Command> kRow{Command{
     .options = joined(
         {{model_row()},
          campaign_rows(),
-         {{.name = "html", .value_name = "FILE", .doc = "Write the report with its pictures."},
-          {.name = "pictures", .value_name = "FOLDER", .doc = "Write every picture as an SVG of its own."}}}),
+         {{.name = "html", .value_name = "FILE", .doc = "Write the report with its pictures.", .names = Names::file},
+          {.name = "pictures", .value_name = "FOLDER", .doc = "Write every picture as an SVG of its own.", .names = Names::folder}}}),
     .examples = {{"forcegate diagnose m7", "What is missing in the campaign m7:"},
                  {"forcegate diagnose m7 --html m7.html", "The same with pictures:"}},
     .run = run,

@@ -23,8 +23,8 @@ const Registration<Command> kRow{Command{
         "share profile, specimen and noise, so what is common drops out: the interval of a mean difference comes from the "
         "spread of the single ones. When plan, seed or rig differ, that is said first.\n\nRuns are compared, not judged: to "
         "judge a build against limits use gate, to judge a stored run again use check.",
-    .positionals = {{.name = "RUN_A", .doc = "Folder of a run, or its result.json: the accepted build."},
-                    {.name = "RUN_B", .doc = "The same of the candidate."}},
+    .positionals = {{.name = "RUN_A", .doc = "Folder of a run, or its result.json: the accepted build.", .names = Names::input},
+                    {.name = "RUN_B", .doc = "The same of the candidate.", .names = Names::input}},
     .examples = {{"forcegate diff accepted candidate", "Is the candidate worse?"}},
     .run = run,
 }};

@@ -33,7 +33,7 @@ const Registration<Command> kRow{Command{
                    "repeatability between records estimated from the campaign.",
     .positionals = {campaign_positional()},
     .options =
-        joined({{{.name = "output", .value_name = "FILE", .doc = "Model file to write.", .letter = 'o'},
+        joined({{{.name = "output", .value_name = "FILE", .doc = "Model file to write.", .letter = 'o', .names = Names::file},
                  model_row()},
                 campaign_rows()}),
     .examples = {{"forcegate fit m7 -o m7.toml", "A model of this specimen:"}},

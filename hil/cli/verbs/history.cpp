@@ -42,9 +42,9 @@ const Registration<Command> kRow{Command{
     .description = "Prints the steps of the model file. With --on CAMPAIGN also the waterfall on held-out "
                    "records: in the order of adding, and averaged over all orders with its range; a bar is "
                    "hollow where the range holds 0.",
-    .positionals = {{.name = "MODEL", .doc = "Model file."}},
+    .positionals = {{.name = "MODEL", .doc = "Model file.", .names = Names::input}},
     .options = joined(
-        {{{.name = "on", .value_name = "CAMPAIGN", .doc = "Campaign for the waterfall."}}, campaign_rows()}),
+        {{{.name = "on", .value_name = "CAMPAIGN", .doc = "Campaign for the waterfall.", .names = Names::campaign}}, campaign_rows()}),
     .examples = {{"forcegate history better.toml --on m7", "Did the error fall?"}},
     .run = run,
 }};

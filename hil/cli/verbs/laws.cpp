@@ -52,7 +52,7 @@ const Registration<Command> kRow{Command{
         "permutation test whose error probability holds for the whole search, and by leaving records out.\n\n"
         "With few records the honest answer is often that no dependence is significant; it says how large one would have "
         "had to be.",
-    .positionals = {{.name = "TABLE", .doc = "CSV with a header line and one row for each record."}},
+    .positionals = {{.name = "TABLE", .doc = "CSV with a header line and one row for each record.", .names = Names::input}},
     .options = {{.name = "of",
                  .value_name = "NAME",
                  .doc = "Parameter to explain.",

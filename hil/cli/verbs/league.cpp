@@ -83,7 +83,7 @@ const Registration<Command> kRow{Command{
                 {.name = "journal",
                  .value_name = "FILE",
                  .doc = "Keep finished campaigns here; the same command goes on after an interrupt."},
-                {.name = "out", .value_name = "FILE", .doc = "Write all results as JSON."}},
+                {.name = "out", .value_name = "FILE", .doc = "Write all results as JSON.", .names = Names::file}},
     .examples = {{"forcegate league --seed 20261121", "The small league:"},
                  {"forcegate league --seed 5 --only hysteresis,creep,none --each 10", "One question only:"}},
     .run = run,

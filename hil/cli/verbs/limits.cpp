@@ -48,25 +48,27 @@ const Registration<Command> kRow{Command{
                    "confidence (below 299 of them: the largest), and 2 sd. The file says n, date, rig and the firmware it was made "
                    "with; it is "
                    "part of the goldens and changes only with a reason.",
-    .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image."}},
+    .positionals = {{.name = "FIRMWARE", .doc = "Known-good firmware image.", .names = Names::input}},
     .options =
         {{.name = "plan",
           .value_name = "PLAN",
           .doc = "Plan file, or the name of one in ci/plans.",
-          .fallback = "smoke"},
+          .fallback = "smoke",
+          .names = Names::input},
          {.name = "count", .value_name = "N", .doc = "Specimens.", .fallback = "300"},
          {.name = "first-seed", .value_name = "N", .doc = "Seed of the first specimen.", .fallback = "1000"},
          {.name = "record",
           .value_name = "FILE",
           .doc = "Recording of a bench's repeatability run, at least five; then no rig is emulated.",
-          .repeatable = true},
+          .repeatable = true,
+          .names = Names::input},
          map_row(),
-         {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen in the recordings."},
+         {.name = "cal", .value_name = "FILE", .doc = "Calibration of the specimen in the recordings.", .names = Names::input},
          {.name = "threads",
           .value_name = "N",
           .doc = "Worker processes at a time; 0: one per processor.",
           .fallback = "0"},
-         {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o'}},
+         {.name = "output", .value_name = "FILE", .doc = "Write the limits there.", .letter = 'o', .names = Names::file}},
     .examples =
         {{"forcegate limits good.so --record 1.csv --record 2.csv --record 3.csv --record 4.csv --record "
           "5.csv -o "

@@ -65,7 +65,7 @@ const Registration<Command> kRow{Command{
         "from the seed.\n\nThe truth is sealed in DIR/sealed_truth.json. Its SHA-256 is printed before the "
         "data are "
         "written: keep it, and `forcegate reveal` proves that the truth was not changed afterwards.",
-    .positionals = {{.name = "DIR", .doc = "Folder to write.", .required = false}},
+    .positionals = {{.name = "DIR", .doc = "Folder to write.", .required = false, .names = Names::folder}},
     .options =
         {{.name = "seed", .value_name = "N", .doc = "Seed of everything.", .fallback = "1"},
          {.name = "effect",

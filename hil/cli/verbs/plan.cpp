@@ -55,7 +55,7 @@ const Registration<Command> kRow{Command{
         "A plan says what is played, on which specimens, and what is required of the firmware "
         "(docs/plan.md). Mistakes are named with file, line and column. --estimate adds the time on a real "
         "bench, rests of the specimen included, and on the emulated rig.",
-    .positionals = {{.name = "PLAN", .doc = "Plan file, or the name of one in ci/plans."}},
+    .positionals = {{.name = "PLAN", .doc = "Plan file, or the name of one in ci/plans.", .names = Names::input}},
     .options = {{.name = "estimate", .value_name = "", .doc = "Bench time and emulated time."}},
     .examples = {{"forcegate plan bench --estimate", "Does the bench plan fit one shift?"},
                  {"forcegate plan capacitance-gate --estimate", "And two days of weights?"}},

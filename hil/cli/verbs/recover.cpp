@@ -51,12 +51,13 @@ const Registration<Command> kRow{Command{
         "While it records, Forcegate appends to a journal; the HDF5 file is made when the recording ends. After a "
         "crash, a power cut or a full disk this verb makes it from the journal: every frame whose checksum is right is "
         "saved, damaged stretches are skipped and counted. The journal stays as it is.",
-    .positionals = {{.name = "JOURNAL", .doc = "Journal of the recording (.fgj)."}},
+    .positionals = {{.name = "JOURNAL", .doc = "Journal of the recording (.fgj).", .names = Names::input}},
     .options =
         {{.name = "out",
           .value_name = "FILE",
           .doc = "HDF5 file to write; else the journal's name with .h5.",
-          .letter = 'o'},
+          .letter = 'o',
+          .names = Names::file},
          {.name = "force", .value_name = "", .doc = "Replace the output if it exists.", .letter = 'f'}},
     .examples = {{"forcegate recover case_03.fgj", "After the machine lost power during case_03:"}},
     .run = run,

@@ -46,14 +46,14 @@ const Registration<Command> kRow{Command{
                    "rig or firmware. The decision is the stored one: to judge again, use check.\n\nThe text "
                    "goes to stdout, or to "
                    "the file of --output.",
-    .positionals = {{.name = "RESULT", .doc = "result.json, or the folder of a run."}},
+    .positionals = {{.name = "RESULT", .doc = "result.json, or the folder of a run.", .names = Names::input}},
     .options =
         {{.name = "format",
           .value_name = "VIEW",
           .doc = "Which view.",
           .fallback = "console",
           .choices = report_formats},
-         {.name = "output", .value_name = "FILE", .doc = "Write the view to this file.", .letter = 'o'}},
+         {.name = "output", .value_name = "FILE", .doc = "Write the view to this file.", .letter = 'o', .names = Names::file}},
     .examples = {{"forcegate report run/result.json", "The decision again:"},
                  {"forcegate report run --format html -o report.html",
                   "One page with pictures, to send to somebody:"},

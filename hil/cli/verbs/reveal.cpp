@@ -60,8 +60,8 @@ const Registration<Command> kRow{Command{
                    "`forcegate diagnose`. Of such an answer it says how far the held-out error fell; which share of what "
                    "could be reduced that is, only `forcegate league` knows, for it makes the same records without the "
                    "effect.",
-    .positionals = {{.name = "DIR", .doc = "Folder of the mystery."}},
-    .options = {{.name = "answer", .value_name = "FILE", .doc = "Answer of `forcegate diagnose DIR --json`."},
+    .positionals = {{.name = "DIR", .doc = "Folder of the mystery.", .names = Names::input}},
+    .options = {{.name = "answer", .value_name = "FILE", .doc = "Answer of `forcegate diagnose DIR --json`.", .names = Names::input},
                 {.name = "effect",
                  .value_name = "NAME",
                  .doc = "Your own answer: an effect's name, none or unknown."}},

@@ -28,7 +28,8 @@ std::vector<Option> rig_rows() {
            .doc = "Rig, or a bench file.",
            .fallback = "emulated",
            .choices = [] { return Registry<RigKind>::instance().names(); },
-           .only_choices = false},
+           .only_choices = false,
+           .names = Names::input},
           {.name = "rig-option", .value_name = "NAME=VALUE", .doc = "Option of the rig.", .repeatable = true},
           {.name = "arm", .value_name = "", .doc = "Let a real bench move: nobody reaches into it."}};
 }

@@ -31,7 +31,7 @@ const Registration<Command> kRow{Command{
                    "second: faster samples are means over 20 ms.",
     .positionals = {campaign_positional()},
     .options = joined(
-        {{{.name = "output", .value_name = "DIR", .doc = "Folder to write.", .required = true, .letter = 'o'},
+        {{{.name = "output", .value_name = "DIR", .doc = "Folder to write.", .required = true, .letter = 'o', .names = Names::records},
           model_row()},
          campaign_rows()}),
     .examples = {{"forcegate simulate m7 --model better.toml -o out", "The model's own curves:"}},

@@ -116,8 +116,8 @@ const Registration<Command> kRow{Command{
                      .required = false,
                      .repeatable = true}},
     .options =
-        {{.name = "plot", .value_name = "FILE", .doc = "Draw the profile as SVG."},
-         {.name = "csv", .value_name = "FILE", .doc = "Write columns t_s, F_cmd_N."},
+        {{.name = "plot", .value_name = "FILE", .doc = "Draw the profile as SVG.", .names = Names::file},
+         {.name = "csv", .value_name = "FILE", .doc = "Write columns t_s, F_cmd_N.", .names = Names::file},
          {.name = "rate", .value_name = "HZ", .doc = "Samples a second of plot and CSV.", .fallback = "1000"},
          {.name = "seed", .value_name = "N", .doc = "Seed of profiles with chance in them.", .fallback = "1"},
          {.name = "list", .value_name = "", .doc = "All profiles with their parameters, units and ranges."}},

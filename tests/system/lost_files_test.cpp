@@ -1,0 +1,65 @@
+// What a command reads is there afterwards, byte for byte.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string short_record(double A_N) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 1500; ++i) {
+    const double t = 0.02 * i, F = 2.0 + A_N * std::sin(1.3 * t);
+    text += std::to_string(t) + "," + std::to_string(F) + "," + std::to_string(2.0 * F + 0.05 * std::sin(97.0 * t)) + "\n";
+  }
+  return text;
+}
+
+std::map<std::string, std::string> bytes_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> out;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) out[entry.path().string()] = read_text(entry.path());
+  return out;
+}
+
+TEST(LostFiles, NoVerbWritesOverWhatItReads) {
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "d");
+  write_text(folder / "d/campaign.json", R"({"records": [{"file": "a.csv"}, {"file": "b.csv"}, {"file": "c.csv"}]})");
+  for (const auto& [name, A_N] : {std::pair{"d/a.csv", 1.0}, {"d/b.csv", 1.5}, {"d/c.csv", 0.7}, {"one.csv", 1.2}}) write_text(folder / name, short_record(A_N));
+  ASSERT_EQ(forcegate({"fit", "d", "-o", "m.toml"}, {.folder = folder.path()}).exit_code, 0);
+  const auto before = bytes_of(folder.path());
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"simulate", "d", "-o", "d"},
+           {"simulate", "one.csv", "-o", "."},
+           {"fit", "d", "-o", "d/a.csv"},
+           {"fit", "d", "--model", "m.toml", "-o", "m.toml"},
+           {"add", "creep", "--fit", "one.csv", "-o", "one.csv"},
+           {"add", "creep", "--fit", "d", "-o", "b.toml", "--html", "b.toml"},
+           {"compare", "one.csv", "--html", "one.csv"},
+           {"diagnose", "one.csv", "--html", "one.csv"},
+           {"diagnose", "d", "--html", "d/campaign.json"},
+           {"diagnose", "d/campaign.json", "--html", "d/b.csv"},
+           {"next", "d", "-o", "d"},
+           {"export", "m.toml", "--c", "m.toml", "--plan", "none"},
+           {"export", "m.toml", "--c", "one.csv", "--check", "one.csv"},
+           {"export", "m.toml", "--fit", "d", "-o", "d/campaign.json"},
+           {"convert", "one.csv", "one.csv", "--force"}}) {
+    std::string line;
+    for (const std::string& word : words) line += word + " ";
+    const ProcessResult r = forcegate(words, {.folder = folder.path()});
+    EXPECT_EQ(r.exit_code, 2) << line << r.err;
+    for (const char* part : {"error: ", "\n  where: ", "\n  help: "}) EXPECT_THAT(r.err, HasSubstr(part)) << line;
+    EXPECT_EQ(bytes_of(folder.path()), before) << line;
+  }
+}
+
+}  // namespace
+}  // namespace forcegate::test
