@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 #include "hil/base/text.h"
 #include "hil/diagnose/answer/shape_covariance.h"
@@ -11,13 +12,12 @@
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/between/foretold.h"
-#include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/choose/further_forms.h"
 #include "hil/diagnose/choose/reference_latency.h"
-#include "hil/diagnose/choose/refine.h"
 #include "hil/diagnose/choose/select.h"
 #include "hil/diagnose/one_zero.h"
+#include "hil/diagnose/refit/best_form.h"
 #include "hil/diagnose/refit/moved_parameters.h"
 
 namespace forcegate::diagnose {
@@ -34,22 +34,6 @@ double held_out_rms(const Workspace& w, std::vector<double> square, const std::v
 // record's own gain and zero would hide.
 double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& base, const std::vector<int>& between) {
   return held_out_rms(w, between.empty() ? judge(w.output, fit, base, w.judges).adapted : judge_levels(w.output, fit, base, w.judges), between);
-}
-
-// Best variant of one family beside the columns that are in, its shape refined; fit records only.
-Result<VariantScore> best_of(Workspace& w, const std::string& name, const std::vector<int>& present,
-                             const MixedFit* warm, unsigned threads) {
-  std::vector<std::string> others;
-  for (const EffectKind* kind : kinds_of(w.output))
-    if (kind->name != name) others.push_back(kind->name);
-  if (name == "mounting") place_mountings(w, present, warm, threads);
-  ScreenResult result = screen(w.output, present, others, warm, threads, 9, RecordUse::fit_records);
-  if (result.families.empty())
-    return fail(
-        ErrorCode::config, "the campaign cannot show " + name, w.input.name,
-        "it needs a channel that these records do not have, or acts on the rig and not on the output");
-  refine_family(w.input, w.output, present, result.base, result.families.front(), threads);
-  return std::move(result.families.front().best);
 }
 
 ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const ShapeCovariance& joint) {
@@ -161,24 +145,33 @@ struct FittedEffects {
   const MixedFit& all() const { return chain.back(); }
 };
 
-Result<FittedEffects> fit_effects(Workspace& w, const std::vector<std::string>& names, unsigned threads, std::vector<std::string>& notes) {
+Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::vector<std::string>& names, unsigned threads, std::vector<std::string>& notes) {
   FittedEffects out;
   // what a diagnosis carries along is no error of the model here either
   out.chain.push_back(law_beside(w, {}, std::ranges::find(names, kLatencyEffect) == names.end(), notes));
   if (!out.law().valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name, "more records, or records with more force");
   std::vector<int> present = out.law().columns;
   for (const std::string& name : names) {
-    FORCEGATE_TRY(VariantScore best, best_of(w, name, present, &out.all(), threads));
-    const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
-    const auto first = static_cast<std::ptrdiff_t>(present.size());
-    present.insert(present.end(), variant.columns.begin(), variant.columns.end());
-    out.variants.push_back(best.variant);
-    MixedFit now = fit_mixed(w.output.problem, present, &best.fit, 15);
-    const EffectKind& kind = *w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
-    if (!kind.traits.between_records)
-      for (const int v : further_forms(w.output, kind, present, now)) out.variants.push_back(v);
-    out.chain.push_back(std::move(now));
-    out.columns.emplace_back(name, std::vector<int>(present.begin() + first, present.end()));
+    const auto best = best_form(w, name, present, &out.all(), threads);
+    // where the model stands is a start as good as any: a fit ends no worse than it began
+    std::optional<WrittenForms> written = written_forms(w, start.effects, name, present, out.all(), threads);
+    if (!best && !written) return Unexpected(best.error());
+    WrittenForms taken;
+    if (best) {
+      const Variant& variant = w.output.variants[static_cast<std::size_t>(best->variant)];
+      std::vector<int> all = present;
+      all.insert(all.end(), variant.columns.begin(), variant.columns.end());
+      taken = {{best->variant}, {}, fit_mixed(w.output.problem, all, &best->fit, 15)};
+      const EffectKind& kind = *w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
+      if (!kind.traits.between_records)
+        for (const int v : further_forms(w.output, kind, all, taken.fit)) taken.variants.push_back(v);
+      taken.columns.assign(all.begin() + std::ssize(present), all.end());
+    }
+    if (written && (!taken.fit.valid || written->fit.log_evidence > taken.fit.log_evidence)) taken = *std::move(written);
+    present.insert(present.end(), taken.columns.begin(), taken.columns.end());
+    out.variants.insert(out.variants.end(), taken.variants.begin(), taken.variants.end());
+    out.chain.push_back(std::move(taken.fit));
+    out.columns.emplace_back(name, std::move(taken.columns));
   }
   return out;
 }
@@ -275,7 +268,7 @@ void measure(Workspace& w, const FittedEffects& fitted, const std::string& add, 
 Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
   Refit out;
   FORCEGATE_TRY(const std::vector<std::string> names, effects_to_fit(w, start, add));
-  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, names, threads, out.notes));
+  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, start, names, threads, out.notes));
   const MixedFit& now = fitted.all();
   if (!now.valid)
     return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,

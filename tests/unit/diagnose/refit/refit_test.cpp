@@ -4,6 +4,7 @@
 
 #include "hil/model/model.h"
 #include "tests/unit/diagnose/made_campaign.h"
+#include "tests/unit/diagnose/made_recording.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -179,6 +180,58 @@ TEST(Refit, AnEquationThatAddsNothingToTheLawIsRefusedWithTheReason) {
   EXPECT_NE(constant.error().text.find("straight line"), std::string::npos) << constant.error().to_text();
   EXPECT_NE(zero.error().text.find("gives 0 on every record"), std::string::npos) << zero.error().to_text();
   EXPECT_NE(warm.error().text.find("no temperature"), std::string::npos) << warm.error().to_text();
+}
+
+// A recording of another machine that is the right curve, late by so much.
+Campaign late_by(double delay_s) {
+  const auto force = [](double t) { return t < 0.0 ? 3.0 : 3.0 + std::sin(1.1 * t) + 0.6 * std::sin(2.7 * t); };
+  return recording(50.0, 6000, force,
+                   [&](const std::vector<double>& t, const std::vector<double>&) {
+                     std::vector<double> U;
+                     for (const double at : t) U.push_back(0.1 + 0.5 * force(at - delay_s));
+                     return U;
+                   },
+                   0.002);
+}
+
+double value_of(const Model& model, const std::string& shape) {
+  for (const ModelEffect& e : model.effects)
+    for (const ModelParameter& p : e.shape)
+      if (p.name == shape) return p.value;
+  return 0.0;
+}
+
+TEST(Refit, EndsNoWorseThanTheModelItBeganWith) {
+  for (const char* written : {"0.7", "0.65"}) {
+    const auto model = parse_model(std::string("[law]\nkind = \"static\"\ngain_N_per_V = 2.0\noffset_N = -0.2\n[[effect]]\nname = \"delay\"\nform = \"shift\"\n"
+                                               "shape.delay_s = { value = ") + written + " }\nstrength.c = { value = 1.0, se = 0.001 }\n", "m.toml");
+    ASSERT_TRUE(model) << model.error().to_text();
+    const auto fitted = refit_campaign(late_by(0.7), options_of(*model), *model, "");
+    ASSERT_TRUE(fitted) << fitted.error().to_text();
+    EXPECT_NEAR(value_of(fitted->model, "delay_s"), 0.7, 0.005);
+    EXPECT_LT(fitted->error_after, 0.003);
+  }
+}
+
+TEST(Refit, AnEffectWhoseGridEndsTooSoonIsFoundBeyondIt) {
+  EngineOptions options;
+  options.threads = 1;
+  for (const double delay_s : {0.15, 0.25}) {
+    const auto added = refit_campaign(late_by(delay_s), options, *library_model("flexiforce"), "delay");
+    ASSERT_TRUE(added) << added.error().to_text();
+    EXPECT_NEAR(value_of(added->model, "delay_s"), delay_s, 0.005);
+  }
+}
+
+TEST(Refit, WhyRecordsCannotShowAnEffectIsTheTrueReason) {
+  EngineOptions options;
+  options.threads = 1;
+  const auto why = [&](const char* effect) {
+    const auto made = refit_campaign(late_by(0.01), options, *library_model("flexiforce"), effect);
+    return made ? std::string() : made.error().text;
+  };
+  for (const char* effect : {"wear", "slow_recovery"}) EXPECT_NE(why(effect).find("this is one recording"), std::string::npos) << why(effect);
+  EXPECT_NE(why("off_axis").find("theta_rad"), std::string::npos) << why("off_axis");
 }
 
 }  // namespace
