@@ -30,8 +30,9 @@ std::optional<CapacitanceCurve> capacitance_curve(const CampaignInput& campaign)
   for (const RecordInput& r : campaign.records) {
     if (r.C_F.empty()) continue;
     const std::size_t stride = std::max<std::size_t>(1, r.rows() / kRowsPerRecord);
-    for (std::size_t i = 0; i < r.rows(); i += stride) {
-      if (r.ok[i] == 0 || !std::isfinite(r.C_F[i])) continue;
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < r.rows(); ++i) {
+      if (r.ok[i] == 0 || !std::isfinite(r.C_F[i]) || seen++ % stride != 0) continue;
       const double x = (r.F_N[i] - campaign.lowest_N) / campaign.range_N;
       const Eigen::Vector3d row(1.0, x, x * x);
       A += row * row.transpose();

@@ -125,9 +125,11 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
 
   std::vector<double> F, U;
   for (const RecordInput& r : records) {
+    // every so many of the usable rows: a stride over all of them may meet those alone where a sample is missing
     const std::size_t stride = std::max<std::size_t>(1, r.rows() / 4000);
-    for (std::size_t i = 0; i < r.rows(); i += stride)
-      if (r.ok[i] != 0) {
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < r.rows(); ++i)
+      if (r.ok[i] != 0 && seen++ % stride == 0) {
         F.push_back(r.F_N[i]);
         U.push_back(r.U_V[i]);
       }

@@ -9,6 +9,7 @@
 
 #include "hil/base/parallel.h"
 #include "hil/diagnose/base/own_decay.h"
+#include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/workspace.h"
 #include "hil/model/rows.h"
 #include "hil/model/states.h"
@@ -51,10 +52,12 @@ std::uint64_t mixed(std::uint64_t x) {
 }
 
 double row_noise_of(const std::vector<double>& e) {
+  constexpr std::size_t kHardlyAny = 50;  // one window of five rows in so many is complete
   std::vector<double> d;
   d.reserve(e.size());
   for (std::size_t i = 2; i + 2 < e.size(); ++i)
-    d.push_back(std::abs(e[i - 2] - 4.0 * e[i - 1] + 6.0 * e[i] - 4.0 * e[i + 1] + e[i + 2]));
+    if (const double v = e[i - 2] - 4.0 * e[i - 1] + 6.0 * e[i] - 4.0 * e[i + 1] + e[i + 2]; std::isfinite(v)) d.push_back(std::abs(v));
+  if (d.size() * kHardlyAny < e.size()) return noise_between_missing(e);
   const double median = quantile(std::move(d), 0.5);
   return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
 }

@@ -98,8 +98,9 @@ HealthScales health_scales(const Campaign& campaign) {
     if (f == nullptr || u == nullptr) continue;
     const std::size_t n = std::min(f->value.size(), u->value.size()),
                       stride = std::max<std::size_t>(1, n / 3000);
-    for (std::size_t i = 0; i < n; i += stride)
-      if (std::isfinite(f->value[i]) && std::isfinite(u->value[i])) {
+    std::size_t seen = 0;  // of those that are there: a stride over the rows may meet the missing ones alone
+    for (std::size_t i = 0; i < n; ++i)
+      if (std::isfinite(f->value[i]) && std::isfinite(u->value[i]) && seen++ % stride == 0) {
         F.push_back(f->value[i]);
         U.push_back(u->value[i]);
       }

@@ -14,8 +14,9 @@ constexpr std::size_t kFewestValues = 8;
 std::vector<double> values_of(const std::vector<double>& x) {
   std::vector<double> v;
   const std::size_t stride = std::max<std::size_t>(1, x.size() / 6000);
-  for (std::size_t i = 0; i < x.size(); i += stride)
-    if (std::isfinite(x[i])) v.push_back(x[i]);
+  std::size_t seen = 0;  // of those that are there: a stride over the rows may meet the missing ones alone
+  for (const double value : x)
+    if (std::isfinite(value) && seen++ % stride == 0) v.push_back(value);
   std::sort(v.begin(), v.end());
   v.erase(std::unique(v.begin(), v.end()), v.end());
   return v;
@@ -24,21 +25,49 @@ std::vector<double> values_of(const std::vector<double>& x) {
 }  // namespace
 
 double white_noise(const std::vector<double>& x) {
+  constexpr double kHardlyAny = 0.02;  // of the windows are complete
   std::vector<double> d;
   const std::size_t stride = std::max<std::size_t>(1, x.size() / 20000);
-  for (std::size_t i = 2; i + 2 < x.size(); i += stride) {
+  double asked = 0.0;
+  for (std::size_t i = 2; i + 2 < x.size(); i += stride, asked += 1.0) {
     const double v = x[i - 2] - 4.0 * x[i - 1] + 6.0 * x[i] - 4.0 * x[i + 1] + x[i + 2];
     if (std::isfinite(v)) d.push_back(std::abs(v));
   }
+  if (static_cast<double>(d.size()) < kHardlyAny * asked) return noise_between_missing(x);
   const double median = quantile(std::move(d), 0.5);
   return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
 }
 
-double restless_noise(std::span<const double> t_s, const std::vector<double>& x) {
+double noise_between_missing(const std::vector<double>& x) {
+  constexpr std::size_t kWindow = 5, kReach = 2 * kWindow, kMost = 20000;
+  std::vector<std::size_t> there;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (std::isfinite(x[i])) there.push_back(i);
+  std::vector<double> d;
+  const std::size_t stride = std::max<std::size_t>(1, there.size() / kMost);
+  for (std::size_t first = 0; first + kWindow <= there.size(); first += stride) {
+    if (there[first + kWindow - 1] - there[first] > kReach) continue;
+    double sum = 0.0, norm2 = 0.0;
+    for (std::size_t k = first; k < first + kWindow; ++k) {
+      double weight = 1.0;
+      for (std::size_t j = first; j < first + kWindow; ++j)
+        if (j != k) weight /= static_cast<double>(there[k]) - static_cast<double>(there[j]);
+      sum += weight * x[there[k]];
+      norm2 += weight * weight;
+    }
+    d.push_back(std::abs(sum) / std::sqrt(norm2));
+  }
+  const double median = quantile(std::move(d), 0.5);
+  return std::isfinite(median) ? 1.4826 * median : 0.0;
+}
+
+namespace {
+
+double restless_noise_of(std::span<const double> t_s, const std::vector<double>& x, std::size_t& asked, std::size_t& complete) {
   constexpr std::size_t kSide = 4, kMost = 8000;
   std::vector<double> d;
   const std::size_t n = std::min(t_s.size(), x.size()), stride = std::max<std::size_t>(1, n / kMost);
-  for (std::size_t i = kSide; i + kSide < n; i += stride) {
+  for (std::size_t i = kSide; i + kSide < n; i += stride, ++asked) {
     double left = x[i], norm2 = 1.0;
     for (std::size_t k = i - kSide; k <= i + kSide; ++k) {
       if (k == i) continue;
@@ -50,8 +79,22 @@ double restless_noise(std::span<const double> t_s, const std::vector<double>& x)
     }
     if (const double v = std::abs(left) / std::sqrt(norm2); std::isfinite(v)) d.push_back(v);
   }
+  complete = d.size();
   const double median = quantile(std::move(d), 0.5);
   return std::isfinite(median) ? 1.4826 * median : 0.0;
+}
+
+}  // namespace
+
+double restless_noise(std::span<const double> t_s, const std::vector<double>& x) {
+  constexpr std::size_t kHardlyAny = 50;  // one window in so many is complete
+  std::size_t asked = 0, complete = 0;
+  const double noise = restless_noise_of(t_s, x, asked, complete);
+  if (complete * kHardlyAny >= asked) return noise;
+  std::vector<double> there_s, there;
+  for (std::size_t i = 0; i < std::min(t_s.size(), x.size()); ++i)
+    if (std::isfinite(x[i])) there_s.push_back(t_s[i]), there.push_back(x[i]);
+  return restless_noise_of(there_s, there, asked, complete);
 }
 
 bool shows_few_values(const std::vector<double>& x) { return values_of(x).size() < kFewestValues; }

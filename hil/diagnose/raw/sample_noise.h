@@ -6,8 +6,13 @@
 
 namespace forcegate::diagnose {
 
-/// Robust white noise from fourth differences (1 -4 6 -4 1, norm sqrt 70): smooth signals vanish. 0: too few samples in a row.
+/// Robust white noise from fourth differences (1 -4 6 -4 1, norm sqrt 70): smooth signals vanish. Where hardly five samples in a row are there, by
+/// noise_between_missing(). 0: too few samples.
 double white_noise(const std::vector<double>& x);
+
+/// The same where samples are missing again and again: divided differences over five that are there, each at its own place, so that none is made
+/// up. What lies further apart than ten samples is no neighbour.
+double noise_between_missing(const std::vector<double>& x);
 
 /// The same from what a polynomial through four samples on either side, at their own times, leaves of a sample: a force of ten samples a
 /// cycle is smooth to it, and a jittering clock does not make it noise.
