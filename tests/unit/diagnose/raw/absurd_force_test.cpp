@@ -36,5 +36,29 @@ TEST(AbsurdForce, ARecordingWithAFewIsJudgedWithoutThem) {
   }
 }
 
+TEST(AbsurdForce, ALoggersWordForNoValueIsNoForceHoweverOftenItComes) {
+  for (const std::size_t every : {50u, 7u}) {
+    Campaign c = make_campaign(83, straight);
+    std::vector<double>& force = c.records[0].trace.find("F_ref")->value;
+    for (std::size_t i = 0; i < force.size(); i += every) force[i] = -9999.0;
+    std::vector<std::string> notes;
+    leave_out_absurd_force(c, 2, notes);
+    EXPECT_THAT(notes, ElementsAre(testing::AllOf(HasSubstr("samples of F_ref left out"), HasSubstr("-9999 N")))) << every;
+    EXPECT_TRUE(std::isnan(force[every]));
+  }
+}
+
+TEST(AbsurdForce, ALoadThatTheOutputFollowsIsOneHoweverFarItIsFromTheOthers) {
+  Campaign c = make_campaign(84, straight);
+  std::vector<double>&force = c.records[0].trace.find("F_ref")->value, &output = c.records[0].trace.find("U")->value;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    force[i] = i % 5 == 0 ? 0.0 : 4.0 + 0.01 * static_cast<double>(i % 3);
+    output[i] = 2.0 * force[i] + 0.2;
+  }
+  std::vector<std::string> notes;
+  leave_out_absurd_force(c, 2, notes);
+  EXPECT_TRUE(notes.empty()) << notes.front();
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
