@@ -40,9 +40,13 @@ void fg_replay(int n, const float* u_N, const float* shrink, const float* low_N,
 using Replay = void (*)(int, const float*, const float*, const float*, int, const float*, float*);
 
 struct TemporaryFolder {
-  fs::path path;
+  fs::path path;   ///< empty: there is none
+  fs::path place;  ///< where it was to be made
   TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "forcegate-check-XXXXXX").string();
+    std::error_code none;
+    place = fs::temp_directory_path(none);
+    if (none) return;  // `place` is then empty
+    std::string name = (place / "forcegate-check-XXXXXX").string();
     if (mkdtemp(name.data()) != nullptr) path = name;
   }
   ~TemporaryFolder() {
@@ -57,7 +61,8 @@ class Library {
     auto out = std::make_unique<Library>();
     const fs::path& folder = out->folder_.path;
     if (folder.empty())
-      return fail(ErrorCode::io, "no temporary folder can be made", fs::temp_directory_path().string());
+      return fail(ErrorCode::io, "there is no place to build the header in", out->folder_.place.empty() ? "TMPDIR" : out->folder_.place.string(),
+                  "set TMPDIR to a folder that you may write into, for instance TMPDIR=/tmp");
     std::ofstream(folder / "compensation.h", std::ios::binary) << header;
     std::ofstream(folder / "replay.c", std::ios::binary) << kDriver;
     const std::string source = (folder / "replay.c").string(), target = (folder / "replay.so").string(),
@@ -213,14 +218,20 @@ struct Thinned {
 
 }  // namespace
 
+bool differs_from_model(const CompensatorCheck& check) {
+  constexpr double kFewLSB = 8.0, kOfWhatIsLeft = 0.1;
+  return check.largest_N > std::max(kFewLSB * check.lsb_N, kOfWhatIsLeft * check.compensated_rms_N);
+}
+
 std::vector<std::string> objections(const CompensatorCheck& check) {
-  constexpr double kFewLSB = 8.0, kOfWhatIsLeft = 0.1, kLarger = 1.02;
+  constexpr double kLarger = 1.02;
   std::vector<std::string> out;
-  if (check.largest_N > std::max(kFewLSB * check.lsb_N, kOfWhatIsLeft * check.compensated_rms_N))
+  const auto worse = std::ranges::count_if(check.records, [&](const ReplayedRecord& r) { return r.compensated_rms_N > kLarger * r.plain_rms_N; });
+  if (differs_from_model(check))
     out.push_back(fmt::format("the header differs from the model's own inverse by {:.2g} LSB: it does not undo this model", check.largest_N / check.lsb_N));
   if (check.compensated_rms_N > kLarger * check.plain_rms_N)
-    out.push_back(fmt::format("the error on these records is larger with the header than with the law alone: {} -> {} mN",
-                              plain_number(1e3 * check.plain_rms_N), plain_number(1e3 * check.compensated_rms_N)));
+    out.push_back(fmt::format("the error on these records is larger with the header than with the law alone: {} -> {} mN ({} of {} records): do not build it in, the firmware is better without it",
+                              plain_number(1e3 * check.plain_rms_N), plain_number(1e3 * check.compensated_rms_N), worse, check.records.size()));
   return out;
 }
 
@@ -234,7 +245,7 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
   out.compiler = "cc -std=c11 -O2 -ffp-contract=off";
   const double range_V = std::isfinite(campaign.bench.voltage_max_V) ? campaign.bench.voltage_max_V : 10.0;
   const int bits = campaign.bench.adc_bits > 0 ? campaign.bench.adc_bits : 16;
-  out.lsb_N = model.law.gain_N_per_V * range_V / (std::ldexp(1.0, bits) - 1.0);
+  out.lsb_N = std::fabs(model.law.gain_N_per_V) * range_V / (std::ldexp(1.0, bits) - 1.0);
   const double G = model.law.gain_N_per_V, F0 = model.law.offset_N;
   std::vector<Thinned> kept;
   Line plain_line, compensated_line;
@@ -265,7 +276,8 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     item.cut_s = std::max(0.0, rows.t_s.back() - rows.t_s.front() - most_s);
     const std::vector<float> inverse = library->run(u, shrink, low, true, T);
     for (std::size_t i = 0; i < n; ++i)
-      if (r.ok[i] != 0) item.largest_N = std::max(item.largest_N, std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]));
+      if (const double apart = std::fabs(static_cast<double>(inverse[i]) - r.F_N[i]); r.ok[i] != 0 && !std::isnan(item.largest_N) && !(apart <= item.largest_N))
+        item.largest_N = apart, item.largest_at_N = r.F_N[i];
     if (!std::isfinite(item.largest_N))
       return fail(ErrorCode::config, "the compensator gives no number", r.name);
 

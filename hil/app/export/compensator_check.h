@@ -23,6 +23,7 @@ struct ReplayedRecord {
   double left_out_s = 0.0;   ///< without samples: bridged for the compensator's memory, not judged
   double cut_s = 0.0;        ///< behind the first `most_s` of the record: not replayed
   double largest_N = 0.0;    ///< |compensator - model's own inverse|
+  double largest_at_N = 0.0;  ///< force at which it is
   double plain_rms_N = 0.0;  ///< recorded voltage through the law without the effects
   double compensated_rms_N = 0.0;
 };
@@ -30,7 +31,7 @@ struct ReplayedRecord {
 struct CompensatorCheck {
   std::vector<ReplayedRecord> records;
   double largest_N = 0.0;
-  double lsb_N = 0.0;  ///< G v_range / (2^bits - 1) of the campaign's converter
+  double lsb_N = 0.0;  ///< |G| v_range / (2^bits - 1) of the campaign's converter
   double plain_rms_N = 0.0, compensated_rms_N = 0.0;  ///< records weigh the same
   std::string compiler;
 };
@@ -38,6 +39,8 @@ struct CompensatorCheck {
 /// What speaks against putting the header into firmware, one sentence each; empty: nothing. It differs from the model's own inverse by more
 /// than 8 LSB and a tenth of the error that it leaves, or it leaves a larger error than the law alone (by more than 2 %).
 std::vector<std::string> objections(const CompensatorCheck& check);
+/// The first of them.
+bool differs_from_model(const CompensatorCheck& check);
 
 /// Each record is replayed for at most `most_s` seconds. Errors: io when there is no C compiler (cc), config when the header
 /// does not compile (with the compiler's words), those of the campaign.

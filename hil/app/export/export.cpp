@@ -8,6 +8,7 @@
 #include "hil/app/export/calibration_map.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/write_file.h"
+#include "hil/app/model/never_fitted.h"
 #include "hil/base/digest.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
@@ -25,6 +26,12 @@ Result<void> set_reference(Model& model, double given_C) {
                 "--reference-temperature", "leave it out: the model says it");
   if (!std::isfinite(model.frame.temperature_C)) model.frame.temperature_C = given_C;
   return {};
+}
+
+constexpr double kWorse = 1.02;
+
+std::string fit_error(double law_V, double model_V, bool bare) {
+  return plain_number(1e3 * law_V) + (bare ? " mV" : fmt::format(" -> {} mV with the effects", plain_number(1e3 * model_V)));
 }
 
 }  // namespace
@@ -71,7 +78,11 @@ Result<ExportResult> export_model(const ExportRequest& request) {
         options.provenance.push_back(fmt::format("{} {} = {}{}.", e.effect, p.name,
                                                  with_uncertainty(p.value, p.se),
                                                  p.unit == "1" ? "" : " " + p.unit));
+  out.notes = undone_as_written_notes(model);
+  for (const std::string& name : never_fitted_equations(model)) options.provenance.push_back(name + ": as written, never fitted.");
+  for (const std::string& name : never_fitted_effects(model)) options.provenance.push_back(name + ": as written, never fitted.");
   FORCEGATE_TRY(out.compensator, make_compensator(model, options));
+  FORCEGATE_TRY(out.self, self_check(model, out.compensator, request.rate_Hz));
   out.calibration = options.calibration;
   if (request.check) {
     FORCEGATE_TRY(const Campaign campaign, load_campaign(*request.check));
@@ -88,12 +99,15 @@ std::string export_text(const ExportResult& r) {
   const Compensator& c = r.compensator;
   std::string out;
   if (r.fit) {
-    out += fmt::format(
-        "one law for all records, as a firmware has it: error of records left out {} -> {} mV with the effects\n",
-        plain_number(1e3 * r.fit->law_left_out_V), plain_number(1e3 * r.fit->left_out_V));
-    for (const auto& item : r.fit->records)
-      out += fmt::format("    {:<28} {:>8.1f} -> {:.1f} mV\n", item.record, 1e3 * item.law_V,
-                         1e3 * item.model_V);
+    const bool bare = c.effects.empty();
+    out += fmt::format("one law for all records, as a firmware has it: error of records left out {}\n", fit_error(r.fit->law_left_out_V, r.fit->left_out_V, bare));
+    std::size_t worse = 0;
+    for (const auto& item : r.fit->records) {
+      out += fmt::format("    {:<28} {:>8.1f}{} mV\n", item.record, 1e3 * item.law_V, bare ? "" : fmt::format(" -> {:.1f}", 1e3 * item.model_V));
+      if (item.model_V > kWorse * item.law_V) ++worse;
+    }
+    if (!bare && worse > 0)
+      out += fmt::format("note: {} of {} records {} worse with the effects than with the law alone\n", worse, r.fit->records.size(), worse == 1 ? "is" : "are");
     for (const std::string& note : r.fit->notes) out += "note: " + note + "\n";
   }
   if (!r.header.empty())
@@ -108,19 +122,24 @@ std::string export_text(const ExportResult& r) {
     out += fmt::format(
         "  takes back what the calibration makes of it ({}): gain x {:.4f}, offset {:+.4f} N\n",
         r.calibration.protocol, 1.0 / r.calibration.alpha, -r.calibration.beta_N / r.calibration.alpha);
+  out += r.self.made ? fmt::format("  held against the model's own inverse from {:.2g} to {:.2g} N: at most {:.2g} N apart\n", r.self.low_N, r.self.high_N, r.self.largest_N)
+                     : "note: not held against the model's own inverse: " + r.self.why_not + "\n";
+  for (const std::string& note : r.notes) out += "note: " + note + "\n";
   if (!r.check) return out;
   out += fmt::format(
       "built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N = {} LSB\n",
       r.check->compiler, r.check->largest_N, plain_number(r.check->largest_N / r.check->lsb_N));
-  out += "  recorded voltages against recorded force, RMS in mN (the law alone -> with this header):\n";
+  const auto errors = [&](double law_N, double header_N) {
+    return c.effects.empty() ? fmt::format("{:>8.1f}", 1e3 * law_N) : fmt::format("{:>8.1f} -> {:<8.1f}", 1e3 * law_N, 1e3 * header_N);
+  };
+  out += fmt::format("  recorded voltages against recorded force, RMS in mN ({}):\n", c.effects.empty() ? "the law alone" : "the law alone -> with this header");
   for (const ReplayedRecord& item : r.check->records)
-    out += fmt::format("    {:<28} {:>5.0f} s {:>8.1f} -> {:<8.1f} difference {} LSB{}\n", item.record,
-                       item.seconds, 1e3 * item.plain_rms_N, 1e3 * item.compensated_rms_N,
+    out += fmt::format("    {:<28} {:>5.0f} s {} difference {} LSB{}\n", item.record,
+                       item.seconds, errors(item.plain_rms_N, item.compensated_rms_N),
                        plain_number(item.largest_N / r.check->lsb_N),
                        (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
                            (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
-  out += fmt::format("    {:<28} {:>7} {:>8.1f} -> {:<8.1f}\n", "all records", "",
-                     1e3 * r.check->plain_rms_N, 1e3 * r.check->compensated_rms_N);
+  out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", errors(r.check->plain_rms_N, r.check->compensated_rms_N));
   for (const std::string& objection : objections(*r.check)) out += "warning: " + objection + "\n";
   return out;
 }
@@ -133,7 +152,9 @@ std::string export_json(const ExportResult& r) {
                                 {"operations", r.compensator.operations},
                                 {"state_bytes", r.compensator.state_bytes},
                                 {"noise_gain", r.compensator.noise_gain},
-                                {"needs_temperature", r.compensator.needs_temperature}};
+                                {"needs_temperature", r.compensator.needs_temperature},
+                                {"notes", r.notes}};
+  if (r.self.made) out["self_check"] = {{"low_N", r.self.low_N}, {"high_N", r.self.high_N}, {"largest_N", r.self.largest_N}, {"at_N", r.self.at_N}};
   if (r.fit) out["fit"] = {{"law_left_out_V", r.fit->law_left_out_V}, {"left_out_V", r.fit->left_out_V}, {"notes", r.fit->notes}};
   if (r.calibration.known)
     out["calibration"] = {{"protocol", r.calibration.protocol},

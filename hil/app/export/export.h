@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hil/app/export/compensator_check.h"
+#include "hil/app/export/self_check.h"
 #include "hil/app/model/model_input.h"
 #include "hil/diagnose/refit/one_law.h"
 
@@ -28,7 +29,9 @@ struct ExportResult {
   Compensator compensator;
   CalibrationMap calibration;
   std::optional<diagnose::OneLawFit> fit;
+  SelfCheck self;
   std::optional<CompensatorCheck> check;
+  std::vector<std::string> notes;  ///< what the header takes for granted, one sentence each
 };
 
 Result<ExportResult> export_model(const ExportRequest& request);

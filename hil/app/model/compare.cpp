@@ -6,10 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/model/clean_input.h"
+#include "hil/app/model/never_fitted.h"
 #include "hil/app/pictures/record_pictures.h"
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/residual_map.h"
+#include "hil/diagnose/laws/no_input.h"
 
 namespace forcegate {
 
@@ -72,8 +74,11 @@ Result<Comparison> compare_request(const CampaignRequest& request, bool pictures
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   FORCEGATE_TRY(const Model model, load_model(request, campaign));
   const PlacesOf places(campaign, request.campaign);
+  const std::string still = diagnose::is_drift_only(campaign) ? diagnose::what_the_force_shows(campaign) : "";
   Result<Comparison> out = compare_recordings(request, std::move(campaign), model, pictures);
   if (!out) return Unexpected(places.with_file(std::move(out.error())));
+  if (!still.empty()) out->view.notes.push_back(still);
+  for (std::string& note : left_out_notes(model)) out->view.notes.push_back(std::move(note));
   return out;
 }
 
@@ -82,7 +87,8 @@ std::string comparison_text(const Comparison& c) {
   const PrintedUnit unit = printed_unit(d.unit);
   // of one recording the file's own numbers are asked about the whole, everything else about its blocks
   const bool blocks = c.as_written.size() == 1 && d.records.size() > 1;
-  std::string out = fmt::format("{}: model {} against {} {}\n", d.campaign, d.model, d.records.size(), blocks ? "blocks of one recording" : "records");
+  std::string out = fmt::format("{}: model {} against {} {}\n", d.campaign, d.model, d.records.size(),
+                                blocks ? "blocks of one recording" : d.records.size() == 1 ? "record" : "records");
   const auto row = [&](const std::string& record, const std::string& kind, const std::string& written, const auto&... cells) {
     out += fmt::format("  {:<22} {:<10}", record, kind);
     if (!blocks) out += fmt::format(" {:>12}", written);

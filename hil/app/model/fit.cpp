@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/model/never_fitted.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/candidates/user_candidates.h"
@@ -37,6 +38,7 @@ Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign ca
     return fail(out.error().code, "the campaign cannot show " + add, out.error().where,
                 "its equation has no value at the shapes tried, or the records ask for a parameter outside of its min and max");
   if (!out) return Unexpected(places.with_file(std::move(out.error())));
+  for (std::string& note : left_out_notes(model, add)) out->notes.push_back(std::move(note));
   return out;
 }
 

@@ -37,6 +37,7 @@ std::string row_of(const std::string& head, const std::string& words) {
 std::string line_after(const std::string& kind) {
   if (kind == "exit code") return "forcegate doctor";
   if (kind == "check") return "forcegate gate --help";
+  if (kind == "header") return "forcegate export --help";
   return kind == "diagnosis" || kind == "side" || kind == "effect" ? "forcegate diagnose --help" : "forcegate report --help";
 }
 

@@ -51,7 +51,8 @@ Result<int> run(const Invocation& in) {
   in.console().print(export_text(answer));
   in.console().print_json(export_json(answer));
   if (answer.check && !objections(*answer.check).empty()) {
-    in.console().next("forcegate compare " + shell_quoted(request.check->campaign.string()) + " --model " + shell_quoted(request.model));
+    // no diagnosis tells more of it, and one whose model leaves nothing would lead back here
+    in.console().next(differs_from_model(*answer.check) ? "forcegate explain \"not undone\"" : "forcegate explain \"no gain\"");
     return kExitReject;
   }
   in.console().next(answer.header.empty() ? in.command_line() + " --c comp.h" : line_after(in, answer.header));

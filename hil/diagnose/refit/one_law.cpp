@@ -214,13 +214,14 @@ Model assembled(const Model& start, const CampaignInput& input, const BaseLaw& l
   return m;
 }
 
-// Every effect of the model that acts on the output, as a kind to choose a form of.
+// Every effect of the model that acts on the output, once, as a kind to choose a form of.
 Result<std::vector<const EffectKind*>> wanted_kinds(const Model& start, const std::vector<std::unique_ptr<EffectKind>>& own,
                                                     const CampaignInput& input) {
   std::vector<const EffectKind*> out;
   for (const ModelEffect& wanted : start.effects) {
     const EffectKind* kind = EffectRegistry::instance().find(wanted.effect);
-    if (kind == nullptr || kind->channel != EffectChannel::output) continue;
+    // the forms of one effect that a refit wrote beside each other are one effect of the sensor
+    if (kind == nullptr || kind->channel != EffectChannel::output || std::ranges::find(out, kind) != out.end()) continue;
     if (!is_available(*kind, input))
       return fail(ErrorCode::config, "the campaign lacks a channel that " + wanted.effect + " needs", input.name);
     out.push_back(kind);
@@ -256,9 +257,13 @@ Result<CampaignInput> rows_as_fitted(Campaign campaign, const Model& start, unsi
 }
 
 std::string cost_of(const Trial& usable, const Trial& best) {
-  return fmt::format("{}: the form {} predicts best, but it cannot be undone; {} can, and leaves {:.3g} mV of error instead of {:.3g}",
-                     best.effects.back().kind->name, best.effects.back().form->name, usable.effects.back().form->name,
-                     1e3 * usable.left_out_V, 1e3 * best.left_out_V);
+  const std::string& wanted = best.effects.back().form->name;
+  const std::string& taken = usable.effects.back().form->name;
+  const std::string costs = fmt::format("and leaves {:.3g} mV of error instead of {:.3g}", 1e3 * usable.left_out_V, 1e3 * best.left_out_V);
+  const std::string& effect = best.effects.back().kind->name;
+  if (wanted == taken)
+    return fmt::format("{}: the form {} predicts best with parameters with which it cannot be undone; with others it can, {}", effect, wanted, costs);
+  return fmt::format("{}: the form {} predicts best, but it cannot be undone; {} can, {}", effect, wanted, taken, costs);
 }
 
 }  // namespace

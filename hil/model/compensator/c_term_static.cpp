@@ -177,7 +177,9 @@ Result<CTerm> dead_zone(const ModelEffect& e, const CTermContext& x) {
   }
   t.constants += fmt::format("static inline float {0}_h(float F) {{\n  if (F <= 0.0f) return 0.0f;\n  return {1};\n}}\n", id, body);
   t.value = curve_value(e.form, id);
-  t.slope_min = std::min(0.0, -c);
+  // no form falls faster than -c where it closes; of one that opens (c < 0) only `closing` has a slope that turns round: c/8 at sqrt(3) F0
+  constexpr double kBehindTheOpening = 0.125;
+  t.slope_min = c > 0.0 ? -c : e.form == "closing" ? kBehindTheOpening * c : 0.0;
   return t;
 }
 

@@ -57,6 +57,29 @@ TEST(OneLaw, OfTheFormsThatCanBeUsedTheBestIsTakenAndItsCostIsTold) {
   EXPECT_EQ(form_of(fit_one_law(make_campaign(83, late, 0.002), lag, [](const Model&) { return false; })), "one_pole");
 }
 
+// Opens over 0.4 N, as a refit may write it: in two forms beside each other.
+std::vector<double> opening(const std::vector<double>&, const std::vector<double>& F, int) {
+  std::vector<double> U;
+  for (const double f : F) U.push_back(2.0 * (f + 0.8 * 0.4 * std::expm1(-std::max(f, 0.0) / 0.4)) + 0.2);
+  return U;
+}
+
+TEST(OneLaw, TheFormsOfOneEffectAreUndoneAsOne) {
+  const Model start = model_of("[[effect]]\nname = \"dead_zone\"\nform = \"distributed\"\n[[effect]]\nname = \"dead_zone\"\nform = \"closing\"\n");
+  const auto fit = fit_one_law(make_campaign(87, opening, 0.002), start, [](const Model& m) { return m.effects.back().form != "distributed"; });
+  ASSERT_TRUE(fit) << fit.error().to_text();
+  EXPECT_EQ(fit->model.effects.size(), 1u);
+  EXPECT_LT(fit->left_out_V, 0.5 * fit->law_left_out_V);
+}
+
+TEST(OneLaw, AFormThatCanBeUsedWithOtherParametersIsNotSaidToBeUnusable) {
+  const auto fit = fit_one_law(make_campaign(83, late, 0.002), model_of("[[effect]]\nname = \"lag\"\nform = \"one_pole\"\n"),
+                               [](const Model& m) { return m.effects[0].form == "one_pole" && m.effects[0].shape[0].value > 0.06; });
+  ASSERT_TRUE(fit) << fit.error().to_text();
+  ASSERT_EQ(fit->notes.size(), 1u);
+  EXPECT_NE(fit->notes[0].find("one_pole predicts best with parameters with which it cannot be undone; with others it can"), std::string::npos) << fit->notes[0];
+}
+
 TEST(OneLaw, IsFittedToTheSamplesThatADiagnosisWouldUse) {
   const Model law = model_of("");
   const auto clean = fit_one_law(make_campaign(84, straight, 0.002), law);

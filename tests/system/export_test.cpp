@@ -1,0 +1,85 @@
+// What export says of a header that is not worth building in.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/last_line.h"
+#include "tests/support/noise.h"
+
+namespace forcegate::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+void write_straight(const std::string& path) {
+  Noise noise;
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 0.02 * i, F = 2.0 + 1.5 * std::sin(0.7 * t);
+    text += std::to_string(t) + "," + std::to_string(F) + "," + std::to_string(2.0 * F + 0.2 + 0.002 * noise()) + "\n";
+  }
+  write_text(path, text);
+}
+
+constexpr const char* kCreeps =
+    "format = 1\n[law]\nkind = \"static\"\nspan_N = 3\nlowest_N = 0.5\ngain_N_per_V = 0.5\noffset_N = -0.1\n"
+    "[[effect]]\nname = \"mine\"\noutput = \"k * x\"\nstate.x = \"(F - x) / tau\"\nparameter.k = 0.2\nparameter.tau = 2\n";
+
+TEST(Export, AHeaderThatMakesRecordsWorseEndsTheChain) {
+  const TemporaryFolder folder;
+  write_straight(folder / "film.csv");
+  write_text(folder / "m.toml", kCreeps);
+  const ProcessResult r = pasted("forcegate export m.toml --c comp.h --plan none --check film.csv", folder);
+  EXPECT_EQ(r.exit_code, 1) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("(1 of 1 records): do not build it in"));
+  EXPECT_EQ(next_of(r), "forcegate explain \"no gain\"");
+  const ProcessResult explained = pasted(next_of(r), folder);
+  EXPECT_EQ(explained.exit_code, 0) << explained.err;
+  EXPECT_THAT(explained.out, HasSubstr("firmware with the law alone"));
+}
+
+TEST(Export, WhatWasNeverFittedIsSaidByEveryVerbThatMeetsIt) {
+  const TemporaryFolder folder;
+  write_straight(folder / "film.csv");
+  write_text(folder / "m.toml", kCreeps);
+  const ProcessResult exported = pasted("forcegate export m.toml --c comp.h --plan none", folder);
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_THAT(exported.out, HasSubstr("note: mine was never fitted (no parameter has an se): the header undoes it"));
+  EXPECT_THAT(read_text(folder / "comp.h"), HasSubstr("mine: as written, never fitted."));
+  for (const char* verb : {"forcegate compare film.csv --model m.toml", "forcegate fit film.csv --model m.toml"}) {
+    const ProcessResult r = pasted(verb, folder);
+    EXPECT_THAT(r.out + r.err, HasSubstr("note: mine was never fitted (no parameter has an se): only the error of the model as written counts it")) << verb;
+  }
+  const ProcessResult added = pasted("forcegate add mine --fit film.csv --model m.toml -o better.toml", folder);
+  EXPECT_THAT(added.out + added.err, Not(HasSubstr("never fitted"))) << added.err;
+  EXPECT_THAT(pasted("forcegate export better.toml --plan none", folder).out, Not(HasSubstr("never fitted")));
+}
+
+TEST(Export, WithoutEffectsThereIsOneErrorAndNotTwo) {
+  const TemporaryFolder folder;
+  write_straight(folder / "film.csv");
+  write_text(folder / "m.toml", std::string(kCreeps).substr(0, std::string(kCreeps).find("[[")));
+  const ProcessResult r = pasted("forcegate export m.toml --plan none --check film.csv", folder);
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("(the law alone):"));
+  EXPECT_THAT(r.out, Not(HasSubstr(" -> ")));
+  EXPECT_THAT(r.out, HasSubstr("held against the model's own inverse from 0 to 3.5 N"));
+}
+
+TEST(Export, NoPlaceToBuildTheHeaderInIsAnErrorOnlyWhereItIsToBeReplayed) {
+  const TemporaryFolder folder;
+  write_straight(folder / "film.csv");
+  const ProcessOptions nowhere{.folder = folder.path(), .environment = {{"TMPDIR", "/nonexistent"}}};
+  const ProcessResult checked = forcegate({"export", "flexiforce", "--plan", "none", "--check", "film.csv"}, nowhere);
+  EXPECT_EQ(checked.exit_code, 2) << checked.err;
+  EXPECT_THAT(checked.err, HasSubstr("where: TMPDIR\n  help: set TMPDIR"));
+  const ProcessResult written = forcegate({"export", "flexiforce", "--plan", "none", "--c", "comp.h"}, nowhere);
+  EXPECT_EQ(written.exit_code, 0) << written.err;
+  EXPECT_THAT(written.out, HasSubstr("note: not held against the model's own inverse: there is no place to build the header in"));
+}
+
+}  // namespace
+}  // namespace forcegate::test
