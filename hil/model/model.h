@@ -59,6 +59,7 @@ struct Model {
   std::string name = "flexiforce";
   std::string sensor;
   std::string source;
+  std::string output_unit = "V";  ///< of what the law gives: "S" for a resistance that is read as conductance, "counts", "1" for a ratio
   BaseLaw law;
   double se_gain = 0.0, se_offset = 0.0, se_b_scale = 0.0, se_q_scale = 0.0;
   ModelFrame frame;  ///< of the campaign that its effects were fitted on

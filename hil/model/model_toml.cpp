@@ -9,6 +9,7 @@
 #include <toml++/toml.h>
 
 #include "hil/base/text.h"
+#include "hil/model/model_toml.h"
 #include "hil/model/user_equation.h"
 
 namespace forcegate {
@@ -20,14 +21,31 @@ std::string place(const std::string& where, const toml::node& node) {
 }
 
 // A key that is not read would be a wish that nobody hears.
-Result<void> known_keys(const toml::table& table, const std::vector<std::string>& known, const std::string& where) {
+Result<void> known_keys(const toml::table& table, const std::vector<std::string>& known, const std::string& where, const std::string& nothing_known = "take it out") {
   for (const auto& [key, node] : table)
     if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
       const std::string near = nearest_name(std::string(key.str()), known);
       return fail(ErrorCode::config, fmt::format("\"{}\" means nothing here", std::string(key.str())), place(where, node),
-                  near.empty() ? "known are " + join(known, ", ") : "did you mean \"" + near + "\"?");
+                  known.empty() ? nothing_known : near.empty() ? "known are " + join(known, ", ") : "did you mean \"" + near + "\"?");
     }
   return {};
+}
+
+// A value of another type would be the default in silence.
+template <class T>
+Result<T> value_of(const toml::table& table, const char* name, T otherwise, const std::string& where) {
+  const toml::node* node = table[name].node();
+  if (node == nullptr) return otherwise;
+  if constexpr (std::is_same_v<T, double>) {
+    if (const auto value = node->is_number() ? node->value<double>() : std::nullopt) return *value;
+    return fail(ErrorCode::config, fmt::format("{} is no number", name), place(where, *node), "write it without quotes: 0.1");
+  } else if constexpr (std::is_same_v<T, bool>) {
+    if (const auto value = node->value_exact<bool>()) return *value;
+    return fail(ErrorCode::config, fmt::format("{} is neither true nor false", name), place(where, *node), "write true or false, without quotes");
+  } else {
+    if (const auto value = node->value_exact<std::string>()) return *value;
+    return fail(ErrorCode::config, fmt::format("{} is no text", name), place(where, *node), "write it in quotes");
+  }
 }
 
 // A table below `table`, nullptr where there is none.
@@ -58,20 +76,6 @@ std::vector<std::string> names_of(const std::vector<ParameterSpec>& specs) {
   return out;
 }
 
-// A basic string of TOML.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += std::string("\\") + c;
-    else if (static_cast<unsigned char>(c) < 0x20)
-      out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + "\"";
-}
-
 Result<ModelParameter> read_parameter(const toml::node& node, const std::string& name,
                                       const std::string& where) {
   ModelParameter p;
@@ -94,11 +98,13 @@ Result<ModelParameter> read_parameter(const toml::node& node, const std::string&
   FORCEGATE_CHECK_OK(known_keys(*table, {"value", "se", "unit", "min", "max", "neutral"}, where));
   p.value = *(*table)["value"].value<double>();
   FORCEGATE_CHECK_OK(finite());
-  p.se = (*table)["se"].value_or(0.0);
-  p.unit = (*table)["unit"].value_or(std::string());
-  p.minimum = (*table)["min"].value_or(-1e300);
-  p.maximum = (*table)["max"].value_or(1e300);
-  p.neutral = (*table)["neutral"].value_or(0.0);
+  FORCEGATE_TRY(p.se, value_of(*table, "se", 0.0, where));
+  if (!(p.se >= 0.0) || !std::isfinite(p.se))
+    return fail(ErrorCode::config, fmt::format("the standard error of {} is {}", name, p.se), place(where, *(*table)["se"].node()), "write a number of 0 (not estimated) or more");
+  FORCEGATE_TRY(p.unit, value_of(*table, "unit", std::string(), where));
+  FORCEGATE_TRY(p.minimum, value_of(*table, "min", -1e300, where));
+  FORCEGATE_TRY(p.maximum, value_of(*table, "max", 1e300, where));
+  FORCEGATE_TRY(p.neutral, value_of(*table, "neutral", 0.0, where));
   if (p.value < p.minimum || p.value > p.maximum)
     return fail(ErrorCode::config,
                 fmt::format("{} = {} lies outside [{}, {}]", name, p.value, p.minimum, p.maximum),
@@ -153,10 +159,18 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
   return out;
 }
 
+// A value is taken as it stands: in another unit it would be another value.
+Result<void> is_in(const ModelParameter& given, const std::string& unit, const std::string& where) {
+  const std::string own = unit.empty() ? "1" : unit;
+  if (given.unit.empty() || given.unit == own) return {};
+  return fail(ErrorCode::config, own == "1" ? fmt::format("{} has no unit, and here it is in \"{}\"", given.name, given.unit) : fmt::format("{} is in {}, not in \"{}\"", given.name, own, given.unit),
+              where, "convert the value");
+}
+
 Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind, const std::string& where) {
   ModelEffect out;
   out.effect = kind.name;
-  out.form = table["form"].value_or(kind.forms.empty() ? std::string() : kind.forms.front().name);
+  FORCEGATE_TRY(out.form, value_of(table, "form", kind.forms.empty() ? std::string() : kind.forms.front().name, where));
   const EffectForm* form = find_form(kind, out.form);
   if (form == nullptr) {
     std::vector<std::string> names;
@@ -167,7 +181,9 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
   FORCEGATE_CHECK_OK(known_keys(table, {"name", "form", "shape", "strength"}, where));
   for (const auto& [section, specs] : {std::pair{"shape", &form->shape}, std::pair{"strength", &form->strength}}) {
     FORCEGATE_TRY(const toml::table* const given, section_of(table, section, where));
-    if (given != nullptr) FORCEGATE_CHECK_OK(known_keys(*given, names_of(*specs), where));
+    if (given != nullptr)
+      FORCEGATE_CHECK_OK(known_keys(*given, names_of(*specs), where,
+                                    fmt::format("the form {} of {} has no {}; forcegate explain {} lists the forms with theirs", out.form, kind.name, section, kind.name)));
   }
   const auto fill = [&](const char* section, const std::vector<ParameterSpec>& specs,
                         std::vector<ModelParameter>& parameters) -> Result<bool> {
@@ -175,6 +191,7 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
       ModelParameter p{spec.name, spec.unit, spec.neutral, 0.0, spec.minimum, spec.maximum, spec.neutral};
       if (const toml::node* node = table[section][spec.name].node()) {
         FORCEGATE_TRY(ModelParameter given, read_parameter(*node, spec.name, where));
+        FORCEGATE_CHECK_OK(is_in(given, spec.unit, place(where, *node)));
         p.value = given.value;
         p.se = given.se;
         p.minimum = std::min(spec.minimum, given.minimum > -1e299 ? given.minimum : spec.minimum);
@@ -194,19 +211,9 @@ Result<ModelEffect> read_effect(const toml::table& table, const EffectKind& kind
   return out;
 }
 
-// Keys of [law].
-struct FrameKey {
-  const char* name;
-  double ModelFrame::*value;
-  bool above_0 = false;
-};
-constexpr FrameKey kFrame[] = {{"span_N", &ModelFrame::span_N, true}, {"lowest_N", &ModelFrame::lowest_N},
-                               {"temperature_C", &ModelFrame::temperature_C}, {"humidity_pct", &ModelFrame::humidity_pct},
-                               {"drive_V", &ModelFrame::drive_V, true},       {"travel_N", &ModelFrame::travel_N, true}};
-
 Result<ModelFrame> read_frame(const toml::table& law, const std::string& where) {
   ModelFrame out;
-  for (const FrameKey& key : kFrame)
+  for (const model_toml::FrameKey& key : model_toml::kFrame)
     if (const toml::node* node = law[key.name].node()) {
       const auto value = node->value<double>();
       if (!value || !std::isfinite(*value) || (key.above_0 && !(*value > 0.0)))
@@ -220,29 +227,16 @@ Result<ModelFrame> read_frame(const toml::table& law, const std::string& where) 
 Result<HistoryStep> read_step(const toml::table& t, const std::string& where) {
   FORCEGATE_CHECK_OK(known_keys(t, {"effect", "campaign", "error_before", "error_after", "plain_before", "plain_after", "floor", "unit", "accepted"}, where));
   HistoryStep step;
-  step.effect = t["effect"].value_or(std::string());
-  step.campaign = t["campaign"].value_or(std::string());
-  step.error_before = t["error_before"].value_or(0.0);
-  step.error_after = t["error_after"].value_or(0.0);
-  step.plain_before = t["plain_before"].value_or(0.0);
-  step.plain_after = t["plain_after"].value_or(0.0);
-  step.floor = t["floor"].value_or(0.0);
-  step.unit = t["unit"].value_or(std::string("V"));
-  step.accepted = t["accepted"].value_or(true);
+  FORCEGATE_TRY(step.effect, value_of(t, "effect", std::string(), where));
+  FORCEGATE_TRY(step.campaign, value_of(t, "campaign", std::string(), where));
+  FORCEGATE_TRY(step.error_before, value_of(t, "error_before", 0.0, where));
+  FORCEGATE_TRY(step.error_after, value_of(t, "error_after", 0.0, where));
+  FORCEGATE_TRY(step.plain_before, value_of(t, "plain_before", 0.0, where));
+  FORCEGATE_TRY(step.plain_after, value_of(t, "plain_after", 0.0, where));
+  FORCEGATE_TRY(step.floor, value_of(t, "floor", 0.0, where));
+  FORCEGATE_TRY(step.unit, value_of(t, "unit", std::string("V"), where));
+  FORCEGATE_TRY(step.accepted, value_of(t, "accepted", true, where));
   return step;
-}
-
-std::string number(double v) {
-  const std::string text = shortest(v);
-  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
-}
-
-std::string parameter_text(const ModelParameter& p) {
-  std::string out =
-      fmt::format("{{ value = {}, se = {}, unit = \"{}\"", number(p.value), number(p.se), p.unit);
-  if (p.minimum > -1e299) out += fmt::format(", min = {}", number(p.minimum));
-  if (p.maximum < 1e299) out += fmt::format(", max = {}", number(p.maximum));
-  return out + fmt::format(", neutral = {} }}", number(p.neutral));
 }
 
 }  // namespace
@@ -261,22 +255,25 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
     return fail(ErrorCode::config, std::string(error.description()),
                 fmt::format("{}:{}:{}", where, error.source().begin.line, error.source().begin.column), "");
   }
-  FORCEGATE_CHECK_OK(known_keys(root, {"format", "name", "sensor", "source", "law", "effect", "history"}, where));
+  FORCEGATE_CHECK_OK(known_keys(root, {"format", "name", "sensor", "source", "output_unit", "law", "effect", "history"}, where));
   Model out;
-  const auto format = root["format"].value_or<std::int64_t>(1);
-  if (format != 1)
+  FORCEGATE_TRY(const double format, value_of(root, "format", 1.0, where));
+  if (format != 1.0)
     return fail(ErrorCode::config, fmt::format("format {} of the model file is not known", format), place(where, *root["format"].node()),
                 "this program reads format 1");
-  out.name = root["name"].value_or(std::string("model"));
-  out.sensor = root["sensor"].value_or(std::string());
-  out.source = root["source"].value_or(std::string());
+  FORCEGATE_TRY(out.name, value_of(root, "name", std::string("model"), where));
+  FORCEGATE_TRY(out.sensor, value_of(root, "sensor", std::string(), where));
+  FORCEGATE_TRY(out.source, value_of(root, "source", std::string(), where));
+  FORCEGATE_TRY(out.output_unit, value_of(root, "output_unit", std::string("V"), where));
+  if (out.output_unit.empty())
+    return fail(ErrorCode::config, "output_unit is empty", place(where, *root["output_unit"].node()), "write the unit of the output (\"V\", \"S\"), or leave it out: volts");
   FORCEGATE_TRY(const toml::table* const law, section_of(root, "law", where));
   if (law == nullptr)
     return fail(ErrorCode::config, "the model has no [law]", where, "forcegate fit writes one");
   FORCEGATE_CHECK_OK(known_keys(*law, {"kind", "span_N", "gain_N_per_V", "offset_N", "b_scale", "q_scale", "b_slope_s_per_s",
                                        "b_intercept_per_s", "q_curvature_per_N2", "lowest_N", "temperature_C", "humidity_pct", "drive_V",
                                        "travel_N"}, where));
-  const std::string kind_of_law = (*law)["kind"].value_or(std::string("decaying"));
+  FORCEGATE_TRY(const std::string kind_of_law, value_of(*law, "kind", std::string("decaying"), where));
   if (kind_of_law != "static" && kind_of_law != "decaying")
     return fail(ErrorCode::config, "there is no law of kind \"" + kind_of_law + "\"", place(where, *(*law)["kind"].node()),
                 "write \"decaying\" or \"static\"");
@@ -286,10 +283,8 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
     if (const toml::node* node = (*law)[name].node()) {
       FORCEGATE_TRY(const ModelParameter p, read_parameter(*node, name, where));
       const auto is = [&](std::string_view of) { return std::string_view(name) == of; };
-      const std::string_view wanted = is("gain_N_per_V") ? "N/V" : is("offset_N") ? "N" : "";
-      if (!wanted.empty() && !p.unit.empty() && p.unit != wanted)
-        return fail(ErrorCode::config, fmt::format("{} is in {}, not in \"{}\"", name, wanted, p.unit), place(where, *node),
-                    "convert the value");
+      const std::string wanted = is("gain_N_per_V") ? "N/" + out.output_unit : is("offset_N") ? "N" : is("b_scale") || is("q_scale") ? "1" : p.unit;
+      FORCEGATE_CHECK_OK(is_in(p, wanted, place(where, *node)));
       constexpr double kBeyondAny = 1e12;  // a slip of the exponent, in whatever unit the output comes
       const double size = std::abs(p.value);
       if (is("gain_N_per_V") && p.value == 0.0) return fail(ErrorCode::config, "gain_N_per_V must not be 0", place(where, *node), "write the newtons that one volt means");
@@ -312,7 +307,7 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
 
   FORCEGATE_TRY(const std::vector<const toml::table*> effects, tables_of(root, "effect", where));
   for (const toml::table* table : effects) {
-    const std::string name = (*table)["name"].value_or(std::string());
+    FORCEGATE_TRY(const std::string name, value_of(*table, "name", std::string(), where));
     const bool twice = std::any_of(out.user_effects.begin(), out.user_effects.end(), [&](const UserEffect& e) { return e.name == name; });
     if (twice) return fail(ErrorCode::config, "two effects are called \"" + name + "\"", place(where, *table), "rename one of them");
     if (table->contains("output")) {
@@ -346,47 +341,6 @@ Result<Model> read_model(const std::filesystem::path& path) {
   std::stringstream text;
   text << file.rdbuf();
   return parse_model(text.str(), path.string());
-}
-
-std::string write_model(const Model& m) {
-  std::string out = "format = 1\n";
-  out +=
-      fmt::format("name = {}\nsensor = {}\nsource = {}\n\n[law]\n", quoted(m.name), quoted(m.sensor), quoted(m.source));
-  out += fmt::format("kind = \"{}\"\n", m.law.decays ? "decaying" : "static");
-  for (const FrameKey& key : kFrame)
-    if (std::isfinite(m.frame.*key.value)) out += fmt::format("{} = {}\n", key.name, number(m.frame.*key.value));
-  const auto line = [&](const char* name, double value, double se, const char* unit) {
-    out +=
-        fmt::format("{} = {{ value = {}, se = {}, unit = \"{}\" }}\n", name, number(value), number(se), unit);
-  };
-  line("gain_N_per_V", m.law.gain_N_per_V, m.se_gain, "N/V");
-  line("offset_N", m.law.offset_N, m.se_offset, "N");
-  if (m.law.decays) {
-    line("b_scale", m.law.b_scale, m.se_b_scale, "1");
-    line("q_scale", m.law.q_scale, m.se_q_scale, "1");
-    out += fmt::format("b_slope_s_per_s = {}\nb_intercept_per_s = {}\nq_curvature_per_N2 = {}\n",
-                       number(m.law.b_slope), number(m.law.b_intercept_per_s), number(m.law.q_curvature));
-  }
-  for (const ModelEffect& e : m.effects) {
-    out += fmt::format("\n[[effect]]\nname = \"{}\"\nform = \"{}\"\n", e.effect, e.form);
-    for (const ModelParameter& p : e.shape) out += fmt::format("shape.{} = {}\n", p.name, parameter_text(p));
-    for (const ModelParameter& p : e.strength)
-      out += fmt::format("strength.{} = {}\n", p.name, parameter_text(p));
-  }
-  for (const UserEffect& e : m.user_effects) {
-    out += fmt::format("\n[[effect]]\nname = {}\noutput = {}\n", quoted(e.name), quoted(e.output));
-    for (const auto& [name, derivative] : e.states)
-      out += fmt::format("state.{} = {}\n", name, quoted(derivative));
-    for (const ModelParameter& p : e.parameters)
-      out += fmt::format("parameter.{} = {}\n", p.name, parameter_text(p));
-  }
-  for (const HistoryStep& s : m.history)
-    out += fmt::format(
-        "\n[[history]]\neffect = {}\ncampaign = {}\nerror_before = {}\nerror_after = {}\nplain_before = {}\n"
-        "plain_after = {}\nfloor = {}\nunit = \"{}\"\naccepted = {}\n",
-        quoted(s.effect), quoted(s.campaign), number(s.error_before), number(s.error_after), number(s.plain_before),
-        number(s.plain_after), number(s.floor), s.unit, s.accepted);
-  return out;
 }
 
 }  // namespace forcegate

@@ -249,6 +249,12 @@ Result<Campaign> read_any(const fs::path& path, const CampaignOptions& options) 
 
 }  // namespace
 
+std::string output_unit(const Campaign& campaign) {
+  const Channel* output = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("U");
+  if (output == nullptr || output->unit.empty() || (output->unit == "1" && output->quantity != "ratio")) return "V";
+  return output->unit;
+}
+
 Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& options) {
   FORCEGATE_TRY(Campaign campaign, read_any(path, options));
   drop_copies(campaign);

@@ -69,6 +69,29 @@ TEST(Export, WithoutEffectsThereIsOneErrorAndNotTwo) {
   EXPECT_THAT(r.out, HasSubstr("held against the model's own inverse from 0 to 3.5 N"));
 }
 
+TEST(Export, AConductanceIsNotSoldAsAVoltage) {
+  const TemporaryFolder folder;
+  Noise noise;
+  std::string text = "t_s,F_ref_N,R_ohm\n";
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 0.02 * i, F = 2.0 + 1.5 * std::sin(0.7 * t);
+    text += std::to_string(t) + "," + std::to_string(F) + "," + std::to_string(1.0 / (5e-6 * F + 1e-6 + 1e-8 * noise())) + "\n";
+  }
+  write_text(folder / "film.csv", text);
+  const ProcessResult fitted = pasted("forcegate fit film.csv -o model.toml", folder);
+  ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
+  EXPECT_THAT(fitted.out, HasSubstr(" N/S\n"));
+  EXPECT_THAT(read_text(folder / "model.toml"), testing::AllOf(HasSubstr("output_unit = \"S\""), HasSubstr("unit = \"N/S\"")));
+  const ProcessResult exported = pasted("forcegate export model.toml --plan none --c comp.h --check film.csv", folder);
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_THAT(exported.out, HasSubstr("its input U is the conductance in S, 1/R with R in ohm: no voltage"));
+  EXPECT_THAT(exported.out, Not(HasSubstr("LSB")));
+  EXPECT_THAT(read_text(folder / "comp.h"), testing::AllOf(HasSubstr("U is the conductance in S"), HasSubstr("#define FG_COMP_INPUT_UNIT \"S\""), HasSubstr(" N/S, F0 ")));
+  write_straight(folder / "volts.csv");
+  const ProcessResult other = pasted("forcegate compare volts.csv --model model.toml", folder);
+  EXPECT_THAT(other.out + other.err, HasSubstr("the model takes an output in S, and these records hold it in V"));
+}
+
 TEST(Export, NoPlaceToBuildTheHeaderInIsAnErrorOnlyWhereItIsToBeReplayed) {
   const TemporaryFolder folder;
   write_straight(folder / "film.csv");

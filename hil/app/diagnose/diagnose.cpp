@@ -68,8 +68,7 @@ Result<Diagnosis> diagnose_request(const CampaignRequest& request, RecordPicture
 }
 
 const Finding* worth_adding(const Diagnosis& d) {
-  constexpr double kSame = 1.02;
-  if (d.error_after > kSame * d.error_before) return nullptr;
+  if (is_described_worse(d)) return nullptr;
   for (const Finding& f : d.findings) {
     const EffectKind* kind = EffectRegistry::instance().find(f.effect);
     if (f.claimed() && !f.of_samples() && f.effect != "drift" && f.unit == d.unit &&
@@ -85,7 +84,8 @@ std::string diagnosis_text(const Diagnosis& d) {
   const auto number = [&](double v) { return plain_number(unit.factor * v); };
   const std::string it_follows = d.follows.empty() ? "" : "; it follows " + join(d.follows, " and ");
   if (d.verdict == DiagnosisVerdict::none) {
-    out += "verdict: nothing is missing that these records could show\n";
+    const std::string beside = beside_none(d);
+    out += "verdict: nothing is missing that these records could show" + (beside.empty() ? "" : "; but " + beside) + "\n";
   } else if (d.verdict == DiagnosisVerdict::unknown && !d.not_separable.empty()) {
     out += "verdict: something is missing, and these records cannot tell which: " +
            join(d.not_separable.front(), " or ") + "\n";

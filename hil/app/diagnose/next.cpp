@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/app/diagnose/what_next.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 
@@ -27,13 +28,24 @@ const RefusedEffect* strongest_refused(const Diagnosis& d) {
   return nullptr;
 }
 
+std::string which_plan(const Diagnosis& d) {
+  const std::string plan = plan_that_settles(d);
+  return plan.empty() ? "no plan that comes with the program plays that: record it by hand, or with a plan of your own (docs/plan.md), and put the recordings into the campaign\n"
+                      : "the plan " + plan + " plays some of it\n";
+}
+
 std::string without_segments(const Diagnosis& d) {
   if (!d.not_separable.empty()) {
     std::string out = "not separable here: " + join(d.not_separable.front(), " or ") +
                       "; none of the short segments that a rig can play would part them\nwhat would:\n";
     for (const std::string& effect : d.not_separable.front())
       if (const std::string how = what_parts(effect); !how.empty()) out += "  " + effect + ": " + how + "\n";
-    return out;
+    return out + which_plan(d);
+  }
+  if (const std::vector<const Finding*> suspicions = suspicions_beside_none(d); !suspicions.empty()) {
+    std::string out = "nothing is claimed; " + beside_none(d) + "\nwhat would settle it:\n";
+    for (const Finding* f : suspicions) out += "  " + f->effect + ": " + what_parts(f->effect) + (f->reservations.empty() ? "" : " (not claimed: " + f->reservations.back().why + ")") + "\n";
+    return out + which_plan(d);
   }
   if (d.verdict == DiagnosisVerdict::unknown)
     return "structure remains that no effect of the library explains, so none competes" +

@@ -28,7 +28,26 @@ bool competes(const Diagnosis& d) {
          std::ranges::any_of(d.findings, [](const Finding& f) { return f.probability >= kOpen; });
 }
 
+// An effect of the sensor is claimed, and a model that takes it in is no better for the held-out records: only more of them tell.
+bool is_of_no_use_yet(const Diagnosis& d) {
+  return d.verdict == DiagnosisVerdict::known && is_described_worse(d) && std::ranges::any_of(d.findings, [&](const Finding& f) {
+    const EffectKind* kind = EffectRegistry::instance().find(f.effect);
+    return f.claimed() && !f.of_samples() && f.unit == d.unit && kind != nullptr && kind->channel == EffectChannel::output;
+  });
+}
+
 }  // namespace
+
+std::string plan_that_settles(const Diagnosis& d) {
+  constexpr const char* kInCampaign[] = {"creep", "hysteresis"};  // long holds at two levels; triangles at two speeds, minor loops
+  std::vector<std::string> asked;
+  if (!d.not_separable.empty()) asked = d.not_separable.front();
+  else
+    for (const Finding* f : suspicions_beside_none(d)) asked.push_back(f->effect);
+  if (asked.empty() && d.verdict == DiagnosisVerdict::none) return "campaign";  // what these records do not play at all
+  const bool plays = std::ranges::any_of(asked, [&](const std::string& effect) { return std::ranges::find(kInCampaign, effect) != std::end(kInCampaign); });
+  return plays ? "campaign" : "";
+}
 
 WhatNext after_diagnosis(const Diagnosis& d, const Standing& at) {
   const Finding* first = worth_adding(d);
@@ -37,11 +56,14 @@ WhatNext after_diagnosis(const Diagnosis& d, const Standing& at) {
   if (competes(d)) return {at.experiment ? Step::record : Step::experiment, ""};
   if (d.verdict == DiagnosisVerdict::none) {
     if (at.experiment) return {Step::record, ""};
+    if (!at.page && !beside_none(d).empty()) return {Step::page, ""};
+    if (!suspicions_beside_none(d).empty()) return {Step::experiment, ""};
     if (!(d.force_range_N > 0.0)) return {Step::explain, "none"};  // recordings without an input: there is no law to fit
     if (at.is_exportable && at.is_exportable()) return {Step::compensate, ""};
     return at.model_file ? WhatNext{Step::explain, "none"} : WhatNext{Step::fit, ""};
   }
   if (!at.page) return {Step::page, ""};
+  if (is_of_no_use_yet(d)) return {Step::record, ""};
   // what was added before is worth having, though not all is understood
   if (d.verdict == DiagnosisVerdict::unknown && !at.in_model.empty() && at.is_exportable && at.is_exportable()) return {Step::compensate, ""};
   return {Step::explain, word_of(d)};

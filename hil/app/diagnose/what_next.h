@@ -6,6 +6,8 @@
 //   diagnose -> next -> next --run -> diagnose                                      while effects compete
 //   diagnose -> diagnose --html -> explain                                          for what no command can mend
 //   diagnose -> export (several records), or fit -> export (one)                    when nothing is missing
+//   diagnose -> diagnose --html -> next -> record                                   when an effect is suspected beside that
+//   diagnose -> diagnose --html -> record                                           when held-out records gain nothing by what is claimed
 
 #include <functional>
 #include <optional>
@@ -23,7 +25,7 @@ enum class Step {
   page,        ///< look at the pictures
   fit,         ///< keep the law's own numbers in a model file
   compensate,  ///< put the model into firmware
-  record,      ///< the records do not show it: what a whole campaign plays
+  record,      ///< the records do not show it: what else to play
   explain,     ///< nothing is left that a command could do: what the answer means
 };
 
@@ -43,6 +45,9 @@ struct Standing {
 };
 
 WhatNext after_diagnosis(const Diagnosis& diagnosis, const Standing& standing);
+
+/// A plan that comes with the program and plays what would part the rivals, or settle the suspicion, of this answer; "": none does.
+std::string plan_that_settles(const Diagnosis& diagnosis);
 
 /// True for a name of the models that come with the program, and for "".
 bool is_shipped_model(const std::string& model);

@@ -228,7 +228,8 @@ std::vector<std::string> objections(const CompensatorCheck& check) {
   std::vector<std::string> out;
   const auto worse = std::ranges::count_if(check.records, [&](const ReplayedRecord& r) { return r.compensated_rms_N > kLarger * r.plain_rms_N; });
   if (differs_from_model(check))
-    out.push_back(fmt::format("the header differs from the model's own inverse by {:.2g} LSB: it does not undo this model", check.largest_N / check.lsb_N));
+    out.push_back(fmt::format("the header differs from the model's own inverse by {}: it does not undo this model",
+                              check.lsb_N > 0.0 ? fmt::format("{:.2g} LSB", check.largest_N / check.lsb_N) : fmt::format("{:.2g} N", check.largest_N)));
   if (check.compensated_rms_N > kLarger * check.plain_rms_N)
     out.push_back(fmt::format("the error on these records is larger with the header than with the law alone: {} -> {} mN ({} of {} records): do not build it in, the firmware is better without it",
                               plain_number(1e3 * check.plain_rms_N), plain_number(1e3 * check.compensated_rms_N), worse, check.records.size()));
@@ -245,7 +246,8 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
   out.compiler = "cc -std=c11 -O2 -ffp-contract=off";
   const double range_V = std::isfinite(campaign.bench.voltage_max_V) ? campaign.bench.voltage_max_V : 10.0;
   const int bits = campaign.bench.adc_bits > 0 ? campaign.bench.adc_bits : 16;
-  out.lsb_N = std::fabs(model.law.gain_N_per_V) * range_V / (std::ldexp(1.0, bits) - 1.0);
+  out.lsb_N = std::fabs(model.law.gain_N_per_V) *
+              (model.output_unit == "V" ? range_V / (std::ldexp(1.0, bits) - 1.0) : model.output_unit == "counts" ? 1.0 : 0.0);
   const double G = model.law.gain_N_per_V, F0 = model.law.offset_N;
   std::vector<Thinned> kept;
   Line plain_line, compensated_line;

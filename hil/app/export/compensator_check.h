@@ -31,7 +31,7 @@ struct ReplayedRecord {
 struct CompensatorCheck {
   std::vector<ReplayedRecord> records;
   double largest_N = 0.0;
-  double lsb_N = 0.0;  ///< |G| v_range / (2^bits - 1) of the campaign's converter
+  double lsb_N = 0.0;  ///< of the campaign's converter: |G| v_range / (2^bits - 1) of volts, |G| of counts; 0: a unit that no converter gives
   double plain_rms_N = 0.0, compensated_rms_N = 0.0;  ///< records weigh the same
   std::string compiler;
 };

@@ -30,8 +30,39 @@ Result<void> set_reference(Model& model, double given_C) {
 
 constexpr double kWorse = 1.02;
 
-std::string fit_error(double law_V, double model_V, bool bare) {
-  return plain_number(1e3 * law_V) + (bare ? " mV" : fmt::format(" -> {} mV with the effects", plain_number(1e3 * model_V)));
+std::string fit_text(const ExportResult& r) {
+  const PrintedUnit unit = printed_unit(r.input_unit);
+  const bool bare = r.compensator.effects.empty();
+  const auto left_out = [&](double V) { return plain_number(unit.factor * V); };
+  std::string out = "one law for all records, as a firmware has it: error of records left out " + left_out(r.fit->law_left_out_V) +
+                    (bare ? " " + unit.name : fmt::format(" -> {} {} with the effects", left_out(r.fit->left_out_V), unit.name)) + "\n";
+  std::size_t worse = 0;
+  for (const auto& item : r.fit->records) {
+    out += fmt::format("    {:<28} {:>8.1f}{} {}\n", item.record, unit.factor * item.law_V, bare ? "" : fmt::format(" -> {:.1f}", unit.factor * item.model_V), unit.name);
+    if (item.model_V > kWorse * item.law_V) ++worse;
+  }
+  if (!bare && worse > 0)
+    out += fmt::format("note: {} of {} records {} worse with the effects than with the law alone\n", worse, r.fit->records.size(), worse == 1 ? "is" : "are");
+  for (const std::string& note : r.fit->notes) out += "note: " + note + "\n";
+  return out;
+}
+
+std::string check_text(const ExportResult& r) {
+  const CompensatorCheck& check = *r.check;
+  const auto lsb = [&](double size_N, const std::string& before) { return check.lsb_N > 0.0 ? before + plain_number(size_N / check.lsb_N) + " LSB" : std::string(); };
+  const bool bare = r.compensator.effects.empty();
+  const auto errors = [&](double law_N, double header_N) {
+    return bare ? fmt::format("{:>8.1f}", 1e3 * law_N) : fmt::format("{:>8.1f} -> {:<8.1f}", 1e3 * law_N, 1e3 * header_N);
+  };
+  std::string out = fmt::format("built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N{}\n", check.compiler, check.largest_N, lsb(check.largest_N, " = "));
+  out += fmt::format("  recorded {} against recorded force, RMS in mN ({}):\n", r.input.empty() ? "voltages" : "outputs", bare ? "the law alone" : "the law alone -> with this header");
+  for (const ReplayedRecord& item : check.records)
+    out += fmt::format("    {:<28} {:>5.0f} s {}{}{}\n", item.record, item.seconds, errors(item.plain_rms_N, item.compensated_rms_N), lsb(item.largest_N, " difference "),
+                       (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
+                           (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
+  out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", errors(check.plain_rms_N, check.compensated_rms_N));
+  for (const std::string& objection : objections(check)) out += "warning: " + objection + "\n";
+  return out;
 }
 
 }  // namespace
@@ -67,8 +98,8 @@ Result<ExportResult> export_model(const ExportRequest& request) {
                                              step.effect.empty() ? "Refitted" : step.effect + " added", step.campaign,
                                              unit.factor * step.error_before, unit.factor * step.error_after, unit.name));
   }
-  options.provenance.push_back(fmt::format("G {} N/V, F0 {} N, b x {}, c/a x {}.",
-                                           with_uncertainty(model.law.gain_N_per_V, model.se_gain),
+  options.provenance.push_back(fmt::format("G {} N/{}, F0 {} N, b x {}, c/a x {}.",
+                                           with_uncertainty(model.law.gain_N_per_V, model.se_gain), model.output_unit,
                                            with_uncertainty(model.law.offset_N, model.se_offset),
                                            with_uncertainty(model.law.b_scale, model.se_b_scale),
                                            with_uncertainty(model.law.q_scale, model.se_q_scale)));
@@ -78,6 +109,8 @@ Result<ExportResult> export_model(const ExportRequest& request) {
         options.provenance.push_back(fmt::format("{} {} = {}{}.", e.effect, p.name,
                                                  with_uncertainty(p.value, p.se),
                                                  p.unit == "1" ? "" : " " + p.unit));
+  out.input_unit = model.output_unit;
+  out.input = input_in_words(model);
   out.notes = undone_as_written_notes(model);
   for (const std::string& name : never_fitted_equations(model)) options.provenance.push_back(name + ": as written, never fitted.");
   for (const std::string& name : never_fitted_effects(model)) options.provenance.push_back(name + ": as written, never fitted.");
@@ -98,21 +131,11 @@ Result<ExportResult> export_model(const ExportRequest& request) {
 std::string export_text(const ExportResult& r) {
   const Compensator& c = r.compensator;
   std::string out;
-  if (r.fit) {
-    const bool bare = c.effects.empty();
-    out += fmt::format("one law for all records, as a firmware has it: error of records left out {}\n", fit_error(r.fit->law_left_out_V, r.fit->left_out_V, bare));
-    std::size_t worse = 0;
-    for (const auto& item : r.fit->records) {
-      out += fmt::format("    {:<28} {:>8.1f}{} mV\n", item.record, 1e3 * item.law_V, bare ? "" : fmt::format(" -> {:.1f}", 1e3 * item.model_V));
-      if (item.model_V > kWorse * item.law_V) ++worse;
-    }
-    if (!bare && worse > 0)
-      out += fmt::format("note: {} of {} records {} worse with the effects than with the law alone\n", worse, r.fit->records.size(), worse == 1 ? "is" : "are");
-    for (const std::string& note : r.fit->notes) out += "note: " + note + "\n";
-  }
+  if (r.fit) out += fit_text(r);
   if (!r.header.empty())
     out += fmt::format("{}: compensator {}, {} bytes of C11\n", r.header.string(), c.id, c.header.size());
   for (const std::string& effect : c.effects) out += "  undoes " + effect + "\n";
+  if (!r.input.empty()) out += "  its input U is " + r.input + ": no voltage\n";
   if (c.effects.empty())
     out += "  the law alone: the reference firmware computes its inverse without this header\n";
   out += fmt::format(
@@ -125,22 +148,7 @@ std::string export_text(const ExportResult& r) {
   out += r.self.made ? fmt::format("  held against the model's own inverse from {:.2g} to {:.2g} N: at most {:.2g} N apart\n", r.self.low_N, r.self.high_N, r.self.largest_N)
                      : "note: not held against the model's own inverse: " + r.self.why_not + "\n";
   for (const std::string& note : r.notes) out += "note: " + note + "\n";
-  if (!r.check) return out;
-  out += fmt::format(
-      "built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N = {} LSB\n",
-      r.check->compiler, r.check->largest_N, plain_number(r.check->largest_N / r.check->lsb_N));
-  const auto errors = [&](double law_N, double header_N) {
-    return c.effects.empty() ? fmt::format("{:>8.1f}", 1e3 * law_N) : fmt::format("{:>8.1f} -> {:<8.1f}", 1e3 * law_N, 1e3 * header_N);
-  };
-  out += fmt::format("  recorded voltages against recorded force, RMS in mN ({}):\n", c.effects.empty() ? "the law alone" : "the law alone -> with this header");
-  for (const ReplayedRecord& item : r.check->records)
-    out += fmt::format("    {:<28} {:>5.0f} s {} difference {} LSB{}\n", item.record,
-                       item.seconds, errors(item.plain_rms_N, item.compensated_rms_N),
-                       plain_number(item.largest_N / r.check->lsb_N),
-                       (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
-                           (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
-  out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", errors(r.check->plain_rms_N, r.check->compensated_rms_N));
-  for (const std::string& objection : objections(*r.check)) out += "warning: " + objection + "\n";
+  if (r.check) out += check_text(r);
   return out;
 }
 
@@ -148,6 +156,7 @@ std::string export_json(const ExportResult& r) {
   nlohmann::ordered_json out = {{"format", 1},
                                 {"header", r.header.string()},
                                 {"id", r.compensator.id},
+                                {"input_unit", r.input_unit},
                                 {"effects", r.compensator.effects},
                                 {"operations", r.compensator.operations},
                                 {"state_bytes", r.compensator.state_bytes},

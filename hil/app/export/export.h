@@ -25,6 +25,8 @@ struct ExportRequest {
 };
 
 struct ExportResult {
+  std::string input_unit = "V";  ///< of what the header takes
+  std::string input;             ///< in words, where it is no voltage
   std::filesystem::path header;
   Compensator compensator;
   CalibrationMap calibration;

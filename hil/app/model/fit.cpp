@@ -32,12 +32,16 @@ Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign ca
   if (!add.empty() && has_effect(model, add))
     return fail(ErrorCode::config, "the model has " + add + " already", request.model.empty() ? model.name : request.model,
                 "forcegate fit refits it");
+  const std::string unit = output_unit(campaign);
   auto out = diagnose::refit_campaign(std::move(campaign), engine_options(model, request.threads), model, add);
   const auto own = std::ranges::find(model.user_effects, add, &UserEffect::name);
   if (!out && own != model.user_effects.end() && out.error().text.starts_with("the campaign cannot show"))
     return fail(out.error().code, "the campaign cannot show " + add, out.error().where,
                 "its equation has no value at the shapes tried, or the records ask for a parameter outside of its min and max");
   if (!out) return Unexpected(places.with_file(std::move(out.error())));
+  out->model.output_unit = unit;
+  for (diagnose::ParameterMove& move : out->moves)
+    if (move.name == "gain_N_per_V") move.unit = "N/" + unit;
   for (std::string& note : left_out_notes(model, add)) out->notes.push_back(std::move(note));
   return out;
 }

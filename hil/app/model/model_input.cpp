@@ -1,5 +1,7 @@
 #include "hil/app/model/model_input.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -28,7 +30,14 @@ Result<Model> load_model(const std::string& name) {
 }
 
 Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
-  if (!request.model.empty()) return load_model(request.model);
+  if (!request.model.empty()) {
+    FORCEGATE_TRY(Model model, load_model(request.model));
+    const std::vector<std::string> known = library_model_names();
+    if (const std::string unit = output_unit(campaign); unit != model.output_unit && std::ranges::find(known, request.model) == known.end())
+      campaign.notes.push_back(fmt::format("the model takes an output in {}, and these records hold it in {}: what the file says as written means nothing here, only what is refitted does",
+                                           model.output_unit, unit));
+    return model;
+  }
   const std::string name = library_model_of(campaign.sensor);
   if (name != "flexiforce")
     campaign.notes.push_back("sensor \"" + campaign.sensor + "\": the model is " + name + " (--model flexiforce for the other one)");

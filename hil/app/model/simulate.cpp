@@ -14,8 +14,7 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   FORCEGATE_TRY(const Model model, load_model(request, campaign));
   Simulation out;
-  const Channel* output = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("U");
-  if (output != nullptr && (output->quantity == "ratio" || (!output->unit.empty() && output->unit != "1"))) out.unit = output->unit;
+  out.unit = output_unit(campaign);
   FORCEGATE_TRY(CampaignInput rows, clean_input(std::move(campaign), request.threads));
   for (RecordInput& r : rows.records) set_decay(r, model.law);
   const CampaignInFrame input(model.frame, std::move(rows));

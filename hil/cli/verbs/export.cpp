@@ -12,10 +12,11 @@ namespace {
 
 // The firmware around the header is built by a script of the source tree. Elsewhere the header is first held against recordings, and then
 // compiled as the firmware will compile it.
-std::string line_after(const Invocation& in, const std::filesystem::path& header) {
-  const std::string file = shell_quoted(header.string());
+std::string line_after(const Invocation& in, const ExportResult& answer) {
+  const std::string file = shell_quoted(answer.header.string());
   std::error_code ignored;
-  if (std::filesystem::is_regular_file("ci/firmware", ignored)) return "ci/firmware " + file + " mine";
+  // the firmware of the source tree reads volts
+  if (answer.input.empty() && std::filesystem::is_regular_file("ci/firmware", ignored)) return "ci/firmware " + file + " mine";
   if (in.given("fit") && !in.given("check")) return in.command_line() + " --check " + shell_quoted(in.text("fit"));
   return "cc -std=c11 -Wall -fsyntax-only -x c " + file;
 }
@@ -55,7 +56,7 @@ Result<int> run(const Invocation& in) {
     in.console().next(differs_from_model(*answer.check) ? "forcegate explain \"not undone\"" : "forcegate explain \"no gain\"");
     return kExitReject;
   }
-  in.console().next(answer.header.empty() ? in.command_line() + " --c comp.h" : line_after(in, answer.header));
+  in.console().next(answer.header.empty() ? in.command_line() + " --c comp.h" : line_after(in, answer));
   return kExitSuccess;
 }
 

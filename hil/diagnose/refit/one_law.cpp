@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/plain_number.h"
 #include "hil/diagnose/candidates/user_candidates.h"
 #include "hil/diagnose/engine.h"
 
@@ -238,7 +239,11 @@ struct Trial {
 };
 
 // Samples that a fit throws out are thrown out here too, and it is decided from the output which records decay. Every row counts.
-Result<CampaignInput> rows_as_fitted(Campaign campaign, const Model& start, unsigned threads) {
+struct FittedRows {
+  CampaignInput input;
+  std::string unit;  ///< of the output
+};
+Result<FittedRows> rows_as_fitted(Campaign campaign, const Model& start, unsigned threads) {
   constexpr std::size_t kFewest = 3;
   const auto too_few = [name = campaign.name] {
     return fail(ErrorCode::config, "one law for all records needs at least three of them", name, "forcegate record makes a campaign");
@@ -253,13 +258,13 @@ Result<CampaignInput> rows_as_fitted(Campaign campaign, const Model& start, unsi
   FORCEGATE_TRY(const std::unique_ptr<Workspace> w, prepare(std::move(campaign), options));
   if (w->input.records.size() < kFewest) return too_few();
   for (RecordInput& r : w->input.records) r.wanted.clear();
-  return std::move(w->input);
+  return FittedRows{std::move(w->input), w->output.unit};
 }
 
-std::string cost_of(const Trial& usable, const Trial& best) {
+std::string cost_of(const Trial& usable, const Trial& best, const PrintedUnit& unit) {
   const std::string& wanted = best.effects.back().form->name;
   const std::string& taken = usable.effects.back().form->name;
-  const std::string costs = fmt::format("and leaves {:.3g} mV of error instead of {:.3g}", 1e3 * usable.left_out_V, 1e3 * best.left_out_V);
+  const std::string costs = fmt::format("and leaves {:.3g} {} of error instead of {:.3g}", unit.factor * usable.left_out_V, unit.name, unit.factor * best.left_out_V);
   const std::string& effect = best.effects.back().kind->name;
   if (wanted == taken)
     return fmt::format("{}: the form {} predicts best with parameters with which it cannot be undone; with others it can, {}", effect, wanted, costs);
@@ -269,7 +274,8 @@ std::string cost_of(const Trial& usable, const Trial& best) {
 }  // namespace
 
 Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsable& is_usable, unsigned threads) {
-  FORCEGATE_TRY(CampaignInput input, rows_as_fitted(std::move(campaign), start, threads));
+  FORCEGATE_TRY(FittedRows rows, rows_as_fitted(std::move(campaign), start, threads));
+  CampaignInput& input = rows.input;
   const std::string name = input.name;
   std::vector<std::string> notes = std::move(input.notes);
   FORCEGATE_TRY(const auto own_kinds, make_user_kinds(start.user_effects, input));
@@ -298,7 +304,7 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
     }
     if (best.effects.empty()) continue;
     const bool worse = !usable.effects.empty() && usable.left_out_V > best.left_out_V;
-    if (worse) out.notes.push_back(cost_of(usable, best));
+    if (worse) out.notes.push_back(cost_of(usable, best, printed_unit(rows.unit)));
     const Trial& chosen = usable.effects.empty() ? best : usable;
     effects = chosen.effects;
     FORCEGATE_TRY(law, fitter.refine(chosen.law, effects));
@@ -318,7 +324,9 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
     out.records.push_back({fitter.input().records[k].name,
                            std::sqrt(Fitter::square_error(bare[k], bare_beta)),
                            std::sqrt(Fitter::square_error(grams[k], all))});
+  out.model.output_unit = rows.unit;
   HistoryStep step;
+  step.unit = rows.unit;
   step.campaign = name;
   step.error_before = step.plain_before = out.law_left_out_V;
   step.error_after = step.plain_after = out.left_out_V;

@@ -23,6 +23,12 @@ std::string comment(const std::string& text) {
   return safe;
 }
 
+// Within quotes of C.
+std::string plain_word(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return c < 0x20 || c == '"' || c == '\\'; });
+  return text;
+}
+
 std::string define(const char* name, double value) {
   return fmt::format("#define {} {}\n", name, c_float(value));
 }
@@ -110,6 +116,15 @@ std::string calibration_text(const CalibrationMap& m) {
 
 }  // namespace
 
+std::string input_in_words(const Model& model) {
+  const std::string& unit = model.output_unit;
+  if (unit == "V") return {};
+  if (unit == "S") return "the conductance in S, 1/R with R in ohm";
+  if (unit == "1") return "a ratio";
+  if (unit == "counts") return "counts of the converter as they were recorded";
+  return "the output in " + unit;
+}
+
 Result<Compensator> make_compensator(const Model& model, const CompensatorOptions& options) {
   Compensator out;
   out.id = short_id(model);
@@ -172,6 +187,7 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
   h += fmt::format("\n   u = G U + F0 is solved for F:  u = F_low + D (F - F_low)");
   for (std::size_t k = 0; k < terms.size(); ++k) h += fmt::format(" + e{}(F)", k);
   h += "\n";
+  if (const std::string input = input_in_words(model); !input.empty()) h += "   U is " + comment(input) + ": no voltage. G is in N/" + comment(model.output_unit) + ".\n";
   for (std::size_t k = 0; k < terms.size(); ++k) h += fmt::format("   e{}  {}\n", k, comment(terms[k].title));
   h += fmt::format(
       "\n   Cost of a sample at {:g} Hz: at most {} floating-point operations (at most {} evaluations of the right side), {} bytes of\n"
@@ -186,6 +202,7 @@ Result<Compensator> make_compensator(const Model& model, const CompensatorOption
       "#define FG_COMP_ID \"{}\"\n#define FG_COMP_RATE_HZ {}\n#define FG_COMP_NEEDS_TEMPERATURE {}\n\n",
       out.id, rate_text(options.rate_Hz), out.needs_temperature ? 1 : 0);
   h +=
+      "#define FG_COMP_INPUT_UNIT \"" + plain_word(model.output_unit) + "\"\n"
       "/* The fitted law, for those who calibrate by the model itself: F = G U + F0; b = b_scale (slope f + constant), f in Hz;\n"
       "   q = q_scale / (1 + curvature A^2), A in N; D = (exp(-b t) + q)/(1 + q). */\n";
   h += define("FG_COMP_GAIN_N_PER_V", model.law.gain_N_per_V) +

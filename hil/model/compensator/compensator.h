@@ -1,5 +1,5 @@
 #pragma once
-// The inverse of a fitted model as one C11 header for a microcontroller: voltage in, force out. No heap, no libm, no
+// The inverse of a fitted model as one C11 header for a microcontroller: voltage (or whatever the model takes, output_unit) in, force out. No heap, no libm, no
 // double, a fixed bound on the work of a sample. The model in newtons, u = G U + F0:
 //
 //   u = F_low + D (F - F_low) + sum_j e_j(F, history)
@@ -44,6 +44,9 @@ struct Compensator {
   double noise_gain = 1.0;  ///< how much one sample's noise is amplified at rest, at most
   bool needs_temperature = false;
 };
+
+/// What U is where the model does not take volts: "the conductance in S, 1/R"; "" for volts.
+std::string input_in_words(const Model& model);
 
 /// Errors (config): an effect that cannot be inverted, by name and with the reason.
 Result<Compensator> make_compensator(const Model& model, const CompensatorOptions& options);

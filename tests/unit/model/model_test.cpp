@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -215,6 +217,45 @@ TEST(ModelFile, AKeyThatIsNotReadIsAnErrorAtEveryLevel) {
            {law + "[[effect]]\nname = \"lag\"\nshape = 0.1\n", "shape is no table"}})
     EXPECT_NE(text_of(text).find(wanted), std::string::npos) << text << text_of(text);
   EXPECT_EQ(text_of(mine + "state.x = \"F - x\"\n"), "accepted");
+}
+
+TEST(ModelFile, TheUnitOfAnOutputThatIsNoVoltageGoesWithIt) {
+  const auto model = parse_model("output_unit = \"S\"\n[law]\ngain_N_per_V = { value = 2e5, unit = \"N/S\" }\n", "m.toml");
+  ASSERT_TRUE(model) << model.error().to_text();
+  EXPECT_EQ(model->output_unit, "S");
+  const std::string text = write_model(*model);
+  EXPECT_NE(text.find("output_unit = \"S\""), std::string::npos) << text;
+  EXPECT_NE(text.find("unit = \"N/S\""), std::string::npos) << text;
+  EXPECT_EQ(parse_model(text, "again.toml")->output_unit, "S");
+  EXPECT_EQ(parse_model("[law]\n", "m.toml")->output_unit, "V");
+  EXPECT_EQ(write_model(*parse_model("[law]\n", "m.toml")).find("output_unit"), std::string::npos);
+  const auto volts = parse_model("[law]\ngain_N_per_V = { value = 2e5, unit = \"N/S\" }\n", "m.toml");
+  ASSERT_FALSE(volts);
+  EXPECT_EQ(volts.error().text, "gain_N_per_V is in N/V, not in \"N/S\"");
+}
+
+TEST(ModelFile, ValuesInAnotherUnitOrOfAnotherTypeAreErrorsEverywhere) {
+  const std::string creep = "[law]\n[[effect]]\nname = \"creep\"\nform = \"power_law\"\n";
+  for (const auto& [text, what, where] : {
+           std::tuple{creep + "strength.k_per_decade = { value = 0.02, unit = \"V\" }\n", "k_per_decade has no unit, and here it is in \"V\"", "m.toml:5:"},
+           std::tuple{std::string("[law]\n[[effect]]\nname = \"lag\"\nshape.tau_s = { value = 3, unit = \"ms\" }\n"), "tau_s is in s, not in \"ms\"", "m.toml:4:"},
+           std::tuple{creep + "strength.k_per_decade = { value = 0.02, se = -1 }\n", "the standard error of k_per_decade is -1", "m.toml:5:"},
+           std::tuple{std::string("[law]\noffset_N = { value = 0.1, se = \"0.1\" }\n"), "se is no number", "m.toml:2:"},
+           std::tuple{std::string("[law]\nb_scale = { value = 1, unit = \"N\" }\n"), "b_scale has no unit", "m.toml:2:"},
+           std::tuple{std::string("[law]\n[[history]]\nerror_before = \"a\"\n"), "error_before is no number", "m.toml:3:"},
+           std::tuple{std::string("[law]\n[[history]]\naccepted = \"yes\"\n"), "accepted is neither true nor false", "m.toml:3:"},
+           std::tuple{std::string("[law]\n[[history]]\ncampaign = 7\n"), "campaign is no text", "m.toml:3:"},
+           std::tuple{std::string("name = 7\n[law]\n"), "name is no text", "m.toml:1:"},
+       }) {
+    const auto model = parse_model(text, "m.toml");
+    ASSERT_FALSE(model) << text;
+    EXPECT_NE(model.error().text.find(what), std::string::npos) << model.error().to_text();
+    EXPECT_TRUE(model.error().where.starts_with(where)) << model.error().to_text();
+    EXPECT_FALSE(model.error().hint.empty()) << text;
+  }
+  const auto none = parse_model("[law]\n[[effect]]\nname = \"creep\"\nshape.p = 0.15\n", "m.toml");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().hint, "the form prony of creep has no shape; forcegate explain creep lists the forms with theirs");
 }
 
 TEST(ModelFile, AnyTextAndAnyFittedValueSurviveWriting) {
