@@ -1,5 +1,7 @@
 #include "hil/diagnose/diagnosis.h"
 
+#include <fmt/format.h>
+
 namespace forcegate {
 
 std::string to_string(DiagnosisVerdict verdict) {
@@ -28,6 +30,34 @@ bool Finding::limit(double most, const std::string& why) {
   reservations.push_back({most, why});
   evidence += (most < kClaim ? "; not claimed: " : "; less sure: ") + why;
   return true;
+}
+
+void Finding::not_claimed(const std::string& why) {
+  reservations.push_back({probability, why});
+  evidence += "; not claimed: " + why;
+}
+
+std::vector<const Finding*> suspicions_beside_none(const Diagnosis& d) {
+  std::vector<const Finding*> out;
+  if (d.verdict != DiagnosisVerdict::none) return out;
+  for (const Finding& f : d.findings)
+    if (!f.claimed() && !f.in_model && !f.of_samples() && f.unit == d.unit && f.effect_rms > kFarAboveNoise * d.floor) out.push_back(&f);
+  return out;
+}
+
+std::string beside_none(const Diagnosis& d) {
+  constexpr std::size_t kNamed = 3;
+  if (d.verdict != DiagnosisVerdict::none) return {};
+  std::string out;
+  const std::vector<const Finding*> suspicions = suspicions_beside_none(d);
+  for (std::size_t k = 0; k < suspicions.size(); ++k) out += (k == 0 ? "" : " and ") + suspicions[k]->effect;
+  if (!out.empty()) out += suspicions.size() > 1 ? " are suspected and not claimed" : " is suspected and not claimed";
+  std::string records;
+  for (std::size_t k = 0; k < std::min(kNamed, d.far_above.size()); ++k)
+    records += fmt::format("{}{} ({:.2g} times)", k == 0 ? "" : ", ", d.far_above[k].record, d.far_above[k].times);
+  if (d.far_above.size() > kNamed) records += " and others";
+  if (!records.empty()) out += (out.empty() ? "far above its noise stands " : ", and far above its noise stands ") + records;
+  return out;
 }
 
 }  // namespace forcegate

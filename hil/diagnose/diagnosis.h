@@ -87,6 +87,7 @@ struct Finding {
   std::string form;         ///< which form of the effect was fitted
   double effect_rms = 0.0;  ///< RMS of what the effect adds, same unit
   int records_improved = 0, records_excited = 0;
+  bool counts_parts = false;  ///< of records, where too few show it: these two count parts
   std::vector<EvidenceSeries> series;
   std::vector<SampleWindow> samples;  ///< of a claim about raw samples
   bool side_witnessed =
@@ -101,6 +102,8 @@ struct Finding {
   /// Lowers a probability above `most` to it, and says why in `reservations` and at the end of `evidence`. The only way to a lower one.
   /// True when it was above.
   bool limit(double most, const std::string& why);
+  /// Says the same of one that its evidence left below a claim.
+  void not_claimed(const std::string& why);
 };
 
 /// One row of the ranking: every effect of the library that the data can excite.
@@ -132,6 +135,12 @@ enum class JudgedBy {
 std::string to_string(JudgedBy by);
 /// "held-out error", or what it is where nothing could be held out.
 std::string error_name(JudgedBy by);
+
+/// A record of which the model leaves far more than its instruments may.
+struct RecordFarAbove {
+  std::string record;
+  double times = 0.0;  ///< RMS of what is left over that of what they may leave
+};
 
 struct ErrorPair {
   double before = 0.0, after = 0.0;
@@ -210,7 +219,8 @@ struct Diagnosis {
   JudgedBy judged_by = JudgedBy::heldout;
   std::vector<ModelStep> steps;  ///< of a diagnosis, in the order in which effects were taken in
   std::string unit = "V";
-  std::map<std::string, ErrorPair> errors;  ///< "F" when the rig side is at fault, "U_plain" always
+  std::map<std::string, ErrorPair> errors;  ///< "F" when the rig's law is at fault, "U_plain" always
+  std::vector<RecordFarAbove> far_above;    ///< the farthest first
   std::vector<RecordError> records;
   std::vector<ResidualMap> maps;  ///< residual of the base model, largest share first
   std::vector<ResidualMap> maps_after;
@@ -234,6 +244,17 @@ inline bool differs_between_records(const Diagnosis& d) {
   constexpr double kFar = 3.0;
   return !d.single && d.plain_after > kFar * d.error_after && is_noise(d.error_after, d.floor);
 }
+
+/// Whether the records that judge are described plainly worse with what is claimed than without.
+inline bool is_described_worse(const Diagnosis& d) {
+  constexpr double kAboutTheSame = 1.02;
+  return d.error_after > kAboutTheSame * d.error_before;
+}
+
+/// Effects beside a "none" that take far more than the noise away and are not claimed all the same.
+std::vector<const Finding*> suspicions_beside_none(const Diagnosis& diagnosis);
+/// What stands beside a "none" and is no claim, for people: suspicions, records far above their noise. Empty: nothing, or no "none".
+std::string beside_none(const Diagnosis& diagnosis);
 
 /// What was refused with evidence and does not stand among the findings: for people, who have read those.
 inline std::vector<RefusedEffect> refused_beside_findings(const Diagnosis& d) {

@@ -58,7 +58,7 @@ ErrorPair errors_of_rig(const Workspace& w, const Selection& rig) {
     const auto square = levels ? judge_levels(w.rig, fit, rig.base, w.judges) : judge(w.rig, fit, rig.base, w.judges).adapted;
     return w.rig.scale * std::sqrt(judged(w.rig, square, w.judges));
   };
-  return {error(rig.base), error(rig.final), "N", levels};
+  return {error(rig.base), error(rig.claimed.valid ? rig.claimed : rig.final), "N", levels};
 }
 
 // What every channel and the raw samples have to say, in no order yet.
@@ -111,14 +111,12 @@ bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out)
   return together >= kTogether;
 }
 
-void tell_records_far_above(const Workspace& w, const Remainder& rest, Diagnosis& out) {
+void tell_records_far_above(Diagnosis& out) {
   constexpr std::size_t kNamed = 4;
   std::string text;
-  for (std::size_t k = 0; k < std::min(kNamed, rest.records_far_above.size()); ++k) {
-    const RecordAbove& above = rest.records_far_above[k];
-    text += fmt::format("{}{} ({:.2g} times)", k == 0 ? "" : ", ", w.input.records[above.record].name, above.times);
-  }
-  if (rest.records_far_above.size() > kNamed) text += fmt::format(" and {} more", rest.records_far_above.size() - kNamed);
+  for (std::size_t k = 0; k < std::min(kNamed, out.far_above.size()); ++k)
+    text += fmt::format("{}{} ({:.2g} times)", k == 0 ? "" : ", ", out.far_above[k].record, out.far_above[k].times);
+  if (out.far_above.size() > kNamed) text += fmt::format(" and {} more", out.far_above.size() - kNamed);
   out.notes.push_back("far above what their instruments may leave: " + text);
 }
 
@@ -256,7 +254,11 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
   const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.leaves_far_more();
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
-  if (out.verdict == DiagnosisVerdict::unknown && rest.leaves_far_more()) tell_records_far_above(w, rest, out);
+  for (const RecordAbove& above : rest.records_far_above) out.far_above.push_back({w.input.records[above.record].name, above.times});
+  const bool tells_far_above = out.verdict == DiagnosisVerdict::unknown ? rest.leaves_far_more() : out.verdict == DiagnosisVerdict::none && !out.far_above.empty();
+  if (tells_far_above) tell_records_far_above(out);
+  if (out.verdict == DiagnosisVerdict::none && out.far_above.size() == 1)
+    out.notes.emplace_back("it is the only one, and what no other record shows is no claim: look at its page, and record the like again");
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection, out);
   out.residual_unknown = claims && (rest.beside_claims || some_outdone || most_stays(w, out));

@@ -253,7 +253,7 @@ Figure residual_map_figure(const Diagnosis& d, bool after) {
     for (std::size_t i = 0; i < columns; ++i) {
       const std::size_t at = i * m.cells.size() / columns;
       const MapCell& c = m.cells[at];
-      map.value.push_back(c.n > 0 ? c.mean * scale.factor : NAN);
+      map.value.push_back(c.n > 0 && c.blocks >= kBlocksNeeded ? c.mean * scale.factor : NAN);
       map.hatched.push_back(c.blocks < kBlocksNeeded);
     }
   }
@@ -302,6 +302,7 @@ Figure coordinate_figure(const ResidualMap& before, const ResidualMap* after,
   add(before, {Role::firmware, Dash::solid, 1.0, Marker::ring, 5.0}, after != nullptr ? "before" : "");
   if (after != nullptr) add(*after, {Role::model, Dash::dashed, 1.0, Marker::dot, 5.0}, "after");
   figure.summary = before.sentence;
+  if (panel.x_axis.scale == Scale::symmetric_log) figure.summary += (figure.summary.empty() ? "" : ". ") + std::string("The axis is straight about zero and logarithmic beyond.");
   return figure;
 }
 

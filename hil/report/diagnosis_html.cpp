@@ -48,8 +48,8 @@ std::string unclaimed_share(const Diagnosis& d) {
 
 std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks) {
   const bool comparison = page.comparison;
-  const bool fits = comparison ? is_noise(d.error_before, d.floor) : d.verdict == Answer::none;
-  const std::string colour = fits ? "ok" : comparison || d.verdict == Answer::known ? "wa" : "no";
+  const bool fits = comparison ? is_noise(d.error_before, d.floor) : d.verdict == Answer::none && beside_none(d).empty();
+  const std::string colour = fits ? "ok" : comparison || d.verdict != Answer::unknown ? "wa" : "no";
   std::string out = "<header class=\"" + (page.lead ? page.lead->colour : colour) + "\"><div><h1>" +
                     escape(page.lead    ? page.lead->headline
                            : comparison ? "How far " + d.model + " is from " + d.campaign
@@ -76,7 +76,8 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
     fact("records", std::to_string(d.records.size()));
   if (d.force_range_N > 0.0) fact("force range", display(d.force_range_N, 3) + " N");
   if (d.residual_unknown) fact("and", "structure remains that no listed effect explains");
-  if (!d.depends_on.empty()) fact("it depends on", escape(join(d.depends_on, ", ")));
+  // beside rivals that fit, what the rest of the residual goes with is no part of the answer
+  if (!d.depends_on.empty() && d.not_separable.empty()) fact("it depends on", escape(join(d.depends_on, ", ")));
   if (!d.follows.empty()) fact("it follows", escape(join(d.follows, " and ")));
   out += "</ul><nav aria-label=\"Sections\">";
   const auto section = [&](bool there, std::string_view id, std::string_view name) {
@@ -88,7 +89,7 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   section(has_looks, "looks", "Spectrum, turning points and level");
   section(!d.ranking.empty(), "ranking", "Ranking");
   section(!d.records.empty(), "records", "Records");
-  section(!d.next_experiment.segments.empty(), "next", "What to measure next");
+  section(!d.next_experiment.sentence.empty(), "next", "What to measure next");
   return out + "</nav></div></header>\n";
 }
 
@@ -111,7 +112,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bo
   }
   fact("Form", escape(f.form));
   if (f.records_excited > 0)
-    fact(one_recording ? "Parts" : "Records", std::to_string(f.records_improved) + " of " + std::to_string(f.records_excited) +
+    fact(one_recording ? "Parts" : f.counts_parts ? "Parts of records" : "Records", std::to_string(f.records_improved) + " of " + std::to_string(f.records_excited) +
                         " that excite it are better with it");
   for (const FoundParameter& p : f.parameters)
     fact(escape(p.name), escape(figures::typographic_minus(with_uncertainty(p.value, p.u)) +
@@ -143,9 +144,9 @@ std::string missing(const Diagnosis& d, const RecordPictures& pictures) {
   if (d.findings.empty()) {
     out += differs_without_cause(d) ? ""
            : d.verdict == Answer::unknown
-               ? "<p>No listed effect has this shape. The maps below show where the error lives.</p>\n"
+               ? "<p>No listed effect has this shape." + std::string(d.maps.empty() ? "" : " The maps below show where the error lives.") + "</p>\n"
                : "<p>No listed effect lowers the error of " + std::string(d.single ? "parts" : "records") +
-                     " that were not fitted. What is left is noise for these inputs; it says nothing about inputs that were not played.</p>\n";
+                     " that were not fitted. " + (d.far_above.empty() ? "What is left is noise for these inputs; it" : "What is left is noise, but " + escape(beside_none(d)) + ". It") + " says nothing about inputs that were not played.</p>\n";
   }
   std::size_t opened = 0;
   bool drawn = false;
@@ -261,7 +262,8 @@ std::string records(const Diagnosis& d) {
 }
 
 std::string next(const Diagnosis& d) {
-  if (d.next_experiment.segments.empty()) return {};
+  if (d.next_experiment.sentence.empty()) return {};
+  if (d.next_experiment.segments.empty()) return "<section id=\"next\"><h2>What to measure next</h2>\n<p>" + escape(d.next_experiment.sentence) + "</p></section>\n";
   std::string out =
       "<section id=\"next\"><h2>What to measure next</h2>\n<p>" + escape(d.next_experiment.sentence) +
       "</p>\n" +
@@ -289,7 +291,8 @@ Diagnosis without_after(Diagnosis d) {
 }  // namespace
 
 std::string diagnosis_headline(const Diagnosis& d) {
-  if (d.verdict == Answer::none) return "Nothing is missing that these records can show";
+  if (d.verdict == Answer::none && !suspicions_beside_none(d).empty()) return "Nothing is claimed; " + beside_none(d);
+  if (d.verdict == Answer::none) return "Nothing is missing that these records can show" + (d.far_above.empty() ? std::string() : "; but " + beside_none(d));
   if (d.verdict == Answer::unknown && !d.not_separable.empty())
     return "Something is missing; these records cannot tell which: " + join(d.not_separable.front(), " or ");
   if (d.verdict == Answer::unknown)

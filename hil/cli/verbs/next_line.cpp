@@ -51,7 +51,10 @@ std::string line_after_diagnosis(const Invocation& in, const Diagnosis& d, const
     case Step::page: return "forcegate diagnose " + both + " --html diagnosis.html";
     case Step::fit: return "forcegate fit " + both + " -o model.toml";
     case Step::compensate: return *exported;
-    case Step::record: return find_plan("campaign") ? "forcegate plan campaign" : "forcegate record --help";
+    case Step::record: {
+      const std::string plan = plan_that_settles(d);
+      return !plan.empty() && find_plan(plan) ? "forcegate plan " + plan : "forcegate record --help";
+    }
     case Step::explain: return "forcegate explain " + shell_quoted(what.word);
   }
   return {};

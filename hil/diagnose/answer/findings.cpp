@@ -4,12 +4,15 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/format.h>
+
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/found_parameters.h"
 #include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/between/foretold.h"
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/probability.h"
+#include "hil/model/lagged_channel.h"
 
 namespace forcegate::diagnose {
 
@@ -43,7 +46,12 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
                   "predicted from the others, the mean square error of that falls by %.0f %%",
                   chosen.kind->summary.c_str(), chosen.effect_rms * channel.scale * unit.factor, unit.name.c_str(), 100.0 * chosen.effect_rms,
                   100.0 * chosen.records.explained, 100.0 * (1.0 - chosen.records.left_out));
-    return text;
+    out = text;
+    if (f.error_after < f.error_before)
+      out += fmt::format("; with one gain and zero for all, the error of {} falls from {} to {} {}",
+                         chosen.of_every_record && by == JudgedBy::heldout ? "every record, predicted from all others," : "records left out",
+                         plain_number(f.error_before * unit.factor), plain_number(f.error_after * unit.factor), unit.name);
+    return out;
   }
   if (by != JudgedBy::whole && chosen.left_out.excited > 0) {
     std::snprintf(text, sizeof text,
@@ -54,6 +62,16 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
     out += text;
   }
   return out;
+}
+
+// Of what was chosen and is no claim, where no rule has said it.
+std::string why_no_claim(const Workspace& w, const ResidualChannel& channel, const ChosenEffect& chosen, double real, double whole) {
+  const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(chosen.variant)].candidate)];
+  if (chosen.between && real < kClaim && c.form->name == kUnrecorded) return std::string(row_of(Cap::unrecorded).why);
+  if (chosen.between && real < kClaim)
+    return fmt::format("{} records say little of what acts between them, and chance alone leaves odds of {:.2g} to 1 against it", w.input.records.size(), (1.0 - real) / real);
+  if (real * chosen.share_of_family < kClaim) return "others fit nearly as well and share the probability";
+  return whole < 1.0 ? "what was found leaves most of what the noise does not explain" : "";
 }
 
 }  // namespace
@@ -74,9 +92,12 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;
+    f.counts_parts = chosen.left_out.blocks;
     f.evidence = sentence(chosen, channel, w.judges, w.input.single, f);
     if (!chosen.borne_out) f.limit(kNoClaim, kDoesNotFall);
     reserve(w, channel, selection.base, f);
+    if (!f.claimed() && f.reservations.empty())
+      if (const std::string why = why_no_claim(w, channel, chosen, real, whole); !why.empty()) f.not_claimed(why);
     for (const FamilyScore& rival : selection.first.families) {
       if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
       const double cosine =

@@ -30,6 +30,10 @@ double visible_from(const ResidualChannel& channel, const FamilyScore& family, d
   return u > 0.0 ? u * rms * std::sqrt(2.0 * (threshold + std::log(std::max(1.0, prior / u)))) : 0.0;
 }
 
+bool is_listed(const Diagnosis& d, const std::string& effect) {
+  return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.rival_of.empty(); });
+}
+
 bool is_claimed(const Diagnosis& d, const std::string& effect) {
   return std::ranges::any_of(d.findings, [&](const Finding& f) { return f.effect == effect && f.claimed(); });
 }
@@ -50,7 +54,7 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
                                           : visible_from(channel, family, threshold_of(family.kind->name, rules));
     if (family.best.wrong_sign)
       r.note = "wrong sign";
-    else if (family.records.valid && !(r.visible_from > 0.0) && !is_claimed(out, r.effect))
+    else if (family.records.valid && !(r.visible_from > 0.0) && !is_listed(out, r.effect))
       r.note = "these records would show it at no size";
     for (const ChosenEffect& c : selection.chosen)
       if (c.kind == family.kind) r.probability = c.share_of_family;

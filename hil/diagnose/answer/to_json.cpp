@@ -42,6 +42,7 @@ Json finding_json(const Finding& f, const Diagnosis& d) {
   for (const Reservation& r : f.reservations) out["reservations"].push_back({{"most", r.most}, {"why", r.why}});
   out["records_improved"] = f.records_improved;
   out["records_excited"] = f.records_excited;
+  out["counts_parts"] = f.counts_parts;
   out["side_witnessed"] = f.side_witnessed;
   return out;
 }
@@ -95,6 +96,8 @@ std::string to_json(const Diagnosis& d) {
                               {"plain_after", number(r.plain_after)},
                               {"floor", number(r.floor)},
                               {"explainable", number(r.explainable)}});
+  out["far_above"] = Json::array();
+  for (const RecordFarAbove& r : d.far_above) out["far_above"].push_back({{"record", r.record}, {"times", number(r.times)}});
   out["ranking"] = Json::array();
   for (const RankedEffect& r : d.ranking)
     out["ranking"].push_back({{"effect", r.effect},

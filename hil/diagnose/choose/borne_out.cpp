@@ -65,6 +65,7 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
       if (told || all_after <= kPlainly * all_before) {
         chosen.error_before = all_before;
         chosen.error_after = all_after;
+        chosen.of_every_record = true;
         chosen.borne_out = true;
       }
     }

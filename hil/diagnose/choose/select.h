@@ -31,6 +31,7 @@ struct ChosenEffect {
   Refusal not_by_records = Refusal::none;  ///< why one number for each record does not bear it
   CrossFit left_out;              ///< against the model before it entered
   double error_before = 0.0, error_after = 0.0;  ///< RMS of records that were left out, channel's unit; plain where it acts between them
+  bool of_every_record = false;   ///< these are of all records, each predicted from the others: the held-out ones alone do not show it
   bool describes_whole = false;   ///< hil/diagnose/base/whole_recording.h
   bool completes_whole = false;   ///< all that was chosen describes the whole, and without its family it does not
   bool borne_out = true;          ///< that error falls, or it describes the whole

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "hil/base/plain_number.h"
+#include "hil/base/text.h"
 #include "hil/diagnose/choose/select.h"
 #include "hil/diagnose/next/rival_odds.h"
 
@@ -187,9 +188,7 @@ std::optional<RivalOdds> odds_now(const Diagnosis& d, const Rival& a, const Riva
   return std::abs(evidence_between(d, first, second)) <= kSettled ? now : std::nullopt;
 }
 
-}  // namespace
-
-NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
+NextExperiment best_segments(const Workspace& w, const Diagnosis& d) {
   NextExperiment out;
   if (w.output.problem.records.empty()) return out;
   // rivals: those that share a place among the findings, and the best of the ranking that these data leave open, at least two
@@ -293,6 +292,17 @@ NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
     out.sentence = fmt::format("{} ({:.2g} min) separates {}: odds {} to 1 now{}, {} to 1 expected", s.name, s.minutes, s.separates,
                                odds_text(s.odds_before), s.odds_stated ? "" : " by the evidence", odds_text(s.odds_after));
   }
+  return out;
+}
+
+}  // namespace
+
+NextExperiment propose_experiment(const Workspace& w, const Diagnosis& d) {
+  NextExperiment out = best_segments(w, d);
+  if (!out.segments.empty() || d.not_separable.empty()) return out;
+  const std::vector<std::string>& rivals = d.not_separable.front();
+  out.sentence = "none of the short segments that a rig can play parts " + join(rivals, " or ");
+  if (const EffectKind* kind = kind_of(w, rivals.front())) out.sentence += "; what would: " + kind->separates;
   return out;
 }
 

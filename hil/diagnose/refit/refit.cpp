@@ -145,10 +145,13 @@ struct FittedEffects {
   const MixedFit& all() const { return chain.back(); }
 };
 
-Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::vector<std::string>& names, unsigned threads, std::vector<std::string>& notes) {
+Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::vector<std::string>& names, bool adds, unsigned threads, std::vector<std::string>& notes) {
   FittedEffects out;
   // what a diagnosis carries along is no error of the model here either
-  out.chain.push_back(law_beside(w, {}, std::ranges::find(names, kLatencyEffect) == names.end(), notes));
+  // but a lead that is to be added has a claim to the whole of it, as in the diagnosis
+  const EffectKind* last = names.empty() ? nullptr : kind_of(w, names.back());
+  const bool leads = adds && last != nullptr && last->traits.shift == TimeShift::percent_lead;
+  out.chain.push_back(law_beside(w, {}, !leads && std::ranges::find(names, kLatencyEffect) == names.end(), notes));
   if (!out.law().valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name, "more records, or records with more force");
   std::vector<int> present = out.law().columns;
   for (const std::string& name : names) {
@@ -268,7 +271,7 @@ void measure(Workspace& w, const FittedEffects& fitted, const std::string& add, 
 Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
   Refit out;
   FORCEGATE_TRY(const std::vector<std::string> names, effects_to_fit(w, start, add));
-  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, start, names, threads, out.notes));
+  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, start, names, !add.empty(), threads, out.notes));
   const MixedFit& now = fitted.all();
   if (!now.valid)
     return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,

@@ -147,7 +147,12 @@ std::string draw_colour_bar(const HeatMap& map, const Cell& cell) {
            coordinate(step + 0.3) + "\" fill=\"" +
            (map.diverging ? diverging_colour(level) : sequential_colour(level)) + "\"/>";
   Mapping scale{range, Scale::linear, cell.area.height, true};
-  for (const Tick& tick : linear_ticks(range.low, range.high, 4))
+  // zero alone tells no size
+  constexpr std::size_t kFewest = 3;
+  constexpr int kMost = 10;
+  std::vector<Tick> ticks;
+  for (int target = 4; target <= kMost && ticks.size() < kFewest; ++target) ticks = linear_ticks(range.low, range.high, target);
+  for (const Tick& tick : ticks)
     out += text_element(left + 16.0, cell.area.top + scale(tick.value) + 4.0, tick.label, Anchor::left, "");
   const std::string label = map.unit.empty() ? map.label : map.label + " / " + map.unit;
   return out + text_element(left + 52.0, cell.area.top - 6.0, label, Anchor::right, "");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/app/diagnose/diagnose.h"
+#include "hil/app/diagnose/next.h"
 #include "hil/app/model/fit.h"
 
 namespace forcegate {
@@ -17,6 +18,31 @@ TEST(DiagnosisText, SaysWhenChanceAlonePassesTheThreshold) {
   EXPECT_THAT(diagnosis_text(d), Not(HasSubstr("by chance")));
   d.expected_false = 0.83;
   EXPECT_THAT(diagnosis_text(d), HasSubstr("turned over by chance, 0.83 effects pass the threshold"));
+}
+
+TEST(DiagnosisText, SaysWhatStandsBesideANone) {
+  Diagnosis d;
+  d.floor = d.error_before = d.error_after = 0.002;
+  EXPECT_THAT(diagnosis_text(d), HasSubstr("could show\n"));
+  Finding f;
+  f.effect = "humidity", f.probability = 0.25, f.effect_rms = 0.1;
+  f.not_claimed("nobody recorded it");
+  d.findings = {f};
+  d.far_above = {{"r05", 3.7}};
+  EXPECT_THAT(diagnosis_text(d), HasSubstr("could show; but humidity is suspected and not claimed, and far above its noise stands r05 (3.7 times)\n"));
+  EXPECT_THAT(diagnosis_text(d), HasSubstr("; not claimed: nobody recorded it"));
+  EXPECT_THAT(to_json(d), HasSubstr("\"why\": \"nobody recorded it\""));
+  EXPECT_THAT(to_json(d), HasSubstr("\"far_above\""));
+  EXPECT_THAT(next_text(d), testing::AllOf(HasSubstr("humidity is suspected"), HasSubstr("one ramp repeated"), HasSubstr("no plan that comes with the program plays that")));
+}
+
+TEST(NextText, SaysPlainlyWhereNoPlanHoldsWhatIsAskedFor) {
+  Diagnosis d;
+  d.verdict = DiagnosisVerdict::unknown;
+  d.not_separable = {{"delay", "lag", "rc"}};
+  EXPECT_THAT(next_text(d), testing::AllOf(HasSubstr("1 kHz"), HasSubstr("no plan that comes with the program plays that")));
+  d.not_separable = {{"creep", "thermal"}};
+  EXPECT_THAT(next_text(d), HasSubstr("the plan campaign plays some of it"));
 }
 
 TEST(DiagnosisJson, GivesAClaimAboutRawSamplesTheErrorOfItsOwnStep) {

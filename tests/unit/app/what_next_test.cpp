@@ -107,6 +107,51 @@ TEST(WhatNext, WhatTheModelHasNoPlaceForNamesTheSideThatIsToBeMended) {
   EXPECT_EQ(after_diagnosis(d, {.page = true}).word, "drift");
 }
 
+Diagnosis with_suspicion() {
+  Diagnosis d = with(kNone);
+  d.error_before = d.error_after = d.floor = 0.002;
+  Finding f = claim("humidity", "sensor");
+  f.probability = 0.25;
+  f.effect_rms = 0.1;
+  f.between_records = true;
+  d.findings = {f};
+  return d;
+}
+
+TEST(WhatNext, ASuspicionBesideANoneIsLookedAtAndRecordedAndNotExported) {
+  const Diagnosis d = with_suspicion();
+  const auto exportable = [] { return true; };
+  EXPECT_EQ(after_diagnosis(d, {.is_exportable = exportable}).step, Step::page);
+  EXPECT_EQ(after_diagnosis(d, {.page = true, .is_exportable = exportable}).step, Step::experiment);
+  EXPECT_EQ(after_diagnosis(d, {.experiment = true, .is_exportable = exportable}).step, Step::record);
+}
+
+TEST(WhatNext, ARecordFarAboveItsNoiseIsLookedAtBeforeAnythingIsExported) {
+  Diagnosis d = with(kNone);
+  d.far_above = {{"r05", 3.7}};
+  const auto exportable = [] { return true; };
+  EXPECT_EQ(after_diagnosis(d, {.is_exportable = exportable}).step, Step::page);
+  EXPECT_EQ(after_diagnosis(d, {.page = true, .is_exportable = exportable}).step, Step::compensate);
+}
+
+TEST(WhatNext, AClaimThatHeldOutRecordsGainNothingByAsksForMoreOfThem) {
+  Diagnosis d = with(kKnown);
+  d.error_after = 2.0 * d.error_before;
+  d.findings = {claim("thermal", "sensor")};
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::page);
+  EXPECT_EQ(after_diagnosis(d, {.page = true}).step, Step::record);  // "explain sensor" would send to add
+}
+
+TEST(WhatNext, APlanIsNamedOnlyWhereItPlaysWhatWasAskedFor) {
+  Diagnosis d = with(kUnknown);
+  d.not_separable = {{"delay", "lag", "rc"}};
+  EXPECT_EQ(plan_that_settles(d), "");
+  d.not_separable = {{"creep", "thermal"}};
+  EXPECT_EQ(plan_that_settles(d), "campaign");
+  EXPECT_EQ(plan_that_settles(with_suspicion()), "");
+  EXPECT_EQ(plan_that_settles(with(kNone)), "campaign");
+}
+
 TEST(WhatNext, RecordingsWithoutAnInputAreNeverFitted) {
   Diagnosis d = with(kNone);
   d.force_range_N = 0.0;

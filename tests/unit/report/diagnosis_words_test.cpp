@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "hil/report/diagnosis_figures.h"
 #include "hil/report/diagnosis_html.h"
 #include "hil/report/figures/plots.h"
 #include "hil/report/record_pictures.h"
@@ -78,6 +79,60 @@ TEST(DiagnosisHtml, counts_the_parts_of_one_recording_as_parts) {
   d.single = true;
   EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("one recording, parts <b>2</b>"));
   EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("the error of parts that were not fitted"));
+}
+
+TEST(DiagnosisHtml, is_not_green_beside_a_suspicion_or_a_record_far_above_its_noise) {
+  Diagnosis d;
+  d.floor = d.error_before = d.error_after = 0.002;
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("<header class=\"ok\">"));
+  d.far_above = {{"r05", 3.7}};
+  EXPECT_THAT(diagnosis_html(d, {}), testing::AllOf(HasSubstr("<header class=\"wa\">"), HasSubstr("far above its noise stands r05")));
+  Finding f;
+  f.effect = "humidity", f.probability = 0.25, f.effect_rms = 0.1;
+  d.findings = {f};
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("<h1>Nothing is claimed; humidity is suspected"));
+}
+
+TEST(DiagnosisHtml, counts_parts_of_records_as_parts) {
+  Diagnosis d;
+  Finding f;
+  f.effect = "motor", f.probability = 0.98, f.records_improved = f.records_excited = 8;
+  d.findings = {f};
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("<dt>Records</dt><dd>8 of 8"));
+  d.findings[0].counts_parts = true;
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("<dt>Parts of records</dt><dd>8 of 8"));
+}
+
+TEST(DiagnosisHtml, names_no_map_that_is_not_there) {
+  Diagnosis d;
+  d.verdict = Answer::unknown;
+  EXPECT_THAT(diagnosis_html(d, {}), testing::AllOf(HasSubstr("No listed effect has this shape."), Not(HasSubstr("maps below"))));
+  d.maps.push_back({.coordinate = "force", .group = "force", .unit = "N", .share = 0.1, .cells = {}, .sentence = ""});
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("maps below"));
+}
+
+TEST(DiagnosisHtml, says_of_rivals_what_would_part_them_and_not_what_the_rest_goes_with) {
+  Diagnosis d;
+  d.verdict = Answer::unknown;
+  d.not_separable = {{"delay", "lag"}};
+  d.depends_on = {"time"};
+  d.next_experiment.sentence = "none of the short segments that a rig can play parts delay or lag";
+  const std::string html = diagnosis_html(d, {});
+  EXPECT_THAT(html, HasSubstr("What to measure next</h2>\n<p>none of the short segments"));
+  EXPECT_THAT(html, Not(HasSubstr("it depends on")));
+}
+
+TEST(ResidualMap, has_sizes_on_its_colour_bar_and_no_colour_where_it_says_nothing) {
+  Diagnosis d;
+  ResidualMap map{.coordinate = "force", .group = "force", .unit = "N", .share = 0.1, .cells = {}, .sentence = ""};
+  for (int i = 0; i < 8; ++i) map.cells.push_back({0.5 * i, i == 2 ? 4.9e-3 : -4.9e-3, 1e-4, 100, i == 5 ? 1 : 9});
+  map.cells[5].mean = 4.0e-3;
+  d.maps = {map};
+  const auto svg = [&] { return residual_map_figure(d, false).svg(figures::Figure::Target::embedded); };
+  EXPECT_THAT(svg(), testing::AllOf(HasSubstr(">\u22122"), HasSubstr(">2")));
+  const std::string before = svg();
+  d.maps[0].cells[5].mean = -4.0e-3;
+  EXPECT_EQ(svg(), before);
 }
 
 }  // namespace
