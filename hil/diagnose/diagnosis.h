@@ -87,6 +87,7 @@ struct Finding {
   std::string form;         ///< which form of the effect was fitted
   double effect_rms = 0.0;  ///< RMS of what the effect adds, same unit
   int records_improved = 0, records_excited = 0;
+  bool of_every_record = false;  ///< errors of all records, each predicted from the others: the held-out ones alone do not show it
   bool counts_parts = false;  ///< of records, where too few show it: these two count parts
   std::vector<EvidenceSeries> series;
   std::vector<SampleWindow> samples;  ///< of a claim about raw samples

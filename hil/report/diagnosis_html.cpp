@@ -106,7 +106,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bo
   };
   // a fault that is seen in the raw samples is no term of the model: the fall of the error is not its doing. A rival was not taken in
   if (!f.of_samples() && f.error_before > 0.0) {
-    fact(error_title(judged_by),
+    fact(f.of_every_record ? "Error of every record, predicted from the others" : error_title(judged_by),
          escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
     if (f.effect_rms > 0.0) fact("Effect", escape(in_unit(f.effect_rms, f.unit)) + " RMS");
   }

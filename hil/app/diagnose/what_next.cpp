@@ -38,6 +38,11 @@ bool is_of_no_use_yet(const Diagnosis& d) {
 
 }  // namespace
 
+bool leads_to_add(const Diagnosis& d, const std::string& effect) {
+  const Finding* first = worth_adding(d);
+  return first != nullptr && first->effect == effect;
+}
+
 std::string plan_that_settles(const Diagnosis& d) {
   constexpr const char* kInCampaign[] = {"creep", "hysteresis"};  // long holds at two levels; triangles at two speeds, minor loops
   std::vector<std::string> asked;

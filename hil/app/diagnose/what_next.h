@@ -46,6 +46,9 @@ struct Standing {
 
 WhatNext after_diagnosis(const Diagnosis& diagnosis, const Standing& standing);
 
+/// Whether this answer would have the effect added: where `add` has just refused it, the chain would go round.
+bool leads_to_add(const Diagnosis& diagnosis, const std::string& effect);
+
 /// A plan that comes with the program and plays what would part the rivals, or settle the suspicion, of this answer; "": none does.
 std::string plan_that_settles(const Diagnosis& diagnosis);
 

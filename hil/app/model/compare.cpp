@@ -12,6 +12,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/diagnose/answer/residual_map.h"
 #include "hil/diagnose/laws/no_input.h"
+#include "hil/diagnose/laws/no_input.h"
 
 namespace forcegate {
 
@@ -55,6 +56,7 @@ Result<Comparison> compare_recordings(const CampaignRequest& request, Campaign c
     FORCEGATE_TRY(CampaignInput whole, clean_input(campaign, request.threads));
     FORCEGATE_TRY(out.as_written, as_written(model, std::move(whole), request.threads));
   }
+  if (diagnose::is_drift_only(campaign)) campaign.notes.push_back(diagnose::what_the_force_shows(campaign));
   diagnose::EngineOptions options = engine_options(model, request.threads);
   options.search = false;
   options.pictures = pictures;

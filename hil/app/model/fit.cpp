@@ -15,6 +15,8 @@
 namespace forcegate {
 namespace {
 
+constexpr const char* kNotNeeded = "the error did not fall: this effect is not needed for these records";
+
 bool has_effect(const Model& model, const std::string& name) {
   const std::vector<std::string> names = model.effect_names();
   return std::ranges::find(names, name) != names.end() ||
@@ -59,6 +61,11 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const Model&
   return fit_campaign(request, std::move(campaign), model, add);
 }
 
+bool is_needed(const diagnose::Refit& r) {
+  constexpr double kFalls = 1.0 - 1e-6;  // beyond rounding
+  return r.error_after < kFalls * r.error_before;
+}
+
 std::string waterfall_text(const diagnose::Waterfall& w) {
   const PrintedUnit unit = printed_unit(w.unit);
   const auto number = [&](double v) { return plain_number(unit.factor * v); };
@@ -90,9 +97,7 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
       error_name(r.judged_by), r.levels ? ", one gain and offset for all" : "",
       number(r.error_before), number(r.error_after), unit.name, number(r.floor), unit.name, number(r.plain_before),
       number(r.plain_after), unit.name);
-  constexpr double kFalls = 1.0 - 1e-6;  // beyond rounding
-  if (!add.empty() && r.error_after >= kFalls * r.error_before)
-    out += "the error did not fall: this effect is not needed for these records\n";
+  if (!add.empty() && !is_needed(r)) out += std::string(kNotNeeded) + "\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)
     out += fmt::format("  {:<28} {:>12.5g} -> {} {}\n", m.name, m.before, with_uncertainty(m.after, m.u),
@@ -106,6 +111,7 @@ std::string waterfall_json(const diagnose::Waterfall& w) {
   nlohmann::ordered_json bars = nlohmann::ordered_json::array();
   for (const auto& b : w.bars)
     bars.push_back({{"effect", b.effect},
+                    {"change", -b.as_added},
                     {"as_added", b.as_added},
                     {"average", b.average},
                     {"low", b.low},
@@ -119,12 +125,15 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
   for (const auto& m : r.moves)
     moves.push_back(
         {{"name", m.name}, {"before", m.before}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
+  std::vector<std::string> notes = r.notes;
+  if (!add.empty() && !is_needed(r)) notes.emplace_back(kNotNeeded);
   const nlohmann::ordered_json out = {
       {"format", 1},
       {"added", add},
       {"model", r.model.name},
+      {"accepted", add.empty() || is_needed(r)},
       {"parameters", moves},
-      {"notes", r.notes},
+      {"notes", notes},
       {"error_before", r.error_before},
       {"error_after", r.error_after},
       {"floor", r.floor},

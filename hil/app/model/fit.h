@@ -10,6 +10,8 @@ namespace forcegate {
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const std::string& add);
 /// The same with a model in place of the one that the request names.
 Result<diagnose::Refit> fit_request(const CampaignRequest& request, const Model& model, const std::string& add);
+/// Whether what was added lowers the error.
+bool is_needed(const diagnose::Refit& refit);
 std::string refit_text(const diagnose::Refit& refit, const std::string& add);
 std::string refit_json(const diagnose::Refit& refit, const std::string& add);
 std::string waterfall_text(const diagnose::Waterfall& waterfall);

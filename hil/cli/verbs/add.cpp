@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "hil/app/diagnose/diagnose.h"
+#include "hil/app/diagnose/what_next.h"
 #include "hil/app/files/write_file.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
@@ -25,9 +27,11 @@ Result<int> run(const Invocation& in) {
   in.console().print(refit_text(answer, request.effect));
   in.console().print_json(refit_json(answer, request.effect));
   const std::string model = named_model(in);
-  if (answer.error_after >= answer.error_before)  // it is not needed: what else is it?
-    in.console().next("forcegate diagnose " + campaign_words(in, in.text("fit")) + model_words(in));
-  else if (request.output.empty())
+  if (!is_needed(answer)) {  // what else is it? A diagnosis that claims it would lead back here
+    const Result<Diagnosis> other = diagnose_request(request.campaign);
+    in.console().next(other && leads_to_add(*other, request.effect) ? "forcegate explain " + shell_quoted(request.effect)
+                                                                   : "forcegate diagnose " + campaign_words(in, in.text("fit")) + model_words(in));
+  } else if (request.output.empty())
     in.console().next("forcegate add " + shell_quoted(request.effect) + " --fit " + campaign_words(in, in.text("fit")) + model_words(in) +
                       " -o " + shell_quoted(better_model_name(model)));
   else

@@ -30,7 +30,7 @@ std::string the_other_way_round(const ChosenEffect& chosen, const ResidualChanne
 std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel, JudgedBy by, bool single, const Finding& f) {
   char text[480];
   const PrintedUnit unit = printed_unit(channel.unit);
-  const char* judges = by == JudgedBy::whole ? "the whole recording" : single ? "parts left out" : "records left out";
+  const char* judges = by == JudgedBy::whole ? "the whole recording" : single ? "parts left out" : f.of_every_record ? "every record, predicted from all others," : "records left out";
   if (f.error_after < f.error_before)
     std::snprintf(text, sizeof text, "it accounts for %s %s RMS (%.2g %% of the span): the error of %s falls from %s to %s %s",
                   plain_number(f.effect_rms * unit.factor).c_str(), unit.name.c_str(), 100.0 * f.effect_rms / channel.scale, judges,
@@ -49,7 +49,7 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
     out = text;
     if (f.error_after < f.error_before)
       out += fmt::format("; with one gain and zero for all, the error of {} falls from {} to {} {}",
-                         chosen.of_every_record && by == JudgedBy::heldout ? "every record, predicted from all others," : "records left out",
+                         f.of_every_record ? "every record, predicted from all others," : "records left out",
                          plain_number(f.error_before * unit.factor), plain_number(f.error_after * unit.factor), unit.name);
     return out;
   }
@@ -88,6 +88,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     f.parameters = found_parameters(w.input, channel, chosen, &channel == &w.output ? chosen.fit.coefficient[0] * channel.gain_of_unit : 1.0);
     f.error_before = chosen.error_before;
     f.error_after = chosen.error_after;
+    f.of_every_record = chosen.of_every_record && w.judges == JudgedBy::heldout;
     f.effect_rms = chosen.by_records() ? chosen.effect_rms * channel.scale
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;

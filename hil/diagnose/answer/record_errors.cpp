@@ -77,7 +77,7 @@ void add_records(const Workspace& w, const Selection& selection, Diagnosis& out)
   out.plain_after = std::sqrt(pa / n);
   out.floor = std::sqrt(f / n);
   out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
-  const bool of_output = std::ranges::any_of(out.findings, [&](const Finding& f) { return f.claimed() && !f.of_samples() && f.unit == out.unit; });
+  const bool of_output = std::ranges::any_of(out.findings, [&](const Finding& one) { return one.claimed() && !one.of_samples() && one.unit == out.unit; });
   if (of_output && w.judges == JudgedBy::heldout && is_described_worse(out))
     out.notes.emplace_back("the held-out records are described worse with what is claimed than without: the claim rests on all records together, and a model that "
                            "takes it in is no better for these; more records tell");

@@ -42,6 +42,7 @@ Json finding_json(const Finding& f, const Diagnosis& d) {
   for (const Reservation& r : f.reservations) out["reservations"].push_back({{"most", r.most}, {"why", r.why}});
   out["records_improved"] = f.records_improved;
   out["records_excited"] = f.records_excited;
+  out["of_every_record"] = f.of_every_record;
   out["counts_parts"] = f.counts_parts;
   out["side_witnessed"] = f.side_witnessed;
   return out;

@@ -72,6 +72,17 @@ TEST(WaterfallText, PrintsNoRoundingOfTheFitAsAChange) {
   EXPECT_THAT(text, Not(HasSubstr("e-1")));
 }
 
+TEST(RefitJson, SaysThatAnEffectIsNotNeededAndChangesWithTheSignOfTheText) {
+  diagnose::Refit r;
+  r.error_before = 0.05, r.error_after = 0.08;
+  r.waterfall.start = 0.05, r.waterfall.end = 0.08;
+  r.waterfall.bars = {{.effect = "thermal", .as_added = -0.03, .average = -0.03, .low = -0.03, .high = -0.03, .hollow = true}};
+  EXPECT_THAT(refit_text(r, "thermal"), HasSubstr("the error did not fall"));
+  EXPECT_THAT(refit_text(r, "thermal"), HasSubstr("+30 mV"));
+  EXPECT_THAT(refit_json(r, "thermal"), testing::AllOf(HasSubstr("\"accepted\": false"), HasSubstr("the error did not fall"), HasSubstr("\"change\": 0.03")));
+  EXPECT_THAT(refit_json(r, ""), testing::AllOf(HasSubstr("\"accepted\": true"), Not(HasSubstr("did not fall"))));
+}
+
 TEST(WaterfallText, SpeaksOfAllOrdersOnlyWhereTheyWereAsked) {
   diagnose::Waterfall w;
   w.start = 2.5e-3;

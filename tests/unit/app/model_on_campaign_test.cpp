@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -90,6 +91,9 @@ TEST_F(ModelOnCampaign, AHoldHasNoLawToFit) {
   EXPECT_NE(fitted.error().to_text().find("noise of its reference"), std::string::npos) << fitted.error().to_text();
   EXPECT_NE(fitted.error().to_text().find("record a force that moves"), std::string::npos) << fitted.error().to_text();
   EXPECT_FALSE(fit_request(request, "creep").has_value());
+  const auto c = compare_request(request);  // it compares all the same, and says what that is worth
+  ASSERT_TRUE(c) << c.error().to_text();
+  EXPECT_TRUE(std::ranges::any_of(c->view.notes, [](const std::string& note) { return note.find("nothing of the law between force and output") != std::string::npos; }));
 }
 
 TEST_F(ModelOnCampaign, AHeaderIsZeroWhereItsModelWasFittedAndNotWhereItIsChecked) {

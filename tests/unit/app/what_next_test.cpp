@@ -142,6 +142,15 @@ TEST(WhatNext, AClaimThatHeldOutRecordsGainNothingByAsksForMoreOfThem) {
   EXPECT_EQ(after_diagnosis(d, {.page = true}).step, Step::record);  // "explain sensor" would send to add
 }
 
+TEST(WhatNext, WhatAddRefusesIsNotAskedOfTheDiagnosisThatWouldHaveItAdded) {
+  Diagnosis d = with(kKnown);
+  d.findings = {claim("creep", "sensor")};
+  EXPECT_TRUE(leads_to_add(d, "creep"));
+  EXPECT_FALSE(leads_to_add(d, "thermal"));
+  d.error_after = 2.0 * d.error_before;
+  EXPECT_FALSE(leads_to_add(d, "creep"));
+}
+
 TEST(WhatNext, APlanIsNamedOnlyWhereItPlaysWhatWasAskedFor) {
   Diagnosis d = with(kUnknown);
   d.not_separable = {{"delay", "lag", "rc"}};

@@ -103,6 +103,16 @@ TEST(DiagnosisHtml, counts_parts_of_records_as_parts) {
   EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("<dt>Parts of records</dt><dd>8 of 8"));
 }
 
+TEST(DiagnosisHtml, says_of_which_records_the_error_of_a_finding_is) {
+  Diagnosis d;
+  Finding f;
+  f.effect = "thermal", f.probability = 0.76, f.error_before = 0.0359, f.error_after = 0.0229;
+  d.findings = {f};
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("<dt>Held-out error</dt><dd>35.9 mV"));
+  d.findings[0].of_every_record = true;
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("<dt>Error of every record, predicted from the others</dt><dd>35.9 mV"));
+}
+
 TEST(DiagnosisHtml, names_no_map_that_is_not_there) {
   Diagnosis d;
   d.verdict = Answer::unknown;
