@@ -158,6 +158,8 @@ bool natural_less(std::string_view a, std::string_view b) {
   return a_ends && b_ends ? a < b : a_ends;
 }
 
+std::string file_quoted(std::string_view file) { return shell_quoted(file.starts_with('-') ? "./" + std::string(file) : std::string(file)); }
+
 std::string shell_quoted(std::string_view text) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%^";

@@ -33,6 +33,8 @@ std::string ascii_lower(std::string_view text);
 bool natural_less(std::string_view a, std::string_view b);
 /// `text` as one word of a POSIX shell.
 std::string shell_quoted(std::string_view text);
+/// The same of a file, which may not be taken for an option: "./-q.csv".
+std::string file_quoted(std::string_view file);
 std::string join(std::span<const std::string> parts, std::string_view separator);
 
 }  // namespace forcegate

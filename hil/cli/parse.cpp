@@ -172,6 +172,11 @@ class Reader {
                                 where(), option->doc);
     }
     if (line_.error) return;
+    if (option->names != Names::nothing && value.empty()) {
+      line_.error = usage_error(fmt::format("--{} names nothing: its value is empty", option->name), where(),
+                                fmt::format("give {}, or leave the option out; is a variable of the shell not set?", option->value_name));
+      return;
+    }
     if (!option->value_name.empty())
       line_.error = check_choice(value, "--" + option->name, option->choices, option->only_choices, where());
     if (own)

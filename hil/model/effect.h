@@ -57,12 +57,13 @@ struct EffectForm {
   /// Fills rows x strength.size() columns. Pure; rows that it cannot know are 0.
   std::function<void(const CampaignInput&, const RecordInput&, std::span<const double> shape, ColumnsRef)>
       columns;
-  /// Strengths outside are another effect in disguise: a pole of twice the force with half the time constant is a delay.
+  /// Sums of strengths outside are another effect in disguise: a pole of twice the force with half the time constant is a delay.
   double least = -1e300, most = 1e300;
   bool refine = true;    ///< shapes are continuous: the screen may search between the points of the grid
   bool singles = false;  ///< screen each column alone too (banks)
   bool bank = false;     ///< the family's most flexible form, used to soak up a wrong form's remains
   bool only_further = false;  ///< beside another form of the family, never in its place
+  bool last = false;     ///< so flexible that it is asked only where nothing else is found, and nothing is asked beside it
   bool from_rig = false; ///< of the output, after what another channel has shown
   bool groups = false;   ///< a column belongs to one group of records each, the first group has none
   RecordedCause cause = {};

@@ -4,10 +4,9 @@
 #include <cctype>
 #include <cmath>
 
-#include <fstream>
-#include <sstream>
 #include <toml++/toml.h>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/model/model_toml.h"
 #include "hil/model/user_equation.h"
@@ -334,13 +333,11 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
 }
 
 Result<Model> read_model(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
+  const Result<std::string> text = read_file(path);
+  if (!text)
     return fail(ErrorCode::io, "cannot read the model", path.string(),
                 "the models that come with the program are flexiforce and fsr");
-  std::stringstream text;
-  text << file.rdbuf();
-  return parse_model(text.str(), path.string());
+  return parse_model(*text, path.string());
 }
 
 }  // namespace forcegate

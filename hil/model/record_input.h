@@ -85,6 +85,7 @@ struct CampaignInput {
   double range_N = 5.0;              ///< span of the force, 0.1 to 99.9 %
   double lowest_N = 0.0;
   double U_range_V = 10.0;  ///< span of the output, same quantiles
+  double U_step_V = 0.0;    ///< step of the output's values where all records show the same; 0: none is visible
   double travel_total_N = 1.0;
   /// Where the effects of the air and of the drive are zero; missing: at the mean of the records (hil/model/model_frame.h)
   double reference_temp_C = kMissing, reference_humidity_pct = kMissing, reference_drive_V = kMissing;

@@ -6,6 +6,24 @@
 
 namespace forcegate {
 
+namespace {
+
+// A power that is not whole, a root and a logarithm have no value below zero, where a reference's zero or its noise easily is.
+std::string why_without_value(const UserEffect& effect, double F_N, double dF_N_per_s) {
+  const auto has = [&](const char* word) { return effect.output.find(word) != std::string::npos; };
+  const std::string general = "check divisions and bounds of its equations";
+  if (!has("^") && !has("sqrt") && !has("ln") && !has("log")) return general;
+  bool has_force = false;
+  for (std::size_t at = 0; (at = effect.output.find('F', at)) != std::string::npos; ++at) has_force = has_force || at == 0 || effect.output[at - 1] != 'd';
+  if (F_N <= 0.0 && has_force)
+    return fmt::format("F is {:.3g} N there: a power that is not whole, a root or a logarithm of it has no value; write abs(F)^1.5 or max(F, 0)^1.5 for F^1.5", F_N);
+  if (dF_N_per_s <= 0.0 && has("dF"))
+    return fmt::format("dF is {:.3g} N/s there: a power that is not whole, a root or a logarithm of it has no value; write abs(dF)^1.5 for dF^1.5", dF_N_per_s);
+  return general;
+}
+
+}  // namespace
+
 Result<std::vector<double>> user_effect_N(const UserEffect& effect, const RecordInput& record) {
   FORCEGATE_TRY(const std::unique_ptr<UserEquation> equation, UserEquation::make(effect));
   UserEquation& e = *equation;
@@ -35,7 +53,7 @@ Result<std::vector<double>> user_effect_N(const UserEffect& effect, const Record
                                 record.t_s[i]),
                     place(k + 1), "its derivative must pull it back; a time constant must be longer than a row of the record");
     return fail(ErrorCode::config, fmt::format("the effect \"{}\" gives a value that is not finite at {:.4g} s", effect.name, record.t_s[i]),
-                place(0), "check divisions and bounds of its equations");
+                place(0), why_without_value(effect, e.F, e.dF));
   };
   std::vector<double> out(record.rows()), start(states), slope(states);
   for (std::size_t i = 0; i < record.rows(); ++i) {

@@ -97,7 +97,8 @@ void add_notes(const std::vector<Reading>& readings, Campaign& campaign) {
       std::string pattern;
       for (const char c : note)
         if ((c < '0' || c > '9') && c != '.') pattern += c;
-      auto at = std::ranges::find(all, pattern, &Shared::pattern);
+      // two columns of one record are two notes
+      auto at = std::ranges::find_if(all, [&](const Shared& s) { return s.pattern == pattern && s.names.back() != reading.record->name; });
       if (at == all.end()) at = all.insert(all.end(), {pattern, note, true, {}});
       at->same = at->same && at->text == note;
       at->names.push_back(reading.record->name);

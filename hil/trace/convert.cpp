@@ -5,7 +5,9 @@
 #include <fstream>
 #include <string_view>
 
+#include "hil/base/read_file.h"
 #include "hil/trace/column_map.h"
+#include "hil/trace/csv_table.h"
 #include "hil/trace/hdf5_io.h"
 #include "hil/trace/journal.h"
 #include "hil/trace/mat_io.h"
@@ -13,6 +15,7 @@
 namespace forcegate {
 namespace {
 
+constexpr std::string_view kHdf5 = "\x89HDF", kMat = "MATLAB 5.0";
 constexpr const char* kKnown = "known endings: .csv, .h5 .hdf5, .mat";
 
 std::string ending_of(const std::filesystem::path& path) {
@@ -26,6 +29,16 @@ Result<TraceFile> mapped(Result<TraceFile> file, const CsvOptions& options) {
   return file;
 }
 
+// What a pipe holds is looked at in the bytes that came: they come once.
+Result<TraceFile> read_pipe(const std::filesystem::path& path, const CsvOptions& options) {
+  FORCEGATE_TRY(const std::string bytes, read_file(path));
+  const std::string_view begin(bytes);
+  if (begin.starts_with(kHdf5) || begin.starts_with(kMat))
+    return fail(ErrorCode::io, "an HDF5 or MAT file cannot be read from a pipe", path.string(), "write it to a file and name that");
+  FORCEGATE_TRY(CsvTable table, parse_csv_table(bytes, path.string()));
+  return trace_of_table(std::move(table), path.string(), path.stem().string(), options);
+}
+
 Unexpected unknown_ending(const std::filesystem::path& path, const char* what) {
   return fail(ErrorCode::config, std::string(what) + " \"" + ending_of(path) + "\" files", path.string(),
               kKnown);
@@ -34,6 +47,7 @@ Unexpected unknown_ending(const std::filesystem::path& path, const char* what) {
 }  // namespace
 
 Result<TraceFile> read_trace(const std::filesystem::path& path, const CsvOptions& options) {
+  if (is_pipe(path)) return read_pipe(path, options);
   const std::string ending = ending_of(path);
   if (ending == ".csv" || ending == ".tsv" || ending == ".txt" || ending == ".dat")
     return read_csv(path, options);
@@ -44,8 +58,8 @@ Result<TraceFile> read_trace(const std::filesystem::path& path, const CsvOptions
   std::array<char, 10> bytes{};
   std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
   const std::string_view begin(bytes.data(), bytes.size());
-  if (begin.starts_with("\x89HDF")) return mapped(read_hdf5(path), options);
-  if (begin.starts_with("MATLAB 5.0")) return read_mat(path, options);
+  if (begin.starts_with(kHdf5)) return mapped(read_hdf5(path), options);
+  if (begin.starts_with(kMat)) return read_mat(path, options);
   return read_csv(path, options);
 }
 

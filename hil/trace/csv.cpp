@@ -54,6 +54,12 @@ void attach_counts(Trace& trace) {
   }
 }
 
+std::string hint_for_clock(const std::string& cell) {
+  const std::string general = "write seconds, 10:31:07.25 or 2024-05-31T10:31:07";
+  const bool one_colon = std::ranges::count(cell, ':') == 1 && cell.find_first_not_of("0123456789:.,") == std::string::npos;
+  return one_colon ? general + "; " + cell + " may be minutes or hours (a spreadsheet hides the hours: format the column as [h]:mm:ss.000 before it is saved)" : general;
+}
+
 // A clock, force or output that holds text is no column to leave out.
 Result<void> check_text_columns(const CsvTable& table, const std::string& where, const CsvOptions& options) {
   for (const TextColumn& column : table.text_columns) {
@@ -63,7 +69,7 @@ Result<void> check_text_columns(const CsvTable& table, const std::string& where,
     if (!meaning.is_clock && known != "F_ref" && known != "U") continue;
     return fail(ErrorCode::parse, "column \"" + column.header + "\" holds \"" + column.cell + "\", which is no number",
                 where + ":" + std::to_string(column.line),
-                meaning.is_clock && !column.hint.starts_with("the decimals") ? "write seconds, 10:31:07.25 or 2024-05-31T10:31:07" : column.hint);
+                meaning.is_clock && !column.hint.starts_with("the decimals") ? hint_for_clock(column.cell) : column.hint);
   }
   return {};
 }
@@ -219,7 +225,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
     channel.quantity = meanings[c].unit.quantity;
     channel.value = std::move(table.columns[c].value);
     if (!clock.rows.empty()) keep_rows(channel.value, clock.rows);
-    if (table.columns[c].missing > 0)
+    const bool nothing = table.columns[c].header.empty() && table.columns[c].missing == channel.value.size();  // a spreadsheet's empty column
+    if (table.columns[c].missing > 0 && !nothing)
       out.notes.push_back("column \"" + table.columns[c].header + "\" misses " +
                           std::to_string(table.columns[c].missing) + " of " +
                           std::to_string(channel.value.size()) + " samples");

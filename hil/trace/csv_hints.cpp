@@ -46,6 +46,8 @@ std::string in_quotes(std::string_view text) {
 
 std::string hint_for_cell(std::string_view cell, char point) {
   cell = unquoted(cell);
+  if (cell.find('\0') != std::string_view::npos) return "bytes of zero are no text: the file was cut or damaged there; take the line out, or export the file anew";
+  if (cell.find("\xE2\x88\x92") != std::string_view::npos) return "its minus sign is the typographical one (U+2212): replace it by - throughout the file";
   double value;
   const char other = point == '.' ? ',' : '.';
   if (const std::string plain = without_thousands(cell, point); !plain.empty()) {

@@ -61,5 +61,47 @@ TEST(LostFiles, NoVerbWritesOverWhatItReads) {
   }
 }
 
+// The limit on the size of a file stands for the full disk.
+TEST(LostFiles, AMysteryThatTheDiskCutsOffLeavesNoShortRecording) {
+  TemporaryFolder folder;
+  const ProcessResult r = run_process({"bash", "-c", "trap '' XFSZ; ulimit -f 300; exec \"$0\" mystery --seed 3 my", FORCEGATE_BINARY_DIR "/forcegate"}, {.folder = folder.path()});
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_THAT(r.err, HasSubstr("is the folder writable and the disk not full?"));
+  for (const auto& [file, text] : bytes_of(folder.path())) EXPECT_TRUE(text.ends_with('\n') && !file.ends_with(".part")) << file;
+}
+
+TEST(LostFiles, WhatAPipeBringsIsReadOnceAndUsedAsOftenAsItIsAsked) {
+  TemporaryFolder folder;
+  write_text(folder / "one.csv", short_record(1.2));
+  const auto shell = [&](const std::string& line) {
+    return run_process({"bash", "-c", "PATH=" FORCEGATE_BINARY_DIR ":$PATH; " + line}, {.folder = folder.path(), .timeout = std::chrono::minutes(1)});
+  };
+  // below the first line, which names the file
+  const auto figures = [](const ProcessResult& r) { return r.out.substr(r.out.find("mV"), r.out.find("\nnext: ") - r.out.find("mV")); };
+  std::filesystem::create_directory(folder / "a");
+  const ProcessResult file = shell("cp one.csv stdin; forcegate compare stdin");
+  ASSERT_EQ(file.exit_code, 0) << file.err;
+  const ProcessResult piped = shell("cat one.csv | forcegate compare /dev/stdin");
+  EXPECT_EQ(piped.exit_code, 0) << piped.err;
+  EXPECT_EQ(figures(piped), figures(file));
+  const ProcessResult fifo = shell("mkfifo a/stdin; cat one.csv > a/stdin & forcegate compare a/stdin");
+  EXPECT_EQ(fifo.exit_code, 0) << fifo.err;
+  EXPECT_EQ(figures(fifo), figures(file));
+  // the campaign is read again for the last line and for the page
+  const ProcessResult twice = shell("cat one.csv | forcegate add creep --fit /dev/stdin --html page.html");
+  EXPECT_EQ(twice.exit_code, 0) << twice.err;
+  const ProcessResult hdf5 = shell("forcegate convert one.csv one.h5 && cat one.h5 | forcegate compare /dev/stdin");
+  EXPECT_EQ(hdf5.exit_code, 2);
+  EXPECT_THAT(hdf5.err, HasSubstr("cannot be read from a pipe"));
+}
+
+TEST(LostFiles, AFileWhoseNameBeginsWithAHyphenIsNoOptionOfTheNextLine) {
+  TemporaryFolder folder;
+  write_text(folder / "-q.csv", short_record(1.2));
+  const ProcessResult r = forcegate({"compare", "--", "-q.csv"}, {.folder = folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("next: forcegate diagnose ./-q.csv\n"));
+}
+
 }  // namespace
 }  // namespace forcegate::test

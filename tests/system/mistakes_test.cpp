@@ -78,6 +78,7 @@ TEST(Mistakes, InWordsOfTheCommandLineAreToldAsWhatTheyAre) {
   EXPECT_THAT(err({"stimulus", "sine", "f_Hz=0,5", "A_N=1", "m_N=2"}), HasSubstr("\"0,5\" in \"f_Hz=0,5\" is not a number"));
   EXPECT_THAT(err({"stimulus", "sine", "f_Hz=0.5", "f_Hz=0.6", "A_N=1", "m_N=2"}), HasSubstr("f_Hz is given twice"));
   EXPECT_THAT(err({"export", "flexiforce", "-o", "fit.h"}), HasSubstr("the header is --c FILE"));
+  EXPECT_THAT(err({"compare", "film.csv", "--model", ""}), HasSubstr("--model names nothing: its value is empty\n  where: forcegate compare\n  help: give MODEL, or leave the option out"));
   EXPECT_THAT(err({"explain", "7"}), HasSubstr("exit codes: 0, "));
   EXPECT_THAT(forcegate({"stimulus", "sine", "f_Hz=0.5", "A_N=3", "m_N=4"}, kHere).err, HasSubstr("the wheel of the bench ends at 5.5 N"));
   EXPECT_THAT(forcegate({"explain", "rig error"}, kHere).out, HasSubstr("self-check"));

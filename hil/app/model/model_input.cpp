@@ -44,6 +44,21 @@ Result<Model> load_model(const CampaignRequest& request, Campaign& campaign) {
   return library_model(name);
 }
 
+namespace {
+
+// Who maps the output onto the force has no output left: "" where no map does so.
+std::string mapped_away(const CampaignRequest& request, const Error& missing) {
+  const auto name_of = [](const std::string& column) { return known_name(meaning_of(column).name); };
+  const std::string wanted = missing.text.starts_with("no column is the output") ? "U" : "F_ref";
+  const Result<ColumnMap> maps = parse_column_map(request.maps);
+  if (!maps) return {};
+  for (const auto& [from, to] : *maps)
+    if (name_of(from) == wanted && name_of(to) != wanted) return "--map " + shell_quoted(from + "=" + to) + " made another thing of it: take that out, or map another column";
+  return {};
+}
+
+}  // namespace
+
 Result<Campaign> load_recordings(const CampaignRequest& request) {
   CampaignOptions options;
   options.assumed_rate_Hz = request.assumed_rate_Hz;
@@ -54,7 +69,12 @@ Result<Campaign> load_recordings(const CampaignRequest& request) {
 
 Result<Campaign> load_campaign(const CampaignRequest& request) {
   FORCEGATE_TRY(Campaign campaign, load_recordings(request));
-  FORCEGATE_CHECK_OK(check_channels(campaign));
+  Result<void> shown = check_channels(campaign);
+  if (!shown) {
+    Error error = std::move(shown.error());
+    if (const std::string why = mapped_away(request, error); !why.empty()) error.hint = why;
+    return Unexpected(std::move(error));
+  }
   return campaign;
 }
 
@@ -66,7 +86,7 @@ Result<void> check_channels(const Campaign& campaign) {
       std::vector<std::string> columns;
       std::string in_grams;
       for (const Channel& c : record.trace.channels) {
-        columns.push_back(header_of(c.name, c.unit));
+        columns.push_back(!c.unit.empty() && c.name.ends_with("_" + c.unit) ? c.name : header_of(c.name, c.unit));
         // a weight in grams: "g" may also be an acceleration, and is no unit here
         if (std::string_view(name) == "F_ref" && c.unit.empty() && (c.name == "g" || c.name.ends_with("_g") || c.name.ends_with("(g)") || c.name.ends_with("[g]")) && in_grams.empty())
           in_grams = c.name;

@@ -10,7 +10,30 @@
 
 namespace forcegate {
 
-Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder) {
+namespace {
+
+// What a run that does not end has made; what was there before it stays.
+class NewFiles {
+ public:
+  ~NewFiles() {
+    std::error_code ignored;
+    if (!kept_)
+      for (auto made = made_.rbegin(); made != made_.rend(); ++made) std::filesystem::remove(*made, ignored);  // a folder only where it is empty
+  }
+  void about_to_make(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) made_.push_back(path);
+  }
+  void keep() { kept_ = true; }
+
+ private:
+  std::vector<std::filesystem::path> made_;
+  bool kept_ = false;
+};
+
+}  // namespace
+
+Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder, const std::atomic<bool>* interrupted) {
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   FORCEGATE_TRY(const Model model, load_model(request, campaign));
   Simulation out;
@@ -18,10 +41,13 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
   FORCEGATE_TRY(CampaignInput rows, clean_input(std::move(campaign), request.threads));
   for (RecordInput& r : rows.records) set_decay(r, model.law);
   const CampaignInFrame input(model.frame, std::move(rows));
+  NewFiles files;
+  files.about_to_make(folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "");
   for (const RecordInput& r : input.input().records) {
+    if (interrupted != nullptr && *interrupted) return fail(ErrorCode::cancelled, "interrupted: what was written is taken back", folder.string());
     FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));
     std::string text = "t_s,F_ref_N,U_V,U_model_V\n";
     double square = 0.0;
@@ -37,10 +63,12 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
       ++counted;
     }
     const auto file = folder / (r.name + ".csv");
+    files.about_to_make(file);
     FORCEGATE_CHECK_OK(write_file_atomically(file, text));
     out.items.push_back({r.name, file, r.rows(), r.row_step_s, r.fast_t_s.size() > r.rows(),
                          std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, counted)))});
   }
+  files.keep();
   return out;
 }
 

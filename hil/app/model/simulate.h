@@ -1,6 +1,8 @@
 #pragma once
 // `forcegate simulate`: what a model says to the forces of a campaign; one CSV per record.
 
+#include <atomic>
+
 #include "hil/app/model/model_input.h"
 
 namespace forcegate {
@@ -19,7 +21,8 @@ struct Simulation {
 };
 
 /// Columns t_s, F_ref_N, U_V (measured), U_model_V on the rows (at most 50 a second); rows that a fit would not use have no measured values.
-Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder);
+/// Errors (cancelled): `interrupted` was set; nothing new is left in the folder.
+Result<Simulation> simulate_request(const CampaignRequest& request, const std::filesystem::path& folder, const std::atomic<bool>* interrupted = nullptr);
 
 std::string simulation_text(const Simulation& simulation);
 

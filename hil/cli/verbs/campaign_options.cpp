@@ -29,14 +29,14 @@ Positional campaign_positional() {
 }
 
 std::string campaign_words(const Invocation& in, const std::string& campaign) {
-  std::string out = shell_quoted(campaign);
+  std::string out = file_quoted(campaign);
   for (const std::string& map : in.texts("map")) out += " --map " + shell_quoted(map);
   if (in.given("rate")) out += " --rate " + in.text("rate");
   return out;
 }
 
 std::string model_words(const Invocation& in) {
-  return in.given("model") ? " --model " + shell_quoted(in.text("model")) : "";
+  return in.given("model") ? " --model " + file_quoted(in.text("model")) : "";
 }
 
 std::string named_model(const Invocation& in) { return in.given("model") ? in.text("model") : ""; }

@@ -11,7 +11,7 @@ namespace {
 
 Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
-  FORCEGATE_TRY(const Simulation answer, simulate_request(request, in.text("output")));
+  FORCEGATE_TRY(const Simulation answer, simulate_request(request, in.text("output"), &in.interrupt_flag()));
   in.console().print(simulation_text(answer));
   std::string json = "{\"format\": 1, \"records\": [";
   for (const auto& item : answer.items) {

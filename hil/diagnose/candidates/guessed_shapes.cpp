@@ -91,8 +91,8 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     const Candidate& c = channel.candidates[own];
     for (std::size_t k = 0; k < c.shape.size(); ++k)
       if (c.shape[k] != written.shape[k])
-        w.input.notes.push_back(fmt::format("the model's {} was a guess: {} = {:.3g} {} fits these records, {:.3g} is written", written.kind->name,
-                                            written.form->shape[k].name, c.shape[k], written.form->shape[k].unit, written.shape[k]));
+        w.input.notes.push_back(fmt::format("the model's {} was a guess: {} = {:.3g}{} fits these records, {:.3g} is written", written.kind->name,
+                                            written.form->shape[k].name, c.shape[k], written.form->shape[k].unit == "1" ? "" : " " + written.form->shape[k].unit, written.shape[k]));
   }
 }
 

@@ -1,6 +1,6 @@
 // Converter bit errors: a wrong weight of a high bit makes jumps at 1/2, 1/4, 3/4 of the range; follows U, not F.
 //   dU = g sum_k c_k (bit_k(U) - 2 bit_k+1(U) - s_k x - mean), x = (U' - low) / range
-// bits of U over the declared voltage range, or over one that converters usually have; U' by a straight line in the force; s_k the straight
+// bits of U over the declared voltage range, or over one that converters usually have, or that the steps of the readings tell; U' by a straight line in the force; s_k the straight
 // line through the steps over all readings of the campaign. What all bits together have too much is another gain, and bits in the ratio
 // 8 : 4 : 2 : 1 would be U itself, which explains its own noise: neither is told.
 // An error of a percent moves the reading past the code that made it: then the bits are those of what came in, told from the force by the
@@ -24,16 +24,28 @@ double lowest_V(const CampaignInput& c) {
   return std::isfinite(c.bench.voltage_min_V) ? c.bench.voltage_min_V : 0.0;
 }
 
+// Readings that lie on steps come from a converter, whoever wrote the file: a power of two of its steps is the next range above all of them.
+std::vector<std::vector<double>> range_of_steps(double step_V, double high_V) {
+  constexpr double kFewest = 6.0, kMost = 18.0, kAlike = 0.01;  // bits, finer steps are those of the text; of a range
+  const double bits = std::ceil(std::log2(high_V / step_V));
+  if (!(step_V > 0.0) || !(bits >= kFewest && bits <= kMost)) return {};
+  const double range_V = step_V * std::exp2(bits);
+  for (const double usual_V : kUsualRanges_V)
+    if (const double ratio = usual_V / range_V, octave = std::round(std::log2(ratio)); std::abs(ratio / std::exp2(octave) - 1.0) < kAlike)
+      return {{usual_V / std::exp2(octave)}};
+  return {{range_V}};
+}
+
 // Declared, or the two usual ones that come next above all readings.
 std::vector<std::vector<double>> ranges_V(const CampaignInput& c) {
   if (std::isfinite(c.bench.voltage_max_V)) return {{c.bench.voltage_max_V - lowest_V(c)}};
-  if (c.generic) return {};  // nothing says that there is a converter at all
   double low = 0.0, high = 0.0;
   for (const RecordInput& r : c.records)
     for (const double U : r.U_V) {
       low = std::min(low, U);
       high = std::max(high, U);
     }
+  if (c.generic) return low < 0.0 ? std::vector<std::vector<double>>{} : range_of_steps(c.U_step_V, high);
   std::vector<std::vector<double>> out;
   for (const double range : kUsualRanges_V)
     // a range of twice, four times the size has the same bits, the highest of them never set

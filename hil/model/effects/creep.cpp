@@ -2,6 +2,7 @@
 //   dU = g sum_k c_k L_k[F],  tau_k L' + L = F                     (Prony series; Burgers body, PM17b)
 //   dU/U = k log10(1 + t/t0) after a step: equal weights on a logarithmic grid of tau
 //   dU/U = (1 + t/t0)^p - 1 after a step: weights growing as tau^p
+// An output that grows to more than twice what the load gave at once follows it late: that is a lag (ours).
 // Less than 5 % a decade of time (Interlink FSR 400 data sheet), below 6 % in 20 min at rest load (Lebosse 2011).
 
 #include <cmath>
@@ -13,6 +14,8 @@ namespace forcegate {
 namespace {
 
 constexpr double kTau_s[] = {1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
+constexpr double kLeastGrowth = -0.75, kMostGrowth = 1.0;  // of the load
+constexpr double kDecades = 4.5;                           // of the spectrum
 
 std::vector<double> drive_of(const RecordInput& r, bool decayed) {
   if (!decayed) return r.F_N;
@@ -57,6 +60,8 @@ EffectForm prony_form(const char* name, bool decayed, bool settled, bool bank) {
           .grid = [](const CampaignInput&) { return std::vector<std::vector<double>>{{}}; },
           .columns = [=](const CampaignInput&, const RecordInput& r, std::span<const double>,
                          ColumnsRef out) { prony(r, out, decayed, settled); },
+          .least = kLeastGrowth,
+          .most = kMostGrowth,
           .singles = true,
           .bank = bank};
 }
@@ -71,7 +76,9 @@ EffectForm spectrum_form(const char* name, bool decayed, bool settled) {
                 return std::vector<std::vector<double>>{{0.0}, {0.15}};
               },
           .columns = [=](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
-                         ColumnsRef out) { spectrum(r, shape[0], decayed, settled, out); }};
+                         ColumnsRef out) { spectrum(r, shape[0], decayed, settled, out); },
+          .least = kLeastGrowth / kDecades,
+          .most = kMostGrowth / kDecades};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{

@@ -19,14 +19,21 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .traits = {.timing = true, .shift = TimeShift::first_shape, .late = true, .known_form = true},
     .forms = {
         {.name = "shift",
-         .shape = {{"delay_s", "s", -1.0, 1.0, 0.01, "positive: the sensor's channel is late"}},
+         .shape = {{"delay_s", "s", -100.0, 100.0, 0.01, "positive: the sensor's channel is late"}},
          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal that is delayed"}},
          .sign = StrengthSign::positive,
          .grid =
-             [](const CampaignInput&) {
-               return std::vector<std::vector<double>>{{0.0004}, {0.001},  {0.002},  {0.004},  {0.007},  {0.012},
-                                                       {0.02},   {0.035},  {0.06},   {0.1},    {-0.0004},
-                                                       {-0.001}, {-0.002}, {-0.004}, {-0.008}, {-0.016}, {-0.032}, {-0.064}, {-0.128}};
+             [](const CampaignInput& campaign) {
+               std::vector<std::vector<double>> out;
+               // slow systems sampled slowly have long dead times
+               const double scale = campaign.generic && !campaign.records.empty() ? std::max(1.0, campaign.records.front().row_step_s / 0.02) : 1.0;
+               for (const double delay_s : {0.0004, 0.001, 0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.2, 0.4, -0.0004, -0.001, -0.002,
+                                            -0.004, -0.008, -0.016, -0.032, -0.064, -0.128, -0.25, -0.5})
+                 out.push_back({delay_s * scale});
+               // two loggers that were started by hand
+               if (campaign.generic)
+                 for (const double delay_s : {0.14, 0.28, 0.56, 0.8, -0.35, -0.7, -1.0}) out.push_back({delay_s * scale});
+               return out;
              },
          .columns =
              [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {

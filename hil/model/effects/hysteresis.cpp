@@ -1,6 +1,8 @@
 // Rate-independent hysteresis: friction and delayed re-opening of contacts.
 //   dU = g D sum_r c_r (P_r[F] - F),  P_r the play operator of radius r    (Krasnoselskii and Pokrovskii 1989)
 //   dU = -g D c z,  dz = dF (1 - sgn(dF z) |z| / z0)                        (Bouc 1967, Wen 1976, n = 1)
+//   dU = g D sum_r sum_j c_rj (h_j(P_r[F]) - (h_j(F - r) + h_j(F + r)) / 2),  h_j hinges    (Preisach's plane: weights for half width and
+//                                                                                           centre; Krejci 1996)
 // About 10 % of full scale for FSR (Interlink 400 data sheet); Preisach models are used for the FlexiForce A201.
 
 #include "hil/model/effect.h"
@@ -38,6 +40,38 @@ std::vector<ParameterSpec> bank_weights(bool curved) {
   if (curved)
     for (std::size_t k = kFirstCurved; k <= kLastCurved; ++k) out.push_back(weight("v" + std::to_string(k + 1), kPlayRadii[k]));
   return out;
+}
+
+// A loop may be wide here and narrow there, as contacts that close at loads of their own make it: hinges of the plays, less the mean of the
+// two branches, so that the loop bends nothing.
+constexpr std::array kPreisachRadii = {0.05};
+constexpr int kHinges = 16, kPreisach = static_cast<int>(kPreisachRadii.size());
+
+double hinge(const CampaignInput& campaign, int j, double x) {
+  return j == 0 ? x : std::max(0.0, x - campaign.lowest_N - campaign.range_N * j / kHinges);
+}
+
+std::vector<ParameterSpec> preisach_weights() {
+  std::vector<ParameterSpec> out;
+  for (int k = 0; k < kPreisach; ++k)
+    for (int j = 0; j < kHinges; ++j)
+      out.push_back({"w" + std::to_string(k + 1) + "_" + std::to_string(j), "1", -4.0, 4.0, 0.0,
+                     "added to the weight of the play of radius " + std::to_string(kPreisachRadii[static_cast<std::size_t>(k)]) +
+                         " of the force span above " + std::to_string(j) + "/" + std::to_string(kHinges) + " of it"});
+  return out;
+}
+
+void preisach(const CampaignInput& campaign, const RecordInput& record, bool kept, ColumnsRef out) {
+  for (int k = 0; k < kPreisach; ++k) {
+    const double radius = kPreisachRadii[static_cast<std::size_t>(k)] * campaign.range_N;
+    Play play = play_at_start(campaign, record, &RecordInput::F_N, radius, 0.0, kept);
+    for (std::size_t i = 0; i < record.rows(); ++i) {
+      const double F = record.F_N[i], p = play.step(F);
+      for (int j = 0; j < kHinges; ++j)
+        out(static_cast<Eigen::Index>(i), k * kHinges + j) =
+            record.decay[i] * (hinge(campaign, j, p) - 0.5 * (hinge(campaign, j, F - radius) + hinge(campaign, j, F + radius)));
+    }
+  }
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
@@ -78,6 +112,15 @@ const Registration<EffectKind> kRegistered{EffectKind{
                        ColumnsRef out) { play_bank(c, r, shape, out, true, true); },
          .refine = false,
          .bank = true},
+        {.name = "preisach",
+         .shape = {kPlayKept},
+         .strength = preisach_weights(),
+         .sign = StrengthSign::either,
+         .grid = [](const CampaignInput& c) { return c.generic ? kept_or_not(c) : std::vector<std::vector<double>>{}; },
+         .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape,
+                       ColumnsRef out) { preisach(c, r, shape[0] != 0.0, out); },
+         .refine = false,
+         .last = true},
         {.name = "bouc_wen",
          .shape = {{"z0_N", "N", 1e-3, 100.0, 0.2, "half width of the loop in force"}},
          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that is held back"}},

@@ -4,6 +4,8 @@
 // two_speeds (ours): one pole that is slower or faster while y falls, tau_s up and tau_s * ratio down: a film is pushed together by the load
 // and parts by itself.
 // FlexiForce settles with the bench in 70 ms, the FSR needs 210 ms (Lebosse 2011, fig. 5).
+// slow (ours): a system that follows within seconds or minutes. All of the input passes it: an output that follows at once and grows by a
+// share creeps.
 
 #include <cmath>
 #include <numbers>
@@ -16,6 +18,9 @@ namespace forcegate {
 namespace {
 
 enum class Kind { one_pole, two_poles, diffusive };
+
+constexpr double kSlow_s = 10.0;  // up to it a part of the force may pass
+constexpr double kSlowest_s = 1000.0, kOfRecord = 0.125;
 
 void fill(const RecordInput& r, double tau_s, Kind kind, ColumnsRef out) {
   std::vector<double> y(r.rows(), 0.0);
@@ -88,19 +93,21 @@ EffectForm two_speeds() {
           .most = 1.15};
 }
 
+// Slow systems sampled slowly have slow lags.
+double slower(const CampaignInput& campaign) {
+  return campaign.generic && !campaign.records.empty() ? std::max(1.0, campaign.records.front().row_step_s / 0.01) : 1.0;
+}
+
 EffectForm form(const char* name, Kind kind, std::vector<double> taus, bool bank = false) {
   return {.name = name,
-          .shape = {{"tau_s", "s", 1e-4, 10.0, 0.05, "time constant"}},
+          .shape = {{"tau_s", "s", 1e-4, kSlow_s, 0.05, "time constant"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that passes the lag"}},
           .sign = StrengthSign::positive,
           .grid =
               [taus](const CampaignInput& campaign) {
                 std::vector<std::vector<double>> out;
-                // slow systems sampled slowly have slow lags
-                const double scale = campaign.generic && !campaign.records.empty()
-                                         ? std::max(1.0, campaign.records.front().row_step_s / 0.01)
-                                         : 1.0;
-                for (double tau : taus) out.push_back({tau * scale});
+                for (const double tau : taus)
+                  if (const double tau_s = tau * slower(campaign); tau_s < kSlow_s) out.push_back({tau_s});
                 return out;
               },
           .columns = [kind](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
@@ -108,6 +115,27 @@ EffectForm form(const char* name, Kind kind, std::vector<double> taus, bool bank
           .least = 0.0,
           .most = 1.15,
           .bank = bank};
+}
+
+// A record must be several time constants long to tell that the output gets there.
+EffectForm slow(const char* name, Kind kind) {
+  constexpr double kWhole = 0.7;
+  return {.name = name,
+          .shape = {{"tau_s", "s", 0.1, kSlowest_s, 10.0, "time constant"}},
+          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that passes the lag"}},
+          .sign = StrengthSign::positive,
+          .grid =
+              [](const CampaignInput& campaign) {
+                std::vector<std::vector<double>> out;
+                if (!campaign.generic || campaign.records.empty()) return out;
+                const double longest_s = std::min(kSlowest_s, kOfRecord * campaign.records.front().duration_s);
+                for (double tau_s = std::min(kSlow_s, 1.024 * slower(campaign)); tau_s < longest_s; tau_s *= 2.0) out.push_back({tau_s});
+                return out;
+              },
+          .columns = [kind](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
+                            ColumnsRef out) { fill(r, shape[0], kind, out); },
+          .least = kWhole,
+          .most = 1.15};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
@@ -123,7 +151,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .traits = {.timing = true, .shift = TimeShift::first_shape, .late = true, .any_course = true},
     .forms = {form("one_pole", Kind::one_pole, {0.001, 0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
               form("two_poles", Kind::two_poles, {0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128, 0.256, 0.512}),
-              form("diffusive", Kind::diffusive, {0.001, 0.004, 0.016, 0.064, 0.256}), two_speeds()}}};
+              form("diffusive", Kind::diffusive, {0.001, 0.004, 0.016, 0.064, 0.256}), two_speeds(), slow("slow", Kind::one_pole),
+              slow("slow_two_poles", Kind::two_poles), slow("slow_diffusive", Kind::diffusive)}}};
 
 }  // namespace
 }  // namespace forcegate

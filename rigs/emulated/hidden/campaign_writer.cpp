@@ -73,13 +73,18 @@ std::string csv_text(const RecordData& record) {
   return text;
 }
 
+// Whole or not at all: a recording that a full disk cut off would be read as a short one.
 Result<void> write_text(const fs::path& path, const std::string& text) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wb"), &std::fclose);
-  if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() ||
-      std::fflush(file.get()) != 0)
-    return fail(ErrorCode::io, "cannot write the file", path.string(),
-                "is the folder writable and the disk not full?");
-  return {};
+  const fs::path part = path.string() + ".part";
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(part.c_str(), "wb"), &std::fclose);
+  bool written = file && std::fwrite(text.data(), 1, text.size(), file.get()) == text.size() && std::fflush(file.get()) == 0;
+  file.reset();
+  std::error_code failed;
+  if (written) fs::rename(part, path, failed);
+  if (written && !failed) return {};
+  fs::remove(part, failed);
+  return fail(ErrorCode::io, "cannot write the file", path.string(),
+              "is the folder writable and the disk not full?");
 }
 
 template <class T>

@@ -31,6 +31,7 @@ const std::vector<Command>& table() {
                    return std::vector<std::string>{"low", "high"};
                  }},
             {.name = "map", .value_name = "A=B", .doc = "Maps.", .repeatable = true},
+            {.name = "score", .value_name = "FILE", .doc = "Notes.", .names = Names::input},
             {.name = "loud", .value_name = "", .doc = "Louder.", .letter = 'l'}},
        .run = [](const Invocation&) -> Result<int> { return 0; }},
       {.name = "piano tune",
@@ -173,6 +174,16 @@ TEST(Help, WrapsAtTheColumnAndKeepsIndentedLines) {
 TEST(ExitCodes, EveryErrorCodeHasADocumentedOne) {
   for (int code = 0; code <= static_cast<int>(ErrorCode::internal); ++code)
     EXPECT_NE(exit_code_text(exit_code_of(static_cast<ErrorCode>(code))), "") << code;
+}
+
+TEST(Parse, AnOptionThatNamesAFileIsNotGivenAnEmptyName) {
+  for (const std::vector<std::string>& line : {std::vector<std::string>{"play", "x", "--score", ""}, {"play", "x", "--score="}}) {
+    const ParsedLine parsed = parse_command_line(line, table());
+    ASSERT_TRUE(parsed.error);
+    EXPECT_THAT(parsed.error->text, HasSubstr("--score names nothing"));
+    EXPECT_THAT(parsed.error->hint, HasSubstr("give FILE, or leave the option out"));
+  }
+  EXPECT_FALSE(parse_command_line(std::vector<std::string>{"play", "x", "--map", ""}, table()).error);
 }
 
 }  // namespace

@@ -83,6 +83,23 @@ TEST(ModelFile, AMistakeInAnEquationHasItsLine) {
   EXPECT_EQ(lost_at("output = \"x\"\nstate.x = \"1 + x * x * 100\"\n"), "m.toml:6:11, record " + input->records[0].name);
 }
 
+TEST(UserEffect, APowerWithoutAValueBelowZeroIsToldWithItsCure) {
+  const auto hint = [](const std::string& output) {
+    const auto model = parse_model("[law]\n[[effect]]\nname = \"mine\"\noutput = \"" + output + "\"\n", "m.toml");
+    EXPECT_TRUE(model) << model.error().to_text();
+    auto input = make_campaign_input(test::campaign([](double, double F) { return F; }));
+    RecordInput& record = input->records[0];
+    record.F_N[3] = -0.02;
+    record.rate_N_per_s[3] = -0.5;
+    const auto added = user_effect_N(model->user_effects[0], record);
+    EXPECT_FALSE(added) << output;
+    return added ? std::string() : added.error().hint;
+  };
+  EXPECT_NE(hint("0.1 * F^1.5").find("abs(F)^1.5"), std::string::npos) << hint("0.1 * F^1.5");
+  EXPECT_NE(hint("0.1 * dF^1.5").find("abs(dF)^1.5"), std::string::npos) << hint("0.1 * dF^1.5");
+  EXPECT_NE(hint("1 / (F - F)").find("divisions"), std::string::npos);
+}
+
 TEST(UserEffect, FollowsItsDifferentialEquation) {
   const auto model = parse_model(
       "[law]\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\noutput = \"k*x\"\nstate.x = \"(F-x)/tau\"\n"

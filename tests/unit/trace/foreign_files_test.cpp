@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "hil/trace/csv_hints.h"
 #include "hil/trace/campaign.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/csv.h"
@@ -155,6 +156,24 @@ TEST(ForeignFiles, ANoteOfEveryRecordIsToldOnce) {
     EXPECT_THAT(c->notes, Contains("c: the separator is a semicolon"));
   }
   std::filesystem::remove_all(folder);
+}
+
+TEST(ForeignFiles, ACellThatIsNoNumberIsToldWhatItIs) {
+  const auto hint = [](const std::string& text) {
+    const auto file = parse_csv(text, "x.csv");
+    EXPECT_FALSE(file) << text;
+    return file ? std::string() : file.error().hint;
+  };
+  EXPECT_NE(hint("t_s,F_ref_N,U_V\n0,\xE2\x88\x92" "1.5,1\n0.1,\xE2\x88\x92" "1.4,2\n").find("U+2212"), std::string::npos);
+  EXPECT_NE(hint_for_cell(std::string(60, '\0'), '.').find("cut or damaged"), std::string::npos);
+  EXPECT_NE(hint("Time,Force (N),U (V)\n00:00.000,1,1\n00:00.050,1,2\n").find("[h]:mm:ss.000"), std::string::npos);
+}
+
+TEST(ForeignFiles, AnEmptyColumnOfASpreadsheetIsNoNote) {
+  const auto file = parse_csv("t_s,F_ref_N,U_V,,\n0,1,1,,\n0.1,1,2,,\n0.2,,3,,\n", "x.csv");
+  ASSERT_TRUE(file) << file.error().to_text();
+  ASSERT_EQ(file->notes.size(), 1u) << file->notes.back();
+  EXPECT_NE(file->notes[0].find("F_ref_N"), std::string::npos) << file->notes[0];
 }
 
 TEST(ForeignFiles, APointBesideDecimalCommasIsAnError) {
