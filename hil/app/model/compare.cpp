@@ -76,10 +76,8 @@ Result<Comparison> compare_request(const CampaignRequest& request, bool pictures
   FORCEGATE_TRY(Campaign campaign, load_campaign(request));
   FORCEGATE_TRY(const Model model, load_model(request, campaign));
   const PlacesOf places(campaign, request.campaign);
-  const std::string still = diagnose::is_drift_only(campaign) ? diagnose::what_the_force_shows(campaign) : "";
   Result<Comparison> out = compare_recordings(request, std::move(campaign), model, pictures);
   if (!out) return Unexpected(places.with_file(std::move(out.error())));
-  if (!still.empty()) out->view.notes.push_back(still);
   for (std::string& note : left_out_notes(model)) out->view.notes.push_back(std::move(note));
   return out;
 }

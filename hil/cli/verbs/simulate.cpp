@@ -1,7 +1,8 @@
 #include "hil/app/model/simulate.h"
 
-#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "hil/base/text.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
@@ -13,12 +14,10 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(const Simulation answer, simulate_request(request, in.text("output"), &in.interrupt_flag()));
   in.console().print(simulation_text(answer));
-  std::string json = "{\"format\": 1, \"records\": [";
-  for (const auto& item : answer.items) {
-    json += fmt::format("{}{{\"record\": \"{}\", \"rows\": {}, \"rmse_V\": {:.9g}}}",
-                        json.back() == '[' ? "" : ", ", item.record, item.rows, item.rmse_V);
-  }
-  in.console().print_json(json + "]}");
+  nlohmann::ordered_json records = nlohmann::ordered_json::array();
+  for (const Simulation::Item& item : answer.items)
+    records.push_back({{"record", printable_utf8(item.record)}, {"file", printable_utf8(item.file.string())}, {"rows", item.rows}, {"rmse_V", item.rmse_V}});
+  in.console().print_json(nlohmann::ordered_json{{"format", 1}, {"unit", answer.unit}, {"records", records}}.dump(2));
   in.console().next("forcegate compare " + campaign_words(in, in.text("CAMPAIGN")) + model_words(in));
   return kExitSuccess;
 }

@@ -1,0 +1,93 @@
+// docs/json.md names every key that the verbs print.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/noise.h"
+#include "tests/support/process.h"
+
+namespace forcegate::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string section_of(const std::string& page, const std::string& title) {
+  const std::size_t from = page.find("\n## " + title + "\n");
+  return from == std::string::npos ? "" : page.substr(from, page.find("\n## ", from + 4) - from);
+}
+
+bool names(const std::string& text, const std::string& key) { return text.find("`" + key + "`") != std::string::npos; }
+
+// Names of a stimulus' parameters and of channels are no keys of ours.
+void expect_named(const std::string& section, const Json& value, const std::string& where) {
+  if (value.is_array())
+    for (const Json& item : value) expect_named(section, item, where);
+  if (!value.is_object()) return;
+  for (const auto& [key, item] : value.items()) {
+    EXPECT_TRUE(names(section, key)) << where << "." << key;
+    if (key != "numbers" && key != "errors" && key != "before" && key != "after") expect_named(section, item, where + "." + key);
+  }
+}
+
+std::string slow_sines(double A_N, double tau_s) {
+  Noise noise;
+  std::string text = "t_s,F_ref_N,U_V\n";
+  double y = 2.0;
+  for (int i = 0; i < 4000; ++i) {
+    const double t = 0.02 * i, F = 2.0 + A_N * std::sin(3.0 * t) * std::sin(0.11 * t);
+    y += (F - y) * 0.02 / tau_s;
+    text += std::to_string(t) + "," + std::to_string(F) + "," + std::to_string(2.0 * y + 0.2 + 0.003 * noise()) + "\n";
+  }
+  return text;
+}
+
+class JsonPage : public ::testing::Test {
+ protected:
+  const std::string page = read_text(FORCEGATE_SOURCE_DIR "/docs/json.md");
+  TemporaryFolder folder;
+
+  Json answer(std::vector<std::string> words) {
+    words.push_back("--json");
+    const ProcessResult r = forcegate(words, {.folder = folder.path()});
+    EXPECT_EQ(r.exit_code, 0) << words[0] << r.out << r.err;
+    return Json::parse(r.out, nullptr, false);
+  }
+  void told(const std::string& title, const Json& answer, std::size_t fewest_keys) {
+    ASSERT_TRUE(answer.is_object()) << title;
+    EXPECT_GE(answer.size(), fewest_keys) << title << " " << answer.dump();
+    expect_named(section_of(page, title), answer, title);
+  }
+};
+
+TEST_F(JsonPage, NamesEveryKeyOfTheVerbs) {
+  std::filesystem::create_directory(folder / "film");
+  for (const auto& [name, A_N] : {std::pair{"a", 1.2}, {"b", 1.5}, {"c", 0.9}, {"d", 1.7}}) write_text(folder / (std::string("film/") + name + ".csv"), slow_sines(A_N, 0.15));
+  told("compare", answer({"compare", "film"}), 15);
+  told("fit and add", answer({"fit", "film", "-o", "m.toml"}), 12);
+  told("fit and add", answer({"add", "lag", "--fit", "film", "-o", "lag.toml"}), 12);
+  told("history", answer({"history", "lag.toml", "--on", "film"}), 4);
+  told("export", answer({"export", "m.toml", "--fit", "film", "--check", "film"}), 13);
+  told("next", answer({"next", "film"}), 4);
+  told("simulate", answer({"simulate", "film", "--model", "m.toml", "-o", "out"}), 3);
+  told("convert", answer({"convert", "film/a.csv", "a.h5"}), 6);
+}
+
+// At one frequency a delay and a lag are the same.
+TEST_F(JsonPage, NamesEveryKeyOfAnExperiment) {
+  Noise noise;
+  std::string text = "t,F,U\n";
+  for (int i = 0; i < 6000; ++i) {
+    const auto force_N = [](double t_s) { return 2.0 + 1.2 * std::sin(3.14159265 * t_s); };
+    text += std::to_string(0.01 * i) + "," + std::to_string(force_N(0.01 * i)) + "," + std::to_string(1.0 + 0.9 * force_N(0.01 * i - 0.03) + 0.003 * noise()) + "\n";
+  }
+  write_text(folder / "sine.csv", text);
+  const Json planned = answer({"next", "sine.csv"});
+  told("next", planned, 4);
+  EXPECT_FALSE(planned["segments"].empty());
+  told("next", answer({"next", "sine.csv", "--run", "--rig-option", "hidden=creep:medium", "-o", "more"}), 7);
+}
+
+}  // namespace
+}  // namespace forcegate::test
