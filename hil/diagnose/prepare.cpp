@@ -75,7 +75,7 @@ void cut_into_blocks(CampaignRows& w) {
   w.input.records.front().fast_F_N = std::move(fast_F_N);
   w.input.notes.push_back(
       std::string(settled > 0 ? "one recording only: its first tenth settles the states, the rest is judged in five blocks, each left out in turn"
-                              : "one recording only: it is judged in five blocks, each left out in turn; it begins at rest, or its force moves at its beginning alone") +
+                              : "one recording only: it is judged in five blocks, each left out in turn; it begins at rest, or its force moves at its beginning alone or not at all") +
       (whole.dynamic ? "" : "; no decay is assumed"));
 }
 

@@ -139,5 +139,16 @@ TEST(OneNumber, WhatIsAddedIsWhatWasClaimedBetweenTheRecords) {
       }
 }
 
+// On the records that are fitted the best dead zone of all would have a strength that none has.
+TEST(OneNumber, WhatIsClaimedCanBeAdded) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("forcegate mystery --seed 13 m13", folder).exit_code, 0);
+  const auto answer = nlohmann::json::parse(pasted("forcegate diagnose m13 --json", folder).out);
+  ASSERT_EQ(answer["findings"][0]["effect"], "dead_zone");
+  const auto added = nlohmann::json::parse(pasted("forcegate add dead_zone --fit m13 -o better.toml --json", folder).out);
+  EXPECT_EQ(added["accepted"], true);
+  EXPECT_LT(added["error_after"].get<double>(), 0.1 * added["error_before"].get<double>());
+}
+
 }  // namespace
 }  // namespace forcegate::test

@@ -59,6 +59,40 @@ int place(const CampaignInput& input, ResidualChannel& channel, const EffectKind
   return static_cast<int>(channel.variants.size()) - 1;
 }
 
+// Where the best one of the grid is none that the effect can have: the best of those that are, its shape moved as long as it stays one.
+std::optional<VariantScore> best_within(Workspace& w, const EffectKind& kind, const std::vector<int>& present, const MixedFit& base, unsigned threads) {
+  ResidualChannel& channel = w.output;
+  const auto score_of = [&](int variant) {
+    VariantScore score = score_variant(channel, present, base, variant, nullptr);
+    if (!score.fit.valid || is_nonsense(channel, score)) score.gain = -1e300;
+    return score;
+  };
+  VariantScore best;
+  best.gain = -1e299;
+  for (std::size_t v = 0; v < channel.variants.size(); ++v) {
+    const Candidate& c = candidate_of(channel, static_cast<int>(v));
+    if (c.kind != &kind || c.form->only_further) continue;
+    if (VariantScore score = score_of(static_cast<int>(v)); score.gain > best.gain) best = std::move(score);
+  }
+  if (!best.fit.valid) return std::nullopt;
+  const EffectForm& form = *candidate_of(channel, best.variant).form;
+  std::vector<double> shape = candidate_of(channel, best.variant).shape;
+  if (shape.empty() || !form.refine || channel.variants[static_cast<std::size_t>(best.variant)].columns.size() != form.strength.size()) return best;
+  const int tried = place(w.input, channel, kind, form, shape, threads);
+  if (tried < 0) return best;
+  double top = best.gain;
+  climb(form, shape, [&](const std::vector<double>& at) {
+    channel.candidates.back().shape = at;
+    fill_candidate(w.input, channel, channel.candidates.back(), threads, &present);
+    const double gain = score_of(tried).gain;
+    if (gain > top) top = gain, shape = at;
+    return gain;
+  });
+  channel.candidates.back().shape = shape;
+  fill_candidate(w.input, channel, channel.candidates.back(), threads);
+  return score_of(tried);
+}
+
 // What the bounds turned away at every point of the grid may be within them beyond its end: there the strength makes up for the shape.
 Result<VariantScore> beyond_grid(Workspace& w, const EffectKind& kind, const std::vector<int>& present, const MixedFit& base, unsigned threads) {
   ResidualChannel& channel = w.output;
@@ -146,6 +180,7 @@ Result<VariantScore> best_form(Workspace& w, const std::string& name, const std:
   if (!result.families.empty()) {
     refine_family(w.input, w.output, present, result.base, result.families.front(), threads);
     if (!is_nonsense(w.output, result.families.front().best)) return std::move(result.families.front().best);
+    if (std::optional<VariantScore> within = best_within(w, kind, present, result.base, threads)) return *std::move(within);
   }
   return beyond_grid(w, kind, present, result.base, threads);
 }
