@@ -8,10 +8,12 @@
 #include <cstdio>
 #include <random>
 
-#include "tests/support/process.h"
+#include "tests/support/last_line.h"
 
 namespace forcegate::test {
 namespace {
+
+using ::testing::HasSubstr;
 
 std::string last_line(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
@@ -37,6 +39,27 @@ TEST_P(DiagnoseSaysWhatIsNext, WithAndWithoutAPage) {
 INSTANTIATE_TEST_SUITE_P(Answers, DiagnoseSaysWhatIsNext, ::testing::Values("none", "hysteresis", "foreign_telegraph"),
                          [](const auto& info) { return std::string(info.param); });
 
+TEST(Diagnose, ANoneNamesWhatIsSuspectedBesideItAndWhyItIsNotClaimed) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("forcegate mystery --seed 8 m8", folder).exit_code, 0);
+  const ProcessResult said = pasted("forcegate diagnose m8", folder);
+  EXPECT_THAT(said.out, HasSubstr("verdict: nothing is missing that these records could show; but humidity is suspected and not claimed"));
+  EXPECT_THAT(said.out, HasSubstr("not claimed: nobody recorded it"));
+  EXPECT_THAT(said.out, HasSubstr("with one gain and zero for all, the error of records left out falls from"));
+  EXPECT_EQ(next_of(said), "forcegate diagnose m8 --html diagnosis.html");
+  EXPECT_EQ(next_of(pasted(next_of(said), folder)), "forcegate next m8");
+}
+
+TEST(Diagnose, AClaimThatHeldOutRecordsDoNotShowSaysSoAndDoesNotSendToAdd) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("forcegate mystery --seed 3 m3", folder).exit_code, 0);
+  const ProcessResult said = pasted("forcegate diagnose m3 --html m3.html", folder);
+  EXPECT_THAT(said.out, HasSubstr("the error of every record, predicted from all others, falls from"));
+  EXPECT_THAT(said.out, HasSubstr("note: the held-out records are described worse with what is claimed"));
+  EXPECT_THAT(read_text(folder / "m3.html"), HasSubstr("Error of every record, predicted from the others"));
+  EXPECT_EQ(next_of(said), "forcegate record --help");
+}
+
 TEST(Diagnose, AWeightInGramsIsAskedFor) {
   const TemporaryFolder folder;
   std::string csv = "t_s,load_g,U_V\n";
@@ -44,7 +67,7 @@ TEST(Diagnose, AWeightInGramsIsAskedFor) {
   write_text(folder.path() / "grams.csv", csv);
   const ProcessResult r = forcegate({"diagnose", "grams.csv"}, {.folder = folder.path()});
   EXPECT_NE(r.exit_code, 0);
-  EXPECT_THAT(r.err, ::testing::HasSubstr("--map load_g=F_ref_gf")) << "g alone may be an acceleration";
+  EXPECT_THAT(r.err, HasSubstr("--map load_g=F_ref_gf")) << "g alone may be an acceleration";
 }
 
 // Triangles that grow and shrink, of a film on a rubber that is soft up to the largest force of its record.
@@ -80,8 +103,8 @@ TEST(Diagnose, WhatTheLibraryDoesNotHaveIsSaidAndAnEquationOfTheUsersOwnTakesIt)
   write_softening(std::filesystem::path(folder.path()) / "film");
   const ProcessResult asked = forcegate({"diagnose", "film"}, there);
   ASSERT_EQ(asked.exit_code, 0) << asked.err;
-  EXPECT_THAT(asked.out, ::testing::HasSubstr("structure remains that no effect of the library explains")) << asked.out;
-  EXPECT_THAT(asked.out, ::testing::HasSubstr("it follows the largest force so far"));
+  EXPECT_THAT(asked.out, HasSubstr("structure remains that no effect of the library explains")) << asked.out;
+  EXPECT_THAT(asked.out, HasSubstr("it follows the largest force so far"));
 
   write_text(folder / "mine.toml", R"(format = 1
 [law]
@@ -103,7 +126,7 @@ parameter.k = { value = 0.01, unit = "1/N" }
 
   const ProcessResult wrong = forcegate({"add", "softning", "--model", "mine.toml", "--fit", "film"}, there);
   EXPECT_EQ(wrong.exit_code, 2);
-  EXPECT_THAT(wrong.err, ::testing::HasSubstr("did you mean \"softening\"?"));
+  EXPECT_THAT(wrong.err, HasSubstr("did you mean \"softening\"?"));
 }
 
 }  // namespace

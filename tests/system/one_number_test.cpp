@@ -150,5 +150,24 @@ TEST(OneNumber, WhatIsClaimedCanBeAdded) {
   EXPECT_LT(added["error_after"].get<double>(), 0.1 * added["error_before"].get<double>());
 }
 
+// A lead that is added has a claim to what a late reference would be forgiven.
+TEST(OneNumber, ALeadIsAddedFromWhereItWasClaimed) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("forcegate mystery --seed 16 m16", folder).exit_code, 0);
+  const auto answer = nlohmann::json::parse(pasted("forcegate diagnose m16 --json", folder).out);
+  ASSERT_EQ(answer["findings"][0]["effect"], "piezocapacitance");
+  const auto added = nlohmann::json::parse(pasted("forcegate add piezocapacitance --fit m16 --json", folder).out);
+  EXPECT_NEAR(added["error_before"].get<double>(), answer["error_before"].get<double>(), 0.01 * answer["error_before"].get<double>());
+}
+
+TEST(OneNumber, TheErrorAgainstTheRigsLawIsThatOfTheClaim) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("forcegate mystery --seed 24 m24", folder).exit_code, 0);
+  const auto answer = nlohmann::json::parse(pasted("forcegate diagnose m24 --json", folder).out);
+  const auto& finding = answer["findings"][0];
+  ASSERT_EQ(finding["effect"], "backlash");
+  EXPECT_NEAR(answer["errors"]["F"]["after"].get<double>(), finding["error_after"].get<double>(), 0.01 * finding["error_after"].get<double>());
+}
+
 }  // namespace
 }  // namespace forcegate::test

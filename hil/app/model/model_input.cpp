@@ -94,7 +94,8 @@ Result<void> check_channels(const Campaign& campaign) {
       return fail(ErrorCode::parse,
                   std::string("no column is the ") + what + ": there are " + join(columns, ", "),
                   record.place_of_header(),
-                  in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit)
+                  in_grams.empty() ? "name one, for instance " + column_map_advice(record.trace, name, unit) +
+                                         (std::string_view(name) == "F_ref" && record.trace.find("U") != nullptr ? "; of an output alone forcegate diagnose tells the drift" : "")
                                    : "if " + in_grams + " is a weight in grams: --map " + shell_quoted(in_grams + "=F_ref_gf"));
     }
   return {};
