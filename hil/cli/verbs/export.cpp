@@ -73,6 +73,8 @@ const Registration<Command> kRow{Command{
         "sensor is simulated, and the header takes it back.\n\n"
         "The diagnosis lets every record have its own gain and decay; a firmware cannot. --fit refits one law for all records, "
         "with the form of each effect that predicts left-out records best, of those that can be undone.\n\n"
+        "Before it is written the header is built with the host's compiler and held against the model's own inverse on swings over the model's "
+        "range; one that does not undo the model is refused. The header takes what the model takes: volts, or the unit that the model file names.\n\n"
         "--check builds the header with the host's compiler and replays a campaign: how far it is from the model's own inverse, "
         "in newtons and in LSB, and what it does to the recorded voltages. Of each record the first 600 s are replayed. Where the header "
         "is far from the model's inverse, or makes the error larger, a warning says so and the exit code is 1.",

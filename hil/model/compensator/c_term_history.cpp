@@ -141,6 +141,8 @@ Result<CTerm> hysteresis(const ModelEffect& e, const CTermContext& x) {
     t.needs_exp = true;
     return t;
   }
+  if (!e.form.starts_with("play_bank"))
+    return refuse(e.effect, "the form " + e.form + " is a bank for the diagnosis, not a law", "add hysteresis in another of its forms, or let --fit CAMPAIGN choose one (forcegate explain hysteresis lists them)");
   const bool decayed = e.form != "play_bank_undecayed", curved = e.form == "play_bank_curved";
   std::vector<double> radius, w, v;
   for (std::size_t k = 0; k < kPlayRadii.size(); ++k) {
@@ -216,7 +218,9 @@ CTerm lag_of_two_speeds(const ModelEffect& e, const CTermContext& x) {
 Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
   const double tau = shape_of(e, 0), c = strength_of(e, 0);
   const std::string& id = x.id;
-  if (e.form == "two_poles") {
+  constexpr std::string_view kSlow = "slow_";  // the same kernel, with time constants of seconds and more
+  const std::string form = e.form.starts_with(kSlow) ? e.form.substr(kSlow.size()) : e.form;
+  if (form == "two_poles") {
     const LowPassWeights w = low_pass_weights(0.5 * tau, x.rate_Hz);
     CTerm t;
     t.title = fmt::format("lag: two poles of {:g} s, share {:g}", 0.5 * tau, c);
@@ -250,10 +254,10 @@ Result<CTerm> lag(const ModelEffect& e, const CTermContext& x) {
     t.bytes = 20;
     return t;
   }
-  if (e.form == "two_speeds") return lag_of_two_speeds(e, x);
+  if (form == "two_speeds") return lag_of_two_speeds(e, x);
   std::vector<double> taus{tau}, weights{c};
   double through = 1.0;  // share of F that the modes carry
-  if (e.form == "diffusive") {
+  if (form == "diffusive") {
     taus.clear();
     weights.clear();
     double total = 0.0;
