@@ -30,6 +30,14 @@ constexpr const char* kPartsDiffer =
     "parts of the recording differ in gain or zero by more than its noise, within 1 % of the span, as zeros wander: a rest without load before "
     "and after tells whether the reference or the output moves";
 
+// The answer with one zero knows no zeros that move.
+void list_moving_zero(const Diagnosis& of_wandering, Diagnosis& out) {
+  const auto is_drift = [](const Finding& f) { return f.effect == "reference_drift"; };
+  const auto moving = std::ranges::find_if(of_wandering.findings, is_drift);
+  if (moving == of_wandering.findings.end() || std::ranges::any_of(out.findings, is_drift)) return;
+  out.findings.insert(std::ranges::find_if(out.findings, [&](const Finding& f) { return f.probability < moving->probability; }), *moving);
+}
+
 // Where zeros of its parts leave nothing to be found and the whole far above its floor, and above what a zero wanders by, that is no "none".
 Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions& options) {
   constexpr double kFarAbove = 5.0;
@@ -52,7 +60,10 @@ Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions&
     if (answer.plain_after > kFarAbove * answer.floor) answer.notes.push_back(kPartsDiffer);
     return wanders;
   }
-  if (other.verdict == DiagnosisVerdict::unknown) return stands;
+  if (other.verdict == DiagnosisVerdict::unknown) {
+    list_moving_zero(answer, stands.diagnosis);
+    return stands;
+  }
   answer.verdict = DiagnosisVerdict::unknown;
   answer.depends_on = {"time"};
   answer.notes.push_back("parts of the recording differ in gain or zero by far more than its noise: something changes with time");

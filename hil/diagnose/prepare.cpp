@@ -45,6 +45,13 @@ std::size_t rows_that_settle(const RecordInput& whole, const std::vector<std::si
   return !at_rest && span(whole.F_N, tenth, n) > kMostOfSpan * span(whole.F_N, 0, n) ? tenth : 0;
 }
 
+double common_step_V(const std::vector<RecordHealth>& health) {
+  constexpr double kAlike = 0.01;
+  double low = 1e300, high = 0.0;
+  for (const RecordHealth& h : health) low = std::min(low, h.lsb_U_V), high = std::max(high, h.lsb_U_V);
+  return high - low < kAlike * high ? low : 0.0;
+}
+
 // A single recording is judged in contiguous blocks with a gap between them, so that something can be left out. Each has its share of the
 // usable rows: one that lies in a stretch of missing samples would have nothing to say. Every
 // block keeps the whole history, since what came before it is still in the states of the system. Columns are made once for all blocks,
@@ -241,6 +248,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
     }
   });
   for (const RecordInput& input : w.input.records) w.health.push_back(health[input.name]);
+  w.input.U_step_V = common_step_V(w.health);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);
   if (std::string note = note_of_left_out(w.health, w.raw_claims); !note.empty()) w.input.notes.push_back(std::move(note));
   add_sample_windows(cuts, w.raw_claims);

@@ -98,7 +98,14 @@ std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualC
   }
   const Response added = response(campaign, channel, chosen, joint, trial(std::move(t), std::move(F)));
   if (added.derivative.isZero(0.0)) return {};  // what goes with the angle has no width over the force
-  const Index up = kBranch + kBranch / 2, down = 2 * kBranch + kBranch / 2;
+  // in the middle of the range; where a loop of no one shape is widest
+  Index half = kBranch / 2;
+  const auto width_at = [&](Index rise) { return std::abs(added.added[2 * kBranch + rise] - added.added[2 * kBranch - rise]); };
+  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
+  if (channel.candidates[static_cast<std::size_t>(variant.candidate)].form->last)
+    for (Index rise = kBranch / 8; rise <= kBranch - kBranch / 8; ++rise)
+      if (width_at(rise) > width_at(half)) half = rise;
+  const Index up = 2 * kBranch - half, down = 2 * kBranch + half;
   return {added.difference(up, down, 1.0, "loop_width_N", "N"), added.difference(up, down, 100.0 / campaign.range_N, "loop_width", "% of span")};
 }
 

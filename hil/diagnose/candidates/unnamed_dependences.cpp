@@ -130,10 +130,10 @@ void ring(const RecordInput& r, double f_Hz, double damping, ColumnsRef out) {
 
 UnnamedDependence mass_on_spring() {
   Grid grid;
-  for (const double f_Hz : {2.5, 5.0, 10.0, 16.0, 25.0, 50.0}) grid.push_back({f_Hz, 0.15});
+  for (const double f_Hz : {0.6, 1.2, 2.5, 5.0, 10.0, 16.0, 25.0, 50.0}) grid.push_back({f_Hz, 0.15});
   UnnamedDependence out = dependence(
       "mass_on_spring", "a resonance", "rate",
-      {{"f_Hz", "Hz", 0.5, 200.0, 10.0, "resonance"}, {"damping", "1", 0.01, 0.35, 0.1, "of the critical one: more of it is a lag"}}, 1, std::move(grid),
+      {{"f_Hz", "Hz", 0.1, 200.0, 10.0, "resonance"}, {"damping", "1", 0.01, 0.35, 0.1, "of the critical one: more of it is a lag"}}, 1, std::move(grid),
       [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef columns) { ring(r, shape[0], shape[1], columns); });
   out.kind.forms.front().refine = true;
   out.is_late = true;
@@ -210,7 +210,10 @@ std::vector<UnnamedDependence> unnamed_dependences(const CampaignInput& campaign
     out.push_back(gain_with_time());
     out.push_back(jump());
   }
-  if (campaign.generic) return out;
+  if (campaign.generic) {
+    out.push_back(mass_on_spring());
+    return out;
+  }
   out.push_back(largest_force());
   out.push_back(gain_by_largest_force());
   out.push_back(size_of_rate());

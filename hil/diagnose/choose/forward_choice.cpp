@@ -27,6 +27,18 @@ class ForwardChoice {
 
   void run() {
     if (!screen_again(nullptr)) return;
+    search();
+    if (!out_.chosen.empty() || std::ranges::none_of(channel_.candidates, [](const Candidate& c) { return c.form->last; })) return;
+    const ScreenResult ordinary = out_.first;
+    forms_ = Forms::all;
+    if (screen_again(nullptr)) search();
+    if (out_.chosen.empty()) out_.first = ordinary;
+  }
+
+  ForwardChosen chosen() && { return {std::move(out_), std::move(carried_), leads_}; }
+
+ private:
+  void search() {
     while (static_cast<int>(out_.chosen.size()) < rules_.most && !result_.families.empty()) {
       if (place_ == 0) refine_leaders(input_, channel_, present_, result_, threads_);
       if (out_.chosen.empty()) out_.first = result_;
@@ -48,12 +60,10 @@ class ForwardChoice {
       }
       if (why == Refusal::leads && lead.plain() && shift_s(channel_, family) > allowed_latency_s_) tell_lead(shift_s(channel_, family));
       if (!(why == Refusal::none ? take(family, chosen) : turn_down(family, why))) return;
+      if (forms_ == Forms::all && !out_.chosen.empty()) return;
     }
   }
 
-  ForwardChosen chosen() && { return {std::move(out_), std::move(carried_), leads_}; }
-
- private:
   // Of the output over the reference: it may be the lag of the reference, unless it depends on the load.
   struct Lead {
     bool is = false, loaded = false;
@@ -62,10 +72,11 @@ class ForwardChoice {
   // What two clocks and a late reference may do, and what is not a finding therefore.
   enum class Clocks { no, lead, slight_shift, late_reference };
   static constexpr double kWorthCarrying = 4.0;  // nats
+  static constexpr int kIterations = 9;
 
   // What is carried along before anything is chosen belongs to the model that the first effect is judged against.
   bool screen_again(const MixedFit* warm) {
-    result_ = screen(channel_, present_, taken_, warm, threads_);
+    result_ = screen(channel_, present_, taken_, warm, threads_, kIterations, RecordUse::all_records, forms_);
     place_ = 0;
     if (!result_.base.valid) return false;
     if (std::ranges::find(taken_, "mounting") == taken_.end()) place_mountings(input_, channel_, result_.base, threads_);
@@ -198,6 +209,7 @@ class ForwardChoice {
   double allowed_latency_s_;
   std::vector<int> base_, carried_, present_;  // of the model; with what its families soak up; with what was chosen too
   std::vector<std::string> taken_;
+  Forms forms_ = Forms::ordinary;
   ScreenResult result_;
   std::size_t place_ = 0;  // in the ranking
   int latencies_ = 0;

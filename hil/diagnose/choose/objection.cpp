@@ -5,6 +5,7 @@
 
 #include "hil/diagnose/choose/instrument_error.h"
 #include "hil/diagnose/choose/reference_jitter.h"
+#include "hil/diagnose/choose/reference_latency.h"
 #include "hil/diagnose/workspace.h"
 
 namespace forcegate::diagnose {
@@ -129,6 +130,9 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);
   chosen.stands_out = leaves_most && stands_out(channel, result, family, chosen, earlier);
   if (leaves_most && !chosen.stands_out) return Refusal::leaves_most;
+  // the bits of an output that hardly follows the force tell the output itself
+  constexpr double kMostOfCodes = 0.1;  // of the span
+  if (name == "adc_codes" && removed_rms > kMostOfCodes) return Refusal::unphysical;
   // bits soak up a little of many things, but then others soak it up as well
   const double least_of_codes = first && is_alone(result, family) ? 0.3 : 0.5;
   if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < least_of_codes) return Refusal::few_jumps;
@@ -156,7 +160,9 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return Refusal::in_few_records;
   if (!chosen.describes_whole && (!chosen.left_out.helps() || chosen.left_out.share < 0.02))
     return chosen.left_out.blocks ? Refusal::helps_no_parts : Refusal::helps_no_records;
-  if (!chosen.between && share_of_jitter(channel, result.base, family.best.fit) > (name == "adc_codes" ? kOfJitterOfCodes : kOfJitter)) return Refusal::jitter;
+  const bool is_shift = family.kind->traits.shift == TimeShift::first_shape && family.kind->traits.known_form && rules.row_step_s > 0.0 &&
+                        std::abs(shift_s(channel, family)) >= rules.row_step_s;
+  if (!chosen.between && share_of_jitter(channel, result.base, family.best.fit, is_shift) > (name == "adc_codes" ? kOfJitterOfCodes : kOfJitter)) return Refusal::jitter;
   return Refusal::none;
 }
 

@@ -27,6 +27,11 @@ struct Range {
   double width() const { return std::max(0.0, high - low); }
 };
 
+struct Groups {
+  double n = 0.0, fall = 0.0;
+  void add(double of_group) { n += 1.0, fall += of_group; }
+};
+
 // End of the stretch from `from` on where the force stays within `width`, at most `longest` rows.
 Index end_of_stretch(const VectorXd& force, Index from, Index longest, double width) {
   Range moved;
@@ -58,20 +63,26 @@ double with_force(const VectorXd& force, const VectorXd& e) {
 
 }  // namespace
 
-double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after) {
+double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after, bool is_shift) {
   const auto without = residual_rows(channel, before), with = residual_rows(channel, after);
   Range span;
   for (const RecordRows& rows : channel.rows)
     for (Index i = 0; i < rows.matrix.rows(); ++i) span.add(rows.matrix(i, 0));  // column 0 is the force
-  double all = 0.0, white = 0.0, smoothed = 0.0;
+  double all = 0.0, smoothed = 0.0;
+  Groups any, long_still;
   for (std::size_t k = 0; k < without.size(); ++k) {
     const auto n = static_cast<Index>(without[k].size());
     const Eigen::Map<const VectorXd> b(without[k].data(), n), a(with[k].data(), n);
     const VectorXd force = channel.rows[k].matrix.col(0).head(n);
     const double still = std::max(kStill * span.width(), kOfNoise * std::sqrt(channel.problem.records[k].smoothed_variance));
     all += b.squaredNorm() - a.squaredNorm();
-    for (Index i = 0; i + kGroup <= n; i += kGroup)
-      if (end_of_stretch(force, i, kGroup, still) == i + kGroup) white += scatter(b.segment(i, kGroup)) - scatter(a.segment(i, kGroup));
+    for (Index i = 0; i + kGroup <= n; i += kGroup) {
+      if (end_of_stretch(force, i, kGroup, still) != i + kGroup) continue;
+      const double fall = scatter(b.segment(i, kGroup)) - scatter(a.segment(i, kGroup));
+      any.add(fall);
+      constexpr Index kLong = kShortest + kGroup + kShortest;
+      if (i >= kShortest && end_of_stretch(force, i - kShortest, kLong, still) == i - kShortest + kLong) long_still.add(fall);
+    }
     for (Index i = 0; i < n;) {
       const Index to = end_of_stretch(force, i, kLongest, still), rows = to - i;
       if (rows >= kShortest)
@@ -79,6 +90,7 @@ double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, c
       i = std::max(to, i + 1);
     }
   }
+  const double white = !is_shift ? any.fall : long_still.n > 0.0 ? long_still.fall * any.n / long_still.n : 0.0;
   return all > 0.0 ? std::max(white, smoothed) / all : 0.0;
 }
 

@@ -9,8 +9,9 @@ namespace forcegate::diagnose {
 
 /// Share of the fall of the squares from `before` to `after`, over all rows, that is made where the reference moves by less than 1 % of the
 /// span, or than its own noise does: of scatter within groups of five neighbouring rows, or of what goes with the reference in stretches of 20 to 100 (a long window
-/// smooths the noise over many rows), whichever is more. Beyond 1 where the rest grows; 0 without such rows or without a fall.
-double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);
+/// smooths the noise over many rows), whichever is more. Beyond 1 where the rest grows; 0 without such rows or without a fall. `is_shift`: of a
+/// shift by a row and more, which flattens no noise and acts on the output just after an edge, or before it: of groups only those in the midst of a long standstill count.
+double share_of_jitter(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after, bool is_shift = false);
 /// Of it the fall of an effect of the load has next to nothing, that of a smoother two thirds and more.
 inline constexpr double kOfJitter = 0.3;
 

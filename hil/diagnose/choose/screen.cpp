@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/base/parallel.h"
+#include "hil/diagnose/base/left_out.h"
 
 namespace forcegate::diagnose {
 
@@ -24,17 +25,16 @@ Eigen::VectorXd coefficients_of(const ResidualChannel& channel, const MixedFit& 
   return out;
 }
 
-// A strength beyond what the effect can physically have, by more than twice its uncertainty. A pole of twice the force
-// with half the time constant is a delay in disguise, and half a delay of twice the length a pole.
+// Strengths that together go beyond what the effect can physically have, by more than twice their uncertainty. A pole of twice the force
+// with half the time constant is a delay in disguise, half a delay of twice the length a pole, and a growth to many times the load a lag.
 bool is_beyond_bounds(const ResidualChannel& channel, const MixedFit& fit, const Variant& variant) {
-  if (variant.columns.size() != 1) return false;
   const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
-  const auto at = fit.coefficient.size() - 1;
+  const auto n = static_cast<Eigen::Index>(variant.columns.size()), first = fit.coefficient.size() - n;
   // a share of the gain that is fitted beside it, not of the one that the search began with
   const double fitted = fit.coefficient[0] * channel.gain_of_unit,
                gain = std::abs(fitted) > 0.05 ? fitted : 1.0;
-  const double value = fit.coefficient[at] / gain,
-               slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance(at, at))) / std::abs(gain);
+  const double value = fit.coefficient.tail(n).sum() / gain,
+               slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance.block(first, first, n, n).sum())) / std::abs(gain);
   return value > c.form->most + slack || value < c.form->least - slack;
 }
 
@@ -161,7 +161,7 @@ VariantScore score_variant(const ResidualChannel& channel, const std::vector<int
 
 ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present,
                     const std::vector<std::string>& skip, const MixedFit* warm, unsigned threads,
-                    int iterations, RecordUse use) {
+                    int iterations, RecordUse use, Forms forms) {
   ScreenResult out;
   out.base = fit_to_the_end(channel, present, warm, 2 * iterations, use);
   if (!out.base.valid) return out;
@@ -170,7 +170,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   const auto score_all = [&] {
     parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
       const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
-      if (c.form->only_further || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
+      if (c.form->only_further || (c.form->last && forms == Forms::ordinary) || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
       scores[v] = score_variant(channel, present, out.base, static_cast<int>(v), nullptr, iterations);
       used[v] = scores[v].gain > -1e299 ? 1 : 0;
     });
@@ -226,6 +226,20 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   std::stable_sort(out.families.begin(), out.families.end(),
                    [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });
   return out;
+}
+
+ScreenResult screen_alone(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& others, const MixedFit* warm,
+                          unsigned threads) {
+  constexpr int kIterations = 9;
+  constexpr double kBetter = 0.9;  // mean square
+  const auto screened = [&](Forms forms) { return screen(channel, present, others, warm, threads, kIterations, RecordUse::fit_records, forms); };
+  ScreenResult ordinary = screened(Forms::ordinary);
+  if (std::ranges::none_of(channel.candidates, [&](const Candidate& c) { return c.form->last && std::ranges::find(others, c.kind->name) == others.end(); }))
+    return ordinary;
+  ScreenResult all = screened(Forms::all);
+  if (ordinary.families.empty() || all.families.empty()) return all;
+  const auto left_out = [&](const ScreenResult& result) { return cross_fit(channel, result.base, result.families.front().best.fit).after; };
+  return left_out(all) < kBetter * left_out(ordinary) ? all : ordinary;
 }
 
 }  // namespace forcegate::diagnose

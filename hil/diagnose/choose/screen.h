@@ -41,10 +41,18 @@ struct ScreenResult {
   std::vector<FamilyScore> families;  ///< best first
 };
 
+/// Which forms compete: those that are `EffectForm::last` too, or not.
+enum class Forms { ordinary, all };
+
 /// Columns already in the model stay. A variant whose family is in `skip` is left out.
 ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present,
                     const std::vector<std::string>& skip, const MixedFit* warm, unsigned threads,
-                    int iterations = 9, RecordUse use = RecordUse::all_records);
+                    int iterations = 9, RecordUse use = RecordUse::all_records, Forms forms = Forms::ordinary);
+
+/// The family that is not in `others` alone, on the records of the fit. Its forms that are `EffectForm::last` only where records that are left
+/// out are foretold plainly better by them.
+ScreenResult screen_alone(const ResidualChannel& channel, const std::vector<int>& present, const std::vector<std::string>& others, const MixedFit* warm,
+                          unsigned threads);
 
 /// EM from `warm` (or from the components' starts) until the evidence stands still: a base that still climbs would lend its climb to every
 /// candidate.

@@ -16,6 +16,7 @@ SelectionRules output_rules(const Workspace& w) {
   SelectionRules out;
   out.forms_are_rough = w.input.generic;
   out.one_zero = w.input.single && !w.zero_wanders;
+  for (const RecordInput& r : w.input.records) out.row_step_s = std::max(out.row_step_s, r.row_step_s);
   out.clock_slack = !w.input.generic || w.input.records.front().row_step_s <= kStepsTellNoLag_s;
   return out;
 }

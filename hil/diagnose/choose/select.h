@@ -78,6 +78,7 @@ struct SelectionRules {
          sure_total_fall = 0.02;      ///< a small share is enough where the evidence is overwhelming
   double smallest_rms = 2.5e-4;       ///< of the span: less is below what the declared instruments can tell
   bool one_zero = false;          ///< one recording, and its parts have no gain and zero of their own
+  double row_step_s = 0.0;            ///< a shift by so much and more flattens no noise of the reference; 0: not known
   bool clock_slack = true;            ///< a few milliseconds between two instruments are nobody's fault
   int most = 3;
 };

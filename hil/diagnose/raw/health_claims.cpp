@@ -122,7 +122,11 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   // a few are somebody's hand on the cable, unless they make an error that matters, again and again
   constexpr double kFew = 5.0, kLargeError = 0.01;  // RMS, of the span
   const bool few_but_large = outliers >= kFew && with_any_outlier >= 3 && std::sqrt(outlier_square_V2 / samples) > kLargeError * scales.U_range_V;
-  if (few_but_large || (outliers / samples > kShare && outliers >= 12 && (with_outliers >= 2 || !many_records)))
+  // one short recording has few, and no hand that comes back all along it
+  constexpr double kOften = 1e-3, kSeveral = 7.0;
+  constexpr std::size_t kAllAlong = 4;  // eighths
+  const bool few_all_along = n == 1 && outliers >= kSeveral && outliers / samples > kOften && health.front().outlier_parts >= kAllAlong;
+  if (few_but_large || few_all_along || (outliers / samples > kShare && outliers >= 12 && (with_outliers >= 2 || !many_records)))
     out.push_back({"outliers", 0.95,
                    percent(outliers / samples) +
                        " of the samples stand far off their neighbours while the force is smooth",

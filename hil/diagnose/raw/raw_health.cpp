@@ -1,6 +1,7 @@
 #include "hil/diagnose/raw/raw_health.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -88,6 +89,16 @@ double gain_of_record(const Shared& shared, const HealthScales& scales) {
   return shared.FF > kEnough * kEnough * scales.range_N * scales.range_N * shared.n ? *shared.gain() : scales.gain_V_per_N;
 }
 
+// What the output typically does between two samples beside the force, as a standard deviation. Of an output that rings it is no noise, and
+// its peaks stand above every straight line through their neighbours.
+double restlessness(const std::vector<double>& F, const std::vector<double>& U, double gain_V_per_N) {
+  constexpr std::size_t kEnough = 20000;
+  std::vector<double> moved;
+  for (std::size_t i = 1; i < U.size(); i += 1 + U.size() / kEnough)
+    if (const double d = U[i] - U[i - 1] - gain_V_per_N * (F[i] - F[i - 1]); std::isfinite(d)) moved.push_back(std::abs(d));
+  return moved.empty() ? 0.0 : 1.4826 * quantile(std::move(moved), 0.5);
+}
+
 }  // namespace
 
 HealthScales health_scales(const Campaign& campaign) {
@@ -137,6 +148,13 @@ void count_zeros(bool among_spikes, RecordHealth& out) {
   }
 }
 
+std::size_t parts_of_record(const std::vector<std::size_t>& samples, std::size_t n) {
+  constexpr std::size_t kParts = 8;
+  std::array<bool, kParts> in{};
+  for (const std::size_t i : samples) in[kParts * i / n] = true;
+  return static_cast<std::size_t>(std::ranges::count(in, true));
+}
+
 }  // namespace
 
 RecordHealth check_raw_health(const Record& record, const HealthScales& scales, const BenchFacts& bench) {
@@ -169,8 +187,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   if (out.lsb_U_V == 0.0) out.lsb_U_V = scales.step_V;
   if (out.lsb_U_V == 0.0 && bench.adc_bits > 0 && shows_few_values(U))
     out.lsb_U_V = (std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - low_rail : scales.U_range_V) / std::exp2(bench.adc_bits);
+  constexpr double kOfRestless = 6.0;
   const double gain = std::abs(scales.gain_V_per_N);
-  const double quiet = 8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V;
+  const double quiet = std::max(8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V,
+                                kOfRestless * restlessness(F, U, scales.gain_V_per_N));
 
   const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
   const StepsOfOutput steps(F, U, gain, quiet);
@@ -221,11 +241,18 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   spike.resize(alone);
   spike_level.resize(alone);
   const LoneSpikes lone{U, spike, spike_level};
+  if (fall_to_one_level(lone, std::max({1.5 * out.lsb_U_V, 4.0 * out.noise_U_V, 0.005 * scales.U_range_V}))) {
+    for (std::size_t k = 0; k < spike.size(); ++k) mark(spike[k], BadSample::zero, U[spike[k]] - spike_level[k]);
+    out.zeros += spike.size();
+    out.zero_runs += spike.size();
+    spike.clear(), spike_level.clear();
+  }
   const double bit_V = common_bit_V(lone, bench.voltage_max_V - low_rail, scales.U_range_V);
   if (!sit_at_fixed_levels(lone) || (bit_V > 0.0 && stay_on_one_side(lone, F, scales.gain_V_per_N, bit_V))) {
     std::vector<double> size;
     for (std::size_t k = 0; k < spike.size(); ++k) size.push_back(std::abs(U[spike[k]] - spike_level[k]));
     out.bit_V = bit_V;
+    out.outlier_parts = parts_of_record(spike, n);
     (out.bit_V > 0.0 ? out.bit_errors : out.outliers) += spike.size();
     for (std::size_t k = 0; k < spike.size(); ++k) {
       mark(spike[k], out.bit_V > 0.0 ? BadSample::bit : BadSample::outlier, size[k]);

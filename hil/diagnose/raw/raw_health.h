@@ -40,6 +40,7 @@ struct RecordHealth {
   double missing_variance = 0.0;              ///< of the difference of the two if runs come independently: the sum of their squared lengths
   std::size_t lone_zeros =
       0;  ///< single samples at the low end: a lost sample, or a spike that was cut off there
+  std::size_t outlier_parts = 0;            ///< eighths of the record in which single samples stand off
   double outlier_square_V2 = 0.0;           ///< sum over the outliers of what they stand off by, squared
   std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
   double bit_V = 0.0;                       ///< that size

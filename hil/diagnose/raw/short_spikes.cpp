@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -15,6 +16,9 @@ constexpr std::size_t kShortest = 2, kAround = 3;  // samples
 constexpr double kLongest_s = 0.04;
 
 double median_of_three(const double* x) { return std::max(std::min(x[0], x[1]), std::min(std::max(x[0], x[1]), x[2])); }
+
+constexpr std::size_t kFewestFalls = 5;
+constexpr double kNearlyAll = 0.9, kFarApart = 10.0;  // of the spikes; of what counts as one level
 
 struct Allowance {
   const std::vector<double>& F;
@@ -91,6 +95,20 @@ bool thrown_at_random(const std::vector<ShortSpike>& blocks, std::span<const dou
 }
 
 }  // namespace
+
+bool fall_to_one_level(const LoneSpikes& spikes, double near_V) {
+  if (spikes.at.size() < kFewestFalls) return false;
+  double lowest = std::numeric_limits<double>::infinity(), low = lowest, high = -lowest;
+  for (const double U : spikes.U)
+    if (std::isfinite(U)) lowest = std::min(lowest, U);
+  std::size_t falls = 0;
+  for (std::size_t k = 0; k < spikes.at.size(); ++k) {
+    falls += spikes.U[spikes.at[k]] < lowest + near_V ? 1 : 0;
+    low = std::min(low, spikes.level_V[k]);
+    high = std::max(high, spikes.level_V[k]);
+  }
+  return static_cast<double>(falls) >= kNearlyAll * static_cast<double>(spikes.at.size()) && high - low > kFarApart * near_V;
+}
 
 std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales,
                                           std::span<const double> lone_V) {

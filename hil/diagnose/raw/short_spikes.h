@@ -34,6 +34,10 @@ double common_bit_V(const LoneSpikes& spikes, double range_V, double span_V);
 /// to the other side, and noise makes it jump there again and again.
 bool stay_on_one_side(const LoneSpikes& spikes, const std::vector<double>& F_N, double gain_V_per_N, double size_V);
 
+/// Whether nearly all of five and more fall, from anywhere in the range, to the lowest level that the output has: what it shows where the
+/// sensor is disconnected. `near_V`: within which levels are one.
+bool fall_to_one_level(const LoneSpikes& spikes, double near_V);
+
 struct ShortSpike {
   std::size_t begin = 0, length = 0;  ///< samples
   double peak_V = 0.0;                ///< above or below the line between its surroundings

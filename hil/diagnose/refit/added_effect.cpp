@@ -22,7 +22,7 @@ Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::strin
   for (const EffectKind* kind : kinds_of(w.output))
     if (kind->name != effect) others.push_back(kind->name);
   if (effect == "mounting") place_mountings(w, base.columns, &base, threads);
-  ScreenResult result = screen(w.output, base.columns, others, &base, threads, 9, RecordUse::fit_records);
+  ScreenResult result = screen_alone(w.output, base.columns, others, &base, threads);
   if (result.families.empty()) return fail(ErrorCode::config, "the campaign cannot show " + effect, w.input.name);
   refine_family(w.input, w.output, base.columns, result.base, result.families.front(), threads);
   const VariantScore& best = result.families.front().best;

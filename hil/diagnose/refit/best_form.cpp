@@ -176,7 +176,7 @@ Result<VariantScore> best_form(Workspace& w, const std::string& name, const std:
     const bool by_records = !result.families.empty() && result.families.front().records.valid && result.families.front().records.variant == result.families.front().best.variant;
     if (by_records) return std::move(result.families.front().best);
   }
-  ScreenResult result = screen(w.output, present, others, warm, threads, 9, RecordUse::fit_records);
+  ScreenResult result = screen_alone(w.output, present, others, warm, threads);
   if (!result.families.empty()) {
     refine_family(w.input, w.output, present, result.base, result.families.front(), threads);
     if (!is_nonsense(w.output, result.families.front().best)) return std::move(result.families.front().best);

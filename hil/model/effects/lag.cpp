@@ -19,7 +19,6 @@ namespace {
 
 enum class Kind { one_pole, two_poles, diffusive };
 
-constexpr double kSlow_s = 10.0;  // up to it a part of the force may pass
 constexpr double kSlowest_s = 1000.0, kOfRecord = 0.125;
 
 void fill(const RecordInput& r, double tau_s, Kind kind, ColumnsRef out) {
@@ -100,14 +99,13 @@ double slower(const CampaignInput& campaign) {
 
 EffectForm form(const char* name, Kind kind, std::vector<double> taus, bool bank = false) {
   return {.name = name,
-          .shape = {{"tau_s", "s", 1e-4, kSlow_s, 0.05, "time constant"}},
+          .shape = {{"tau_s", "s", 1e-4, kSlowest_s, 0.05, "time constant"}},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that passes the lag"}},
           .sign = StrengthSign::positive,
           .grid =
               [taus](const CampaignInput& campaign) {
                 std::vector<std::vector<double>> out;
-                for (const double tau : taus)
-                  if (const double tau_s = tau * slower(campaign); tau_s < kSlow_s) out.push_back({tau_s});
+                for (const double tau : taus) out.push_back({tau * slower(campaign)});
                 return out;
               },
           .columns = [kind](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
@@ -129,7 +127,7 @@ EffectForm slow(const char* name, Kind kind) {
                 std::vector<std::vector<double>> out;
                 if (!campaign.generic || campaign.records.empty()) return out;
                 const double longest_s = std::min(kSlowest_s, kOfRecord * campaign.records.front().duration_s);
-                for (double tau_s = std::min(kSlow_s, 1.024 * slower(campaign)); tau_s < longest_s; tau_s *= 2.0) out.push_back({tau_s});
+                for (double tau_s = 1.024 * slower(campaign); tau_s < longest_s; tau_s *= 2.0) out.push_back({tau_s});
                 return out;
               },
           .columns = [kind](const CampaignInput&, const RecordInput& r, std::span<const double> shape,

@@ -132,5 +132,24 @@ TEST(NoInput, AnOutputAtItsRailIsAnErrorDespiteItsNoise) {
   EXPECT_TRUE(check_output_moves(of({record_of(steady(2.0), steady(3.9), 0.004, 0.003)})));
 }
 
+// A furnace: sampled a few times a time constant, it answers samples later.
+TEST(NoInput, AnOutputThatAnswersSamplesLaterHasAnInput) {
+  Rng rng(7, "gas");
+  Record record = record_of([](double) { return 0.0; }, [](double) { return 0.0; }, 0.0, 0.0);
+  auto &clock = record.trace.time_bases[0].t_s, &F = record.trace.find("F_ref")->value, &U = record.trace.find("U")->value;
+  constexpr std::size_t kSamplesOfGas = 300;
+  clock.resize(kSamplesOfGas), F.resize(kSamplesOfGas), U.resize(kSamplesOfGas);
+  double gas = 0.0, heat = 0.0, noise = 0.0;
+  for (std::size_t i = 0; i < kSamplesOfGas; ++i) {
+    clock[i] = 9.0 * static_cast<double>(i);
+    gas += 0.3 * (2.5 * rng.normal() - gas);
+    F[i] = gas;
+    heat += 0.4 * (-(i >= 4 ? F[i - 4] : 0.0) - heat);
+    noise = 0.8 * noise + 0.1 * rng.normal();
+    U[i] = 53.0 + 2.0 * heat + noise;
+  }
+  EXPECT_FALSE(is_drift_only(of({record})));
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
