@@ -1,6 +1,11 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "hil/diagnose/answer/verdict.h"
+#include "hil/diagnose/base/open_contact.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/base_errors.h"
 #include "hil/diagnose/candidates/unnamed_dependences.h"
@@ -39,7 +44,7 @@ void list_moving_zero(const Diagnosis& of_wandering, Diagnosis& out) {
 }
 
 // Where zeros of its parts leave nothing to be found and the whole far above its floor, and above what a zero wanders by, that is no "none".
-Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions& options) {
+Result<Diagnosed> diagnose_parts(CampaignRows rows, const EngineOptions& options) {
   constexpr double kFarAbove = 5.0;
   constexpr double kLargestWander = 0.01;  // of the span
   FORCEGATE_TRY(Diagnosed stands, diagnose_rows(rows, with_one_zero(options)));
@@ -68,6 +73,47 @@ Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions&
   answer.depends_on = {"time"};
   answer.notes.push_back("parts of the recording differ in gain or zero by far more than its noise: something changes with time");
   return wanders;
+}
+
+// What any course at low load is taken for.
+bool is_of_any_course(const Finding& f) { return f.claimed() && (f.effect == "hysteresis" || f.effect == "static_nonlinearity"); }
+
+void doubt_where_contact_opens(const OpenContact& open, const Diagnosis& while_closed, Diagnosis& out) {
+  bool doubted = false;
+  for (Finding& f : out.findings) {
+    const bool stays = std::ranges::any_of(while_closed.findings, [&](const Finding& other) { return other.effect == f.effect && other.claimed(); });
+    if (is_of_any_course(f) && !stays) doubted |= f.limit(kNoClaim, "it is not seen without the rows in which the contact is open or was just made");
+  }
+  const EffectKind* kind = EffectRegistry::instance().find("contact_loss");
+  if (!doubted || kind == nullptr) return;
+  Finding contact = finding_about(*kind, out.unit);
+  contact.form = "without_witness";
+  contact.probability = kNoClaim;
+  contact.name_is_open = true;
+  contact.evidence = fmt::format("the force came to rest at its lowest {} times, for {:.2g} % of the recording, and the output goes its own way while it rests and just after: "
+                                 "the contact opens, it seems; not claimed: no angle or command says that the drive went on",
+                                 open.times, 100.0 * open.share);
+  std::erase_if(out.findings, [&](const Finding& f) { return f.effect == contact.effect; });
+  out.findings.insert(std::ranges::find_if(out.findings, [](const Finding& f) { return !f.claimed(); }), std::move(contact));
+  if (std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed(); })) return;
+  out.verdict = DiagnosisVerdict::unknown;
+  out.residual_unknown = false;
+  if (out.depends_on.empty()) out.depends_on = {"force"};
+}
+
+Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions& options) {
+  const OpenContact open = open_contact(rows.input);
+  std::optional<CampaignRows> closed;
+  if (open) {
+    closed = rows;
+    for (RecordInput& block : closed->input.records)
+      for (std::size_t i = 0; i < block.ok.size(); ++i) block.ok[i] = open.rows[i] != 0 ? 0 : block.ok[i];
+  }
+  FORCEGATE_TRY(Diagnosed out, diagnose_parts(std::move(rows), options));
+  if (!closed || std::ranges::none_of(out.diagnosis.findings, is_of_any_course)) return out;
+  // too few rows may be left to ask
+  if (const Result<Diagnosed> while_closed = diagnose_parts(*std::move(closed), options)) doubt_where_contact_opens(open, while_closed->diagnosis, out.diagnosis);
+  return out;
 }
 
 }  // namespace

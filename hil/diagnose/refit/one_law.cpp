@@ -257,7 +257,10 @@ Result<FittedRows> rows_as_fitted(Campaign campaign, const Model& start, unsigne
   options.pictures = options.search = false;
   FORCEGATE_TRY(const std::unique_ptr<Workspace> w, prepare(std::move(campaign), options));
   if (w->input.records.size() < kFewest) return too_few();
-  for (RecordInput& r : w->input.records) r.wanted.clear();
+  for (RecordInput& r : w->input.records) {
+    r.wanted.clear();
+    r.recording = w->input.records.front().recording;  // a firmware is switched on where the record begins: what the film kept it cannot know
+  }
   return FittedRows{std::move(w->input), w->output.unit};
 }
 

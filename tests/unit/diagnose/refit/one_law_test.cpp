@@ -110,6 +110,31 @@ TEST(OneLaw, TheModelKnowsTheCampaignThatItsEffectsWereFittedOn) {
   EXPECT_NEAR(fit->model.frame.span_N, 4.2, 0.1);
 }
 
+// A firmware is switched on where a record begins: what the film kept from the record before is no part of its law, and the order of the
+// records is none.
+TEST(OneLaw, WhatTheFilmKeptFromTheRecordBeforeIsNoPartOfIt) {
+  double wide = 0.0;
+  const Sensor keeps = [&](const std::vector<double>&, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    for (const double f : F) {
+      wide = std::clamp(wide, f - 0.8, f + 0.8);
+      U.push_back(2.0 * (f + 0.15 * (wide - f)) + 0.2);
+    }
+    return U;
+  };
+  const Campaign recorded = make_campaign(88, keeps, 0.002);
+  Campaign turned = recorded;
+  std::ranges::reverse(turned.records);
+  for (std::size_t k = 0; k < turned.records.size(); ++k) turned.records[k].start_s = recorded.records[k].start_s;
+  const Model loop = model_of("[[effect]]\nname = \"hysteresis\"\nform = \"play_bank\"\n");
+  const auto a = fit_one_law(recorded, loop), b = fit_one_law(turned, loop);
+  ASSERT_TRUE(a) << a.error().to_text();
+  ASSERT_TRUE(b) << b.error().to_text();
+  EXPECT_NEAR(a->left_out_V, b->left_out_V, 1e-9);
+  EXPECT_NEAR(a->model.law.gain_N_per_V, b->model.law.gain_N_per_V, 1e-9);
+  EXPECT_LT(a->left_out_V, 0.8 * a->law_left_out_V);
+}
+
 TEST(OneLaw, OneRecordingIsNoCampaign) {
   Campaign c = make_campaign(86, straight, 0.002);
   c.records.resize(1);
