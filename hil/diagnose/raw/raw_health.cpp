@@ -89,14 +89,21 @@ double gain_of_record(const Shared& shared, const HealthScales& scales) {
   return shared.FF > kEnough * kEnough * scales.range_N * scales.range_N * shared.n ? *shared.gain() : scales.gain_V_per_N;
 }
 
-// What the output typically does between two samples beside the force, as a standard deviation. Of an output that rings it is no noise, and
-// its peaks stand above every straight line through their neighbours.
+// What the output typically does between two samples beside the force, as a standard deviation; 0 where the force does most of it. Of an output
+// that rings it is no noise, and its peaks stand above every straight line through their neighbours.
 double restlessness(const std::vector<double>& F, const std::vector<double>& U, double gain_V_per_N) {
   constexpr std::size_t kEnough = 20000;
-  std::vector<double> moved;
-  for (std::size_t i = 1; i < U.size(); i += 1 + U.size() / kEnough)
-    if (const double d = U[i] - U[i - 1] - gain_V_per_N * (F[i] - F[i - 1]); std::isfinite(d)) moved.push_back(std::abs(d));
-  return moved.empty() ? 0.0 : 1.4826 * quantile(std::move(moved), 0.5);
+  constexpr double kOfForce = 0.5;
+  std::vector<double> moved, by_force;
+  for (std::size_t i = 1; i < U.size(); i += 1 + U.size() / kEnough) {
+    const double force = gain_V_per_N * (F[i] - F[i - 1]), beside = U[i] - U[i - 1] - force;
+    if (!std::isfinite(beside)) continue;
+    moved.push_back(std::abs(beside));
+    by_force.push_back(std::abs(force));
+  }
+  if (moved.empty()) return 0.0;
+  const double typical = quantile(std::move(moved), 0.5);
+  return typical > kOfForce * quantile(std::move(by_force), 0.5) ? 1.4826 * typical : 0.0;
 }
 
 }  // namespace
