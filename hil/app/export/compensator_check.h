@@ -5,8 +5,8 @@
 //                single precision and its solver, since the model's own inverse of its own answer is the force itself; a rate
 //                of the force is taken from the samples so far, as a firmware must
 //   recording    the recorded voltages, with U_min tracked as a firmware does it, against the recorded forces; both the plain
-//                law and the compensator get the best straight line over the campaign first, so that gain and offset of a
-//                session do not count
+//                law and the compensator get the best straight line over the campaign first, by the output as a law is fitted, so
+//                that gain and offset of a session do not count
 
 #include <filesystem>
 #include <string>
@@ -26,6 +26,7 @@ struct ReplayedRecord {
   double largest_at_N = 0.0;  ///< force at which it is
   double plain_rms_N = 0.0;  ///< recorded voltage through the law without the effects
   double compensated_rms_N = 0.0;
+  double own_plain_rms_N = 0.0, own_compensated_rms_N = 0.0;  ///< with a gain and a zero of its own
 };
 
 struct CompensatorCheck {

@@ -76,8 +76,11 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   if (request.fit) {
     FORCEGATE_TRY(Campaign records, load_campaign(*request.fit));
     FORCEGATE_CHECK_OK(diagnose::check_shows_a_law(records));
-    FORCEGATE_TRY(out.fit, diagnose::fit_one_law(std::move(records), model, [&](const Model& m) { return make_compensator(m, options).has_value(); },
-                                                 request.fit->threads));
+    const auto undone = [&](Model m) {
+      const auto made = make_compensator(m, options);
+      return made && set_reference(m, request.reference_temperature_C) && self_check(m, *made, request.rate_Hz);
+    };
+    FORCEGATE_TRY(out.fit, diagnose::fit_one_law(std::move(records), model, undone, request.fit->threads));
     model = out.fit->model;
     if (!request.fitted.empty())
       FORCEGATE_CHECK_OK(write_file_atomically(request.fitted, write_model(model)));
@@ -181,7 +184,9 @@ std::string export_json(const ExportResult& r) {
                          {"cut_s", item.cut_s},
                          {"largest_N", item.largest_N},
                          {"plain_rms_N", item.plain_rms_N},
-                         {"compensated_rms_N", item.compensated_rms_N}});
+                         {"compensated_rms_N", item.compensated_rms_N},
+                         {"own_plain_rms_N", item.own_plain_rms_N},
+                         {"own_compensated_rms_N", item.own_compensated_rms_N}});
     out["check"] = {{"compiler", r.check->compiler},
                     {"largest_N", r.check->largest_N},
                     {"lsb_N", r.check->lsb_N},

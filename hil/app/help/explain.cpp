@@ -63,9 +63,10 @@ const std::vector<Explanation>& explanations() {
       {"instrument", "side", "What was found is in converter, amplifier, clock or mains: raw samples show it whatever the sensor does.",
        "Mend what the evidence names (range, earth, clock, cable) and record again; samples that it spoilt were set aside."},
       {"no gain", "header", "On recorded voltages the error of the force is larger with the header of forcegate export than with the law alone.",
-       "Leave the header out: firmware with the law alone is the better one on this sensor. What a record tells of the effect may differ from record to record "
-       "(forcegate compare CAMPAIGN shows it), or a firmware may not know what the effect needs (it tracks the lowest force itself). Records that repeat "
-       "one another, before and after, tell whether the effect is the sensor's own: forcegate plan campaign lists them."},
+       "Leave the header out where most records are worse: firmware with the law alone is the better one on this sensor. What a record tells of "
+       "the effect may differ from record to record (forcegate compare CAMPAIGN shows it), or a firmware may not know what the effect needs (it tracks the lowest force itself, and it "
+       "begins where it is switched on). Where the warning names a few records, their gain, zero or decay is their own, and undoing an effect enlarges what they are off; the others tell what the header is worth. "
+       "Records that repeat one another, before and after, tell whether the effect is the sensor's own: forcegate plan campaign lists them."},
       {"not undone", "header", "The header of forcegate export gives another force than the model's own inverse does.",
        "Do not build it in. Where the output of the model falls or stands still while the force rises there is no inverse: export a model without that effect, "
        "or with another form of it (forcegate explain EFFECT lists the forms)."},

@@ -238,6 +238,17 @@ struct Trial {
   BaseLaw law;
 };
 
+// The best one that can be used, none where none can: asked from the best on, since an answer may take a compiler.
+Result<Trial> best_usable(Fitter& fitter, const Model& start, std::vector<Trial>& trials, const IsUsable& is_usable) {
+  std::ranges::stable_sort(trials, {}, &Trial::left_out_V);
+  for (const Trial& t : trials) {
+    if (!is_usable) return t;
+    FORCEGATE_TRY(const std::vector<Gram> grams, fitter.grams(t.law, t.effects));
+    if (is_usable(assembled(start, fitter.input(), t.law, t.effects, grams))) return t;
+  }
+  return Trial{};
+}
+
 // Samples that a fit throws out are thrown out here too, and it is decided from the output which records decay. Every row counts.
 struct FittedRows {
   CampaignInput input;
@@ -294,18 +305,18 @@ Result<OneLawFit> fit_one_law(Campaign campaign, const Model& start, const IsUsa
   double now = out.law_left_out_V;
   FORCEGATE_TRY(const std::vector<const EffectKind*> kinds, wanted_kinds(start, own_kinds, fitter.input()));
   for (const EffectKind* kind : kinds) {
-    Trial best, usable;
+    std::vector<Trial> trials;
     for (Chosen& variant : variants_of(*kind, effects, fitter.input())) {
       std::vector<Chosen> with = effects;
       with.push_back(variant);
       // b and q have soaked up what is missing: each form is judged with its own
       FORCEGATE_TRY(const BaseLaw own, fitter.refine(law, with, kFirstRounds));
       FORCEGATE_TRY(grams, fitter.grams(own, with));
-      const Trial trial{Fitter::left_out(grams), with, own};
-      if (trial.left_out_V < best.left_out_V) best = trial;
-      if (trial.left_out_V < usable.left_out_V && (!is_usable || is_usable(assembled(start, fitter.input(), own, with, grams)))) usable = trial;
+      if (const double left_out_V = Fitter::left_out(grams); std::isfinite(left_out_V)) trials.push_back({left_out_V, std::move(with), own});
     }
-    if (best.effects.empty()) continue;
+    if (trials.empty()) continue;
+    FORCEGATE_TRY(const Trial usable, best_usable(fitter, start, trials, is_usable));
+    const Trial& best = trials.front();
     const bool worse = !usable.effects.empty() && usable.left_out_V > best.left_out_V;
     if (worse) out.notes.push_back(cost_of(usable, best, printed_unit(rows.unit)));
     const Trial& chosen = usable.effects.empty() ? best : usable;

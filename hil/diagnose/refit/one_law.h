@@ -1,7 +1,8 @@
 #pragma once
 // Joint fit of one law for all records, as a firmware has it. The diagnosis lets every record follow its own gain, offset,
 // b and q within their spread, so that repeatability is not taken for an effect; what that leaves open (how much of a step is
-// gain and how much is fast creep) an exported compensator must decide. Here there are no such liberties:
+// gain and how much is fast creep) an exported compensator must decide. Here there are no such liberties, and no record before: a firmware
+// is switched on where a record begins:
 //
 //   U = g W(b, q) + o + g sum_j c_j s_j(W, F, history),   minimised over g, o, c (linear) and b, q (Gauss-Newton on the
 //   variable projection), every record weighing the same; for each effect the form and shape of its library entry that
@@ -31,7 +32,7 @@ struct OneLawFit {
   std::vector<std::string> notes;  ///< of the records; what a form that can be used costs against the best one
 };
 
-/// Whether a model can be used, for instance inverted; empty: every one.
+/// Whether a model can be used, for instance inverted; empty: every one. Asked from the best form on, until one can.
 using IsUsable = std::function<bool(const Model&)>;
 
 /// Uncertainties in the model are those of the jackknife over records. Where no form of an effect is usable, the best one is taken.
