@@ -176,7 +176,8 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   w.input.bench = campaign.bench;
   const bool single = campaign.records.size() == 1;
   w.input.single = single;
-  w.input.generic = single && campaign.records.front().kind.empty();
+  w.input.undeclared = std::ranges::all_of(campaign.records, [](const Record& r) { return r.kind.empty(); });
+  w.input.generic = single && w.input.undeclared;
   w.input.notes = campaign.notes;
   const Channel* output = campaign.records.front().trace.find("U");
   const bool is_ratio = output != nullptr && output->quantity == "ratio";

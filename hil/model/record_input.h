@@ -95,6 +95,7 @@ struct CampaignInput {
   bool has_start_times = true;  ///< false: nobody wrote down when the records were taken
   bool single = false;   ///< one recording, its records are blocks of it
   bool generic = false;  ///< not a force sensor's campaign: plain input and output columns
+  bool undeclared = false;  ///< nobody wrote down what any record is: it may be another machine's, slow or late by much
   std::vector<std::string> notes;
 };
 

@@ -31,8 +31,9 @@ bool is_beyond_bounds(const ResidualChannel& channel, const MixedFit& fit, const
   const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
   const auto n = static_cast<Eigen::Index>(variant.columns.size()), first = fit.coefficient.size() - n;
   // a share of the gain that is fitted beside it, not of the one that the search began with
-  const double fitted = fit.coefficient[0] * channel.gain_of_unit,
-               gain = std::abs(fitted) > 0.05 ? fitted : 1.0;
+  constexpr double kLeastGain = 0.05;
+  const double fitted = fit.coefficient[0] * channel.gain_of_unit;
+  const double gain = std::abs(fitted) > kLeastGain ? fitted : n > 1 ? std::copysign(kLeastGain, fitted) : 1.0;
   const double value = fit.coefficient.tail(n).sum() / gain,
                slack = 2.0 * std::sqrt(std::max(0.0, fit.covariance.block(first, first, n, n).sum())) / std::abs(gain);
   return value > c.form->most + slack || value < c.form->least - slack;

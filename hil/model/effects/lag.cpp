@@ -94,7 +94,7 @@ EffectForm two_speeds() {
 
 // Slow systems sampled slowly have slow lags.
 double slower(const CampaignInput& campaign) {
-  return campaign.generic && !campaign.records.empty() ? std::max(1.0, campaign.records.front().row_step_s / 0.01) : 1.0;
+  return campaign.undeclared && !campaign.records.empty() ? std::max(1.0, campaign.records.front().row_step_s / 0.01) : 1.0;
 }
 
 EffectForm form(const char* name, Kind kind, std::vector<double> taus, bool bank = false) {
@@ -125,7 +125,7 @@ EffectForm slow(const char* name, Kind kind) {
           .grid =
               [](const CampaignInput& campaign) {
                 std::vector<std::vector<double>> out;
-                if (!campaign.generic || campaign.records.empty()) return out;
+                if (!campaign.undeclared || campaign.records.empty()) return out;
                 const double longest_s = std::min(kSlowest_s, kOfRecord * campaign.records.front().duration_s);
                 for (double tau_s = 1.024 * slower(campaign); tau_s < longest_s; tau_s *= 2.0) out.push_back({tau_s});
                 return out;

@@ -62,6 +62,21 @@ TEST(SlowSystem, ALagBehindABentCurveIsNoCreep) {
   for (const Finding& f : d.findings) EXPECT_FALSE(f.effect == "creep" && f.claimed()) << told(d);
 }
 
+// The same in several files without a word about them.
+TEST(SlowSystem, AFolderOfFilesThatNobodyDescribedMayBeASlowMachineToo) {
+  Campaign c;
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    Campaign one = recording(50.0, 8000, steps(6.0, 21 + 100 * k), [](const Series& t, const Series& x) { return straight_line(low_pass(t, x, 3.0)); }, 0.003);
+    one.records.front().name = "r" + std::to_string(k);
+    c.records.push_back(std::move(one.records.front()));
+  }
+  c.name = "folder";
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_EQ(first(d).effect, "lag") << told(d);
+  EXPECT_TRUE(first(d).claimed()) << told(d);
+  EXPECT_NEAR(value_of(first(d), "lag_s"), 3.0, 0.1) << told(d);
+}
+
 // The other way round: most of the load is answered at once, and the rest grows with one time constant of some seconds.
 TEST(SlowSystem, AShareThatFollowsLateIsCreep) {
   const Diagnosis d = answer(recording(50.0, 15000, steps(20.0, 9), [](const Series& t, const Series& x) {
