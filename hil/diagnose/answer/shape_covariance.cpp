@@ -87,7 +87,7 @@ ShapeCovariance shape_covariance(const CampaignInput& campaign, const ResidualCh
   for (const int j : fit.columns) of_fit.push_back(channel.problem.nz + j);
   of_fit.push_back(channel.problem.y_index());
   std::vector<VectorXd> derivatives(out.shapes.size());
-  int recording = -1;
+  std::size_t recording = 0;
   for (std::size_t k = 0; k < problem.records.size(); ++k) {
     // blocks of one recording read the columns of its first block
     const RecordInput& record = campaign.records[channel.record_of[k]];
