@@ -65,7 +65,7 @@ CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
   if (serves()) return out;
   out.bench.voltage_min_V = 0.0;
   out.bench.voltage_max_V = 10.0;
-  out.generic = true;
+  out.generic = out.undeclared = true;
   EXPECT_TRUE(serves()) << kind.name << ", " << form.name;
   return out;
 }
