@@ -7,8 +7,12 @@
 // slow (ours): a system that follows within seconds or minutes. All of the input passes it: an output that follows at once and grows by a
 // share creeps.
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "hil/model/effect.h"
 #include "hil/model/fading_memory.h"
@@ -97,43 +101,36 @@ double slower(const CampaignInput& campaign) {
   return campaign.undeclared && !campaign.records.empty() ? std::max(1.0, campaign.records.front().row_step_s / 0.01) : 1.0;
 }
 
-EffectForm form(const char* name, Kind kind, std::vector<double> taus, bool bank = false) {
+EffectForm filtered(const char* name, Kind kind, const ParameterSpec& tau, double least, std::function<std::vector<std::vector<double>>(const CampaignInput&)> grid) {
   return {.name = name,
-          .shape = {{"tau_s", "s", 1e-4, kSlowest_s, 0.05, "time constant"}},
+          .shape = {tau},
           .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that passes the lag"}},
           .sign = StrengthSign::positive,
-          .grid =
-              [taus](const CampaignInput& campaign) {
-                std::vector<std::vector<double>> out;
-                for (const double tau : taus) out.push_back({tau * slower(campaign)});
-                return out;
-              },
+          .grid = std::move(grid),
           .columns = [kind](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
                             ColumnsRef out) { fill(r, shape[0], kind, out); },
-          .least = 0.0,
-          .most = 1.15,
-          .bank = bank};
+          .least = least,
+          .most = 1.15};
+}
+
+EffectForm form(const char* name, Kind kind, std::vector<double> taus) {
+  return filtered(name, kind, {"tau_s", "s", 1e-4, kSlowest_s, 0.05, "time constant"}, 0.0, [taus = std::move(taus)](const CampaignInput& campaign) {
+    std::vector<std::vector<double>> out;
+    for (const double tau : taus) out.push_back({tau * slower(campaign)});
+    return out;
+  });
 }
 
 // A record must be several time constants long to tell that the output gets there.
 EffectForm slow(const char* name, Kind kind) {
   constexpr double kWhole = 0.7;
-  return {.name = name,
-          .shape = {{"tau_s", "s", 0.1, kSlowest_s, 10.0, "time constant"}},
-          .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the force that passes the lag"}},
-          .sign = StrengthSign::positive,
-          .grid =
-              [](const CampaignInput& campaign) {
-                std::vector<std::vector<double>> out;
-                if (!campaign.undeclared || campaign.records.empty()) return out;
-                const double longest_s = std::min(kSlowest_s, kOfRecord * campaign.records.front().duration_s);
-                for (double tau_s = 1.024 * slower(campaign); tau_s < longest_s; tau_s *= 2.0) out.push_back({tau_s});
-                return out;
-              },
-          .columns = [kind](const CampaignInput&, const RecordInput& r, std::span<const double> shape,
-                            ColumnsRef out) { fill(r, shape[0], kind, out); },
-          .least = kWhole,
-          .most = 1.15};
+  return filtered(name, kind, {"tau_s", "s", 0.1, kSlowest_s, 10.0, "time constant"}, kWhole, [](const CampaignInput& campaign) {
+    std::vector<std::vector<double>> out;
+    if (!campaign.undeclared || campaign.records.empty()) return out;
+    const double longest_s = std::min(kSlowest_s, kOfRecord * campaign.records.front().duration_s);
+    for (double tau_s = 1.024 * slower(campaign); tau_s < longest_s; tau_s *= 2.0) out.push_back({tau_s});
+    return out;
+  });
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
