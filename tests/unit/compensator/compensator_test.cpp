@@ -9,6 +9,7 @@
 #include "hil/app/export/calibration_map.h"
 #include "hil/app/export/compensator_check.h"
 #include "hil/app/files/find_plan.h"
+#include "tests/unit/compensator/declare_cycled.h"
 
 namespace forcegate {
 namespace {
@@ -42,13 +43,8 @@ Model model_with(std::vector<ModelEffect> effects) {
 Record record_of(const std::string& name, bool dynamic, double seconds, double (*force)(double)) {
   Record r;
   r.name = name;
-  r.dynamic = dynamic;
-  if (dynamic) {
-    r.excitation_start_s = 2.0;
-    r.f_min_Hz = 0.5;
-    r.A_N = 1.05;
-    r.m_N = 2.15;
-  }
+  r.dynamic = false;
+  if (dynamic) declare_cycled(r);
   TimeBase clock;
   clock.nominal_rate_Hz = 200.0;
   Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}},

@@ -7,6 +7,7 @@
 
 #include "hil/app/export/compensator_check.h"
 #include "hil/model/base_law.h"
+#include "tests/unit/compensator/declare_cycled.h"
 
 namespace forcegate {
 namespace {
@@ -70,13 +71,8 @@ TEST(CompensatorCheck, ARecordOfAnotherDecayDoesNotBendTheLineOfTheOthers) {
   for (const bool dynamic : {false, false, false, false, true}) {
     Record r;
     r.name = dynamic ? "sine" : "ramp";
-    r.dynamic = dynamic;
-    if (dynamic) {
-      r.excitation_start_s = 2.0;
-      r.f_min_Hz = 0.5;
-      r.A_N = 1.05;
-      r.m_N = 2.15;
-    }
+    r.dynamic = false;
+    if (dynamic) declare_cycled(r);
     TimeBase clock;
     clock.nominal_rate_Hz = rate_Hz;
     Channel F{"F_ref", "N", "force", 0, {}, {}}, U{"U", "V", "voltage", 0, {}, {}};
