@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <sstream>
@@ -10,6 +11,7 @@
 
 #include "hil/base/text.h"
 #include "hil/trace/air_notes.h"
+#include "hil/trace/lab_notes.h"
 
 namespace forcegate {
 namespace {
@@ -131,6 +133,8 @@ Result<BenchFacts> bench_of(const Json& object, const Source& source) {
   return bench;
 }
 
+std::string text_of(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
 /// A lab may write down what it likes; a key that nearly is a known one, and stands in its place, is a slip.
 void note_mistyped(const Json& object, std::span<const std::string> known, std::vector<std::string>& notes) {
   for (const auto& [key, value] : object.items()) {
@@ -143,6 +147,7 @@ void note_mistyped(const Json& object, std::span<const std::string> known, std::
     if (meant.empty() || object.contains(meant)) continue;
     const AirNotes air = value.is_number() ? air_notes({{key, value.get<double>()}}) : AirNotes{};
     if (air.temp_C || air.humidity_pct || air.drive_V) continue;
+    if (value.is_primitive() && !lab_notes({{key, text_of(value)}}).empty()) continue;
     const std::string note = "campaign.json: nothing reads the key \"" + printable_utf8(key) + "\"; did you mean \"" + meant + "\"?";
     if (std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
   }
@@ -158,6 +163,15 @@ std::vector<std::pair<std::string, double>> numbers_of(const Json& record) {
   add(record);
   for (const auto& [key, value] : record.items())
     if (value.is_object() && key != "stimulus") add(value);
+  return out;
+}
+
+/// What no key here knows, as text.
+std::vector<std::pair<std::string, std::string>> foreign_members(const Json& record) {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const auto& [key, value] : record.items())
+    if (std::ranges::find(kRecordKeys, key) == kRecordKeys.end() && value.is_primitive() && !value.is_null())
+      out.emplace_back(key, text_of(value));
   return out;
 }
 
@@ -207,7 +221,39 @@ Result<DescribedRecord> record_of(const Json& object, const Source& source, cons
   out.file = object["file"].get<std::string>();
   out.where = source.find(out.file, "file");
   FORCEGATE_TRY(out.facts, facts_of(object, source, out.file));
+  out.notes = lab_notes(foreign_members(object));
   return out;
+}
+
+// Stamps that every record has stand in for start times that none has.
+void take_stamps(std::vector<DescribedRecord>& records, std::vector<std::string>& notes) {
+  double first_s = std::numeric_limits<double>::infinity();
+  for (const DescribedRecord& r : records) {
+    if (r.facts.start_s || !r.notes.stamp_s) return;
+    first_s = std::min(first_s, *r.notes.stamp_s);
+  }
+  for (DescribedRecord& r : records) r.facts.start_s = *r.notes.stamp_s - first_s;
+  notes.emplace_back("the records have no start_s; it is taken from the dates and times that campaign.json has of them");
+}
+
+// What is said of mountings in words, where no record has the key: names of theirs, or from which record on the sensor was mounted anew.
+void take_mountings(std::vector<DescribedRecord>& records, std::vector<std::string>& notes) {
+  bool some_named = false, some_anew = false;
+  for (const DescribedRecord& r : records) {
+    if (!r.facts.mounting.empty()) return;
+    some_named |= !r.notes.mounting.empty();
+    some_anew |= r.notes.remounted;
+  }
+  if (!some_named && !some_anew) return;
+  std::vector<DescribedRecord*> in_order;
+  for (DescribedRecord& r : records) in_order.push_back(&r);
+  std::ranges::stable_sort(in_order, {}, [](const DescribedRecord* r) { return r->facts.start_s.value_or(0.0); });
+  int number = 1;
+  for (DescribedRecord* r : in_order) {
+    if (r != in_order.front() && r->notes.remounted) ++number;
+    r->facts.mounting = some_named ? r->notes.mounting : std::to_string(number);
+  }
+  notes.emplace_back("mountings are taken from what campaign.json says of the records in words");
 }
 
 }  // namespace
@@ -258,6 +304,8 @@ Result<CampaignDescription> read_description(const fs::path& file) {
     note_mistyped((*records)[i], kRecordKeys, out.notes);
     out.records->push_back(std::move(record));
   }
+  take_stamps(*out.records, out.notes);
+  take_mountings(*out.records, out.notes);
   return out;
 }
 

@@ -7,11 +7,13 @@
 #include <vector>
 
 #include "hil/trace/campaign.h"
+#include "hil/trace/lab_notes.h"
 
 namespace forcegate {
 
 struct DescribedRecord {
   Record facts;       ///< without samples
+  LabNotes notes;     ///< in words
   std::string file;   ///< as written, relative to the folder of campaign.json
   std::string where;  ///< place in campaign.json
 };
