@@ -17,6 +17,7 @@
 #include "hil/diagnose/raw/absurd_force.h"
 #include "hil/diagnose/raw/clean_samples.h"
 #include "hil/diagnose/raw/record_gains.h"
+#include "hil/model/row_step.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -192,6 +193,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
     std::string why_unusable;
   };
   std::vector<Prepared> prepared(campaign.records.size());
+  const double row_step_s = row_step_of(campaign);
   // without a search only effects of the model itself ask for the angle
   const RowParts parts{.full_rate = true, .angle = options.search || !options.in_model.empty()};
   parallel_for_largest_first(sample_counts(campaign), options.threads, [&](std::size_t k) {
@@ -199,15 +201,6 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
     CleanedSamples cleaned = clean_samples(record, w.scales, campaign.bench, options.pictures);
     prepared[k].health = std::move(cleaned.health);
     prepared[k].cuts = std::move(cleaned.cuts);
-    double row_step_s = kRowStep_s;
-    if (single) {
-      // a short recording of something fast keeps its samples
-      constexpr double kRows = 5000.0;
-      const Channel* force = record.trace.find("F_ref");
-      const std::vector<double>* t =
-          force != nullptr ? &record.trace.time_bases[force->time_base].t_s : nullptr;
-      if (t != nullptr && t->size() > 1) row_step_s = std::min(row_step_s, (t->back() - t->front()) / kRows);
-    }
     prepared[k].input = take_record_input(record, prepared[k].health.bad, row_step_s, parts);
     prepared[k].why_unusable = why_unusable(record, prepared[k].health);
     record.trace = Trace{};

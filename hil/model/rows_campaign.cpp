@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "hil/base/largest_first.h"
+#include "hil/model/row_step.h"
 #include "hil/model/rows.h"
 
 namespace forcegate {
@@ -221,8 +222,9 @@ Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned thr
   out.name = campaign.name;
   out.bench = campaign.bench;
   std::vector<Result<RecordInput>> made(campaign.records.size());
+  const double row_step_s = row_step_of(campaign);
   parallel_for_largest_first(sample_counts(campaign), threads, [&](std::size_t k) {
-    made[k] = make_record_input(campaign.records[k], bad.empty() ? std::span<const std::uint8_t>() : bad[k], kRowStep_s, parts);
+    made[k] = make_record_input(campaign.records[k], bad.empty() ? std::span<const std::uint8_t>() : bad[k], row_step_s, parts);
   });
   for (Result<RecordInput>& one : made) {
     FORCEGATE_TRY(RecordInput input, std::move(one));

@@ -1,0 +1,62 @@
+#include "hil/model/row_step.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "hil/base/rng.h"
+
+namespace forcegate {
+namespace {
+
+// One recording of `seconds` at `rate_Hz`.
+Campaign recording(double rate_Hz, double seconds, const std::function<double(double)>& force, double noise_N = 0.0) {
+  Record record;
+  record.trace.time_bases.emplace_back();
+  Channel F;
+  F.name = "F_ref";
+  Rng rng(61, "row step");
+  for (int i = 0; i < static_cast<int>(rate_Hz * seconds); ++i) {
+    record.trace.time_bases.front().t_s.push_back(i / rate_Hz);
+    F.value.push_back(force(i / rate_Hz) + noise_N * rng.normal());
+  }
+  record.trace.channels.push_back(std::move(F));
+  Campaign out;
+  out.records.push_back(std::move(record));
+  return out;
+}
+
+double sine(double t, double f_Hz) { return 2.0 + std::sin(2.0 * std::numbers::pi * f_Hz * t); }
+
+TEST(RowStep, OfALongSlowRecordingIsAFiftiethOfASecond) {
+  EXPECT_EQ(row_step_of(recording(500.0, 120.0, [](double t) { return sine(t, 1.0); })), 0.02);
+}
+
+TEST(RowStep, OfAShortOneIsAFiveThousandthOfIt) {
+  EXPECT_NEAR(row_step_of(recording(1000.0, 10.0, [](double t) { return sine(t, 1.0); })), 0.002, 1e-6);
+}
+
+TEST(RowStep, ResolvesAForceThatIsFasterThanTheRows) {
+  const auto step = [](double f_Hz) { return row_step_of(recording(600.0, 60.0, [=](double t) { return sine(t, f_Hz); })); };
+  EXPECT_LT(step(70.0), 0.25 / 70.0);
+  EXPECT_LT(step(30.0), 0.25 / 30.0);
+}
+
+TEST(RowStep, IsNotShortenedForNoise) {
+  EXPECT_GT(row_step_of(recording(600.0, 100.0, [](double t) { return sine(t, 0.5); }, 1.0)), 0.019);
+}
+
+TEST(RowStep, LeavesALongFastRecordingItsRows) {
+  EXPECT_EQ(row_step_of(recording(300.0, 1200.0, [](double t) { return sine(t, 70.0); })), 0.02) << "60 000 rows as it is";
+}
+
+TEST(RowStep, OfSeveralRecordsIsTheSameForAll) {
+  Campaign two = recording(600.0, 60.0, [](double t) { return sine(t, 70.0); });
+  two.records.push_back(two.records.front());
+  EXPECT_EQ(row_step_of(two), 0.02);
+}
+
+}  // namespace
+}  // namespace forcegate
