@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hil/base/portable_math.h"
+#include "hil/diagnose/raw/falls_to_floor.h"
 #include "hil/diagnose/raw/mains_line.h"
 #include "hil/diagnose/raw/range_ends.h"
 #include "hil/diagnose/raw/reference_scatter.h"
@@ -205,6 +206,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = static_cast<std::uint8_t>(why);
   };
+  const double near_V = std::max({1.5 * out.lsb_U_V, 4.0 * out.noise_U_V, 0.005 * scales.U_range_V});  // levels that are one
+  for (const Fall& fall : falls_to_floor(F, U, steps, near_V, scales.U_range_V))
+    for (std::size_t i = fall.begin; i < fall.end; ++i) mark(i, BadSample::zero, std::min(U[fall.begin - 1], U[fall.end]) - U[i]);
   std::vector<std::size_t> spike;
   std::vector<double> spike_level, spike_V;
   // a spike comes back, and its neighbours know nothing of it; what stays is an edge, or held samples that were let go, and what they
@@ -231,7 +235,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       spike_V.push_back(U[i] - middle);
     }
   }
-  const std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain}, spike_V);
+  std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain}, spike_V);
+  std::erase_if(short_spikes, [&](const ShortSpike& s) { return out.bad[s.begin] == static_cast<std::uint8_t>(BadSample::zero); });
   for (const ShortSpike& s : short_spikes)
     for (std::size_t i = s.begin; i < s.begin + s.length; ++i) {
       mark(i, BadSample::outlier, s.peak_V);
@@ -248,7 +253,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   spike.resize(alone);
   spike_level.resize(alone);
   const LoneSpikes lone{U, spike, spike_level};
-  if (fall_to_one_level(lone, std::max({1.5 * out.lsb_U_V, 4.0 * out.noise_U_V, 0.005 * scales.U_range_V}))) {
+  if (fall_to_one_level(lone, near_V)) {
     for (std::size_t k = 0; k < spike.size(); ++k) mark(spike[k], BadSample::zero, U[spike[k]] - spike_level[k]);
     out.zeros += spike.size();
     out.zero_runs += spike.size();

@@ -12,8 +12,9 @@ namespace {
 
 struct Window {
   double scatter_N, moves_N, moves_V;  // standard deviations: of F beside U, its slope and a parabola, of F, of U
-  double step_N;                       // RMS from one sample of F to the next
+  double step_N, largest_step_N;       // RMS from one sample of F to the next; the largest one
   double free_N2, shared_NV;           // beside a parabola: variance of F, covariance of F and U
+  std::size_t samples;
   double of_noise_U;                   // variance that a unit of the output's noise brings into the scatter, N^2/V^2
 };
 
@@ -38,14 +39,17 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
   for (std::size_t w = 0; w < windows; w += stride) {
     // places, U, its slope (a late reference does not scatter), F
     Eigen::Matrix3d with = Eigen::Matrix3d::Zero(), among = with;
-    double steps = 0.0;
+    double steps = 0.0, largest = 0.0;
     for (std::size_t k = 0; k < length; ++k) {
       const std::size_t i = w * length + k;
       const Eigen::Vector3d v(1.0, place[k], place[k] * place[k]);
       const Eigen::Vector3d x(U_V[i], 0.5 * (U_V[std::min(i + 1, n - 1)] - U_V[i > 0 ? i - 1 : 0]), F_N[i]);
       with += v * x.transpose();
       among += x * x.transpose();
-      if (k > 0) steps += (F_N[i] - F_N[i - 1]) * (F_N[i] - F_N[i - 1]);
+      if (k == 0) continue;
+      const double step_N = F_N[i] - F_N[i - 1];
+      steps += step_N * step_N;
+      largest = std::max(largest, std::abs(step_N));
     }
     // a missing sample is missing in these sums
     if (!among.allFinite()) continue;
@@ -59,7 +63,7 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
     const Eigen::Matrix<double, 5, 1> c = M.topLeftCorner<5, 5>().ldlt().solve(M.topRightCorner<5, 1>());
     const double left = std::max(0.0, M(5, 5) - c.dot(M.topRightCorner<5, 1>()));
     const Eigen::Matrix3d beside = (among - with.transpose() * places.ldlt().solve(with)) / (samples - 3.0);
-    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V, std::sqrt(steps / (samples - 1.0)), beside(2, 2), beside(0, 2), c[3] * c[3] + 0.5 * c[4] * c[4]});
+    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V, std::sqrt(steps / (samples - 1.0)), largest, beside(2, 2), beside(0, 2), length, c[3] * c[3] + 0.5 * c[4] * c[4]});
   }
   return out;
 }
@@ -69,6 +73,13 @@ constexpr double kStillWindow_s = 0.5;
 // The output's own noise hides from a regression a force that moves less than that; the covariance it leaves alone.
 double moved_N2(double shared_NV, const OutputFacts& output) { return std::max(0.0, shared_NV / output.gain_V_per_N); }
 
+// One step holds most of what F does there, and the output would have shown it: a load that a late output has not seen yet.
+bool is_step_of_load(const Window& w, const OutputFacts& output) {
+  constexpr double kMost = 0.6, kShown = 0.01;  // of the mean square step; of the range
+  const double steps_N2 = w.step_N * w.step_N * static_cast<double>(w.samples - 1);
+  return w.largest_step_N * w.largest_step_N > kMost * steps_N2 && std::abs(output.gain_V_per_N) * w.largest_step_N > kShown * output.range_V;
+}
+
 // RMS of F in `measured` over the windows in which, as they were recorded, U stands still and F is noise; 0: too few of them.
 double where_still(const std::vector<Window>& recorded, const std::vector<Window>& measured, const OutputFacts& output) {
   constexpr double kStill = 0.01, kKept = 0.95;
@@ -77,7 +88,7 @@ double where_still(const std::vector<Window>& recorded, const std::vector<Window
   constexpr std::size_t kFewest = 10;
   std::vector<Window> still;
   for (std::size_t k = 0; k < std::min(recorded.size(), measured.size()); ++k)
-    if (recorded[k].moves_V < kStill * output.range_V && recorded[k].step_N > kLeastStep * recorded[k].scatter_N) still.push_back(measured[k]);
+    if (recorded[k].moves_V < kStill * output.range_V && recorded[k].step_N > kLeastStep * recorded[k].scatter_N && !is_step_of_load(recorded[k], output)) still.push_back(measured[k]);
   if (still.size() < kFewest) return 0.0;
   std::sort(still.begin(), still.end(), [](const Window& a, const Window& b) { return a.scatter_N < b.scatter_N; });
   still.resize(static_cast<std::size_t>(kKept * static_cast<double>(still.size())));

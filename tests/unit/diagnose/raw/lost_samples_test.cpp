@@ -159,5 +159,29 @@ TEST(LostSamples, OneLongLossWhileTheForceHardlyMovesIsADropout) {
   EXPECT_EQ(lost[0].effect, "dropouts");
 }
 
+// What the output shows without the sensor is not always zero, and a contact is lost for three samples as well.
+TEST(LostSamples, AFewFallsToTheLevelWithoutSensorAreLostSamples) {
+  const auto fallen = [](std::size_t falls, double to_V) {
+    Campaign c = make_campaign(41, straight);
+    for (std::size_t k = 3; k < 5; ++k) {
+      auto& U = c.records[k].trace.find("U")->value;
+      const double lowest = *std::ranges::min_element(U);
+      for (std::size_t j = 0, i = 500; j < falls; i += 997)
+        if (U[i - 1] > lowest + 0.5 && U[i + 3] > lowest + 0.5) {
+          for (std::size_t n = 0; n < 3; ++n) U[i + n] = lowest + to_V;
+          ++j;
+        }
+    }
+    return claims_of_samples(c);
+  };
+  const std::vector<HealthClaim> claims = fallen(2, -0.2);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+  double samples = 0.0;
+  for (const Record& r : make_campaign(41, straight).records) samples += static_cast<double>(r.trace.size());
+  EXPECT_NEAR(claims[0].value * samples, 12.0, 1e-6);
+  EXPECT_TRUE(fallen(2, 0.1).empty()) << "a level that the sensor has too";
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

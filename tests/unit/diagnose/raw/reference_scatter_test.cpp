@@ -121,5 +121,21 @@ TEST(ReferenceScatter, OfNoiseThatHangsTogetherSmoothingLeavesNearlyAll) {
   EXPECT_EQ(left_where_still(m.t, m.F, smoothed, m.U, facts), 0.0) << "the output never stands still";
 }
 
+// An output that waits for a long dead time stands still while the load has its new level already.
+TEST(ReferenceScatter, TakesNoLoadForNoiseWhereTheOutputIsLate) {
+  Made m;
+  Rng rng(57, "steps");
+  double level = 2.0;
+  for (int i = 0; i < 4000; ++i) {
+    if (i % 60 == 0) level = 0.5 + 3.0 * rng.uniform();
+    m.t.push_back(i);
+    m.F.push_back(level + 0.01 * rng.normal());
+  }
+  for (std::size_t i = 0; i < m.F.size(); ++i) m.U.push_back(2.0 * m.F[i >= 12 ? i - 12 : 0]);
+  const OutputFacts output{.range_V = 6.0, .gain_V_per_N = 2.0};
+  EXPECT_LT(reference_scatter(m.t, m.F, m.U, output).still_N, 0.1);
+  EXPECT_LT(left_where_still(m.t, m.F, m.F, m.U, output), 0.1);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
