@@ -47,6 +47,7 @@ void list_moving_zero(const Diagnosis& of_wandering, Diagnosis& out) {
 Result<Diagnosed> diagnose_parts(CampaignRows rows, const EngineOptions& options) {
   constexpr double kFarAbove = 5.0;
   constexpr double kLargestWander = 0.01;  // of the span
+  constexpr double kTheSame = 0.7;         // of the error with one gain and zero: where own ones leave that much, parts do not differ
   FORCEGATE_TRY(Diagnosed stands, diagnose_rows(rows, with_one_zero(options)));
   FORCEGATE_TRY(Diagnosed wanders, diagnose_rows(std::move(rows), options));
   Diagnosis& answer = wanders.diagnosis;
@@ -70,6 +71,8 @@ Result<Diagnosed> diagnose_parts(CampaignRows rows, const EngineOptions& options
     return stands;
   }
   answer.verdict = DiagnosisVerdict::unknown;
+  answer.depends_on = depends_on(answer.maps);
+  if (answer.error_after > kTheSame * answer.plain_after) return wanders;
   answer.depends_on = {"time"};
   answer.notes.push_back("parts of the recording differ in gain or zero by far more than its noise: something changes with time");
   return wanders;

@@ -178,6 +178,16 @@ void tell_what_it_follows(const std::vector<Outdone>& outdone, Diagnosis& out) {
   if (out.depends_on.size() > kMost) out.depends_on.resize(kMost);
 }
 
+// The model's own effects are no candidates, nor are their other forms: where its forms leave far more than the instruments may and others of the
+// same families do not, nothing is chosen, and yet it is no "none".
+bool form_falls_short(const EngineOptions& options, const Selection& selection, const Remainder& rest) {
+  return !options.in_model.empty() && selection.chosen.empty() && rest.beside_claims && !rest.far_above;
+}
+
+void tell_form_falls_short(const EngineOptions& options, Diagnosis& out) {
+  out.follows.insert(out.follows.begin(), fmt::format("another form of what the model has ({})", fmt::join(options.in_model, ", ")));
+}
+
 void add_null_scores(const Workspace& w, const Search& search, unsigned threads, Diagnosis& out) {
   constexpr int kFlips = 6;
   const NullCalibration null = calibrate_null(
@@ -254,7 +264,8 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (std::ranges::none_of(out.findings, [&](const Finding& f) { return f.claimed() && f.unit == w.rig.unit; })) out.errors.erase("F");
   const bool follows = follows_force(w.output, selection.base);
   if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
-  const bool open = !follows || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.leaves_far_more();
+  const bool short_of = form_falls_short(options, selection, rest);
+  const bool open = !follows || short_of || rest.structured() || withdrawn || tips || name_is_open(out, search.suspicions) || rest.leaves_far_more();
   out.verdict = claims ? DiagnosisVerdict::known : open ? DiagnosisVerdict::unknown : DiagnosisVerdict::none;
   for (const RecordAbove& above : rest.records_far_above) out.far_above.push_back({w.input.records[above.record].name, above.times});
   const bool tells_far_above = out.verdict == DiagnosisVerdict::unknown ? rest.leaves_far_more() : out.verdict == DiagnosisVerdict::none && !out.far_above.empty();
@@ -272,6 +283,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);
   if (!out.depends_on.empty()) tell_what_it_follows(outdone, out);
+  if (short_of && out.verdict == DiagnosisVerdict::unknown) tell_form_falls_short(options, out);
   if (!against.effects.empty() && out.verdict == DiagnosisVerdict::unknown) out.follows.insert(out.follows.begin(), "an error of the reference itself");
   add_steps(w, selection, out);
   for (Finding& f : out.findings)

@@ -132,5 +132,44 @@ TEST(SlowSystem, AnOutputThatHardlyFollowsHasNoCodes) {
   for (const Finding& f : d.findings) EXPECT_FALSE(f.effect == "adc_codes" && f.claimed()) << told(d);
 }
 
+// What a model holds is no candidate: a form that falls short must not pass for nothing.
+TEST(SlowSystem, AFormOfTheModelThatFallsShortIsNoNone) {
+  const auto with_dead_time = recording(1.0, 4000, steps(60.0, 5), [](const Series& t, const Series& x) { return straight_line(low_pass(t, late_by(x, 12), 20.0)); }, 0.003);
+  const EffectKind& lag = *EffectRegistry::instance().find("lag");
+  EngineOptions options;
+  options.threads = 1;
+  options.in_model = {"lag"};
+  const auto one_pole = std::ranges::find(lag.forms, "one_pole", &EffectForm::name);
+  ASSERT_NE(one_pole, lag.forms.end());
+  options.model_effects = {model_effect(lag, *one_pole, std::vector{30.0}, std::vector{Estimate{1.0, 0.01}})};
+  auto d = diagnose_campaign(with_dead_time, options);
+  ASSERT_TRUE(d.has_value()) << d.error().to_text();
+  EXPECT_NE(d->verdict, DiagnosisVerdict::none) << told(*d);
+}
+
+// A lightly damped mass at 70 Hz under a load as fast: means of 50 rows a second show neither.
+TEST(SlowSystem, WhatIsFasterThanFiftyRowsASecondIsSeen) {
+  const auto shaken = [](double t) {
+    double sum = 3.0;
+    for (int k = 0; k < 14; ++k) sum += 0.3 * std::sin(2.0 * std::numbers::pi * (15.0 + 7.3 * k) * t + 2.4 * k * k);
+    return sum;
+  };
+  const Diagnosis d = answer(recording(600.0, 30000, shaken, [](const Series&, const Series& x) {
+    constexpr double kOmega = 2.0 * std::numbers::pi * 70.0, kDamping = 0.05;
+    constexpr int kSteps = 16;
+    Series y(x.size());
+    double s = x.front(), v = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      for (int k = 0; k < kSteps; ++k) {
+        v += (kOmega * kOmega * (x[i] - s) - 2.0 * kDamping * kOmega * v) / (600.0 * kSteps);
+        s += v / (600.0 * kSteps);
+      }
+      y[i] = 0.4 * s;
+    }
+    return y;
+  }, 0.004));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
