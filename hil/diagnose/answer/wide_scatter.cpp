@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace forcegate::diagnose {
@@ -32,6 +34,24 @@ struct Level {
   std::vector<double> of_record;
 };
 
+// Of each record, at no force; or, where the load cell was never tared and the records are far from it, at the lowest of them: a gain that scatters a
+// little moves a zero that is far away.
+bool is_far_from_zero(const CampaignInput& input) { return std::abs(input.lowest_N) > input.range_N; }
+
+std::vector<double> zeros_of(const Workspace& w, const MixedFit& fit) {
+  const double per_gain = is_far_from_zero(w.input) ? w.gain_V_per_N * w.input.lowest_N / w.output.scale : 0.0;
+  std::vector<double> out;
+  for (const Eigen::VectorXd& zeta : fit.zeta) out.push_back(zeta[1] + per_gain * zeta[0]);
+  return out;
+}
+
+double spread_of(const std::vector<double>& x) {
+  double mean = 0.0, square = 0.0;
+  for (const double v : x) mean += v / static_cast<double>(x.size());
+  for (const double v : x) square += (v - mean) * (v - mean);
+  return std::sqrt(square / std::max(1.0, static_cast<double>(x.size()) - 1.0));
+}
+
 std::string told(const Level& level) {
   const int way = direction(level.of_record);
   return fmt::format("the {} scatters by {}{}", level.name, level.size,
@@ -43,10 +63,11 @@ std::string told(const Level& level) {
 std::optional<WideScatter> wide_scatter(const Workspace& w, const MixedFit& fit) {
   const auto sd = [&](int k) { return std::sqrt(fit.variance[k]); };
   const double gain = std::abs(w.gain_V_per_N);
+  std::vector<double> zeros = zeros_of(w, fit);
+  const double zero = is_far_from_zero(w.input) ? spread_of(zeros) : sd(1);
   Level levels[] = {{"gain", sd(0), kGain, kFarGain, fmt::format("{:.2g} %", 100.0 * sd(0)), {}},
-                    {"zero", sd(1), kZero, kFarZero, gain > 0.0 ? fmt::format("{:.2g} N", sd(1) * w.output.scale / gain) : fmt::format("{:.2g} %", 100.0 * sd(1)), {}}};
-  for (int j = 0; j < 2; ++j)
-    for (const Eigen::VectorXd& zeta : fit.zeta) levels[j].of_record.push_back(zeta[j]);
+                    {"zero", zero, kZero, kFarZero, gain > 0.0 ? fmt::format("{:.2g} N", zero * w.output.scale / gain) : fmt::format("{:.2g} %", 100.0 * zero), std::move(zeros)}};
+  for (const Eigen::VectorXd& zeta : fit.zeta) levels[0].of_record.push_back(zeta[0]);
   WideScatter out;
   for (const Level& level : levels) {
     if (level.sd < level.ordinary) continue;

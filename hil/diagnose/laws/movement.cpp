@@ -148,6 +148,9 @@ Series block_means(const Series& x, std::size_t blocks) {
   return out;
 }
 
+constexpr std::size_t kBlocks = 128, kFewest = 16;  // of the course of a record
+constexpr int kTrend = 3;                           // degree in time
+
 }  // namespace
 
 Movement movement_of(const std::vector<double>& samples) {
@@ -232,16 +235,26 @@ Response response_by_scale(const std::vector<double>& x, const std::vector<doubl
 }
 
 Response response_as_a_whole(const std::vector<double>& x, const std::vector<double>& y) {
-  constexpr std::size_t kBlocks = 128, kFewest = 16;
   constexpr double kOfVariance = 0.9;
   const auto [u, v] = means_of_pairs(x, y, kBlocks);
   if (u.size() < kFewest) return {};
-  for (const int degree : {0, 3}) {
+  for (const int degree : {0, kTrend}) {
     const Eigen::VectorXd p = without_trend(u, degree), q = without_trend(v, degree);
     const double xx = p.squaredNorm(), yy = q.squaredNorm(), xy = p.dot(q);
     if (xx > 0.0 && yy > 0.0 && xy * xy > kOfVariance * xx * yy) return response_of(xx, xy, yy);
   }
   return {};
+}
+
+bool is_one_course(const std::vector<double>& x, const std::vector<double>& y) {
+  constexpr double kOfVariance = 0.99;
+  constexpr int kFewestCrossings = 10;  // what is left of an exponential crosses zero five times
+  const auto [u, v] = means_of_pairs(x, y, kBlocks);
+  if (u.size() < kFewest) return false;
+  const Eigen::VectorXd p = without_trend(u, kTrend), q = without_trend(v, kTrend);
+  int crossings = 0;
+  for (Eigen::Index i = 1; i < p.size(); ++i) crossings += (p[i] > 0.0) != (p[i - 1] > 0.0) ? 1 : 0;
+  return crossings >= kFewestCrossings && std::pow(p.dot(q), 2) > kOfVariance * p.squaredNorm() * q.squaredNorm();
 }
 
 }  // namespace forcegate::diagnose

@@ -38,6 +38,10 @@ Response response_by_scale(const std::vector<double>& x, const std::vector<doubl
 /// steady drifts are alike too: the slope must then tell.
 Response response_as_a_whole(const std::vector<double>& x, const std::vector<double>& y);
 
+/// The same beside a cubic in time to 99 hundredths, there and back again several times: neither two drifts nor a common disturbance go together
+/// so closely.
+bool is_one_course(const std::vector<double>& x, const std::vector<double>& y);
+
 /// Means over `blocks` stretches of the samples that both have.
 struct Pairs {
   std::vector<double> x, y;

@@ -49,5 +49,19 @@ TEST(WideScatter, WhatSpecimensRepeatToIsNothing) {
   EXPECT_FALSE(tells(d, "far more than a specimen repeats to")) << told(d);
 }
 
+// A load cell that was never tared: zero lies far from all records, and a gain that scatters as it may moves it by much.
+TEST(WideScatter, AZeroFarFromTheRecordsIsAskedWhereTheyAre) {
+  Campaign campaign = make_campaign(9, [](const std::vector<double>&, const std::vector<double>& F, int k) {
+    std::vector<double> U;
+    for (const double f : F) U.push_back(1.6 * (1.0 + 0.012 * by_turns(k)) * f + 0.6);
+    return U;
+  });
+  for (Record& record : campaign.records)
+    for (double& f : record.trace.find("F_ref")->value) f += 40.0;
+  const Diagnosis d = answer(std::move(campaign));
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+  EXPECT_FALSE(tells(d, "zero scatters")) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -96,6 +96,18 @@ TEST(NoInput, ASmallForceThatTheOutputFollowsIsOne) {
       }
 }
 
+// The level of a load cell that was never tared tells nothing of the gain.
+TEST(NoInput, AForceFarFromZeroThatTheOutputFollowsIsOne) {
+  const auto stroke = [](double x) { return 1.5 + 1.5 * std::sin(60.0 * x) * std::cos(17.0 * x); };
+  for (const double tare : {0.0, 40.0, -300.0})
+    EXPECT_EQ(stillness_of_force(record_of([&](double x) { return tare + stroke(x); }, [&](double x) { return 0.6 * stroke(x); }, 0.004, 0.003)), Stillness::moves) << tare;
+}
+
+TEST(NoInput, TwoExponentialDriftsAreNotOneCourse) {
+  const auto settles = [](double rate) { return [rate](double x) { return 20.0 + std::exp(-rate * x); }; };
+  EXPECT_NE(stillness_of_force(record_of(settles(5.0), [](double x) { return 1.0 + 0.8 * std::exp(-6.0 * x); }, 0.004, 0.003)), Stillness::moves);
+}
+
 TEST(NoInput, AForceThatMovesWhileTheOutputDoesNotIsOne) {
   const auto ramp = [](double x) { return 4.0 * x; };
   EXPECT_EQ(stillness_of_force(record_of(ramp, steady(0.0), 0.004, 0.003)), Stillness::moves);
