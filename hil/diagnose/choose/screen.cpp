@@ -130,6 +130,22 @@ MixedFit from_records_that_repeat(const ResidualChannel& channel, const std::vec
   return fit_mixed(channel.problem, columns, &start, 2 * iterations, base.use);
 }
 
+// Records of which the base leaves far more than of others hardly count beside them: a candidate that explains just these, nearly, is pinned by
+// what it leaves of the others, and EM stays there. It begins once more with all records as exact as their instruments.
+MixedFit from_equal_weights(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& base, int iterations) {
+  constexpr double kFar = 10.0;  // RMS beside the noise, of the worst record over that of the best
+  const auto& records = channel.problem.records;
+  MixedFit start = base;
+  double least = 1e300, most = 0.0;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    start.s2[i] = std::min(base.s2[i], std::max(records[i].noise_variance, records[i].allowed_variance));
+    least = std::min(least, base.s2[i] / start.s2[i]);
+    most = std::max(most, base.s2[i] / start.s2[i]);
+  }
+  if (!(most > kFar * kFar * least)) return {};
+  return fit_mixed(channel.problem, columns, &start, 2 * iterations, base.use);
+}
+
 }  // namespace
 
 VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present,
@@ -146,6 +162,10 @@ VariantScore score_variant(const ResidualChannel& channel, const std::vector<int
   score.fit = fit_mixed(channel.problem, columns, warm != nullptr ? warm : &base, iterations, base.use);
   if (warm == nullptr && channel.candidates[static_cast<std::size_t>(variant.candidate)].kind->traits.between_records) {
     MixedFit other = from_records_that_repeat(channel, columns, base, iterations);
+    if (other.valid && other.log_evidence > score.fit.log_evidence) score.fit = std::move(other);
+  }
+  if (warm == nullptr) {
+    MixedFit other = from_equal_weights(channel, columns, base, iterations);
     if (other.valid && other.log_evidence > score.fit.log_evidence) score.fit = std::move(other);
   }
   if (!score.fit.valid || is_beyond_bounds(channel, score.fit, variant)) return score;

@@ -53,5 +53,36 @@ TEST(Screen, AShapeBeyondItsBoundsHadAShareOfThePrior) {
   EXPECT_NEAR(result.families[0].gain - result.families[1].gain, std::log(4.0), 0.1);
 }
 
+// Two records come down to a gap at a tenth of the range, three stay above it, and one of these rests at it for a while. A hinge that is a little
+// off leaves a tenth of what the two show, and a few rows of the quiet one that speak against it.
+TEST(Screen, RecordsThatShowMostAreNotOutvotedByThoseThatAreExact) {
+  constexpr double kGap = 0.1, kHinge = 0.112, kNoise = 5e-4;
+  EffectKind gap;
+  gap.name = "gap";
+  gap.forms.resize(1);
+  gap.forms.front().strength = {{"c", "1", -2.0, 2.0, 0.0, "share"}};
+  ResidualChannel channel = channel_of_lines(1, 1.0);
+  channel.gain_of_unit = 1.0;
+  channel.candidates.push_back({&gap, &gap.forms.front(), {kHinge}, 0, 1});
+  channel.variants.push_back({0, {0}});
+  Rng rng(7, "gap");
+  constexpr int kRows = 1000;
+  for (int record = 0; record < 5; ++record) {
+    Eigen::MatrixXd rows(kRows, 4);
+    for (int i = 0; i < kRows; ++i) {
+      const double x = i / static_cast<double>(kRows);
+      const double force = record < 2 ? x : record == 4 && i < 170 ? kGap : 0.25 + 0.6 * x;
+      rows(i, 0) = force;
+      rows(i, 1) = 1.0;
+      rows(i, 2) = -std::min(force, kHinge);
+      rows(i, 3) = force - std::min(force, kGap) + kNoise * rng.normal();
+    }
+    add_record(channel, rows, 200.0, kNoise * kNoise, kNoise * kNoise);
+  }
+  const ScreenResult result = screen(channel, {}, {}, nullptr, 1);
+  ASSERT_EQ(result.families.size(), 1u);
+  EXPECT_GT(result.families.front().gain, 100.0);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
