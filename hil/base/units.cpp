@@ -76,6 +76,24 @@ constexpr std::array kTable = {
     Row{"nA", "A", "current", 1e-9, 0},
 };
 
+// Names of units, in which case tells nothing; a plural has one letter more.
+struct Word {
+  std::string_view text;
+  const char* symbol;
+};
+constexpr std::array kWords = {
+    Word{"sec", "s"},           Word{"second", "s"},       Word{"msec", "ms"},      Word{"millisecond", "ms"}, Word{"usec", "us"},
+    Word{"microsecond", "us"},  Word{"minute", "min"},     Word{"hour", "h"},       Word{"newton", "N"},       Word{"millinewton", "mN"},
+    Word{"kilonewton", "kN"},   Word{"lb", "lbf"},         Word{"volt", "V"},       Word{"millivolt", "mV"},   Word{"microvolt", "uV"},
+};
+
+bool is_word(std::string_view symbol, std::string_view word) {
+  if (symbol.size() > word.size() + 3) return false;
+  std::string lower;
+  for (const char c : symbol) lower += c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c;
+  return lower == word || lower == std::string(word) + "s" || lower == std::string(word) + "(s)";
+}
+
 }  // namespace
 
 std::optional<Unit> find_unit(std::string_view symbol) {
@@ -90,6 +108,8 @@ std::optional<Unit> find_unit(std::string_view symbol) {
     if (symbol.ends_with(ohm)) return find_unit(std::string(symbol.substr(0, symbol.size() - ohm.size())) + "ohm");
   for (const std::string_view percent : {"%", "%RH", "% RH", "percent"})
     if (symbol == percent) return find_unit("pct");
+  for (const Word& word : kWords)
+    if (is_word(symbol, word.text)) return find_unit(word.symbol);
   for (const Row& row : kTable)
     if (symbol == row.symbol) return Unit{row.symbol, row.canonical, row.quantity, row.factor, row.offset};
   return std::nullopt;

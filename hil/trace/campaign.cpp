@@ -12,6 +12,7 @@
 #include "hil/trace/common_clock.h"
 #include "hil/trace/conductance.h"
 #include "hil/trace/convert.h"
+#include "hil/trace/declared_facts.h"
 
 namespace forcegate {
 namespace {
@@ -260,9 +261,11 @@ Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& opti
   FORCEGATE_TRY(Campaign campaign, read_any(path, options));
   drop_copies(campaign);
   note_contradictions(campaign);
+  check_declared_facts(campaign);
   take_varied_supply(campaign);
   const bool chosen = std::ranges::any_of(options.column_map, [](const auto& entry) { return known_name(meaning_of(entry.second).name) == "U"; });
   if (!chosen) read_resistance_as_conductance(campaign);
+  FORCEGATE_CHECK_OK(check_outputs_alike(campaign));
   return campaign;
 }
 

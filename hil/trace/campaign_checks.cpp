@@ -145,6 +145,34 @@ void note_contradictions(Campaign& campaign) {
     campaign.notes.push_back("every record is held out, and none is left to be fitted: the roles are not used, records are fitted and left out in turn");
 }
 
+Result<void> check_outputs_alike(const Campaign& campaign) {
+  struct Unit {
+    std::string name;
+    std::size_t records = 0;
+  };
+  std::vector<Unit> units;
+  const auto unit_of = [](const Record& record) {
+    const Channel* output = record.trace.find("U");
+    return output == nullptr ? std::string() : output->unit.empty() || output->unit == "1" ? output->quantity : output->unit;
+  };
+  for (const Record& record : campaign.records) {
+    const std::string name = unit_of(record);
+    if (name.empty()) continue;
+    auto at = std::ranges::find(units, name, &Unit::name);
+    if (at == units.end()) at = units.insert(units.end(), {name, 0});
+    ++at->records;
+  }
+  if (units.size() < 2) return {};
+  const Unit& common = *std::ranges::max_element(units, {}, &Unit::records);
+  for (const Record& record : campaign.records) {
+    const std::string name = unit_of(record);
+    if (name.empty() || name == common.name) continue;
+    return fail(ErrorCode::parse, "the output of " + record.name + " is in " + name + ", that of " + (common.records > 1 ? "the others" : "another") + " in " + common.name + ": one campaign is one output",
+                record.place_of_header(), "take the record out, or convert it; where only its header is wrong: --map NAME=U_" + common.name);
+  }
+  return {};
+}
+
 void take_varied_supply(Campaign& campaign) {
   constexpr double kSet = 0.05;  // of the largest
   double lowest_V = HUGE_VAL, highest_V = -HUGE_VAL, within_V = 0.0;

@@ -18,6 +18,10 @@ void drop_copies(Campaign& campaign);
 /// before another has ended are not used, noted.
 void note_contradictions(Campaign& campaign);
 
+/// The outputs of one campaign are one quantity: a record in siemens beside others in volts is told by no law. Error (parse): the record, its unit and
+/// that of most others (of the first, where as many have each). Records without an output are not asked.
+Result<void> check_outputs_alike(const Campaign& campaign);
+
 /// A column called supply, and not drive, is the sensor's drive where somebody set it: the medians of records differ by more than a twentieth and by
 /// more than it moves within any of them. It is then renamed, else left unused; both noted. Not asked where a record has a drive.
 void take_varied_supply(Campaign& campaign);

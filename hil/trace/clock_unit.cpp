@@ -19,6 +19,8 @@ struct Fraction {
 };
 constexpr std::array kFractions = {Fraction{"ms", "milliseconds", 1e-3}, Fraction{"us", "microseconds", 1e-6}, Fraction{"ns", "nanoseconds", 1e-9}};
 
+constexpr double kFirstDay = 36526.0, kLastDay = 73051.0;  // of the years 2000 and 2100 in a spreadsheet
+
 bool are_whole(const std::vector<double>& stamps) {
   return std::ranges::all_of(stamps, [](double t) { return !std::isfinite(t) || t == std::floor(t); });
 }
@@ -46,7 +48,7 @@ std::string map_to(const std::string& column, const std::string& unit) { return 
 Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::string& column, bool assumed, double declared_rate_Hz, const std::string& where) {
   constexpr double kBeyondDates_s = 1e11, kFirst_s = 946684800.0, kLast_s = 4102444800.0;  // the years 5138, 2000, 2100
   constexpr double kFewestApart = 2.0, kAgrees = 1.25;
-  constexpr double kFirstDay = 36526.0, kLastDay = 73051.0, kDense_s = 1e-3;  // the same years in a spreadsheet
+  constexpr double kDense_s = 1e-3, kTooDense_s = 2e-5;
   const auto found = std::ranges::find_if(stamps, [](double t) { return std::isfinite(t); });
   const double first = found != stamps.end() ? *found : 0.0;
   if (std::fabs(first) >= kBeyondDates_s) {
@@ -56,11 +58,11 @@ Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::st
     return fail(ErrorCode::parse, fmt::format("the clock \"{}\" begins at {}, which cannot be seconds", column, shortest(first)), where,
                 "say its unit, for instance " + map_to(column, "us") + " where it counts microseconds");
   }
-  if (!assumed) return ClockUnit{};
   const bool whole = are_whole(stamps), in_days = first >= kFirstDay && first < kLastDay;
+  if (!assumed && !in_days) return ClockUnit{};
   if (!whole && !in_days) return ClockUnit{};
   const double step = typical_step(stamps);
-  if (whole && step >= kFewestApart) {
+  if (assumed && whole && step >= kFewestApart) {
     const auto agrees = [&](double factor) {
       const double ratio = declared_rate_Hz * factor * step;
       return ratio > 1.0 / kAgrees && ratio < kAgrees;
@@ -72,9 +74,31 @@ Result<ClockUnit> unit_of_clock(const std::vector<double>& stamps, const std::st
     return ClockUnit{1.0, fmt::format("the clock \"{}\" was taken for seconds, a sample every {} s; if it counts {}: {} (seconds: {})", column, plain_number(step), likely.name,
                                       map_to(column, likely.symbol), map_to(column, "s"))};
   }
-  if (in_days && step > 0.0 && step < kDense_s)
+  if (in_days && step > 0.0 && step < (assumed ? kDense_s : kTooDense_s))
     return ClockUnit{1.0, fmt::format("the clock \"{}\" was taken for seconds; if it counts days, as a spreadsheet does: {}", column, map_to(column, "days"))};
   return ClockUnit{};
+}
+
+bool may_count_days(const std::vector<double>& stamps) {
+  constexpr double kApart_days = 1e-3;
+  const bool dates = std::ranges::all_of(stamps, [](double t) { return !std::isfinite(t) || (t >= kFirstDay && t < kLastDay); });
+  const double step = dates ? typical_step(stamps) : 0.0;
+  return step > 0.0 && step < kApart_days;
+}
+
+bool count_on(std::vector<double>& stamps) {
+  constexpr double kTurn = 4294967296.0, kSteps = 100.0;
+  for (std::size_t i = 0; i < stamps.size(); ++i)
+    if (std::isfinite(stamps[i]) && !(stamps[i] >= 0.0 && stamps[i] < kTurn && stamps[i] == std::floor(stamps[i]))) return false;
+  const double longest = kSteps * typical_step(stamps);
+  double before = 0.0, turns = 0.0;
+  for (double& t : stamps) {
+    if (!std::isfinite(t)) continue;
+    if (before - t > 0.5 * kTurn && t + kTurn - before <= longest) turns += 1.0;
+    before = t;
+    t += turns * kTurn;
+  }
+  return turns > 0.0;
 }
 
 }  // namespace forcegate

@@ -41,13 +41,31 @@ bool names_a_clock(std::string_view name) {
   return std::any_of(kClocks.begin(), kClocks.end(), [&](const char* c) { return word == c; });
 }
 
+/// "TIME_S", "TIME [MS]": beside the name of a clock capitals are no siemens.
+std::optional<NamedColumn> clock_in_capitals(std::string_view header) {
+  header = trim(header);
+  const bool bracket = !header.empty() && (header.back() == ')' || header.back() == ']');
+  const std::size_t at = bracket ? header.rfind(header.back() == ')' ? '(' : '[') : header.rfind('_');
+  if (at == std::string_view::npos) return std::nullopt;
+  const std::string_view tail = header.substr(at + 1, header.size() - at - (bracket ? 2 : 1));
+  const auto unit = find_unit(ascii_lower(trim(tail)));
+  const std::string name = identifier(header.substr(0, at));
+  if (!unit || unit->quantity != "time" || !names_a_clock(name)) return std::nullopt;
+  return NamedColumn{name, *unit};
+}
+
 /// Unit in brackets or after a slash: "Force (mN)".
 std::optional<NamedColumn> split_bracket(std::string_view header) {
   header = trim(header);
   std::size_t open = std::string_view::npos;
   std::string_view symbol;
   if (!header.empty() && (header.back() == ')' || header.back() == ']')) {
-    open = header.rfind(header.back() == ')' ? '(' : '[');
+    const char close = header.back(), begin = close == ')' ? '(' : '[';
+    std::size_t depth = 0;
+    for (open = header.size(); open-- > 0;) {  // "Force (Newton(s))"
+      depth += header[open] == close;
+      if (header[open] == begin && --depth == 0) break;
+    }
     if (open != std::string_view::npos) symbol = header.substr(open + 1, header.size() - open - 2);
   } else if ((open = header.rfind('/')) != std::string_view::npos ||
              (open = header.rfind(',')) != std::string_view::npos) {
@@ -65,6 +83,8 @@ ColumnMeaning meaning_of(std::string_view header) {
   ColumnMeaning out;
   auto named = split_bracket(header);
   if (!named) named = split_unit_suffix(trim(header));
+  if (!named || named->unit.quantity != "time")
+    if (auto clock = clock_in_capitals(header)) named = std::move(clock);
   if (named) {
     out.name = named->name;
     out.unit = named->unit;
@@ -120,7 +140,7 @@ std::string unknown_unit(std::string_view header) {
   if (at == 0) return {};
   const bool bare = at == std::string_view::npos;  // a column that is called "g"; one that is called "t" is a clock
   const std::string_view tail = bare ? header : header.substr(at + 1);
-  static constexpr std::array kOthers = {"g", "mg", "lb", "lbs", "oz", "t", "kp", "psi", "atm", "torr", "inch", "dBV"};
+  static constexpr std::array kOthers = {"g", "mg", "oz", "t", "kp", "psi", "atm", "torr", "inch", "dBV"};
   const bool other = std::ranges::any_of(kOthers, [&](const char* unit) { return tail == unit; });
   const bool scaled = tail.size() > 1 && std::string_view("fpnumcdhkMGT").find(tail.front()) != std::string_view::npos && find_unit(tail.substr(1)).has_value();
   return (other && !(bare && meaning.is_clock)) || (scaled && !bare) ? std::string(tail) : std::string();

@@ -13,6 +13,8 @@
 #include "hil/trace/clock_unit.h"
 #include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
+#include "hil/trace/csv_hints.h"
+#include "hil/trace/no_clock.h"
 #include "hil/trace/time_base.h"
 
 namespace forcegate {
@@ -69,7 +71,7 @@ Result<void> check_text_columns(const CsvTable& table, const std::string& where,
     if (!meaning.is_clock && known != "F_ref" && known != "U") continue;
     return fail(ErrorCode::parse, "column \"" + column.header + "\" holds \"" + column.cell + "\", which is no number",
                 where + ":" + std::to_string(column.line),
-                meaning.is_clock && !column.hint.starts_with("the decimals") ? hint_for_clock(column.cell) : column.hint);
+                meaning.is_clock && !column.hint.starts_with("the decimals") && !column.hint.starts_with(kWhichIsTheMonth) ? hint_for_clock(column.cell) : column.hint);
   }
   return {};
 }
@@ -186,6 +188,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   std::vector<ColumnMeaning> meanings = meanings_of(table, options, out);
   const std::size_t clock_column = find_clock(table, meanings, options, out.notes);
   FORCEGATE_CHECK_OK(settle_unit_of_clock(table, clock_column, meanings, where, options, out.notes));
+  if (clock_column < table.columns.size() && count_on(table.columns[clock_column].value))
+    out.notes.push_back("the clock \"" + table.columns[clock_column].header + "\" passes 2^32, where a counter of 32 bits begins anew; counted on");
   convert_units(table, meanings, out.notes);
 
   Clock clock;
@@ -197,19 +201,7 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
     clock = std::move(*made);
     out.notes.insert(out.notes.end(), clock.notes.begin(), clock.notes.end());
   } else {
-    if (!(options.assumed_rate_Hz > 0.0)) {
-      std::vector<std::string> headers;
-      std::string likely;  // not a column that is something else
-      for (std::size_t c = 0; c < table.columns.size(); ++c) {
-        headers.push_back(table.columns[c].header);
-        if (likely.empty() && meanings[c].unit.symbol.empty()) likely = headers.back();
-      }
-      if (headers.size() > 8) headers.resize(8), headers.push_back("...");
-      return fail(ErrorCode::parse, "there is no time column among: " + join(headers, ", "),
-                  table.header_line > 0 ? where + ":" + std::to_string(table.header_line) : where,
-                  likely.empty() ? "give --rate HZ, or \"fs_Hz\" in campaign.json, for a file without one"
-                                 : "say which is the clock, for instance --map " + shell_quoted(likely + "=t_s") + ", or give --rate HZ for a file without one");
-    }
+    if (!(options.assumed_rate_Hz > 0.0)) return no_clock(table, meanings, where);
     clock.base = invented_clock(table.rows(), options.assumed_rate_Hz);
     out.notes.push_back("the file has no clock; " + shortest(options.assumed_rate_Hz) + " Hz was assumed");
   }

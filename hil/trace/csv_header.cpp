@@ -142,6 +142,27 @@ bool CsvParser::row_of_units() {
   return true;
 }
 
+bool CsvParser::row_of_oscilloscope() {
+  const std::size_t n = names_.size();
+  if (cells_.size() != n || n < 4 || names_[n - 2] != "Start" || names_[n - 1] != "Increment" || trim(cells_[0]) != "Sequence") return false;
+  double start_s = 0.0, step_s = 0.0;
+  if (read_cell(cells_[n - 2], '.', start_s) != CsvCell::number || read_cell(cells_[n - 1], '.', step_s) != CsvCell::number || !(step_s > 0.0)) return false;
+  for (std::size_t c = 1; c + 2 < n; ++c)
+    if (const auto unit = find_unit(trim(cells_[c]))) table_.columns[c].header += "_" + unit->symbol;
+  scope_start_s_ = start_s;
+  scope_step_s_ = step_s;
+  table_.skipped_lines.push_back(line_);
+  table_.notes.push_back("the second line was read as an oscilloscope's: units, and rows " + in_quotes(trim(cells_[n - 1])) + " s apart from " + in_quotes(trim(cells_[n - 2])) + " s on");
+  return true;
+}
+
+void CsvParser::time_by_increment() {
+  table_.columns[0].header += "_s";
+  for (double& t : table_.columns[0].value) t = scope_start_s_ + scope_step_s_ * t;
+  table_.columns.resize(table_.columns.size() - 2);
+  is_text_.resize(table_.columns.size());
+}
+
 bool CsvParser::is_header_again() {
   if (!seen_data_ || cells_.size() != row_.size()) return false;
   const bool names = std::ranges::equal(cells_, names_, [](std::string_view cell, const std::string& name) { return header_text(cell) == name; });

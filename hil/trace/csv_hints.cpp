@@ -37,6 +37,18 @@ std::string without_thousands(std::string_view cell, char point) {
   return plain;
 }
 
+/// "11/20/2026 10:00:00": numbers of one or two digits, of which one is a month, and a year.
+bool is_date_of_slashes(std::string_view cell) {
+  std::size_t at = 0;
+  const auto number = [&](std::size_t least, std::size_t most) {
+    std::size_t digits = 0;
+    while (at < cell.size() && is_digit(cell[at])) ++at, ++digits;
+    return digits >= least && digits <= most;
+  };
+  const auto slash = [&] { return at < cell.size() && cell[at++] == '/'; };
+  return number(1, 2) && slash() && number(1, 2) && slash() && number(2, 4) && (at == cell.size() || cell[at] == ' ' || cell[at] == ',' || cell[at] == 'T');
+}
+
 }  // namespace
 
 std::string in_quotes(std::string_view text) {
@@ -48,6 +60,7 @@ std::string hint_for_cell(std::string_view cell, char point) {
   cell = unquoted(cell);
   if (cell.find('\0') != std::string_view::npos) return "bytes of zero are no text: the file was cut or damaged there; take the line out, or export the file anew";
   if (cell.find("\xE2\x88\x92") != std::string_view::npos) return "its minus sign is the typographical one (U+2212): replace it by - throughout the file";
+  if (is_date_of_slashes(cell)) return std::string(kWhichIsTheMonth) + " is not told by " + printable_utf8(cell.substr(0, cell.find_first_of(" ,T"))) + ": write dates as 2024-05-31T10:31:07";
   double value;
   const char other = point == '.' ? ',' : '.';
   if (const std::string plain = without_thousands(cell, point); !plain.empty()) {

@@ -7,6 +7,9 @@
 
 namespace forcegate {
 
+/// How the hint for a date begins that may be of two days.
+inline constexpr std::string_view kWhichIsTheMonth = "which number is the month";
+
 /// The first 40 bytes, printable and in quotes.
 std::string in_quotes(std::string_view text);
 

@@ -62,6 +62,12 @@ Result<void> CsvParser::lines(const char* p, const char* end, bool cut) {
       }
       table_.header_line = line_ - 1;
     }
+    if (words_below_names_ > 0) {
+      --words_below_names_;
+      table_.skipped_lines.push_back(line_);
+      table_.notes.push_back("line " + std::to_string(line_) + " holds words between the names and their units, and was skipped");
+      continue;
+    }
     FORCEGATE_CHECK_OK(slow_row(line, cut));
   }
   return {};
@@ -75,6 +81,7 @@ Result<void> CsvParser::feed(std::string_view chunk, bool last_line_is_cut) {
     FORCEGATE_CHECK_OK(check_kind(chunk));
     if (chunk.starts_with("\xEF\xBB\xBF")) p += 3;
     skip_preamble(p, end);
+    words_below_names_ = lines_of_words_below_names({p, static_cast<std::size_t>(end - p)});
   }
   if (!last_line_is_cut) return lines(p, end, false);
   const void* const before = p < end - 1 ? ::memrchr(p, '\n', static_cast<std::size_t>(end - 1 - p)) : nullptr;
@@ -105,6 +112,7 @@ Result<CsvTable> CsvParser::finish() {
       table_.notes.push_back("column " + in_quotes(table_.columns[c].header) + " holds text and was left out");
       table_.text_columns.push_back(text_[c]);
     }
+  if (scope_step_s_ > 0.0) time_by_increment();
   std::size_t at = 0;
   std::erase_if(table_.columns, [&](const CsvColumn&) { return is_text_[at++] != 0; });
   if (table_.rows() == 0)
@@ -125,7 +133,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
   if (cells_.size() == row_.size() + 1 && trim(cells_.back()).empty()) cells_.pop_back();
   if (cells_.size() + 1 == row_.size() && ascii_lower(names_.back()) == kMayBeShort) cells_.push_back(line.substr(line.size()));
   if (!seen_data_) {
-    if (row_of_units()) return {};
+    if (row_of_units() || row_of_oscilloscope()) return {};
     if (point_ == '.' && has_decimal_commas()) {
       point_ = ',';
       table_.notes.push_back("the decimals are commas");

@@ -34,6 +34,9 @@ class CsvParser {
   const char* fast_row(const char* p);
   Result<void> slow_row(std::string_view line, bool cut_short);
   bool row_of_units();
+  /// "X,CH1,Start,Increment" above "Sequence,VOLT,0.0,2e-2": units, and the time of row number X.
+  bool row_of_oscilloscope();
+  void time_by_increment();
   static bool says_no_unit(std::string_view symbol);
   /// One known unit at least, and nothing that looks like a sample.
   bool holds_units() const;
@@ -54,6 +57,8 @@ class CsvParser {
   std::string unit_labels_;         ///< a line above the header
   std::uint64_t repeats_ = 0, first_repeat_ = 0, last_repeat_ = 0;
   std::size_t trailing_ = 0;
+  std::size_t words_below_names_ = 0;  ///< lines of them that are still to come
+  double scope_start_s_ = 0.0, scope_step_s_ = 0.0;  ///< the second is 0 for all but an oscilloscope's file
   std::uint64_t line_ = 0;
   char separator_ = ',', point_ = '.';
   bool started_ = false, has_header_ = false, seen_data_ = false;

@@ -101,4 +101,23 @@ std::size_t lines_above_header(std::string_view text) {
   return 0;
 }
 
+std::size_t lines_of_words_below_names(std::string_view text) {
+  constexpr std::size_t kMost = 3;
+  const std::vector<Line> lines = first_lines(text);
+  if (lines.empty()) return 0;
+  const char separator = choose_separator(lines[0].text);
+  const std::vector<std::string_view> names = cells_of(lines[0].text, separator);
+  if (!are_names(names)) return 0;
+  const auto is_word = [](std::string_view cell) {
+    double value;
+    return read_cell(cell, '.', value) != CsvCell::number && read_cell(cell, ',', value) != CsvCell::number;
+  };
+  for (std::size_t i = 1; i + 1 < lines.size() && i <= kMost + 1; ++i) {
+    const std::vector<std::string_view> cells = cells_of(lines[i].text, separator);
+    if (are_units(lines[i].text, separator, names.size()) && holds_unit(cells)) return are_numbers(lines[i + 1].text, separator, names) ? i - 1 : 0;
+    if (cells.size() > names.size() || !std::ranges::all_of(cells, is_word)) return 0;
+  }
+  return 0;
+}
+
 }  // namespace forcegate

@@ -11,6 +11,10 @@ namespace forcegate {
 /// could be a row. 0 for every other text. `text` holds whole lines; the first 200 that are neither blank nor comment are looked at.
 std::size_t lines_above_header(std::string_view text);
 
+/// How many lines stand between the names in the first line (that is neither blank nor comment) and a row of units: lines of words with as many cells
+/// ("ATI Nano17", "FlexiForce"), at most three, followed by the units and a row of numbers. 0 for every other text.
+std::size_t lines_of_words_below_names(std::string_view text);
+
 /// LabVIEW ends the names of its columns with it, and no row has it that holds no comment.
 inline constexpr std::string_view kMayBeShort = "comment";
 

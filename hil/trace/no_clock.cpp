@@ -1,0 +1,48 @@
+#include "hil/trace/no_clock.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/text.h"
+#include "hil/trace/clock_unit.h"
+#include "hil/trace/csv_hints.h"
+
+namespace forcegate {
+namespace {
+
+constexpr std::size_t kMostNames = 8;
+
+std::string some_of(std::vector<std::string> names) {
+  if (names.size() > kMostNames) names.resize(kMostNames), names.push_back("...");
+  return join(names, ", ");
+}
+
+bool is_dated(const TextColumn& column) { return column.hint.starts_with(kWhichIsTheMonth); }
+
+}  // namespace
+
+Unexpected no_clock(const CsvTable& table, const std::vector<ColumnMeaning>& meanings, const std::string& where) {
+  std::vector<std::string> headers, texts;
+  const CsvColumn* likely = nullptr;  // not a column that is something else
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    headers.push_back(table.columns[c].header);
+    if (likely == nullptr && meanings[c].unit.symbol.empty()) likely = &table.columns[c];
+  }
+  for (const TextColumn& column : table.text_columns) texts.push_back(column.header + " (\"" + column.cell + "\")");
+  const std::string text = "there is no time column among: " + some_of(headers) + (texts.empty() ? "" : "; left out, since they hold text: " + some_of(texts));
+  std::string hint;
+  if (const auto dated = std::ranges::find_if(table.text_columns, is_dated); dated != table.text_columns.end()) {
+    hint = dated->hint;
+  } else if (likely == nullptr) {
+    hint = "give --rate HZ, or \"fs_Hz\" in campaign.json, for a file without one";
+  } else {
+    const std::string unknown = unknown_unit(likely->header), unit = may_count_days(likely->value) ? "days" : "s";
+    hint = "say which is the clock, for instance --map " + shell_quoted(likely->header + "=t_" + unit) +
+           (unknown.empty() ? "" : " where \"" + unknown + "\" means seconds, t_ms and t_us for milli- and microseconds") + ", or give --rate HZ for a file without one";
+  }
+  if (!texts.empty() && likely != nullptr && table.text_columns.size() >= table.columns.size())
+    hint = "if line " + std::to_string(table.text_columns.front().line) + " is no row, take it out; then " + hint;
+  return fail(ErrorCode::parse, text, table.header_line > 0 ? where + ":" + std::to_string(table.header_line) : where, hint);
+}
+
+}  // namespace forcegate

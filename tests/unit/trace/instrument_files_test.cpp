@@ -1,0 +1,121 @@
+// Tables as oscilloscopes, spreadsheets and boards write them: what their clock is, and what to do where nobody can tell.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hil/base/units.h"
+#include "hil/trace/campaign.h"
+#include "hil/trace/csv.h"
+#include "tests/support/folder_test.h"
+
+namespace forcegate {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TraceFile read(std::string_view text, const CsvOptions& options = {}) {
+  auto file = parse_csv(text, "x.csv", options);
+  EXPECT_TRUE(file) << (file ? "" : file.error().to_text());
+  return file ? std::move(*file) : TraceFile{};
+}
+
+std::string refusal(std::string_view text, const CsvOptions& options = {}) {
+  const auto file = parse_csv(text, "x.csv", options);
+  EXPECT_FALSE(file);
+  return file ? "" : file.error().to_text();
+}
+
+TEST(InstrumentFiles, UnitsMayBeWords) {
+  for (const auto& [word, symbol] : {std::pair{"sec", "s"}, {"Seconds", "s"}, {"msec", "ms"}, {"Newton(s)", "N"}, {"volts", "V"}, {"VOLT", "V"}, {"lbs", "lbf"}}) {
+    ASSERT_TRUE(find_unit(word)) << word;
+    EXPECT_EQ(find_unit(word)->symbol, symbol) << word;
+  }
+  for (const char* none : {"section", "newtonian", "lbsx", "(s)"}) EXPECT_FALSE(find_unit(none)) << none;
+  const auto f = read("Time (msec),Force (Newton(s)),Out [volts]\n0,1,2\n20,2,3\n40,3,4\n");
+  EXPECT_THAT(f.trace.time_bases[0].t_s, ElementsAre(0.0, 0.02, 0.04));
+  EXPECT_THAT(f.trace.find("F_ref")->value, ElementsAre(1, 2, 3));
+}
+
+TEST(InstrumentFiles, AClockInCapitalsIsOne) {
+  EXPECT_THAT(read("TIME_S,FORCE_N,VOLTAGE_V\n0,1,2\n0.5,2,3\n").trace.time_bases[0].t_s, ElementsAre(0.0, 0.5));
+  EXPECT_THAT(read("TIME [MS],FORCE_N,VOLTAGE_V\n0,1,2\n500,2,3\n").trace.time_bases[0].t_s, ElementsAre(0.0, 0.5));
+  EXPECT_EQ(read("t_s,F_N,G_S\n0,1,2\n1,2,3\n").trace.find("U")->unit, "S") << "siemens stay siemens";
+}
+
+TEST(InstrumentFiles, AnOscilloscopeTellsStartAndIncrement) {
+  const auto f = read("X,CH1,CH2,Start,Increment\nSequence,VOLT,VOLT,-1.0,2.0e-2\n0,1,5,,\n1,2,6,,\n2,3,7,,\n", {{{"CH1_V", "F_ref_N"}}, 0.0});
+  EXPECT_THAT(f.trace.time_bases[0].t_s, ElementsAre(-1.0, -0.98, -0.96));
+  ASSERT_EQ(f.trace.channels.size(), 2u);
+  EXPECT_THAT(f.trace.find("F_ref")->value, ElementsAre(1, 2, 3));
+  EXPECT_THAT(f.trace.find("U")->value, ElementsAre(5, 6, 7));
+  EXPECT_THAT(f.notes, Contains(HasSubstr("oscilloscope")));
+  EXPECT_THAT(f.notes, Not(Contains(HasSubstr("misses"))));
+}
+
+TEST(InstrumentFiles, WordsBetweenNamesAndUnitsAreSkipped) {
+  for (const char* words : {",ATI Nano17,FlexiForce", "clock,ATI Nano17,FlexiForce"}) {
+    const auto f = read("Zeit,Referenz,Sensor\n" + std::string(words) + "\n[s],[mN],[V]\n0,1500,2\n1,2500,3\n");
+    ASSERT_TRUE(f.trace.find("F_ref")) << words;
+  }
+}
+
+TEST(InstrumentFiles, WordsBelowTheNamesAreToldAndLinesStillCounted) {
+  const std::string head = "Time,Force,Sensor\n,ATI Nano17,FlexiForce\n[s],[mN],[V]\n0,1500,2\n1,2500,3\n";
+  const auto f = read(head);
+  EXPECT_THAT(f.trace.find("F_ref")->value, ElementsAre(1.5, 2.5));
+  EXPECT_THAT(f.notes, Contains(HasSubstr("line 2 holds words")));
+  EXPECT_THAT(refusal(head + "2,oops,3\n"), HasSubstr("x.csv:6:3"));
+  EXPECT_THAT(refusal("Time,Force,Sensor\na,b,c\nd,e,f\n"), HasSubstr("no cell of the first line below the names is a number"));
+}
+
+TEST(InstrumentFiles, WhereNoClockIsKnownTheColumnsOfTextAreNamed) {
+  EXPECT_THAT(refusal("DateTime,Force_N,Vout_V\n11/20/2026 10:00:00.000 AM,1,2\n11/20/2026 10:00:01.000 AM,2,3\n"),
+              AllOf(HasSubstr("DateTime (\"11/20/2026 10:00:00.000 AM\")"), HasSubstr("which number is the month is not told by 11/20/2026"), HasSubstr("2024-05-31T10:31:07")));
+  EXPECT_THAT(refusal("DateTime,Force_N,Vout_V\n11/20/2026 10:00:00.000 AM,1,2\n11/20/2026 10:00:01.000 AM,2,3\n", {{{"DateTime", "t_s"}}, 0.0}),
+              HasSubstr("which number is the month"));
+  EXPECT_THAT(refusal("X,CH1,Begin,Step\nSequence,VOLT,0,0.02\n0,1,,\n"), AllOf(HasSubstr("X (\"Sequence\"), CH1 (\"VOLT\")"), HasSubstr("if line 2 is no row, take it out")));
+}
+
+TEST(InstrumentFiles, DaysOfASpreadsheetAreAdvisedAsDays) {
+  const std::string file = "Date,Force_N,Vout_V\n46346.4,1,2\n46346.4000002,2,3\n46346.4000004,3,4\n";
+  EXPECT_THAT(refusal(file), HasSubstr("--map Date=t_days"));
+  EXPECT_THAT(read(file, {{{"Date", "t_s"}}, 0.0}).notes, Contains(HasSubstr("if it counts days, as a spreadsheet does: --map Date=t_days")));
+  EXPECT_THAT(refusal("Date,Force_N,Vout_V\n0,1,2\n0.5,2,3\n"), HasSubstr("--map Date=t_s"));
+  EXPECT_THAT(refusal("Stamp (ticks),Force_N,Vout_V\n0,1,2\n0.5,2,3\n"), HasSubstr("where \"ticks\" means seconds"));
+}
+
+TEST(InstrumentFiles, ACounterOf32BitsGoesOn) {
+  const auto f = read("micros,Force_N,adc\n4294927296,1,2\n4294947296,2,3\n4294967295,3,4\n19999,4,5\n39999,5,6\n");
+  const auto& t = f.trace.time_bases[0].t_s;
+  ASSERT_EQ(t.size(), 5u);
+  EXPECT_NEAR(t[3] - t[2], 0.02, 1e-9);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("passes 2^32")));
+  EXPECT_THAT(refusal("micros,Force_N,adc\n4294927296,1,2\n4294947296,2,3\n4294967295,2,3\n900000000,3,4\n900020000,4,5\n"), HasSubstr("jumps back")) << "steps that far are two recordings";
+  EXPECT_THAT(refusal("micros,Force_N,adc\n1000000,1,2\n1020000,2,3\n1040000,1,2\n0,4,5\n20000,4,5\n"), HasSubstr("jumps back")) << "a board that began anew";
+}
+
+class MixedOutputs : public FolderTest {};
+
+TEST_F(MixedOutputs, OneCampaignIsOneOutput) {
+  std::string volts = "t_s,F_ref_N,U_V\n", ohms = "t_s,F_ref_N,R_kohm\n";
+  for (int i = 0; i < 40; ++i) {
+    const std::string row = std::to_string(i) + "," + std::to_string(1.0 + 0.1 * (i % 7)) + ",";
+    volts += row + std::to_string(2.0 + 0.2 * (i % 7)) + "\n";
+    ohms += row + std::to_string(50.0 / (1.0 + 0.1 * (i % 7))) + "\n";
+  }
+  put("a.csv", volts);
+  put("b.csv", ohms);
+  put("c.csv", "t_s,F_ref_N,U_mV\n" + volts.substr(volts.find('\n') + 1));
+  const auto campaign = read_campaign(folder_);
+  ASSERT_FALSE(campaign);
+  EXPECT_THAT(campaign.error().to_text(), AllOf(HasSubstr("the output of b is in ohm, that of the others in V"), HasSubstr("b.csv:1")));
+  std::filesystem::remove(folder_ / "b.csv");
+  EXPECT_TRUE(read_campaign(folder_)) << "millivolts are volts";
+}
+
+}  // namespace
+}  // namespace forcegate
