@@ -146,10 +146,9 @@ MixedFit from_equal_weights(const ResidualChannel& channel, const std::vector<in
   return fit_mixed(channel.problem, columns, &start, 2 * iterations, base.use);
 }
 
-}  // namespace
+enum class Start { base, equal_weights };
 
-VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present,
-                           const MixedFit& base, int index, const MixedFit* warm, int iterations) {
+VariantScore score_from(const ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, int index, const MixedFit* warm, int iterations, Start start) {
   const Variant& variant = channel.variants[static_cast<std::size_t>(index)];
   VariantScore score;
   score.variant = index;
@@ -164,7 +163,7 @@ VariantScore score_variant(const ResidualChannel& channel, const std::vector<int
     MixedFit other = from_records_that_repeat(channel, columns, base, iterations);
     if (other.valid && other.log_evidence > score.fit.log_evidence) score.fit = std::move(other);
   }
-  if (warm == nullptr) {
+  if (start == Start::equal_weights) {
     MixedFit other = from_equal_weights(channel, columns, base, iterations);
     if (other.valid && other.log_evidence > score.fit.log_evidence) score.fit = std::move(other);
   }
@@ -180,6 +179,13 @@ VariantScore score_variant(const ResidualChannel& channel, const std::vector<int
   return score;
 }
 
+}  // namespace
+
+VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present,
+                           const MixedFit& base, int index, const MixedFit* warm, int iterations) {
+  return score_from(channel, present, base, index, warm, iterations, Start::base);
+}
+
 ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& present,
                     const std::vector<std::string>& skip, const MixedFit* warm, unsigned threads,
                     int iterations, RecordUse use, Forms forms) {
@@ -188,13 +194,19 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   if (!out.base.valid) return out;
   std::vector<VariantScore> scores(channel.variants.size());
   std::vector<char> used(channel.variants.size(), 0);
-  const auto score_all = [&] {
+  const auto score_all = [&](Start start = Start::base) {
     parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
       const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
       if (c.form->only_further || (c.form->last && forms == Forms::ordinary) || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
-      scores[v] = score_variant(channel, present, out.base, static_cast<int>(v), nullptr, iterations);
+      scores[v] = score_from(channel, present, out.base, static_cast<int>(v), nullptr, iterations, start);
       used[v] = scores[v].gain > -1e299 ? 1 : 0;
     });
+  };
+  const auto best_of = [&] {
+    const VariantScore* best = nullptr;
+    for (std::size_t v = 0; v < scores.size(); ++v)
+      if (used[v] != 0 && (best == nullptr || scores[v].gain > best->gain)) best = &scores[v];
+    return best;
   };
   score_all();
   // EM climbs the hill that it stands on. When the spreads that a candidate found serve the base as well, the candidate had
@@ -202,15 +214,15 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   constexpr int kRestarts = 2;
   constexpr double kHigher = 0.5;  // nats
   for (int restart = 0; restart < kRestarts; ++restart) {
-    const VariantScore* best = nullptr;
-    for (std::size_t v = 0; v < scores.size(); ++v)
-      if (used[v] != 0 && (best == nullptr || scores[v].gain > best->gain)) best = &scores[v];
+    const VariantScore* best = best_of();
     if (best == nullptr || best->gain < kHigher) break;
     MixedFit again = fit_to_the_end(channel, present, &best->fit, 2 * iterations, use);
     if (!again.valid || again.log_evidence < out.base.log_evidence + kHigher) break;
     out.base = std::move(again);
     score_all();
   }
+  constexpr double kPlain = 14.0;  // nats: with less nothing is chosen within records
+  if (const VariantScore* best = best_of(); best == nullptr || best->gain < kPlain) score_all(Start::equal_weights);
   for (const EffectKind* kind_of_family : kinds_of(channel)) {
     const EffectKind& kind = *kind_of_family;
     FamilyScore family;
