@@ -8,9 +8,9 @@
 
 namespace forcegate {
 
-/// Three significant digits, from a thousand on all of them: "0.0012", "12.3", "14532", where %g says 1.45e+04.
+/// Three significant digits, from a thousand up to 1e12 all of them: "0.0012", "12.3", "14532", where %g says 1.45e+04.
 inline std::string plain_number(double value) {
-  return std::fabs(value) >= 999.5 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
+  return std::fabs(value) >= 999.5 && std::fabs(value) < 1e12 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
 }
 
 /// How people read an error in the unit of its column: volts and newtons in thousandths, siemens and amperes in millionths, ratios in percent,

@@ -140,15 +140,17 @@ Result<void> check_echo(const DutEcho& echo, const DutSession& session, const st
   return {};
 }
 
+Result<const RigKind*> find_rig(const std::string& name) {
+  if (const RigKind* kind = Registry<RigKind>::instance().find(name)) return kind;
+  const auto names = Registry<RigKind>::instance().names();
+  const std::string near = nearest_name(name, names);
+  return fail(ErrorCode::usage, "there is no rig named '" + printable_utf8(name) + "'", "--rig",
+              near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
+}
+
 Result<std::unique_ptr<Rig>> make_rig(const std::string& name,
                                       const std::map<std::string, std::string>& options) {
-  const RigKind* kind = Registry<RigKind>::instance().find(name);
-  if (kind == nullptr) {
-    const auto names = Registry<RigKind>::instance().names();
-    const std::string near = nearest_name(name, names);
-    return fail(ErrorCode::usage, "there is no rig named '" + printable_utf8(name) + "'", "--rig",
-                near.empty() ? "choose one of: " + join(names, ", ") : "did you mean '" + near + "'?");
-  }
+  FORCEGATE_TRY(const RigKind* const kind, find_rig(name));
   return kind->make(options);
 }
 

@@ -142,6 +142,8 @@ struct RigKind {
   std::function<Result<std::unique_ptr<Rig>>(const std::map<std::string, std::string>& options)> make;
 };
 
+/// By its name. Error (usage): there is none, with the likeliest.
+Result<const RigKind*> find_rig(const std::string& name);
 Result<std::unique_ptr<Rig>> make_rig(const std::string& name,
                                       const std::map<std::string, std::string>& options);
 

@@ -334,9 +334,10 @@ Result<Model> parse_model(std::string_view text, const std::string& where) {
 
 Result<Model> read_model(const std::filesystem::path& path) {
   const Result<std::string> text = read_file(path);
+  std::error_code unknown;
   if (!text)
-    return fail(ErrorCode::io, "cannot read the model", path.string(),
-                "the models that come with the program are flexiforce and fsr");
+    return fail(ErrorCode::io, std::filesystem::exists(path, unknown) ? "cannot read the model" : "there is no such model file", path.string(),
+                "check the name; the models that come with the program are flexiforce and fsr");
   return parse_model(*text, path.string());
 }
 

@@ -14,6 +14,29 @@ using ::testing::HasSubstr;
 constexpr const char* kNative = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
 const ProcessOptions kHere{.folder = FORCEGATE_SOURCE_DIR, .timeout = std::chrono::minutes(2)};
 
+TEST(Mistakes, InNamesAreToldAlsoWhereNothingWouldBeDoneWithThem) {
+  TemporaryFolder folder;
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 400; ++i) text += std::to_string(0.1 * i) + "," + std::to_string(0.01 * (i % 100)) + "," + std::to_string(0.02 * (i % 100)) + "\n";
+  write_text(folder / "run.csv", text);
+  const std::string run = folder / "run.csv";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> told = {
+      {{"next", run, "--run", "--rig", "nosuchrig"}, "there is no rig named 'nosuchrig'"},
+      {{"next", run, "--record", "nosuch.csv"}, "there is no such file\n  where: nosuch.csv"},
+      {{"next", run, "--rig", "nosuch.toml"}, "there is no such file\n  where: nosuch.toml"},
+      {{"league", "--only", "lag,nosuch"}, "there is no effect \"nosuch\""},
+      {{"history", "nix.toml"}, "there is no such model file"},
+      {{"compare", run, "--model", "nix"}, "there is no such model file"},
+      {{"export", "nix"}, "there is no such model file"},
+  };
+  for (const auto& [words, what] : told) {
+    const ProcessResult r = forcegate(words, kHere);
+    EXPECT_EQ(r.exit_code, 2) << what << r.out;
+    EXPECT_THAT(r.err, HasSubstr(what));
+    EXPECT_THAT(r.err, HasSubstr("\n  help: ")) << what;
+  }
+}
+
 TEST(Mistakes, InAFileNameThePageThatListsItsKeys) {
   TemporaryFolder folder;
   write_text(folder / "wrong.toml", "nothing = 3\n");

@@ -100,6 +100,7 @@ TEST(NextVerb, ARecordingOfTheForceThatWasAskedForSettlesWhatOneSineCannot) {
   const ProcessResult unlike = forcegate({"next", sine, "--run", "--record", still, "-o", out});
   EXPECT_EQ(unlike.exit_code, 2);
   EXPECT_THAT(unlike.err, HasSubstr("none of the recordings is like it; the force to play is"));
+  EXPECT_THAT(unlike.err, AllOf(HasSubstr("the nearest, still.csv, has 30 s, 1 to 1 N, 0 N/s on the average"), HasSubstr("asked for are"), ContainsRegex("where: [^\n]*still.csv\n")));
   fs::path profile;
   for (const auto& file : fs::directory_iterator(fs::path(out) / "profiles"))
     if (profile.empty() || file.path() < profile) profile = file.path();

@@ -57,12 +57,21 @@ Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request) {
           std::find(request.of.begin(), request.of.end(), c.header) == request.of.end())
         over.push_back(name);
     }
-  for (const std::string& name : over) {
-    FORCEGATE_TRY(const CsvColumn* c, column(table, name, request));
-    base.covariates.push_back({name, unit_of(c->header), c->value});
-  }
+  const auto take = [&](const std::string& text, const char* option) -> Result<std::string> {
+    FORCEGATE_TRY(const CsvColumn* c, column(table, text, request));
+    const std::string name = plain_name(c->header);
+    for (const std::string& of : request.of)
+      if (of == name || of == c->header) return fail(ErrorCode::usage, "nothing is explained by itself: " + name + " is the parameter to explain", option, "name what was different between the records");
+    if (std::ranges::find(base.covariates, name, &Covariate::name) == base.covariates.end()) base.covariates.push_back({name, unit_of(c->header), c->value});
+    return name;
+  };
+  for (const std::string& text : over) FORCEGATE_CHECK_OK(take(text, "--over"));
   for (const std::string& text : request.law) {
     FORCEGATE_TRY(LawTerm term, parse_term(text));
+    for (std::string* name : {&term.covariate, &term.other})
+      if (!name->empty()) {
+        FORCEGATE_TRY(*name, take(*name, "--law"));
+      }
     base.law.push_back(std::move(term));
   }
   std::vector<ParameterAnswer> out;

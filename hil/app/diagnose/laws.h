@@ -20,6 +20,8 @@ struct LawsRequest {
   std::uint64_t seed = 1;
 };
 
+/// Columns are named with their unit or without it. Covariates of the law need not be listed in `over`. Errors: a column that is not there, a parameter
+/// that stands in its own law (usage); those of missing_dependence.
 Result<std::vector<ParameterAnswer>> laws(const LawsRequest& request);
 std::string laws_text(const std::vector<ParameterAnswer>& answers);
 std::string laws_json(const std::vector<ParameterAnswer>& answers);

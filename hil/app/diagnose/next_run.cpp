@@ -146,6 +146,7 @@ Result<fs::path> write_profile(const ExperimentSegment& s, const fs::path& folde
 struct Character {
   double value[5];
 };
+constexpr double kSlow_N_per_s = 0.02, kFast_N_per_s = 0.1;  // slower is all the same
 Character character_of(const std::vector<double>& t_s, const std::vector<double>& F) {
   double low = 1e300, high = -1e300, way = 0.0, fastest = 0.0;
   std::size_t last = 0;
@@ -160,12 +161,18 @@ Character character_of(const std::vector<double>& t_s, const std::vector<double>
     }
   }
   const double seconds = std::max(1e-3, t_s.back() - t_s.front());
-  return {{std::log(seconds), std::log(0.02 + way / seconds), std::log(0.1 + fastest), low, high}};
+  return {{std::log(seconds), std::log(kSlow_N_per_s + way / seconds), std::log(kFast_N_per_s + fastest), low, high}};
 }
 double distance(const Character& a, const Character& b) {
   double sum = 0.0;
   for (int k = 0; k < 5; ++k) sum += (a.value[k] - b.value[k]) * (a.value[k] - b.value[k]);
   return std::sqrt(sum);
+}
+
+// "wrong.csv: 200 s, 0 to 5 N, 0.3 N/s on the way; asked for are 30 s, ..."
+std::string described(const Character& c) {
+  return plain_number(std::exp(c.value[0])) + " s, " + plain_number(c.value[3]) + " to " + plain_number(c.value[4]) + " N, " + plain_number(std::max(0.0, std::exp(c.value[1]) - kSlow_N_per_s)) +
+         " N/s on the average, " + plain_number(std::max(0.0, std::exp(c.value[2]) - kFast_N_per_s)) + " N/s at most";
 }
 
 // Among the numbers of the segment; 0 when it has none.
@@ -181,6 +188,10 @@ struct Recording {
   Character character;
   bool used = false;
 };
+
+std::string difference(const Recording& nearest, const ExperimentSegment& asked) {
+  return "the nearest, " + nearest.path.filename().string() + ", has " + described(nearest.character) + "; asked for are " + described(character_of(asked.t_s, asked.force_N));
+}
 
 Result<std::vector<Recording>> read_recordings(const std::vector<fs::path>& paths) {
   std::vector<Recording> out;
@@ -266,8 +277,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
         if (!r.used && (best == nullptr || distance(r.character, wanted) < distance(best->character, wanted)))
           best = &r;
       if (best == nullptr || distance(best->character, wanted) > 2.0) {
-        out.skipped.push_back(s.name + ": none of the recordings is like it; the force to play is " +
-                              profile.string());
+        out.skipped.push_back(s.name + ": none of the recordings is like it; the force to play is " + profile.string() + (best == nullptr ? "" : "; " + difference(*best, s)));
         continue;
       }
       best->used = true;
@@ -304,7 +314,7 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
   }
   if (out.segments.empty())
     return fail(ErrorCode::usage, "none of the segments can be played here: " + out.skipped.front(),
-                from.string(), "record one of them and give it with --record");
+                on_rig ? from.string() : request.recorded.front().string(), "record one of them and give it with --record");
   if (on_rig) copy.keep();  // what was played is worth more than a second try
   if (progress) progress(0.8, "diagnosing again");
   CampaignRequest again = request.campaign;

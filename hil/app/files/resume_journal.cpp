@@ -5,6 +5,15 @@
 
 namespace forcegate {
 
+namespace {
+
+// A header is one object of JSON; of one that was cut short what there is agrees.
+bool is_beginning_of_header(const std::string& line, const std::string& header) {
+  return header.starts_with(line) || nlohmann::json::parse(line, nullptr, false).is_object();
+}
+
+}  // namespace
+
 Result<ResumeJournal> ResumeJournal::open(const std::filesystem::path& path, const std::string& header) {
   ResumeJournal journal;
   if (path.empty()) return journal;
@@ -13,7 +22,10 @@ Result<ResumeJournal> ResumeJournal::open(const std::filesystem::path& path, con
   if (std::ifstream old(path, std::ios::binary); old) {
     std::string line;
     bool first = true;
-    while (std::getline(old, line) && !old.eof()) {
+    while (std::getline(old, line)) {
+      if (first && !is_beginning_of_header(line, header))
+        return fail(ErrorCode::config, "this file is no journal", journal.path_, "it stays as it is: name another file, which is made where it does not exist");
+      if (old.eof()) break;
       whole += line.size() + 1;
       if (first && line != header)
         return fail(ErrorCode::config, "the journal belongs to another job or another build", journal.path_,

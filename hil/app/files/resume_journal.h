@@ -16,7 +16,7 @@ namespace forcegate {
 class ResumeJournal {
  public:
   /// header: one line of JSON without a line feed. An empty path keeps nothing. Errors: io; config when the file has
-  /// another header, with the way out. A last line cut short (power, interrupt) is dropped: that piece is made again.
+  /// another header or is no journal, with the way out; it is left as it is. A last line cut short (power, interrupt) is dropped: that piece is made again.
   static Result<ResumeJournal> open(const std::filesystem::path& path, const std::string& header);
 
   bool keeps() const { return file_ != nullptr; }

@@ -6,8 +6,10 @@
 #include <mutex>
 
 #include "hil/app/league/league_journal.h"
+#include "hil/app/mystery/mystery.h"
 #include "hil/base/parallel.h"
 #include "hil/base/rng.h"
+#include "hil/base/text.h"
 
 namespace forcegate {
 namespace {
@@ -21,6 +23,18 @@ bool wanted(const LeagueRequest& request, const std::string& name) {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<void> check_names(const std::vector<std::string>& only) {
+  std::vector<std::string> known = mystery_effect_names();
+  known.push_back("pairs");
+  for (const std::string& name : only) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    const std::string near = nearest_name(name, known);
+    return fail(ErrorCode::usage, "there is no effect \"" + printable_utf8(name) + "\"", "--only",
+                (near.empty() ? "" : "did you mean \"" + near + "\"? ") + std::string("there are none, pairs, foreign, and the names that forcegate mystery --list prints"));
+  }
+  return {};
 }
 
 /// Two different effects of the catalogue; not two that both only change a channel's noise.
@@ -132,10 +146,10 @@ Result<LeagueResult> play_league(const LeagueRequest& request, const LeagueEngin
   LeagueResult result;
   result.request = request;
   result.engine = engine.name;
+  FORCEGATE_CHECK_OK(check_names(request.only));
   result.matches = league_programme(request);
   if (result.matches.empty())
-    return fail(ErrorCode::usage, "no campaign is left to play", "--only",
-                "names are listed by: forcegate mystery --list");
+    return fail(ErrorCode::usage, "no campaign is left to play: " + join(request.only, ", ") + " is not among these", "--only", "more of the foreign ones are played with --others N");
   FORCEGATE_TRY(LeagueJournal journal, LeagueJournal::open(request, engine.name));
   std::vector<std::size_t> waiting;
   for (std::size_t i = 0; i < result.matches.size(); ++i)

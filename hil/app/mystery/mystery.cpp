@@ -77,6 +77,8 @@ Result<MysteryResult> make_mystery(const MysteryRequest& request,
                                    const std::function<void(const std::string&)>& on_commitment) {
   if (!request.pair.empty() && request.pair.size() != 2)
     return fail(ErrorCode::usage, "a pair has two effects", "--pair", "write --pair creep,thermal");
+  if (!request.pair.empty() && request.pair[0] == request.pair[1])
+    return fail(ErrorCode::usage, "both effects of the pair are " + request.pair[0], "--pair", "a pair has two different effects; for one: --effect " + request.pair[0]);
   if (!request.pair.empty() && !request.effect.empty())
     return fail(ErrorCode::usage, "--pair and --effect exclude each other");
   std::error_code error;

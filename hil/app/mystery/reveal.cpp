@@ -6,6 +6,7 @@
 #include "hil/base/plain_number.h"
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
+#include "hil/trace/campaign_description.h"
 #include "rigs/emulated/hidden/seal.h"
 
 namespace forcegate {
@@ -32,6 +33,18 @@ Result<Answer> read_answer(const RevealRequest& request) {
     answer.error().where =
         request.answer_file.string() + (answer.error().where.empty() ? "" : ": ") + answer.error().where;
   return answer;
+}
+
+// The seal is broken by looking: an answer to another question is told before. A mystery whose description is gone cannot be asked.
+Result<void> check_campaign(const Answer& answer, const RevealRequest& request) {
+  if (answer.campaign.empty()) return {};
+  const auto description = read_description(request.folder / "campaign.json");
+  if (!description || description->name == answer.campaign) return {};
+  if (description->records)
+    for (const DescribedRecord& record : *description->records)
+      if (record.facts.name == answer.campaign) return {};  // one recording of it was diagnosed
+  return fail(ErrorCode::usage, "this is the answer to the campaign \"" + answer.campaign + "\", and this one is \"" + description->name + "\"; the seal stays closed",
+              request.answer_file.string(), "forcegate diagnose " + shell_quoted(request.folder.string()) + " --json > answer.json");
 }
 
 std::string names_of(const hidden::Truth& truth) {
@@ -99,6 +112,7 @@ Result<RevealResult> reveal(const RevealRequest& request) {
   RevealResult result;
   if (!request.answer_file.empty() || !request.effect.empty()) {
     FORCEGATE_TRY(result.answer, read_answer(request));
+    FORCEGATE_CHECK_OK(check_campaign(*result.answer, request));
   }
   FORCEGATE_TRY(result.truth_json, hidden::open(sheet));
   FORCEGATE_TRY(result.truth, hidden::truth_from_json(result.truth_json));

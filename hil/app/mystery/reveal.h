@@ -25,6 +25,7 @@ struct RevealResult {
   std::string sentence;  ///< the score in one sentence
 };
 
+/// The seal is opened last. Errors: a seal that was changed; an effect or an answer that cannot be read, an answer that names another campaign (usage).
 Result<RevealResult> reveal(const RevealRequest& request);
 
 /// What was hidden, for a person: several lines.

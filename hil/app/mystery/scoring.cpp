@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "hil/base/text.h"
 #include "hil/diagnose/choose/select.h"
 
 namespace forcegate {
@@ -65,6 +66,7 @@ Result<Answer> answer_from_json(const std::string& text) {
   try {
     const Json j = Json::parse(text);
     Answer answer;
+    answer.campaign = j.value("campaign", "");
     j.at("verdict").get_to(answer.verdict);
     if (answer.verdict != "none" && answer.verdict != "known" && answer.verdict != "unknown")
       return fail(ErrorCode::parse, "the verdict is \"" + answer.verdict + "\"", "verdict",
@@ -95,7 +97,10 @@ Result<Answer> answer_from_json(const std::string& text) {
       if (answer.reason.empty() && j.contains(key) && j[key].is_string()) answer.reason = j[key];
     return answer;
   } catch (const Json::exception& e) {
-    return fail(ErrorCode::parse, std::string("this is not an answer of diagnose: ") + e.what());
+    const std::string_view what = e.what();  // "[json.exception.parse_error.101] parse error at line 1 ..."
+    const std::size_t end = what.find("] ");
+    return fail(ErrorCode::parse, "this is not an answer of diagnose: " + printable_utf8(what.substr(end == std::string_view::npos ? 0 : end + 2)), "",
+                "such an answer is what forcegate diagnose CAMPAIGN --json prints");
   }
 }
 

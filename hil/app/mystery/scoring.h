@@ -27,6 +27,7 @@ struct AnswerRank {
 
 /// What a scorer reads of an answer; docs/campaign.md describes the whole.
 struct Answer {
+  std::string campaign;                 ///< that was diagnosed; empty: not told
   std::string verdict;                  ///< "none", "known", "unknown"
   std::vector<AnswerFinding> findings;  ///< best first
   std::vector<std::string> depends_on;
@@ -38,7 +39,7 @@ struct Answer {
   std::map<std::string, std::string> refused;  ///< effect that came up and was not taken, reason
 };
 
-/// Errors name the missing or mistyped key.
+/// Errors (parse) name the missing or mistyped key, with how such an answer is made.
 Result<Answer> answer_from_json(const std::string& text);
 
 /// The answer of a person who names one effect, "none" or "unknown".

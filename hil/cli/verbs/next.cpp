@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include "hil/app/diagnose/next_run.h"
 #include "hil/app/mystery/mystery.h"
 #include "hil/cli/command.h"
@@ -5,11 +7,24 @@
 #include "hil/cli/verbs/campaign_options.h"
 #include "hil/cli/verbs/next_line.h"
 #include "hil/cli/verbs/rig_choice.h"
+#include "hil/interface/rig.h"
 
 namespace forcegate {
 namespace {
 
 std::string given_words(const Invocation& in) { return campaign_words(in, in.text("CAMPAIGN")) + model_words(in); }
+
+// Where nothing is to be measured nobody else would read these names.
+Result<void> check_names(const Invocation& in) {
+  const std::string rig = in.text("rig");
+  if (in.given("rig") && !rig.ends_with(".toml")) FORCEGATE_CHECK_OK(find_rig(rig));
+  std::vector<std::string> files = in.texts("record");
+  if (rig.ends_with(".toml")) files.push_back(rig);
+  std::error_code unknown;
+  for (const std::string& file : files)
+    if (!std::filesystem::exists(file, unknown)) return fail(ErrorCode::io, "there is no such file", file, "check the name");
+  return {};
+}
 
 // Nothing is to be measured: an answer, whatever it was asked for.
 int settled(const Invocation& in, const Diagnosis& diagnosis) {
@@ -58,6 +73,7 @@ Result<int> write(const Invocation& in, const NextExperiment& planned) {
 }
 
 Result<int> run(const Invocation& in) {
+  FORCEGATE_CHECK_OK(check_names(in));
   if (in.flag("run")) return play(in);
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   FORCEGATE_TRY(const Diagnosis diagnosis, diagnose_request(request));

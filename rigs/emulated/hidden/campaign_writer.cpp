@@ -139,11 +139,18 @@ Result<void> write_campaign(const MadeCampaign& made, const fs::path& folder, bo
   fs::create_directory(folder, error);
   if (error) return fail(ErrorCode::io, "cannot create the folder: " + error.message(), folder.string());
   const Json json = description(made);
-  for (std::size_t i = 0; i < made.records.size(); ++i) {
-    const std::string file = json["records"][i]["file"];
-    FORCEGATE_CHECK_OK(write_text(folder / file, csv_text(made.records[i])));
+  std::vector<fs::path> files;
+  for (const Json& record : json["records"]) {
+    files.push_back(folder / record["file"].get<std::string>());
+    fs::remove(files.back(), error);  // of a campaign that is overwritten
   }
-  return write_text(list, json.dump(1) + "\n");
+  FORCEGATE_CHECK_OK(write_text(list, json.dump(1) + "\n"));
+  for (std::size_t i = 0; i < files.size(); ++i)
+    if (auto written = write_text(files[i], csv_text(made.records[i])); !written) {
+      fs::remove(list, error);
+      return written;
+    }
+  return {};
 }
 
 Result<std::vector<std::string>> append_records(const MadeCampaign& made,

@@ -10,6 +10,7 @@
 namespace forcegate::hidden {
 
 /// Writes campaign.json and one CSV per record into `folder` (created when missing; its parent must exist).
+/// The description comes first: records that an interrupt left out are then missed by whoever reads the folder. After an error it is gone again.
 /// Refuses a folder that holds a campaign.json already unless `overwrite`. Nothing of the truth is written.
 Result<void> write_campaign(const MadeCampaign& made, const std::filesystem::path& folder, bool overwrite);
 

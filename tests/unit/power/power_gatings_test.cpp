@@ -69,6 +69,22 @@ TEST(ResumeJournal, of_another_job_is_refused_with_the_way_out) {
   EXPECT_FALSE(other.error().hint.empty());
 }
 
+TEST(ResumeJournal, of_a_file_that_is_none_is_refused_and_leaves_it) {
+  auto folder = PrivateFolder::make();
+  ASSERT_TRUE(folder);
+  const auto path = folder->path() / "recording.csv";
+  for (const char* text : {"t_s,F_ref_N\n0,1\n", "a line without its end"}) {
+    std::ofstream(path) << text;
+    const auto none = ResumeJournal::open(path, R"({"job":1})");
+    ASSERT_FALSE(none) << text;
+    EXPECT_EQ(none.error().text, "this file is no journal");
+    std::ifstream kept(path);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(kept), {}), text);
+  }
+  std::ofstream(path) << R"({"jo)";  // cut short in its first line
+  EXPECT_TRUE(ResumeJournal::open(path, R"({"job":1})"));
+}
+
 MutantOutcome level_of(double level, std::size_t rejected) {
   MutantOutcome o;
   o.mutant.name = "gain_pct";

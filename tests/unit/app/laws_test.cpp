@@ -1,0 +1,70 @@
+// Names of columns and terms that `forcegate laws` is given.
+
+#include "hil/app/diagnose/laws.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/folder_test.h"
+
+namespace forcegate {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Laws : public FolderTest {
+ protected:
+  // b = 0.005 + 0.002 f, and a scatter that no column tells
+  LawsRequest table() const {
+    std::string text = "f_Hz,A_N,m_N,b\n";
+    for (int i = 0; i < 18; ++i) {
+      const double f_Hz = 0.5 + 0.1 * (i % 6), A_N = 1.0 + 0.3 * (i / 6), m_N = 2.0 + 0.1 * ((7 * i) % 5);
+      text += std::to_string(f_Hz) + "," + std::to_string(A_N) + "," + std::to_string(m_N) + "," + std::to_string(0.005 + 0.002 * f_Hz + 1e-5 * ((5 * i) % 7)) + "\n";
+    }
+    LawsRequest request;
+    request.table = put("table.csv", text);
+    request.of = {"b"};
+    return request;
+  }
+};
+
+TEST_F(Laws, ATermMayBeCalledAsTheFileDoes) {
+  for (const char* term : {"f", "f_Hz"}) {
+    LawsRequest request = table();
+    request.law = {term};
+    const auto answers = laws(request);
+    ASSERT_TRUE(answers) << term << ": " << answers.error().to_text();
+    EXPECT_EQ(answers->front().law.back().term, "f") << term;
+  }
+}
+
+TEST_F(Laws, ATermOfTheLawNeedsNoPlaceAmongTheCovariates) {
+  LawsRequest request = table();
+  request.law = {"f"};
+  request.over = {"A", "m_N"};
+  const auto answers = laws(request);
+  ASSERT_TRUE(answers) << answers.error().to_text();
+  EXPECT_TRUE(answers->front().added.empty());
+}
+
+TEST_F(Laws, NothingIsExplainedByItself) {
+  LawsRequest over = table(), law = table();
+  over.over = {"b", "f"};
+  law.law = {"b"};
+  for (const LawsRequest& request : {over, law}) {
+    const auto answers = laws(request);
+    ASSERT_FALSE(answers);
+    EXPECT_THAT(answers.error().text, HasSubstr("nothing is explained by itself"));
+  }
+}
+
+TEST_F(Laws, ACovariateThatIsNotThereIsNamed) {
+  LawsRequest request = table();
+  request.law = {"ln humidity"};
+  const auto answers = laws(request);
+  ASSERT_FALSE(answers);
+  EXPECT_THAT(answers.error().to_text(), HasSubstr("no column 'humidity'"));
+}
+
+}  // namespace
+}  // namespace forcegate

@@ -1,0 +1,89 @@
+// The seal of a mystery is opened for an answer to this mystery, and a mystery that was not finished is no campaign.
+
+#include "hil/app/mystery/reveal.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "hil/app/mystery/mystery.h"
+#include "hil/trace/campaign.h"
+#include "tests/support/process.h"
+
+namespace forcegate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+MysteryRequest small(const fs::path& folder) {
+  MysteryRequest request;
+  request.seed = 5;
+  request.folder = folder;
+  request.effect = "hysteresis";
+  request.strength = "strong";
+  request.minutes = 1.0;
+  return request;
+}
+
+class Reveal : public ::testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(make_mystery(small(folder_ / "m"), {})); }
+  Result<RevealResult> asked(const std::string& answer) const {
+    test::write_text(folder_ / "answer.json", answer);
+    return reveal({folder_ / "m", folder_ / "answer.json", ""});
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Reveal, AnAnswerToAnotherCampaignOpensNothing) {
+  const auto other = asked(R"({"campaign": "other", "verdict": "known", "findings": [{"effect": "hysteresis"}]})");
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().to_text(), AllOf(HasSubstr("the answer to the campaign \"other\", and this one is \"m\""), HasSubstr("stays closed"), HasSubstr("answer.json"),
+                                             HasSubstr("forcegate diagnose ")));
+  for (const char* named : {R"("campaign": "m", )", R"("campaign": "m_r01", )", ""}) {
+    const auto own = asked("{" + std::string(named) + R"("verdict": "known", "findings": [{"effect": "hysteresis"}]})");
+    ASSERT_TRUE(own) << named << own.error().to_text();
+    EXPECT_TRUE(own->right) << named;
+  }
+}
+
+TEST_F(Reveal, AFileThatIsNoAnswerIsToldWithoutTheNamesOfALibrary) {
+  for (const char* text : {"t_s,F_ref_N\n", "{\"a\": 1}", "{\"verdict\": 3}"}) {
+    const auto none = asked(text);
+    ASSERT_FALSE(none) << text;
+    EXPECT_THAT(none.error().to_text(), AllOf(HasSubstr("this is not an answer of diagnose: "), Not(HasSubstr("json.exception")), HasSubstr("help: "), HasSubstr("answer.json")));
+  }
+}
+
+TEST(Mystery, APairHasTwoDifferentEffects) {
+  const test::TemporaryFolder folder;
+  MysteryRequest request = small(folder / "m");
+  request.effect.clear();
+  request.pair = {"creep", "creep"};
+  const auto made = make_mystery(request, {});
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().to_text(), AllOf(HasSubstr("both effects of the pair are creep"), HasSubstr("--effect creep")));
+  EXPECT_FALSE(fs::exists(fs::path(folder / "m") / "campaign.json"));
+}
+
+TEST(Mystery, OneThatWasLeftHalfWrittenIsNoCampaign) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(make_mystery(small(folder / "m"), {}));
+  std::vector<fs::path> records;
+  for (const auto& file : fs::directory_iterator(folder / "m"))
+    if (file.path().extension() == ".csv") records.push_back(file.path());
+  const fs::file_time_type described = fs::last_write_time(fs::path(folder / "m") / "campaign.json");
+  for (const fs::path& record : records) EXPECT_LE(described, fs::last_write_time(record)) << "the description comes first";
+  fs::remove(records.front());
+  const auto torso = read_campaign(folder / "m");
+  ASSERT_FALSE(torso);
+  EXPECT_THAT(torso.error().text, AllOf(HasSubstr(records.front().filename().string()), HasSubstr("does not exist")));
+}
+
+}  // namespace
+}  // namespace forcegate
