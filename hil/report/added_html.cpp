@@ -17,7 +17,7 @@ using figures::escape;
 std::string parameters(const AddedEffect& added) {
   std::string out = table_start("Parameters, all refitted together", {"Parameter", "#Before", "#After", "Unit"});
   for (const AddedEffect::Parameter& p : added.parameters)
-    out += "<tr>" + cell(escape(p.name)) + cell(figures::typographic_minus(display(p.before, 5)), true) +
+    out += "<tr>" + cell(escape(p.name)) + cell(std::isfinite(p.before) ? figures::typographic_minus(display(p.before, 5)) : "new", true) +
            cell(escape(figures::typographic_minus(with_uncertainty(p.after, p.u))), true) + cell(escape(p.unit == "1" ? "" : p.unit)) + "</tr>\n";
   return out + std::string(kTableEnd);
 }
@@ -36,7 +36,7 @@ std::string section(const Diagnosis& view, const AddedEffect& added, const Recor
 }  // namespace
 
 std::string added_html(const Diagnosis& view, const AddedEffect& added, DiagnosisPage page) {
-  const bool falls = added.error_after < added.error_before;
+  const bool falls = added.is_needed;
   page.lead = PageLead{
       .headline = falls ? added.effect + " added to the model of " + view.campaign : added.effect + " is not needed for " + view.campaign,
       .why = error_title(view.judged_by) + " " + in_unit(added.error_before, added.unit) + (falls ? " falls to " : " does not fall: ") +

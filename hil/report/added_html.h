@@ -12,9 +12,10 @@ namespace forcegate {
 struct AddedEffect {
   struct Parameter {
     std::string name, unit;
-    double before = 0.0, after = 0.0, u = 0.0;
+    double before = 0.0, after = 0.0, u = 0.0;  ///< before: NaN where there was none
   };
   std::string effect;
+  bool is_needed = true;  ///< the error falls
   double error_before = 0.0, error_after = 0.0, floor = 0.0;  ///< as `add` prints them
   std::string unit;
   std::vector<figures::WaterfallStep> steps;  ///< effects of the model in their order, this one last

@@ -17,20 +17,26 @@ struct Shown {
 };
 
 Result<Shown> show(Campaign campaign, const Model& start, const Model& refitted, const AddRequest& request, bool zero_wanders) {
-  diagnose::EngineOptions after = engine_options(refitted, request.campaign.threads), before = engine_options(start, request.campaign.threads);
-  after.law = before.law;  // it is fitted anew, from where the refit began
-  after.model_effects = before.model_effects;  // what was added is listed as a family, else it would stand in the base
-  after.search = false;
-  after.zero_wanders = zero_wanders;
-  FORCEGATE_TRY(const std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(std::move(campaign), after));
+  const diagnose::EngineOptions before = engine_options(start, request.campaign.threads);
+  diagnose::EngineOptions at_end = engine_options(refitted, request.campaign.threads);
+  at_end.search = false;
+  at_end.zero_wanders = zero_wanders;
+  diagnose::EngineOptions at_start = at_end;
+  at_start.law = before.law;
+  at_start.model_effects = before.model_effects;  // what was added is listed as a family, else it would stand in the base
+  FORCEGATE_TRY(diagnose::CampaignRows rows, diagnose::take_rows(std::move(campaign), at_start));
+  FORCEGATE_TRY(const std::unique_ptr<diagnose::Workspace> w, diagnose::prepare(rows, at_start));
   Shown out;
   FORCEGATE_TRY(out.view, diagnose::show_added(*w, before, request.effect));
+  FORCEGATE_TRY(const std::unique_ptr<diagnose::Workspace> settled, diagnose::prepare(std::move(rows), at_end));
+  if (const Result<Diagnosis> after = diagnose::show_added(*settled, before, request.effect)) diagnose::take_after(*after, out.view);
   out.pictures = record_pictures(*w, start, &refitted);
   return out;
 }
 
 AddedEffect added_effect(const diagnose::Refit& refit, const std::string& effect) {
   AddedEffect out{.effect = effect,
+                  .is_needed = is_needed(refit),
                   .error_before = refit.error_before,
                   .error_after = refit.error_after,
                   .floor = refit.floor,

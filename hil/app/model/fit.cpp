@@ -61,10 +61,7 @@ Result<diagnose::Refit> fit_request(const CampaignRequest& request, const Model&
   return fit_campaign(request, std::move(campaign), model, add);
 }
 
-bool is_needed(const diagnose::Refit& r) {
-  constexpr double kFalls = 1.0 - 1e-6;  // beyond rounding
-  return r.error_after < kFalls * r.error_before;
-}
+bool is_needed(const diagnose::Refit& r) { return diagnose::lowers_error(r.error_before, r.error_after); }
 
 std::string waterfall_text(const diagnose::Waterfall& w) {
   const PrintedUnit unit = printed_unit(w.unit);
@@ -100,7 +97,7 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
   if (!add.empty() && !is_needed(r)) out += std::string(kNotNeeded) + "\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)
-    out += fmt::format("  {:<28} {:>12.5g} -> {} {}\n", m.name, m.before, with_uncertainty(m.after, m.u),
+    out += fmt::format("  {:<28} {:>12} -> {} {}\n", m.name, std::isfinite(m.before) ? fmt::format("{:.5g}", m.before) : "new", with_uncertainty(m.after, m.u),
                        m.unit == "1" ? "" : m.unit);
   for (const std::string& note : r.notes) out += "note: " + note + "\n";
   if (!r.waterfall.bars.empty()) out += "error by effect, held out:\n" + waterfall_text(r.waterfall);
@@ -124,7 +121,7 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
   nlohmann::ordered_json moves = nlohmann::ordered_json::array();
   for (const auto& m : r.moves)
     moves.push_back(
-        {{"name", m.name}, {"before", m.before}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
+        {{"name", m.name}, {"before", std::isfinite(m.before) ? nlohmann::ordered_json(m.before) : nlohmann::ordered_json()}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
   std::vector<std::string> notes = r.notes;
   if (!add.empty() && !is_needed(r)) notes.emplace_back(kNotNeeded);
   const nlohmann::ordered_json out = {

@@ -40,7 +40,32 @@ Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::strin
   return out;
 }
 
+// The law with what the model had before: of one that has the effect already, without its columns.
+MixedFit base_without(const Workspace& w, const EngineOptions& before, const std::string& effect, std::vector<std::string>& notes) {
+  std::vector<int> columns = model_columns(w.output, before);
+  for (const Candidate& c : w.output.candidates)
+    if (c.of_model && c.kind->name == effect) std::erase_if(columns, [&](int j) { return j >= c.first && j < c.first + c.count; });
+  return law_beside(w, columns, true, notes);
+}
+
 }  // namespace
+
+void take_after(const Diagnosis& from, Diagnosis& to) {
+  if (from.levels != to.levels || from.judged_by != to.judged_by || from.records.size() != to.records.size()) return;
+  for (std::size_t k = 0; k < to.records.size(); ++k) {
+    RecordError& r = to.records[k];
+    r.after = from.records[k].after;
+    r.plain_after = from.records[k].plain_after;
+    r.floor = from.records[k].floor;
+  }
+  to.error_after = from.error_after;
+  to.plain_after = from.plain_after;
+  to.floor = from.floor;
+  to.errors["U_plain"].after = from.plain_after;
+  to.maps_after = from.maps_after;
+  to.overlays = from.overlays;
+  to.repeatability = from.repeatability;
+}
 
 Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const std::string& effect) {
   Diagnosis out;
@@ -54,7 +79,7 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   out.verdict = DiagnosisVerdict::known;
   Search search;
   Selection& selection = search.output;
-  selection.base = base_model(w, before, out.notes);
+  selection.base = base_without(w, before, effect, out.notes);
   if (!selection.base.valid) return fail(ErrorCode::config, "the records do not determine the model", w.input.name);
   FORCEGATE_TRY(ChosenEffect chosen, choose(w, selection.base, effect, before.threads));
   selection.claimed = selection.final = chosen.fit;

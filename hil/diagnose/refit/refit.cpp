@@ -19,6 +19,7 @@
 #include "hil/diagnose/one_zero.h"
 #include "hil/diagnose/refit/best_form.h"
 #include "hil/diagnose/refit/moved_parameters.h"
+#include "hil/diagnose/refit/stands_still.h"
 
 namespace forcegate::diagnose {
 
@@ -54,58 +55,27 @@ ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const 
 }
 
 // `chain`: the fits by which the model was made, with the first k effects each. One error has one value: no fit of them is made anew.
-Waterfall waterfall_of(const Workspace& w,
-                       const std::vector<std::pair<std::string, std::vector<int>>>& effects,
-                       const std::vector<MixedFit>& chain, const std::vector<int>& between) {
+ErrorsOfEffects errors_of_effects(const Workspace& w, const std::vector<std::pair<std::string, std::vector<int>>>& effects, const std::vector<MixedFit>& chain,
+                                  const std::vector<int>& between) {
   const MixedFit& base = chain.front();
-  Waterfall out;
+  ErrorsOfEffects out;
+  for (const auto& [name, columns] : effects) out.effects.push_back(name);
   const std::size_t n = effects.size();
-  out.all_orders = n <= 4;
-  const auto error_of = [&](unsigned mask) {
+  if (!out.all_orders()) {
+    for (const MixedFit& fit : chain) out.error.push_back(held_out_rms(w, fit, base, between));
+    return out;
+  }
+  for (unsigned mask = 0; mask < 1u << n; ++mask) {
     const auto taken = static_cast<std::size_t>(std::popcount(mask));
-    if (mask == (1u << taken) - 1u) return held_out_rms(w, chain[taken], base, between);
+    if (mask == (1u << taken) - 1u) {
+      out.error.push_back(held_out_rms(w, chain[taken], base, between));
+      continue;
+    }
     std::vector<int> columns = base.columns;
     for (std::size_t k = 0; k < n; ++k)
-      if ((mask >> k & 1u) != 0)
-        columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
+      if ((mask >> k & 1u) != 0) columns.insert(columns.end(), effects[k].second.begin(), effects[k].second.end());
     const MixedFit fit = fit_mixed(w.output.problem, columns, &base, 10);
-    return fit.valid ? held_out_rms(w, fit, base, between) : kMissing;
-  };
-  const unsigned all = (1u << std::min<std::size_t>(n, 16)) - 1u;
-  std::vector<double> error(out.all_orders ? all + 1u : 0u);
-  for (unsigned mask = 0; mask < error.size(); ++mask) error[mask] = error_of(mask);
-  out.start = out.all_orders ? error[0] : error_of(0);
-  out.end = out.all_orders ? error[all] : error_of(all);
-  unsigned mask = 0;
-  double now = out.start;
-  for (std::size_t k = 0; k < n; ++k) {
-    Waterfall::Bar bar;
-    bar.effect = effects[k].first;
-    mask |= 1u << k;
-    const double next = out.all_orders ? error[mask] : error_of(mask);
-    bar.as_added = bar.average = bar.low = bar.high = now - next;
-    if (std::isfinite(next)) now = next;
-    if (out.all_orders) {
-      // mean over subsets with the Shapley weights; range over all subsets
-      bar.low = 1e300;
-      bar.high = -1e300;
-      bar.average = 0.0;
-      for (unsigned s = 0; s <= all; ++s) {
-        if ((s >> k & 1u) != 0) continue;
-        const double fall = error[s] - error[s | 1u << k];
-        int size = 0;
-        for (unsigned b = s; b != 0; b >>= 1) size += static_cast<int>(b & 1u);
-        double weight = 1.0 / static_cast<double>(n);
-        for (int q = 0; q < size; ++q)
-          weight *= static_cast<double>(q + 1) / static_cast<double>(static_cast<int>(n) - 1 - q);
-        bar.average += weight * fall;
-        bar.low = std::min(bar.low, fall);
-        bar.high = std::max(bar.high, fall);
-      }
-      if (!std::isfinite(bar.average)) bar.low = bar.high = kMissing;  // an order that cannot be fitted
-    }
-    bar.hollow = !(bar.low > 0.0);
-    out.bars.push_back(bar);
+    out.error.push_back(fit.valid ? held_out_rms(w, fit, base, between) : kMissing);
   }
   return out;
 }
@@ -202,18 +172,19 @@ void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& j
   out.moves.push_back({"q_scale", "1", start.law.q_scale, m.law.q_scale, m.se_q_scale});
 }
 
-void write_user_effect(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, int variant, const Candidate& c, UserEffect& own, Refit& out) {
+void write_user_effect(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, int variant, const Candidate& c, const std::vector<UserEffect>& before, UserEffect& own,
+                       Refit& out) {
   for (std::size_t b = 0; b < fit.columns.size(); ++b) {
     if (fit.columns[b] != c.first) continue;
     const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
-    const UserEffect before_fit = own;
     const double gain = fit.coefficient[0] * w.output.gain_of_unit;
     std::vector<Estimate> shape;
     for (std::size_t k = 0; k < c.shape.size(); ++k) shape.push_back({c.shape[k], joint.of_shape(variant, k)});
-    own = with_fit(before_fit, *c.form, shape, {fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)});
+    own = with_fit(own, *c.form, shape, {fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)});
     for (const ModelParameter& p : own.parameters) {
       double old = p.neutral;  // a share is new
-      for (const ModelParameter& q : before_fit.parameters) old = q.name == p.name ? q.value : old;
+      if (const auto was = std::ranges::find(before, own.name, &UserEffect::name); was != before.end())
+        for (const ModelParameter& q : was->parameters) old = q.name == p.name ? q.value : old;
       out.moves.push_back({own.name + "." + p.name, p.unit, old, p.value, p.se});
     }
   }
@@ -226,16 +197,43 @@ void write_effects(const Workspace& w, const FittedEffects& fitted, const ShapeC
   for (const int v : fitted.variants) {
     const Candidate& c = w.output.candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)];
     const auto own = std::ranges::find(m.user_effects, c.kind->name, &UserEffect::name);
-    if (own != m.user_effects.end()) write_user_effect(w, fitted.all(), joint, v, c, *own, out);
+    if (own != m.user_effects.end()) write_user_effect(w, fitted.all(), joint, v, c, start.user_effects, *own, out);
     else m.effects.push_back(effect_of(w, v, fitted.all(), joint));
   }
   const std::vector<ParameterMove> library = moved_parameters(start.effects, m.effects);
   out.moves.insert(out.moves.begin() + law_moves, library.begin(), library.end());
 }
 
-// Errors of records that were left out, before (without what was added, or without all) and after, and the step in the model's history.
-void measure(Workspace& w, const FittedEffects& fitted, const std::string& add, Refit& out) {
-  const MixedFit &law = fitted.law(), &now = fitted.all(), &before = add.empty() ? law : fitted.chain[fitted.chain.size() - 2];
+// What a refit knows beside its result: the errors of which its waterfall is made.
+struct Fitted {
+  Refit refit;
+  ErrorsOfEffects errors;
+};
+
+HistoryStep step_of(const Refit& refit, const std::string& add, const std::string& campaign) {
+  HistoryStep out;
+  out.effect = add;
+  out.campaign = campaign;
+  out.error_before = refit.error_before;
+  out.error_after = refit.error_after;
+  out.plain_before = refit.plain_before;
+  out.plain_after = refit.plain_after;
+  out.floor = refit.floor;
+  out.unit = refit.waterfall.unit;
+  out.accepted = add.empty() || lowers_error(refit.error_before, refit.error_after);
+  return out;
+}
+
+void draw_waterfall(const ErrorsOfEffects& errors, const std::string& unit, Refit& out) {
+  out.waterfall = waterfall_of(errors);
+  out.waterfall.floor = out.floor;
+  out.waterfall.unit = unit;
+}
+
+// Errors of records that were left out, before (without what was added, or without all) and after.
+void measure(Workspace& w, const FittedEffects& fitted, bool adds, Fitted& made) {
+  Refit& out = made.refit;
+  const MixedFit &law = fitted.law(), &now = fitted.all(), &before = adds ? fitted.chain[fitted.chain.size() - 2] : law;
   if (!fitted.columns.empty() && whole_must_judge(w, law, now)) w.judges = JudgedBy::whole;
   out.judged_by = w.judges;
   std::vector<int> between;
@@ -246,32 +244,22 @@ void measure(Workspace& w, const FittedEffects& fitted, const std::string& add, 
   out.error_before = held_out_rms(w, before, law, between);
   out.error_after = held_out_rms(w, now, law, between);
   out.plain_before = held_out_rms(w, judge(w.output, before, law, w.judges).plain, between);
-  out.plain_after = held_out_rms(w, judge(w.output, now, law, w.judges).plain, between);
+  std::vector<double> plain = judge(w.output, now, law, w.judges).plain;
+  for (const double square : plain) out.plain_after_of_record.push_back(w.output.scale * std::sqrt(square));
+  out.plain_after = held_out_rms(w, std::move(plain), between);
   std::vector<double> noise;
   for (const double noise_V : w.noise_V) noise.push_back(noise_V * noise_V / (w.output.scale * w.output.scale));
   out.floor = std::min(held_out_rms(w, std::move(noise), between), out.error_after);
-  out.waterfall = waterfall_of(w, fitted.columns, fitted.chain, between);
-  out.waterfall.floor = out.floor;
-  out.waterfall.unit = w.output.unit;
-  HistoryStep step;
-  step.effect = add;
-  step.campaign = w.input.name;
-  step.error_before = out.error_before;
-  step.error_after = out.error_after;
-  step.plain_before = out.plain_before;
-  step.plain_after = out.plain_after;
-  step.floor = out.floor;
-  step.unit = w.output.unit;
-  step.accepted = add.empty() || out.error_after < out.error_before;
-  out.model.history.push_back(step);
+  made.errors = errors_of_effects(w, fitted.columns, fitted.chain, between);
+  draw_waterfall(made.errors, w.output.unit, out);
 }
 
-}  // namespace
-
-Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
-  Refit out;
+// `at`: the model that the workspace was prepared with, from whose effects the fit begins; `start`: that which the user has.
+Result<Fitted> refit_at(Workspace& w, const Model& start, const Model& at, const std::string& add, unsigned threads) {
+  Fitted made;
+  Refit& out = made.refit;
   FORCEGATE_TRY(const std::vector<std::string> names, effects_to_fit(w, start, add));
-  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, start, names, !add.empty(), threads, out.notes));
+  FORCEGATE_TRY(const FittedEffects fitted, fit_effects(w, at, names, !add.empty(), threads, out.notes));
   const MixedFit& now = fitted.all();
   if (!now.valid)
     return fail(ErrorCode::config, "the records do not determine the model with " + (add.empty() ? "its effects" : add), w.input.name,
@@ -282,28 +270,99 @@ Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& a
     return fail(ErrorCode::config, "the records do not tell the gain of the sensor: the output does not follow the force beyond the noise", w.input.name,
                 "a record in which the force moves over a good part of its range");
   out.model = start;
+  out.model.user_effects = at.user_effects;
   out.model.frame = frame_of(w.input);
   write_law(w, now, joint, start, out);
   write_effects(w, fitted, joint, start, out);
-  measure(w, fitted, add, out);
-  return out;
+  measure(w, fitted, !add.empty(), made);
+  out.model.history.push_back(step_of(out, add, w.input.name));
+  return made;
+}
+
+EngineOptions options_at(EngineOptions options, const Model& model) {
+  options.law = model.law;
+  options.in_model = model.effect_names();
+  options.model_effects = model.effects;
+  options.user_effects = model.user_effects;
+  for (const UserEffect& own : model.user_effects)
+    if (is_fitted(own)) options.in_model.push_back(own.name);
+  return options;
+}
+
+Result<Fitted> refit_prepared(CampaignRows rows, const EngineOptions& options, const Model& start, const Model& at, const std::string& add, JudgedBy judged_by) {
+  if (judged_by == JudgedBy::whole) rows.judges = judged_by;
+  FORCEGATE_TRY(const std::unique_ptr<Workspace> w, prepare(std::move(rows), options));
+  return refit_at(*w, start, at, add, options.threads);
+}
+
+// The errors before from where the model before stands: along the lines of the model after, its law goes astray.
+void take_before(const Fitted& of_before, const std::string& add, Fitted& made) {
+  Refit& out = made.refit;
+  if (of_before.refit.judged_by != out.judged_by || of_before.refit.levels != out.levels) return;
+  out.error_before = of_before.refit.error_before;
+  out.plain_before = of_before.refit.plain_before;
+  // subsets and beginnings without the last effect come first
+  std::vector<double>& error = made.errors.error;
+  const std::size_t without = add.empty() ? 1 : made.errors.all_orders() ? error.size() / 2 : error.size() - 1;
+  std::copy_n(of_before.errors.error.begin(), without, error.begin());
+  draw_waterfall(made.errors, out.waterfall.unit, out);
+  out.model.history.back() = step_of(out, add, out.model.history.back().campaign);
+}
+
+// The law without any effect beside it, in place of a refit of it; nullopt: there is none.
+std::optional<Fitted> law_alone(CampaignRows rows, const EngineOptions& options, const Model& start, JudgedBy judged_by) {
+  Model law = start;
+  law.effects.clear();
+  law.user_effects.clear();
+  Result<Fitted> out = refit_prepared(std::move(rows), options_at(options, law), law, law, "", judged_by);
+  return out ? std::optional(*std::move(out)) : std::nullopt;
+}
+
+}  // namespace
+
+bool lowers_error(double before, double after) {
+  constexpr double kFalls = 0.999;  // less is what a strength of nothing, fitted to noise, brings
+  return after < kFalls * before;
+}
+
+Result<Refit> refit_model(Workspace& w, const Model& start, const std::string& add, unsigned threads) {
+  FORCEGATE_TRY(Fitted made, refit_at(w, start, start, add, threads));
+  return std::move(made.refit);
 }
 
 namespace {
 
-Result<Refit> refit_rows(CampaignRows rows, const EngineOptions& options, const Model& start, const std::string& add) {
-  FORCEGATE_TRY(const std::unique_ptr<Workspace> w, prepare(std::move(rows), options));
-  return refit_model(*w, start, add, options.threads);
+Result<Refit> refit_rows(const CampaignRows& rows, const EngineOptions& options, const Model& start, const std::string& add) {
+  constexpr int kMostTimes = 10;
+  FORCEGATE_TRY(const Fitted first, refit_prepared(rows, options, start, start, add, rows.judges));
+  Fitted made = first;
+  for (int time = 1; time < kMostTimes; ++time) {
+    const Model at = made.refit.model;
+    Result<Fitted> next = refit_prepared(rows, options_at(options, at), start, at, add, first.refit.judged_by);
+    if (!next) break;
+    made = *std::move(next);
+    if (stands_still(at, made.refit.model)) break;
+  }
+  if (!add.empty()) {
+    take_before(first, add, made);
+  } else if (!made.refit.levels && !made.errors.effects.empty()) {
+    if (const std::optional<Fitted> law = law_alone(rows, options, start, made.refit.judged_by)) take_before(*law, add, made);
+  }
+  return std::move(made.refit);
 }
 
 }  // namespace
 
 Result<Refit> refit_campaign(Campaign campaign, const EngineOptions& options, const Model& start, const std::string& add) {
-  FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
-  if (!rows.input.single) return refit_rows(std::move(rows), options, start, add);
+  FORCEGATE_TRY(const CampaignRows rows, take_rows(std::move(campaign), options));
+  if (!rows.input.single) return refit_rows(rows, options, start, add);
   FORCEGATE_TRY(Refit stands, refit_rows(rows, with_one_zero(options), start, add));
-  FORCEGATE_TRY(Refit wanders, refit_rows(std::move(rows), options, start, add));
+  FORCEGATE_TRY(Refit wanders, refit_rows(rows, options, start, add));
   return one_zero_is_enough(stands.plain_after, wanders.plain_after, stands.floor) ? std::move(stands) : std::move(wanders);
+}
+
+Result<Refit> refit_prepared_rows(const Workspace& w, const EngineOptions& options, const Model& start, const std::string& add) {
+  return refit_rows({w.input, w.health, w.raw_claims, w.scales, w.output.unit, w.judges}, w.zero_wanders ? options : with_one_zero(options), start, add);
 }
 
 }  // namespace forcegate::diagnose
