@@ -50,4 +50,13 @@ Result<BaseErrors> base_errors(const Workspace& w, const EngineOptions& options)
   return out;
 }
 
+std::vector<double> plain_errors_V(const Workspace& w, const EngineOptions& options) {
+  std::vector<std::string> notes;
+  const MixedFit base = base_model(w, options, notes);
+  if (!base.valid) return {};
+  std::vector<double> out = judge(w.output, base, base, w.judges).plain;
+  for (double& square : out) square = w.output.scale * std::sqrt(std::max(square, 0.0));
+  return out;
+}
+
 }  // namespace forcegate::diagnose

@@ -2,6 +2,7 @@
 // How far the starting model is from the held-out records, without any search: what a diagnosis calls error_before.
 
 #include <optional>
+#include <vector>
 
 #include "hil/diagnose/engine.h"
 
@@ -30,5 +31,8 @@ MixedFit base_model(const Workspace& workspace, const EngineOptions& options, st
 
 /// Errors: the records do not determine the starting model.
 Result<BaseErrors> base_errors(const Workspace& workspace, const EngineOptions& options);
+
+/// Of every record: RMS of the output with gain, zero and decay of all records, V. Empty where they do not determine the starting model.
+std::vector<double> plain_errors_V(const Workspace& workspace, const EngineOptions& options);
 
 }  // namespace forcegate::diagnose

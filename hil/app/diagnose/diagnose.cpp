@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <optional>
 
+#include "hil/app/diagnose/with_claims.h"
 #include "hil/app/pictures/record_pictures.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/laws/drift.h"
 #include "hil/diagnose/next/next_experiment.h"
-#include "hil/diagnose/refit/refit.h"
 #include "hil/report/finding_side.h"
 #include "hil/trace/channels.h"
 
@@ -26,16 +26,6 @@ bool has_unknown_column(const Campaign& campaign) {
   return false;
 }
 
-// The model as it would be with every claim that it has a place for. nullopt: there is none.
-std::optional<Model> with_claims(diagnose::Workspace& w, const Model& model, const Diagnosis& d, unsigned threads) {
-  std::optional<Model> out;
-  for (const Finding& f : d.findings) {
-    if (!f.claimed() || f.of_samples() || f.unit != d.unit) continue;
-    if (auto refit = diagnose::refit_model(w, out ? *out : model, f.effect, threads)) out = std::move(refit->model);
-  }
-  return out;
-}
-
 Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, RecordPictures* pictures) {
   if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
   if (diagnose::is_drift_only(campaign)) {
@@ -49,10 +39,11 @@ Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign c
   options.pictures = pictures != nullptr;
   FORCEGATE_TRY(diagnose::Diagnosed found, diagnose::diagnose_campaign_in(std::move(campaign), options));
   found.diagnosis.next_experiment = diagnose::propose_experiment(*found.workspace, found.diagnosis);
-  if (pictures != nullptr) {
-    const std::optional<Model> after = with_claims(*found.workspace, model, found.diagnosis, request.threads);
-    *pictures = record_pictures(*found.workspace, model, after ? &*after : nullptr);
-  }
+  const bool plain = is_plain_refitted(*found.workspace, found.diagnosis);
+  if (!plain && pictures == nullptr) return std::move(found.diagnosis);
+  const std::optional<diagnose::Refit> after = with_claims(*found.workspace, model, found.diagnosis, request.threads);
+  if (plain) tell_plain_as_refitted(*found.workspace, options, after, found.diagnosis);
+  if (pictures != nullptr) *pictures = record_pictures(*found.workspace, model, after ? &after->model : nullptr);
   return std::move(found.diagnosis);
 }
 

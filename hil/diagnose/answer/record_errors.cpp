@@ -43,9 +43,11 @@ void add_records(const Workspace& w, const Selection& selection, Diagnosis& out)
     after.adapted = judge_levels(channel, final, base, w.judges);
   }
   const double s = channel.scale;
+  // set aside, too few for a claim, they are no error of the model; claimed, they are what the error falls by
+  const bool counts_bad = std::ranges::any_of(out.findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
   for (std::size_t i = 0; i < channel.problem.records.size(); ++i) {
     const RecordGram& g = channel.problem.records[i];
-    const double bad = i < w.health.size() ? w.health[i].bad_mean_square_V2 : 0.0;
+    const double bad = counts_bad && i < w.health.size() ? w.health[i].bad_mean_square_V2 : 0.0;
     RecordError e;
     e.record = g.name;
     e.kind = w.input.records[i].kind;

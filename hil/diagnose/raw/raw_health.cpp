@@ -202,7 +202,9 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
 
   const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
   const StepsOfOutput steps(F, U, gain, quiet);
+  const double most_V = std::max(scales.U_range_V, std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - low_rail : 0.0);
   const auto mark = [&](std::size_t i, BadSample why, double error) {
+    error = std::min(std::abs(error), most_V);  // a logger's 9.9e37 is as far off as the output can be
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = static_cast<std::uint8_t>(why);
   };

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "hil/app/diagnose/diagnose.h"
 #include "hil/app/export/export.h"
 #include "hil/app/model/compare.h"
 #include "hil/app/model/fit.h"
@@ -77,6 +78,28 @@ TEST_F(ModelOnCampaign, SamplesThatADiagnosisThrowsOutAreNoErrorOfTheModel) {
   const auto s = simulate_request(request, folder_ / "out");
   ASSERT_TRUE(s) << s.error().to_text();
   for (const auto& record : s->items) EXPECT_LT(record.rmse_V, 0.003);
+}
+
+// A line of 2 V/N bent by 3 %, and one sample that is none of the sensor's.
+TEST_F(ModelOnCampaign, SamplesTooFewForAClaimAreInNoVerbsError) {
+  for (const double bad : {15.0, -9999.0, 9.9e37}) {
+    Rng rng(6, "bent");
+    std::string csv = "t_s,F_ref_N,U_V\n";
+    for (int i = 0; i < 9000; ++i) {
+      const double F = 2.0 - 1.5 * std::cos(0.02 * i / 3.0) - 0.3 * std::cos(0.02 * i);
+      csv += std::to_string(0.02 * i) + "," + std::to_string(F) + "," + std::to_string(i == 8000 ? bad : 0.2 + 2.0 * F - 0.02 * F * F + 0.003 * rng.normal()) + "\n";
+    }
+    CampaignRequest request;
+    request.campaign = put("bent.csv", csv);
+    request.threads = 1;
+    const auto c = compare_request(request);
+    const auto d = diagnose_request(request);
+    const auto added = fit_request(request, "static_nonlinearity");
+    ASSERT_TRUE(c && d && added);
+    EXPECT_LT(c->view.error_before, 0.1) << bad;
+    EXPECT_NEAR(d->error_before, added->error_before, 0.05 * added->error_before) << bad;
+    EXPECT_LT(d->error_after, 0.2 * d->error_before) << bad;
+  }
 }
 
 TEST_F(ModelOnCampaign, AHoldHasNoLawToFit) {
