@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/characterize/sharp_turns.h"
 #include "hil/characterize/steady_stretch.h"
 #include "hil/gate/calibrate.h"
 #include "hil/trace/static_line.h"
@@ -52,7 +53,9 @@ Extrema find_extrema(const Columns& c, double prominence_N) {
   const float* followers[2] = {c.sensor_V.data(), c.force_N.data()};
   pairer.push(c.t_s, c.force_N, {followers, 2});
   pairer.finish();
-  return extrema_of(pairer.pairs());
+  Extrema out = extrema_of(pairer.pairs());
+  sharpen_turns(c.t_s, c.force_N, c.sensor_V, out);
+  return out;
 }
 
 void add(SessionSheet& sheet, const char* key, const char* title, const char* unit, double value) {
@@ -99,7 +102,11 @@ void describe_decay_of(SessionSheet& sheet, const DecayRecord& d, double fall) {
   }
 }
 
-void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, double recording_s) {
+// `samples`: in a cycle.
+void describe_cycles(SessionSheet& sheet, SteadyStretch stretch, double recording_s, double samples) {
+  constexpr double kFewSamples = 8.0;
+  if (samples < kFewSamples)
+    sheet.notes.push_back(fmt::format("only {:.2g} samples in a cycle: the heights of the turns, and with them A, the loss and c/a, are told from too few", samples));
   Extrema& extrema = stretch.extrema;
   const double duration_s = stretch.is_whole ? recording_s : stretch.end_s - stretch.begin_s;
   if (!stretch.is_whole) {
@@ -179,7 +186,8 @@ Result<SessionSheet> characterize_recording(Rig& rig, const std::string& name, B
   };
   SteadyStretch stretch = longest_steady_stretch(all, kSwingTolerance);
   if (is_cyclic(turns_of(stretch.extrema), stretch.end_s - stretch.begin_s)) {
-    describe_cycles(sheet, std::move(stretch), recording_s);
+    const double samples = samples_per_cycle(columns.t_s, stretch.extrema);
+    describe_cycles(sheet, std::move(stretch), recording_s, samples);
     return sheet;
   }
   if (is_cyclic(turns_of(all), recording_s))

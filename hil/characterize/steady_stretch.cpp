@@ -87,8 +87,10 @@ SteadyStretch longest_steady_stretch(const Extrema& all, double tolerance) {
   out.begin_s = points[begin].t_s;
   out.end_s = points[end - 1].t_s;
   out.is_whole = end - begin == points.size();
-  out.extrema.maxima = between(all.maxima, out.begin_s, out.end_s);
-  out.extrema.minima = between(all.minima, out.begin_s, out.end_s);
+  // a turn that borders on something else was averaged over rows of it
+  const double first_s = points[begin > 0 ? begin + 1 : begin].t_s, last_s = points[end < points.size() ? end - 2 : end - 1].t_s;
+  out.extrema.maxima = between(all.maxima, first_s, last_s);
+  out.extrema.minima = between(all.minima, first_s, last_s);
   return out;
 }
 

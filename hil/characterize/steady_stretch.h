@@ -7,7 +7,7 @@
 namespace forcegate::characterize {
 
 struct SteadyStretch {
-  Extrema extrema;  ///< of the stretch, times as recorded
+  Extrema extrema;  ///< of the stretch, times as recorded; without its first and last turn where another stretch borders on them
   double begin_s = 0.0, end_s = 0.0;
   bool is_whole = true;  ///< all turning points of the recording are in it
 };

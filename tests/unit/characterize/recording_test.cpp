@@ -17,9 +17,10 @@ using namespace characterize;
 class RecordedRig final : public Rig {
  public:
   std::vector<float> force_N, sensor_V;
+  double rate_Hz = 100.0;
   RigInfo info() const override {
     RigInfo i;
-    i.rate_Hz = 100.0;
+    i.rate_Hz = rate_Hz;
     i.adc_bits = 16;
     return i;
   }
@@ -31,7 +32,7 @@ class RecordedRig final : public Rig {
   Result<std::size_t> run(std::size_t n, RigBlock& out, std::size_t to) override {
     n = std::min(n, force_N.size() - at_);
     for (std::size_t i = 0; i < n; ++i, ++at_) {
-      out.t_s[to + i] = 0.01 * static_cast<double>(at_);
+      out.t_s[to + i] = static_cast<double>(at_) / rate_Hz;
       out.force_ref_N[to + i] = force_N[at_];
       out.adc[to + i] = static_cast<std::uint16_t>(std::lround(static_cast<double>(sensor_V[at_]) * 6553.5));
       out.status[to + i] = 0;
@@ -62,6 +63,42 @@ TEST(Recording, of_cycles_gives_the_decay_that_is_in_it) {
   EXPECT_NEAR(sheet.value("recording.c"), 1.0, 0.02);
   EXPECT_NEAR(sheet.value("identified.b"), 0.006 / 0.00655, 0.02);
   EXPECT_TRUE(std::isnan(sheet.value("static.gain")));
+}
+
+TEST(Recording, tells_the_same_however_many_samples_a_cycle_has) {
+  for (const double rate_Hz : {1000.0, 100.0, 50.0, 20.0}) {  // of cycles of 0.5 s
+    RecordedRig rig;
+    rig.rate_Hz = rate_Hz;
+    for (int i = 0; i < static_cast<int>(200.0 * rate_Hz); ++i) {
+      const double t = i / rate_Hz + 0.003, F = 2.0 + std::sin(2.0 * 3.14159265358979 * 2.0 * t), D = (std::exp(-0.02 * t) + 0.5) / 1.5;
+      rig.force_N.push_back(static_cast<float>(F));
+      rig.sensor_V.push_back(static_cast<float>(2.0 * (1.0 + D * (F - 1.0))));
+    }
+    BenchProgress progress;
+    const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+    EXPECT_NEAR(sheet.value("recording.amplitude"), 1.0, 0.01) << rate_Hz;
+    EXPECT_NEAR(sheet.value("recording.c") / sheet.value("recording.a"), 0.5, 0.02) << rate_Hz;
+    EXPECT_NEAR(sheet.value("recording.minima_drift"), 0.0, 0.15) << rate_Hz;
+    EXPECT_TRUE(sheet.notes.empty()) << sheet.notes.front();
+  }
+}
+
+TEST(Recording, cut_at_another_movement_takes_nothing_of_it) {
+  RecordedRig rig;
+  const auto triangle = [](double t, double period_s, double low, double high) {
+    const double x = std::fmod(t / period_s, 1.0);
+    return low + (high - low) * (1.0 - std::abs(2.0 * x - 1.0));
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const double t = 0.01 * i, F = t < 70.0 ? triangle(t, 35.0, 0.3, 4.0) : t < 130.0 ? triangle(t - 70.0, 5.0, 0.3, 4.0) : triangle(t - 130.0, 20.0, 1.0, 2.5);
+    rig.force_N.push_back(static_cast<float>(F));
+    rig.sensor_V.push_back(static_cast<float>(2.0 * F));
+  }
+  BenchProgress progress;
+  const SessionSheet sheet = value_or_abort(characterize_recording(rig, "r", progress));
+  ASSERT_FALSE(sheet.notes.empty());
+  EXPECT_NE(sheet.notes.front().find("cut to "), std::string::npos) << sheet.notes.front();
+  EXPECT_NEAR(sheet.value("recording.minima_drift"), 0.0, 0.1);
 }
 
 TEST(Recording, of_a_slow_sweep_gives_the_static_law) {
