@@ -43,6 +43,13 @@ double median_step(const std::vector<double>& t) {
   return std::abs(mean - step) > kRounded * step ? mean : step;
 }
 
+// Of a clock that begins anywhere: to the nanosecond, so that what is cut at an instant is cut there whatever the constant was.
+std::vector<double> since_start(std::vector<double> t) {
+  constexpr double kPerSecond = 1e9;
+  for (const double t0 = t.empty() ? 0.0 : t.front(); double& v : t) v = std::round((v - t0) * kPerSecond) / kPerSecond;
+  return t;
+}
+
 // Of sample k, over the steps before it or behind it: beside a hole the other side tells.
 double step_around(const std::vector<double>& t, std::size_t k) {
   double out = std::numeric_limits<double>::infinity();
@@ -107,7 +114,7 @@ void set_angle(const std::vector<double>& theta, const std::vector<double>& t, R
     for (std::uint32_t k = begin; k < end; ++k) {
       if (std::isfinite(theta[k])) angle = theta[k];
       const double cosine = std::cos(angle);
-      if (k > 0) late = pole.step(before, cosine, (t[k] - t[0]) - (t[k - 1] - t[0]));
+      if (k > 0) late = pole.step(before, cosine, t[k] - t[k - 1]);
       before = cosine;
       sum_sin += std::sin(angle);
       sum_cos += cosine;
@@ -126,8 +133,7 @@ void set_full_rate(std::vector<double> t, std::vector<double> F, RecordInput& ou
   hold(F, first_finite(F));
   F.resize(used);
   t.resize(used);
-  for (const double t0 = t.front(); double& v : t) v -= t0;
-  out.fast_t_s = std::move(t);
+  out.fast_t_s = since_start(std::move(t));
   out.fast_F_N = std::move(F);
 }
 
@@ -158,7 +164,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
     return fail(ErrorCode::parse, std::string("the record has no channel ") + (F == nullptr ? "F_ref" : "U"),
                 record.place_of_header(), "name the columns F_ref_N and U_V, or map yours with --map OTHER=F_ref_N");
   const std::size_t clock = F->time_base;
-  const auto& t = trace.time_bases[clock].t_s;
+  const std::vector<double> t = since_start(trace.time_bases[clock].t_s);
   if (static_cast<double>(t.size()) < kFewestRows)
     return fail(ErrorCode::parse, "the record has only " + std::to_string(t.size()) + (t.size() == 1 ? " sample" : " samples"), record.place(),
                 "at least 16 samples are needed");
@@ -179,8 +185,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   const std::vector<double>& force = F->value;
   std::vector<double> room;
   const std::vector<double>& output = on_clock(trace, *U, clock, room);
-  const double t0 = t.front();
-  out.clock_start_s = t0;
+  out.clock_start_s = trace.time_bases[clock].t_s.front();
 
   out.t_s.resize(n_rows);
   out.U_V.resize(n_rows);
@@ -195,7 +200,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
         last_F = force[k];
       else
         out.ok[r] = 0;
-      sum_t += t[k] - t0;
+      sum_t += t[k];
       sum_F += last_F;
       sum_U += output[k];
       if ((!bad.empty() && bad[k] != 0) || !std::isfinite(output[k])) out.ok[r] = 0;
@@ -235,7 +240,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   for (std::uint32_t r = 1; r + 1 < n_rows; ++r)
     out.rate_N_per_s[r] = (out.F_N[r + 1] - out.F_N[r - 1]) / (out.t_s[r + 1] - out.t_s[r - 1]);
 
-  out.duration_s = t.back() - t0;
+  out.duration_s = t.back();
   out.start_s = record.start_s.value_or(kMissing);
   out.rest_before_s = record.rest_before_s.value_or(kMissing);
   out.drive_mean_V = record.drive_V.value_or(out.drive_V.empty() ? kMissing : quantile(out.drive_V, 0.5));

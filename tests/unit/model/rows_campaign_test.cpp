@@ -98,6 +98,33 @@ TEST(Rows, AreEquallyLongWhereTheRateChanges) {
   }
 }
 
+TEST(Rows, AreTheSameWhereverTheClockBegins) {
+  const auto made = [](double begins_s) {
+    Record r;
+    r.name = "clock";
+    TimeBase clock;
+    std::vector<double> F, U;
+    for (int i = 0; i < 4000; ++i) {
+      clock.t_s.push_back(begins_s + i / 50.0);
+      F.push_back(2.0 - std::cos(2.0 * 3.14159265358979 * 2.0 * i / 50.0));
+      U.push_back(2.0 * F.back());
+    }
+    r.trace.time_bases.push_back(clock);
+    r.trace.channels.push_back({"F_ref", "N", "force", 0, F, {}});
+    r.trace.channels.push_back({"U", "V", "voltage", 0, U, {}});
+    return make_record_input(r, {}, 0.02, {.full_rate = true});
+  };
+  const auto at_zero = made(0.0);
+  ASSERT_TRUE(at_zero) << at_zero.error().to_text();
+  for (const double begins_s : {1000.0, 12345.0, 1e5}) {
+    const auto later = made(begins_s);
+    ASSERT_TRUE(later) << later.error().to_text();
+    EXPECT_EQ(later->t_s, at_zero->t_s) << begins_s;
+    EXPECT_EQ(later->fast_t_s, at_zero->fast_t_s) << begins_s;
+    EXPECT_EQ(later->rate_N_per_s, at_zero->rate_N_per_s) << begins_s;
+  }
+}
+
 TEST(Rows, OfASlowTableAreItsSamplesHoweverItsStampsAreRounded) {
   for (const double period_s : {5.0, 1.6, 1.4}) {
     std::vector<double> t_s;
