@@ -50,10 +50,10 @@ TEST(MovedParameters, OfTwoEntriesOfOneFormEachHasItsOwnPast) {
   const std::vector<ModelEffect> before = {of_form("dead_zone", "hard", 0.1, 0.7), of_form("dead_zone", "hard", 2.0, -0.4)};
   const std::vector<ModelEffect> after = {of_form("dead_zone", "hard", 1.5, -0.5), of_form("dead_zone", "hard", 0.12, 0.6)};
   const std::vector<ParameterMove> moves = moved_parameters(before, after);
-  EXPECT_EQ(before_of(moves, "dead_zone[F0_N=1.5].c"), -0.4);
-  EXPECT_EQ(before_of(moves, "dead_zone[F0_N=1.5].F0_N"), 2.0);
-  EXPECT_EQ(before_of(moves, "dead_zone[F0_N=0.12].c"), 0.7);
-  EXPECT_EQ(before_of(moves, "dead_zone[F0_N=0.12].F0_N"), 0.1);
+  EXPECT_EQ(before_of(moves, "dead_zone.hard[F0_N=1.5].c"), -0.4);
+  EXPECT_EQ(before_of(moves, "dead_zone.hard[F0_N=1.5].F0_N"), 2.0);
+  EXPECT_EQ(before_of(moves, "dead_zone.hard[F0_N=0.12].c"), 0.7);
+  EXPECT_EQ(before_of(moves, "dead_zone.hard[F0_N=0.12].F0_N"), 0.1);
 }
 
 TEST(MovedParameters, AFittedShapeOfWhatIsNewIsTold) {
