@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/app/model/beyond_bounds.h"
 #include "hil/app/model/never_fitted.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
@@ -45,6 +46,7 @@ Result<diagnose::Refit> fit_campaign(const CampaignRequest& request, Campaign ca
   for (diagnose::ParameterMove& move : out->moves)
     if (move.name == "gain_N_per_V") move.unit = "N/" + unit;
   for (std::string& note : left_out_notes(model, add)) out->notes.push_back(std::move(note));
+  for (std::string& note : beyond_bounds_notes(out->model)) out->notes.push_back(std::move(note));
   return out;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/model/user_equation.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -160,6 +162,25 @@ double left_by_the_law(const CampaignInput& input, const std::vector<Eigen::Vect
   return (gram(2, 2) - beta.dot(gram.topRightCorner<2, 1>())) / gram(2, 2);
 }
 
+bool moves(const std::vector<double>& x, double& low, double& high) {
+  constexpr double kStill = 1e-9;
+  for (const double v : x)
+    if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+  return high - low > kStill * std::max(1.0, std::abs(high));
+}
+
+// What an equation asks for and these records hold at one value.
+std::string still_input(const UserEffect& effect, const CampaignInput& input) {
+  const auto equation = UserEquation::make(effect);
+  if (!equation) return {};
+  const auto stands_still = [&](const char* name, const std::vector<double> RecordInput::* channel) {
+    double low = 1e300, high = -1e300;
+    return (*equation)->uses(name) && std::ranges::none_of(input.records, [&](const RecordInput& r) { return moves(r.*channel, low, high); });
+  };
+  if (stands_still("T", &RecordInput::temp_C)) return "T";
+  return stands_still("th", &RecordInput::theta_rad) ? "th" : "";
+}
+
 }  // namespace
 
 Result<void> check_excited(const UserEffect& effect, const EffectKind& kind, const CampaignInput& input) {
@@ -178,6 +199,9 @@ Result<void> check_excited(const UserEffect& effect, const EffectKind& kind, con
     any |= largest > 0.0;
     if (largest > 0.0 && left_by_the_law(input, columns) > kRounding) return {};
   }
+  if (const std::string still = still_input(effect, input); any && !still.empty())
+    return fail(ErrorCode::config, "the equation of " + effect.name + " depends on " + still + ", which does not move in these records: gain and offset of the law are that already",
+                input.name, std::string("records at several ") + (still == "T" ? "temperatures" : "angles") + " tell");
   if (any)
     return fail(ErrorCode::config, "the equation of " + effect.name + " is a straight line in the force on these records: gain and offset of the law are that already",
                 input.name, "let it depend on dF, t, T, th or a state, or bend with F");

@@ -182,6 +182,35 @@ TEST(Refit, AnEquationThatAddsNothingToTheLawIsRefusedWithTheReason) {
   EXPECT_NE(warm.error().text.find("no temperature"), std::string::npos) << warm.error().to_text();
 }
 
+TEST(Refit, AnInputThatStandsStillIsNamed) {
+  const auto model = parse_model("[law]\nkind = \"static\"\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\noutput = \"k * (T - 20)\"\nparameter.k = 0.05\n", "m.toml");
+  ASSERT_TRUE(model) << model.error().to_text();
+  EngineOptions options;
+  options.threads = 1;
+  options.law = model->law;
+  options.user_effects = model->user_effects;
+  Campaign c = make_campaign(75, straight, 0.002);
+  for (Record& r : c.records) r.temp_C = 22.5;
+  const auto made = refit_campaign(c, options, *model, "mine");
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().text.find("depends on T, which does not move"), std::string::npos) << made.error().to_text();
+}
+
+TEST(Refit, WhatBringsNothingIsNotAccepted) {
+  EXPECT_FALSE(lowers_error(0.0541, 0.05409));
+  EXPECT_TRUE(lowers_error(0.0541, 0.0500));
+  const auto model = parse_model("[law]\nkind = \"static\"\ngain_N_per_V = 0.5\n[[effect]]\nname = \"mine\"\noutput = \"0.05 * F^2\"\n", "m.toml");
+  ASSERT_TRUE(model) << model.error().to_text();
+  EngineOptions options;
+  options.threads = 1;
+  options.law = model->law;
+  options.user_effects = model->user_effects;
+  const auto made = refit_campaign(make_campaign(76, straight, 0.002), options, *model, "mine");
+  ASSERT_TRUE(made) << made.error().to_text();
+  EXPECT_NEAR(made->error_after, made->error_before, 1e-3 * made->error_before);
+  EXPECT_FALSE(made->model.history.back().accepted);
+}
+
 // A recording of another machine that is the right curve, late by so much.
 Campaign late_by(double delay_s) {
   const auto force = [](double t) { return t < 0.0 ? 3.0 : 3.0 + std::sin(1.1 * t) + 0.6 * std::sin(2.7 * t); };
