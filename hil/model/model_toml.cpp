@@ -150,11 +150,16 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
     return true;
   };
   const std::string help = "give it another name: F, dF, t, T and th are what the record holds";
+  const auto at = [&](const char* section, const std::string& symbol) { return place(where, *table[section][symbol].node()); };
   for (const auto& [state, derivative] : out.states)
-    if (!is_free(state)) return bad("a state of \"" + name + "\" is called " + state + ", which means something else in the equations", help);
+    if (!is_free(state)) return fail(ErrorCode::config, "a state of \"" + name + "\" is called " + state + ", which means something else in the equations", at("state", state), help);
   for (const ModelParameter& p : out.parameters)
-    if (!is_free(p.name)) return bad("a parameter of \"" + name + "\" is called " + p.name + ", which means something else in the equations", help);
-  FORCEGATE_CHECK_OK(UserEquation::make(out));
+    if (!is_free(p.name))
+      return fail(ErrorCode::config, "a parameter of \"" + name + "\" is called " + p.name + ", which means something else in the equations", at("parameter", p.name), help);
+  FORCEGATE_TRY(const std::unique_ptr<UserEquation> made, UserEquation::make(out));
+  for (const ModelParameter& p : out.parameters)
+    if (!made->uses(p.name))
+      return fail(ErrorCode::config, "no equation of \"" + name + "\" has the parameter " + p.name + ": nothing could tell its value", at("parameter", p.name), "write it into an equation, or leave it out");
   return out;
 }
 

@@ -157,6 +157,18 @@ TEST(UserEffect, ParametersAndStatesCannotBeCalledAsTheInputs) {
   }
 }
 
+TEST(UserEffect, AParameterThatNoEquationHasIsToldAtItsLine) {
+  const std::string head = "[law]\nkind = \"static\"\n[[effect]]\nname = \"mine\"\noutput = \"k * F^2\"\nparameter.k = { value = 0.05 }\n";
+  const auto unused = parse_model(head + "parameter.zz = { value = 20 }\n", "m.toml");
+  ASSERT_FALSE(unused);
+  EXPECT_TRUE(unused.error().where.starts_with("m.toml:7")) << unused.error().where;
+  EXPECT_NE(unused.error().text.find("zz"), std::string::npos);
+  const auto reserved = parse_model(head + "parameter.T = { value = 20 }\n", "m.toml");
+  ASSERT_FALSE(reserved);
+  EXPECT_TRUE(reserved.error().where.starts_with("m.toml:7")) << reserved.error().where;
+  EXPECT_TRUE(parse_model(head, "m.toml"));
+}
+
 TEST(Rows, NeedForceAndOutput) {
   Record record = test::campaign([](double, double F) { return F; }).records[0];
   record.trace.channels.erase(record.trace.channels.begin() + 1);
