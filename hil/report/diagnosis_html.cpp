@@ -63,7 +63,7 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   if (!comparison && !page.lead && in_unit(before, unit) != in_unit(after, unit))
     out += (after < before ? " falls to " : " rises to ") + escape(in_unit(after, unit)) + (rig ? "" : escape(unclaimed_share(d)));
   if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(in_unit(d.floor, d.unit));
-  if (!page.lead && !rig && differs_between_records(d)) out += "; with one gain, offset and decay for all records " + escape(in_unit(d.plain_after, d.unit));
+  if (!rig) out += escape(one_law_sentence(d));
   out += ".</p>\n<ul class=\"facts\">";
   const auto fact = [&](std::string_view name, const std::string& html) {
     if (!html.empty()) out += "<li>" + std::string(name) + " <b>" + html + "</b></li>";

@@ -19,6 +19,18 @@ std::string in_unit(double value, const std::string& unit) {
   return display(value * scale.factor, 3) + " " + scale.unit;
 }
 
+std::string one_law_sentence(const Diagnosis& d) {
+  constexpr double kRises = 1.02;
+  const bool rises = d.plain_before > 0.0 && d.plain_after > kRises * d.plain_before;
+  if (!differs_between_records(d) && !rises) return {};
+  const figures::Scaled scale = figures::readable_unit(d.plain_before > 0.0 ? d.plain_before : d.plain_after, d.unit);
+  const auto number = [&](double error) { return display(error * scale.factor, 3); };
+  const std::string after = number(d.plain_after) + " " + scale.unit, verb = d.plain_after > d.plain_before ? " rises to " : " falls to ";
+  const bool changes = d.plain_before > 0.0 && number(d.plain_before) != number(d.plain_after);
+  const std::string change = changes ? number(d.plain_before) + " " + scale.unit + verb + after : after;
+  return "; with one gain, offset and decay for all records " + change;
+}
+
 std::string picture(const Figure& figure, std::string_view more) {
   if (figure.panels().empty()) return {};
   std::string summary = figure.summary;

@@ -14,6 +14,10 @@ namespace forcegate::parts {
 /// Escaped by the caller where it is shown: "12.3 mV".
 std::string in_unit(double value, const std::string& unit);
 
+/// The error of one law for all records before and after, where the records differ from it far beyond their noise, or it rises; escaped by the
+/// caller: "; with one gain, offset and decay for all records 236 mV falls to 65 mV", "" otherwise.
+std::string one_law_sentence(const Diagnosis& diagnosis);
+
 /// The figure with its summary as caption, after `more`; "" for a figure without a panel.
 std::string picture(const figures::Figure& figure, std::string_view more = {});
 

@@ -60,16 +60,14 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
       if (c.kind == family.kind) r.probability = c.share_of_family;
     // what the final model loses without it, or still gains with it
     std::vector<int> columns = selection.final.columns;
-    const bool in = std::any_of(columns.begin(), columns.end(), [&](int j) {
-      return std::find(variant.columns.begin(), variant.columns.end(), j) != variant.columns.end();
-    });
+    // all of its family: another form or shape of it would take over what one leaves
+    const auto is_own = [&](int j) {
+      return std::ranges::any_of(channel.candidates, [&](const Candidate& c) { return c.kind == family.kind && j >= c.first && j < c.first + c.count; });
+    };
+    const bool in = std::ranges::any_of(columns, is_own);
     if (selection.excess_before > 0.0 && (in || family.gain > 3.0)) {
       if (in) {
-        const std::vector<int> bank = bank_columns(channel, *family.kind);
-        std::erase_if(columns, [&](int j) {
-          return std::find(variant.columns.begin(), variant.columns.end(), j) != variant.columns.end() ||
-                 std::find(bank.begin(), bank.end(), j) != bank.end();
-        });
+        std::erase_if(columns, is_own);
       } else {
         for (int j : variant.columns) columns.push_back(j);
       }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "hil/report/added_html.h"
 #include "hil/report/diagnosis_figures.h"
 #include "hil/report/diagnosis_html.h"
 #include "hil/report/figures/plots.h"
@@ -70,6 +71,21 @@ TEST(DiagnosisHtml, says_what_one_law_leaves_where_the_records_differ_without_a_
   EXPECT_THAT(html, Not(HasSubstr("No listed effect has this shape")));
   d.plain_before = d.plain_after = 0.0035;
   EXPECT_THAT(diagnosis_html(d, {}), Not(HasSubstr("for all records")));
+}
+
+// An error that tripled is no result.
+TEST(DiagnosisHtml, says_from_what_to_what_one_law_changes) {
+  Diagnosis d;
+  d.verdict = Answer::known;
+  d.error_before = 0.054;
+  d.error_after = d.floor = 0.0031;
+  d.plain_before = 0.0762;
+  d.plain_after = 0.229;
+  EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("with one gain, offset and decay for all records 76.2 mV rises to 229 mV"));
+  const AddedEffect added{.effect = "creep", .error_before = d.error_before, .error_after = d.error_after, .floor = d.floor, .unit = "V", .steps = {}, .parameters = {}};
+  EXPECT_THAT(added_html(d, added, {}), HasSubstr("for all records 76.2 mV rises to 229 mV"));
+  d.plain_after = 0.065;
+  EXPECT_THAT(added_html(d, added, {}), HasSubstr("for all records 76.2 mV falls to 65 mV"));
 }
 
 TEST(DiagnosisHtml, counts_the_parts_of_one_recording_as_parts) {
