@@ -35,6 +35,7 @@ struct CompensatorCheck {
   double lsb_N = 0.0;  ///< of the campaign's converter: |G| v_range / (2^bits - 1) of volts, |G| of counts; 0: a unit that no converter gives
   double plain_rms_N = 0.0, compensated_rms_N = 0.0;  ///< records weigh the same
   std::string compiler;
+  std::string far_off;  ///< records replayed far above what their fit leaves (replayed_far_off.h); "" none, or nothing was fitted
 };
 
 /// What speaks against putting the header into firmware, one sentence each; empty: nothing. It differs from the model's own inverse by more

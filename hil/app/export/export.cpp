@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/export/calibration_map.h"
+#include "hil/app/export/replayed_far_off.h"
 #include "hil/app/files/find_plan.h"
 #include "hil/app/files/write_file.h"
 #include "hil/app/model/never_fitted.h"
@@ -55,13 +56,14 @@ std::string check_text(const ExportResult& r) {
     return bare ? fmt::format("{:>8.1f}", 1e3 * law_N) : fmt::format("{:>8.1f} -> {:<8.1f}", 1e3 * law_N, 1e3 * header_N);
   };
   std::string out = fmt::format("built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N{}\n", check.compiler, check.largest_N, lsb(check.largest_N, " = "));
-  out += fmt::format("  recorded {} against recorded force, RMS in mN ({}):\n", r.input.empty() ? "voltages" : "outputs", bare ? "the law alone" : "the law alone -> with this header");
+  out += fmt::format("  recorded {} against recorded force, RMS in mN ({}){}:\n", r.input.empty() ? "voltages" : "outputs", bare ? "the law alone" : "the law alone -> with this header", check.lsb_N > 0.0 ? ", and largest difference from the model's own inverse" : "");
   for (const ReplayedRecord& item : check.records)
-    out += fmt::format("    {:<28} {:>5.0f} s {}{}{}\n", item.record, item.seconds, errors(item.plain_rms_N, item.compensated_rms_N), lsb(item.largest_N, " difference "),
+    out += fmt::format("    {:<28} {:>5.0f} s {}{}{}\n", item.record, item.seconds, errors(item.plain_rms_N, item.compensated_rms_N), lsb(item.largest_N, ", difference "),
                        (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
                            (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
   out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", errors(check.plain_rms_N, check.compensated_rms_N));
   for (const std::string& objection : objections(check)) out += "warning: " + objection + "\n";
+  if (!check.far_off.empty()) out += "warning: " + check.far_off + "\n";
   return out;
 }
 
@@ -123,6 +125,7 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   if (request.check) {
     FORCEGATE_TRY(const Campaign campaign, load_campaign(*request.check));
     FORCEGATE_TRY(out.check, check_compensator(model, out.compensator, request.rate_Hz, campaign));
+    if (out.fit) out.check->far_off = replayed_far_off(*out.fit, *out.check, model.law.gain_N_per_V);
   }
   if (!request.header.empty()) {
     FORCEGATE_CHECK_OK(write_file_atomically(request.header, out.compensator.header));
@@ -193,6 +196,7 @@ std::string export_json(const ExportResult& r) {
                     {"plain_rms_N", r.check->plain_rms_N},
                     {"compensated_rms_N", r.check->compensated_rms_N},
                     {"objections", objections(*r.check)},
+                    {"far_off", r.check->far_off},
                     {"records", records}};
   }
   return out.dump(2) + "\n";
