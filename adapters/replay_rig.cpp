@@ -267,6 +267,9 @@ class ReplayRig : public Rig {
     if (!counts && !voltage)
       return fail(ErrorCode::config, "the record has no sensor channel beside its reference force", path,
                   "name it U_V (volts) or U_counts (codes), or map a column to that name: " + column_map_advice(trace, "U", "V"));
+    if (!counts && voltage->unit != "V" && (voltage->quantity == "resistance" || voltage->quantity == "conductance" || voltage->quantity == "current"))
+      return fail(ErrorCode::config, "the output is a " + voltage->quantity + " in " + voltage->unit + ", and a converter reads volts or counts", path,
+                  "forcegate fit and diagnose take it as it is; here record the voltage of its circuit, or map its column (--map NAME=U_V)");
     const std::size_t n = force.value.size();
     adc_.resize(n);
     status_.assign(n, 0);

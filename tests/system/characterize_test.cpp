@@ -73,6 +73,21 @@ TEST(Characterize, ReadsTheDecayOutOfARecording) {
   EXPECT_NEAR(b, 0.006, 0.0002);
 }
 
+TEST(Characterize, CountsACopyOnce) {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  std::string csv = "t_s,U_V,F_ref_N\n";
+  for (int i = 0; i < 20000; ++i) {
+    const double t = 0.02 * i, s = 0.5 - 0.5 * std::cos(3.14159265358979 * t);
+    csv += std::to_string(t) + "," + std::to_string(2.0 + s * (4.0 * std::exp(-0.006 * t) + 1.0)) + "," + std::to_string(1.0 + 3.0 * s) + "\n";
+  }
+  for (const char* name : {"sine.csv", "copy.csv"}) write_text(folder / name, csv);
+  const ProcessResult r = forcegate({"characterize", "--record", (folder / "sine.csv").string(), "--record", (folder / "copy.csv").string(), "-o", (folder / "out").string()});
+  ASSERT_EQ(r.exit_code, 0) << r.err << r.out;
+  EXPECT_THAT(r.out, HasSubstr("copy.csv is the same recording"));
+  EXPECT_THAT(read_text(folder / "out/sheet-recording.json"), ::testing::Not(HasSubstr("\"specimen\": \"copy.csv\"")));
+}
+
 TEST(Characterize, PlaysConductanceAndCapacitanceOnTheBenchOfWeights) {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();

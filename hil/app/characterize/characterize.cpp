@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "golden/compare/lebosse_oracle.h"
@@ -91,10 +92,20 @@ Result<void> study_recordings(const CharacterizeRequest& request, characterize::
                               Characterization& out) {
   SensorStudy study;
   study.sensor = request.sensors.size() == 1 ? request.sensors.front() : "recording";
+  std::map<std::string, std::size_t> sheet_of;  // by what the recording holds
   for (const fs::path& path : request.recordings) {
     auto options = request.rig_options;
     options["record"] = path.string();
     FORCEGATE_TRY(const auto rig, make_rig(request.rig, options));
+    // a copy is no second session: its spread of 0 would be told for that of the sensor
+    const RigInfo info = rig->info();
+    if (const auto digest = info.details.find("record_sha256"); digest != info.details.end()) {
+      const auto [known, is_new] = sheet_of.emplace(digest->second, study.sheets.size());
+      if (!is_new) {
+        study.sheets[known->second].notes.push_back(path.filename().string() + " is the same recording: it is counted once");
+        continue;
+      }
+    }
     Result<SessionSheet> made = characterize::characterize_recording(*rig, path.filename().string(), progress);
     if (!made && made.error().where == path.filename()) made.error().where = path.string();
     FORCEGATE_TRY(SessionSheet sheet, std::move(made));

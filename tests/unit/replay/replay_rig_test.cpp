@@ -128,6 +128,13 @@ TEST_F(ReplayRig, RefusesWhatItCannotReplayAndSaysHowToMendIt) {
   EXPECT_EQ((*rig)->begin(request).error().code, ErrorCode::config);
 }
 
+TEST_F(ReplayRig, AResistanceIsNoVoltage) {
+  const auto rig = make({{"record", put("r.csv", "t [s];Kraft [N];R [kOhm]\n0;1;190\n0.001;2;90\n0.002;3;60\n0.003;4;45\n0.004;4;45\n")}});
+  ASSERT_FALSE(rig);
+  EXPECT_THAT(rig.error().text, HasSubstr("the output is a resistance"));
+  EXPECT_THAT(rig.error().to_text(), ::testing::Not(HasSubstr("uV")));
+}
+
 TEST_F(ReplayRig, MapsForeignColumnsAndSaysHow) {
   const auto path = put("r.csv", "t_s,kgf,bridge out,U_V\n0,1,2,3\n0.001,2,4,3\n");
   EXPECT_THAT(make({{"record", path}}).error().hint, HasSubstr("--map kgf=F_ref_kgf"));
