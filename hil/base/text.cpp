@@ -86,6 +86,12 @@ std::string nearest_name(std::string_view word, std::span<const std::string> can
 std::string with_uncertainty(double value, double u) {
   if (!std::isfinite(value)) return shortest(value);
   if (!(u > 0.0) || !std::isfinite(u)) return fmt::format("{:.4g}", value);
+  constexpr double kSmallest = 1e-9;  // below, zeros behind the point say nothing
+  if (const double size = std::max(std::fabs(value), u); size < kSmallest) {
+    const int exponent = static_cast<int>(std::floor(std::log10(size)));
+    const double unit = std::pow(10.0, exponent);
+    if (unit > 0.0) return with_uncertainty(value / unit, u / unit) + fmt::format("e{}", exponent);
+  }
   int place = static_cast<int>(std::floor(std::log10(u)));
   double lead = u / std::pow(10.0, place);
   if (lead < 2.95) --place;

@@ -143,6 +143,7 @@ TEST(Export, WithoutPlansTheHeaderIsThatOfTheModelAlone) {
   EXPECT_NE(read_text(folder / "comp.h"), "");
   const ProcessResult named = pasted("./alone export flexiforce --plan nosuch --c other.h", folder);
   EXPECT_EQ(named.exit_code, 2);
+  EXPECT_THAT(pasted("./alone export nosuch --c other.h", folder).err, StartsWith("error: ")) << "what was not made is not explained";
 }
 
 TEST(LastLines, ALawThatLacksATermIsAskedAgainWithIt) {

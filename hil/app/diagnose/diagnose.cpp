@@ -26,6 +26,25 @@ bool has_unknown_column(const Campaign& campaign) {
   return false;
 }
 
+// What parts several of them is said once.
+std::string look_alikes(const Finding& f) {
+  std::string out;
+  std::vector<std::string> told;
+  for (const LookAlike& a : f.confounded_with) {
+    if (a.cosine == 0.0) {
+      out += fmt::format("      {} fits nearly as well; {}\n", a.effect, a.separates);
+      continue;
+    }
+    if (std::ranges::find(told, a.separates) != told.end()) continue;
+    told.push_back(a.separates);
+    std::vector<std::string> names;
+    for (const LookAlike& other : f.confounded_with)
+      if (other.cosine != 0.0 && other.separates == a.separates) names.push_back(fmt::format("{}{} (cos {:.2f})", other.effect, names.empty() ? " on these records" : "", other.cosine));
+    out += "      looks like " + join(names, ", ") + "; " + a.separates + "\n";
+  }
+  return out;
+}
+
 Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign campaign, const Model& model, RecordPictures* pictures) {
   if (request.maps.empty() && has_unknown_column(campaign)) FORCEGATE_CHECK_OK(check_channels(campaign));
   if (diagnose::is_drift_only(campaign)) {
@@ -96,10 +115,7 @@ std::string diagnosis_text(const Diagnosis& d) {
     for (const FoundParameter& p : f.parameters)
       out += fmt::format("      {} = {} {}\n", p.name, with_uncertainty(p.value, p.u),
                          p.unit == "1" ? "" : p.unit);
-    for (const LookAlike& a : f.confounded_with)
-      out += a.cosine != 0.0 ? fmt::format("      looks like {} on these records (cos {:.2f}); {}\n",
-                                           a.effect, a.cosine, a.separates)
-                             : fmt::format("      {} fits nearly as well; {}\n", a.effect, a.separates);
+    out += look_alikes(f);
   }
   if (d.residual_unknown)
     out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") +
@@ -114,8 +130,8 @@ std::string diagnosis_text(const Diagnosis& d) {
                        plain_number(1e3 * F->second.after));
   constexpr double kHardlyAny = 0.05;
   if (d.expected_false > kHardlyAny)
-    out += fmt::format("with the signs of what is left turned over by chance, {:.2g} effects pass the threshold: what ranks without a claim may be a leftover\n",
-                       d.expected_false);
+    out += fmt::format("with the signs of what is left turned over by chance, {:.2g} {} the threshold: what ranks without a claim may be a leftover\n",
+                       d.expected_false, fmt::format("{:.2g}", d.expected_false) == "1" ? "effect passes" : "effects pass");
   if (!d.maps.empty() && d.maps.front().share > 0.02)
     out += fmt::format("where it fails most: {} ({:.0f} % of the residual's variance)\n",
                        d.maps.front().sentence, 100.0 * d.maps.front().share);

@@ -53,10 +53,11 @@ std::string check_text(const ExportResult& r) {
   const auto lsb = [&](double size_N, const std::string& before) { return check.lsb_N > 0.0 ? before + plain_number(size_N / check.lsb_N) + " LSB" : std::string(); };
   const bool bare = r.compensator.effects.empty();
   const auto errors = [&](double law_N, double header_N) {
-    return bare ? fmt::format("{:>8.1f}", 1e3 * law_N) : fmt::format("{:>8.1f} -> {:<8.1f}", 1e3 * law_N, 1e3 * header_N);
+    return bare ? fmt::format("{:>8.1f}", 1e3 * law_N) : fmt::format("{:>8.1f} -> {:.1f}", 1e3 * law_N, 1e3 * header_N);
   };
   std::string out = fmt::format("built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N{}\n", check.compiler, check.largest_N, lsb(check.largest_N, " = "));
-  out += fmt::format("  recorded {} against recorded force, RMS in mN ({}){}:\n", r.input.empty() ? "voltages" : "outputs", bare ? "the law alone" : "the law alone -> with this header", check.lsb_N > 0.0 ? ", and largest difference from the model's own inverse" : "");
+  out += fmt::format("  recorded {} against recorded force{}, RMS in mN ({}):\n", r.input.empty() ? "voltages" : "outputs",
+                     check.lsb_N > 0.0 ? " and the largest difference from the model's own inverse" : "", bare ? "the law alone" : "the law alone -> with this header");
   for (const ReplayedRecord& item : check.records)
     out += fmt::format("    {:<28} {:>5.0f} s {}{}{}\n", item.record, item.seconds, errors(item.plain_rms_N, item.compensated_rms_N), lsb(item.largest_N, ", difference "),
                        (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +

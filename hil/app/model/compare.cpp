@@ -117,8 +117,8 @@ std::string comparison_text(const Comparison& c) {
   if (d.maps.empty() || d.maps.front().share <= kLeastShare)
     out += "  nowhere in particular: no coordinate predicts it on rows that it was not made from\n";
   out +=
-      fmt::format("repeatability between records: gain {:.2g} %, offset {:.2g} {}, b {:.2g} %, q {:.2g} %\n",
-                  100.0 * d.repeatability.gain, unit.factor * d.repeatability.offset_V, unit.name,
+      fmt::format("repeatability between records: gain {:.2g} %, offset {} {}, b {:.2g} %, q {:.2g} %\n",
+                  100.0 * d.repeatability.gain, plain_number(unit.factor * d.repeatability.offset_V), unit.name,
                   100.0 * d.repeatability.log_b,
                   100.0 * d.repeatability.log_q);
   return out;

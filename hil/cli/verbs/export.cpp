@@ -26,10 +26,8 @@ Result<int> run(const Invocation& in) {
   request.model = in.text("MODEL");
   request.header = in.text("c");
   request.plan = in.text("plan");
-  if (!in.given("plan") && !find_plan(request.plan)) {
-    in.console().note("there is no plan " + request.plan + " here, whose calibration would be taken back: the firmware must calibrate by the model, as with --plan none");
-    request.plan = "none";
-  }
+  const bool without_plan = !in.given("plan") && !find_plan(request.plan);
+  if (without_plan) request.plan = "none";
   request.command_line = in.command_line();
   FORCEGATE_TRY(request.rate_Hz, in.number("rate", 1.0, 1e6));
   if (in.given("reference-temperature")) {
@@ -49,6 +47,8 @@ Result<int> run(const Invocation& in) {
     return fail(ErrorCode::usage, "-o names the model file that --fit writes", "-o " + in.text("output"), "the header is --c FILE");
   request.fitted = in.text("output");
   FORCEGATE_TRY(const ExportResult answer, export_model(request));
+  if (without_plan)
+    in.console().note("there is no plan " + in.text("plan") + " here, whose calibration would be taken back: the firmware must calibrate by the model, as with --plan none");
   in.console().print(export_text(answer));
   in.console().print_json(export_json(answer));
   if (answer.check && !objections(*answer.check).empty()) {

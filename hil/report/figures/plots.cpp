@@ -15,6 +15,7 @@ Figure waterfall(const std::string& title, const std::string& start, const std::
   const Scaled scale = readable_unit(first, unit);
   Panel& panel = figure.panel({"Version of the model", ""}, {"RMSE", scale.unit}, 190.0);
   panel.y_axis.include_zero = true;
+  constexpr std::size_t kLongestName = 20;  // static_nonlinearity is whole
   panel.x_axis.categories.push_back(shorten(start, 16));
   std::vector<Bar> bars{
       {0.0, 0.0, first * scale.factor, 0.0, false, Role::muted, display(first * scale.factor, 3)}};
@@ -35,7 +36,7 @@ Figure waterfall(const std::string& title, const std::string& start, const std::
                     : change < 0.0 ? Role::pass
                                    : Role::fail,
                     text});
-    panel.x_axis.categories.push_back(shorten(s.name, 16));
+    panel.x_axis.categories.push_back(shorten(s.name, kLongestName));
     last = s.after;
   }
   bars.push_back({static_cast<double>(steps.size()) + 1.0, 0.0, last * scale.factor, 0.0, false, Role::model,

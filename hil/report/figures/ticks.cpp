@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "hil/report/figures/text.h"
 
@@ -77,26 +79,44 @@ std::vector<Tick> logarithmic_ticks(double low, double high, int target) {
 std::vector<Tick> symmetric_log_ticks(double low, double high, double linear_within, int target) {
   if (!(high > low) || !(linear_within > 0.0) || !std::isfinite(high - low)) return {};
   constexpr double kBesideZero = 0.1, kFewDecades = 2.0;  // of the axis: there stands the label of zero
+  const bool holds_zero = low <= 0.0 && high >= 0.0;
   const double most = std::max(std::abs(low), std::abs(high));
-  const int first = static_cast<int>(std::ceil(std::log10(linear_within) - 1e-9)), last = static_cast<int>(std::floor(std::log10(most) + 1e-9));
+  const double least = holds_zero ? linear_within : std::min(linear_within, std::min(std::abs(low), std::abs(high)));
+  const int first = holds_zero ? static_cast<int>(std::ceil(std::log10(least) - 1e-9)) : static_cast<int>(std::floor(std::log10(least) + 1e-9)), last = static_cast<int>(std::floor(std::log10(most) + 1e-9));
   if (last < first) return linear_ticks(low, high, target);
   const double length = std::asinh(high / linear_within) - std::asinh(low / linear_within);
   const bool all = std::log10(most / linear_within) < kFewDecades;
   const int sides = (low < 0.0 ? 1 : 0) + (high > 0.0 ? 1 : 0), every = std::max(1, (sides * (last - first + 1) + target - 1) / std::max(1, target));
   std::vector<Tick> ticks;
+  std::vector<std::pair<Tick, std::string>> spare;  // with the label that it could have
+  const auto label_of = [](double value, int m, int e) { return m == 1 ? (value < 0.0 ? "\u2212" : "") + power_label(e) : display(value, 2); };
   const auto add = [&](int sign) {
     for (int e = first; e <= last; ++e)
       for (const int m : {1, 2, 5}) {
         const double value = sign * m * std::pow(10.0, e);
         if (value < low || value > high) continue;
-        const bool labelled = (m == 1 ? (last - e) % every == 0 : all) && std::asinh(std::abs(value) / linear_within) > kBesideZero * length;
-        ticks.push_back({value, !labelled ? "" : m == 1 ? (sign < 0 ? "\u2212" : "") + power_label(e) : display(value, 2)});
+        const bool labelled = (m == 1 ? (last - e) % every == 0 : all) && (!holds_zero || std::asinh(std::abs(value) / linear_within) > kBesideZero * length);
+        ticks.push_back({value, labelled ? label_of(value, m, e) : ""});
+        spare.push_back({ticks.back(), label_of(value, m, e)});
       }
   };
   add(-1);
   std::reverse(ticks.begin(), ticks.end());
-  if (low <= 0.0 && high >= 0.0) ticks.push_back({0.0, "0"});
+  if (holds_zero) ticks.push_back({0.0, "0"});
   add(1);
+  // one label a side is no scale: from the far end more, where they have room
+  constexpr double kRoom = 0.12;
+  std::ranges::sort(spare, std::greater<>(), [](const auto& s) { return std::abs(s.first.value); });
+  const auto side = [](double value) { return value < 0.0 ? -1 : value > 0.0 ? 1 : 0; };
+  for (const auto& [tick, label] : spare) {
+    const auto labelled = [&](const Tick& t) { return !t.label.empty(); };
+    const auto alike = [&](const Tick& t) { return labelled(t) && side(t.value) == side(tick.value); };
+    const auto near = [&](const Tick& t) {
+      return labelled(t) && std::abs(std::asinh(t.value / linear_within) - std::asinh(tick.value / linear_within)) < kRoom * length;
+    };
+    if (std::ranges::count_if(ticks, alike) > 1 || std::ranges::any_of(ticks, near)) continue;
+    std::ranges::find(ticks, tick.value, &Tick::value)->label = label;
+  }
   return ticks;
 }
 

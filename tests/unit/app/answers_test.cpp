@@ -20,6 +20,26 @@ TEST(DiagnosisText, SaysWhenChanceAlonePassesTheThreshold) {
   EXPECT_THAT(diagnosis_text(d), HasSubstr("turned over by chance, 0.83 effects pass the threshold"));
 }
 
+TEST(DiagnosisText, CountsOneEffectAsOne) {
+  Diagnosis d;
+  d.expected_false = 1.0;
+  EXPECT_THAT(diagnosis_text(d), HasSubstr("1 effect passes the threshold"));
+}
+
+TEST(DiagnosisText, SaysOnceWhatPartsSeveralLookAlikes) {
+  Diagnosis d;
+  d.verdict = DiagnosisVerdict::known;
+  Finding f;
+  f.effect = "lag", f.probability = 0.9;
+  f.confounded_with = {{"delay", 0.99, "fast edges"}, {"mounting", 0.9, "an unloading"}, {"rc", 0.98, "fast edges"}, {"clock_skew", 0.0, "a long record"}};
+  d.findings = {f};
+  const std::string text = diagnosis_text(d);
+  EXPECT_THAT(text, HasSubstr("looks like delay on these records (cos 0.99), rc (cos 0.98); fast edges\n"));
+  EXPECT_THAT(text, HasSubstr("looks like mounting on these records (cos 0.90); an unloading\n"));
+  EXPECT_THAT(text, HasSubstr("clock_skew fits nearly as well; a long record\n"));
+  EXPECT_EQ(text.find("fast edges"), text.rfind("fast edges"));
+}
+
 TEST(DiagnosisText, SaysWhatStandsBesideANone) {
   Diagnosis d;
   d.floor = d.error_before = d.error_after = 0.002;

@@ -72,6 +72,8 @@ TEST(Text, UncertaintyInParenthesesFollowsTheDigitRule) {
   EXPECT_EQ(with_uncertainty(4.5213, 0.3), "4.5(3)");
   EXPECT_EQ(with_uncertainty(4.5213, 0.12), "4.52(12)");
   EXPECT_EQ(with_uncertainty(4.5213, 0.0996), "4.52(10)");
+  EXPECT_EQ(with_uncertainty(-1e-26, 1.2e-25), "-0.1(12)e-25");
+  EXPECT_EQ(with_uncertainty(2.5e-12, 3e-13), "2.5(3)e-12");
   EXPECT_EQ(with_uncertainty(4.5, 0.0), "4.5");
   EXPECT_EQ(with_uncertainty(1234.0, 30.0), "1230(30)");
 }

@@ -44,6 +44,11 @@ TEST(Ticks, of_an_axis_that_is_linear_about_zero_are_zero_and_decades_of_either_
   EXPECT_THAT(labels(symmetric_log_ticks(-8.0, 8.0, 0.5, 8)), testing::ElementsAre("\u22125", "\u22122", "\u22121", "0", "1", "2", "5"));
 }
 
+TEST(Ticks, of_an_axis_that_is_linear_about_zero_reach_to_its_ends) {
+  EXPECT_THAT(labels(symmetric_log_ticks(-1.2, 8.1, 0.02, 2)), testing::Contains("5")) << "1 alone does not tell where 8 is";
+  EXPECT_THAT(labels(symmetric_log_ticks(0.3, 4.0, 0.3, 4)), testing::Contains("0.5")) << "no zero is beside it";
+}
+
 TEST(Ticks, of_every_panel_have_two_labels_at_least) {
   for (const double reach : {0.9, 1.9, 4.2, 4.9, 8.0, 9.9, 42.0, 49.0})
     for (const double height : {40.0, 70.0, 90.0, 150.0})
