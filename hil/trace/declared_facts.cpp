@@ -115,14 +115,13 @@ class Check {
       keep("f_min_Hz", *record_.f_min_Hz, "Hz", "the force of this sine has " + plain_number(seen_.typical_Hz) + " Hz", kCyclesInASecond);
   }
 
-  /// `cycled_Hz`: typical frequency of the slowest record that is said to be dynamic; NaN: none is.
-  void kind_of_load(double cycled_Hz) {
+  /// `cycled_Hz`: typical frequency of the slowest record that is said to be dynamic; NaN: none is. `cycled`: those that are and are not said to be.
+  void kind_of_load(double cycled_Hz, std::vector<std::string>& cycled) {
     if (!record_.dynamic) return;
     const bool called_cyclic = is_one_of(record_.kind, {"sine", "multisine", "sweep", "prbs", "switch"}) || record_.f_min_Hz;
     const bool called_static = is_one_of(record_.kind, {"ramp", "staircase", "hold", "rest", "steps", "step"});
     if (!*record_.dynamic && seen_.cycled() && (called_cyclic || (!called_static && seen_.even() && seen_.typical_Hz >= cycled_Hz)))
-      notes_.push_back(record_.name + ": campaign.json says \"dynamic\": false, and the force turns " + std::to_string(seen_.turns) + " times, about " + plain_number(seen_.typical_Hz) +
-                       " Hz; it is taken for quasi-static, without the decay of cyclic loading: if it is cycled, say true");
+      cycled.push_back(record_.name + " (" + std::to_string(seen_.turns) + " turns, about " + plain_number(seen_.typical_Hz) + " Hz)");
     if (*record_.dynamic && seen_.turns < 2 && std::isfinite(seen_.low_N))
       notes_.push_back(record_.name + ": campaign.json says \"dynamic\": true, and the force " + (seen_.turns == 0 ? "never turns" : "turns once") +
                        "; it is taken for cyclic loading, which decays: if it is a ramp or a hold, say false");
@@ -169,13 +168,21 @@ void check_declared_facts(Campaign& campaign) {
     const Cycles& seen = checks.back().seen();
     if (record.dynamic.value_or(false) && seen.even()) cycled_Hz = std::fmin(cycled_Hz, seen.typical_Hz);
   }
+  std::vector<std::string> cycled;
   for (Check& check : checks) {
     check.clock();
     check.swing();
     check.frequency();
-    check.kind_of_load(cycled_Hz);
+    check.kind_of_load(cycled_Hz, cycled);
     check.air();
   }
+  if (cycled.empty()) return;
+  constexpr std::size_t kMostNames = 4;
+  const std::size_t more = cycled.size() > kMostNames ? cycled.size() - kMostNames : 0;
+  const bool one = cycled.size() == 1;
+  cycled.resize(cycled.size() - more);
+  campaign.notes.push_back(join(cycled, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "") + ": campaign.json says \"dynamic\": false; " +
+                           (one ? "the record is" : "the records are") + " taken for quasi-static, without the decay of cyclic loading: if that is not meant, say true");
 }
 
 }  // namespace forcegate

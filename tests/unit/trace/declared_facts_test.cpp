@@ -92,7 +92,7 @@ TEST_F(DeclaredFacts, TurnsInAMinuteAreNoHertz) {
 TEST_F(DeclaredFacts, ACycledRecordThatIsCalledStaticIsTold) {
   const Campaign c = read(R"("kind": "sine", "dynamic": false)");
   EXPECT_EQ(c.records[0].dynamic, false) << "what is declared counts";
-  EXPECT_THAT(c.notes, Contains(AllOf(HasSubstr("a: campaign.json says \"dynamic\": false"), HasSubstr("about 0.5 Hz"), HasSubstr("say true"))));
+  EXPECT_THAT(c.notes, Contains(AllOf(HasSubstr("a (40 turns, about 0.5 Hz): campaign.json says \"dynamic\": false"), HasSubstr("the record is taken for quasi-static"), HasSubstr("say true"))));
   EXPECT_THAT(read(R"("kind": "ramp", "dynamic": false)").notes, Not(Contains(HasSubstr("\"dynamic\""))));
   EXPECT_THAT(read(R"("dynamic": true)", "ramp.csv").notes, Contains(AllOf(HasSubstr("\"dynamic\": true"), HasSubstr("never turns"))));
 }
