@@ -336,6 +336,7 @@ Result<Refit> refit_rows(const CampaignRows& rows, const EngineOptions& options,
   constexpr int kMostTimes = 10;
   FORCEGATE_TRY(const Fitted first, refit_prepared(rows, options, start, start, add, rows.judges));
   Fitted made = first;
+  // without a decay too: spreads and shapes begin where the fit before ended
   for (int time = 1; time < kMostTimes; ++time) {
     const Model at = made.refit.model;
     Result<Fitted> next = refit_prepared(rows, options_at(options, at), start, at, add, first.refit.judged_by);

@@ -33,7 +33,7 @@ struct Refit {
 /// channels, or not excited.
 Result<Refit> refit_model(Workspace& workspace, const Model& start, const std::string& add, unsigned threads);
 
-/// The same from a campaign's samples, linearised anew where each refit ended until none of its parameters moves by more than a fiftieth of its
+/// The same from a campaign's samples, begun anew where each refit ended until none of its parameters moves by more than a fiftieth of its
 /// standard error (at most 10 times): a refit of what it returns changes nothing. Errors before are those of the model before, linearised where
 /// that one stands. One recording is fitted with and without zeros of its parts, as a diagnosis of it is.
 Result<Refit> refit_campaign(Campaign campaign, const EngineOptions& options, const Model& start, const std::string& add);

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/refit/added_effect.h"
 #include "hil/diagnose/refit/refit.h"
 #include "tests/unit/diagnose/creeping_campaign.h"
+#include "tests/unit/diagnose/made_campaign.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -38,6 +42,26 @@ TEST(SettledRefit, ARefitOfWhatWasRefittedChangesNothing) {
   for (const ParameterMove& m : again->moves) EXPECT_NEAR(m.after, m.before, 0.03 * m.u) << m.name;
   EXPECT_NEAR(again->error_after, added->error_after, 0.01 * added->error_after);
   EXPECT_NEAR(again->plain_after, added->plain_after, 0.01 * added->plain_after);
+}
+
+// No record decays: the spreads of the records and the shares of a bank of plays are found from where a fit begins.
+TEST(SettledRefit, NorDoesOneOfAStaticLaw) {
+  const Sensor looped = [](const std::vector<double>&, const std::vector<double>& F, int) {
+    std::vector<double> U;
+    std::array<double, 3> play{F.front(), F.front(), F.front()};
+    for (const double f : F) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < play.size(); ++k) sum += play[k] = std::clamp(play[k], f - 0.3 * static_cast<double>(k + 1), f + 0.3 * static_cast<double>(k + 1));
+      U.push_back(2.0 * (0.85 * f + 0.05 * sum) + 0.2);
+    }
+    return U;
+  };
+  const Model library = *library_model("flexiforce");
+  const auto added = refit_campaign(make_campaign(77, looped, 0.002), options_of(library), library, "hysteresis");
+  ASSERT_TRUE(added) << added.error().to_text();
+  const auto again = refit_campaign(make_campaign(77, looped, 0.002), options_of(added->model), added->model, "");
+  ASSERT_TRUE(again) << again.error().to_text();
+  for (const ParameterMove& m : again->moves) EXPECT_NEAR(m.after, m.before, 0.03 * m.u + 1e-9) << m.name;
 }
 
 // What is added begins where the refit of the model without it ended; what is refitted, at the law alone.
