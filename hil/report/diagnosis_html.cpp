@@ -31,7 +31,7 @@ std::string chance_sentence(const Diagnosis& d) {
     return "With the signs of what is left turned over by chance, " + display(d.expected_false, 2) +
            " effects pass the threshold: chance alone claims hardly anything here.";
   return "What is left is no noise: with its signs turned over by chance, " + display(d.expected_false, 2) +
-         " effects still pass the threshold. What ranks without a claim may be a leftover of something else.";
+         (display(d.expected_false, 2) == "1" ? " effect still passes" : " effects still pass") + " the threshold. What ranks without a claim may be a leftover of something else.";
 }
 
 // What else than claims the error after holds, as the waterfall draws it hollow.
@@ -59,9 +59,10 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   const double before = rig ? d.errors.at("F").before : d.error_before,
                after = rig ? d.errors.at("F").after : d.error_after;
   const std::string unit = rig ? d.errors.at("F").unit : d.unit;
-  out += page.lead ? escape(page.lead->why) : error_title(d.judged_by) + " " + escape(in_unit(before, unit));
-  if (!comparison && !page.lead && in_unit(before, unit) != in_unit(after, unit))
-    out += (after < before ? " falls to " : " rises to ") + escape(in_unit(after, unit)) + (rig ? "" : escape(unclaimed_share(d)));
+  const auto [shown_before, shown_after] = comparison ? std::pair(in_unit(before, unit), in_unit(after, unit)) : in_one_unit(before, after, unit);
+  out += page.lead ? escape(page.lead->why) : error_title(d.judged_by) + " " + escape(shown_before);
+  if (!comparison && !page.lead && shown_before != shown_after)
+    out += (after < before ? " falls to " : " rises to ") + escape(shown_after) + (rig ? "" : escape(unclaimed_share(d)));
   if (d.floor > 0.0 && !rig) out += "; noise floor " + escape(in_unit(d.floor, d.unit));
   if (!rig) out += escape(one_law_sentence(d));
   out += ".</p>\n<ul class=\"facts\">";
@@ -75,9 +76,9 @@ std::string header(const Diagnosis& d, const DiagnosisPage& page, bool has_looks
   else if (!d.records.empty())
     fact("records", std::to_string(d.records.size()));
   if (d.force_range_N > 0.0) fact("force range", display(d.force_range_N, 3) + " N");
-  if (d.residual_unknown) fact("and", "structure remains that no listed effect explains");
+  if (d.residual_unknown) fact("besides,", "structure remains that no listed effect explains");
   // beside rivals that fit, what the rest of the residual goes with is no part of the answer
-  if (!d.depends_on.empty() && d.not_separable.empty()) fact("it depends on", escape(join(d.depends_on, ", ")));
+  if (!d.depends_on.empty() && d.not_separable.empty()) fact(d.residual_unknown ? "that structure depends on" : "it depends on", escape(join(d.depends_on, ", ")));
   if (!d.follows.empty()) fact("it follows", escape(join(d.follows, " and ")));
   out += "</ul><nav aria-label=\"Sections\">";
   const auto section = [&](bool there, std::string_view id, std::string_view name) {
@@ -107,7 +108,7 @@ std::string finding(const Finding& f, JudgedBy judged_by, bool one_recording, bo
   // a fault that is seen in the raw samples is no term of the model: the fall of the error is not its doing. A rival was not taken in
   if (!f.of_samples() && f.error_before > 0.0) {
     fact(f.of_every_record ? "Error of every record, predicted from the others" : error_title(judged_by),
-         escape(in_unit(f.error_before, f.unit) + " \u2192 " + in_unit(f.error_after, f.unit)));
+         escape(in_one_unit(f.error_before, f.error_after, f.unit).first + " \u2192 " + in_one_unit(f.error_before, f.error_after, f.unit).second));
     if (f.effect_rms > 0.0) fact("Effect", escape(in_unit(f.effect_rms, f.unit)) + " RMS");
   }
   fact("Form", escape(f.form));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "hil/report/diagnosis_figures.h"
 #include "hil/report/figures/plots.h"
@@ -17,6 +18,15 @@ using figures::Figure;
 std::string in_unit(double value, const std::string& unit) {
   const figures::Scaled scale = figures::readable_unit(value, unit);
   return display(value * scale.factor, 3) + " " + scale.unit;
+}
+
+std::pair<std::string, std::string> in_one_unit(double a, double b, const std::string& unit) {
+  constexpr double kMost = 1e4;
+  const double small = std::min(std::fabs(a), std::fabs(b)), large = std::max(std::fabs(a), std::fabs(b));
+  figures::Scaled scale = figures::readable_unit(small, unit);
+  if (!(small > 0.0) || large * scale.factor >= kMost) scale = figures::readable_unit(large, unit);
+  const auto text = [&](double value) { return display(value * scale.factor, 3) + " " + scale.unit; };
+  return {text(a), text(b)};
 }
 
 std::string one_law_sentence(const Diagnosis& d) {

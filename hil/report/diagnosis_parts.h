@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "hil/diagnose/diagnosis.h"
 #include "hil/report/figures/figure.h"
@@ -13,6 +14,9 @@ namespace forcegate::parts {
 
 /// Escaped by the caller where it is shown: "12.3 mV".
 std::string in_unit(double value, const std::string& unit);
+
+/// Two values that are compared, in one unit: that of the smaller unless the larger would have more than four digits before its point.
+std::pair<std::string, std::string> in_one_unit(double a, double b, const std::string& unit);
 
 /// The error of one law for all records before and after, where the records differ from it far beyond their noise, or it rises; escaped by the
 /// caller: "; with one gain, offset and decay for all records 236 mV falls to 65 mV", "" otherwise.
