@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "hil/diagnose/answer/opened_contact.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/base/open_contact.h"
 #include "hil/diagnose/base/whole_recording.h"
@@ -78,52 +79,26 @@ Result<Diagnosed> diagnose_parts(CampaignRows rows, const EngineOptions& options
   return wanders;
 }
 
-// What any course at low load is taken for.
-bool is_of_any_course(const Finding& f) { return f.claimed() && (f.effect == "hysteresis" || f.effect == "static_nonlinearity"); }
-
-void doubt_where_contact_opens(const OpenContact& open, const Diagnosis& while_closed, Diagnosis& out) {
-  bool doubted = false;
-  for (Finding& f : out.findings) {
-    const bool stays = std::ranges::any_of(while_closed.findings, [&](const Finding& other) { return other.effect == f.effect && other.claimed(); });
-    if (is_of_any_course(f) && !stays) doubted |= f.limit(kNoClaim, "it is not seen without the rows in which the contact is open or was just made");
-  }
-  const EffectKind* kind = EffectRegistry::instance().find("contact_loss");
-  if (!doubted || kind == nullptr) return;
-  Finding contact = finding_about(*kind, out.unit);
-  contact.form = "without_witness";
-  contact.probability = kNoClaim;
-  contact.name_is_open = true;
-  contact.evidence = fmt::format("the force came to rest at its lowest {} times, for {:.2g} % of the recording, and the output goes its own way while it rests and just after: "
-                                 "the contact opens, it seems; not claimed: no angle or command says that the drive went on",
-                                 open.times, 100.0 * open.share);
-  std::erase_if(out.findings, [&](const Finding& f) { return f.effect == contact.effect; });
-  out.findings.insert(std::ranges::find_if(out.findings, [](const Finding& f) { return !f.claimed(); }), std::move(contact));
-  if (std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed(); })) return;
-  out.verdict = DiagnosisVerdict::unknown;
-  out.residual_unknown = false;
-  if (out.depends_on.empty()) out.depends_on = {"force"};
+Result<Diagnosed> diagnose_all(CampaignRows rows, const EngineOptions& options) {
+  return rows.input.single ? diagnose_parts(std::move(rows), options) : diagnose_rows(std::move(rows), options);
 }
 
-Result<Diagnosed> diagnose_one_recording(CampaignRows rows, const EngineOptions& options) {
-  const OpenContact open = open_contact(rows.input);
-  std::optional<CampaignRows> closed;
-  if (open) {
-    closed = rows;
-    for (RecordInput& block : closed->input.records)
-      for (std::size_t i = 0; i < block.ok.size(); ++i) block.ok[i] = open.rows[i] != 0 ? 0 : block.ok[i];
-  }
-  FORCEGATE_TRY(Diagnosed out, diagnose_parts(std::move(rows), options));
-  if (!closed || std::ranges::none_of(out.diagnosis.findings, is_of_any_course)) return out;
-  // too few rows may be left to ask
-  if (const Result<Diagnosed> while_closed = diagnose_parts(*std::move(closed), options)) doubt_where_contact_opens(open, while_closed->diagnosis, out.diagnosis);
-  return out;
-}
+// An angle or a command shows itself whether the wheel goes on where the force rests.
+bool has_witness_of_drive(const CampaignInput& input) { return input.has_theta || input.has_command; }
 
 }  // namespace
 
 Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& options) {
   FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
-  return rows.input.single ? diagnose_one_recording(std::move(rows), options) : diagnose_rows(std::move(rows), options);
+  const OpenContact open = has_witness_of_drive(rows.input) ? OpenContact{} : open_contact(rows.input);
+  if (!open) return diagnose_all(std::move(rows), options);
+  CampaignRows closed = rows;
+  leave_out_open(open, closed.input);
+  FORCEGATE_TRY(Diagnosed out, diagnose_all(std::move(rows), options));
+  if (!asks_for_closed_contact(out.diagnosis)) return out;
+  // too few rows may be left to ask
+  if (const Result<Diagnosed> while_closed = diagnose_all(std::move(closed), options)) judge_by_closed_contact(open, while_closed->diagnosis, out.diagnosis);
+  return out;
 }
 
 Result<Diagnosis> diagnose_campaign(Campaign campaign, const EngineOptions& options) {

@@ -18,6 +18,7 @@
 #include "hil/diagnose/answer/ranking.h"
 #include "hil/diagnose/answer/record_errors.h"
 #include "hil/diagnose/answer/reservation.h"
+#include "hil/diagnose/answer/unloaded_zero.h"
 #include "hil/diagnose/answer/verdict.h"
 #include "hil/diagnose/answer/wide_scatter.h"
 #include "hil/diagnose/base_errors.h"
@@ -131,7 +132,8 @@ void tell_wide_scatter(const Workspace& w, const Selection& selection, Diagnosis
   std::vector<int> columns = selection.base.columns;
   for (const ChosenEffect& c : selection.chosen)
     if (!c.between) add_columns(columns, columns_of(w.output, c));
-  const std::optional<WideScatter> scatter = wide_scatter(w, listed ? fit_mixed(w.output.problem, columns, &selection.base, 18, RecordUse::all_records) : selection.final);
+  const bool zeros_explained = std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed() && f.form == kUnloadedZero; });
+  const std::optional<WideScatter> scatter = wide_scatter(w, listed ? fit_mixed(w.output.problem, columns, &selection.base, 18, RecordUse::all_records) : selection.final, zeros_explained);
   if (!scatter) return;
   out.notes.push_back((claimed ? "beside what is claimed: " : "") + scatter->note);
   if (scatter->follows.empty() || out.verdict == DiagnosisVerdict::unknown || (out.verdict == DiagnosisVerdict::known && !claimed)) return;
@@ -304,6 +306,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (!w.input.single) tell_visible_from(out);
   const auto sd = [&](int k) { return std::sqrt(selection.final.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
+  claim_unloaded_zero(w, selection.claimed.valid ? selection.claimed : selection.base, out);
   tell_wide_scatter(w, selection, out);
   tell_decay(w, selection.final, options.threads, out);
   add_refused(search, out);

@@ -60,7 +60,7 @@ std::string told(const Level& level) {
 
 }  // namespace
 
-std::optional<WideScatter> wide_scatter(const Workspace& w, const MixedFit& fit) {
+std::optional<WideScatter> wide_scatter(const Workspace& w, const MixedFit& fit, bool zeros_explained) {
   const auto sd = [&](int k) { return std::sqrt(fit.variance[k]); };
   const double gain = std::abs(w.gain_V_per_N);
   std::vector<double> zeros = zeros_of(w, fit);
@@ -70,7 +70,7 @@ std::optional<WideScatter> wide_scatter(const Workspace& w, const MixedFit& fit)
   for (const Eigen::VectorXd& zeta : fit.zeta) levels[0].of_record.push_back(zeta[0]);
   WideScatter out;
   for (const Level& level : levels) {
-    if (level.sd < level.ordinary) continue;
+    if (level.sd < level.ordinary || (zeros_explained && &level == &levels[1])) continue;
     out.note += (out.note.empty() ? "from record to record " : " and ") + told(level);
     const bool far = level.sd >= level.far || direction(level.of_record) != 0;
     if (far && w.output.rows.size() >= kFewestRecords)

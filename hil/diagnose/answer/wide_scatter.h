@@ -14,8 +14,8 @@ struct WideScatter {
   std::string follows;  ///< "the record, whose gain scatters by 12 % and zero scatters by 0.2 N"; empty where the scatter is no more than a note
 };
 
-/// `fit`: gain and zero of every record beside all effects. Nothing where the spread is that of an ordinary bench: 3 % of gain, a zero of 1 % of
+/// `fit`: gain and zero of every record beside all effects. `zeros_explained`: they have a cause, and gains alone are asked. Nothing where the spread is that of an ordinary bench: 3 % of gain, a zero of 1 % of
 /// the span (RMS). From twice and three times of that on, and where it goes one way in the order of the records, it is more than a note.
-std::optional<WideScatter> wide_scatter(const Workspace& workspace, const MixedFit& fit);
+std::optional<WideScatter> wide_scatter(const Workspace& workspace, const MixedFit& fit, bool zeros_explained = false);
 
 }  // namespace forcegate::diagnose
