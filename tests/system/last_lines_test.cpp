@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -129,9 +130,15 @@ TEST(LastLines, WhatExportRefusesIsNotSentToExport) {
 TEST(LastLines, WhatNoFirmwareCanUndoIsToldWhereItIsAdded) {
   const TemporaryFolder folder;
   write_recording(folder / "rail.csv", [](double, double F) { return std::min(2.0 * F - 0.2, 4.5); });
-  const ProcessResult added = pasted("forcegate add clipping --fit rail.csv -o better.toml", folder), other = pasted("forcegate add hysteresis --fit rail.csv", folder);
+  double play = 0.0;
+  write_recording(folder / "loop.csv", [&](double, double F) {
+    play = std::clamp(play, F - 0.2, F + 0.2);
+    return 1.9 * F + 0.1 * play - 0.2;
+  });
+  const ProcessResult added = pasted("forcegate add clipping --fit rail.csv -o better.toml", folder), other = pasted("forcegate add hysteresis --fit loop.csv", folder);
   ASSERT_EQ(added.exit_code, 0) << added.err;
   EXPECT_THAT(added.out, HasSubstr("note: export will refuse this model as it is: clipping cannot be compensated on a microcontroller"));
+  ASSERT_EQ(other.exit_code, 0) << other.err;
   EXPECT_THAT(other.out, Not(HasSubstr("export will refuse")));
 }
 
