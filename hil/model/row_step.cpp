@@ -40,7 +40,8 @@ double row_step_of(const Campaign& campaign) {
   const std::vector<double>& t_s = campaign.records.front().trace.time_bases[force->time_base].t_s;
   if (t_s.size() < 2) return kRowStep_s;
   const double whole_s = t_s.back() - t_s.front(), sample_s = whole_s / static_cast<double>(t_s.size() - 1);
-  double out = std::min(kRowStep_s, whole_s / kRows);
+  // what is too short for rows of 0.02 s is refused as such
+  double out = whole_s < kFewestRows * kRowStep_s ? kRowStep_s : std::min(kRowStep_s, whole_s / kRows);
   for (bool fast = false; out > sample_s;) {
     const auto samples = static_cast<std::size_t>(samples_of_row(sample_s, out));
     if (samples >= kFewestToTell) fast = share_within_rows(force->value, samples) > kFast;

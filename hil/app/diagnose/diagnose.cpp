@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "hil/app/diagnose/with_claims.h"
@@ -59,8 +60,7 @@ Result<Diagnosis> diagnose_recordings(const CampaignRequest& request, Campaign c
   FORCEGATE_TRY(diagnose::Diagnosed found, diagnose::diagnose_campaign_in(std::move(campaign), options));
   found.diagnosis.next_experiment = diagnose::propose_experiment(*found.workspace, found.diagnosis);
   const bool plain = is_plain_refitted(*found.workspace, found.diagnosis);
-  if (!plain && pictures == nullptr) return std::move(found.diagnosis);
-  const std::optional<diagnose::Refit> after = with_claims(*found.workspace, model, found.diagnosis, request.threads);
+  const std::optional<diagnose::Refit> after = pictures != nullptr ? with_claims(*found.workspace, model, found.diagnosis, request.threads) : std::nullopt;
   if (plain) tell_plain_as_refitted(*found.workspace, options, after, found.diagnosis);
   if (pictures != nullptr) *pictures = record_pictures(*found.workspace, model, after ? &after->model : nullptr);
   return std::move(found.diagnosis);
@@ -121,10 +121,10 @@ std::string diagnosis_text(const Diagnosis& d) {
     out += "  besides, structure remains that depends on " + join(d.depends_on, ", ") +
            it_follows + "\n";
   out += fmt::format(
-      "{}{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {} -> {} {}\n",
+      "{}{}: {} -> {} {} (floor {} {}); with one gain, offset and decay for all of them {}{} {}\n",
       error_name(d.judged_by), d.levels ? ", one gain and offset for all" : "",
       number(d.error_before), number(d.error_after), unit.name, number(d.floor), unit.name,
-      number(d.plain_before), number(d.plain_after), unit.name);
+      number(d.plain_before), std::isfinite(d.plain_after) ? " -> " + number(d.plain_after) : "", unit.name);
   if (const auto F = d.errors.find("F"); F != d.errors.end())
     out += fmt::format("reference against the rig's law: {} -> {} mN\n", plain_number(1e3 * F->second.before),
                        plain_number(1e3 * F->second.after));

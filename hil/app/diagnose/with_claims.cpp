@@ -5,6 +5,7 @@
 
 #include "hil/app/model/model_input.h"
 #include "hil/diagnose/base_errors.h"
+#include "hil/trace/trace.h"
 
 namespace forcegate {
 
@@ -24,12 +25,13 @@ bool is_plain_refitted(const diagnose::Workspace& w, const Diagnosis& d) {
 
 void tell_plain_as_refitted(const diagnose::Workspace& w, const diagnose::EngineOptions& options, const std::optional<diagnose::Refit>& after, Diagnosis& d) {
   const std::vector<double> before = diagnose::plain_errors_V(w, options);
+  const bool untold = !after && std::ranges::any_of(d.findings, [&](const Finding& f) { return f.claimed() && !f.of_samples() && f.unit == d.unit; });
   if (before.size() != d.records.size() || (after && after->plain_after_of_record.size() != d.records.size())) return;
   const bool counts_bad = std::ranges::any_of(d.findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
   double square_before = 0.0, square_after = 0.0, n = 0.0;
   for (std::size_t k = 0; k < before.size(); ++k) {
     RecordError& r = d.records[k];
-    r.plain_after = after ? after->plain_after_of_record[k] : before[k];
+    r.plain_after = after ? after->plain_after_of_record[k] : untold ? kMissing : before[k];
     r.plain_before = counts_bad && k < w.health.size() ? std::hypot(before[k], std::sqrt(w.health[k].bad_mean_square_V2)) : before[k];
     if (d.judged_by == JudgedBy::heldout && !r.heldout) continue;
     square_before += r.plain_before * r.plain_before;

@@ -16,7 +16,8 @@ std::optional<diagnose::Refit> with_claims(const diagnose::Workspace& workspace,
 /// where it began.
 bool is_plain_refitted(const diagnose::Workspace& workspace, const Diagnosis& diagnosis);
 
-/// Sets them, of all records and of their mean, as compare and add tell them: `after`, or where it is none the model before again.
+/// Sets them, of all records and of their mean, as compare and add tell them. `after`: the model with all claims; where it is none, those after are those
+/// before if nothing is claimed, else NaN: the refit takes longer than the diagnosis, and is made for a page.
 void tell_plain_as_refitted(const diagnose::Workspace& workspace, const diagnose::EngineOptions& options, const std::optional<diagnose::Refit>& after, Diagnosis& diagnosis);
 
 }  // namespace forcegate
