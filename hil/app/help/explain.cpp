@@ -47,7 +47,7 @@ const std::vector<Explanation>& explanations() {
        "Several effects leave the same signature on these records; none of them is claimed.",
        "forcegate next CAMPAIGN says which record parts them."},
       {"none", "diagnosis",
-       "What is left is what the declared instruments may leave, but for what the verdict names beside it: an effect that is suspected and not claimed, "
+       "What is left is what noise and steps of the instruments may leave, but for what the verdict names beside it: an effect that is suspected and not claimed, "
        "a record far above its noise. It says nothing about effects that the records do not excite.",
        "The notes say from which size on an effect between records would show. What the records did not play they cannot show: "
        "forcegate plan campaign lists what a whole campaign plays."},

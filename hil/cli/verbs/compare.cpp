@@ -28,8 +28,8 @@ const Registration<Command> kRow{Command{
     .name = "compare",
     .group = "Diagnosis",
     .summary = "say how far a model is from measurements, and where it fails",
-    .description = "Error of the model on every record, as written and refitted, beside the floor that the "
-                   "declared instruments allow, and the quantities that the residual depends on.",
+    .description = "Error of the model on every record, as written and refitted, beside the floor (noise and steps of the "
+                   "instruments, as the samples show them), and the quantities that the residual depends on.",
     .positionals = {campaign_positional()},
     .options = joined({{{.name = "html", .value_name = "FILE", .doc = "Write the pictures.", .names = Names::file}, model_row()},
                        campaign_rows()}),
