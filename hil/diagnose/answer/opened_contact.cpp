@@ -42,12 +42,13 @@ bool doubt(const Diagnosis& while_closed, Diagnosis& out) {
 bool asks_for_closed_contact(const Diagnosis& answer) { return std::ranges::any_of(answer.findings, is_of_any_course) || has_no_name(answer); }
 
 void judge_by_closed_contact(const OpenContact& open, const Diagnosis& while_closed, Diagnosis& out) {
-  constexpr double kLeft = 0.6;  // of what the law leaves, without these rows: more, and it is not of the contact
+  constexpr double kOfContact = 0.75, kPlainly = 0.6;  // of what the law leaves, without these rows: more, and it is not of the contact
   const EffectKind* kind = EffectRegistry::instance().find("contact_loss");
-  if (kind == nullptr || left_by_law(while_closed) > kLeft * left_by_law(out)) return;
-  const bool nameless = has_no_name(out) && is_silent(while_closed);
+  const double left = left_by_law(while_closed) / left_by_law(out);
+  if (kind == nullptr || !(left < kOfContact)) return;
+  const bool plainly = left < kPlainly, nameless = plainly && has_no_name(out) && is_silent(while_closed);
   if (!doubt(while_closed, out) && !nameless) return;
-  const bool sure = !claims_of_model(while_closed);
+  const bool sure = plainly && !claims_of_model(while_closed);
   Finding contact = finding_about(*kind, out.unit);
   contact.form = "without_witness";
   contact.probability = sure ? kSure : kNoClaim;

@@ -6,9 +6,9 @@
 
 namespace forcegate::diagnose {
 
-/// Where most of what the law leaves lies in the rows in which the contact is open or was just made, what is claimed of any course at low load, loops
-/// and curves, must be claimed as well without them: else it is doubted, and contact_loss is named; so it is where structure has no name, and without these rows nothing is left of it. Named
-/// is claimed where the rest of the recording shows no effect, so that all there is lies in these rows; else listed.
+/// Where a quarter of what the law leaves (RMS) goes with the rows in which the contact is open or was just made, what is claimed of any course at
+/// low load, loops and curves, must be claimed as well without them: else it is doubted, and contact_loss is named. So it is where structure has no
+/// name, two fifths go, and the rest is down to the noise. Named is claimed where two fifths go and the rest shows no effect; else listed.
 void judge_by_closed_contact(const OpenContact& open, const Diagnosis& while_closed, Diagnosis& out);
 
 /// Whether the answer may change by it, so that it is worth asking without these rows.
