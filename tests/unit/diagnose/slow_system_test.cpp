@@ -29,6 +29,23 @@ Series late_by(const Series& x, std::size_t samples) {
   return y;
 }
 
+// A mass on a spring that the input moves.
+Series resonant(const Series& t, const Series& x, double f_Hz, double damping) {
+  constexpr int kSteps = 16;
+  const double omega = 2.0 * std::numbers::pi * f_Hz;
+  Series y(x.size());
+  double s = x.front(), v = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double dt = (t[1] - t[0]) / kSteps;
+    for (int k = 0; k < kSteps; ++k) {
+      v += (omega * omega * (x[i] - s) - 2.0 * damping * omega * v) * dt;
+      s += v * dt;
+    }
+    y[i] = 0.4 * s;
+  }
+  return y;
+}
+
 Series straight_line(Series x) {
   for (double& v : x) v = 0.1 + 0.5 * v;
   return x;
@@ -101,20 +118,7 @@ TEST(SlowSystem, AnOutputThatIsLateAsAWholeIsDelayed) {
 }
 
 TEST(SlowSystem, AResonanceHasNoName) {
-  const Diagnosis d = answer(recording(100.0, 20000, steps(5.0, 13), [](const Series&, const Series& x) {
-    constexpr double kOmega = 2.0 * std::numbers::pi * 2.0, kDamping = 0.15;
-    constexpr int kSteps = 8;
-    Series y(x.size());
-    double s = x.front(), v = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      for (int k = 0; k < kSteps; ++k) {
-        v += (kOmega * kOmega * (x[i] - s) - 2.0 * kDamping * kOmega * v) * 0.01 / kSteps;
-        s += v * 0.01 / kSteps;
-      }
-      y[i] = 0.4 * s;
-    }
-    return y;
-  }, 0.004));
+  const Diagnosis d = answer(recording(100.0, 20000, steps(5.0, 13), [](const Series& t, const Series& x) { return resonant(t, x, 2.0, 0.15); }, 0.004));
   for (const Finding& f : d.findings) EXPECT_FALSE(f.claimed()) << told(d);
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown);
   EXPECT_NE(std::ranges::find(d.follows, "a resonance"), d.follows.end()) << told(d);
@@ -154,20 +158,7 @@ TEST(SlowSystem, WhatIsFasterThanFiftyRowsASecondIsSeen) {
     for (int k = 0; k < 14; ++k) sum += 0.3 * std::sin(2.0 * std::numbers::pi * (15.0 + 7.3 * k) * t + 2.4 * k * k);
     return sum;
   };
-  const Diagnosis d = answer(recording(600.0, 30000, shaken, [](const Series&, const Series& x) {
-    constexpr double kOmega = 2.0 * std::numbers::pi * 70.0, kDamping = 0.05;
-    constexpr int kSteps = 16;
-    Series y(x.size());
-    double s = x.front(), v = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      for (int k = 0; k < kSteps; ++k) {
-        v += (kOmega * kOmega * (x[i] - s) - 2.0 * kDamping * kOmega * v) / (600.0 * kSteps);
-        s += v / (600.0 * kSteps);
-      }
-      y[i] = 0.4 * s;
-    }
-    return y;
-  }, 0.004));
+  const Diagnosis d = answer(recording(600.0, 30000, shaken, [](const Series& t, const Series& x) { return resonant(t, x, 70.0, 0.05); }, 0.004));
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
 }
 

@@ -5,6 +5,7 @@
 #include "hil/model/model.h"
 #include "tests/unit/diagnose/made_campaign.h"
 #include "tests/unit/diagnose/made_recording.h"
+#include "tests/unit/diagnose/options_of_model.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -36,15 +37,6 @@ TEST(Refit, StartsFromTheErrorsOfTheDiagnosisThatLedToIt) {
   EXPECT_NEAR(added->error_before, d.error_before, 0.01 * d.error_before);
   EXPECT_NEAR(added->plain_before, d.plain_before, 0.01 * d.plain_before);
   EXPECT_LT(added->error_after, 1.1 * d.error_after);  // the forms are chosen anew
-}
-
-EngineOptions options_of(const Model& model) {
-  EngineOptions options;
-  options.threads = 1;
-  options.law = model.law;
-  options.in_model = model.effect_names();
-  options.model_effects = model.effects;
-  return options;
 }
 
 TEST(Refit, ADiagnosisWithTheModelBeginsWhereItsRefitEnded) {

@@ -10,18 +10,10 @@
 #include "hil/diagnose/refit/refit.h"
 #include "tests/unit/diagnose/creeping_campaign.h"
 #include "tests/unit/diagnose/made_campaign.h"
+#include "tests/unit/diagnose/options_of_model.h"
 
 namespace forcegate::diagnose {
 namespace {
-
-EngineOptions options_of(const Model& model) {
-  EngineOptions options;
-  options.threads = 1;
-  options.law = model.law;
-  options.in_model = model.effect_names();
-  options.model_effects = model.effects;
-  return options;
-}
 
 TEST(SettledRefit, AnEffectThatIsMistakenForDecayLeavesTheLawWhereItIs) {
   for (const std::uint64_t seed : {1u, 2u}) {
