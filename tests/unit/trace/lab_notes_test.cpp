@@ -60,7 +60,7 @@ class LabNotesOfACampaign : public ::testing::Test {
     return out;
   }
 
-  const std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) / "forcegate_lab_notes";
+  const std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) / (std::string("forcegate_lab_notes_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 TEST_F(LabNotesOfACampaign, CountMountingsFromTheRecordThatSaysSo) {
