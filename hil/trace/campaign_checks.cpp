@@ -146,11 +146,11 @@ void note_contradictions(Campaign& campaign) {
 }
 
 Result<void> check_outputs_alike(const Campaign& campaign) {
-  struct Unit {
+  struct OutputUnit {
     std::string name;
     std::size_t records = 0;
   };
-  std::vector<Unit> units;
+  std::vector<OutputUnit> units;
   const auto unit_of = [](const Record& record) {
     const Channel* output = record.trace.find("U");
     return output == nullptr ? std::string() : output->unit.empty() || output->unit == "1" ? output->quantity : output->unit;
@@ -158,12 +158,12 @@ Result<void> check_outputs_alike(const Campaign& campaign) {
   for (const Record& record : campaign.records) {
     const std::string name = unit_of(record);
     if (name.empty()) continue;
-    auto at = std::ranges::find(units, name, &Unit::name);
+    auto at = std::ranges::find(units, name, &OutputUnit::name);
     if (at == units.end()) at = units.insert(units.end(), {name, 0});
     ++at->records;
   }
   if (units.size() < 2) return {};
-  const Unit& common = *std::ranges::max_element(units, {}, &Unit::records);
+  const OutputUnit& common = *std::ranges::max_element(units, {}, &OutputUnit::records);
   for (const Record& record : campaign.records) {
     const std::string name = unit_of(record);
     if (name.empty() || name == common.name) continue;

@@ -70,7 +70,7 @@ std::optional<UnloadedZero> unloaded_zero_of_reference(const Workspace& w, const
   for (const RecordHealth& h : w.health) step_N = std::max(step_N, h.lsb_F_N);
   const double moves_N = spread_of(rests, zero), load_N = spread_of(rests, [](const Rest& r) { return r.load_N(); });
   if (moves_N < std::max(kOfRange * w.input.range_N, kSteps * step_N) || load_N > kOfSpread * moves_N || moves_N < 0.5 * zeros_N) return std::nullopt;
-  return UnloadedZero{rests.size(), moves_N, lowest_N};
+  return UnloadedZero{rests.size(), moves_N};
 }
 
 void claim_unloaded_zero(const Workspace& w, const MixedFit& fit, Diagnosis& out) {

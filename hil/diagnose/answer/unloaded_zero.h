@@ -17,13 +17,12 @@ inline constexpr const char* kUnloadedZero = "unloaded";
 struct UnloadedZero {
   std::size_t records = 0;  ///< that come down to one load, the lowest
   double spread_N = 0.0;    ///< standard deviation of the zero of the reference over them
-  double load_N = 0.0;      ///< of the load that they come down to, as the output tells it
 };
 
 /// `fit`: gain and zero of every record beside all effects. With F at the lowest fiftieth of a record's rows and its zero e (both N), F + e is
-/// the load there as the output tells it. Found where the zero of four records and half of all stays within three tenths of its own spread when
-/// the reference is asked for the load (F + e is one load) and moves by 0.5 % of the range and three steps of the reference and more. Nothing for
-/// a single recording, and where angle, command or capacitance tell of the force themselves.
+/// the load there as the output tells it. Found where four records and half of all come down to the lowest load, F + e scatters over them by less
+/// than three tenths of what e does, and e by 0.5 % of the range and three steps of the reference and more. Nothing for a single recording, and
+/// where angle, command or capacitance tell of the force themselves.
 std::optional<UnloadedZero> unloaded_zero_of_reference(const Workspace& workspace, const MixedFit& fit);
 
 /// Claims reference_drift by it, where nothing else does and no claim explains the zeros.

@@ -34,10 +34,10 @@ struct Level {
   std::vector<double> of_record;
 };
 
-// Of each record, at no force; or, where the load cell was never tared and the records are far from it, at the lowest of them: a gain that scatters a
-// little moves a zero that is far away.
 bool is_far_from_zero(const CampaignInput& input) { return std::abs(input.lowest_N) > input.range_N; }
 
+// Of each record, at no force; or, where the load cell was never tared and the records are far from it, at the lowest of them: a gain that scatters a
+// little moves a zero that is far away.
 std::vector<double> zeros_of(const Workspace& w, const MixedFit& fit) {
   const double per_gain = is_far_from_zero(w.input) ? w.gain_V_per_N * w.input.lowest_N / w.output.scale : 0.0;
   std::vector<double> out;
