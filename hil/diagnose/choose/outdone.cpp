@@ -34,7 +34,7 @@ FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const 
   const int variant = static_cast<int>(channel.variants.size()) - 1;
   for (const std::vector<double>& shape : form.grid(input)) {
     channel.candidates.back().shape = shape;
-    fill_candidate(input, channel, channel.candidates.back(), threads);
+    fill_candidate(input, channel, channel.candidates.back(), threads, &present);
     VariantScore score = score_variant(channel, present, base, variant, nullptr, 12);
     if (!(score.gain > out.best.gain)) continue;
     out.best = std::move(score);
@@ -42,7 +42,6 @@ FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const 
   }
   if (!out.best.fit.valid) return out;
   channel.candidates.back().shape = best_shape;
-  fill_candidate(input, channel, channel.candidates.back(), threads);
   if (out.best.gain > std::max(kLeast, kWorthMoving * to_beat) && refine_family(input, channel, present, base, out, threads))
     best_shape = channel.candidates.back().shape;
   return out;
