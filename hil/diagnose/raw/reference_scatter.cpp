@@ -16,9 +16,12 @@ struct Window {
   double free_N2, shared_NV;           // beside a parabola: variance of F, covariance of F and U
   std::size_t samples;
   double of_noise_U;                   // variance that a unit of the output's noise brings into the scatter, N^2/V^2
+  std::size_t number;
 };
 
-std::vector<Window> windows_of(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double window_s) {
+// All of them, spread evenly where they are many, or those of the numbers `only`.
+std::vector<Window> windows_of(std::span<const double> t_s, std::span<const double> F_N, std::span<const double> U_V, double window_s,
+                               std::span<const std::size_t> only = {}) {
   constexpr std::size_t kFewestSamples = 24, kMostWindows = 400, kFewestWindows = 8;
   std::vector<Window> out;
   const std::size_t n = std::min({t_s.size(), F_N.size(), U_V.size()});
@@ -36,7 +39,7 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
     places += v * v.transpose();
     place.push_back(x);
   }
-  for (std::size_t w = 0; w < windows; w += stride) {
+  const auto add = [&](std::size_t w) {
     // places, U, its slope (a late reference does not scatter), F
     Eigen::Matrix3d with = Eigen::Matrix3d::Zero(), among = with;
     double steps = 0.0, largest = 0.0;
@@ -52,7 +55,7 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
       largest = std::max(largest, std::abs(step_N));
     }
     // a missing sample is missing in these sums
-    if (!among.allFinite()) continue;
+    if (!among.allFinite()) return;
     const double samples = static_cast<double>(length), mean_U = with(0, 0) / samples, mean_F = with(0, 2) / samples;
     const double moves_V = std::sqrt(std::max(0.0, among(0, 0) / samples - mean_U * mean_U));
     const double moves_N = std::sqrt(std::max(0.0, among(2, 2) / samples - mean_F * mean_F));
@@ -63,8 +66,11 @@ std::vector<Window> windows_of(std::span<const double> t_s, std::span<const doub
     const Eigen::Matrix<double, 5, 1> c = M.topLeftCorner<5, 5>().ldlt().solve(M.topRightCorner<5, 1>());
     const double left = std::max(0.0, M(5, 5) - c.dot(M.topRightCorner<5, 1>()));
     const Eigen::Matrix3d beside = (among - with.transpose() * places.ldlt().solve(with)) / (samples - 3.0);
-    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V, std::sqrt(steps / (samples - 1.0)), largest, beside(2, 2), beside(0, 2), length, c[3] * c[3] + 0.5 * c[4] * c[4]});
-  }
+    out.push_back({std::sqrt(left / (samples - 5.0)), moves_N, moves_V, std::sqrt(steps / (samples - 1.0)), largest, beside(2, 2), beside(0, 2), length, c[3] * c[3] + 0.5 * c[4] * c[4], w});
+  };
+  if (only.empty())
+    for (std::size_t w = 0; w < windows; w += stride) add(w);
+  for (const std::size_t w : only) add(w);
   return out;
 }
 
@@ -80,15 +86,21 @@ bool is_step_of_load(const Window& w, const OutputFacts& output) {
   return w.largest_step_N * w.largest_step_N > kMost * steps_N2 && std::abs(output.gain_V_per_N) * w.largest_step_N > kShown * output.range_V;
 }
 
-// RMS of F in `measured` over the windows in which, as they were recorded, U stands still and F is noise; 0: too few of them.
-double where_still(const std::vector<Window>& recorded, const std::vector<Window>& measured, const OutputFacts& output) {
-  constexpr double kStill = 0.01, kKept = 0.95;
+// Those in which, as they were recorded, U stands still and F is noise.
+std::vector<Window> still_among(std::vector<Window> recorded, const OutputFacts& output) {
+  constexpr double kStill = 0.01;
   // noise steps by 1.4 of itself, coloured noise by some less; a force that moves smoothly while the output stands still has met a rail
   constexpr double kLeastStep = 0.3;
+  std::erase_if(recorded, [&](const Window& w) {
+    return !(w.moves_V < kStill * output.range_V && w.step_N > kLeastStep * w.scatter_N && !is_step_of_load(w, output));
+  });
+  return recorded;
+}
+
+// RMS of F in windows in which U stands still; 0: too few of them.
+double noise_of(std::vector<Window> still, const OutputFacts& output) {
+  constexpr double kKept = 0.95;
   constexpr std::size_t kFewest = 10;
-  std::vector<Window> still;
-  for (std::size_t k = 0; k < std::min(recorded.size(), measured.size()); ++k)
-    if (recorded[k].moves_V < kStill * output.range_V && recorded[k].step_N > kLeastStep * recorded[k].scatter_N && !is_step_of_load(recorded[k], output)) still.push_back(measured[k]);
   if (still.size() < kFewest) return 0.0;
   std::sort(still.begin(), still.end(), [](const Window& a, const Window& b) { return a.scatter_N < b.scatter_N; });
   still.resize(static_cast<std::size_t>(kKept * static_cast<double>(still.size())));
@@ -106,8 +118,11 @@ double where_still(const std::vector<Window>& recorded, const std::vector<Window
 double left_where_still(std::span<const double> t_s, std::span<const double> recorded_N, std::span<const double> smoothed_N,
                         std::span<const double> U_V, const OutputFacts& output) {
   double out = 0.0;
-  for (const double window_s : {kStillWindow_s, 2.0})
-    out = std::max(out, where_still(windows_of(t_s, recorded_N, U_V, window_s), windows_of(t_s, smoothed_N, U_V, window_s), output));
+  for (const double window_s : {kStillWindow_s, 2.0}) {
+    std::vector<std::size_t> still;
+    for (const Window& w : still_among(windows_of(t_s, recorded_N, U_V, window_s), output)) still.push_back(w.number);
+    if (!still.empty()) out = std::max(out, noise_of(windows_of(t_s, smoothed_N, U_V, window_s, still), output));
+  }
   return out;
 }
 
@@ -135,8 +150,7 @@ ReferenceScatter reference_scatter(std::span<const double> t_s, std::span<const 
   }
   out.quartile_N = lower_quartile(std::move(scatter));
   out.alone_N = lower_quartile(std::move(alone));
-  const std::vector<Window> windows = windows_of(t_s, F_N, U_V, kStillWindow_s);
-  out.still_N = where_still(windows, windows, output);
+  out.still_N = noise_of(still_among(windows_of(t_s, F_N, U_V, kStillWindow_s), output), output);
   return out;
 }
 
