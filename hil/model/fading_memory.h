@@ -1,5 +1,5 @@
 #pragma once
-// Filters of the full-rate force whose state forgets: only what a wanted row can still feel is stepped.
+// States on the way to the wanted rows. Filters of the full-rate force forget: only what a wanted row can still feel is stepped.
 
 #include <algorithm>
 #include <cstdint>
@@ -37,6 +37,16 @@ void filter_wanted_rows(const RecordInput& record, const Felt& felt, const Start
     if (next > begin) sum = y;  // it started there
     for (; next < end; ++next) sum += y = step(next);
     take(row, sum / static_cast<double>(end - begin));
+  });
+}
+
+/// What forgets nothing: step(row) for every row up to the last wanted one, each wanted one's before take(row).
+template <class Step, class Take>
+void step_to_wanted_rows(const RecordInput& record, const Step& step, const Take& take) {
+  std::size_t next = 0;
+  record.for_each_wanted([&](std::size_t row) {
+    for (; next <= row; ++next) step(next);
+    take(row);
   });
 }
 

@@ -19,6 +19,7 @@ class Play {
     state_ = std::clamp(state_, x - radius_, x + radius_);
     return state_;
   }
+  double state() const { return state_; }
 
  private:
   double radius_, state_;

@@ -25,7 +25,7 @@ void write_columns(const CampaignInput& input, ResidualChannel& channel, std::si
   const auto n = static_cast<Eigen::Index>(r.rows());
   if (room.rows() != n || room.cols() < c.count) room.resize(n, c.count);
   auto full = room.leftCols(c.count);
-  full.setZero();
+  r.for_each_wanted([&](std::size_t i) { full.row(static_cast<Eigen::Index>(i)).setZero(); });
   c.form->columns(input, r, c.shape, full);
   for (std::size_t b = k;
        b < channel.rows.size() && input.records[channel.record_of[b]].recording == r.recording; ++b) {

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "hil/model/effect.h"
+#include "hil/model/fading_memory.h"
 #include "hil/model/play.h"
 
 namespace forcegate {
@@ -37,12 +38,19 @@ void fill_play_of_angle(const RecordInput& r, double half_rad, ColumnsRef out) {
   if (s == 0.0) return;
   double theta = std::atan2(r.sin_theta[0], r.cos_theta[0]);
   Play play(half_rad, theta - half_rad);
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    const double turned = std::atan2(r.sin_theta[i], r.cos_theta[i]) - theta;
-    if (!std::isfinite(turned)) continue;
-    theta += std::remainder(turned, 2.0 * std::numbers::pi);
-    out(static_cast<Eigen::Index>(i), 0) = s * (std::cos(theta) - std::cos(play.step(theta)));
-  }
+  bool known = false;
+  step_to_wanted_rows(
+      r,
+      [&](std::size_t i) {
+        const double turned = std::atan2(r.sin_theta[i], r.cos_theta[i]) - theta;
+        known = std::isfinite(turned);
+        if (!known) return;
+        theta += std::remainder(turned, 2.0 * std::numbers::pi);
+        play.step(theta);
+      },
+      [&](std::size_t i) {
+        if (known) out(static_cast<Eigen::Index>(i), 0) = s * (std::cos(theta) - std::cos(play.state()));
+      });
 }
 
 // So narrow a grid that the right play fits better than a bank of wrong ones before it is refined.

@@ -24,9 +24,14 @@ std::optional<Line> line_below(const RecordInput& r, double rail_N, double range
   if (r.U_V.size() != r.rows()) return std::nullopt;
   double n = 0.0, W = 0.0, U = 0.0, WW = 0.0, WU = 0.0, least_N = rail_N, most_N = -rail_N;
   const std::size_t stride = std::max<std::size_t>(1, r.rows() / kRows);
-  std::size_t seen = 0;
+  std::size_t to_pass = 0;
   for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (r.ok[i] == 0 || seen++ % stride != 0) continue;
+    if (r.ok[i] == 0) continue;
+    if (to_pass > 0) {
+      --to_pass;
+      continue;
+    }
+    to_pass = stride - 1;
     const double w = r.base_force_N(i);
     if (!(w < rail_N - kBelow * range_N) || !std::isfinite(r.U_V[i])) continue;
     n += 1.0;
