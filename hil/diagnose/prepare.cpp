@@ -17,6 +17,7 @@
 #include "hil/diagnose/raw/absurd_force.h"
 #include "hil/diagnose/raw/clean_samples.h"
 #include "hil/diagnose/raw/record_gains.h"
+#include "hil/model/model_frame.h"
 #include "hil/model/row_step.h"
 #include "hil/model/rows.h"
 
@@ -260,6 +261,7 @@ Result<std::unique_ptr<Workspace>> prepare(CampaignRows rows, const EngineOption
   w->scales = rows.scales;
   w->output.unit = std::move(rows.unit);
   w->judges = rows.judges;
+  hold_references_of_air(w->input);
   FORCEGATE_TRY(w->user_kinds, make_user_kinds(options.user_effects, w->input));
   choose_wanted_rows(w->input);
   const std::vector<Candidate> of_model = model_candidates(w->input, options.model_effects);

@@ -53,4 +53,9 @@ double reference_drive_V(const CampaignInput& c) {
   return std::isfinite(c.reference_drive_V) ? c.reference_drive_V : known_or(mean_drive_V(c), 1.0);
 }
 
+void hold_references_of_air(CampaignInput& c) {
+  c.reference_temp_C = reference_temperature_C(c);
+  c.reference_humidity_pct = reference_humidity_pct(c);
+}
+
 }  // namespace forcegate

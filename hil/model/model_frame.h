@@ -34,5 +34,7 @@ class CampaignInFrame {
 double reference_temperature_C(const CampaignInput& campaign);
 double reference_humidity_pct(const CampaignInput& campaign);
 double reference_drive_V(const CampaignInput& campaign);
+/// Holds those of the air, which every column of its effects asks for and which are means over all rows.
+void hold_references_of_air(CampaignInput& campaign);
 
 }  // namespace forcegate
