@@ -20,6 +20,19 @@ std::vector<std::size_t> rows_with_sample(const Channel& channel) {
   return out;
 }
 
+// Most of its samples stand in the row behind the one before.
+bool has_sample_in_every_row(const Channel& channel) {
+  std::size_t samples = 0, neighbours = 0;
+  bool before = false;
+  for (const double v : channel.value) {
+    const bool here = std::isfinite(v);
+    samples += here ? 1 : 0;
+    neighbours += here && before ? 1 : 0;
+    before = here;
+  }
+  return samples > 0 && neighbours > (samples - 1) / 2;
+}
+
 double median_distance(const std::vector<double>& at) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < at.size(); ++i) steps.push_back(at[i] - at[i - 1]);
@@ -123,6 +136,7 @@ std::optional<std::string> put_on_common_clock(Trace& trace) {
   TimeBase& base = trace.time_bases[force->time_base];
   const auto fits = [&](const Channel& c) { return c.time_base != force->time_base || c.value.size() == base.t_s.size(); };
   if (!std::ranges::all_of(trace.channels, fits)) return {};
+  if (has_sample_in_every_row(*force) && has_sample_in_every_row(*output)) return {};
   const std::vector<std::size_t> of_force = rows_with_sample(*force), of_output = rows_with_sample(*output);
   const bool force_is_slow = of_force.size() < of_output.size();
   const std::vector<std::size_t>& samples = force_is_slow ? of_force : of_output;
