@@ -63,11 +63,14 @@ struct EffectForm {
   bool singles = false;  ///< screen each column alone too (banks)
   bool bank = false;     ///< the family's most flexible form, used to soak up a wrong form's remains
   bool only_further = false;  ///< beside another form of the family, never in its place
+  bool whole = false;    ///< what other forms of the family move one by one: taken where both are asked for, and not asked itself
   bool last = false;     ///< so flexible that it is asked only where nothing else is found, and nothing is asked beside it
   bool from_rig = false; ///< of the output, after what another channel has shown
   bool groups = false;   ///< a column belongs to one group of records each, the first group has none
   RecordedCause cause = {};
   std::string beside = {};  ///< an effect that the model must have: the form is how this one and that one act together
+
+  bool competes() const { return !only_further && !whole; }
 };
 
 /// By how much of a second an effect of time makes the output late.

@@ -40,9 +40,11 @@ struct Answer {
 
 // The variant that moves gain and zero at once, where both ask for it.
 int whole_of(const ResidualChannel& channel, int variant) {
-  const int candidate = channel.variants[static_cast<std::size_t>(variant)].candidate;
-  for (std::size_t v = 0; v < channel.variants.size(); ++v)
-    if (channel.variants[v].candidate == candidate && channel.variants[v].columns.size() > 1) return static_cast<int>(v);
+  const Candidate& part = candidate_of(channel, variant);
+  for (std::size_t v = 0; v < channel.variants.size(); ++v) {
+    const Candidate& c = candidate_of(channel, static_cast<int>(v));
+    if (part.form->groups ? c.kind == part.kind && c.form->whole : &c == &part && channel.variants[v].columns.size() > 1) return static_cast<int>(v);
+  }
   return variant;
 }
 
@@ -180,8 +182,17 @@ Refusal objection(const ResidualChannel& channel, const RecordEvidence& records,
 // Two or three mountings of a handful of records leave few different orders: where none does better, the records of each must agree all the
 // more closely.
 bool as_good_by_chance(const RecordChance& chance, const SelectionRules& rules) {
-  constexpr double kFewOrders = 0.1, kPlainly = 0.001;
+  constexpr double kFewOrders = 0.25, kPlainly = 0.001;
   return chance.of_orders > rules.between_chance && (chance.of_orders > kFewOrders || chance.of_directions > kPlainly);
+}
+
+// A course that nobody recorded is the less likely cause of what a recorded one explains too, and no two causes because two names would fit it.
+void set_priors(const ResidualChannel& channel, ScreenResult& result) {
+  constexpr double kRecorded = 4.0;  // times as likely
+  const auto unrecorded = [&](const FamilyScore& f) { return f.kind->traits.between_records && f.records.valid && is_unrecorded(channel, f.records.variant); };
+  const auto names = static_cast<double>(std::ranges::count_if(result.families, unrecorded));
+  for (FamilyScore& family : result.families)
+    if (unrecorded(family)) family.records.prior = -std::log(kRecorded * names);
 }
 
 }  // namespace
@@ -241,6 +252,7 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
     const Answer answer = evidence(channel, levels, ask(channel, levels, *family.kind));
     family.records = answer.evidence;
     if (!answer.evidence.valid) continue;
+    if (!family.best.wrong_sign && !is_unrecorded(channel, family.best.variant)) family.records.within = std::max(0.0, family.gain);
     // waves of the campaign's time say nothing of what happens within a record
     const bool within = family.best.total_fall >= rules.first_total_fall && !is_unrecorded(channel, family.best.variant);
     if (within && family.gain >= answer.evidence.gain && answer.evidence.gain < rules.between_gain) continue;
@@ -263,7 +275,9 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
     family.records.variant = best.variant;
     family.best = std::move(best);
   }
-  std::stable_sort(result.families.begin(), result.families.end(), [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });
+  set_priors(channel, result);
+  const auto standing = [](const FamilyScore& f) { return f.gain + (asks_between_records(f) ? f.records.prior : 0.0); };
+  std::stable_sort(result.families.begin(), result.families.end(), [&](const FamilyScore& a, const FamilyScore& b) { return standing(a) > standing(b); });
 }
 
 RecordTest test_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,

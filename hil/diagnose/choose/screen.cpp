@@ -197,7 +197,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   const auto score_all = [&](Start start = Start::base) {
     parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
       const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
-      if (c.form->only_further || (c.form->last && forms == Forms::ordinary) || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
+      if (!c.form->competes() || (c.form->last && forms == Forms::ordinary) || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
       scores[v] = score_from(channel, present, out.base, static_cast<int>(v), nullptr, iterations, start);
       used[v] = scores[v].gain > -1e299 ? 1 : 0;
     });
@@ -232,7 +232,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     std::map<const EffectForm*, int> of_form;
     for (std::size_t v = 0; v < scores.size(); ++v) {
       const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
-      if (c.kind != &kind || c.form->only_further) continue;
+      if (c.kind != &kind || !c.form->competes()) continue;
       n += 1.0;  // one beyond its bounds had a share of the prior as well
       if (used[v] == 0) continue;
       const auto index = static_cast<int>(v);

@@ -3,21 +3,54 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/between/between_records.h"
 #include "hil/diagnose/choose/reference_jitter.h"
 
 namespace forcegate::diagnose {
 
+namespace {
+
+// Evidence of rows hangs together and needs a scale.
+double nats_of_rows(double top) { return 0.03 * std::max(0.0, top) + 6.0; }
+
+// ln of a rival's weight where levels of records chose: their evidence, the prior of a cause that nobody recorded, and what the rows within
+// the records say of the same cause.
+double log_weight_of_levels(const FamilyScore& chosen, const FamilyScore& rival, const SelectionRules& rules) {
+  const auto shown = [&](const FamilyScore& f) { return f.records.within < rules.first_gain ? 0.0 : f.records.within; };
+  const double rows = (shown(rival) - shown(chosen)) / nats_of_rows(std::max(shown(rival), shown(chosen)));
+  return rival.records.gain + rival.records.prior - chosen.records.gain - chosen.records.prior + rows;
+}
+
+bool is_recorded(const ResidualChannel& channel, const ChosenEffect& chosen) {
+  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(chosen.variant)].candidate)].form->cause.of_record != nullptr;
+}
+
+// The same where signatures within the records do not part them: levels may.
+double log_weight_of_look_alike(const FamilyScore& chosen, const FamilyScore& rival, const SelectionRules& rules) {
+  if (!chosen.records.valid || chosen.records.gain < rules.between_gain) return 0.0;
+  return std::min(0.0, (rival.records.valid ? std::max(0.0, rival.records.gain) : 0.0) - chosen.records.gain);
+}
+
+}  // namespace
+
 void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, bool beside_another,
                 ChosenEffect& chosen) {
   const double top = chosen.gain;
-  // evidence between records counts records; evidence within them counts rows that hang together and needs a scale
-  const double temperature = chosen.by_records() ? 1.0 : chosen.between ? 1.5 : 0.03 * std::max(0.0, top) + 6.0;
+  const FamilyScore& leader = result.families[place];
+  const double temperature = chosen.between ? 1.5 : nats_of_rows(top);
   constexpr double kOfWhatIsLeft = 3.0;
   double sum = 0.0;
   std::vector<double> weight(result.families.size(), 0.0);
-  for (std::size_t k = place; k < result.families.size(); ++k) {
+  for (std::size_t k = 0; k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
-    if (chosen.by_records() && !family.kind->traits.between_records) continue;  // what acts within records answers another question
+    if (chosen.by_records()) {
+      // what acts within records answers another question; what was turned down for its rows has not been asked for its levels
+      if (!family.records.valid || (k < place && asks_between_records(family))) continue;
+      weight[k] = std::exp(std::max(-200.0, log_weight_of_levels(leader, family, rules)));
+      sum += weight[k];
+      continue;
+    }
+    if (k < place) continue;
     weight[k] = std::exp(std::max(-200.0, (family.gain - top) / temperature));
     // signatures that differ by less than a form is known to cannot be parted by how well they fit
     if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
@@ -25,19 +58,19 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
                                              channel.variants[static_cast<std::size_t>(family.best.variant)].columns);
       const double apart = std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), left = std::sqrt(std::max(0.0, 1.0 - chosen.fall));
       // a form that leaves nothing is no rough one
-      if (apart < std::min(rules.form_error, kOfWhatIsLeft * left)) weight[k] = 1.0;
+      if (apart < std::min(rules.form_error, kOfWhatIsLeft * left)) weight[k] = std::exp(log_weight_of_look_alike(leader, family, rules));
     }
     sum += weight[k];
   }
-  // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well
+  // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well, but not with what was recorded
   constexpr double kWithin = 40.0, kNearly = 0.7;
   for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
     if (family.kind->traits.between_records || !look_alike(*family.kind, *chosen.kind) || family.gain < std::max(kWithin, kNearly * top) || family.best.wrong_sign) continue;
     if (share_of_jitter(channel, result.base, family.best.fit) > kOfJitter) continue;
     if (beside_another && family.best.fall < rules.later_fall && family.best.total_fall < rules.later_total_fall) continue;  // remains of the other's form
-    weight[k] = 1.0;
-    sum += 1.0;
+    weight[k] = is_recorded(channel, chosen) ? std::exp(log_weight_of_look_alike(leader, family, rules)) : 1.0;
+    sum += weight[k];
   }
   for (std::size_t k = 0; k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];

@@ -6,8 +6,9 @@
 namespace forcegate::diagnose {
 
 /// Softmax of the evidence at the working temperature among the families from `place` on: what was turned down for its own reasons is no
-/// rival. Families whose signatures differ by less than a form is known to have equal shares. `beside_another`: something was taken before, and
-/// what explains less than half of its remains is none. Sets share_of_family and rivals.
+/// rival, unless its rows were turned down and levels chose. Levels are weighed with the prior of their cause and with what the rows within the
+/// records say of it. Families whose signatures differ by less than a form is known to have equal shares, but for what levels say.
+/// `beside_another`: something was taken before, and what explains less than half of its remains is none. Sets share_of_family and rivals.
 void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, bool beside_another,
                 ChosenEffect& chosen);
 

@@ -71,7 +71,7 @@ std::optional<VariantScore> best_within(Workspace& w, const EffectKind& kind, co
   best.gain = -1e299;
   for (std::size_t v = 0; v < channel.variants.size(); ++v) {
     const Candidate& c = candidate_of(channel, static_cast<int>(v));
-    if (c.kind != &kind || c.form->only_further || c.form->last) continue;
+    if (c.kind != &kind || !c.form->competes() || c.form->last) continue;
     if (VariantScore score = score_of(static_cast<int>(v)); score.gain > best.gain) best = std::move(score);
   }
   if (!best.fit.valid) return std::nullopt;
@@ -107,7 +107,7 @@ Result<VariantScore> beyond_grid(Workspace& w, const EffectKind& kind, const std
   Strength asked;
   for (std::size_t v = 0; v < channel.variants.size(); ++v) {
     const Candidate& c = candidate_of(channel, static_cast<int>(v));
-    if (c.kind != &kind || c.form->only_further || c.form->last) continue;
+    if (c.kind != &kind || !c.form->competes() || c.form->last) continue;
     const auto [gain, fit] = gain_of(static_cast<int>(v));
     const bool turned = c.form->sign != StrengthSign::either && fit.valid && (last_strength(channel, fit).value < 0.0) != (c.form->sign == StrengthSign::negative);
     if (gain > best && !turned) best = gain, from = static_cast<int>(v), asked = last_strength(channel, fit);

@@ -14,28 +14,35 @@ namespace {
 
 constexpr int kMostMountings = 6;
 
-// Gains, or zeros, of the second to the last mounting over the first. More mountings than there is room for: the last ones share.
-EffectForm declared(const char* name, bool gain) {
+// Gains, zeros, or both, of the second to the last mounting over the first. More mountings than there is room for: the last ones share.
+EffectForm declared(const char* name, bool gain, bool zero) {
   EffectForm form;
   form.name = name;
   form.groups = true;
+  form.whole = gain && zero;
   form.cause = {"mounting, in order", "1", [](const RecordInput& r) { return r.mounting + 1.0; }, 1.0};
-  for (int k = 1; k < kMostMountings; ++k) {
-    const std::string number = std::to_string(k + 1);
-    ParameterSpec strength = gain ? ParameterSpec{"c_", "1", -0.9, 9.0, 0.0, "relative change of gain in mounting "}
-                                  : ParameterSpec{"o_", "1", -1.0, 1.0, 0.0, "change of zero, share of the force span, in mounting "};
-    strength.name += number;
-    strength.doc += number;
-    form.strength.push_back(std::move(strength));
-  }
+  const auto add = [&](ParameterSpec strength) {
+    for (int k = 1; k < kMostMountings; ++k) {
+      const std::string number = std::to_string(k + 1);
+      form.strength.push_back(strength);
+      form.strength.back().name += number;
+      form.strength.back().doc += number;
+    }
+  };
+  if (gain) add({"c_", "1", -0.9, 9.0, 0.0, "relative change of gain in mounting "});
+  if (zero) add({"o_", "1", -1.0, 1.0, 0.0, "change of zero, share of the force span, in mounting "});
   form.grid = [](const CampaignInput& c) {
     return c.mountings > 1 ? std::vector<std::vector<double>>{{}} : std::vector<std::vector<double>>{};
   };
-  form.columns = [gain](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
+  form.columns = [gain, zero](const CampaignInput& c, const RecordInput& r, std::span<const double>, ColumnsRef out) {
     out.setZero();
     if (r.mounting < 1) return;
     const int column = std::min(r.mounting, kMostMountings - 1) - 1;
-    r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), column) = gain ? r.base_force_N(i) : c.range_N; });
+    r.for_each_wanted([&](std::size_t i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      if (gain) out(row, column) = r.base_force_N(i);
+      if (zero) out(row, column + (gain ? kMostMountings - 1 : 0)) = c.range_N;
+    });
   };
   return form;
 }
@@ -109,7 +116,8 @@ const Registration<EffectKind> kRegistered{EffectKind{
              },
          .refine = false,
          .singles = true},
-        undeclared("two_steps", 2), undeclared("three_steps", 3), declared("declared_gain", true), declared("declared_zero", false)}}};
+        undeclared("two_steps", 2), undeclared("three_steps", 3), declared("declared_gain", true, false), declared("declared_zero", false, true),
+        declared("declared", true, true)}}};
 
 }  // namespace
 }  // namespace forcegate
