@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "hil/base/text.h"
 
@@ -33,7 +34,7 @@ class Reader {
   Unexpected bad(const std::string& what) const {
     const std::size_t line = more() ? rows_[at_].first : lines_;
     return fail(ErrorCode::parse, what, fmt::format("{}:{}", name_, line),
-                "record and bless the golden again");
+                "take the file back as it was blessed, or remove it and bless a run again");
   }
   static bool number(const std::string& word, double& value) {
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -86,6 +87,36 @@ Result<void> read_window(Reader& r, GoldenRecord& golden) {
   }
   golden.content.windows.push_back(std::move(window));
   return {};
+}
+
+// What a golden is of and where it is from. An unknown word is a known one that was damaged: nothing else writes goldens.
+Result<void> read_origin(const Reader& r, GoldenRecord& golden) {
+  static const std::vector<std::string> kProvenance{"firmware_sha256", "bundle", "tool_version", "date", "stimulus", "calibration",
+                                                    "who", "reason", "mre_maxima_pct", "mse_N2"};
+  const std::vector<std::string>& w = r.words();
+  const std::string value = join({w.begin() + 1, w.end()}, " ");
+  const std::pair<const char*, std::string*> texts[] = {
+      {"plan", &golden.plan}, {"case", &golden.case_name}, {"specimen", &golden.specimen}, {"rig", &golden.rig}, {"algorithm", &golden.algorithm}};
+  for (const auto& [key, text] : texts) {
+    if (w[0] != key) continue;
+    if (value.empty() && text != &golden.algorithm) return r.bad("a line without a value");  // a firmware may declare no algorithm
+    *text = value;
+    return {};
+  }
+  if (w[0] == "seed") {
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), golden.seed);
+    if (error != std::errc{} || end != value.data() + value.size()) return r.bad("a seed is a whole number from 0 on, not '" + printable_utf8(value) + "'");
+    return {};
+  }
+  if (std::find(kProvenance.begin(), kProvenance.end(), w[0]) != kProvenance.end()) {
+    golden.provenance[w[0]] = value;
+    return {};
+  }
+  std::vector<std::string> known = kProvenance;
+  known.push_back("seed");
+  for (const auto& [key, text] : texts) known.push_back(key);
+  const std::string near = nearest_name(w[0], known);
+  return r.bad("a golden has no line '" + printable_utf8(w[0]) + "'" + (near.empty() ? "" : ", the nearest is '" + near + "'"));
 }
 
 double tolerance_N(const TubeOptions& o, double golden_N, double span_N) {
@@ -175,7 +206,7 @@ Result<GoldenRecord> parse_golden_record(std::string_view text, const std::strin
     return r.bad("this is no golden trace of format 1");
   r.next();
   GoldenRecord golden;
-  bool counted = false;
+  std::set<std::string> seen;
   while (r.more()) {
     const auto& w = r.words();
     if (w[0] == "window") {
@@ -188,37 +219,25 @@ Result<GoldenRecord> parse_golden_record(std::string_view text, const std::strin
           !Reader::number(w[3], e.dut_N))
         return r.bad("an extremum wants instant, ATI and firmware");
       golden.content.extrema.push_back(e);
-    } else if (w[0] == "extrema") {
-      counted = w.size() == 4 && Reader::count(w[1], golden.extrema_in_all) &&
-                Reader::count(w[3], golden.every) && golden.every > 0;
-      if (!counted) return r.bad("extrema wants their number and a step");
+      r.next();
+      continue;
+    }
+    if (w.size() < 2) return r.bad("a line without a value");
+    const std::string line = w[0] == "tolerance" ? w[0] + " " + w[1] : w[0];
+    if (!seen.insert(line).second) return r.bad("'" + printable_utf8(line) + "' stands here a second time");
+    if (w[0] == "extrema") {
+      if (w.size() != 4 || !Reader::count(w[1], golden.extrema_in_all) || !Reader::count(w[3], golden.every) || golden.every == 0)
+        return r.bad("extrema wants their number and a step");
     } else if (w[0] == "tolerance") {
       if (!read_tolerance(w, golden)) return r.bad("a tolerance line is malformed");
-    } else if (w.size() < 2) {
-      return r.bad("a line without a value");
     } else {
-      std::string value = w[1];
-      for (std::size_t i = 2; i < w.size(); ++i) value += " " + w[i];
-      std::size_t seed = 0;
-      if (w[0] == "plan")
-        golden.plan = value;
-      else if (w[0] == "case")
-        golden.case_name = value;
-      else if (w[0] == "specimen")
-        golden.specimen = value;
-      else if (w[0] == "rig")
-        golden.rig = value;
-      else if (w[0] == "algorithm")
-        golden.algorithm = value;
-      else if (w[0] == "seed" && Reader::count(value, seed))
-        golden.seed = seed;
-      else
-        golden.provenance[w[0]] = value;
+      FORCEGATE_CHECK_OK(read_origin(r, golden));
     }
     r.next();
   }
-  if (!counted || golden.case_name.empty() || golden.specimen.empty())
-    return r.bad("the golden lacks its case, specimen or extrema");
+  // A line that is not there would leave a comparison out, or hold it against tolerances that nobody gave.
+  for (const char* needed : {"plan", "case", "specimen", "seed", "rig", "algorithm", "tolerance ati", "tolerance firmware", "extrema"})
+    if (!seen.contains(needed)) return r.bad(fmt::format("the golden lacks its line '{}'", needed));
   const std::size_t expected =
       golden.extrema_in_all == 0 ? 0 : (golden.extrema_in_all - 1) / golden.every + 1;
   if (golden.content.extrema.size() != expected)

@@ -54,7 +54,7 @@ struct GoldenRecord {
 
 /// At most 40 extrema of each kind are kept. Equal goldens give equal bytes.
 std::string to_text(const GoldenRecord& golden);
-/// Errors (parse) name the line.
+/// Errors (parse) name the line: one that is missing, unknown, given twice or without its value is damage and never passed over.
 Result<GoldenRecord> parse_golden_record(std::string_view text, const std::string& name);
 
 /// One extremum or sample of a window.

@@ -70,6 +70,19 @@ bool is_algorithm_check(const Check& c) {
   return c.id.starts_with("mre_") || c.id.starts_with("mae_") || c.id.starts_with("promise_");
 }
 
+// An acceptance tells which comparison was asked for and left out.
+std::string left_out(std::span<const Check* const> checks) {
+  constexpr std::pair<std::string_view, std::string_view> kComparisons[] = {
+      {"conformance", "conformance"}, {"rig_golden", "comparison with the golden traces"}, {"golden_firmware", "firmware against its golden trace"}};
+  std::string text;
+  for (const auto& [id, name] : kComparisons) {
+    const auto is_left_out = [&](const Check* c) { return c != nullptr && c->id == id && c->verdict == Verdict::not_run && !c->required; };
+    const auto first = std::find_if(checks.begin(), checks.end(), is_left_out);
+    if (first != checks.end()) text += fmt::format("; {} was not run: {}", name, (*first)->evidence);
+  }
+  return text;
+}
+
 Decision no_decision(Blame blame, int exit_code, std::string reason) {
   Decision d;
   d.kind = DecisionKind::no_decision;
@@ -201,11 +214,7 @@ Decision decide(std::span<const Check* const> checks, const DecisionRule& rule, 
   d.reason = waived == 0
                  ? fmt::format("all {} required checks passed", required.size())
                  : fmt::format("{} required checks passed, {} waived", required.size() - waived, waived);
-  for (const Check* c : checks)
-    if (c != nullptr && c->id == "conformance" && c->verdict == Verdict::not_run && !c->required) {
-      d.reason += "; conformance was not run: " + c->evidence;
-      break;
-    }
+  d.reason += left_out(checks);
   return d;
 }
 

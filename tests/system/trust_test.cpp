@@ -223,6 +223,7 @@ TEST_F(Trust, the_committed_goldens_of_the_smoke_plan_hold_and_every_margin_is_k
   const ProcessResult other = run({"gate", kGood, "--golden", "golden/traces/smoke", "--seed", "8", "--case",
                                    "sine_f0.50_A1.50_m2.70", "-o", folder / "run"});
   EXPECT_EQ(other.exit_code, 0) << other.out << other.err;
+  EXPECT_THAT(other.out.substr(0, other.out.find('\n')), HasSubstr("firmware against its golden trace was not run: the golden is of another seed (7, this record has 8)"));
   fs::create_directories(folder / "empty");
   EXPECT_EQ(run({"gate", kGood, "--golden", folder / "empty", "--case", "four_sines", "-o", folder / "run"}).exit_code, 3);
   EXPECT_EQ(run({"gate", kGood, "--golden", folder / "nowhere", "--case", "four_sines", "-o", folder / "run"}).exit_code, 2) << "a typing mistake";

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "hil/base/read_file.h"
+#include "hil/base/text.h"
 
 namespace forcegate {
 namespace fs = std::filesystem;
@@ -29,6 +30,8 @@ JudgedCheck not_run(const GoldenTarget& target, const char* id, const std::strin
   j.check.evidence = std::move(why);
   return j;
 }
+
+std::string in_words(const std::string& algorithm) { return algorithm.empty() ? "none" : printable_utf8(algorithm); }
 
 double stored_error(const GoldenRecord& golden, const std::string& name) {
   const auto at = golden.provenance.find(name);
@@ -94,10 +97,12 @@ void hold_against(const GoldenRecord& golden, const GoldenTarget& target, std::v
       return another_profile(truth.check.evidence + ", while the record follows its own set-point");
     list.push_back(std::move(truth));
   }
-  const char* why = golden.algorithm != target.algorithm ? "the golden is of another algorithm"
-                    : golden.seed != target.seed         ? "the golden is of another seed"
-                                                         : nullptr;
-  if (why != nullptr) {
+  const std::string why =
+      golden.algorithm != target.algorithm
+          ? fmt::format("the golden is of another algorithm ({}, the build declares {})", in_words(golden.algorithm), in_words(target.algorithm))
+      : golden.seed != target.seed ? fmt::format("the golden is of another seed ({}, this record has {})", golden.seed, target.seed)
+                                   : "";
+  if (!why.empty()) {
     list.push_back(not_run(target, "golden_firmware", "Firmware against its golden trace", why, false));
     return;
   }

@@ -141,6 +141,21 @@ TEST(Decision, accepts_when_every_required_check_passed) {
   EXPECT_EQ(d.exit_code, 0);
 }
 
+TEST(Decision, an_acceptance_names_every_comparison_that_was_left_out) {
+  std::vector<Check> checks = judged({check(1.0, 4.5, 0.1)});
+  for (const char* id : {"golden_firmware", "rig_golden", "conformance", "golden_firmware"}) {
+    Check c;
+    c.id = id;
+    c.verdict = Verdict::not_run;
+    c.required = false;
+    c.evidence = std::string("why ") + id;
+    checks.push_back(c);
+  }
+  EXPECT_EQ(decided(checks).reason,
+            "all 1 required checks passed; conformance was not run: why conformance; comparison with the golden traces was not run: why rig_golden; "
+            "firmware against its golden trace was not run: why golden_firmware");
+}
+
 TEST(Decision, rejects_and_names_the_check_first) {
   const Decision d = decided(judged({check(1.0, 4.5, 0.1), check(80.0, 4.5, 0.1)}));
   EXPECT_EQ(d.kind, DecisionKind::reject);

@@ -179,5 +179,38 @@ TEST(GoldenRecord, a_damaged_file_is_refused_with_its_line) {
   EXPECT_FALSE(parse_golden_record(nan, "g"));
 }
 
+TEST(GoldenRecord, a_damaged_line_of_its_head_never_leaves_a_comparison_out) {
+  const std::string text = to_text(golden());
+  const auto with = [&](const std::string& line, const std::string& instead) {
+    std::string other = text;
+    const std::size_t at = other.find(line + "\n");
+    EXPECT_NE(at, std::string::npos) << line;
+    return parse_golden_record(other.replace(at, line.size(), instead), "g");
+  };
+  const auto refused = [&](const std::string& line, const std::string& instead, const std::string& says, const std::string& where) {
+    const auto got = with(line, instead);
+    ASSERT_FALSE(got) << instead;
+    EXPECT_NE(got.error().text.find(says), std::string::npos) << got.error().to_text();
+    EXPECT_EQ(got.error().where, where) << got.error().to_text();
+  };
+  refused("seed 7", "sed 7", "no line 'sed', the nearest is 'seed'", "g:6");
+  refused("seed 7", "foo bar", "no line 'foo'", "g:6");
+  refused("seed 7", "seed -3", "whole number", "g:6");
+  refused("seed 7", "seed 7.5", "whole number", "g:6");
+  refused("seed 7", "seed 7\nseed 8", "'seed' stands here a second time", "g:7");
+  refused("algorithm lebosse-eq7/1", "algoritm lebosse-eq7/1", "the nearest is 'algorithm'", "g:8");
+  refused("rig emulated/1", "rig ", "without a value", "g:7");
+  refused("reason first one", "reason first one\nfoo = 1", "no line 'foo'", "g:10");
+  EXPECT_EQ(with("seed 7", "seed 12345678901234567")->seed, 12345678901234567u) << "a seed is no decimal";
+  for (const char* line : {"plan", "case", "specimen", "seed", "rig", "algorithm", "tolerance ati", "tolerance firmware", "extrema"}) {
+    std::string other = text;
+    const std::size_t at = other.find("\n" + std::string(line) + " ");
+    other.erase(at, other.find('\n', at + 1) - at);
+    const auto got = parse_golden_record(other, "g");
+    ASSERT_FALSE(got) << line;
+    EXPECT_NE(got.error().text.find(line), std::string::npos) << got.error().to_text();
+  }
+}
+
 }  // namespace
 }  // namespace forcegate
