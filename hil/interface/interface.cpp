@@ -119,6 +119,12 @@ Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec) {
       if (!(at->second >= p.minimum && at->second <= p.maximum)) return range_error(at->second);
     }
   }
+  // The facts of a profile are those of its settled part: a record must reach it.
+  const auto ramp = spec.numbers.find("ramp_s"), duration = spec.numbers.find("duration_s");
+  if (ramp != spec.numbers.end() && duration != spec.numbers.end() && ramp->second > 0.0 && ramp->second >= duration->second)
+    return fail(ErrorCode::usage,
+                "stimulus '" + spec.name + "' ends at " + shortest(duration->second) + " s, inside its loading ramp of " + shortest(ramp->second) + " s", {},
+                "raise duration_s, which counts the ramp, or lower ramp_s");
   return kind->make(spec);
 }
 

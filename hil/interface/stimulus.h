@@ -67,7 +67,8 @@ struct StimulusKind {
   std::function<Result<std::unique_ptr<Stimulus>>(const StimulusSpec&)> make;
 };
 
-/// Fills in fallbacks, refuses unknown names (with a suggestion) and values out of range, then makes it.
+/// Fills in fallbacks, refuses unknown names (with a suggestion), values out of range and a record that ends inside
+/// its loading ramp, then makes it.
 Result<std::unique_ptr<Stimulus>> make_stimulus(StimulusSpec spec);
 
 }  // namespace forcegate

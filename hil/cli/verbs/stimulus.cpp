@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -75,6 +76,11 @@ Result<int> run(const Invocation& in) {
   console.print(fact("smallest force", f.minimum_N, "N"));
   console.print(fact("largest force", f.maximum_N, "N"));
   console.print(fmt::format("  {:<22}{}", "cyclic loading", f.dynamic ? "yes" : "no"));
+  if (const double cycles = (sampled.duration_s - f.excitation_start_s) * f.lowest_frequency_Hz; f.dynamic && cycles > 0.0 && cycles < 1.0) {
+    const auto [low, high] = std::minmax_element(sampled.force_N.begin(), sampled.force_N.end());
+    console.note(fmt::format("the record ends after {:.2g} of a cycle of {} Hz: its samples go from {:.4g} to {:.4g} N, the forces above are those of whole cycles",
+                             cycles, shortest(f.lowest_frequency_Hz), *low, *high));
+  }
   if (f.maximum_N > kWheelEnd_N) console.note(fmt::format("the wheel of the bench ends at {} N, this profile goes to {:.4g} N", shortest(kWheelEnd_N), f.maximum_N));
   if (in.given("csv")) console.print("  written               " + in.text("csv"));
   if (in.given("plot")) console.print("  drawn                 " + in.text("plot"));

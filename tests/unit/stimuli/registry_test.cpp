@@ -131,6 +131,22 @@ TEST(Stimuli, pulling_on_the_sensor_is_refused) {
   }
 }
 
+TEST(Stimuli, a_record_that_ends_inside_its_loading_ramp_is_refused) {
+  for (const StimulusKind& kind : Registry<StimulusKind>::instance().all()) {
+    const auto has = [&](const char* name) {
+      return std::any_of(kind.parameters.begin(), kind.parameters.end(), [&](const StimulusParameter& p) { return p.name == name; });
+    };
+    if (!has("ramp_s") || !has("duration_s")) continue;
+    for (const double duration_s : {1.0, 5.0, 10.0}) {
+      StimulusSpec s = sample(kind.name, 0);
+      s.numbers["ramp_s"] = 10.0, s.numbers["duration_s"] = duration_s;
+      const auto made = make_stimulus(s);
+      ASSERT_FALSE(made.has_value()) << kind.name << " " << duration_s;
+      EXPECT_NE(made.error().text.find("inside its loading ramp of 10 s"), std::string::npos) << made.error().to_text();
+    }
+  }
+}
+
 TEST(Stimuli, sine_begins_at_its_minimum_and_peaks_after_half_a_period) {
   const auto s = make_stimulus(sample("sine", 0));
   EXPECT_NEAR((*s)->force_N(0.5 / 0.7), 4.2, 1e-12);
