@@ -7,10 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <iterator>
 #include <limits>
-#include <vector>
 
+#include "adapters/link/fenced_block.h"
 #include "adapters/link/image.h"
 #include "hil/base/text.h"
 #include "hil/interface/dut.h"
@@ -70,7 +69,7 @@ class NativeDut final : public Dut {
     if (image.kind != link::ImageKind::host_shared_object)
       return fail(ErrorCode::usage, "the native lane wants a shared object", where_,
                   "use --lane block or --lane uart");
-    if (!image.damage.empty()) return fail(ErrorCode::usage, image.damage, where_, "build or copy it again");
+    FORCEGATE_CHECK_OK(link::check_whole(image, where_));
     const std::string path = std::filesystem::absolute(session.image).string();
     {
       const InFirmware marker(FirmwareStage::opening);  // constructors of the object may run
@@ -95,20 +94,29 @@ class NativeDut final : public Dut {
                        std::span<float> force_N, std::span<std::uint8_t> flags) override {
     if (process_ == nullptr) return fail(ErrorCode::internal, "the native lane is not open", where_);
     std::int32_t status = 0;
-    guard_block(adc.size());
-    const std::span<float> own_N(force_.data() + kGuard, adc.size());
-    const std::span<std::uint8_t> own_flags(flags_.data() + kGuard, adc.size());
+    const std::span<std::uint16_t> own_adc = adc_.make(adc.size());
+    const std::span<float> own_N = force_.make(adc.size());
+    const std::span<std::uint8_t> own_flags = flags_.make(adc.size());
+    if (own_adc.data() == nullptr || own_N.data() == nullptr || own_flags.data() == nullptr)
+      return fail(ErrorCode::io, "there is no memory for a block of " + std::to_string(adc.size()) + " samples", where_);
+    std::copy(adc.begin(), adc.end(), own_adc.begin());
     mark_unanswered(own_N, own_flags);
     // Asking costs a microsecond: too much for the ten samples of a control period.
     const bool watch_heap = first_index >= kHeapSettled && adc.size() >= 256;
     const std::int64_t before = watch_heap ? heap_bytes() : 0;
     {
       const InFirmware marker(first_index, static_cast<std::uint32_t>(adc.size()));
-      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), adc.data(), own_N.data(), own_flags.data());
+      status = process_(first_index, static_cast<std::uint32_t>(adc.size()), own_adc.data(), own_N.data(), own_flags.data());
     }
     std::copy(own_N.begin(), own_N.end(), force_N.begin());
     std::copy(own_flags.begin(), own_flags.end(), flags.begin());
-    if (!guards_hold(adc.size()))
+    if (!std::equal(adc.begin(), adc.end(), own_adc.begin())) {
+      const auto changed = std::mismatch(adc.begin(), adc.end(), own_adc.begin());
+      return fail(ErrorCode::firmware,
+                  "the image writes into the codes that it is given, first at sample " + std::to_string(first_index + static_cast<std::size_t>(changed.first - adc.begin())), where_,
+                  "they are const in rigs/firmware/ports/native.h; filter or scale a copy of them");
+    }
+    if (!adc_.marks_hold() || !force_.marks_hold() || !flags_.marks_hold())
       return fail(ErrorCode::firmware,
                   "the image writes beyond its block of " + std::to_string(adc.size()) + " samples from sample " + std::to_string(first_index) + " on", where_,
                   "what lies there on a board is other data");
@@ -178,26 +186,6 @@ class NativeDut final : public Dut {
                    static_cast<double>(info.rate_Hz)};
   }
 
-  // Bytes before and behind the block that no answer may touch. The block has the caller's size: most overruns are by a few.
-  void guard_block(std::size_t n) {
-    force_.resize(n + 2 * kGuard);
-    flags_.resize(n + 2 * kGuard);
-    each_guard(n, [](auto& word) { std::memset(&word, kGuardByte, sizeof word); });
-  }
-  bool guards_hold(std::size_t n) {
-    bool hold = true;
-    each_guard(n, [&](auto& word) {
-      unsigned char bytes[sizeof word];
-      std::memcpy(bytes, &word, sizeof word);
-      hold = hold && std::all_of(std::begin(bytes), std::end(bytes), [](unsigned char b) { return b == kGuardByte; });
-    });
-    return hold;
-  }
-  template <class Visit>
-  void each_guard(std::size_t n, Visit visit) {
-    for (std::size_t i = 0; i < kGuard; ++i) visit(force_[i]), visit(force_[kGuard + n + i]), visit(flags_[i]), visit(flags_[kGuard + n + i]);
-  }
-
   static std::int64_t heap_bytes() {
     const struct mallinfo2 info = mallinfo2();
     return static_cast<std::int64_t>(info.uordblks + info.hblkhd);
@@ -221,10 +209,9 @@ class NativeDut final : public Dut {
     close_ = nullptr;
   }
 
-  static constexpr std::size_t kGuard = 16;
-  static constexpr unsigned char kGuardByte = 0xA5;
-  std::vector<float> force_;
-  std::vector<std::uint8_t> flags_;
+  FencedBlock<std::uint16_t> adc_;  // a copy: what the image is judged by stays out of its reach
+  FencedBlock<float> force_;
+  FencedBlock<std::uint8_t> flags_;
   link::Image image_;
   void* handle_ = nullptr;
   std::uint32_t (*abi_)() = nullptr;

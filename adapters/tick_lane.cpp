@@ -19,8 +19,8 @@ const Registration<LaneKind> kRegistered{{
       return image && image->port == "block" && image->ticks;
     },
     [](const std::map<std::string, std::string>& options) -> Result<std::unique_ptr<Dut>> {
-      FORCEGATE_TRY(std::string program, Qemu::find(options));
-      return make_block_dut(std::move(program), Qemu::timeout_s(options, 20.0), BlockMode::tick);
+      FORCEGATE_TRY(QemuOptions given, Qemu::options("tick", options, 20.0));
+      return make_block_dut(std::move(given.program), given.timeout_s, BlockMode::tick);
     },
 }};
 

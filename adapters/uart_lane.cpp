@@ -34,6 +34,7 @@ class UartDut final : public Dut {
     device_dropped_ = device_bad_ = 0;
     where_ = printable_utf8(session.image.string());
     FORCEGATE_TRY(const link::Image image, link::inspect_image(session.image));
+    FORCEGATE_CHECK_OK(link::check_whole(image, where_));
     if (image.port != "uart" || image.board.empty())
       return fail(ErrorCode::usage, "the image is not built for the uart port", where_,
                   "link rigs/firmware/ports/uart_lm3s6965.c, or choose the lane " +
@@ -296,8 +297,8 @@ const Registration<LaneKind> kRegistered{{
       return image && image->port == "uart";
     },
     [](const std::map<std::string, std::string>& options) -> Result<std::unique_ptr<Dut>> {
-      FORCEGATE_TRY(std::string program, Qemu::find(options));
-      return std::make_unique<UartDut>(std::move(program), Qemu::timeout_s(options, kTimeout_s));
+      FORCEGATE_TRY(QemuOptions given, Qemu::options("uart", options, kTimeout_s));
+      return std::make_unique<UartDut>(std::move(given.program), given.timeout_s);
     },
 }};
 

@@ -69,6 +69,7 @@ class BlockDut final : public Dut {
     rate_Hz_ = session.rate_Hz;
     where_ = printable_utf8(session.image.string());
     FORCEGATE_TRY(const link::Image image, link::inspect_image(session.image));
+    FORCEGATE_CHECK_OK(link::check_whole(image, where_));
     if (image.port != "block" || image.board.empty())
       return fail(ErrorCode::usage, "the image is not built for the block port", where_,
                   "link rigs/firmware/ports/block.c, or choose the lane " +

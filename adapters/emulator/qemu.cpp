@@ -1,28 +1,49 @@
 #include "adapters/emulator/qemu.h"
 
+#include <algorithm>
 #include <charconv>
 
+#include "hil/base/read_file.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
+namespace {
 
-Result<std::string> Qemu::find(const std::map<std::string, std::string>& options) {
-  const auto given = options.find("qemu");
-  const std::string name = given != options.end() ? given->second : "qemu-system-arm";
+constexpr double kLongest_s = 3600.0;
+
+// What the emulator says of itself stands before the registers that it dumps as it aborts.
+std::string last_words(const std::filesystem::path& log) {
+  constexpr std::size_t kLongest = 1 << 16;
+  const auto text = read_file(log);
+  if (!text) return {};
+  const std::string_view tail = std::string_view(*text).substr(text->size() > kLongest ? text->size() - kLongest : 0);
+  const std::size_t at = tail.rfind("qemu: fatal: ");
+  if (at == std::string_view::npos) return last_line(log);
+  return printable_utf8(std::string(tail.substr(at, std::min(tail.find('\n', at) - at, std::size_t{200}))));
+}
+
+}  // namespace
+
+
+Result<QemuOptions> Qemu::options(const std::string& lane, const std::map<std::string, std::string>& given, double timeout_s) {
+  std::string name = "qemu-system-arm";
+  for (const auto& [key, text] : given) {
+    if (key == "qemu") {
+      name = text;
+    } else if (key == "timeout_s") {
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), timeout_s);
+      if (error != std::errc{} || end != text.data() + text.size() || !(timeout_s > 0.0 && timeout_s <= kLongest_s))
+        return fail(ErrorCode::usage, "timeout_s = '" + printable_utf8(text) + "' is no time", "--lane-option", "give seconds above 0, at most " + shortest(kLongest_s));
+    } else {
+      return fail(ErrorCode::usage, "the " + lane + " lane has no option '" + printable_utf8(key) + "'", "--lane-option",
+                  "it has: qemu (the program), timeout_s (longest wait for one answer)");
+    }
+  }
   const auto program = find_program(name);
   if (!program)
     return fail(ErrorCode::config, "the emulator " + printable_utf8(name) + " is not installed", {},
                 "apt-get install qemu-system-arm, or judge the native build with --lane native");
-  return program->string();
-}
-
-double Qemu::timeout_s(const std::map<std::string, std::string>& options, double fallback) {
-  const auto given = options.find("timeout_s");
-  if (given == options.end()) return fallback;
-  double value = 0.0;
-  const std::string& text = given->second;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() && value > 0.0 ? value : fallback;
+  return QemuOptions{program->string(), timeout_s};
 }
 
 Result<void> Qemu::make_folder() {
@@ -43,7 +64,7 @@ Result<void> Qemu::start(const std::string& program, const std::string& board,
 }
 
 Error Qemu::death(const std::string& where) {
-  const std::string line = folder_ != nullptr ? last_line(folder_->path() / "log") : "";
+  const std::string line = folder_ != nullptr ? last_words(folder_->path() / "log") : "";
   std::string text = "the image ended: " + child_.ended().value_or("unknown cause");
   if (!line.empty()) text += ": " + line;
   return Error{ErrorCode::firmware, std::move(text), where,

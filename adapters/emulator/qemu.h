@@ -13,14 +13,16 @@
 
 namespace forcegate {
 
+struct QemuOptions {
+  std::string program;
+  double timeout_s = 0.0;
+};
+
 class Qemu {
  public:
-  /// Options: "qemu" = program (default qemu-system-arm in PATH). ErrorCode::config with the package when it
-  /// is missing.
-  static Result<std::string> find(const std::map<std::string, std::string>& options);
-
-  /// Option "timeout_s": longest wait for one answer, s; `fallback` when it is not given or no number.
-  static double timeout_s(const std::map<std::string, std::string>& options, double fallback);
+  /// "qemu": program (default qemu-system-arm in PATH); "timeout_s": longest wait for one answer, s. ErrorCode::usage names an
+  /// option that `lane` does not have and a time that is none, config the package when the program is missing.
+  static Result<QemuOptions> options(const std::string& lane, const std::map<std::string, std::string>& given, double timeout_s);
 
   /// `extra` follows "-machine BOARD -kernel IMAGE"; the working folder is folder().
   Result<void> start(const std::string& program, const std::string& board, const std::filesystem::path& image,
@@ -28,7 +30,7 @@ class Qemu {
   Result<void> make_folder();
   const std::filesystem::path& folder() const { return folder_->path(); }
   bool dead() { return child_.ended().has_value(); }
-  /// ErrorCode::firmware: "the image ended: killed by signal 11 ...".
+  /// ErrorCode::firmware: "the image ended: killed by signal 6 (Aborted): qemu: fatal: Lockup ...".
   Error death(const std::string& where);
   void finish(double timeout_s) { child_.finish(timeout_s); }
   void stop();

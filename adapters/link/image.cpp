@@ -61,20 +61,26 @@ void add_sizes(const std::string& bytes, Image& image) {
   }
 }
 
-// Bytes that head, section table and loaded segments of an ELF64 file need.
+// Bytes that head, section table and loaded segments of an ELF file need.
+template <class Head, class Segment>
 std::uint64_t bytes_needed(const std::string& bytes) {
-  Elf64_Ehdr head;
+  Head head;
   if (bytes.size() < sizeof head) return sizeof head;
   std::memcpy(&head, bytes.data(), sizeof head);
   std::uint64_t end = std::uint64_t{head.e_shoff} + std::uint64_t{head.e_shnum} * head.e_shentsize;
   for (std::uint64_t i = 0; i < head.e_phnum; ++i) {
-    const std::uint64_t at = head.e_phoff + i * sizeof(Elf64_Phdr);
-    if (at > bytes.size() || bytes.size() - at < sizeof(Elf64_Phdr)) return std::max(end, at + sizeof(Elf64_Phdr));
-    Elf64_Phdr segment;
+    const std::uint64_t at = std::uint64_t{head.e_phoff} + i * sizeof(Segment);
+    if (at > bytes.size() || bytes.size() - at < sizeof(Segment)) return std::max(end, at + sizeof(Segment));
+    Segment segment;
     std::memcpy(&segment, bytes.data() + at, sizeof segment);
     if (segment.p_type == PT_LOAD) end = std::max(end, std::uint64_t{segment.p_offset} + segment.p_filesz);
   }
   return end;
+}
+
+std::string damage_of(const std::string& bytes, std::uint64_t needed) {
+  if (needed <= bytes.size()) return {};
+  return "the firmware file is cut short or damaged: it has " + std::to_string(bytes.size()) + " bytes, its tables speak of " + std::to_string(needed);
 }
 
 // A position-independent program is a shared object too, but one that no loader takes into another program.
@@ -110,6 +116,11 @@ Result<void> check_build_id(const Image& image, const std::string& announced, co
               where, "flash the file that is to be judged");
 }
 
+Result<void> check_whole(const Image& image, const std::string& where) {
+  if (image.damage.empty()) return {};
+  return fail(ErrorCode::usage, image.damage, where, "build or copy it again");
+}
+
 Result<Image> inspect_image(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return refuse(path, "there is no such firmware file");
@@ -128,9 +139,7 @@ Result<Image> inspect_image(const std::filesystem::path& path) {
   Image image;
   image.build_id = marker(bytes, "forcegate-build:");
   if (bytes[EI_CLASS] == ELFCLASS64 && machine == kHostMachine && type == ET_DYN) {
-    if (const std::uint64_t needed = bytes_needed(bytes); needed > bytes.size())
-      image.damage = "the firmware file is cut short or damaged: it has " + std::to_string(bytes.size()) + " bytes, its tables speak of " +
-                     std::to_string(needed);
+    image.damage = damage_of(bytes, bytes_needed<Elf64_Ehdr, Elf64_Phdr>(bytes));
     if (is_program(bytes))
       return fail(ErrorCode::usage, "this is a program and no firmware image", printable_utf8(path.string()),
                   "the native lane wants a shared object built with rigs/firmware/ports/native.h");
@@ -141,6 +150,7 @@ Result<Image> inspect_image(const std::filesystem::path& path) {
   }
   if (bytes[EI_CLASS] != ELFCLASS32 || machine != EM_ARM || type != ET_EXEC)
     return refuse(path, "the ELF file is neither a shared object of this machine nor an ARM executable");
+  image.damage = damage_of(bytes, bytes_needed<Elf32_Ehdr, Elf32_Phdr>(bytes));
   static constexpr char kMarker[] = "forcegate-port:";
   std::size_t at = bytes.find(kMarker);
   if (at != std::string::npos) {

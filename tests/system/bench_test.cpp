@@ -156,6 +156,30 @@ TEST_F(Bench, AFirmwareThatWritesBeyondItsBlockIsRejectedWhereItRunsInTheProcess
   }
 }
 
+TEST_F(Bench, AFirmwareThatWritesFarBeyondItsBlockCrashesAndIsNoDefectOfTheHarness) {
+  const std::string image = folder / "far.so";
+  for (const std::string place : {"force_N[n + 64]", "force_N[n + 2000]", "flags[n + 5000]", "((uint16_t*)adc)[n + 2000]"}) {
+    ASSERT_NO_FATAL_FAILURE(make_image(image, R"(  for (uint32_t i = 0; i < n; ++i) force_N[i] = adc[i] * 1e-4f, flags[i] = 0;
+  if (first > 0) PLACE = 1;)", "PLACE=" + place));
+    const ProcessResult r = forcegate({"gate", image, "--case", "four_sines", "--specimen", "q50", "-o", folder / "run"}, kHere);
+    EXPECT_EQ(r.exit_code, 1) << place << r.out << r.err;
+    EXPECT_THAT(r.out, HasSubstr("the firmware crashed with signal SEGV")) << place;
+  }
+}
+
+// What the oracle, the checks of the rig and the record see are the codes that were played, never what an image makes of them.
+TEST_F(Bench, AFirmwareThatWritesIntoItsCodesIsRejectedAndNoCableIsLookedFor) {
+  const std::string image = folder / "in_place.so";
+  for (const std::string how : {"w[i] = (uint16_t)(w[i] * 0.98)", "w[i] &= 0xFFF8", "w[0] = 0"}) {
+    ASSERT_NO_FATAL_FAILURE(make_image(image, R"(  uint16_t* w = (uint16_t*)adc;
+  for (uint32_t i = 0; i < n; ++i) HOW, force_N[i] = adc[i] * 1e-4f, flags[i] = 0;)", "HOW=" + how));
+    const ProcessResult r = forcegate({"gate", image, "--case", "four_sines", "--specimen", "q50", "-o", folder / "run"}, kHere);
+    EXPECT_EQ(r.exit_code, 1) << how << r.out << r.err;
+    EXPECT_THAT(r.out, HasSubstr("writes into the codes that it is given")) << how;
+    EXPECT_THAT(r.out, HasSubstr("the firmware")) << how;
+  }
+}
+
 TEST_F(Bench, EveryVerbThatTakesARigTakesABenchFile) {
   const std::string made = folder / "campaign";
   const ProcessResult recorded =

@@ -142,6 +142,45 @@ TEST_F(Lanes, ADeadOrSilentEmulatorIsAFirmwareError) {
   EXPECT_NE(late.error().text.find("no answer"), std::string::npos);
 }
 
+TEST_F(Lanes, AFileThatIsCutShortIsNeverWhatWasBuilt) {
+  const PrivateFolder folder = PrivateFolder::make().value();
+  for (const auto& [lane, name] : {std::pair{"block", "reference-m4f.block.elf"}, {"tick", "reference-m4f.block.elf"}, {"uart", "reference.uart.elf"}}) {
+    for (const double share : {0.5, 0.75, 0.98}) {
+      const std::filesystem::path cut = folder.path() / name;
+      std::filesystem::copy_file(image(name), cut, std::filesystem::copy_options::overwrite_existing);
+      std::filesystem::resize_file(cut, static_cast<std::uintmax_t>(share * static_cast<double>(std::filesystem::file_size(image(name)))));
+      const auto got = (*make_dut(lane))->open(session_of(cut, calibration_));
+      ASSERT_FALSE(got) << lane << " " << share;
+      EXPECT_EQ(got.error().code, ErrorCode::usage) << lane << " " << share;
+      EXPECT_NE(got.error().text.find("cut short or damaged: it has "), std::string::npos) << got.error().to_text();
+    }
+  }
+}
+
+TEST_F(Lanes, AnOptionThatALaneDoesNotHaveIsRefusedByName) {
+  for (const char* lane : {"block", "tick", "uart"}) {
+    const auto foreign = make_dut(lane, {{"foo", "1"}});
+    ASSERT_FALSE(foreign) << lane;
+    EXPECT_EQ(foreign.error().code, ErrorCode::usage);
+    EXPECT_EQ(foreign.error().text, std::string("the ") + lane + " lane has no option 'foo'");
+    for (const char* time : {"abc", "-1", "nan", "5s"}) EXPECT_FALSE(make_dut(lane, {{"timeout_s", time}})) << lane << time;
+    EXPECT_TRUE(make_dut(lane, {{"timeout_s", "5"}})) << lane;
+  }
+}
+
+TEST_F(Lanes, AnEmulatorThatAbortsIsToldByWhatItSaidAndNotByItsRegisters) {
+  const PrivateFolder folder = PrivateFolder::make().value();
+  const std::filesystem::path fake = folder.path() / "qemu";
+  std::ofstream(fake) << "#!/bin/sh\necho \"qemu: fatal: Lockup: can't escalate 3 to HardFault\" >&2\n"
+                         "echo >&2\necho R00=00000000 >&2\necho 'FPSCR: 00000000' >&2\nkill -ABRT $$\n";
+  std::filesystem::permissions(fake, std::filesystem::perms::owner_all);
+  const auto dut = make_dut("block", {{"qemu", fake.string()}});
+  const auto got = (*dut)->open(session_of(image("reference-m4f.block.elf"), calibration_));
+  ASSERT_FALSE(got);
+  EXPECT_NE(got.error().text.find("qemu: fatal: Lockup: can't escalate 3 to HardFault"), std::string::npos) << got.error().text;
+  EXPECT_EQ(got.error().text.find("FPSCR"), std::string::npos) << got.error().text;
+}
+
 TEST_F(Lanes, ACalibrationOutOfRangeIsRefusedInEveryLane) {
   Calibration bad = calibration_;
   bad.q_scale = 0.0;
