@@ -84,6 +84,21 @@ TEST_F(Trust, a_changed_file_of_a_bundle_is_named) {
   EXPECT_THAT(r.err, HasSubstr("records.jsonl"));
 }
 
+TEST_F(Trust, an_edited_decision_is_told_as_that_and_never_shown_as_a_report) {
+  run({"gate", kOff, "--case", "four_sines", "-o", folder / "run"});
+  const std::string result = folder / "run/result.json";
+  std::string text = read_text(result);
+  const std::size_t at = text.find("REJECT");
+  ASSERT_NE(at, std::string::npos);
+  write_text(result, text.replace(at, 6, "ACCEPT"));
+  for (const std::vector<std::string>& line : {std::vector<std::string>{"check", folder / "run"}, {"report", folder / "run"}, {"report", result}}) {
+    const ProcessResult r = run(line);
+    EXPECT_EQ(r.exit_code, 2) << r.out << r.err;
+    EXPECT_THAT(r.err, HasSubstr("the result was changed after the run")) << line[0];
+    EXPECT_THAT(r.err, HasSubstr("result.json"));
+  }
+}
+
 TEST_F(Trust, the_same_records_are_rejected_under_a_tighter_plan) {
   const std::string stored = gated(kGood, "run");
   std::string plan = read_text(fs::path(FORCEGATE_SOURCE_DIR) / "ci/plans/faults.toml");

@@ -49,11 +49,11 @@ std::vector<JudgedCheck> take_compared(RunResult& head) {
 }
 
 std::string manifest_text(const std::string& id, const std::string& version,
-                          const std::vector<BundleFile>& files) {
+                          const std::string& result_sha256, const std::vector<BundleFile>& files) {
   Json list = Json::array();
   for (const BundleFile& f : files)
     list.push_back({{"name", f.name}, {"bytes", f.bytes}, {"sha256", f.sha256}});
-  return Json{{"format", kBundleFormat}, {"id", id}, {"tool_version", version}, {"files", list}}.dump(1) +
+  return Json{{"format", kBundleFormat}, {"id", id}, {"tool_version", version}, {"result_sha256", result_sha256}, {"files", list}}.dump(1) +
          "\n";
 }
 
@@ -118,13 +118,13 @@ class BundleWriter {
     return copy("firmware", source.firmware);
   }
 
-  Result<void> seal(const std::string& tool_version) {
+  Result<void> seal(const std::string& tool_version, const RunResult& result) {
     std::sort(names_.begin(), names_.end());
     std::vector<BundleFile> files;
     for (const std::string& name : names_) {
       FORCEGATE_TRY(files.emplace_back(), describe(folder_, name));
     }
-    return write_file_atomically(folder_ / "bundle.json", manifest_text(id_of(files), tool_version, files));
+    return write_file_atomically(folder_ / "bundle.json", manifest_text(id_of(files), tool_version, sha256_hex(to_json(result)), files));
   }
 
  private:
@@ -162,6 +162,7 @@ Result<Bundle> read_manifest(const fs::path& folder) {
                   "take the bundle as the run wrote it; --limits judges under other limits");
     bundle.files.push_back(std::move(listed));
   }
+  FORCEGATE_CHECK_OK(check_result_unchanged(folder));
   if (id_of(bundle.files) != bundle.id)
     return fail(ErrorCode::parse, "the list of the bundle was changed", where,
                 "take the bundle as the run wrote it");
@@ -206,7 +207,23 @@ Result<characterize::WeightMaterial> read_weight_material(const fs::path& inner,
 
 }  // namespace
 
-Result<void> write_bundle(const fs::path& folder, const BundleSource& source, const RunMaterial& material) {
+Result<void> check_result_unchanged(const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path list = folder / "bundle.json", result = folder / "result.json";
+  if (!fs::exists(list, ignored) || !fs::exists(result, ignored)) return {};
+  FORCEGATE_TRY(const std::string text, read_file(list));
+  const auto manifest = nlohmann::json::parse(text, nullptr, false);
+  const std::string listed = manifest.is_object() && manifest.contains("result_sha256") && manifest["result_sha256"].is_string()
+                                 ? manifest["result_sha256"].get<std::string>()
+                                 : "";
+  if (listed.empty()) return {};
+  FORCEGATE_TRY(const std::string found, sha256_file(result));
+  if (found == listed) return {};
+  return fail(ErrorCode::parse, "the result was changed after the run", result.string(),
+              "take the folder as the run wrote it, or gate the build again");
+}
+
+Result<void> write_bundle(const fs::path& folder, const BundleSource& source, const RunMaterial& material, const RunResult& result) {
   BundleWriter out(folder);
   FORCEGATE_CHECK_OK(out.add("plan.json", to_json(material.plan)));
   if (!material.limits.plan.empty()) FORCEGATE_CHECK_OK(out.copy("limits.toml", source.limits));
@@ -226,11 +243,11 @@ Result<void> write_bundle(const fs::path& folder, const BundleSource& source, co
   for (const PlayedRecord& one : material.records)
     if (const std::string& name = one.record.trace_file; !name.empty() && fs::exists(folder / name, ignored))
       out.list(name);
-  return out.seal(material.head.tool_version);
+  return out.seal(material.head.tool_version, result);
 }
 
 Result<void> write_bundle(const fs::path& folder, const BundleSource& source,
-                          const characterize::WeightMaterial& material) {
+                          const characterize::WeightMaterial& material, const RunResult& result) {
   BundleWriter out(folder);
   FORCEGATE_CHECK_OK(out.copy("study.toml", material.plan.study.path));
   FORCEGATE_CHECK_OK(out.add_common(source, material.head,
@@ -241,7 +258,7 @@ Result<void> write_bundle(const fs::path& folder, const BundleSource& source,
                                      {"cancelled", material.cancelled},
                                      {"today", source.evidence.today}}));
   FORCEGATE_CHECK_OK(out.add("records.jsonl", to_text(material.records)));
-  return out.seal(material.head.tool_version);
+  return out.seal(material.head.tool_version, result);
 }
 
 Result<Bundle> read_bundle(const fs::path& folder) {

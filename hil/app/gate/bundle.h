@@ -49,11 +49,15 @@ struct BundleSource {
   const RunEvidence& evidence;
 };
 
-/// Writes bundle/ and bundle.json into the folder of a run, whose kept traces are already there.
+/// Writes bundle/ and bundle.json into the folder of a run, whose kept traces are already there. The list has the hash of the
+/// result too, which is written last.
 Result<void> write_bundle(const std::filesystem::path& folder, const BundleSource& source,
-                          const RunMaterial& material);
+                          const RunMaterial& material, const RunResult& result);
 Result<void> write_bundle(const std::filesystem::path& folder, const BundleSource& source,
-                          const characterize::WeightMaterial& material);
+                          const characterize::WeightMaterial& material, const RunResult& result);
+
+/// Good where the folder holds no list, or one of before results were listed. Errors (parse): result.json is not what the run wrote.
+Result<void> check_result_unchanged(const std::filesystem::path& folder);
 
 /// Margins of the goldens, bundle and every report, then the folder gets its name.
 template <class Material>
@@ -61,11 +65,11 @@ Result<void> publish_run(RunFolder& folder, const BundleSource& source, const Ma
                          const std::vector<GoldenMargins>& margins, const RunResult& result) {
   for (const GoldenMargins& one : margins)
     FORCEGATE_CHECK_OK(write_file_atomically(folder.path() / "golden" / one.file, one.csv));
-  FORCEGATE_CHECK_OK(write_bundle(folder.path(), source, material));
+  FORCEGATE_CHECK_OK(write_bundle(folder.path(), source, material, result));
   return folder.publish(result);
 }
 
-/// Checks every hash first. Errors (parse): no bundle, another format, a file that is missing or was changed.
+/// Checks every hash first. Errors (parse): no bundle, another format, a file that is missing or was changed, result.json included.
 Result<Bundle> read_bundle(const std::filesystem::path& folder);
 
 }  // namespace forcegate

@@ -190,7 +190,7 @@ Result<CheckAnswer> check_run(const CheckRequest& request, const GateProgress& p
   if (!answer.same_bytes && !answer.other_limits)
     answer.differences.push_back(
         bundle.tool_version == answer.result.tool_version
-            ? "result.json differs from what the same records give now"
+            ? "this program judges the same records otherwise than result.json says"
             : fmt::format("result.json was written by version {}", bundle.tool_version));
   return answer;
 }

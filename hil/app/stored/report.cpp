@@ -1,6 +1,7 @@
 #include "hil/app/stored/report.h"
 
 #include "hil/app/files/write_file.h"
+#include "hil/app/gate/bundle.h"
 #include "hil/base/text.h"
 #include "hil/interface/reporter.h"
 #include "hil/report/console.h"
@@ -20,6 +21,7 @@ Result<ReportAnswer> render_report(const ReportRequest& request) {
   }
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(request.result, ignored);
+  FORCEGATE_CHECK_OK(check_result_unchanged(folder ? request.result : request.result.parent_path()));
   FORCEGATE_TRY(RunResult result, read_result(folder ? request.result / "result.json" : request.result));
   const bool painted = request.colour && kind->name == "console" && request.output.empty();
   ReportAnswer answer{painted ? render_console(result, {.colour = true}) : kind->render(result), {}};
