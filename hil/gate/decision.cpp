@@ -47,12 +47,13 @@ std::string named(const Check& c) { return c.case_id.empty() ? "" : fmt::format(
 
 std::string more(std::size_t n) { return n > 1 ? fmt::format(" (and {} more)", n - 1) : std::string(); }
 
-// The check to name first: one of the whole run before one of a case, then the one furthest beyond its limit.
+// The check to name first: what ended the record, then one of the whole run, then the one furthest beyond its limit. Of a limit of 0
+// the count itself is how far: one sample in thousands is no headline before a value that is thousands of times its limit.
 const Check* worst(const std::vector<const Check*>& checks) {
   const auto rank = [](const Check& c) {
-    const double scale = std::max(std::fabs(c.limit.value), 1e-9);
+    const double scale = c.limit.value != 0.0 ? std::fabs(c.limit.value) : 1.0;
     const double beyond = std::fabs(c.value - c.limit.value) / scale;
-    return std::pair(c.case_id.empty() ? 1 : 0, std::isfinite(beyond) ? beyond : 0.0);
+    return std::pair(title_is_a_promise(c) ? 2 : c.case_id.empty() ? 1 : 0, std::isfinite(beyond) ? beyond : 0.0);
   };
   return *std::max_element(checks.begin(), checks.end(),
                            [&](const Check* a, const Check* b) { return rank(*a) < rank(*b); });

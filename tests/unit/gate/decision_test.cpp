@@ -164,6 +164,21 @@ TEST(Decision, rejects_and_names_the_check_first) {
   EXPECT_NE(d.reason.find("maxima"), std::string::npos);
 }
 
+TEST(Decision, names_the_finding_that_is_furthest_beyond_its_limit_and_one_that_ended_the_record_before_it) {
+  const auto in_case = [](const char* id, const char* title, double value, double limit) {
+    Check c = check(value, limit);
+    c.id = id, c.title = title, c.case_id = "four_sines/q50";
+    return c;
+  };
+  std::vector<Check> list{in_case("prelude_output", "Output under hostile codes", 1.0, 0.0), in_case("conformance", "Conformance", 1241.0, 0.5),
+                          check(5.0, 4.5)};
+  list.back().case_id = "four_sines/q50";
+  EXPECT_EQ(decided(judged(list)).reason.substr(0, 11), "Conformance");
+  list.push_back(in_case("firmware_runs", "Firmware runs", 1.0, 0.0));
+  list.back().evidence = "the firmware crashed";
+  EXPECT_NE(decided(judged(list)).reason.find("Firmware runs"), std::string::npos) << decided(judged(list)).reason;
+}
+
 TEST(Decision, does_not_accept_a_marginal_value_unless_the_rule_is_simple) {
   DecisionRule simple;
   simple.name = "simple";
