@@ -66,3 +66,11 @@ configure() {
   cmake -S . -B "$dir" -G Ninja "$@"
   printf '%s' "$options" >"$dir/.forcegate-options"
 }
+
+# worse_code A B: the exit code of two gates. A rejection is never hidden, and a rig fault (4, the only one that is worth a retry)
+# only stands where the other one has nothing to say.
+worse_code() {
+  if [ "$1" -eq 1 ] || [ "$2" -eq 0 ]; then echo "$1"
+  elif [ "$2" -eq 1 ] || [ "$1" -eq 0 ] || [ "$1" -eq 4 ]; then echo "$2"
+  else echo "$1"; fi
+}

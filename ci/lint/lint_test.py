@@ -2,6 +2,8 @@
 """Each lint must see what it is for, and must leave the right thing alone."""
 
 import json
+import re
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -182,6 +184,32 @@ class ProcessState(unittest.TestCase):
         self.assertFalse(self.refused("hil/cli/console.cpp", "  std::fputs(text, stderr);"))
         self.assertFalse(self.refused("hil/gate/text.cpp", "  std::snprintf(text, sizeof text, format, gain);"))
         self.assertFalse(self.refused("adapters/child.h", "/// stdout and stderr (both) go to the log"))
+
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class Nightly(unittest.TestCase):
+    def code(self, first, second):
+        got = subprocess.run(["bash", "-c", f". ci/lib/stages.sh; worse_code {first} {second}"], cwd=ROOT, capture_output=True, text=True, check=True)
+        return int(got.stdout)
+
+    def test_neither_gate_hides_what_the_other_found(self):
+        self.assertEqual(self.code(0, 0), 0)
+        for other in (0, 3, 4, 5, 6):
+            self.assertEqual(self.code(1, other), 1)
+            self.assertEqual(self.code(other, 1), 1)
+        self.assertEqual(self.code(4, 0), 4)
+        self.assertEqual(self.code(0, 4), 4)
+        self.assertEqual(self.code(4, 3), 3, "no retry gives what is missing")
+        self.assertEqual(self.code(3, 4), 3)
+
+    def test_every_gate_of_the_nightly_is_on_the_pages_of_both_servers(self):
+        folders = re.findall(r"--output (build/\S+)", (ROOT / "ci/nightly").read_text())
+        self.assertEqual(len(folders), 2)
+        for folder in folders:
+            self.assertIn(folder + "/junit.xml", (ROOT / ".gitlab-ci.yml").read_text())
+            self.assertIn(folder + "/summary.md", (ROOT / ".github/workflows/nightly.yml").read_text())
 
 
 if __name__ == "__main__":
