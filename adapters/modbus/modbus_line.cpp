@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "adapters/transport/descriptor.h"
+#include "hil/base/text.h"
 
 namespace forcegate::modbus {
 namespace {
@@ -73,10 +74,10 @@ Result<void> ModbusLine::connect() {
       // libmodbus does not lock; pyserial and our own serial layer respect flock.
       context->lock = Descriptor(::open(options_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
       if (!context->lock)
-        return fail(ErrorCode::device, "cannot open the serial port: " + system_text(errno),
+        return fail(ErrorCode::device, "cannot open the serial port " + printable_utf8(options_.path) + ": " + system_text(errno),
                     "motor: " + name(), "check the cable and that you belong to the group dialout");
       if (flock(context->lock.get(), LOCK_EX | LOCK_NB) != 0)
-        return fail(ErrorCode::device, "another program holds the serial port", "motor: " + name(),
+        return fail(ErrorCode::device, "another program holds the serial port " + printable_utf8(options_.path), "motor: " + name(),
                     "close it there");
     }
     const char parity = options_.serial.parity == LineParity::even  ? 'E'

@@ -8,6 +8,8 @@
 
 #include <cerrno>
 
+#include "hil/base/text.h"
+
 namespace forcegate {
 namespace {
 
@@ -42,10 +44,10 @@ Result<std::unique_ptr<Transport>> open_serial(const std::filesystem::path& port
   const std::string where = port.string();
   Descriptor fd(open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!fd)
-    return fail(ErrorCode::device, "cannot open the serial port: " + system_text(errno), where,
+    return fail(ErrorCode::device, "cannot open the serial port " + printable_utf8(where) + ": " + system_text(errno), where,
                 "check the cable and that you belong to the group dialout");
   if (flock(fd.get(), LOCK_EX | LOCK_NB) != 0)
-    return fail(ErrorCode::device, "another program holds the serial port", where, "close it there");
+    return fail(ErrorCode::device, "another program holds the serial port " + printable_utf8(where), where, "close it there");
   FORCEGATE_CHECK_OK(make_raw(fd.get(), settings, where));
   ioctl(fd.get(), TCFLSH, 2 /* both directions */);
   return std::make_unique<DescriptorTransport>(std::move(fd),

@@ -31,6 +31,7 @@ void install_signal_handlers() {
   ::sigaction(SIGTERM, &action, nullptr);
   action.sa_handler = SIG_IGN;
   ::sigaction(SIGPIPE, &action, nullptr);
+  ::sigaction(SIGXFSZ, &action, nullptr);  // a limit on the size of files is a failed write, told like a full disk
 }
 
 const std::atomic<bool>& catch_interrupt() {

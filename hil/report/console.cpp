@@ -71,9 +71,10 @@ std::string render_console(const RunResult& result, const ConsoleView& view) {
     if (d.safety_stop) out += dot + "safety stop";
     out += "\n";
   }
-  out += "  firmware " + one_line(result.firmware_path) + dot + one_line(result.firmware.board) + dot +
-         "build " + one_line(result.firmware.build_id.substr(0, 12)) + dot + "sha256 " +
-         one_line(result.firmware_sha256.substr(0, 12)) + "\n";
+  // An image that was not opened has said nothing.
+  const auto told = [&](const char* label, const std::string& text) { return text.empty() ? std::string() : dot + label + one_line(text); };
+  out += "  firmware " + one_line(result.firmware_path) + told("", result.firmware.board) + told("build ", result.firmware.build_id.substr(0, 12)) +
+         told("sha256 ", result.firmware_sha256.substr(0, 12)) + "\n";
   out += "  rig " + one_line(result.rig.name) + " " + one_line(result.rig.version) + dot + "plan " +
          one_line(result.plan_name) + dot + "calibration " + calibration_levels(result) + dot + "seed " +
          std::to_string(result.seed) + "\n";

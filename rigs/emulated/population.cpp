@@ -112,7 +112,7 @@ Result<Specimen> find_specimen(SensorType type, std::string_view name) {
     }
   }
   return fail(ErrorCode::config, "the emulated rig has no specimen '" + printable_utf8(name) + "'", "rig emulated",
-              "use nominal, one of " + join(panel_names(), ", ") + ", or seed:N");
+              "use nominal, one of " + join(panel_names(), ", ") + ", another quantile from q01 to q99, or seed:N");
 }
 
 FilmParameters draw_session(SensorType type, const Specimen& specimen, std::uint64_t seed,

@@ -37,6 +37,46 @@ TEST(Mistakes, InNamesAreToldAlsoWhereNothingWouldBeDoneWithThem) {
   }
 }
 
+TEST(Mistakes, InALimitOnTheSizeOfFilesAreAFailedWriteAndNoSilentEnd) {
+  TemporaryFolder folder;
+  const std::string gate = std::string(FORCEGATE_BINARY_DIR) + "/forcegate gate " + kNative + " --case four_sines --specimen q50 -o " + (folder / "run");
+  const ProcessResult r = run_process({"bash", "-c", "ulimit -f 100; " + gate}, kHere);
+  EXPECT_EQ(r.exit_code, 2) << r.out << r.err;
+  EXPECT_EQ(r.signal, 0);
+  EXPECT_THAT(r.err, HasSubstr("cannot write"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run"));
+}
+
+TEST(Mistakes, InWhereAProgramStandsAreToldByDoctorBeforeTheGate) {
+  TemporaryFolder folder;
+  std::filesystem::copy_file(FORCEGATE_BINARY_DIR "/forcegate", folder / "forcegate");
+  std::filesystem::create_directory_symlink(FORCEGATE_BINARY_DIR "/firmware", folder / "firmware");
+  const ProcessResult r = run_process({folder / "forcegate", "doctor"}, {.folder = folder.path()});
+  EXPECT_EQ(r.exit_code, 3) << r.out;
+  EXPECT_THAT(r.out, HasSubstr("there is no plan 'smoke'"));
+  EXPECT_THAT(r.out, HasSubstr("not ready"));
+  const ProcessResult here = run_process({folder / "forcegate", "doctor"}, kHere);
+  EXPECT_THAT(here.out, ::testing::Not(HasSubstr("there is no plan"))) << here.out;
+}
+
+TEST(Mistakes, InTheDeviceOfAWireFaultAreNoFaultThatWasSurvived) {
+  TemporaryFolder folder;
+  const std::string bench = read_text(std::string(FORCEGATE_SOURCE_DIR) + "/rigs/twin.toml");
+  for (const auto& [device, kind] : {std::pair{"reference", "exception"}, {"board", "wrong_slave"}, {"motor", "saturation"}}) {
+    write_text(folder / "bench.toml", bench + "\n[[twins.fault]]\ndevice = \"" + device + "\"\nkind = \"" + kind + "\"\nat_s = 30.0\n");
+    const ProcessResult r = forcegate({"gate", kNative, "--rig", folder / "bench.toml", "--plan", "twin", "-o", folder / "run"}, kHere);
+    EXPECT_EQ(r.exit_code, 2) << kind << r.out << r.err;
+    EXPECT_THAT(r.err, HasSubstr(std::string("the device '") + device + "' has no fault '" + kind + "'"));
+    EXPECT_THAT(r.err, HasSubstr("bench.toml:"));
+  }
+}
+
+TEST(Mistakes, InAPortAreToldWithThePort) {
+  const ProcessResult r = forcegate({"bench", "doctor", "rigs/lab_small.toml"}, kHere);
+  EXPECT_NE(r.exit_code, 0) << r.out << r.err;
+  EXPECT_THAT(r.out + r.err, HasSubstr("cannot open the serial port /dev/"));
+}
+
 TEST(Mistakes, InAFileNameThePageThatListsItsKeys) {
   TemporaryFolder folder;
   write_text(folder / "wrong.toml", "nothing = 3\n");

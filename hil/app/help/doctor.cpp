@@ -12,6 +12,7 @@
 #include <memory>
 #include <thread>
 
+#include "hil/app/files/find_plan.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -144,6 +145,13 @@ DoctorItem firmware_images(const std::string& program) {
   return item;
 }
 
+DoctorItem plans() {
+  const auto plan = find_plan("smoke");
+  if (plan) return {"plans", State::ok, true, plan->parent_path().string(), "what the gate plays when no --plan is given", ""};
+  return {"plans", State::missing, true, "there is no plan 'smoke': " + plan.error().where, "what the gate plays when no --plan is given",
+          "go to the source tree, which has ci/plans, or give a plan file with --plan"};
+}
+
 }  // namespace
 
 std::vector<DoctorItem> examine_machine(const std::string& program) {
@@ -151,6 +159,7 @@ std::vector<DoctorItem> examine_machine(const std::string& program) {
       processors(),
       free_space(),
       firmware_images(program),
+      plans(),
       tool("qemu-system-arm", "qemu-system-arm", true, "lanes block, tick and uart: the ELF that ships"),
       tool("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi", false,
            "building Cortex-M images; not needed to judge one"),

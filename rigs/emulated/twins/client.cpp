@@ -19,7 +19,7 @@ Result<TwinClient> TwinClient::connect(const std::filesystem::path& folder, doub
     if (line) return TwinClient(std::move(*line));
     if (std::chrono::steady_clock::now() > end)
       return fail(ErrorCode::device, "no twins answer", (folder / "control").string(),
-                  "start them: forcegate bench serve rigs/twin.toml");
+                  "start those of this bench: forcegate bench serve with the bench file that is given here");
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }

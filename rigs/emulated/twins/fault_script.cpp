@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "hil/base/text.h"
+
 namespace forcegate::emulated {
 
 const std::vector<std::string>& fault_names() {
@@ -9,6 +11,12 @@ const std::vector<std::string>& fault_names() {
                                               "garbage", "truncate",   "exception", "wrong_slave", "stall",
                                               "unplug",  "saturation", "frozen",    "reset"};
   return names;
+}
+
+std::vector<std::string> devices_with(WireFault kind) {
+  if (kind == WireFault::exception || kind == WireFault::wrong_slave) return {"motor"};
+  if (kind == WireFault::saturation) return {"reference", "board"};
+  return {"motor", "reference", "board"};
 }
 
 Result<FaultEntry> FaultScript::read_entry(const ConfigNode& table) {
@@ -22,9 +30,14 @@ Result<FaultEntry> FaultScript::read_entry(const ConfigNode& table) {
   in.number("for_s", e.for_s, 0, 1e9);
   if (in.integer("count", count, 1, 1000000000)) e.count = static_cast<std::uint64_t>(count);
   in.number("amount", e.amount, 0, 1e6);
-  FORCEGATE_CHECK_OK(in.finish());
   const auto& names = fault_names();
   e.kind = static_cast<WireFault>(std::find(names.begin(), names.end(), kind) - names.begin());
+  if (in.good()) {
+    const std::vector<std::string> devices = devices_with(e.kind);
+    if (std::find(devices.begin(), devices.end(), e.device) == devices.end())
+      in.complain(table, "the device '" + e.device + "' has no fault '" + kind + "'", "it is one of: " + join(devices, ", "));
+  }
+  FORCEGATE_CHECK_OK(in.finish());
   return e;
 }
 

@@ -40,6 +40,8 @@ struct FaultEntry {
 };
 
 const std::vector<std::string>& fault_names();
+/// "motor", "reference", "board": who can have it; a fault that does nothing would pass for one that was survived.
+std::vector<std::string> devices_with(WireFault kind);
 
 class FaultScript {
  public:

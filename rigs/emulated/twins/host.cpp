@@ -227,6 +227,8 @@ std::string TwinHost::fault(const std::vector<std::string>& words) {
   const auto& names = fault_names();
   const auto kind = std::find(names.begin(), names.end(), words[2]);
   if (wire_of(words[1]) == nullptr || kind == names.end()) return "error no such device or fault";
+  if (const auto devices = devices_with(static_cast<WireFault>(kind - names.begin())); std::find(devices.begin(), devices.end(), words[1]) == devices.end())
+    return "error the device '" + words[1] + "' has no fault '" + words[2] + "'";
   FaultEntry e;
   e.device = words[1];
   e.kind = static_cast<WireFault>(kind - names.begin());
