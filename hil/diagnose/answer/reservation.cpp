@@ -132,6 +132,14 @@ bool is_bump_that_stays(const Asked& a) {
   return std::isfinite(shortest_s) && shortest_s > kFades_s;
 }
 
+// No form of a loop or a curve is right everywhere; what acts between records is judged by levels.
+bool helps_few(const Asked& a) {
+  constexpr double kMost = 0.75;
+  constexpr int kFewest = 4;
+  return a.f.effect != "hysteresis" && !is_curve(a.f.effect) && !is_between_records(a.f.effect) && a.f.records_excited >= kFewest &&
+         a.f.records_improved < kMost * a.f.records_excited;
+}
+
 // Of a finding alone.
 constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::unrecorded, [](const Asked& a) { return a.f.form == kUnrecorded; }},
@@ -147,6 +155,7 @@ constexpr std::pair<Cap, bool (*)(const Asked&)> kTests[] = {
     {Cap::play_ahead, is_play_ahead},
     {Cap::ordinary_servo, is_ordinary_servo},
     {Cap::bump_that_stays, is_bump_that_stays},
+    {Cap::helps_few, helps_few},
 };
 
 void lower(Cap cap, Finding& f) {

@@ -110,6 +110,25 @@ TEST(Reservation, ABumpThatIsNotSeenToFadeMayHaveAnotherName) {
   EXPECT_NE(stays.evidence.find("not seen to fade back"), std::string::npos);
 }
 
+TEST(Reservation, ALawThatHelpsFewOfTheRecordsThatItTouchesIsNoClaim) {
+  const auto reserved = [](const char* effect, int improved, int excited) {
+    Finding f;
+    f.effect = effect;
+    f.probability = 0.98;
+    f.records_improved = improved;
+    f.records_excited = excited;
+    reserve(Workspace{}, ResidualChannel{}, MixedFit{}, f);
+    return f;
+  };
+  EXPECT_TRUE(reserved("clock_skew", 10, 13).claimed());
+  const Finding few = reserved("clock_skew", 9, 13);
+  EXPECT_EQ(few.probability, kNoClaim);
+  EXPECT_TRUE(few.name_is_open);
+  // three are too few to tell; a loop of another form is right nowhere quite
+  EXPECT_TRUE(reserved("clock_skew", 2, 3).claimed());
+  EXPECT_TRUE(reserved("hysteresis", 4, 6).claimed());
+}
+
 // A foot presses a crank in one half of its turn: its angle is recorded, and nobody wrote of a spring.
 TEST(Reservation, AForceThatAnAngleOnlyAccompaniesIsNoBentSpring) {
   Campaign c = make_campaign(92, straight, 0.002);
