@@ -125,16 +125,16 @@ TEST(OneNumber, AMountingWithOneRecordIsInNoErrorOfLeftOutRecords) {
 // An effect between records is claimed by one number for each record, and rows would choose another form of it.
 TEST(OneNumber, WhatIsAddedIsWhatWasClaimedBetweenTheRecords) {
   const TemporaryFolder folder;
-  ASSERT_EQ(pasted("forcegate mystery --seed 22 m22", folder).exit_code, 0);
-  const auto answer = nlohmann::json::parse(pasted("forcegate diagnose m22 --json", folder).out);
+  ASSERT_EQ(pasted("forcegate mystery --effect humidity --strength strong --minutes 5 --seed 8644036 air", folder).exit_code, 0);
+  const auto answer = nlohmann::json::parse(pasted("forcegate diagnose air --json", folder).out);
   const auto& finding = answer["findings"][0];
-  ASSERT_EQ(finding["effect"], "thermal");
-  const auto added = nlohmann::json::parse(pasted("forcegate add thermal --fit m22 -o better.toml --json", folder).out);
+  ASSERT_EQ(finding["effect"], "humidity");
+  const auto added = nlohmann::json::parse(pasted("forcegate add humidity --fit air -o better.toml --json", folder).out);
   EXPECT_NEAR(added["error_before"].get<double>(), answer["error_before"].get<double>(), 0.01 * answer["error_before"].get<double>());
   EXPECT_NEAR(added["error_after"].get<double>(), answer["error_after"].get<double>(), 0.01 * answer["error_after"].get<double>());
   for (const auto& told : finding["parameters"])
     for (const auto& p : added["parameters"])
-      if (p["name"] == "thermal." + told["name"].get<std::string>()) {
+      if (p["name"] == "humidity." + told["name"].get<std::string>()) {
         EXPECT_NEAR(p["after"].get<double>(), told["value"].get<double>(), 0.05 * std::abs(told["value"].get<double>()));
       }
 }

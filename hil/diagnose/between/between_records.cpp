@@ -252,7 +252,8 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
     const Answer answer = evidence(channel, levels, ask(channel, levels, *family.kind));
     family.records = answer.evidence;
     if (!answer.evidence.valid) continue;
-    if (!family.best.wrong_sign && !is_unrecorded(channel, family.best.variant)) family.records.within = std::max(0.0, family.gain);
+    // rows of a course that may be any follow whatever else changes slowly
+    if (!family.best.wrong_sign && candidate_of(channel, family.best.variant).form->cause.of_record) family.records.within = std::max(0.0, family.gain);
     // waves of the campaign's time say nothing of what happens within a record
     const bool within = family.best.total_fall >= rules.first_total_fall && !is_unrecorded(channel, family.best.variant);
     if (within && family.gain >= answer.evidence.gain && answer.evidence.gain < rules.between_gain) continue;

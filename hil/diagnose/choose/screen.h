@@ -27,7 +27,7 @@ struct RecordEvidence {
   double explained = 0.0;  ///< share of the spread between records (a variance) that goes away
   double left_out = 1.0;   ///< mean square error of records predicted from the others, over the same without the effect
   double prior = 0.0;      ///< nats against its rivals: a cause that nobody recorded may be any that changes as slowly
-  double within = 0.0;     ///< log evidence of the rows within the records, for the same family
+  double within = 0.0;     ///< log evidence of the rows within the records, where they follow a cause that was recorded
 };
 
 struct FamilyScore {
