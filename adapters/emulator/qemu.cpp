@@ -24,7 +24,6 @@ std::string last_words(const std::filesystem::path& log) {
 
 }  // namespace
 
-
 Result<QemuOptions> Qemu::options(const std::string& lane, const std::map<std::string, std::string>& given, double timeout_s) {
   std::string name = "qemu-system-arm";
   for (const auto& [key, text] : given) {

@@ -70,6 +70,11 @@ struct ResidualChannel : ChannelFacts {
   std::vector<RecordRows> rows;  ///< per record, in the order of problem.records
 };
 
+/// Whose columns a variant takes.
+inline const Candidate& candidate_of(const ChannelFacts& channel, int variant) {
+  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)];
+}
+
 /// RMS over the records of what the declared instruments may leave, share of the channel's scale.
 double allowed_rms(const ResidualChannel& channel);
 

@@ -66,7 +66,7 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
 
 // Of what was chosen and is no claim, where no rule has said it.
 std::string why_no_claim(const Workspace& w, const ResidualChannel& channel, const ChosenEffect& chosen, double real, double whole) {
-  const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(chosen.variant)].candidate)];
+  const Candidate& c = candidate_of(channel, chosen.variant);
   if (chosen.between && real < kClaim && c.form->name == kUnrecorded) return std::string(row_of(Cap::unrecorded).why);
   if (chosen.between && real < kClaim)
     return fmt::format("{} records say little of what acts between them, and chance alone leaves odds of {:.2g} to 1 against it", w.input.records.size(), (1.0 - real) / real);

@@ -72,7 +72,7 @@ ShapeCovariance shape_covariance(const CampaignInput& campaign, const ResidualCh
   ShapeCovariance out{fit.covariance, {}};
   std::vector<double> known;
   for (const int v : variants) {
-    const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(v)].candidate)];
+    const Candidate& c = candidate_of(channel, v);
     for (std::size_t k = 0; c.form->refine && k < c.shape.size(); ++k)
       if (const ParameterSpec& spec = c.form->shape[k]; !spec.choice) {
         out.shapes.push_back({v, k});

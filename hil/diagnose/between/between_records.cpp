@@ -21,10 +21,6 @@ constexpr double kFree = 1.0;                        // spread of a gain or zero
 constexpr double kSession_s = 3600.0;                // a rest of this length begins a new session
 constexpr double kTypicalGain = 6e-3, kTypicalZero = 2e-3;  // to which specimens repeat
 
-const Candidate& candidate_of(const ResidualChannel& channel, int variant) {
-  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)];
-}
-
 bool is_unrecorded(const ResidualChannel& channel, int variant) { return candidate_of(channel, variant).form->name == kUnrecorded; }
 
 // Nats. A bench whose description tells of no mounting may have had one between any two records; it is the less likely cause of what a

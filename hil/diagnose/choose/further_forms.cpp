@@ -24,7 +24,7 @@ std::vector<int> further_forms(const ResidualChannel& channel, const EffectKind&
     VariantScore best;
     best.gain = kWorth;
     for (std::size_t v = 0; v < channel.variants.size(); ++v) {
-      const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
+      const Candidate& c = candidate_of(channel, static_cast<int>(v));
       if (c.kind != &kind || (kind.traits.known_form && is_present(c.form))) continue;
       VariantScore score = score_variant(channel, present, fit, static_cast<int>(v), nullptr);
       if (!score.wrong_sign && score.gain > best.gain) best = std::move(score);

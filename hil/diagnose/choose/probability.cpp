@@ -12,7 +12,7 @@ namespace {
 
 // Whether what was recorded of the effect's cause differs plainly between the records.
 bool cause_differs(const CampaignInput& campaign, const ChannelFacts& channel, const ChosenEffect& chosen) {
-  const RecordedCause& cause = channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(chosen.variant)].candidate)].form->cause;
+  const RecordedCause& cause = candidate_of(channel, chosen.variant).form->cause;
   if (!cause.of_record) return false;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const RecordInput& r : campaign.records)

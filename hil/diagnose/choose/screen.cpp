@@ -196,7 +196,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
   std::vector<char> used(channel.variants.size(), 0);
   const auto score_all = [&](Start start = Start::base) {
     parallel_for(channel.variants.size(), threads, [&](std::size_t v) {
-      const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
+      const Candidate& c = candidate_of(channel, static_cast<int>(v));
       if (!c.form->competes() || (c.form->last && forms == Forms::ordinary) || std::find(skip.begin(), skip.end(), c.kind->name) != skip.end()) return;
       scores[v] = score_from(channel, present, out.base, static_cast<int>(v), nullptr, iterations, start);
       used[v] = scores[v].gain > -1e299 ? 1 : 0;
@@ -231,7 +231,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     int at = -1;
     std::map<const EffectForm*, int> of_form;
     for (std::size_t v = 0; v < scores.size(); ++v) {
-      const Candidate& c = channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)];
+      const Candidate& c = candidate_of(channel, static_cast<int>(v));
       if (c.kind != &kind || !c.form->competes()) continue;
       n += 1.0;  // one beyond its bounds had a share of the prior as well
       if (used[v] == 0) continue;
@@ -243,8 +243,7 @@ ScreenResult screen(const ResidualChannel& channel, const std::vector<int>& pres
     if (at < 0) continue;
     double sum = 0.0;
     for (std::size_t v = 0; v < scores.size(); ++v)
-      if (used[v] != 0 &&
-          channel.candidates[static_cast<std::size_t>(channel.variants[v].candidate)].kind == &kind)
+      if (used[v] != 0 && candidate_of(channel, static_cast<int>(v)).kind == &kind)
         sum += std::exp(std::max(-700.0, scores[v].gain - best));
     for (const auto& [form, index] : of_form)
       if (index != at && scores[static_cast<std::size_t>(index)].gain > kComesNear * best) family.of_other_forms.push_back(index);

@@ -75,7 +75,7 @@ void leave_coarse_pitch_to_spring(const ResidualChannel& command, const Selectio
   constexpr double kCoarse = 6.0;  // turns over the range of the force
   if (std::ranges::none_of(rig.chosen, [](const ChosenEffect& c) { return c.kind->name == "spring_nonlinearity"; })) return;
   leave_out(command, [&](const ChosenEffect& c) {
-    const Candidate& best = command.candidates[static_cast<std::size_t>(command.variants[static_cast<std::size_t>(c.variant)].candidate)];
+    const Candidate& best = candidate_of(command, c.variant);
     return best.form->name == "pitch" && best.shape[0] < kCoarse;
   }, drive);
 }

@@ -21,10 +21,6 @@ double log_weight_of_levels(const FamilyScore& chosen, const FamilyScore& rival,
   return rival.records.gain + rival.records.prior - chosen.records.gain - chosen.records.prior + rows;
 }
 
-bool is_recorded(const ResidualChannel& channel, const ChosenEffect& chosen) {
-  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(chosen.variant)].candidate)].form->cause.of_record != nullptr;
-}
-
 // The same where signatures within the records do not part them: levels may.
 double log_weight_of_look_alike(const FamilyScore& chosen, const FamilyScore& rival, const SelectionRules& rules) {
   if (!chosen.records.valid || chosen.records.gain < rules.between_gain) return 0.0;
@@ -64,12 +60,13 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
   }
   // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well, but not with what was recorded
   constexpr double kWithin = 40.0, kNearly = 0.7;
+  const bool recorded = candidate_of(channel, chosen.variant).form->cause.of_record != nullptr;
   for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
     if (family.kind->traits.between_records || !look_alike(*family.kind, *chosen.kind) || family.gain < std::max(kWithin, kNearly * top) || family.best.wrong_sign) continue;
     if (share_of_jitter(channel, result.base, family.best.fit) > kOfJitter) continue;
     if (beside_another && family.best.fall < rules.later_fall && family.best.total_fall < rules.later_total_fall) continue;  // remains of the other's form
-    weight[k] = is_recorded(channel, chosen) ? std::exp(log_weight_of_look_alike(leader, family, rules)) : 1.0;
+    weight[k] = recorded ? std::exp(log_weight_of_look_alike(leader, family, rules)) : 1.0;
     sum += weight[k];
   }
   for (std::size_t k = 0; k < result.families.size(); ++k) {

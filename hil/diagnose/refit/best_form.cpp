@@ -20,10 +20,6 @@ namespace {
 constexpr int kRounds = 15;
 constexpr double kWorthClimbing = 0.5;  // nats
 
-const Candidate& candidate_of(const ResidualChannel& channel, int variant) {
-  return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)];
-}
-
 struct Strength {
   double value = 0.0, u = 0.0;
 };

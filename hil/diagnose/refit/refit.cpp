@@ -195,7 +195,7 @@ void write_effects(const Workspace& w, const FittedEffects& fitted, const ShapeC
   m.effects.clear();
   const std::ptrdiff_t law_moves = std::ssize(out.moves);
   for (const int v : fitted.variants) {
-    const Candidate& c = w.output.candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)];
+    const Candidate& c = candidate_of(w.output, v);
     const auto own = std::ranges::find(m.user_effects, c.kind->name, &UserEffect::name);
     if (own != m.user_effects.end()) write_user_effect(w, fitted.all(), joint, v, c, start.user_effects, *own, out);
     else m.effects.push_back(effect_of(w, v, fitted.all(), joint));
@@ -238,7 +238,7 @@ void measure(Workspace& w, const FittedEffects& fitted, bool adds, Fitted& made)
   out.judged_by = w.judges;
   std::vector<int> between;
   std::ranges::copy_if(fitted.variants, std::back_inserter(between), [&](int v) {
-    return w.output.candidates[static_cast<std::size_t>(w.output.variants[static_cast<std::size_t>(v)].candidate)].kind->traits.between_records;
+    return candidate_of(w.output, v).kind->traits.between_records;
   });
   out.levels = !between.empty();
   out.error_before = held_out_rms(w, before, law, between);
