@@ -139,9 +139,10 @@ class SelfCheck {
     const bool steady =
         std::fabs(o_.spring_worst_bias_N - o_.spring_bias_N) <= 0.25 * std::fabs(o_.spring_bias_N) &&
         std::fabs(o_.spring_slope - 1.0) <= limits_.spring_slope;
-    // A late ATI lags behind sensor and wheel alike; behind a wheel with play ATI and sensor keep together.
+    // A late ATI lags behind sensor and wheel alike; behind a wheel with play ATI and sensor keep together, but for the sensor's own lag.
     const bool lags = std::fabs(o_.reference_lag_s) > limits_.reference_lag_s;
-    const bool late = lags && !(std::fabs(o_.sensor_lag_s) < 0.5 * std::fabs(o_.reference_lag_s));
+    const bool together = std::fabs(o_.sensor_lag_s) < 0.5 * std::fabs(o_.reference_lag_s) || (o_.reference_lag_s > 0.0 && o_.sensor_lag_s > 0.0);
+    const bool late = lags && !together;
     const bool reference = late || absurd || !same_calibration_ || (zero_known_ ? !zero_sound_ : steady);
     const bool slope_off = std::fabs(o_.spring_slope - 1.0) > limits_.spring_slope;
     const char* why = late                 ? ": its reading is late"
@@ -158,7 +159,7 @@ class SelfCheck {
       add({"rig_reference_lag", "Lag of the ATI behind the spring force", std::fabs(o_.reference_lag_s), "s",
            limits_.reference_lag_s, late ? Blame::reference : Blame::rig,
            fmt::format("the ATI reading is {:+.1f} ms behind the wheel{}", 1000.0 * o_.reference_lag_s,
-                       lags && !late ? ", and so is the sensor: play between shaft and wheel" : "")});
+                       lags && !late ? ", and so is the sensor: play between shaft and wheel, or a reading that is late by less than the sensor's own lag" : "")});
     add({"rig_spring_witness", "ATI against spring and wheel angle, worst mean over 10 s",
          std::fabs(o_.spring_worst_bias_N), "N", limits_.spring_bias_N,
          reference ? Blame::reference : Blame::rig,

@@ -18,7 +18,7 @@ struct SelfCheckLimits {
   double spring_slope = 0.02;          ///< |slope - 1|
   double spring_scatter_N = 0.05;      ///< standard deviation of ATI - spring: play between shaft and wheel
   double following_rad = 0.02;         ///< rms of theta beyond the drive's own first-order lag
-  double reference_lag_s = 0.01;       ///< |ATI behind spring|
+  double reference_lag_s = 0.005;      ///< |ATI behind spring|; play that gives more tips the extrema of a small fast line
   double noise_factor = 3.0;           ///< times the declared noise and quantisation
   double reference_bad_share = 0.001;  ///< of the samples saturated, faulty or not finite
   double lost_share = 0.001;

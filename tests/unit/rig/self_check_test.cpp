@@ -239,6 +239,28 @@ TEST(SelfCheck, sees_readings_that_come_late) {
   EXPECT_TRUE(late);
 }
 
+// Play shows as a lag of ATI and sensor behind the shaft; the sensor's own lag stands beside it.
+TEST(SelfCheck, a_little_play_between_shaft_and_wheel_is_the_rig_s) {
+  RigInfo info;
+  info.can_move = true;
+  info.geometry.eccentricity_mm = 5.0;
+  RigObservation seen;
+  seen.samples = seen.spring_samples = 60000;
+  seen.zero_start_N = seen.zero_end_N = 0.0;
+  seen.sensor_lag_s = 0.0105;
+  const auto blamed = [&](double lag_s) {
+    seen.reference_lag_s = lag_s;
+    for (const Check& c : self_check(info, seen))
+      if (c.id == "rig_reference_lag") return c.blame;
+    return Blame::harness;
+  };
+  EXPECT_EQ(blamed(0.0048), Blame::none);
+  EXPECT_EQ(blamed(0.0063), Blame::rig);
+  EXPECT_EQ(blamed(0.0093), Blame::rig);
+  seen.sensor_lag_s = -0.01;
+  EXPECT_EQ(blamed(0.02), Blame::reference);
+}
+
 TEST(SelfCheck, sees_a_bad_contact_that_comes_and_goes) {
   testing::FakeRig rig;
   rig.spoil = [](std::size_t row, double t_s, RigBlock& b) {
