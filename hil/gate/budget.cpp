@@ -9,12 +9,15 @@
 namespace forcegate {
 namespace {
 
-double root_of_squares(const std::vector<BudgetLine>& lines, bool only_systematic) {
+template <class Counts>
+double root_of_squares(const std::vector<BudgetLine>& lines, Counts counts) {
   double sum = 0.0;
   for (const BudgetLine& line : lines)
-    if (line.systematic || !only_systematic) sum += line.u * line.u;
+    if (counts(line)) sum += line.u * line.u;
   return std::sqrt(sum);
 }
+
+bool cancels(const BudgetLine& line) { return line.systematic && !line.of_this_record; }
 
 // What the unloaded readings and the spring showed of the reference in this record: half width of a rectangle.
 double drift_rel(const CaseRecord& record, double typical_N) {
@@ -28,18 +31,24 @@ double drift_rel(const CaseRecord& record, double typical_N) {
 
 }  // namespace
 
-double Budget::u() const { return root_of_squares(lines, false); }
-double Budget::u_systematic() const { return root_of_squares(lines, true); }
-double Budget::u_random() const {
-  const double all = u(), systematic = u_systematic();
-  return std::sqrt(std::max(0.0, all * all - systematic * systematic));
+double Budget::u() const {
+  return root_of_squares(lines, [](const BudgetLine&) { return true; });
+}
+double Budget::u_systematic() const {
+  return root_of_squares(lines, [](const BudgetLine& line) { return line.systematic; });
+}
+double Budget::u_against_derived() const {
+  return root_of_squares(lines, [](const BudgetLine& line) { return !cancels(line); });
+}
+double Budget::u_of_this_record() const {
+  return root_of_squares(lines, [](const BudgetLine& line) { return line.of_this_record; });
 }
 
-std::string Budget::to_text(const std::string& unit, bool only_random) const {
+std::string Budget::to_text(const std::string& unit, bool derived) const {
   std::string in, out;
   for (const BudgetLine& line : lines) {
     if (line.u < 5e-4) continue;
-    if (std::string& list = only_random && line.systematic ? out : in; &list == &in)
+    if (std::string& list = derived && cancels(line) ? out : in; &list == &in)
       list += fmt::format("{}{} {:.3f}", list.empty() ? "" : ", ", line.name, line.u);
     else
       list += (list.empty() ? "" : ", ") + line.name;
@@ -58,7 +67,7 @@ Budget mre_budget(const PlanUncertainty& plan, const CaseRecord& record, double 
   b.lines.push_back({"ATI calibration", 100.0 * reference, true});
   b.lines.push_back({"alignment", 100.0 * plan.alignment_rel, true});
   if (const double drift = drift_rel(record, typical_N); drift > 0.0)
-    b.lines.push_back({"drift", 100.0 * drift, true});
+    b.lines.push_back({"drift", 100.0 * drift, true, true});
   b.lines.push_back({"resolution",
                      100.0 * record.rig.reference_resolution_N / std::sqrt(12.0) / typical_N / root_n,
                      false});

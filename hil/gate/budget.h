@@ -4,7 +4,8 @@
 //
 //   ATI calibration   100 u_rel                      systematic
 //   alignment         100 u_align                    systematic
-//   drift             100 hypot(|zero| / F, |spring slope - 1|) / sqrt 3   systematic: what this record showed of it
+//   drift             100 hypot(|zero| / F, |spring slope - 1|) / sqrt 3   systematic: what this record showed of it;
+//                     this record's alone, so it does not cancel against a limit that was derived on other days
 //   resolution        100 (r / sqrt 12) / (F sqrt n)   rectangular, random because the noise dithers it
 //   noise             100 s / (F sqrt(2 h + 1) sqrt n)  s of one reading, mean of 2 h + 1 samples
 //   synchronisation   100 (1 - cos(2 pi f u))         systematic; zero slope at an extremum; u^2 = u_lag^2 + u_time^2: of the
@@ -22,16 +23,18 @@ struct BudgetLine {
   std::string name;
   double u = 0.0;
   bool systematic = false;
+  bool of_this_record = false;  ///< systematic, but in no derived limit
 };
 
 struct Budget {
   std::vector<BudgetLine> lines;
   double u() const;  ///< root of the sum of squares
   double u_systematic() const;
-  /// Without the systematic parts: against a limit that was derived on the same rig they cancel.
-  double u_random() const;
-  /// "ATI calibration 0.500, alignment 0.200, ... %"; `only_random`: the parts of u_random(), and which were left out.
-  std::string to_text(const std::string& unit, bool only_random) const;
+  /// Against a limit that was derived on the same rig: what is systematic cancels, unless it is of this record.
+  double u_against_derived() const;
+  double u_of_this_record() const;
+  /// "ATI calibration 0.500, alignment 0.200, ... %"; `derived`: the parts of u_against_derived(), and which were left out.
+  std::string to_text(const std::string& unit, bool derived) const;
 };
 
 /// `typical_N` is the mean expected extremum, `standard_error` in 1 (not %), n the number of extrema.

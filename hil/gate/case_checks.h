@@ -32,6 +32,9 @@ class CaseChecks {
   /// The last check is one that another session makes surer, but for this part of its u.
   void repeatable(double u_systematic);
 
+  /// Of the last check: the part of its value that a calibration which does not fit may be.
+  void explained_by_calibration(double part) { list.back().explained = part; }
+
   std::vector<JudgedCheck> list;
   bool rig_sound = true, complete = true;
   Blame rig_blame = Blame::none, incomplete_blame = Blame::none;  ///< who spoiled it, who cut it short

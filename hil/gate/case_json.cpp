@@ -142,7 +142,7 @@ template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, OutputFacts> {
   f("nan", v.not_finite), f("first_nan", v.first_not_finite_s), f("min", v.minimum_N), f("max", v.maximum_N);
   f("longest", v.learning_longest_s), f("end", v.learning_end_s), f("held", v.held), f("rail", v.input_rail);
-  f("clamped", v.clamped), f("departure", v.departure_N);
+  f("clamped", v.clamped), f("departure", v.departure_N), f("spike", v.spike_N), f("spike_t", v.spike_t_s);
 }
 template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, HoldFacts> {
@@ -193,7 +193,7 @@ template <class F, class P>
 void fields(F f, P& v) requires std::is_same_v<std::remove_const_t<P>, PlanLimits> {
   f("derived", v.derived), f("goldens", v.goldens), f("learning_s", v.learning_s), f("lag_s", v.lag_s),
       f("output_max_N", v.output_max_N);
-  f("hold_pct", v.hold_pct), f("minima_floor_N", v.minima_floor_N), f("increase_pct", v.increase_pct);
+  f("hold_pct", v.hold_pct), f("minima_floor_N", v.minima_floor_N), f("increase_pct", v.increase_pct), f("spike_max_N", v.spike_max_N);
   f("instructions", v.instructions), f("stack", v.stack_bytes), f("ram", v.ram_bytes),
       f("flash", v.flash_bytes);
 }

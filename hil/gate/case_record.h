@@ -68,6 +68,8 @@ struct OutputFacts {
   double learning_end_s = 0.0;      ///< end of the first episode after the excitation began
   std::uint64_t held = 0, input_rail = 0, clamped = 0;
   double departure_N = 0.0;  ///< mean |F_dut - ATI| over about the last 0.2 s of the record
+  /// Largest excursion of one sample beyond those 10 ms before and after it while the code has none; NaN below 500 Hz.
+  double spike_N = 0.0, spike_t_s = 0.0;
 };
 
 /// Static hold after cycling: means over the part of the hold that follows its first 30 s.

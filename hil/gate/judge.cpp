@@ -246,11 +246,21 @@ class CaseJudge {
         "N", 0.0, record_.samples, {Limit::Kind::upper, plan_.limits.output_max_N, "ours: plan"},
         fmt::format("{} to {} N", force_text(o.minimum_N), force_text(o.maximum_N)));
     if (calibration_fits_) checks_.judge_even_if_incomplete();
+    spikes();
     if (record_.facts.dynamic)
       checks_.value_check("learning_window", "Longest start window", o.learning_longest_s, "s", 0.0,
                           record_.samples, {Limit::Kind::upper, plan_.limits.learning_s, "ours: plan"},
                           fmt::format("the first window closed at {:.2f} s", o.learning_end_s));
     if (record_.facts.dynamic) lag();
+  }
+
+  void spikes() {
+    const OutputFacts& o = record_.output;
+    if (!std::isfinite(o.spike_N)) return;  // too few samples a second to tell a spike from a turn of the force
+    checks_.value_check("output_spike", "Largest spike of the output where the code has none", o.spike_N, "N", 0.0, record_.samples,
+                        {Limit::Kind::upper, plan_.limits.spike_max_N, "ours: plan"},
+                        o.spike_N > 0.0 ? fmt::format("at {:.3f} s, against the samples 10 ms before and after it", o.spike_t_s) : "none");
+    checks_.judge_even_if_incomplete();
   }
 
   void lag() {
@@ -262,6 +272,10 @@ class CaseJudge {
                                : fmt::format("the firmware is {:.1f} ms {} the ATI", 1000.0 * std::fabs(record_.lag_s),
                                              record_.lag_s < 0.0 ? "ahead of" : "behind"));
     JudgedCheck& j = checks_.list.back();
+    if (known && j.judgeable && beside_the_codes(j.check)) {
+      j.judgeable = false;
+      return;
+    }
     if (!known || !j.judgeable || !(0.5 * period_s <= limit_s + coverage_factor(plan_.rule.coverage_per_look(), 0.0) * record_.u_lag_s)) return;
     // A delay by whole periods looks like none at all.
     j.judgeable = false;
@@ -269,6 +283,19 @@ class CaseJudge {
     j.check.blame = Blame::user;
     j.check.evidence += fmt::format(", or that and whole periods of {:.3g} ms: half a period is no more than the limit of {:.3g} ms and its uncertainty; play a slower profile",
                                     1000.0 * period_s, 1000.0 * limit_s);
+  }
+
+  // What the codes bring along is not the firmware's: of a lag beyond the limit it is taken off, and where the ATI's reading
+  // is the late one it is added to one inside. Where that turns the verdict there is none.
+  bool beside_the_codes(Check& c) const {
+    const double codes_s = record_.raw_lag_s, own_s = record_.lag_s - codes_s, limit_s = plan_.limits.lag_s;
+    if (!std::isfinite(codes_s)) return false;
+    const bool link = c.value > limit_s && std::fabs(own_s) <= limit_s, reference = c.value <= limit_s && codes_s < 0.0 && own_s > limit_s;
+    if (!link && !reference) return false;
+    c.verdict = Verdict::inconclusive;
+    c.blame = codes_s < 0.0 ? Blame::reference : Blame::link;
+    c.evidence += fmt::format(", but {:.1f} ms behind its codes, which are {:.1f} ms {} the ATI", 1000.0 * own_s, 1000.0 * std::fabs(codes_s), codes_s < 0.0 ? "ahead of" : "behind");
+    return true;
   }
 
   void conformance() {

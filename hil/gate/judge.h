@@ -19,6 +19,7 @@ struct PanelValue {
   bool usable = false;
   double value = 0.0;         ///< %
   double u_systematic = 0.0;  ///< common to all specimens
+  double explained = 0.0;     ///< JudgedCheck::explained
   std::string unit = "%";
 };
 

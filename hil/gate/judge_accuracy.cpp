@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
+#include "hil/gate/input_checks.h"
 #include "hil/gate/judged_extrema.h"
 #include "hil/gate/statistics.h"
 #include "hil/trace/extrema.h"
@@ -23,6 +25,13 @@ Limit limit_of(const std::string& id, const std::optional<double>& given, const 
                const DerivedLimits& limits) {
   if (given) return {Limit::Kind::upper, *given, planned.limit_source};
   return limits.find(planned.name, id);
+}
+
+double sum_of_differences(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::isfinite(a[i] - b[i])) sum += a[i] - b[i];
+  return sum;
 }
 
 }  // namespace
@@ -45,6 +54,9 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
     const RelativeError e = mean_relative_error(s.actual, s.expected, kExtremumFloor_N);
     const double typical_N = std::fabs(moments(s.expected).mean);
     const std::size_t items = e.n + e.left_out;
+    // In a closed loop the ATI goes where the firmware does not read it.
+    const double off_N = sum_of_differences(s.actual, s.expected);
+    const double misfit = (closed ? off_N < 0.0 : off_N > 0.0) ? calibration_misfit(record).reads_high : calibration_misfit(record).reads_low;
     const Budget relative =
         mre_budget(plan.uncertainty, record, typical_N, e.standard_error, e.n, planned.half_width_s);
     const Budget absolute = mae_budget(plan.uncertainty, record, typical_N, items, planned.half_width_s);
@@ -64,6 +76,7 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
       panel.value = judge_relative ? mre : mae;
       panel.unit = judge_relative ? "%" : "N";
       panel.u_systematic = judge_relative ? relative.u_systematic() : absolute.u_systematic();
+      panel.explained = judge_relative ? 100.0 * misfit : misfit * typical_N;
     }
     const bool wanted = planned.checks & kCheckAccuracy && !closed;
     const Limit none{};
@@ -82,9 +95,10 @@ void judge_accuracy(const Plan& plan, const PlanCase& planned, const CaseRecord&
     // What the limit was derived with is left out of the value that is held against it, and of no other.
     const auto add = [&](const std::string& id, const std::string& title, double value, const char* unit, const Budget& budget, std::size_t n, bool judged,
                          const std::string& evidence) {
-      const bool random = derived && judged;
-      checks.value_check(id, title, value, unit, random ? budget.u_random() : budget.u(), n, judged ? limit : none, evidence + "; " + budget.to_text(unit, random));
-      checks.repeatable(random ? 0.0 : budget.u_systematic());
+      const bool cancelled = derived && judged;
+      checks.value_check(id, title, value, unit, cancelled ? budget.u_against_derived() : budget.u(), n, judged ? limit : none, evidence + "; " + budget.to_text(unit, cancelled));
+      checks.repeatable(cancelled ? budget.u_of_this_record() : budget.u_systematic());
+      checks.explained_by_calibration(std::string_view(unit) == "%" ? 100.0 * misfit : misfit * typical_N);
     };
     add(mre_id, mre_title, mre, "%", relative, e.n, judge_relative, fmt::format("{} {}, largest {:.2f} %", e.n, which, 100.0 * e.largest));
     add(mae_id, mae_title, mae, "N", absolute, items, !judge_relative, fmt::format("{} {}", items, which));

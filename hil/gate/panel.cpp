@@ -13,7 +13,7 @@ namespace {
 // Values of a closed-loop case, specimen by specimen.
 struct PanelTable {
   std::vector<std::vector<double>> values;
-  double u_systematic = 0.0;
+  double u_systematic = 0.0, explained = 0.0;  // of the worst session, mean over the records
   bool relative = true, whole = true, rig_error = false;
   std::size_t records = 0;
 };
@@ -32,11 +32,13 @@ PanelTable table_of(bool maximum, const std::vector<SpecimenSessions>& specimens
       if (!v.usable || !std::isfinite(v.value)) continue;
       row.push_back(v.value);
       table.u_systematic = std::max(table.u_systematic, v.u_systematic);
+      table.explained += v.explained;
     }
     table.whole = table.whole && !row.empty() && row.size() == one.sessions.size();
     table.records += row.size();
     if (!row.empty()) table.values.push_back(std::move(row));
   }
+  table.explained /= std::max(1.0, static_cast<double>(table.records));
   return table;
 }
 
@@ -81,6 +83,7 @@ JudgedCheck promise(const Plan& plan, const PlanCase& planned, bool maximum,
   const double repeat = (believed ? declared : observed) * std::sqrt(per_session) / n;
   c.u = std::hypot(repeat, table.u_systematic);
   j.u_systematic = table.u_systematic;
+  j.explained = table.explained;
   j.repeatable = true;
   const auto inside = std::count_if(means.begin(), means.end(), [&](double v) { return v <= c.limit.value; });
   const auto [low, high] = std::minmax_element(means.begin(), means.end());
@@ -120,6 +123,7 @@ void join_sessions(const PlanCase& planned, const SpecimenSessions& one, std::ve
       ++found;
       value += j->check.value;
       mean.u_systematic = std::max(mean.u_systematic, j->u_systematic);
+      mean.explained = std::max(mean.explained, j->explained);
       random += j->check.u * j->check.u - j->u_systematic * j->u_systematic;
       c.n += j->check.n;
       list += fmt::format("{}{:.3f}", list.empty() ? "" : ", ", j->check.value);

@@ -73,6 +73,7 @@ struct PlanLimits {
   double learning_s = 20.0;     ///< longest start window
   double lag_s = 0.05;          ///< |lag| of the firmware behind the ATI
   double output_max_N = 10.0;   ///< |F_dut|
+  double spike_max_N = 0.5;     ///< one sample beside its neighbours where the code has no spike
   double hold_pct = 5.0;        ///< |F_dut| over the static value during a hold, in excess
   double minima_floor_N = 0.5;  ///< below: mean absolute error instead of relative
   double increase_pct = 0.5;    ///< of a mean relative error against the accepted build, percentage points

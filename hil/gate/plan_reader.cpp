@@ -251,6 +251,7 @@ Result<void> read_limits(const ConfigNode& node, PlanLimits& l) {
   r.number("learning_s", l.learning_s, 0.0, kDay_s);
   r.number("lag_s", l.lag_s, 0.0, 60.0);
   r.number("output_max_N", l.output_max_N, 0.0, 1e6);
+  r.number("spike_max_N", l.spike_max_N, 0.0, 1e6);
   r.number("hold_pct", l.hold_pct, 0.0, 1000.0);
   r.number("minima_floor_N", l.minima_floor_N, 0.0, 5.0);
   r.number("increase_pct", l.increase_pct, 0.0, 100.0);

@@ -23,6 +23,11 @@ double inside_by(const Check& c) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+// Once, although the rule may run again.
+void note(Check& c, std::string_view text) {
+  if (!c.evidence.ends_with(text)) c.evidence += text;
+}
+
 }  // namespace
 
 std::string DecisionRule::to_text() const {
@@ -62,6 +67,11 @@ void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
     const double U = c.u > 0.0 ? coverage_factor(rule.coverage_per_look(), j->dof) * c.u : c.u;
     c.expanded_u = U;
     c.verdict = zone(c, U);
+    if (c.verdict == Verdict::fail && -inside_by(c) <= U + j->explained) {
+      c.verdict = Verdict::inconclusive;
+      c.blame = Blame::calibration;
+      note(c, fmt::format("; up to {:.3g} {} of it may be the calibration, which at the beginning of the record does not fit the ATI better", j->explained, c.unit));
+    }
     // An exact count cannot be beyond its limit by chance: it is not part of the family.
     if (c.required && c.limit.kind != Limit::Kind::none && c.u > 0.0) {
       p_values.push_back(exceedance_p(c, j->dof));
@@ -73,8 +83,7 @@ void apply_rule(const DecisionRule& rule, std::vector<JudgedCheck*>& checks) {
     if (family[i]->check.verdict == Verdict::fail && !rejected[i]) {
       Check& c = family[i]->check;
       c.verdict = Verdict::inconclusive;
-      constexpr std::string_view kDoubt = "; beyond the limit, but not beyond doubt among this many checks";
-      if (!c.evidence.ends_with(kDoubt)) c.evidence += kDoubt;
+      note(c, "; beyond the limit, but not beyond doubt among this many checks");
     }
   for (JudgedCheck* j : checks) {
     if (!j->judgeable) continue;

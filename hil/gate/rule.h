@@ -39,6 +39,9 @@ struct JudgedCheck {
   /// More sessions of this case make the random part of u smaller; the systematic part stays.
   bool repeatable = false;
   double u_systematic = 0.0;
+  /// What the record shows of a calibration that is not the sensor's may be this much of the value. A build is not rejected
+  /// for it; nothing passes by it.
+  double explained = 0.0;
 };
 
 /// Applies the rule to all checks of a run together; Holm runs over the required judgeable ones with u > 0.

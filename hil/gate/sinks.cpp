@@ -7,6 +7,7 @@ namespace forcegate {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kSpikeChunk = 4096;
 constexpr const char* kNames[4] = {"set-point", "ATI", "firmware", "raw"};
 
 template <class Rows>
@@ -35,6 +36,40 @@ void OutputWatch::begin(double rate_Hz, double excitation_start_s) {
   period_s_ = 1.0 / rate_Hz;
   follow_ = std::min(1.0, period_s_ / kDeparture_s);
   excitation_start_s_ = excitation_start_s;
+  spike_rows_ = rate_Hz >= 500.0 ? static_cast<std::size_t>(std::lround(kSpike_s * rate_Hz)) : 0;
+  recent_dut_.reserve(2 * spike_rows_ + kSpikeChunk);
+  recent_raw_.reserve(2 * spike_rows_ + kSpikeChunk);
+  if (spike_rows_ == 0) facts_.spike_N = std::numeric_limits<double>::quiet_NaN();
+}
+
+// A sensor's spike, a lost row and what the firmware makes of them within 0.2 s are no spike of the firmware's.
+void OutputWatch::push_spikes(const RecordBlock& b, std::size_t from, std::size_t to) {
+  const std::size_t w = spike_rows_, had = recent_dut_.size();
+  recent_dut_.insert(recent_dut_.end(), b.dut_N.data() + from, b.dut_N.data() + to);
+  recent_raw_.insert(recent_raw_.end(), b.raw_N.data() + from, b.raw_N.data() + to);
+  const auto excursion = [w](const std::vector<float>& x, std::size_t i) {
+    const float before = x[i - 2 * w], now = x[i - w], after = x[i];
+    return std::max(now - std::max(before, after), std::min(before, after) - now);
+  };
+  const auto quiet = static_cast<std::uint64_t>(kSpikeOfCode_s / period_s_);
+  double worst_N = facts_.spike_N;
+  for (std::size_t i = std::max(had, 2 * w); i < recent_dut_.size(); ++i) {
+    const std::size_t row = from + i - had;
+    if (excursion(recent_raw_, i) > kSpikeOfCode_N || (b.rig->status[row] & kRigSampleLost) != 0) after_code_ = quiet;
+    if (after_code_ > 0) {
+      --after_code_;
+      continue;
+    }
+    const auto spike_N = static_cast<double>(excursion(recent_dut_, i));
+    if (!(spike_N > worst_N) || !std::isfinite(spike_N)) continue;
+    worst_N = spike_N;
+    facts_.spike_t_s = b.rig->t_s[row] - kSpike_s;
+  }
+  facts_.spike_N = worst_N;
+  if (const std::size_t all = recent_dut_.size(); all > 2 * w) {
+    recent_dut_.erase(recent_dut_.begin(), recent_dut_.end() - static_cast<std::ptrdiff_t>(2 * w));
+    recent_raw_.erase(recent_raw_.begin(), recent_raw_.end() - static_cast<std::ptrdiff_t>(2 * w));
+  }
 }
 
 void OutputWatch::push(const RecordBlock& b) {
@@ -79,6 +114,7 @@ void OutputWatch::push(const RecordBlock& b) {
     if (std::isfinite(apart_N)) departure_N += follow_ * (apart_N - departure_N);
   }
   facts_.departure_N = departure_N;
+  for (std::size_t from = 0; spike_rows_ > 0 && from < b.n; from += kSpikeChunk) push_spikes(b, from, std::min(b.n, from + kSpikeChunk));
   constexpr std::uint8_t kCounted = kDutLearning | kDutHeld | kDutInputRail | kDutOutputClamped;
   if ((any_flag & kCounted) != 0 || learning_run_ > 0) push_flags(b);
 }

@@ -22,20 +22,27 @@ struct RecordBlock {
   std::size_t n = 0;
 };
 
-/// Output bounds, NaN, flags.
+/// Output bounds, NaN, flags, spikes.
 class OutputWatch {
  public:
   static constexpr double kDeparture_s = 0.2;  ///< of OutputFacts::departure_N
+  static constexpr double kSpike_s = 0.01;     ///< distance of the samples that a spike is held against
+  static constexpr double kSpikeOfCode_s = 0.2;    ///< for this long after a spike of the code the output may have one
+  static constexpr float kSpikeOfCode_N = 0.1f;
   void begin(double rate_Hz, double excitation_start_s);
   void push(const RecordBlock& block);
   OutputFacts finish() const { return facts_; }
 
  private:
   void push_flags(const RecordBlock& block);
+  void push_spikes(const RecordBlock& block, std::size_t from, std::size_t to);
   void push_strange(const RecordBlock& block);  ///< the slow way, for a block with values that are not finite
   OutputFacts facts_;
   double period_s_ = 1e-3, excitation_start_s_ = 0.0, follow_ = 0.005;
   std::uint64_t learning_run_ = 0;
+  std::vector<float> recent_dut_, recent_raw_;  ///< what came before, then the block; the last two kSpike_s stay
+  std::size_t spike_rows_ = 0;
+  std::uint64_t after_code_ = 0;
   bool first_episode_over_ = false, any_finite_ = false;
 };
 

@@ -43,6 +43,7 @@ const std::vector<Explanation>& check_explanations() {
       {"learning_window", "check", "Longest start window, in which the firmware says that it still learns; it is left out of the errors.", kOwn},
       {"lag", "check", "Distance in time between firmware and ATI.", "Look for filters, buffers and a late link (rig_sensor_sync tells what the codes bring along)."},
       {"output_finite", "check", "Samples of the output that are NaN or infinite.", kOwn},
+      {"output_spike", "check", "Largest excursion of one sample beyond those 10 ms before and after it, where the sensor's code has none.", kOwn},
       {"output_bounded", "check", "Largest force that the firmware reported, against the plan's bound.", kOwn},
       {"hold_amplification", "check", "Output over the static law in a hold after cycling: the correction must not go on growing there.", kOwn},
       {"link_intact", "check", "Frames and samples that were lost, damaged or refused between board and harness.", "Check cable, baud rate and load of the line."},

@@ -40,6 +40,18 @@ TEST(Budget, what_the_delivered_benches_declare_is_far_below_what_tips_a_verdict
   EXPECT_NEAR(budget(record(0.5, 0.002)).u(), budget(record(0.5, 0.0)).u(), 1e-4);
 }
 
+// An ATI that is off by what the slope lets pass is no property of the rig that the limit was derived on.
+TEST(Budget, what_this_record_showed_of_the_ati_counts_against_a_derived_limit) {
+  CaseRecord r = record(0.5, 0.0);
+  r.rig.reference_u_rel = 0.005;
+  const double sound = budget(r).u_against_derived();
+  EXPECT_LT(sound, 0.2);
+  r.observed.spring_samples = 1000;
+  r.observed.spring_slope = 0.985;
+  EXPECT_NEAR(budget(r).u_against_derived(), std::hypot(sound, 1.5 / std::sqrt(3.0)), 1e-6);
+  EXPECT_NEAR(budget(r).u_of_this_record(), 1.5 / std::sqrt(3.0), 1e-6);
+}
+
 TEST(Budget, a_record_that_is_judged_again_has_the_time_too) {
   const auto again = record_from_json(to_json(record(0.5, 0.1)));
   ASSERT_TRUE(again) << again.error().to_text();
