@@ -14,6 +14,7 @@
 #include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/csv_hints.h"
+#include "hil/trace/date_column.h"
 #include "hil/trace/no_clock.h"
 #include "hil/trace/time_base.h"
 
@@ -122,6 +123,16 @@ std::size_t find_clock(const CsvTable& table, const std::vector<ColumnMeaning>& 
   return only;
 }
 
+std::vector<std::string> unused_dates(const CsvTable& table, const CsvOptions& options, TraceFile& out) {
+  std::vector<std::string> headers;
+  for (const TextColumn& column : table.text_columns)
+    if (const auto mapped = options.column_map.find(column.header); !column.day_s.empty() && mapped != options.column_map.end() && mapped->second == "unused") {
+      headers.push_back(column.header);
+      out.mapped.push_back(column.header);
+    }
+  return headers;
+}
+
 Result<void> settle_unit_of_clock(const CsvTable& table, std::size_t clock, std::vector<ColumnMeaning>& meanings, const std::string& where,
                                   const CsvOptions& options, std::vector<std::string>& notes) {
   if (clock == table.columns.size() || table.columns[clock].dates || meanings[clock].unit.symbol != "s") return {};
@@ -180,13 +191,14 @@ void note_unlikely_sizes(const Trace& trace, const std::vector<std::string>& hea
 
 Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const std::string& name,
                                  const CsvOptions& options) {
-  FORCEGATE_CHECK_OK(check_text_columns(table, where, options));
   TraceFile out;
   out.notes = std::move(table.notes);
   out.trace.name = name;
   out.header_line = table.header_line;
   std::vector<ColumnMeaning> meanings = meanings_of(table, options, out);
   const std::size_t clock_column = find_clock(table, meanings, options, out.notes);
+  add_dates(table.text_columns, clock_column < table.columns.size() ? &table.columns[clock_column] : nullptr, unused_dates(table, options, out), out.notes);
+  FORCEGATE_CHECK_OK(check_text_columns(table, where, options));
   FORCEGATE_CHECK_OK(settle_unit_of_clock(table, clock_column, meanings, where, options, out.notes));
   if (clock_column < table.columns.size() && count_on(table.columns[clock_column].value))
     out.notes.push_back("the clock \"" + table.columns[clock_column].header + "\" passes 2^32, where a counter of 32 bits begins anew; counted on");

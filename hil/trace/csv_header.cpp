@@ -98,6 +98,7 @@ Result<void> CsvParser::header(std::string_view line) {
       if (!table_.columns[a].header.empty() && table_.columns[a].header == table_.columns[b].header)
         return error("two columns are called " + in_quotes(table_.columns[a].header), 1, "rename or remove one of them");
   is_text_.assign(table_.columns.size(), 0);
+  is_day_.assign(table_.columns.size(), 0);
   text_.resize(table_.columns.size());
   row_.resize(table_.columns.size());
   table_.header_line = line_;

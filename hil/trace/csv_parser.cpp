@@ -109,8 +109,11 @@ Result<CsvTable> CsvParser::finish() {
                            (repeats_ > 1 ? " and " + std::to_string(repeats_ - 1) + " more" : "") + ", as where a logger was started anew; skipped");
   for (std::size_t c = 0; c < is_text_.size(); ++c)
     if (is_text_[c]) {
-      table_.notes.push_back("column " + in_quotes(table_.columns[c].header) + " holds text and was left out");
-      table_.text_columns.push_back(text_[c]);
+      if (is_day_[c])
+        text_[c].day_s = std::move(table_.columns[c].value);
+      else
+        table_.notes.push_back("column " + in_quotes(table_.columns[c].header) + " holds text and was left out");
+      table_.text_columns.push_back(std::move(text_[c]));
     }
   if (scope_step_s_ > 0.0) time_by_increment();
   std::size_t at = 0;
@@ -152,6 +155,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
   for (std::size_t c = 0; c < row_.size(); ++c) {
     const CsvCell kind = read_cell(cells_[c], point_, row_[c]);
     all_text = all_text && kind == CsvCell::text;
+    if (is_day_[c]) read_day(c, kind);
     if (kind == CsvCell::number || is_text_[c]) continue;
     if (kind == CsvCell::text && cut_short && c + 1 == row_.size()) {
       table_.notes.push_back("the last line is cut short and was dropped");
@@ -159,8 +163,9 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     }
     if (kind == CsvCell::text && table_.columns[c].missing == table_.rows()) {  // nothing stood in it so far
       is_text_[c] = 1;
-      text_[c] = {table_.columns[c].header, printable_utf8(unquoted(cells_[c]).substr(0, 40)), hint_for_cell(cells_[c], point_), line_};
-      row_[c] = kNan;
+      text_[c] = {table_.columns[c].header, printable_utf8(unquoted(cells_[c]).substr(0, 40)), hint_for_cell(cells_[c], point_), line_, {}};
+      is_day_[c] = table_.rows() == 0;  // a remark may be a date too
+      read_day(c, kind);
       continue;
     }
     if (kind == CsvCell::text)
@@ -176,6 +181,12 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
   seen_data_ = true;
   for (std::size_t c = 0; c < row_.size(); ++c) table_.columns[c].value.push_back(row_[c]);
   return {};
+}
+
+void CsvParser::read_day(std::size_t c, CsvCell kind) {
+  const auto day_s = is_day_[c] && kind == CsvCell::text ? seconds_of_date(unquoted(cells_[c])) : std::nullopt;
+  row_[c] = day_s.value_or(kNan);
+  is_day_[c] = is_day_[c] && (day_s || kind == CsvCell::missing);
 }
 
 void CsvParser::drop_cut_row(std::string_view line) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/base/result.h"
+#include "hil/trace/csv_cells.h"
 #include "hil/trace/csv_table.h"
 
 namespace forcegate {
@@ -33,6 +34,8 @@ class CsvParser {
   /// A row of plain numbers, nullptr for anything else.
   const char* fast_row(const char* p);
   Result<void> slow_row(std::string_view line, bool cut_short);
+  /// A cell of a column of dates.
+  void read_day(std::size_t c, CsvCell kind);
   bool row_of_units();
   /// "X,CH1,Start,Increment" above "Sequence,VOLT,0.0,2e-2": units, and the time of row number X.
   bool row_of_oscilloscope();
@@ -51,6 +54,7 @@ class CsvParser {
   std::vector<std::string_view> cells_;
   std::vector<double> row_;
   std::vector<char> is_text_;
+  std::vector<char> is_day_;  ///< a column of text whose cells are dates so far
   std::vector<TextColumn> text_;
   std::vector<std::string> names_;  ///< without units of a second line
   std::string comment_;             ///< the last one above the header

@@ -18,11 +18,12 @@ struct CsvColumn {
   std::size_t missing = 0;    ///< empty cells, "nan", "NA", "null", infinities
 };
 
-/// A column that was left out because its first cell is no number.
+/// A column whose first cell is no number.
 struct TextColumn {
   std::string header, cell;  ///< cell: its first 40 bytes
   std::string hint;          ///< how to make it a number
   std::uint64_t line = 0;
+  std::vector<double> day_s;  ///< where every cell is a date, or empty: the beginning of the day, seconds since 1970; NaN = missing
 };
 
 struct CsvTable {
@@ -39,7 +40,7 @@ struct CsvTable {
 /// One header line, then rows of numbers. Separator comma, semicolon, tab, bar or blanks (the one that the header
 /// uses); decimal point, or decimal comma where the separator is another one or the cells are quoted. Accepted: UTF-16, line ends of every kind,
 /// lines that begin with '#', blank lines, quotes, a second line of units, names that stand again, empty cells, dates and
-/// times of day (as seconds, date_time.h). A column of text is left out and a last line cut short is dropped, both noted. Two columns of one
+/// times of day (as seconds, date_time.h). A column of text is left out and a last line cut short is dropped, both noted; of dates without times who reads the table tells. Two columns of one
 /// name are an error. Errors (parse) name file:line:column, column in bytes from 1.
 /// Reads about as fast as std::from_chars over the mapped file; memory is that of the columns and 1 MB, of UTF-16 and CR alone that of the text too.
 Result<CsvTable> read_csv_table(const std::filesystem::path& path);

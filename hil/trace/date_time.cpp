@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdint>
+#include <string>
 
 namespace forcegate {
 namespace {
@@ -109,6 +110,11 @@ std::optional<double> seconds_of_stamp(std::string_view text) {
     if (is_date(year, month, day) && clock_time(dotted, seconds, true) && dotted.at_end()) return seconds;
   }
   return std::nullopt;
+}
+
+std::optional<double> seconds_of_date(std::string_view text) {
+  constexpr std::size_t kLength = 10;
+  return text.size() == kLength ? seconds_of_stamp(std::string(text) + " 00:00:00") : std::nullopt;
 }
 
 }  // namespace forcegate

@@ -11,4 +11,7 @@ namespace forcegate {
 /// for any other text: a date with slashes and the year at its end does not say which number is the month.
 std::optional<double> seconds_of_stamp(std::string_view text);
 
+/// Seconds since 1970-01-01 00:00 of the beginning of "2026-11-21", "2026/11/21", "21.11.2026"; nothing for any other text.
+std::optional<double> seconds_of_date(std::string_view text);
+
 }  // namespace forcegate

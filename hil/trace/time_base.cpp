@@ -102,8 +102,19 @@ std::string without_stamp(const std::vector<double>& stamps_s, const LineOfRow& 
   return times(n, "row has", "rows have") + " no time stamp (" + word + (n == 1 ? " " : "s ") + lines + more + "); dropped";
 }
 
-// A clock of day begins anew at midnight: stamps within one day that fall from its end to its beginning. Days that were added.
-std::size_t unwrap_midnights(std::vector<double>& stamps_s) {
+// Splitting cannot mend a file that was written from its end.
+Result<void> check_runs_forwards(const std::vector<double>& t, const std::string& where) {
+  constexpr std::size_t kFewest = 3;
+  std::size_t down = 0, up = 0;
+  for (std::size_t i = 1; i < t.size(); ++i) down += t[i] < t[i - 1], up += t[i] > t[i - 1];
+  if (down < kFewest || down <= up) return {};
+  return fail(ErrorCode::parse, "the clock runs backwards, from " + shortest(t.front()) + " s down to " + shortest(t.back()) + " s, in " + std::to_string(down) + " of " + std::to_string(t.size() - 1) + " steps", where,
+              "sort the rows by their time");
+}
+
+}  // namespace
+
+std::size_t count_midnights(std::vector<double>& stamps_s) {
   constexpr double kDay_s = 86400.0, kNear_s = 60.0;
   for (const double t : stamps_s)
     if (std::isfinite(t) && !(t >= 0.0 && t <= kDay_s)) return 0;
@@ -117,17 +128,9 @@ std::size_t unwrap_midnights(std::vector<double>& stamps_s) {
   return static_cast<std::size_t>(added_s / kDay_s);
 }
 
-// Splitting cannot mend a file that was written from its end.
-Result<void> check_runs_forwards(const std::vector<double>& t, const std::string& where) {
-  constexpr std::size_t kFewest = 3;
-  std::size_t down = 0, up = 0;
-  for (std::size_t i = 1; i < t.size(); ++i) down += t[i] < t[i - 1], up += t[i] > t[i - 1];
-  if (down < kFewest || down <= up) return {};
-  return fail(ErrorCode::parse, "the clock runs backwards, from " + shortest(t.front()) + " s down to " + shortest(t.back()) + " s, in " + std::to_string(down) + " of " + std::to_string(t.size() - 1) + " steps", where,
-              "sort the rows by their time");
+std::string note_of_midnights(std::size_t days) {
+  return "the clock of day passes midnight" + (days == 1 ? std::string() : " " + std::to_string(days) + " times") + "; counted on";
 }
-
-}  // namespace
 
 TimeBase with_rate_and_gaps(std::vector<double> t_s) {
   TimeBase base;
@@ -150,8 +153,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
   const std::string& where = source.where;
   const bool has_lines = static_cast<bool>(source.line_of_row);
   const LineOfRow line_of_row = has_lines ? source.line_of_row : [](std::size_t row) { return static_cast<std::uint64_t>(row + 1); };
-  if (const std::size_t days = unwrap_midnights(stamps_s); days > 0)
-    clock.notes.push_back("the clock of day passes midnight" + (days == 1 ? std::string() : " " + std::to_string(days) + " times") + "; counted on");
+  if (const std::size_t days = count_midnights(stamps_s); days > 0) clock.notes.push_back(note_of_midnights(days));
   bool increasing = !stamps_s.empty() && std::isfinite(stamps_s.front());
   for (std::size_t i = 1; i < stamps_s.size() && increasing; ++i)
     increasing = stamps_s[i] > stamps_s[i - 1] && stamps_s[i] < HUGE_VAL;

@@ -38,6 +38,11 @@ struct ClockSource {
 /// Errors (parse): no stamp at all, a clock that jumps back, one that stands still in more than 1 % of the rows.
 Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source);
 
+/// A clock of day begins anew at midnight: stamps (s) within one day that fall from its last minute to its first go on with the next. Days that
+/// were added.
+std::size_t count_midnights(std::vector<double>& stamps_s);
+std::string note_of_midnights(std::size_t days);
+
 /// The base of strictly increasing instants, with the rate and the gaps that make_clock would find.
 TimeBase with_rate_and_gaps(std::vector<double> t_s);
 

@@ -231,5 +231,36 @@ TEST(ForeignFiles, AClockOfDayGoesOnAfterMidnight) {
   EXPECT_FALSE(parse_csv("t_s,F,U\n500,1,2\n501,1,2\n0,2,3\n1,2,3\n", "x.csv")) << "two recordings in one file";
 }
 
+TEST(ForeignFiles, ADateBesideATimeOfDayIsPartOfTheClock) {
+  const double day_s = *seconds_of_date("2026-11-21");
+  const auto f = read("Date,Time,F,U\n2026-11-21,23:10:00.0,1,2\n2026-11-21,23:10:00.5,1,2\n2026-11-22,00:01:30.0,2,3\n,00:01:30.5,2,3\n");
+  const auto& t = f.trace.time_bases[0].t_s;
+  ASSERT_EQ(t.size(), 4u);
+  EXPECT_NEAR(t[0], day_s + 83400.0, 1e-6);
+  EXPECT_NEAR(t[2], day_s + 86400.0 + 90.0, 1e-6) << "samples may be as far apart as they like";
+  EXPECT_NEAR(t[3] - t[2], 0.5, 1e-6) << "a date that is written where it changes";
+  EXPECT_THAT(f.notes, Contains("columns \"Date\" and \"Time\" are the clock together: date and time of day"));
+  EXPECT_THAT(f.notes, ::testing::Not(Contains(HasSubstr("left out"))));
+  EXPECT_NEAR(read("Uhrzeit;Datum;F;U\n10:00:00,5;21.11.2026;1,5;2\n10:00:01,0;21.11.2026;1,5;2\n").trace.time_bases[0].t_s[0], day_s + 36000.5, 1e-6);
+}
+
+TEST(ForeignFiles, ADateThatStaysBehindMidnightIsThatOfTheBeginning) {
+  const auto f = read("Date,Time,F,U\n2026/11/21,23:59:59.0,1,2\n2026/11/21,23:59:59.5,1,2\n2026/11/21,00:00:00.0,2,3\n");
+  EXPECT_NEAR(f.trace.time_bases[0].t_s[2], *seconds_of_date("2026-11-22"), 1e-6);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("midnight")));
+}
+
+TEST(ForeignFiles, ADateThatIsNoPartOfTheClockIsLeftOut) {
+  for (const char* text : {"t_s,Date,F,U\n0,2026-11-21,1,2\n1,2026-11-21,1,2\n", "Date,Time,F,U\n2026-11-21,10:00:00,1,2\nyesterday,10:00:01,1,2\n",
+                           "Date,Time,F,U\n2026-11-21,2026-11-21 10:00:00,1,2\n2026-11-21,2026-11-21 10:00:01,1,2\n"})
+    EXPECT_THAT(read(text).notes, Contains("column \"Date\" holds text and was left out")) << text;
+  CsvOptions options;
+  options.column_map["Date"] = "unused";
+  const auto mapped = read("Date,Time,F,U\n2026-11-21,10:00:00,1,2\n2026-11-21,10:00:01,1,2\n", options);
+  EXPECT_NEAR(mapped.trace.time_bases[0].t_s[0], 36000.0, 1e-6);
+  EXPECT_THAT(mapped.mapped, ::testing::ElementsAre("Date"));
+  EXPECT_THAT(read("Date,Time,F,U\n11/21/2026,10:00:00,1,2\n11/21/2026,10:00:01,1,2\n").notes, Contains(HasSubstr("write dates as 2024-05-31")));
+}
+
 }  // namespace
 }  // namespace forcegate
