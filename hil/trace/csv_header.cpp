@@ -6,6 +6,8 @@
 
 #include "hil/base/text.h"
 #include "hil/base/units.h"
+#include "hil/trace/channels.h"
+#include "hil/trace/columns.h"
 #include "hil/trace/csv_cells.h"
 #include "hil/trace/csv_hints.h"
 #include "hil/trace/csv_parser.h"
@@ -16,6 +18,19 @@ namespace forcegate {
 namespace {
 
 constexpr std::size_t kMostColumns = 4096;
+
+/// What the name of a column says of its unit beside what a line of units says.
+enum class NameOfUnit { nothing, same, another };
+
+NameOfUnit unit_in_name(const std::string& header, std::string_view symbol) {
+  const ColumnMeaning named = meaning_of(header);
+  if (named.unit.symbol.empty() || named.name.empty() || named.name.size() == header.size()) return NameOfUnit::nothing;
+  const Unit &a = named.unit, b = meaning_of(named.name + "_" + std::string(symbol)).unit;
+  if (a.quantity == b.quantity) return a.factor == b.factor && a.offset == b.offset ? NameOfUnit::same : NameOfUnit::another;
+  // "F_m", the measured one, is not in metres
+  const KnownChannel* known = known_channel(known_name(named.name));
+  return named.is_clock || (known != nullptr && known->quantity == a.quantity) ? NameOfUnit::another : NameOfUnit::nothing;
+}
 
 }  // namespace
 
@@ -91,7 +106,7 @@ Result<void> CsvParser::header(std::string_view line) {
   }
   cut_cells(unit_labels_, '\t', cells_);  // LabVIEW's, above the header
   for (std::size_t c = 1; c < std::min(cells_.size(), table_.columns.size()); ++c)
-    if (const std::string_view symbol = trim(cells_[c]); find_unit(symbol)) table_.columns[c].header += "_" + std::string(symbol);
+    if (const std::string_view symbol = trim(cells_[c]); find_unit(symbol)) FORCEGATE_CHECK_OK(add_unit(table_.columns[c].header, symbol, 1));
   if (separator_ != ',') table_.notes.push_back(std::string("the separator is ") + separator_name());
   for (std::size_t a = 0; a < table_.columns.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
@@ -127,15 +142,28 @@ bool CsvParser::holds_units() const {
   return units > 0;
 }
 
-bool CsvParser::row_of_units() {
+Result<void> CsvParser::add_unit(std::string& header, std::string_view symbol, std::size_t column) const {
+  const NameOfUnit named = unit_in_name(header, symbol);
+  if (named == NameOfUnit::another)
+    return error("column " + in_quotes(header) + " has its unit in its name, and the line of units says " + in_quotes(symbol), column,
+                 "mend the one that is wrong, or put - in the place of " + in_quotes(symbol) + " where the name is right");
+  if (named == NameOfUnit::nothing) header += "_" + std::string(symbol);
+  return {};
+}
+
+Result<bool> CsvParser::row_of_units(std::string_view line) {
   if (cells_.size() != row_.size() || !holds_units()) return false;
   std::vector<std::string> unknown;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const std::string_view symbol = strip_brackets(trim(cells_[c]));
     if (says_no_unit(symbol)) continue;
     const bool known = find_unit(symbol).has_value();
-    if (!known) unknown.push_back(in_quotes(symbol) + " of column " + in_quotes(table_.columns[c].header));
-    table_.columns[c].header += known ? "_" + std::string(symbol) : " (" + printable_utf8(symbol) + ")";
+    if (known) {
+      FORCEGATE_CHECK_OK(add_unit(table_.columns[c].header, symbol, static_cast<std::size_t>(cells_[c].data() - line.data()) + 1));
+      continue;
+    }
+    unknown.push_back(in_quotes(symbol) + " of column " + in_quotes(table_.columns[c].header));
+    table_.columns[c].header += " (" + printable_utf8(symbol) + ")";
   }
   table_.notes.push_back("the second line was read as the units of the columns");
   if (!unknown.empty()) table_.notes.push_back("no unit known here: " + join(unknown, ", "));

@@ -136,7 +136,8 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
   if (cells_.size() == row_.size() + 1 && trim(cells_.back()).empty()) cells_.pop_back();
   if (cells_.size() + 1 == row_.size() && ascii_lower(names_.back()) == kMayBeShort) cells_.push_back(line.substr(line.size()));
   if (!seen_data_) {
-    if (row_of_units() || row_of_oscilloscope()) return {};
+    FORCEGATE_TRY(const bool units, row_of_units(line));
+    if (units || row_of_oscilloscope()) return {};
     if (point_ == '.' && has_decimal_commas()) {
       point_ = ',';
       table_.notes.push_back("the decimals are commas");

@@ -36,7 +36,9 @@ class CsvParser {
   Result<void> slow_row(std::string_view line, bool cut_short);
   /// A cell of a column of dates.
   void read_day(std::size_t c, CsvCell kind);
-  bool row_of_units();
+  Result<bool> row_of_units(std::string_view line);
+  /// To a header that does not tell it already; one that tells another is an error.
+  Result<void> add_unit(std::string& header, std::string_view symbol, std::size_t column) const;
   /// "X,CH1,Start,Increment" above "Sequence,VOLT,0.0,2e-2": units, and the time of row number X.
   bool row_of_oscilloscope();
   void time_by_increment();

@@ -137,6 +137,26 @@ TEST(LoggerFiles, AUnitThatIsNotKnownStaysWithItsColumn) {
   EXPECT_THAT(f.notes, Contains("no unit known here: \"widgets\" of column \"Force\""));
 }
 
+TEST(LoggerFiles, ALineOfUnitsMayRepeatWhatTheNamesSay) {
+  for (const char* text : {"t_s,F_mN,U_V\ns,mN,V\n0,1500,2\n1,2500,3\n", "Time (s),Force (mN),Output (V)\nsec,mN,volts\n0,1500,2\n1,2500,3\n", "t_s,F_mN,U_V\n[s],-,[V]\n0,1500,2\n1,2500,3\n"}) {
+    const auto f = read(text);
+    EXPECT_EQ(force(f), (std::vector<double>{1.5, 2.5})) << text;
+    EXPECT_EQ(f.trace.time_bases[0].t_s, (std::vector<double>{0, 1})) << text;
+    EXPECT_TRUE(f.trace.find("U")) << text;
+  }
+  EXPECT_EQ(force(read("t,F_m,U_V\ns,N,V\n0,1.5,2\n1,2.5,3\n")), (std::vector<double>{1.5, 2.5})) << "the measured force is not in metres";
+}
+
+TEST(LoggerFiles, ALineOfUnitsThatContradictsTheNamesIsAnError) {
+  for (const auto& [text, where] : {std::pair{"t_s,F_N,U_V\ns,mN,V\n0,1,2\n1,2,3\n", "x.csv:2:3"}, {"t_s,F_N,U_V\nms,N,V\n0,1,2\n1,2,3\n", "x.csv:2:1"},
+                                    {"t_s,F_N,U_V\ns,V,N\n0,1,2\n1,2,3\n", "x.csv:2:3"}, {"Time (s),Force (N),Output (V)\ns,N,mV\n0,1,2\n1,2,3\n", "x.csv:2:5"}}) {
+    const Error e = refuse(text);
+    EXPECT_EQ(e.where, where) << text;
+    EXPECT_THAT(e.text, HasSubstr("has its unit in its name, and the line of units says")) << text;
+    EXPECT_THAT(e.hint, HasSubstr("mend the one that is wrong")) << text;
+  }
+}
+
 TEST(LoggerFiles, LabViewMeasurementsAreRead) {
   const std::string head =
       "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\t\n\t\nChannels\t2\t\t\nSamples\t3\t3\t\nY_Unit_Label\tmN\tmV\t\n"
