@@ -80,12 +80,14 @@ std::string hint_for_cell(std::string_view cell, char point) {
 std::string hint_for_line(const std::vector<std::string_view>& cells, std::size_t columns, char separator, bool seen_data) {
   if (separator == ',' && cells.size() >= 2 * columns - 1 && columns > 1)
     return "these look like decimal commas; write decimal points, or separate the columns by semicolons";
-  if (!seen_data) return "the first line must name the columns: take out what stands above the line of names; leave a missing value empty";
+  // several blanks are one separator
+  const std::string missing = separator == ' ' ? "; blanks leave no cell empty: write nan for a missing value, or separate the columns by commas" : "; leave a missing value empty";
+  if (!seen_data) return "the first line must name the columns: take out what stands above the line of names" + missing;
   const bool no_numbers = std::ranges::none_of(cells, [](std::string_view cell) {
     double value;
     return read_cell(cell, '.', value) == CsvCell::number;
   });
-  return no_numbers ? "what is no row does not belong here: take the line out, or put # before it" : "every line needs one cell for each column; leave a missing value empty";
+  return no_numbers ? "what is no row does not belong here: take the line out, or put # before it" : "every line needs one cell for each column" + missing;
 }
 
 }  // namespace forcegate

@@ -206,6 +206,16 @@ TEST(LoggerFiles, HintsSayWhatIsWrongWithTheCell) {
   EXPECT_THAT(refuse("10:31:00.000 -> 1,2\n10:31:00.100 -> 1,2\n").hint, HasSubstr("replace \" -> \" by a comma"));
 }
 
+TEST(LoggerFiles, ACellThatIsMissingBetweenBlanksCannotBeLeftEmpty) {
+  for (const char* text : {"t_s F_ref_N U_V\n0 1 2\n1 2\n", "t_s F_ref_N U_V\n0 1\n1 2 3\n"}) {
+    const Error e = refuse(text);
+    EXPECT_THAT(e.hint, HasSubstr("write nan for a missing value, or separate the columns by commas")) << text;
+    EXPECT_THAT(e.hint, Not(HasSubstr("value empty"))) << text;
+  }
+  EXPECT_THAT(refuse("t_s,F_ref_N,U_V\n0,1,2\n1,2\n").hint, HasSubstr("leave a missing value empty"));
+  EXPECT_EQ(read("t_s F_ref_N U_V\n0 1 2\n1 2 nan\n").trace.size(), 2u);
+}
+
 using FilesByContent = FolderTest;
 
 TEST_F(FilesByContent, AFileIsKnownByHowItBegins) {
