@@ -221,6 +221,15 @@ Result<Campaign> read_folder(const fs::path& folder, const CampaignOptions& opti
   return campaign;
 }
 
+/// A campaign.json beside a file that is named itself, which it lists or which lists none: one with a kind would be asked other questions.
+bool is_described_beside(const fs::path& path, const fs::path& folder) {
+  std::error_code failed;
+  if (!fs::exists(folder / kFileName, failed)) return false;
+  const Result<CampaignDescription> description = read_description(folder / kFileName);
+  if (!description || !description->records) return true;
+  return std::ranges::any_of(*description->records, [&](const DescribedRecord& r) { return fs::equivalent(folder / fs::path(r.file), path, failed); });
+}
+
 Result<Campaign> read_single(const fs::path& path, const CampaignOptions& options) {
   Campaign single;
   single.folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
@@ -234,6 +243,9 @@ Result<Campaign> read_single(const fs::path& path, const CampaignOptions& option
   FORCEGATE_CHECK_OK(std::move(reading[0].result));
   FORCEGATE_CHECK_OK(check_map(reading, options, path));
   add_notes(reading, single);
+  if (is_described_beside(path, single.folder))
+    single.notes.push_back("campaign.json beside " + path.filename().string() + " is not read for a file that is named itself: name the folder, " + single.folder.string() +
+                           ", to use what it says of the bench and of its records");
   single.records.push_back(std::move(record));
   return single;
 }

@@ -127,6 +127,24 @@ TEST_F(ReadCampaign, TakesASingleCsv) {
   EXPECT_EQ(c->records.size(), 1u);
 }
 
+TEST_F(ReadCampaign, SaysThatTheDescriptionBesideASingleFileIsNotRead) {
+  const auto note = HasSubstr("campaign.json beside r1.csv is not read");
+  const auto notes = [&] {
+    const auto campaign = read_campaign(folder_ / "r1.csv");
+    EXPECT_TRUE(campaign);
+    return campaign ? campaign->notes : std::vector<std::string>{};
+  };
+  put("r1.csv", kCsv);
+  EXPECT_THAT(notes(), ::testing::Not(Contains(note)));
+  for (const char* description : {R"({"records": [{"file": "r2.csv"}, {"file": "./r1.csv", "kind": "sine"}]})", R"({"sensor": "FSR 402"})", "{"}) {
+    put("campaign.json", description);
+    EXPECT_THAT(notes(), Contains(note)) << description;
+    EXPECT_THAT(notes(), Contains(HasSubstr(folder_.string()))) << "which folder to name";
+  }
+  put("campaign.json", R"({"records": [{"file": "r2.csv"}]})");
+  EXPECT_THAT(notes(), ::testing::Not(Contains(note))) << "it says nothing of this file";
+}
+
 TEST_F(ReadCampaign, GivesTheDeclaredRateToAFileWithoutAClock) {
   put("r.csv", "F_ref_N,U_V\n1,2\n2,3\n");
   put("campaign.json", R"({"records": [{"file": "r.csv", "fs_Hz": 400}]})");
