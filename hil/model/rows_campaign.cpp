@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "hil/base/largest_first.h"
+#include "hil/model/missing_facts.h"
 #include "hil/model/row_step.h"
 #include "hil/model/rows.h"
 
@@ -100,6 +101,17 @@ void lay_out_in_order(CampaignInput& campaign) {
   }
 }
 
+// "r2 has no start_s, which other records have"; empty where none has any.
+std::string without_times(const std::vector<RecordInput>& records) {
+  for (const auto& [member, key] : {std::pair{&RecordInput::start_s, "start_s"}, std::pair{&RecordInput::rest_before_s, "rest_before_s"}}) {
+    std::vector<std::string> names;
+    for (const RecordInput& r : records)
+      if (!std::isfinite(r.*member)) names.push_back(r.name);
+    if (names.size() < records.size()) return some_names(names) + (names.size() > 1 ? " have no " : " has no ") + key + ", which other records have";
+  }
+  return {};
+}
+
 void set_start_times(CampaignInput& campaign) {
   auto& records = campaign.records;
   const auto every = [&](double RecordInput::*known) {
@@ -111,10 +123,12 @@ void set_start_times(CampaignInput& campaign) {
   }
   const bool rests_known = every(&RecordInput::rest_before_s);
   if (!rests_known && take_clocks_as_starts(campaign)) return;
+  const std::string silent = without_times(records);
   lay_out_in_order(campaign);
   if (!rests_known && records.size() > 1) {
     campaign.has_start_times = false;
-    campaign.notes.push_back("start times are not declared: records are taken in order with 10 min of rest between");
+    campaign.notes.push_back(silent.empty() ? "start times are not declared: records are taken in order with 10 min of rest between"
+                                            : silent + ": records are taken in order, with 10 min of rest where none is declared, and what goes with the campaign's time cannot be claimed");
   }
 }
 
@@ -206,6 +220,7 @@ void finish_campaign_input(CampaignInput& campaign, unsigned threads) {
     travel += sum;
   }
   number_mountings(campaign);
+  note_missing_facts(campaign);
   campaign.has_drive = drive_known && drive_high - drive_low > 0.02 * std::abs(drive_high);
   campaign.travel_total_N = std::max(travel, 1e-9);
 }

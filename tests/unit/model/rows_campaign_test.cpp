@@ -1,5 +1,6 @@
 // What records are to each other: mountings and start times.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -36,6 +37,55 @@ TEST(Mounting, IsThatOfTheNeighboursWhereARecordDoesNotSay) {
   EXPECT_EQ(numbered({"", "a", "b"}), (std::vector<int>{2, 0, 0, 1}));
   EXPECT_EQ(numbered({"a", "", "b"}).front(), 0);
   EXPECT_EQ(numbered({"", "", ""}).front(), 0);
+}
+
+TEST(MissingFacts, OfSomeRecordsAreTold) {
+  CampaignInput campaign = input();
+  ASSERT_GE(campaign.records.size(), 3u);
+  campaign.records.resize(3);
+  for (std::size_t k = 0; k < 3; ++k) campaign.records[k].name = "r" + std::to_string(k + 1), campaign.records[k].temp_C.clear(), campaign.records[k].humidity.clear();
+  const auto notes = [&](auto&& change) {
+    CampaignInput changed = campaign;
+    change(changed.records);
+    finish_campaign_input(changed);
+    return changed.notes;
+  };
+  using Records = std::vector<RecordInput>;
+  const auto air = [](std::vector<double> RecordInput::*channel, std::size_t records) {
+    return [=](Records& r) {
+      for (std::size_t k = 0; k < records; ++k) (r[k].*channel).assign(r[k].rows(), 20.0 + static_cast<double>(k));
+    };
+  };
+  const auto drive = [](std::vector<double> V) {
+    return [=](Records& r) {
+      for (std::size_t k = 0; k < V.size(); ++k) r[k].drive_mean_V = V[k];
+    };
+  };
+  const auto of = [](const char* key) { return ::testing::Contains(::testing::HasSubstr(key)); };
+  EXPECT_THAT(notes(drive({5.0, 3.3})), of("r3 has no drive_V"));
+  EXPECT_THAT(notes(drive({5.0, 3.3})), of("(bias) cannot be asked"));
+  EXPECT_THAT(notes(drive({5.0})), of("r2, r3 have no drive_V"));
+  EXPECT_THAT(notes(drive({5.0, 5.0})), ::testing::Not(of("drive_V"))) << "there is nothing to ask";
+  EXPECT_THAT(notes(drive({5.0, 3.3, 5.0})), ::testing::Not(of("drive_V")));
+  EXPECT_THAT(notes(air(&RecordInput::temp_C, 2)), of("r3 has no temperature (temp_C)"));
+  EXPECT_THAT(notes(air(&RecordInput::temp_C, 3)), ::testing::Not(of("temp_C")));
+  EXPECT_THAT(notes(air(&RecordInput::humidity, 1)), of("r2, r3 have no humidity_pct"));
+  EXPECT_THAT(notes([](Records& r) { r[0].mounting_name = "a", r[2].mounting_name = "b"; }), of("r2 has no mounting"));
+  EXPECT_THAT(notes([](Records& r) { r[0].mounting_name = "a", r[2].mounting_name = "a"; }), ::testing::Not(of("mounting"))) << "its neighbours tell";
+  EXPECT_THAT(notes([](Records& r) { r[0].start_s = 0.0, r[2].start_s = 1e5, r[1].start_s = kMissing; for (RecordInput& one : r) one.rest_before_s = kMissing; }), of("r2 has no start_s"));
+  EXPECT_TRUE(notes([](Records&) {}).empty()) << "what none has is asked of none";
+}
+
+TEST(MissingFacts, OfTheWheelAreToldWhereTheOthersWouldTellItsSpring) {
+  CampaignInput campaign = input();
+  ASSERT_GE(campaign.records.size(), 4u);
+  for (RecordInput& r : campaign.records) r.theta_rad.assign(r.rows(), 1.0), r.eccentricity_mm = 11.0, r.preload_mm = 1.6;
+  CampaignInput all = campaign;
+  finish_campaign_input(all);
+  EXPECT_THAT(all.notes, ::testing::Not(::testing::Contains(::testing::HasSubstr("eccentricity_mm"))));
+  campaign.records.back().preload_mm = kMissing;
+  finish_campaign_input(campaign);
+  EXPECT_THAT(campaign.notes, ::testing::Contains(::testing::HasSubstr("has no eccentricity_mm and preload_mm")));
 }
 
 TEST(Air, AColumnOfTheHumidityIsReadInPercentAsTheRecordsOwnReadingIs) {
