@@ -88,6 +88,36 @@ void drop_overlapping_starts(Campaign& campaign) {
   }
 }
 
+// Records of rest that lie between count for it: the specimen was not cycled in them.
+void note_rests_beyond_starts(Campaign& campaign) {
+  constexpr double kRounding_s = 60.0, kShare = 0.1;
+  std::vector<const Record*> order;
+  for (const Record& record : campaign.records)
+    if (record.start_s && record.trace.size() > 0) order.push_back(&record);
+  std::ranges::stable_sort(order, {}, [](const Record* r) { return *r->start_s; });
+  const Record* former = nullptr;
+  double end_s = 0.0;
+  std::string first;
+  std::vector<std::string> others;
+  for (const Record* record : order) {
+    const double gap_s = *record->start_s - end_s;
+    if (former != nullptr && record->rest_before_s && *record->rest_before_s > gap_s + std::max(kRounding_s, kShare * gap_s)) {
+      if (first.empty())
+        first = "rest_before_s of " + record->name + " (" + shortest(*record->rest_before_s) + " s) is longer than the " + plain_number(std::max(0.0, gap_s)) + " s from the end of " + former->name +
+                " to its start_s";
+      else
+        others.push_back(record->name);
+    }
+    if (record->kind == "rest" || record->kind == "hold") continue;
+    const std::vector<double>& t_s = record->trace.time_bases.front().t_s;
+    former = record;
+    end_s = *record->start_s + (t_s.back() - t_s.front());
+  }
+  if (!first.empty())
+    campaign.notes.push_back(first + (others.empty() ? "" : ", and the like in " + some_of(others)) +
+                             ": start_s counts for order and times, the rest for where a session begins (an hour or more); mend one of them");
+}
+
 // 5 %, 50 % and 95 % of the samples.
 std::array<double, 3> spread_of(const Channel& channel) {
   std::vector<double> values;
@@ -141,6 +171,7 @@ void note_contradictions(Campaign& campaign) {
   note_beyond(campaign, "U", "V", "voltage_range_V", bench.voltage_min_V, bench.voltage_max_V);
   note_beyond(campaign, "F_ref", "N", "force_range_N", bench.force_min_N, bench.force_max_N);
   drop_overlapping_starts(campaign);
+  note_rests_beyond_starts(campaign);
   if (!campaign.records.empty() && std::ranges::all_of(campaign.records, [](const Record& r) { return r.role == RecordRole::heldout; }))
     campaign.notes.push_back("every record is held out, and none is left to be fitted: the roles are not used, records are fitted and left out in turn");
 }

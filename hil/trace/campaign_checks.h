@@ -15,7 +15,8 @@ Unfit unfit(const Trace& trace);
 void drop_copies(Campaign& campaign);
 
 /// Notes samples far beyond the declared ranges and a campaign that holds every record out; start times that let one record begin long
-/// before another has ended are not used, noted.
+/// before another has ended are not used, noted. A rest_before_s longer than from the end of the record before (none of rest) to start_s, by more than a minute and a
+/// tenth, is noted; both stay.
 void note_contradictions(Campaign& campaign);
 
 /// The outputs of one campaign are one quantity: a record in siemens beside others in volts is told by no law. Error (parse): the record, its unit and

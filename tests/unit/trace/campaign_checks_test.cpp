@@ -91,6 +91,21 @@ TEST_F(CheckedCampaign, NotesThatEveryRecordIsHeldOut) {
   EXPECT_THAT(read().notes, Not(Contains(HasSubstr("every record is held out"))));
 }
 
+TEST_F(CheckedCampaign, NotesARestThatTheStartTimesLeaveNoRoomFor) {
+  for (int i = 0; i < 4; ++i) put_wave(std::string(1, static_cast<char>('a' + i)) + ".csv", i);  // 19.9 s each
+  const auto notes = [&](const std::string& b, const std::string& c = R"("start_s": 2000)", const std::string& kind_of_b = "") {
+    put("campaign.json", R"({"records": [{"file": "a.csv", "start_s": 0, "rest_before_s": 7200}, {"file": "b.csv", )" + b + kind_of_b + R"(}, {"file": "c.csv", )" + c + "}]}");
+    return read().notes;
+  };
+  const auto note = HasSubstr("rest_before_s of b (7200 s) is longer than the 980 s from the end of a to its start_s");
+  EXPECT_THAT(notes(R"("start_s": 1000, "rest_before_s": 7200)"), Contains(note));
+  EXPECT_THAT(notes(R"("start_s": 1000, "rest_before_s": 7200)"), Contains(HasSubstr("start_s counts for order and times")));
+  EXPECT_THAT(notes(R"("start_s": 1000, "rest_before_s": 7200)", R"("start_s": 2000, "rest_before_s": 4000)"), Contains(HasSubstr("and the like in c")));
+  EXPECT_THAT(notes(R"("start_s": 1000, "rest_before_s": 1000)"), Not(Contains(HasSubstr("rest_before_s")))) << "written down to the minute";
+  EXPECT_THAT(notes(R"("start_s": 1000, "rest_before_s": 100)"), Not(Contains(HasSubstr("rest_before_s")))) << "it may have been cycled in between";
+  EXPECT_THAT(notes(R"("start_s": 1000)", R"("start_s": 2000, "rest_before_s": 1900)", R"(, "kind": "rest")"), Not(Contains(HasSubstr("rest_before_s"))));
+}
+
 TEST_F(CheckedCampaign, RefusesABenchThatCannotBe) {
   put_wave("a.csv", 0.0);
   for (const auto& [bench, says] : {std::pair{R"("adc_bits": 0)", "between 1 and 32"}, std::pair{R"("adc_bits": 11.5)", "between 1 and 32"},
