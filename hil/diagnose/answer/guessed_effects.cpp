@@ -23,7 +23,9 @@ void tell_guessed_effects(const Workspace& w, const MixedFit& fit, double first_
     const double gain = fit.log_evidence - without.log_evidence;
     const double left = excess_mean_square(channel, fit), before = excess_mean_square(channel, without);
     if (gain < first_gain || !(left < (1.0 - kLeastFall) * before)) {
-      out.notes.push_back("the model's " + c.kind->name + " was a guess, and these records do not show it");
+      const std::string guess = "the model's " + c.kind->name + " was a guess";
+      std::erase_if(out.notes, [&](const std::string& note) { return note.starts_with(guess); });  // where it was moved to, too
+      out.notes.push_back(guess + ", and these records do not show it");
       continue;
     }
     if (std::ranges::any_of(out.findings, [&](const Finding& o) { return o.effect == c.kind->name; })) continue;  // two forms of one effect

@@ -1,3 +1,4 @@
+#include "hil/diagnose/answer/guessed_effects.h"
 #include "hil/model/model.h"
 #include "tests/unit/diagnose/made_campaign.h"
 
@@ -152,6 +153,29 @@ TEST(GuessedEffects, OneThatTheRecordsDoNotShowIsANote) {
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
   EXPECT_EQ(probability(d, "lag"), 0.0) << told(d);
   EXPECT_TRUE(has_note(d, "these records do not show it")) << told(d);
+  EXPECT_EQ(std::ranges::count_if(d.notes, [](const std::string& note) { return note.starts_with("the model's lag was a guess"); }), 1) << told(d);
+}
+
+// Nobody reads of one guess that a value of it fits and that nothing shows it.
+TEST(GuessedEffects, OneThatMovedAndIsNotShownHasOneNote) {
+  const Model model = *library_model("fsr");
+  EngineOptions options;
+  options.threads = 1;
+  options.law = model.law;
+  options.model_name = model.name;
+  options.in_model = model.effect_names();
+  options.model_effects = model.effects;
+  auto w = prepare(make_campaign(7, lagging), options);
+  ASSERT_TRUE(w.has_value());
+  Diagnosis d;
+  d.notes = (*w)->input.notes;
+  ASSERT_TRUE(has_note(d, "the model's lag was a guess: tau_s = "));
+  std::vector<int> columns;
+  for (const Candidate& c : (*w)->output.candidates)
+    for (int j = 0; c.is_guess && j < c.count; ++j) columns.push_back(c.first + j);
+  tell_guessed_effects(**w, fit_mixed((*w)->output.problem, columns, nullptr), 1e9, d);
+  EXPECT_TRUE(has_note(d, "these records do not show it"));
+  EXPECT_FALSE(has_note(d, "fits these records"));
 }
 
 TEST(GuessedEffects, AShapeThatAFitHasEstimatedStays) {
