@@ -176,6 +176,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   CampaignRows w;
   w.input.name = campaign.name;
   w.input.bench = campaign.bench;
+  w.input.in_counts = is_in_counts(campaign);
   const bool single = campaign.records.size() == 1;
   w.input.single = single;
   w.input.undeclared = std::ranges::all_of(campaign.records, [](const Record& r) { return r.kind.empty(); });

@@ -89,6 +89,7 @@ struct CampaignInput {
   double travel_total_N = 1.0;
   /// Where the effects of the air and of the drive are zero; missing: at the mean of the records (hil/model/model_frame.h)
   double reference_temp_C = kMissing, reference_humidity_pct = kMissing, reference_drive_V = kMissing;
+  bool in_counts = false;   ///< the output is codes of its converter: V stands for one of them
   bool has_theta = false, has_temp = false, has_humidity = false, has_drive = false, has_command = false,
        has_capacitance = false;
   int mountings = 0;     ///< how many were declared; 0: some record does not say and its neighbours do not tell

@@ -236,6 +236,7 @@ Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned thr
   CampaignInput out;
   out.name = campaign.name;
   out.bench = campaign.bench;
+  out.in_counts = is_in_counts(campaign);
   std::vector<Result<RecordInput>> made(campaign.records.size());
   const double row_step_s = row_step_of(campaign);
   parallel_for_largest_first(sample_counts(campaign), threads, [&](std::size_t k) {

@@ -269,6 +269,11 @@ std::string output_unit(const Campaign& campaign) {
   return output->unit;
 }
 
+bool is_in_counts(const Campaign& campaign) {
+  const Channel* output = campaign.records.empty() ? nullptr : campaign.records.front().trace.find("U");
+  return output != nullptr && output->quantity == "code";
+}
+
 Result<Campaign> read_campaign(const fs::path& path, const CampaignOptions& options) {
   FORCEGATE_TRY(Campaign campaign, read_any(path, options));
   drop_copies(campaign);

@@ -60,6 +60,9 @@ struct Campaign {
 /// Unit of the column U of the first record: "V", "S" where a resistance was read as conductance, "counts", "1" for a ratio. "V" where it says none.
 std::string output_unit(const Campaign& campaign);
 
+/// Whether that column holds codes of a converter.
+bool is_in_counts(const Campaign& campaign);
+
 struct CampaignOptions {
   std::map<std::string, std::string> column_map;  ///< foreign column name -> "F_ref_N" form
   double assumed_rate_Hz = 0.0;                   ///< for files without a clock; 0 = refuse unless declared

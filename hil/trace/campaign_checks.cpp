@@ -64,6 +64,28 @@ void note_beyond(Campaign& campaign, const char* name, const char* unit, const c
                            key + " [" + shortest(low) + ", " + shortest(high) + "]: is it that of this instrument?");
 }
 
+// Of an output in counts the range is one of counts.
+void drop_range_in_volts(Campaign& campaign) {
+  constexpr double kFarBeyond = 2.0, kShare = 0.001;  // of its end; of the samples
+  BenchFacts& bench = campaign.bench;
+  if (!std::isfinite(bench.voltage_max_V) || !is_in_counts(campaign)) return;
+  std::size_t beyond = 0, all = 0;
+  double highest = -HUGE_VAL;
+  for (const Record& record : campaign.records) {
+    const Channel* output = record.trace.find("U");
+    if (output == nullptr) continue;
+    all += output->value.size();
+    for (const double v : output->value) {
+      beyond += v > kFarBeyond * bench.voltage_max_V;
+      if (std::isfinite(v)) highest = std::max(highest, v);
+    }
+  }
+  if (static_cast<double>(beyond) <= kShare * static_cast<double>(all)) return;
+  campaign.notes.push_back("the output is in counts, up to " + plain_number(highest) + ", and voltage_range_V [" + shortest(bench.voltage_min_V) + ", " + shortest(bench.voltage_max_V) +
+                           "] is hardly theirs: it is not used; say the range in counts, [0, 4096] for 12 bits");
+  bench.voltage_min_V = bench.voltage_max_V = kMissing;
+}
+
 void drop_overlapping_starts(Campaign& campaign) {
   constexpr double kRounding_s = 60.0, kShare = 0.1;  // starts are written down to the minute
   struct Span {
@@ -168,6 +190,7 @@ void drop_copies(Campaign& campaign) {
 
 void note_contradictions(Campaign& campaign) {
   const BenchFacts& bench = campaign.bench;
+  drop_range_in_volts(campaign);
   note_beyond(campaign, "U", "V", "voltage_range_V", bench.voltage_min_V, bench.voltage_max_V);
   note_beyond(campaign, "F_ref", "N", "force_range_N", bench.force_min_N, bench.force_max_N);
   drop_overlapping_starts(campaign);

@@ -14,7 +14,7 @@ Unfit unfit(const Trace& trace);
 /// Takes out every record whose force and output repeat those of an earlier one sample by sample: a copy is no second measurement. Noted.
 void drop_copies(Campaign& campaign);
 
-/// Notes samples far beyond the declared ranges and a campaign that holds every record out; start times that let one record begin long
+/// Takes out a voltage range that readings in counts go far beyond, noted. Notes samples far beyond the declared ranges and a campaign that holds every record out; start times that let one record begin long
 /// before another has ended are not used, noted. A rest_before_s longer than from the end of the record before (none of rest) to start_s, by more than a minute and a
 /// tenth, is noted; both stay.
 void note_contradictions(Campaign& campaign);

@@ -1,6 +1,6 @@
 // Converter bit errors: a wrong weight of a high bit makes jumps at 1/2, 1/4, 3/4 of the range; follows U, not F.
 //   dU = g sum_k c_k (bit_k(U) - 2 bit_k+1(U) - s_k x - mean), x = (U' - low) / range
-// bits of U over the declared voltage range, or over one that converters usually have, or that the steps of the readings tell; U' by a straight line in the force; s_k the straight
+// bits of U over the declared voltage range, or over one that converters usually have, that the steps of the readings tell, or that counts fill; U' by a straight line in the force; s_k the straight
 // line through the steps over all readings of the campaign. What all bits together have too much is another gain, and bits in the ratio
 // 8 : 4 : 2 : 1 would be U itself, which explains its own noise: neither is told.
 // An error of a percent moves the reading past the code that made it: then the bits are those of what came in, told from the force by the
@@ -24,6 +24,20 @@ double lowest_V(const CampaignInput& c) {
   return std::isfinite(c.bench.voltage_min_V) ? c.bench.voltage_min_V : 0.0;
 }
 
+struct Readings {
+  double low_V = 0.0, high_V = 0.0;
+};
+
+Readings readings_of(const CampaignInput& c) {
+  Readings out;
+  for (const RecordInput& r : c.records)
+    for (const double U : r.U_V) {
+      out.low_V = std::min(out.low_V, U);
+      out.high_V = std::max(out.high_V, U);
+    }
+  return out;
+}
+
 // Readings that lie on steps come from a converter, whoever wrote the file: a power of two of its steps is the next range above all of them.
 std::vector<std::vector<double>> range_of_steps(double step_V, double high_V) {
   constexpr double kFewest = 6.0, kMost = 18.0, kAlike = 0.01;  // bits, finer steps are those of the text; of a range
@@ -36,15 +50,20 @@ std::vector<std::vector<double>> range_of_steps(double step_V, double high_V) {
   return {{range_V}};
 }
 
+// Counts are whole steps: the codes below the next power of two hold the same bits as any more of them.
+std::vector<std::vector<double>> range_of_counts(const Readings& read) {
+  constexpr double kFewest = 6.0, kMost = 32.0, kBelowZero = 0.01;  // bits; of the range
+  const double bits = std::floor(std::log2(std::max(1.0, read.high_V))) + 1.0, range = std::exp2(bits);
+  if (bits < kFewest || bits > kMost || read.low_V < -kBelowZero * range) return {};
+  return {{range}};
+}
+
 // Declared, or the two usual ones that come next above all readings.
 std::vector<std::vector<double>> ranges_V(const CampaignInput& c) {
   if (std::isfinite(c.bench.voltage_max_V)) return {{c.bench.voltage_max_V - lowest_V(c)}};
-  double low = 0.0, high = 0.0;
-  for (const RecordInput& r : c.records)
-    for (const double U : r.U_V) {
-      low = std::min(low, U);
-      high = std::max(high, U);
-    }
+  const Readings read = readings_of(c);
+  if (c.in_counts && !c.generic) return range_of_counts(read);
+  const auto [low, high] = read;
   if (c.generic) return low < 0.0 ? std::vector<std::vector<double>>{} : range_of_steps(c.U_step_V, high);
   std::vector<std::vector<double>> out;
   for (const double range : kUsualRanges_V)
@@ -154,7 +173,7 @@ Lines lines_of(const CampaignInput& c, std::span<const double> shape, const Sour
 
 EffectForm bit_weights(const char* name, const Source& source) {
   return {.name = name,
-          .shape = {{"range_V", "V", 1e-3, 1e4, 10.0, "span of the converter from its lowest code to its highest"}},
+          .shape = {{"range_V", "V", 1e-3, 1e10, 10.0, "span of the converter from its lowest code to its highest"}},
           .strength = {{"bit1_N", "N", -10.0, 10.0, 0.0, "error of the highest bit, less twice that of the next"},
                        {"bit2_N", "N", -10.0, 10.0, 0.0, "second bit"},
                        {"bit3_N", "N", -10.0, 10.0, 0.0, "third bit"}},
@@ -179,8 +198,8 @@ EffectForm bit_weights(const char* name, const Source& source) {
 EffectForm large_bit_weights() {
   EffectForm out = bit_weights("large_bit_weights", {share_that_came_in, share_that_came_in});
   out.shape.push_back(
-      {"slope_V_per_N", "V/N", -1e6, 1e6, 1.0, "of what came in, per newton of the base force"});
-  out.shape.push_back({"level_V", "V", -1e4, 1e4, 0.0, "of what came in at no force"});
+      {"slope_V_per_N", "V/N", -1e10, 1e10, 1.0, "of what came in, per newton of the base force"});
+  out.shape.push_back({"level_V", "V", -1e10, 1e10, 0.0, "of what came in at no force"});
   out.grid = lines_that_came_in;
   return out;
 }

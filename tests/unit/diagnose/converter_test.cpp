@@ -43,14 +43,38 @@ TEST(Converter, ErrorsOfATenthAreFoundTogetherWithWhatCameIn) {
   }
 }
 
+// The codes themselves, of which nobody wrote down how many there are.
+Campaign in_counts(Campaign c, double codes) {
+  for (Record& r : c.records) {
+    Channel& U = *r.trace.find("U");
+    U.unit = "counts", U.quantity = "code";
+    for (double& u : U.value) u = std::min(std::floor(u / 10.0 * codes + 1e-6), codes - 1.0);
+  }
+  c.bench.voltage_min_V = c.bench.voltage_max_V = kMissing;
+  return c;
+}
+
+TEST(Converter, CountsNeedNoRange) {
+  for (const double codes : {4096.0, 65536.0}) {
+    const Diagnosis d = answer(in_counts(make_campaign(82, converter(-0.05, 0.03)), codes));
+    ASSERT_NE(claimed(d), nullptr) << told(d);
+    EXPECT_LT(claimed(d)->error_after, 0.6 * claimed(d)->error_before);
+    EXPECT_LT(probability(d, "static_nonlinearity"), 0.5) << told(d);
+  }
+  EXPECT_EQ(answer(in_counts(make_campaign(90, straight), 4096.0)).verdict, DiagnosisVerdict::none);
+}
+
 TEST(Converter, ACurveIsNone) {
-  const Diagnosis d = answer(make_campaign(83, [](const std::vector<double>&, const std::vector<double>& F, int) {
+  const Campaign volts = make_campaign(83, [](const std::vector<double>&, const std::vector<double>& F, int) {
     std::vector<double> U;
     for (const double f : F) U.push_back(8.0 * std::tanh(f / 6.0) + 0.2);
     return U;
-  }));
-  EXPECT_EQ(claimed(d), nullptr) << told(d);
-  EXPECT_GT(probability(d, "static_nonlinearity"), 0.5) << told(d);
+  });
+  for (const Campaign& c : {volts, in_counts(volts, 4096.0)}) {
+    const Diagnosis d = answer(c);
+    EXPECT_EQ(claimed(d), nullptr) << told(d);
+    EXPECT_GT(probability(d, "static_nonlinearity"), 0.5) << told(d);
+  }
 }
 
 std::vector<std::string> named(const std::vector<HealthClaim>& claims) {

@@ -117,6 +117,20 @@ TEST_F(CheckedCampaign, RefusesABenchThatCannotBe) {
   }
 }
 
+TEST_F(CheckedCampaign, ARangeInVoltsIsNoneOfCounts) {
+  put_rows("a.csv", "t_s,F_ref_N,U_counts", [](int i) { return std::to_string(force(i, 0.0)) + "," + std::to_string(1000 + i); });
+  const auto with = [&](const std::string& range) {
+    put("campaign.json", "{\"bench\": {\"voltage_range_V\": " + range + R"(}, "records": [{"file": "a.csv"}]})");
+    return read();
+  };
+  const Campaign volts = with("[0, 3.3]");
+  EXPECT_FALSE(std::isfinite(volts.bench.voltage_max_V));
+  EXPECT_THAT(volts.notes, Contains(HasSubstr("voltage_range_V [0, 3.3] is hardly theirs")));
+  const Campaign counts = with("[0, 1024]");
+  EXPECT_EQ(counts.bench.voltage_max_V, 1024.0);
+  EXPECT_THAT(counts.notes, Not(Contains(HasSubstr("hardly theirs"))));
+}
+
 TEST_F(CheckedCampaign, NotesSamplesFarBeyondTheDeclaredRange) {
   put_wave("a.csv", 0.0);  // 1 to 3 N, 2 to 6 V
   put("campaign.json", R"({"bench": {"voltage_range_V": [0, 3.3], "force_range_N": [0, 5]}, "records": [{"file": "a.csv"}]})");
