@@ -279,10 +279,11 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const RunScales of_runs{.gain_V_per_N = gain, .U_range_V = scales.U_range_V, .noise_F_N = out.noise_F_N, .noise_U_V = out.noise_U_V, .lsb_U_V = out.lsb_U_V,
                           .low_V = low_rail, .high_V = bench.voltage_max_V, .top_V = out.top_V, .quiet_V = quiet};
   for (const SuspectRun& run : find_suspect_runs(F, U, of_runs)) {
+    if (out.bad[run.begin] == static_cast<std::uint8_t>(BadSample::zero)) continue;  // a fall to the record's floor
     for (std::size_t k = run.begin; k < run.end; ++k) mark(k, run.why, run.error_V);
     const std::size_t length = run.end - run.begin;
     if (run.why == BadSample::zero) continue;  // count_zeros
-    if (run.begin > 0) out.runs.push_back({U[run.begin], U[run.begin - 1], length});
+    if (run.begin > 0) out.runs.push_back({U[run.begin], U[run.begin - 1], length, run.error_V});
     (run.why == BadSample::rail ? out.at_rail : out.held) += length;
     if (run.why == BadSample::rail) out.rail_V = U[run.begin];
   }

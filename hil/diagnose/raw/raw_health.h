@@ -28,6 +28,7 @@ enum class BadSample : std::uint8_t {
 struct HeldRun {
   double value_V = 0.0, before_V = 0.0;  ///< before_V: the sample that came before
   std::size_t samples = 0;
+  double error_V = 0.0;  ///< half of what the force moved meanwhile
 };
 
 struct RecordHealth {

@@ -183,5 +183,52 @@ TEST(LostSamples, AFewFallsToTheLevelWithoutSensorAreLostSamples) {
   EXPECT_TRUE(fallen(2, 0.1).empty()) << "a level that the sensor has too";
 }
 
+// Twenty samples a second: a loss of some samples lasts while the force goes on.
+Campaign slowly_sampled(std::uint64_t seed) {
+  Campaign c = make_campaign(seed, straight);
+  const auto thin = [](std::vector<double>& x) {
+    for (std::size_t i = 0; 10 * i < x.size(); ++i) x[i] = x[10 * i];
+    x.resize(x.size() / 10);
+  };
+  for (Record& r : c.records) {
+    thin(r.trace.time_bases[0].t_s);
+    for (Channel& channel : r.trace.channels) thin(channel.value);
+  }
+  return c;
+}
+
+TEST(LostSamples, TwoHoldsThroughATenthOfTheRangeAreDropouts) {
+  const auto held = [](std::size_t records, std::size_t length) {
+    Campaign c = slowly_sampled(42);
+    for (std::size_t k = 0; k < records; ++k) {
+      auto& U = c.records[3 + 4 * k].trace.find("U")->value;
+      for (std::size_t i = 1; i < length; ++i) U[610 + i] = U[610];
+    }
+    return claims_of_samples(c);
+  };
+  const std::vector<HealthClaim> claims = held(2, 8);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+  EXPECT_TRUE(held(1, 8).empty()) << "once, somebody's hand";
+  EXPECT_TRUE(held(2, 5).empty()) << "through less";
+}
+
+TEST(LostSamples, AFallToTheFloorIsOneWhereTheOutputStaysAboveItAtLessForce) {
+  const auto fallen = [](double above_N) {
+    Campaign c = slowly_sampled(43);
+    for (const std::size_t k : {3u, 7u}) {
+      auto& U = c.records[k].trace.find("U")->value;
+      const auto& F = c.records[k].trace.find("F_ref")->value;
+      std::size_t i = 610;
+      while (!(F[i] > above_N && F[i - 1] <= above_N)) ++i;
+      for (std::size_t n = 0; n < 5; ++n) U[i + n] = 0.5;
+    }
+    return claims_of_samples(c);
+  };
+  const std::vector<HealthClaim> claims = fallen(0.9);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
