@@ -50,6 +50,20 @@ CsvCell read_cell(std::string_view text, char point, double& out) {
   return CsvCell::text;
 }
 
+bool is_word(std::string_view cell) {
+  double value;
+  return read_cell(cell, '.', value) == CsvCell::text && read_cell(cell, ',', value) == CsvCell::text;
+}
+
+bool is_row(const std::vector<std::string_view>& cells) {
+  const auto is_number = [](std::string_view cell) {
+    double value;
+    return read_cell(cell, '.', value) == CsvCell::number || read_cell(cell, ',', value) == CsvCell::number;
+  };
+  const auto numbers = std::ranges::count_if(cells, is_number), words = std::ranges::count_if(cells, is_word);
+  return numbers > 1 && 2 * words <= numbers;
+}
+
 char choose_separator(std::string_view line) {
   std::size_t count[4] = {};
   constexpr char kCandidates[] = {',', ';', '\t', '|'};

@@ -13,6 +13,12 @@ enum class CsvCell { number, missing, text };
 /// "nan", "NA", "null", infinite by word or sign or beyond a double) or text.
 CsvCell read_cell(std::string_view text, char point, double& out);
 
+/// Neither a number nor missing, whichever the decimal point.
+bool is_word(std::string_view cell);
+
+/// Whether these may be the cells of a row: two numbers at least, and not more than half as many words ("idle" in a column of states).
+bool is_row(const std::vector<std::string_view>& cells);
+
 /// Without outer blanks and quotes.
 std::string_view unquoted(std::string_view text);
 

@@ -61,12 +61,7 @@ void CsvParser::skip_preamble(const char*& p, const char* end) {
   table_.notes.push_back("the names of the columns stand in line " + std::to_string(line_ + 1) + "; what is above was skipped");
 }
 
-bool CsvParser::holds_numbers(const std::vector<std::string_view>& cells) {
-  return std::ranges::all_of(cells, [](std::string_view cell) {
-    double value;
-    return read_cell(cell, '.', value) != CsvCell::text;
-  });
-}
+bool CsvParser::holds_numbers(const std::vector<std::string_view>& cells) { return std::ranges::none_of(cells, is_word); }
 
 bool CsvParser::comment_names(std::string_view row) {
   const std::size_t begin = comment_.find_first_not_of("# ");
@@ -75,13 +70,9 @@ bool CsvParser::comment_names(std::string_view row) {
   const char separator = choose_separator(names);
   cut_cells(row, separator, cells_);
   const std::size_t columns = cells_.size();
-  if (columns < 2 || !holds_numbers(cells_)) return false;
+  if (columns < 2 || !is_row(cells_)) return false;
   cut_cells(names, separator, cells_);
-  const bool all_names = std::ranges::none_of(cells_, [](std::string_view cell) {
-    double value;
-    return read_cell(cell, '.', value) != CsvCell::text;
-  });
-  if (cells_.size() != columns || !all_names || !header(names)) return false;
+  if (cells_.size() != columns || !std::ranges::all_of(cells_, is_word) || !header(names)) return false;
   table_.notes.push_back("the names of the columns were read from the comment above the first row");
   return true;
 }

@@ -38,30 +38,16 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   return cells;
 }
 
-bool are_names(const std::vector<std::string_view>& cells) {
-  return cells.size() > 1 && std::ranges::all_of(cells, [](std::string_view cell) {
-           double value;
-           return read_cell(cell, '.', value) == CsvCell::text && read_cell(cell, ',', value) == CsvCell::text;
-         });
-}
+bool are_names(const std::vector<std::string_view>& cells) { return cells.size() > 1 && std::ranges::all_of(cells, is_word); }
 
-// Two numbers at least, and nothing that is none; a comment at the end is not looked at.
+// A comment at the end is not looked at.
 bool are_numbers(std::string_view line, char separator, const std::vector<std::string_view>& names) {
   std::vector<std::string_view> cells;
   cut_cells(line, separator, cells);
   const std::size_t columns = names.size() - (ascii_lower(trim(names.back())) == kMayBeShort ? 1 : 0);
   if (cells.size() < columns || cells_of(line, separator).size() > names.size()) return false;
   if (columns < names.size()) cells.resize(columns);
-  return std::ranges::any_of(std::string_view(".,"), [&](char point) {
-    std::size_t numbers = 0;
-    for (const std::string_view cell : cells) {
-      double value;
-      const CsvCell kind = read_cell(cell, point, value);
-      if (kind == CsvCell::text) return false;
-      numbers += kind == CsvCell::number;
-    }
-    return numbers > 1;
-  });
+  return is_row(cells);
 }
 
 bool are_units(std::string_view line, char separator, std::size_t columns) {
@@ -86,6 +72,7 @@ bool holds_unit(const std::vector<std::string_view>& cells) {
 }  // namespace
 
 std::size_t lines_above_header(std::string_view text) {
+  if (lines_of_words_below_names(text) > 0) return 0;  // the units that end them are no names
   const std::vector<Line> lines = first_lines(text);
   for (std::size_t i = 0; i + 2 < lines.size(); ++i) {
     const char separator = choose_separator(lines[i].text);
@@ -108,14 +95,14 @@ std::size_t lines_of_words_below_names(std::string_view text) {
   const char separator = choose_separator(lines[0].text);
   const std::vector<std::string_view> names = cells_of(lines[0].text, separator);
   if (!are_names(names)) return 0;
-  const auto is_word = [](std::string_view cell) {
+  const auto is_no_number = [](std::string_view cell) {
     double value;
     return read_cell(cell, '.', value) != CsvCell::number && read_cell(cell, ',', value) != CsvCell::number;
   };
   for (std::size_t i = 1; i + 1 < lines.size() && i <= kMost + 1; ++i) {
     const std::vector<std::string_view> cells = cells_of(lines[i].text, separator);
     if (are_units(lines[i].text, separator, names.size()) && holds_unit(cells)) return are_numbers(lines[i + 1].text, separator, names) ? i - 1 : 0;
-    if (cells.size() > names.size() || !std::ranges::all_of(cells, is_word)) return 0;
+    if (cells.size() > names.size() || !std::ranges::all_of(cells, is_no_number)) return 0;
   }
   return 0;
 }

@@ -107,6 +107,19 @@ TEST(LoggerFiles, NamesInACommentAboveTheRowsAreTheHeader) {
   EXPECT_THAT(refuse("# my bench, 3 N\n0,1,2\n1,2,3\n").text, HasSubstr("numbers, not column names"));
 }
 
+TEST(LoggerFiles, DecimalCommasAndAColumnOfWordsHideNoHeaderAboveThem) {
+  EXPECT_EQ(force(read("# t_s;F_ref_N;U_V\n0,0;1,5;2,1\n0,1;2,5;3,1\n")), (std::vector<double>{1.5, 2.5}));
+  EXPECT_EQ(force(read("# t_s,F_ref_N,U_V,state\n0,1.5,2,idle\n1,2.5,3,loaded\n")), (std::vector<double>{1.5, 2.5}));
+  const auto titled = read("Run sheet\nt_s,F_ref_N,U_V,state\n0,1.5,2,idle\n1,2.5,3,loaded\n");
+  EXPECT_EQ(force(titled), (std::vector<double>{1.5, 2.5}));
+  EXPECT_THAT(titled.notes, Contains(HasSubstr("stand in line 2")));
+  EXPECT_THAT(refuse("0,0;1,5;2,1\n0,1;2,5;3,1\n").text, HasSubstr("numbers, not column names"));
+}
+
+TEST(LoggerFiles, ALineOfWordsBetweenNamesAndUnitsMayHaveOneCell) {
+  EXPECT_EQ(force(read("Time,Force,Voltage\naveraged over one reading\nms,mN,V\n0,1500,2\n100,2500,3\n")), (std::vector<double>{1.5, 2.5}));
+}
+
 TEST(LoggerFiles, TitlesAboveTheNamesAreSkippedThoughTheyHaveAsManyCells) {
   const auto f = read("Sensor,ATI,FlexiForce\nRate,100,Hz\nTime (s),Force (mN),Output (V)\n0,1500,2\n1,2500,3\n");
   EXPECT_EQ(force(f), (std::vector<double>{1.5, 2.5}));
