@@ -29,9 +29,10 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& carri
     const double lost = full.log_evidence - reduced.log_evidence;
     // so much evidence is that of no other effect, though its strength, beside others that are as large, may be that of some records
     constexpr double kPlain = 100.0;
-    if (!out.chosen[k].by_records() && !out.chosen[k].completes_whole &&
-        (lost < rules.first_gain || left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own) ||
-         !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps()))) {
+    const auto leaves_little = [&] { return left - kept < 0.25 * std::max(0.02 * out.excess_before, its_own); };
+    const auto helps_none = [&] { return !(out.chosen[k].between || lost > kPlain || cross_fit(channel, reduced, full).helps()); };
+    const bool goes = lost < rules.first_gain || (!out.chosen[k].seen_in_place && (leaves_little() || helps_none()));
+    if (!out.chosen[k].by_records() && !out.chosen[k].completes_whole && goes) {
       out.refused.push_back({out.chosen[k].kind->name, Refusal::needless, lost});
       out.chosen.erase(out.chosen.begin() + static_cast<std::ptrdiff_t>(k));
       dropped = true;

@@ -129,13 +129,13 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
       family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);
   chosen.stands_out = leaves_most && stands_out(channel, result, family, chosen, earlier);
-  if (leaves_most && !chosen.stands_out) return Refusal::leaves_most;
+  if (leaves_most && !chosen.stands_out && !chosen.seen_in_place) return Refusal::leaves_most;
   // the bits of an output that hardly follows the force tell the output itself
   constexpr double kMostOfCodes = 0.1;  // of the span
   if (name == "adc_codes" && removed_rms > kMostOfCodes) return Refusal::unphysical;
   // bits soak up a little of many things, but then others soak it up as well
   const double least_of_codes = first && is_alone(result, family) ? 0.3 : 0.5;
-  if (name == "adc_codes" && std::max(chosen.fall, family.best.total_fall) < least_of_codes) return Refusal::few_jumps;
+  if (name == "adc_codes" && !chosen.seen_in_place && std::max(chosen.fall, family.best.total_fall) < least_of_codes) return Refusal::few_jumps;
   const double steps_rms = removed_from_steps(channel, result.base, *family.kind);
   // seen where it acts
   const double where = rules.where_it_acts && chosen.left_out.excited > 0 && !chosen.left_out.blocks
@@ -155,7 +155,7 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *
                         resemblance(channel, result.base, family, variant.columns, earlier) &&
-      !takes_the_rest(family, chosen, earlier))
+      !takes_the_rest(family, chosen, earlier) && !chosen.seen_in_place)
     return Refusal::within_form;
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return Refusal::in_few_records;
   if (!chosen.describes_whole && (!chosen.left_out.helps() || chosen.left_out.share < 0.02))

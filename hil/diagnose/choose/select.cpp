@@ -6,6 +6,8 @@
 #include "hil/diagnose/base/left_out.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/between/between_records.h"
+#include "hil/diagnose/choose/code_jumps.h"
+#include "hil/diagnose/choose/flat_top.h"
 #include "hil/diagnose/choose/forward_choice.h"
 #include "hil/diagnose/choose/further_forms.h"
 #include "hil/diagnose/choose/needless.h"
@@ -99,6 +101,11 @@ void find_what_completes_whole(const CampaignInput& input, const ResidualChannel
   }
 }
 
+bool shows_in_place(const CampaignInput& input, const Candidate& c) {
+  if (c.kind->name == "clipping") return stands_still_above(input, c.shape[0]);
+  return c.kind->name == "adc_codes" && jumps_at_codes(input, std::isfinite(input.bench.voltage_min_V) ? input.bench.voltage_min_V : 0.0, c.shape[0]);
+}
+
 }  // namespace
 
 double threshold_of(const std::string& effect, const SelectionRules& rules) {
@@ -185,6 +192,7 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
     chosen.chance = test.chance;
   }
   chosen.strength_scatter = strength_scatter(channel.problem, family.best.fit, chosen.columns);
+  chosen.seen_in_place = shows_in_place(input, candidate_of(channel, family.best.variant));
   return chosen;
 }
 
