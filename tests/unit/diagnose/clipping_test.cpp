@@ -70,5 +70,15 @@ TEST(Clipping, IsNoSmoothCurveThatGoesOnRising) {
   EXPECT_NE(d.verdict, DiagnosisVerdict::none) << told(d);
 }
 
+// The curve is several times as large as what the rail takes, and a bent form leaves something along any corner.
+TEST(Clipping, StandsBesideACurveWhereTheOutputStandsStill) {
+  const double gain_V = 8.0 / std::pow(4.4, 0.85);
+  for (std::uint64_t seed = 77; seed <= 79; ++seed) {
+    const Diagnosis d = answer(behind(seed, 0.015, [=](double u) { return std::min(0.2 + gain_V * std::pow(std::max(0.0, u - 0.2) / 2.0, 0.85), 7.44); }));
+    EXPECT_GE(probability(d, "clipping"), 0.9) << told(d);
+    EXPECT_GE(probability(d, "static_nonlinearity"), 0.9) << told(d);
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

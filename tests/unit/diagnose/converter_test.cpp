@@ -86,6 +86,18 @@ std::vector<std::string> named(const std::vector<HealthClaim>& claims) {
 std::vector<double>& output_of(Record& r) { return r.trace.channels[1].value; }
 
 // Every code within 0.2 V of a half and of a quarter of the range comes out as the one below the gap.
+// Behind a curve that is many times as large.
+TEST(Converter, BitsStandBesideACurveWhereTheOutputJumps) {
+  const Sensor straight_in = converter(0.012, -0.008, 0.006);
+  const Diagnosis d = answer(make_campaign(88, [&](const std::vector<double>& t, const std::vector<double>& F, int record) {
+    std::vector<double> bent_N;
+    for (const double f : F) bent_N.push_back(1.7 * std::pow(std::max(0.0, f), 0.65));
+    return straight_in(t, bent_N, record);
+  }));
+  EXPECT_NE(claimed(d), nullptr) << told(d);
+  EXPECT_GE(probability(d, "static_nonlinearity"), 0.5) << told(d);
+}
+
 TEST(Converter, CodesThatNeverComeAreNoLostSamplesAndNoRail) {
   Campaign c = make_campaign(84, straight);
   for (Record& r : c.records)
