@@ -17,9 +17,9 @@ std::optional<Finding> listed_late_drive(const Workspace& w, const std::vector<F
   out.parameters.push_back({"lag_s", late.lag_s, late.u_s, "s"});
   out.error_before = late.before_N;
   out.error_after = late.after_N;
-  out.evidence = fmt::format("the force follows its command {:.3g} ms late in {} records, and the sensor is innocent; not claimed: drives are late, and nothing "
+  out.evidence = fmt::format("the force follows its command {:.3g} ms late in {} {}, and the sensor is innocent; not claimed: drives are late, and nothing "
                              "here says by how much this one may be",
-                             1e3 * late.lag_s, late.records);
+                             1e3 * late.lag_s, late.records, w.input.single ? "parts of the recording" : "records");
   return out;
 }
 

@@ -16,7 +16,8 @@ void drop_needless(const ResidualChannel& channel, const std::vector<int>& carri
       if (j != k && (out.chosen[k].between || !out.chosen[j].between)) {
         // own columns only for others: a bank is there to soak up remains, not to take the place of another effect
         add_columns(without, out.chosen[j].columns);
-        if (look_alike(*out.chosen[j].kind, *out.chosen[k].kind)) add_columns(without, family_columns(channel, *out.chosen[j].kind));
+        if (look_alike(*out.chosen[j].kind, *out.chosen[k].kind) && !out.chosen[j].seen_in_place)
+          add_columns(without, family_columns(channel, *out.chosen[j].kind));
       }
     std::vector<int> with = without;
     add_columns(with, out.chosen[k].columns);
