@@ -115,6 +115,11 @@ Result<CsvTable> CsvParser::finish() {
         table_.notes.push_back("column " + in_quotes(table_.columns[c].header) + " holds text and was left out");
       table_.text_columns.push_back(std::move(text_[c]));
     }
+  constexpr double kMostShort = 0.02;  // of the rows
+  if (static_cast<double>(short_rows_) > kMostShort * static_cast<double>(table_.rows())) return Unexpected(std::move(first_short_row_));
+  if (short_rows_ > 0)
+    table_.notes.push_back(std::to_string(short_rows_) + (short_rows_ > 1 ? " lines lack" : " line lacks") + " a cell between blanks, which one nobody can tell: left out (" +
+                           (short_rows_ > 1 ? "the first is line " : "line ") + std::to_string(first_short_line_) + ")");
   if (scope_step_s_ > 0.0) time_by_increment();
   std::size_t at = 0;
   std::erase_if(table_.columns, [&](const CsvColumn&) { return is_text_[at++] != 0; });
@@ -149,8 +154,13 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
       table_.notes.push_back("the last line is cut short and was dropped");
       return {};
     }
-    return error("the line has " + std::to_string(cells_.size()) + (cells_.size() == 1 ? " cell" : " cells") + ", the header has " + std::to_string(row_.size()) + " columns",
-                 line.size() + 1, hint_for_line(cells_, row_.size(), separator_, seen_data_));
+    const Unexpected ragged = error("the line has " + std::to_string(cells_.size()) + (cells_.size() == 1 ? " cell" : " cells") + ", the header has " + std::to_string(row_.size()) + " columns",
+                                    line.size() + 1, hint_for_line(cells_, row_.size(), separator_, seen_data_));
+    // between blanks nobody can tell which cell is missing: the row is, where few are
+    if (separator_ != ' ' || !seen_data_ || cells_.size() > row_.size() || !is_row(cells_)) return ragged;
+    if (short_rows_++ == 0) first_short_row_ = ragged.value(), first_short_line_ = line_;
+    table_.skipped_lines.push_back(line_);
+    return {};
   }
   bool all_text = true;
   for (std::size_t c = 0; c < row_.size(); ++c) {

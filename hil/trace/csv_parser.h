@@ -63,6 +63,9 @@ class CsvParser {
   std::string unit_labels_;         ///< a line above the header
   std::uint64_t repeats_ = 0, first_repeat_ = 0, last_repeat_ = 0;
   std::size_t trailing_ = 0;
+  std::size_t short_rows_ = 0;  ///< between blanks
+  std::uint64_t first_short_line_ = 0;
+  Error first_short_row_;
   std::size_t words_below_names_ = 0;  ///< lines of them that are still to come
   double scope_start_s_ = 0.0, scope_step_s_ = 0.0;  ///< the second is 0 for all but an oscilloscope's file
   std::uint64_t line_ = 0;

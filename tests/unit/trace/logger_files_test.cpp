@@ -115,6 +115,20 @@ TEST(LoggerFiles, DecimalCommasAndAColumnOfWordsHideNoHeaderAboveThem) {
   EXPECT_THAT(titled.notes, Contains(HasSubstr("stand in line 2")));
 }
 
+TEST(LoggerFiles, ARowThatLacksACellBetweenBlanksIsLeftOutWhereFewDo) {
+  const auto rows = [](int lacking) {
+    std::string out = "t_s F_ref_N U_V\n";
+    for (int i = 0; i < 200; ++i) out += std::to_string(0.01 * i) + " 1.5" + (i >= 100 && i < 100 + lacking ? "\n" : " 3.5\n");
+    return out;
+  };
+  const auto f = read(rows(3));
+  EXPECT_EQ(f.trace.size(), 197u);
+  EXPECT_THAT(f.notes, Contains(HasSubstr("3 lines lack a cell between blanks, which one nobody can tell: left out (the first is line 102)")));
+  const Error e = refuse(rows(20));
+  EXPECT_EQ(e.where, "x.csv:102:13");
+  EXPECT_THAT(e.hint, HasSubstr("nan"));
+}
+
 TEST(LoggerFiles, ALineOfWordsBetweenNamesAndUnitsMayHaveOneCell) {
   EXPECT_EQ(force(read("Time,Force,Voltage\naveraged over one reading\nms,mN,V\n0,1500,2\n100,2500,3\n")), (std::vector<double>{1.5, 2.5}));
 }
