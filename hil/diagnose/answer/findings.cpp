@@ -61,6 +61,9 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
                   single ? "them" : "records");
     out += text;
   }
+  if (chosen.seen_in_place)
+    out += chosen.kind->name == "clipping" ? "; above it the output stands still, and right below it follows the force"
+                                           : "; it jumps where the highest bits change, passage by passage, and nowhere midway";
   return out;
 }
 

@@ -77,6 +77,7 @@ TEST(Clipping, StandsBesideACurveWhereTheOutputStandsStill) {
     const Diagnosis d = answer(behind(seed, 0.015, [=](double u) { return std::min(0.2 + gain_V * std::pow(std::max(0.0, u - 0.2) / 2.0, 0.85), 7.44); }));
     EXPECT_GE(probability(d, "clipping"), 0.9) << told(d);
     EXPECT_GE(probability(d, "static_nonlinearity"), 0.9) << told(d);
+    EXPECT_NE(told(d).find("above it the output stands still"), std::string::npos) << told(d);
   }
 }
 
