@@ -9,6 +9,7 @@
 #include "hil/diagnose/base/open_contact.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/base_errors.h"
+#include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/candidates/unnamed_dependences.h"
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/one_zero.h"
@@ -86,11 +87,23 @@ Result<Diagnosed> diagnose_all(CampaignRows rows, const EngineOptions& options) 
 // An angle or a command shows itself whether the wheel goes on where the force rests.
 bool has_witness_of_drive(const CampaignInput& input) { return input.has_theta || input.has_command; }
 
+// A curve that the model lacks although it has what acts together with one (an FSR) is steepest at no load: what rows of a closed contact leave
+// of it tells nothing of the contact.
+bool lacks_its_curve(const EngineOptions& options) {
+  const EffectRegistry& registry = EffectRegistry::instance();
+  const EffectKind& curve = *registry.find("static_nonlinearity");
+  const auto bends = [&](const ModelEffect& effect) {
+    const EffectKind* kind = registry.find(effect.effect);
+    return kind != nullptr && acts_together(curve, *kind);
+  };
+  return std::ranges::any_of(options.model_effects, bends) && std::ranges::find(options.in_model, curve.name) == options.in_model.end();
+}
+
 }  // namespace
 
 Result<Diagnosed> diagnose_campaign_in(Campaign campaign, const EngineOptions& options) {
   FORCEGATE_TRY(CampaignRows rows, take_rows(std::move(campaign), options));
-  const OpenContact open = has_witness_of_drive(rows.input) ? OpenContact{} : open_contact(rows.input);
+  const OpenContact open = has_witness_of_drive(rows.input) || lacks_its_curve(options) ? OpenContact{} : open_contact(rows.input);
   if (!open) return diagnose_all(std::move(rows), options);
   CampaignRows closed = rows;
   leave_out_open(open, closed.input);

@@ -4,7 +4,9 @@
 
 #include <numbers>
 
+#include "hil/model/model.h"
 #include "tests/unit/diagnose/made_recording.h"
+#include "tests/unit/diagnose/options_of_model.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -50,6 +52,18 @@ TEST(OpenContact, ALoopIsSeenWhileTheContactIsMade) {
   ASSERT_FALSE(d.findings.empty()) << told(d);
   EXPECT_EQ(d.findings.front().effect, "hysteresis") << told(d);
   EXPECT_TRUE(d.findings.front().claimed()) << told(d);
+}
+
+// Its curve is steepest at no load, and is not in the model: what is left without these rows tells nothing of the contact.
+TEST(OpenContact, IsNotAskedOfAnFsrWhoseCurveIsMissing) {
+  const auto asked = [&](const Model& model) {
+    auto out = diagnose_campaign(recording(200.0, 18000, pressed, ringing, 0.001), options_of(model));
+    EXPECT_TRUE(out.has_value());
+    return out ? *out : Diagnosis{};
+  };
+  EXPECT_GE(probability(asked(*library_model("flexiforce")), "contact_loss"), 0.5);
+  const Diagnosis fsr = asked(*library_model("fsr"));
+  EXPECT_LT(probability(fsr, "contact_loss"), 0.4) << told(fsr);
 }
 
 // A folder of such files: nothing of what the output does has a name, and all of it lies where the contact is open or was just made.

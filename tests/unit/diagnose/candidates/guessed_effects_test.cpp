@@ -1,6 +1,7 @@
 #include "hil/diagnose/answer/guessed_effects.h"
 #include "hil/model/model.h"
 #include "tests/unit/diagnose/made_campaign.h"
+#include "tests/unit/diagnose/options_of_model.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -51,12 +52,8 @@ Sensor bent_before_lag_of(double exponent, double tau_s) {
 const Sensor bent_before_lag = bent_before_lag_of(0.75, 0.06);
 
 Diagnosis answer_of(const Model& model, Campaign campaign) {
-  EngineOptions options;
-  options.threads = 1;
-  options.law = model.law;
+  EngineOptions options = options_of(model);
   options.model_name = model.name;
-  options.in_model = model.effect_names();
-  options.model_effects = model.effects;
   auto out = diagnose_campaign(std::move(campaign), options);
   EXPECT_TRUE(out.has_value()) << (out ? "" : out.error().to_text());
   return out ? *out : Diagnosis{};
@@ -158,14 +155,7 @@ TEST(GuessedEffects, OneThatTheRecordsDoNotShowIsANote) {
 
 // Nobody reads of one guess that a value of it fits and that nothing shows it.
 TEST(GuessedEffects, OneThatMovedAndIsNotShownHasOneNote) {
-  const Model model = *library_model("fsr");
-  EngineOptions options;
-  options.threads = 1;
-  options.law = model.law;
-  options.model_name = model.name;
-  options.in_model = model.effect_names();
-  options.model_effects = model.effects;
-  auto w = prepare(make_campaign(7, lagging), options);
+  auto w = prepare(make_campaign(7, lagging), options_of(*library_model("fsr")));
   ASSERT_TRUE(w.has_value());
   Diagnosis d;
   d.notes = (*w)->input.notes;
