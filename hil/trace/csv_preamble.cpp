@@ -51,7 +51,9 @@ bool are_numbers(std::string_view line, char separator, const std::vector<std::s
 }
 
 bool are_units(std::string_view line, char separator, std::size_t columns) {
-  const std::vector<std::string_view> cells = cells_of(line, separator);
+  std::vector<std::string_view> cells;
+  cut_cells(line, separator, cells);
+  while (cells.size() > columns && trim(cells.back()).empty()) cells.pop_back();  // the last column may have no unit
   return cells.size() == columns && std::ranges::all_of(cells, [](std::string_view cell) {
            const std::string_view symbol = strip_brackets(trim(cell));
            return symbol.empty() || symbol == "-" || symbol == "1" || find_unit(symbol);

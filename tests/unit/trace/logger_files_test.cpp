@@ -131,6 +131,7 @@ TEST(LoggerFiles, ARowThatLacksACellBetweenBlanksIsLeftOutWhereFewDo) {
 
 TEST(LoggerFiles, ALineOfWordsBetweenNamesAndUnitsMayHaveOneCell) {
   EXPECT_EQ(force(read("Time,Force,Voltage\naveraged over one reading\nms,mN,V\n0,1500,2\n100,2500,3\n")), (std::vector<double>{1.5, 2.5}));
+  EXPECT_EQ(force(read("Time,Force,Voltage,Step\naveraged over one reading\nms,mN,V,\n0,1500,2,7\n100,2500,3,8\n")), (std::vector<double>{1.5, 2.5})) << "a column without a unit";
 }
 
 TEST(LoggerFiles, TitlesAboveTheNamesAreSkippedThoughTheyHaveAsManyCells) {
