@@ -89,7 +89,8 @@ Check lag(double lag_s, double codes_s) {
   record.lag_s = lag_s;
   record.u_lag_s = 1e-4;
   record.raw_lag_s = codes_s;
-  const Check* c = find(bench.judge(record), "lag");
+  const auto checks = bench.judge(record);
+  const Check* c = find(checks, "lag");
   return c == nullptr ? Check{} : *c;
 }
 
