@@ -116,6 +116,8 @@ std::array<double, kUpperBits> upper_bits(double share) {
   return out;
 }
 
+double lowest_code_V(const BenchFacts& bench) { return std::isfinite(bench.voltage_min_V) ? bench.voltage_min_V : 0.0; }
+
 CameInLine find_came_in(const CampaignInput& campaign, double low_V, double range_V) {
   constexpr double kSlope = 0.3, kLevel = 0.06;
   constexpr int kHalf = 12, kTimes = 5;

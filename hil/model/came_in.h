@@ -15,6 +15,9 @@ inline constexpr std::size_t kUpperBits = 4;
 /// The upper bits, highest first, of a share of the converter's range, 0 to just below 1.
 std::array<double, kUpperBits> upper_bits(double share);
 
+/// Of the declared range, else zero.
+double lowest_code_V(const BenchFacts& bench);
+
 /// x = level_V + slope_V_per_N * base force, volt.
 struct CameInLine {
   double slope_V_per_N = 0.0, level_V = 0.0;

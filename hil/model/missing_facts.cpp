@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "hil/base/text.h"
+#include "hil/base/some_of.h"
 
 namespace forcegate {
 namespace {
@@ -25,7 +25,7 @@ std::vector<std::string> silent(const CampaignInput& campaign, const Tells& tell
 }
 
 void note(CampaignInput& campaign, const std::vector<std::string>& names, const std::string& what, const std::string& follows) {
-  if (!names.empty()) campaign.notes.push_back(some_names(names) + (names.size() > 1 ? " have no " : " has no ") + what + ", which other records have: " + follows);
+  if (!names.empty()) campaign.notes.push_back(some_of(names) + (names.size() > 1 ? " have no " : " has no ") + what + ", which other records have: " + follows);
 }
 
 bool drive_varies(const CampaignInput& campaign) {
@@ -47,13 +47,6 @@ bool moves(const RecordInput& r) {
 }
 
 }  // namespace
-
-std::string some_names(std::vector<std::string> names) {
-  constexpr std::size_t kMost = 4;
-  const std::size_t more = names.size() > kMost ? names.size() - kMost : 0;
-  names.resize(names.size() - more);
-  return join(names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
-}
 
 void note_missing_facts(CampaignInput& campaign) {
   if (drive_varies(campaign))

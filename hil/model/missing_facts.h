@@ -9,7 +9,4 @@ namespace forcegate {
 /// is no note. A drive that is the same (2 %) wherever at least two records tell it is none either.
 void note_missing_facts(CampaignInput& campaign);
 
-/// "r2, r5", "r1, r2, r3, r4 and 7 more".
-std::string some_names(std::vector<std::string> names);
-
 }  // namespace forcegate

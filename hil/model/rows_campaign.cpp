@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "hil/base/largest_first.h"
+#include "hil/base/some_of.h"
 #include "hil/model/missing_facts.h"
 #include "hil/model/row_step.h"
 #include "hil/model/rows.h"
@@ -107,7 +108,7 @@ std::string without_times(const std::vector<RecordInput>& records) {
     std::vector<std::string> names;
     for (const RecordInput& r : records)
       if (!std::isfinite(r.*member)) names.push_back(r.name);
-    if (names.size() < records.size()) return some_names(names) + (names.size() > 1 ? " have no " : " has no ") + key + ", which other records have";
+    if (names.size() < records.size()) return some_of(names) + (names.size() > 1 ? " have no " : " has no ") + key + ", which other records have";
   }
   return {};
 }

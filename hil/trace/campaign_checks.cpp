@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "hil/base/plain_number.h"
+#include "hil/base/some_of.h"
 #include "hil/base/text.h"
 #include "hil/trace/columns.h"
 #include "hil/trace/row_length.h"
@@ -14,13 +15,7 @@
 namespace forcegate {
 namespace {
 
-constexpr std::size_t kMostNames = 4;
-
-std::string some_of(std::vector<std::string> names) {
-  const std::size_t more = names.size() > kMostNames ? names.size() - kMostNames : 0;
-  names.resize(names.size() - more);
-  return join(names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");
-}
+constexpr double kRounding_s = 60.0, kShare = 0.1;  // times are written down to the minute; of the shorter record, of the gap
 
 // NaN included, which stands for the same missing sample in both.
 bool same_values(const Channel* a, const Channel* b) {
@@ -87,7 +82,6 @@ void drop_range_in_volts(Campaign& campaign) {
 }
 
 void drop_overlapping_starts(Campaign& campaign) {
-  constexpr double kRounding_s = 60.0, kShare = 0.1;  // starts are written down to the minute
   struct Span {
     const Record* record;
     double begin_s, end_s;
@@ -112,7 +106,6 @@ void drop_overlapping_starts(Campaign& campaign) {
 
 // Records of rest that lie between count for it: the specimen was not cycled in them.
 void note_rests_beyond_starts(Campaign& campaign) {
-  constexpr double kRounding_s = 60.0, kShare = 0.1;
   std::vector<const Record*> order;
   for (const Record& record : campaign.records)
     if (record.start_s && record.trace.size() > 0) order.push_back(&record);

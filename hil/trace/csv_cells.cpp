@@ -50,16 +50,17 @@ CsvCell read_cell(std::string_view text, char point, double& out) {
   return CsvCell::text;
 }
 
+bool is_number(std::string_view cell) {
+  double value;
+  return read_cell(cell, '.', value) == CsvCell::number || read_cell(cell, ',', value) == CsvCell::number;
+}
+
 bool is_word(std::string_view cell) {
   double value;
   return read_cell(cell, '.', value) == CsvCell::text && read_cell(cell, ',', value) == CsvCell::text;
 }
 
 bool is_row(const std::vector<std::string_view>& cells) {
-  const auto is_number = [](std::string_view cell) {
-    double value;
-    return read_cell(cell, '.', value) == CsvCell::number || read_cell(cell, ',', value) == CsvCell::number;
-  };
   const auto numbers = std::ranges::count_if(cells, is_number), words = std::ranges::count_if(cells, is_word);
   return numbers > 1 && 2 * words <= numbers;
 }

@@ -13,6 +13,9 @@ enum class CsvCell { number, missing, text };
 /// "nan", "NA", "null", infinite by word or sign or beyond a double) or text.
 CsvCell read_cell(std::string_view text, char point, double& out);
 
+/// Whichever the decimal point.
+bool is_number(std::string_view cell);
+
 /// Neither a number nor missing, whichever the decimal point.
 bool is_word(std::string_view cell);
 

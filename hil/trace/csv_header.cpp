@@ -61,8 +61,6 @@ void CsvParser::skip_preamble(const char*& p, const char* end) {
   table_.notes.push_back("the names of the columns stand in line " + std::to_string(line_ + 1) + "; what is above was skipped");
 }
 
-bool CsvParser::holds_numbers(const std::vector<std::string_view>& cells) { return std::ranges::none_of(cells, is_word); }
-
 bool CsvParser::comment_names(std::string_view row) {
   const std::size_t begin = comment_.find_first_not_of("# ");
   if (begin == std::string::npos) return false;
@@ -86,7 +84,7 @@ Result<void> CsvParser::header(std::string_view line) {
   if (const std::size_t arrow = cells_[0].find(" -> "); arrow != std::string_view::npos && seconds_of_stamp(trim(cells_[0].substr(0, arrow))))
     return error("the lines begin with the stamps of a serial monitor, " + in_quotes(cells_[0].substr(0, arrow + 4)), 1,
                  "switch them off there, or replace \" -> \" by " + separator_name() + " in every line and name the column Time");
-  if (holds_numbers(cells_))
+  if (std::ranges::none_of(cells_, is_word))
     return error("the first line holds numbers, not column names", 1,
                  "put a line like t_s,F_ref_N,U_V before the first row");
   for (const std::string_view cell : cells_) {

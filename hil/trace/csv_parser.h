@@ -26,7 +26,6 @@ class CsvParser {
   Unexpected error(std::string text, std::size_t column, std::string hint) const;
   void skip_preamble(const char*& p, const char* end);
   Result<void> check_kind(std::string_view chunk) const;
-  static bool holds_numbers(const std::vector<std::string_view>& cells);
   /// "# t_s F_ref_N U_V" above the first row, as numpy writes it, is the header.
   bool comment_names(std::string_view row);
   Result<void> header(std::string_view line);

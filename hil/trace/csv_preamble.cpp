@@ -60,12 +60,7 @@ bool are_units(std::string_view line, char separator, std::size_t columns) {
          });
 }
 
-bool holds_two_numbers(std::string_view line, char separator) {
-  return std::ranges::count_if(cells_of(line, separator), [](std::string_view cell) {
-           double value;
-           return read_cell(cell, '.', value) == CsvCell::number || read_cell(cell, ',', value) == CsvCell::number;
-         }) > 1;
-}
+bool holds_two_numbers(std::string_view line, char separator) { return std::ranges::count_if(cells_of(line, separator), is_number) > 1; }
 
 bool holds_unit(const std::vector<std::string_view>& cells) {
   return std::ranges::any_of(cells, [](std::string_view cell) { return find_unit(strip_brackets(trim(cell))).has_value(); });
@@ -97,14 +92,10 @@ std::size_t lines_of_words_below_names(std::string_view text) {
   const char separator = choose_separator(lines[0].text);
   const std::vector<std::string_view> names = cells_of(lines[0].text, separator);
   if (!are_names(names)) return 0;
-  const auto is_no_number = [](std::string_view cell) {
-    double value;
-    return read_cell(cell, '.', value) != CsvCell::number && read_cell(cell, ',', value) != CsvCell::number;
-  };
   for (std::size_t i = 1; i + 1 < lines.size() && i <= kMost + 1; ++i) {
     const std::vector<std::string_view> cells = cells_of(lines[i].text, separator);
     if (are_units(lines[i].text, separator, names.size()) && holds_unit(cells)) return are_numbers(lines[i + 1].text, separator, names) ? i - 1 : 0;
-    if (cells.size() > names.size() || !std::ranges::all_of(cells, is_no_number)) return 0;
+    if (cells.size() > names.size() || std::ranges::any_of(cells, is_number)) return 0;
   }
   return 0;
 }

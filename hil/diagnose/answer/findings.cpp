@@ -10,6 +10,7 @@
 #include "hil/diagnose/answer/found_parameters.h"
 #include "hil/diagnose/answer/reservation.h"
 #include "hil/diagnose/between/foretold.h"
+#include "hil/diagnose/choose/in_place.h"
 #include "hil/diagnose/choose/objection.h"
 #include "hil/diagnose/choose/probability.h"
 #include "hil/model/lagged_channel.h"
@@ -61,9 +62,7 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
                   single ? "them" : "records");
     out += text;
   }
-  if (chosen.seen_in_place)
-    out += chosen.kind->name == "clipping" ? "; above it the output stands still, and right below it follows the force"
-                                           : "; it jumps where the highest bits change, passage by passage, and nowhere midway";
+  if (chosen.seen_in_place) out += fmt::format("; {}", what_shows_in_place(*chosen.kind));
   return out;
 }
 

@@ -6,10 +6,9 @@
 #include "hil/diagnose/base/left_out.h"
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/between/between_records.h"
-#include "hil/diagnose/choose/code_jumps.h"
-#include "hil/diagnose/choose/flat_top.h"
 #include "hil/diagnose/choose/forward_choice.h"
 #include "hil/diagnose/choose/further_forms.h"
+#include "hil/diagnose/choose/in_place.h"
 #include "hil/diagnose/choose/needless.h"
 #include "hil/diagnose/choose/reconsider.h"
 #include "hil/diagnose/choose/reference_latency.h"
@@ -99,11 +98,6 @@ void find_what_completes_whole(const CampaignInput& input, const ResidualChannel
     const MixedFit reduced = fit_mixed(channel.problem, without, &out.final, 12, RecordUse::all_records);
     chosen.completes_whole = reduced.valid && !describes_whole(input, channel, out.base, reduced);
   }
-}
-
-bool shows_in_place(const CampaignInput& input, const Candidate& c) {
-  if (c.kind->name == "clipping") return stands_still_above(input, c.shape[0]);
-  return c.kind->name == "adc_codes" && jumps_at_codes(input, std::isfinite(input.bench.voltage_min_V) ? input.bench.voltage_min_V : 0.0, c.shape[0]);
 }
 
 }  // namespace

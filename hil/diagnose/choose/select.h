@@ -36,7 +36,7 @@ struct ChosenEffect {
   bool completes_whole = false;   ///< all that was chosen describes the whole, and without its family it does not
   bool borne_out = true;          ///< that error falls, or it describes the whole
   bool stands_out = false;        ///< a later one that leaves much, but is far above what else would explain it
-  bool seen_in_place = false;     ///< what it does to the output shows right where it acts, whatever law is fitted (flat_top.h, code_jumps.h)
+  bool seen_in_place = false;     ///< what it does to the output shows right where it acts, whatever law is fitted (in_place.h)
   std::vector<std::pair<std::string, double>> rivals;  ///< family, share
   MixedFit fit;                                        ///< of the model with everything up to this effect
 

@@ -16,6 +16,7 @@
 #include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/raw/short_spikes.h"
 #include "hil/diagnose/raw/suspect_runs.h"
+#include "hil/model/came_in.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -186,7 +187,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   const Shared shared = shared_by(F, U);
   out.scatter_F = reference_scatter(t, F, U, {.range_V = scales.U_range_V, .gain_V_per_N = gain_of_record(shared, scales), .noise_V = out.noise_U_V});
   if (shared.n > 0.0 && shared.UU > 0.0) out.beside_line_N = std::sqrt(std::max(0.0, shared.FF - shared.FU * shared.FU / shared.UU) / shared.n);
-  const double low_rail = std::isfinite(bench.voltage_min_V) ? bench.voltage_min_V : 0.0;
+  const double low_rail = lowest_code_V(bench);
   out.lsb_U_V = value_step(U);
   out.lsb_F_N = value_step(F);
   // a few levels of a staircase show no step: it is then that of all records, or the one that the converter is said to have

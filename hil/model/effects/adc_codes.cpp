@@ -20,9 +20,7 @@ namespace {
 
 constexpr double kUsualRanges_V[] = {1.0, 1.024, 1.25, 2.0, 2.048, 2.5, 3.0, 3.3, 4.096, 5.0, 10.0, 20.0};
 
-double lowest_V(const CampaignInput& c) {
-  return std::isfinite(c.bench.voltage_min_V) ? c.bench.voltage_min_V : 0.0;
-}
+double lowest_V(const CampaignInput& c) { return lowest_code_V(c.bench); }
 
 struct Readings {
   double low_V = 0.0, high_V = 0.0;

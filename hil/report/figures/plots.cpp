@@ -161,7 +161,7 @@ void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<dou
 
 Scaled readable_unit(double magnitude, const std::string& unit) {
   if (unit == "1") return {100.0, "%"};
-  const bool prefixable = unit == "V" || unit == "N" || unit == "s" || unit == "F";
+  const bool prefixable = unit == "V" || unit == "N" || unit == "s" || unit == "F" || unit == "S" || unit == "A";
   const double size = std::abs(magnitude);
   if (!prefixable || !std::isfinite(size) || size >= 0.2 || size == 0.0) return {1.0, unit};
   if (size >= 2e-4) return {1e3, "m" + unit};

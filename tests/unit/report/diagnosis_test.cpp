@@ -381,6 +381,7 @@ TEST(ReadableUnit, picks_the_prefix_that_leaves_few_digits) {
   EXPECT_EQ(figures::readable_unit(0.0123, "V").unit, "mV");
   EXPECT_EQ(figures::readable_unit(3e-6, "V").unit, "\u00b5V");
   EXPECT_EQ(figures::readable_unit(1.5, "N").unit, "N");
+  EXPECT_EQ(figures::readable_unit(9e-7, "S").unit, "\u00b5S") << "a film's conductance";
   EXPECT_EQ(figures::readable_unit(0.01, "%").unit, "%");
 }
 
