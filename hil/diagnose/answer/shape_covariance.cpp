@@ -111,7 +111,10 @@ ShapeCovariance shape_covariance(const CampaignInput& campaign, const ResidualCh
   problem.column_prior_sd.conservativeResize(problem.ns);
   problem.column_prior_mean.resize(0);  // of the covariance alone, which has no part in it
   for (std::size_t s = 0; s < known.size(); ++s) problem.column_prior_sd[static_cast<Index>(fit.columns.size() + s)] = known[s];
-  const MixedFit joint = fit_mixed(problem, columns, &fit, 1, fit.use);
+  if (!problem.grows_with_gain.empty()) problem.grows_with_gain.resize(columns.size(), GrowsWithGain::never);
+  MixedFit start = fit;
+  std::iota(start.columns.begin(), start.columns.end(), 0);
+  const MixedFit joint = fit_mixed(problem, columns, &start, 1, fit.use);
   if (joint.valid) out.covariance = joint.covariance;
   else out.shapes.clear();
   return out;

@@ -68,6 +68,8 @@ Blocks cut(const ResidualChannel& channel, const MixedFit& before, const MixedFi
   for (std::size_t a = 0; a < columns.size(); ++a)
     out.problem.column_prior_sd[static_cast<Index>(a)] = p.column_prior_sd[columns[a]];
   if (p.column_prior_mean.size() > 0) out.problem.column_prior_mean = p.column_prior_mean(columns);
+  if (!p.grows_with_gain.empty())
+    for (const int j : columns) out.problem.grows_with_gain.push_back(p.grows_with_gain[static_cast<std::size_t>(j)]);
   std::vector<std::size_t> record_of;
   for (std::size_t k = 0; k < p.records.size(); ++k) {
     const Eigen::MatrixXd& A = channel.rows[k].matrix;

@@ -54,6 +54,18 @@ VectorXd with_minus(const VectorXd& coefficient) {
   return v;
 }
 
+// Of a fit of the same problem; its columns may be others.
+VectorXd per_gain_of(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit& fit) {
+  constexpr double kLeastGain = 0.2;  // of the gain that the columns are made with: below it the law has no output that the rest could grow with
+  if (problem.grows_with_gain.empty() || !(fit.coefficient[0] > kLeastGain)) return {};
+  VectorXd out = VectorXd::Zero(static_cast<Index>(columns.size()));
+  for (std::size_t a = 0; a < columns.size(); ++a)
+    for (std::size_t b = 0; b < fit.columns.size(); ++b)
+      if (fit.columns[b] == columns[a] && problem.grows_with_gain[static_cast<std::size_t>(columns[a])] == GrowsWithGain::with_it)
+        out[static_cast<Index>(a)] = fit.coefficient[problem.n_fixed + static_cast<Index>(b)] / fit.coefficient[0];
+  return out;
+}
+
 // ln det of the factor: half the logarithm of the determinant.
 double log_diagonal(const Eigen::LLT<MatrixXd>& llt) {
   double out = 0.0;
@@ -123,11 +135,13 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
 
   const VectorXd prior = prior_precision(problem, columns), mean = prior_mean(problem, columns), pull = prior.cwiseProduct(mean);
   std::vector<Conditional> conditional(n_records);
+  if (warm != nullptr && warm->valid) fit.per_gain = per_gain_of(problem, columns, *warm);
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const bool last = iteration + 1 == iterations;
     const VectorXd sigma2 = expand_variance(problem, fit.variance);
     MatrixXd M = MatrixXd::Zero(parts.front().rows_of_marginal(), d + 1);
     for (std::size_t i = 0; i < n_records; ++i) {
+      parts[i].set_own_gain(fit.per_gain);
       parts[i].eliminate(sigma2, problem.records[i].n_eff / fit.s2[i]);
       if (fit.counts(problem.records[i])) parts[i].add_marginal(M);
     }
@@ -154,14 +168,17 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
       break;
     }
     update_variances(problem, conditional, fit);
+    fit.per_gain = per_gain_of(problem, columns, fit);
   }
 
   const VectorXd v = with_minus(fit.coefficient);
   fit.adapted.resize(n_records);
   fit.plain.resize(n_records);
   fit.zeta.resize(n_records);
+  fit.gain.resize(n_records);
   for (std::size_t i = 0; i < n_records; ++i) {
     fit.adapted[i] = conditional[i].mean_square;
+    fit.gain[i] = parts[i].gain(fit.coefficient, conditional[i].zeta[0]);
     fit.zeta[i] = conditional[i].zeta;
     fit.plain[i] = parts[i].plain(v);
   }
@@ -204,6 +221,7 @@ double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const 
   double information = 0.0, scatter = 0.0, n = 0.0;
   for (std::size_t i = 0; i < problem.records.size(); ++i) {
     RecordPart part(problem, i, fit.columns);
+    part.set_own_gain(fit.per_gain);
     part.eliminate(sigma2, problem.records[i].n_eff / pooled);
     const MatrixXd marginal = part.marginal();
     const auto M = marginal.topRows(d + 1).selfadjointView<Eigen::Lower>();
@@ -227,6 +245,8 @@ MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns
   out.fixed_prior_sd = p.fixed_prior_sd;
   out.column_prior_sd.resize(out.ns);
   if (p.column_prior_mean.size() > 0) out.column_prior_mean.resize(out.ns);
+  if (!p.grows_with_gain.empty())
+    for (const int j : columns) out.grows_with_gain.push_back(p.grows_with_gain[static_cast<std::size_t>(j)]);
   std::vector<int> at;
   for (int j = 0; j < p.nz; ++j) at.push_back(j);
   for (std::size_t a = 0; a < columns.size(); ++a) {
@@ -243,12 +263,15 @@ MixedProblem with_columns(const MixedProblem& p, const std::vector<int>& columns
 MixedFit at_freedom_of(const MixedProblem& problem, MixedFit fit, const MixedFit& freedom) {
   Conditional conditional;
   fit.zeta.resize(problem.records.size());
+  fit.gain.resize(problem.records.size());
   fit.adapted.resize(problem.records.size());
   for (std::size_t i = 0; i < problem.records.size(); ++i) {
     RecordPart part(problem, i, fit.columns);
+    part.set_own_gain(fit.per_gain);
     part.eliminate(own_variance(problem, freedom, problem.records[i]), problem.records[i].n_eff / freedom.s2[i]);
     part.condition(with_minus(fit.coefficient), conditional);
     fit.zeta[i] = conditional.zeta;
+    fit.gain[i] = part.gain(fit.coefficient, conditional.zeta[0]);
     fit.adapted[i] = conditional.mean_square;
   }
   return fit;
@@ -294,6 +317,7 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
   MatrixXd total;
   for (std::size_t i = 0; i < n_records; ++i) {
     parts.emplace_back(problem, i, fit.columns);
+    parts[i].set_own_gain(fit.per_gain);
     parts[i].eliminate(sigma2, problem.records[i].n_eff / fit.s2[i]);
     single.push_back(parts[i].marginal());
     if (total.size() == 0) total = MatrixXd::Zero(single.back().rows(), single.back().cols());

@@ -3,6 +3,11 @@
 //
 //   y_i = Z_i (beta + zeta_i) + S_i c + e_i,   zeta_i ~ N(0, diag sigma^2),  c_j ~ N(m_j, tau_j^2),  e_i ~ N(0, s_i^2)
 //
+// A gain of a record, column 0 of Z, multiplies the whole output of the sensor, and so what some columns of S add to it too: zeta_i0 goes
+// with Z_i0 + h_i, h_i = sum_j (c_j / beta_0) S_ij at the strengths of the iteration before (first-order conditional linearisation,
+// Lindstrom and Bates 1990), the fixed part with Z_i0 alone. So does a column that is a gain itself, x_i Z_i0 in every record (a
+// temperature's): it goes with x_i (Z_i0 + h_i), x_i by regression of the column on Z_i0 and one.
+//
 // The first `n_fixed` columns of Z have a fixed part beta as well. The variances sigma^2 (spread between records) and
 // s_i^2 (what the model leaves) are estimated by EM from the records themselves with weak priors; every fit re-estimates
 // them, so that an effect that explains the scatter between records is paid for it. Each record counts for n_eff
@@ -53,6 +58,13 @@ struct RecordGram {
   bool heldout = false;
 };
 
+/// How a column of S goes together with the gain of a record.
+enum class GrowsWithGain : char {
+  never,    ///< stands by itself: a voltage, a zero
+  with_it,  ///< what the gain multiplies
+  is_gain   ///< differs between records, as a gain or as a zero
+};
+
 struct MixedProblem {
   int nz = 0, n_fixed = 0, ns = 0;
   std::vector<int> component_of_z;
@@ -60,6 +72,7 @@ struct MixedProblem {
   Eigen::VectorXd fixed_prior_sd;   ///< n_fixed
   Eigen::VectorXd column_prior_sd;  ///< ns
   Eigen::VectorXd column_prior_mean = {};  ///< ns, or empty: all 0
+  std::vector<GrowsWithGain> grows_with_gain = {};  ///< ns, or empty: none does
   std::vector<RecordGram> records;
   std::vector<Eigen::VectorXd>
       other_y;  ///< per record: replaces the last column of its Gram matrix (sign flips)
@@ -73,6 +86,8 @@ struct MixedFit {
   Eigen::VectorXd coefficient;  ///< beta, then c
   Eigen::MatrixXd covariance;
   Eigen::VectorXd variance;  ///< of each component
+  Eigen::VectorXd per_gain;  ///< of each of `columns`: what a unit of a record's gain adds to its strength, c_j / beta_0, or 0; empty: all 0
+  std::vector<double> gain;  ///< of each record beside beta_0: zeta_0 and what columns that are gains have in it
   // per record, held-out ones too (predicted: their rows never enter the sums, and their zeta may go as far as the fixed parts are uncertain)
   std::vector<double> s2, adapted,
       plain;  ///< residual variance; mean square residual with and without zeta_i
@@ -80,13 +95,18 @@ struct MixedFit {
   RecordUse use = RecordUse::fit_records;
   bool valid = false;
 
+  /// Strength of `columns[b]` in a record.
+  double strength(std::size_t b, std::size_t record, int n_fixed) const {
+    const auto at = static_cast<Eigen::Index>(b);
+    return coefficient[n_fixed + at] + (per_gain.size() > 0 ? gain[record] * per_gain[at] : 0.0);
+  }
   bool counts(const RecordGram& record) const { return use == RecordUse::all_records || !record.heldout; }
 };
 
 /// The problem with those columns of S alone.
 MixedProblem with_columns(const MixedProblem& problem, const std::vector<int>& columns);
 
-/// Fits the columns. `warm` gives the variances to start from; `iterations` of EM.
+/// Fits the columns. `warm`, of the same columns or others, gives the variances to start from; `iterations` of EM.
 MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
                    const MixedFit* warm = nullptr, int iterations = 12,
                    RecordUse use = RecordUse::fit_records);

@@ -22,8 +22,16 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
+double gain_of_column(const MixedProblem& problem, const MatrixXd& gram, int column) {
+  constexpr double kSingular = 1e-9;
+  if (problem.grows_with_gain.empty() || problem.grows_with_gain[at(column)] != GrowsWithGain::is_gain) return 0.0;
+  const double WW = gram(0, 0), W1 = gram(0, 1), one = gram(1, 1), determinant = WW * one - W1 * W1;
+  const int j = problem.nz + column;
+  return determinant > kSingular * WW * one ? (one * gram(0, j) - W1 * gram(1, j)) / determinant : 0.0;
+}
+
 RecordPart::RecordPart(const MixedProblem& problem, std::size_t record, const std::vector<int>& columns)
-    : n_z_(problem.nz) {
+    : n_fixed_(problem.n_fixed), n_z_(problem.nz) {
   const MatrixXd& gram = problem.records[record].gram;
   for (int j = 0; j < problem.nz; ++j)
     if (gram(j, j) != 0.0) excited_.push_back(j);
@@ -54,6 +62,38 @@ RecordPart::RecordPart(const MixedProblem& problem, std::size_t record, const st
     for (Index b = 0; b < n_columns_; ++b)
       gram_[at(b * stride_ + last)] = gram_[at(last * stride_ + b)] = y[c[at(b)]];
   }
+  find_gains(problem, gram, columns);
+}
+
+void RecordPart::find_gains(const MixedProblem& problem, const MatrixXd& gram, const std::vector<int>& columns) {
+  if (problem.grows_with_gain.empty()) return;
+  as_given_ = {source_, gram_};
+  gain_ = VectorXd::Zero(n_columns_);
+  for (std::size_t b = 0; b < columns.size(); ++b) gain_[n_fixed_ + static_cast<Index>(b)] = gain_of_column(problem, gram, columns[b]);
+}
+
+void RecordPart::set_own_gain(const VectorXd& per_gain) {
+  if (gain_.size() == 0) return;
+  source_ = as_given_.source;
+  gram_ = as_given_.gram;
+  if (per_gain.size() == 0) return;
+  const auto n = static_cast<Index>(excited_.size()), first = padded(n), n_s = per_gain.size();
+  // h = sum_b per_gain_b S_b and its products; every column that is a gain g of the record goes with g h more
+  VectorXd h_C(n_columns_), h_Z(n);
+  for (Index a = 0; a < n_columns_; ++a) h_C[a] = per_gain.dot(VectorXd::Map(gram_.data() + a * stride_ + n_fixed_, n_s));
+  for (Index i = 0; i < n; ++i) h_Z[i] = per_gain.dot(VectorXd::Map(source_.data() + i * width_ + first + n_fixed_, n_s));
+  const double hh = per_gain.dot(h_C.segment(n_fixed_, n_s));
+  const auto own = [&](Index i) { return excited_[at(i)] == 0 ? 1.0 : 0.0; };
+  for (Index a = 0; a < n_columns_; ++a)
+    for (Index b = 0; b < n_columns_; ++b) gram_[at(a * stride_ + b)] += gain_[a] * h_C[b] + gain_[b] * h_C[a] + gain_[a] * gain_[b] * hh;
+  for (Index i = 0; i < n; ++i) {
+    for (Index a = 0; a < n_columns_; ++a) source_[at(i * width_ + first + a)] += own(i) * h_C[a] + gain_[a] * h_Z[i] + own(i) * gain_[a] * hh;
+    for (Index j = 0; j < n; ++j) source_[at(i * width_ + j)] += own(i) * h_Z[j] + own(j) * h_Z[i] + own(i) * own(j) * hh;
+  }
+}
+
+double RecordPart::gain(const VectorXd& coefficient, double zeta_0) const {
+  return zeta_0 + (gain_.size() > 0 ? gain_.head(coefficient.size()).dot(coefficient) : 0.0);
 }
 
 void RecordPart::eliminate(const VectorXd& sigma2, double weight) {

@@ -2,6 +2,8 @@
 // One record's share in a fit of the mixed model: its own zeta is integrated out of the columns C = [fixed part of Z,
 // chosen S, y].
 //
+// A gain of the record goes with parts of other columns too (mixed_model.h); the fixed part of Z in C has none of them.
+//
 //   A = w Z'Z + diag 1/sigma^2 = L L',   X = L^-1 w Z'C,   marginal Gram matrix M = w C'C - X'X,   w = n_eff / s^2
 //
 // (Lindstrom and Bates 1988, eq. 2.4, on means over rows instead of rows.) L, X and L^-1 come from one elimination of
@@ -22,9 +24,18 @@ struct Conditional {
   double trace = 0.0;                   ///< of Z'Z times the covariance of zeta
 };
 
+/// Of a column of S that is a gain: by how much of one in this record, by regression on Z_0 and one; 0 of another, and where the force
+/// stands still.
+double gain_of_column(const MixedProblem& problem, const Eigen::MatrixXd& gram, int column);
+
 class RecordPart {
  public:
   RecordPart(const MixedProblem& problem, std::size_t record, const std::vector<int>& columns);
+
+  /// Of the chosen columns of S (MixedFit::per_gain); empty: a gain multiplies the law alone.
+  void set_own_gain(const Eigen::VectorXd& per_gain);
+  /// The record's gain beside that of all: its own, and that of the columns which are gains.
+  double gain(const Eigen::VectorXd& coefficient, double zeta_0) const;
 
   /// For the variances `sigma2` of all columns of Z and the weight w; before what follows.
   void eliminate(const Eigen::VectorXd& sigma2, double weight);
@@ -43,7 +54,10 @@ class RecordPart {
   double plain(const Eigen::VectorXd& v) const;
 
  private:
+  void find_gains(const MixedProblem& problem, const Eigen::MatrixXd& gram, const std::vector<int>& columns);
+
   std::vector<int> excited_;      // columns of Z
+  Eigen::Index n_fixed_ = 0;      // columns of C that are of Z
   Eigen::Index n_z_ = 0;          // all columns of Z
   Eigen::Index n_columns_ = 0;    // of C
   Eigen::Index stride_ = 0;       // of C'C and of Z'C
@@ -52,6 +66,10 @@ class RecordPart {
   std::vector<double> source_;    // rows [Z'Z | Z'C | 0]
   std::vector<double> rows_;      // the same after the elimination: [L' | X | L^-1]
   std::vector<double> gram_;      // C'C
+  struct {
+    std::vector<double> source, gram;
+  } as_given_;                    // before a gain went with more than the law
+  Eigen::VectorXd gain_;          // of C: by which it is a gain of the record; empty: nothing grows with it
   Eigen::VectorXd sigma2_;        // of the excited columns
   double weight_ = 1.0;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hil/base/rng.h"
+#include "hil/diagnose/base/record_part.h"
 #include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/between/record_questions.h"
@@ -191,6 +192,36 @@ void set_priors(const ResidualChannel& channel, ScreenResult& result) {
     if (unrecorded(family)) family.records.prior = -std::log(kRecorded * names);
 }
 
+// Of what a record may have of its own, as a fit has it: its products with itself, with the columns of Z and S, and with y.
+struct OwnRows {
+  MatrixXd with_own, with_columns;
+  VectorXd with_y;
+};
+
+OwnRows own_rows(const MixedProblem& p, const MixedFit& fit, std::size_t record) {
+  const MatrixXd& G = p.records[record].gram;
+  const VectorXd y = p.other_y.empty() ? VectorXd(G.col(p.y_index())) : p.other_y[record];
+  const Index n = p.nz + p.ns;
+  OwnRows out{G.topLeftCorner(p.nz, p.nz), G.topLeftCorner(p.nz, n), y.head(p.nz)};
+  if (fit.per_gain.size() == 0) return out;
+  // h, which goes with a gain beside the law (mixed_model.h)
+  VectorXd with_h = VectorXd::Zero(n);
+  double h_y = 0.0, h_h = 0.0;
+  for (std::size_t b = 0; b < fit.columns.size(); ++b) {
+    const Index column = p.nz + fit.columns[b];
+    with_h += fit.per_gain[static_cast<Index>(b)] * G.col(column).head(n);
+    h_y += fit.per_gain[static_cast<Index>(b)] * y[column];
+  }
+  for (std::size_t b = 0; b < fit.columns.size(); ++b) h_h += fit.per_gain[static_cast<Index>(b)] * with_h[p.nz + fit.columns[b]];
+  VectorXd gain = VectorXd::Zero(n);
+  for (int j = 0; j < p.ns; ++j) gain[p.nz + j] = gain_of_column(p, G, j);
+  const auto of_own = VectorXd::Unit(p.nz, 0);
+  out.with_own += of_own * with_h.head(p.nz).transpose() + with_h.head(p.nz) * of_own.transpose() + h_h * of_own * of_own.transpose();
+  out.with_columns += of_own * with_h.transpose() + with_h.head(p.nz) * gain.transpose() + h_h * of_own * gain.transpose();
+  out.with_y[0] += h_y;
+  return out;
+}
+
 }  // namespace
 
 bool asks_between_records(const FamilyScore& family) {
@@ -216,14 +247,12 @@ RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& ch
     const auto k = static_cast<std::size_t>(i);
     const RecordGram& g = p.records[k];
     const double weight = g.n_eff / fit.s2[k];
-    const MatrixXd zz = g.gram.topLeftCorner(p.nz, p.nz);
-    MatrixXd A = weight * zz;
+    const OwnRows own = own_rows(p, fit, k);
+    MatrixXd A = weight * own.with_own;
     A.diagonal() += sigma2.cwiseInverse();
     const MatrixXd V = A.llt().solve(MatrixXd::Identity(p.nz, p.nz)).topRows(2);
-    const VectorXd y = p.other_y.empty() ? VectorXd(g.gram.col(p.y_index()).head(p.nz)) : VectorXd(p.other_y[k].head(p.nz));
-    const VectorXd left = y - g.gram.topLeftCorner(p.nz, p.nz + p.ns) * of_fit;
-    const Eigen::Vector2d level = weight * (V * left);
-    const MatrixXd columns = weight * (V * g.gram.block(0, p.nz, p.nz, p.ns));
+    const Eigen::Vector2d level = weight * (V * (own.with_y - own.with_columns * of_fit));
+    const MatrixXd columns = weight * (V * own.with_columns.rightCols(p.ns));
     out.gain.value[i] = level[0];
     out.zero.value[i] = level[1];
     out.gain.variance[i] = V(0, 0);

@@ -108,6 +108,13 @@ void reserve_spare(ResidualChannel& channel) {
   channel.problem.ns += kSpareColumns;
 }
 
+void tell_what_grows(ResidualChannel& channel, const Candidate& c) {
+  std::vector<GrowsWithGain>& grows = channel.problem.grows_with_gain;
+  if (grows.empty()) return;
+  const EffectTraits& t = c.kind->traits;
+  std::fill_n(grows.begin() + c.first, c.count, t.at_voltages ? GrowsWithGain::never : t.between_records ? GrowsWithGain::is_gain : GrowsWithGain::with_it);
+}
+
 void set_column_priors(ResidualChannel& channel) {
   MixedProblem& p = channel.problem;
   p.column_prior_sd.resize(p.ns);
@@ -164,6 +171,7 @@ void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const 
   });
   for (int j = 0; j < c.count; ++j)
     channel.problem.column_prior_sd[c.first + j] = column_prior(channel.problem, c.first + j);
+  tell_what_grows(channel, c);
 }
 
 int place_candidate(ResidualChannel& channel, Candidate candidate) {
@@ -260,6 +268,9 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<Cand
   });
   finish_records(w.input, channel, threads);
   set_column_priors(channel);
+  if (w.input.generic) return;
+  channel.problem.grows_with_gain.assign(static_cast<std::size_t>(channel.problem.ns), GrowsWithGain::never);
+  for (const Candidate& c : channel.candidates) tell_what_grows(channel, c);
 }
 
 void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill, const LeaveOutRows& leave_out) {

@@ -211,7 +211,7 @@ const Registration<EffectKind> kRegistered{
                .look_alikes = {"static_nonlinearity"},
                .separates = "a slow ramp: histogram of codes has gaps or piles at binary fractions",
                .needs = {},
-               .traits = {.in_samples = true},
+               .traits = {.at_voltages = true, .in_samples = true},
                .forms = {bit_weights("bit_weights", {share_read, share_by_own_line}),
                          bit_weights("bit_weights_of_input", {share_by_own_line, share_by_own_line}),
                          large_bit_weights()}}};

@@ -81,7 +81,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"static_nonlinearity"},
     .separates = "the same load with the gain halved: a corner fixed in volts moves in newtons",
     .needs = {},
-    .traits = {.any_course = true, .in_samples = true},
+    .traits = {.any_course = true, .at_voltages = true, .in_samples = true},
     .forms = {
         {.name = "rail",
          .shape = {{"Wr_N", "N", 0.0, 1000.0, 4.0, "decayed force at which the mean sensor meets the rail"}},

@@ -47,13 +47,13 @@ TEST_F(Needless, WhatIsCarriedAlongMakesAnEffectNeedlessToo) {
 TEST(DropNeedless, TheSearchTellsWhatItDoesWithout) {
   const Diagnosis d = answer(make_campaign(2, [](const std::vector<double>& t, const std::vector<double>& F, int record) {
     constexpr std::size_t kLate = 2;
-    const double share = record == 3 || record == 6 ? -0.028 : 0.028;
+    const double share = record == 3 || record == 6 ? -0.022 : 0.022;
     std::vector<double> U;
     double slow = 0.0, play = 0.0;
     for (std::size_t i = 0; i < F.size(); ++i) {
       slow += (F[i] - slow) * -std::expm1(-(i == 0 ? 0.0 : t[i] - t[i - 1]) / 40.0);
       play = std::min(std::max(play, F[i] - 0.4), F[i] + 0.4);
-      U.push_back(2.0 * std::tanh(0.096 * (F[i < kLate ? 0 : i - kLate] + 0.015 * slow + share * play)) / 0.096 + 0.2);
+      U.push_back(2.0 * (std::tanh(0.096 * (F[i < kLate ? 0 : i - kLate] + 0.03 * slow)) / 0.096 + share * play) + 0.2);
     }
     return U;
   }));
