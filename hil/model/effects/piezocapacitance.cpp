@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kLead_s = 0.01;     // of one unit of strength
 constexpr double kFollow_s = 0.005;  // bandwidth of the derivative
+constexpr double kNoLag = 0.0;       // of whatever sensor: one that lags more at low load has a pole there (rc)
 
 void assumed_columns(const CampaignInput& c, const RecordInput& r, ColumnsRef out) {
   const double middle = c.lowest_N + 0.5 * c.range_N;
@@ -72,7 +73,8 @@ EffectForm fading() {
                   out(static_cast<Eigen::Index>(i), 0) =
                       kLead_s / shape[2] * (r.F_N[i] - y[i]) * std::pow((1.0 + std::max(r.F_N[i], 0.0) / F0) / at_middle, -shape[1]);
                 });
-              }};
+              },
+          .least = kNoLag};
 }
 
 EffectForm form(const char* name, bool measured) {
@@ -90,7 +92,8 @@ EffectForm form(const char* name, bool measured) {
             if (!measured) return assumed_columns(c, r, out);
             out.setZero();
             if (const auto curve = capacitance_curve(c)) measured_columns(c, r, *curve, out);
-          }};
+          },
+      .least = kNoLag};
 }
 
 const Registration<EffectKind> kRegistered{EffectKind{
