@@ -89,6 +89,7 @@ struct EffectTraits {
   bool late = false;             ///< a plain shift or tail: beside a lead that is carried along, it only mends the lead
   bool known_form = false;       ///< one course, known but for its strength, which is then the same in all records that show it
   bool any_course = false;       ///< any curve, loop or tail of its kind: the right one leaves little
+  bool of_cycling = false;       ///< cycling itself is its cause: what records have in common that are cycled is no evidence of it
   bool at_voltages = false;      ///< stands at voltages of its own, whatever the sensor's gain
   bool in_samples = false;       ///< a detector finds it in the samples too, beside its columns
 };

@@ -9,6 +9,7 @@
 #include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/between/record_questions.h"
 #include "hil/model/lagged_channel.h"
+#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
@@ -269,11 +270,35 @@ RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& ch
   return out;
 }
 
+namespace {
+
+// Records whose load travels far more than that of the quiet ones.
+std::vector<int> cycled(const CampaignInput& input, const ResidualChannel& channel) {
+  constexpr double kFar = 4.0, kQuiet = 0.25;  // times their speed; the quantile of the campaign that they are
+  std::vector<double> speed;
+  for (const std::size_t k : channel.record_of) {
+    const RecordInput& r = input.records[k];
+    speed.push_back(r.duration_s > 0.0 && !r.travel_N.empty() ? r.travel_N.back() / r.duration_s : 0.0);
+  }
+  const double quiet = quantile(speed, kQuiet);
+  std::vector<int> out;
+  for (const double v : speed) out.push_back(v > kFar * quiet ? 1 : 0);
+  return out;
+}
+
+RecordLevels levels_for(const EffectKind& kind, const CampaignInput& input, const ResidualChannel& channel, RecordLevels levels) {
+  if (kind.traits.of_cycling) levels.gain.alike = levels.zero.alike = cycled(input, channel);
+  return levels;
+}
+
+}  // namespace
+
 void judge_between_records(const CampaignInput& input, const ResidualChannel& channel, const std::vector<int>& present, const SelectionRules& rules, ScreenResult& result) {
   if (input.single || !result.base.valid) return;
-  const RecordLevels levels = record_levels(input, channel, result.base);
+  const RecordLevels of_all = record_levels(input, channel, result.base);
   for (FamilyScore& family : result.families) {
     if (!family.kind->traits.between_records) continue;
+    const RecordLevels levels = levels_for(*family.kind, input, channel, of_all);
     const Answer answer = evidence(channel, levels, ask(channel, levels, *family.kind));
     family.records = answer.evidence;
     if (!answer.evidence.valid) continue;
@@ -315,7 +340,7 @@ RecordTest test_records(const CampaignInput& input, const ResidualChannel& chann
   if (out.objection == Refusal::none && with_time && family.kind->name != "wear" && family.kind->name != "mounting" && !input.has_start_times)
     out.objection = Refusal::start_unknown;
   if (out.objection != Refusal::none) return out;
-  const RecordLevels levels = record_levels(input, channel, base);
+  const RecordLevels levels = levels_for(*family.kind, input, channel, record_levels(input, channel, base));
   const RecordChance chances = chance(channel, levels, ask(channel, levels, *family.kind), family.records.variant, family.kind->name, kDraws);
   out.chance = chances.of_directions;
   if (as_good_by_chance(chances, rules)) out.objection = Refusal::any_order;
@@ -324,7 +349,7 @@ RecordTest test_records(const CampaignInput& input, const ResidualChannel& chann
 
 double visible_between_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
                                const SelectionRules& rules) {
-  RecordLevels levels = record_levels(input, channel, base);
+  RecordLevels levels = levels_for(*family.kind, input, channel, record_levels(input, channel, base));
   const FamilyQuestion asked = ask(channel, levels, *family.kind);
   const Answer now = evidence(channel, levels, asked);
   if (!now.evidence.valid) return 0.0;

@@ -19,6 +19,7 @@ struct RecordSeries {
   std::vector<int> session;         ///< empty: every record stands alone
   std::vector<int> cyclic;          ///< 1: under cyclic load; empty: none is
   double typical_scatter = 5e-3;    ///< median of the prior of s
+  std::vector<int> alike = {};      ///< 1: records of one kind of load, which may all be off by as much; empty: none are
   std::vector<double> start_s = {}; ///< empty: no course over time is a rival
 };
 

@@ -73,6 +73,10 @@ MatrixXd covariance(const RecordSeries& series, double scatter, const RecordStru
   if (cyclic > 0.0)
     for (Index a = 0; a < n; ++a)
       if (series.cyclic[static_cast<std::size_t>(a)] != 0) out(a, a) += cyclic * s2;
+  constexpr double kAlike = 1000.0;
+  for (std::size_t a = 0; a < series.alike.size(); ++a)
+    for (std::size_t b = 0; b < series.alike.size(); ++b)
+      if (series.alike[a] != 0 && series.alike[b] != 0) out(static_cast<Index>(a), static_cast<Index>(b)) += kAlike * s2;
   if (session > 0.0)
     for (Index a = 0; a < n; ++a)
       for (Index b = 0; b < n; ++b)

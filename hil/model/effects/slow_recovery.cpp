@@ -112,7 +112,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .look_alikes = {"wear", "thermal", "creep"},
     .separates = "the same ramp after 5, 20, 60 and 120 min of rest",
     .needs = {},
-    .traits = {.between_records = true, .needs_records = true},
+    .traits = {.between_records = true, .needs_records = true, .of_cycling = true},
     .forms = {form("gain", false, false), form("swing", true, false), form("carried_gain", false, true),
               form("carried_swing", true, true), by_travel()}}};
 
