@@ -73,6 +73,9 @@ inline constexpr double kFarAboveNoise = 2.5;
 /// Form of a finding that a detector made of the samples themselves: no term of a model.
 inline constexpr const char* kOfSamples = "raw";
 
+/// Form of a delay that was found together with the model's lag: the output is to be set earlier, no term of a model is in series with a lag.
+inline constexpr const char* kBehindLag = "behind_lag";
+
 struct Finding {
   std::string effect;
   std::string side;          ///< sensor, rig, reference, instrument

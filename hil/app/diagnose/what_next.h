@@ -20,6 +20,7 @@
 namespace forcegate {
 
 enum class Step {
+  align,       ///< set the output earlier by what it is late behind the model's lag
   add,         ///< take the effect into the model
   experiment,  ///< ask which record parts what competes
   page,        ///< look at the pictures
@@ -32,6 +33,7 @@ enum class Step {
 struct WhatNext {
   Step step = Step::explain;
   std::string word;  ///< the effect to add, or the word to explain
+  double late_s = 0.0;  ///< by which the output is to be set earlier
 };
 
 /// Where the user stands.

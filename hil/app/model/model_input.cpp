@@ -10,6 +10,7 @@
 #include "hil/base/text.h"
 #include "hil/trace/column_map.h"
 #include "hil/trace/columns.h"
+#include "hil/trace/set_earlier.h"
 
 #include "hil/diagnose/candidates/user_candidates.h"
 
@@ -64,7 +65,9 @@ Result<Campaign> load_recordings(const CampaignRequest& request) {
   options.assumed_rate_Hz = request.assumed_rate_Hz;
   options.threads = request.threads;
   FORCEGATE_TRY(options.column_map, parse_column_map(request.maps));
-  return read_campaign(request.campaign, options);
+  FORCEGATE_TRY(Campaign campaign, read_campaign(request.campaign, options));
+  FORCEGATE_CHECK_OK(set_output_earlier(campaign, request.late_s));
+  return campaign;
 }
 
 Result<Campaign> load_campaign(const CampaignRequest& request) {

@@ -1,8 +1,16 @@
 #include "hil/cli/verbs/campaign_options.h"
 
+#include <fmt/format.h>
+
 #include "hil/cli/parse.h"
 
 namespace forcegate {
+
+namespace {
+
+constexpr double kLatest_s = 60.0;
+
+}  // namespace
 
 Option model_row() {
   return {.name = "model",
@@ -18,6 +26,7 @@ std::vector<Option> campaign_rows() {
        .doc = "Foreign column, for instance pressure_bar=F_ref_N.",
        .repeatable = true},
       {.name = "rate", .value_name = "HZ", .doc = "Sampling rate of files without a clock.", .fallback = "0"},
+      {.name = "late", .value_name = "S", .doc = "The output is so late behind the force, seconds: it is set as much earlier.", .fallback = "0"},
       {.name = "threads",
        .value_name = "N",
        .doc = "0: one per processor. The answer does not depend on it.",
@@ -28,10 +37,12 @@ Positional campaign_positional() {
   return {.name = "CAMPAIGN", .doc = "Campaign folder, campaign.json, one CSV or one HDF5 run.", .names = Names::campaign};
 }
 
-std::string campaign_words(const Invocation& in, const std::string& campaign) {
+std::string campaign_words(const Invocation& in, const std::string& campaign, double later_s) {
   std::string out = file_quoted(campaign);
   for (const std::string& map : in.texts("map")) out += " --map " + shell_quoted(map);
   if (in.given("rate")) out += " --rate " + in.text("rate");
+  if (later_s != 0.0) out += fmt::format(" --late {:.4g}", in.number("late", -kLatest_s, kLatest_s).value_or(0.0) + later_s);
+  else if (in.given("late")) out += " --late " + in.text("late");
   return out;
 }
 
@@ -48,6 +59,7 @@ Result<CampaignRequest> campaign_request(const Invocation& in, const std::string
   request.model = model;
   request.maps = in.texts("map");
   FORCEGATE_TRY(request.assumed_rate_Hz, in.number("rate", 0.0, 1e6));
+  FORCEGATE_TRY(request.late_s, in.number("late", -kLatest_s, kLatest_s));
   FORCEGATE_TRY(const std::int64_t threads, in.integer("threads", 0, 256));
   request.threads = static_cast<unsigned>(threads);
   return request;

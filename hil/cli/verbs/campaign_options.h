@@ -8,12 +8,13 @@ namespace forcegate {
 
 /// --model.
 Option model_row();
-/// --map, --rate, --threads: how the files of a campaign are read and how many threads work on it.
+/// --map, --rate, --late, --threads: how the files of a campaign are read and how many threads work on it.
 std::vector<Option> campaign_rows();
 /// CAMPAIGN.
 Positional campaign_positional();
-/// The campaign as the next command must name it: quoted, with the --map and --rate that it was read with.
-std::string campaign_words(const Invocation& in, const std::string& campaign);
+/// The campaign as the next command must name it: quoted, with the --map, --rate and --late that it was read with.
+/// `later_s`: with an output that is so much later still.
+std::string campaign_words(const Invocation& in, const std::string& campaign, double later_s = 0.0);
 /// " --model MODEL" where one was given, for the next command; "" otherwise.
 std::string model_words(const Invocation& in);
 /// The model as it was given; "" when none was.

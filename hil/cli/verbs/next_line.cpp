@@ -19,8 +19,8 @@ std::vector<std::string> effects_of(const std::string& name) {
 
 std::optional<std::string> export_line(const Invocation& in, const std::string& model, const std::string& campaign) {
   std::optional<CampaignRequest> records;
-  // --rate is the firmware's in export: a file without a clock cannot be named there
-  if (!campaign.empty() && !in.given("rate")) {
+  // --rate is the firmware's in export, and a late output is nothing that a firmware can undo: such files cannot be named there
+  if (!campaign.empty() && !in.given("rate") && !in.given("late")) {
     records.emplace();
     records->campaign = campaign;
     records->maps = in.texts("map");
@@ -45,6 +45,7 @@ std::string line_after_diagnosis(const Invocation& in, const Diagnosis& d, const
   standing.is_exportable = [&] { return (exported = export_line(in, model, about.campaign)).has_value(); };
   const WhatNext what = after_diagnosis(d, standing);
   switch (what.step) {
+    case Step::align: return "forcegate diagnose " + campaign_words(in, about.campaign, what.late_s) + with_model(model);
     case Step::add:
       return "forcegate add " + shell_quoted(what.word) + " --fit " + both + " -o " + shell_quoted(better_model_name(model));
     case Step::experiment: return "forcegate next " + both;

@@ -35,6 +35,17 @@ TEST(WhatNext, TakesAFoundEffectIntoTheModelAndNeverTwice) {
   EXPECT_NE(after_diagnosis(d, {.model_file = true, .in_model = {"creep"}}).step, Step::add);
 }
 
+TEST(WhatNext, AnOutputThatIsLateBehindTheModelsLagIsSetEarlierFirst) {
+  Diagnosis d = with(kKnown);
+  d.findings = {claim("static_nonlinearity", "sensor"), claim("delay", "instrument")};
+  d.findings.back().form = kBehindLag;
+  d.findings.back().parameters = {{"delay_s", 0.0231, 0.0003, "s"}};
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::align);
+  EXPECT_EQ(after_diagnosis(d, {}).late_s, 0.0231);
+  d.findings.back().probability = 0.4;
+  EXPECT_EQ(after_diagnosis(d, {}).step, Step::add);
+}
+
 TEST(WhatNext, WhatIsNotSeparableAsksForTheExperimentWhateverWasDrawn) {
   Diagnosis d = with(kUnknown);
   d.not_separable = {{"creep", "self_heating"}};

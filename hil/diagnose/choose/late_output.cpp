@@ -1,0 +1,213 @@
+#include "hil/diagnose/choose/late_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "hil/diagnose/candidates/signatures.h"
+#include "hil/diagnose/choose/reference_latency.h"
+#include "hil/diagnose/choose/refine.h"
+#include "hil/diagnose/choose/screen.h"
+#include "hil/diagnose/choose/select.h"
+#include "hil/model/states.h"
+
+namespace forcegate::diagnose {
+
+namespace {
+
+constexpr const char* kLag = "lag";
+constexpr const char* kCurve = "static_nonlinearity";
+constexpr const char* kOnePole = "one_pole";
+
+const Candidate* guessed_lag(const ResidualChannel& channel) {
+  for (const Candidate& c : channel.candidates)
+    if (c.is_guess && c.kind->name == kLag && c.form->name == kOnePole) return &c;
+  return nullptr;
+}
+
+const EffectForm& form_of(const char* effect, const std::string& name) { return *find_form(*EffectRegistry::instance().find(effect), name); }
+
+Candidate in_model(const char* effect, const std::string& form_name, const std::vector<double>& shape) {
+  const EffectForm& form = form_of(effect, form_name);
+  Candidate c{EffectRegistry::instance().find(effect), &form, shape, 0, static_cast<int>(form.strength.size())};
+  c.of_model = true;
+  return c;
+}
+
+std::vector<int> columns_of(const Candidate& c) {
+  std::vector<int> out;
+  for (int j = 0; j < c.count; ++j) out.push_back(c.first + j);
+  return out;
+}
+
+/// A lag and a curve that lags with it, on the force at a delay.
+struct LagWithCurve {
+  std::string lag, curve;
+  bool operator==(const LagWithCurve&) const = default;
+};
+
+struct Point {
+  double delay_s = 0.0;
+  std::vector<double> lag, curve;  // shapes; the curve's first is the lag's
+  double evidence = -1e300, left = 0.0;
+};
+
+enum class Delay { moves, stays };
+
+class LagAndCurveModel {
+ public:
+  LagAndCurveModel(const Workspace& w, unsigned threads) : w_(w), threads_(threads) {}
+
+  /// From `start` to where the evidence is largest.
+  Point best(const LagWithCurve& forms, const Point& start, Delay delay) {
+    EffectForm moved;  // of which the climb reads the shapes
+    std::vector<double> at;
+    const auto add = [&](std::span<const ParameterSpec> specs, std::span<const double> values) {
+      moved.shape.insert(moved.shape.end(), specs.begin(), specs.end());
+      at.insert(at.end(), values.begin(), values.end());
+    };
+    constexpr double kShortest_s = 1e-4, kLongest_s = 10.0;
+    const std::vector<ParameterSpec> of_delay = {{"delay_s", "s", kShortest_s, kLongest_s, 0.0, ""}};
+    if (delay == Delay::moves) add(of_delay, {&start.delay_s, 1});
+    const EffectForm &lag = form_of(kLag, forms.lag), &curve = form_of(kCurve, forms.curve);
+    add(lag.shape, start.lag);
+    add(std::span(curve.shape).subspan(1), std::span(start.curve).subspan(1));
+    Point out;
+    climb(moved, at, [&](const std::vector<double>& shape) {
+      auto next = shape.begin();
+      Point p;
+      p.delay_s = delay == Delay::moves ? *next++ : start.delay_s;
+      p.lag.assign(next, next + std::ssize(lag.shape));
+      p.curve.assign(next + std::ssize(lag.shape), shape.end());
+      p.curve.insert(p.curve.begin(), p.lag.front());
+      judge(forms, p);
+      if (p.evidence > out.evidence) out = p;
+      return p.evidence;
+    });
+    return out;
+  }
+
+ private:
+  void judge(const LagWithCurve& forms, Point& p) {
+    if (!own_ || p.delay_s != delay_s_ || forms != forms_) {
+      build(forms, p);
+    } else {
+      for (Candidate& c : own_->output.candidates) {
+        c.shape = c.kind->name == kLag ? p.lag : p.curve;
+        fill_candidate(own_->input, own_->output, c, threads_);
+      }
+    }
+    std::vector<int> columns;
+    for (const Candidate& c : own_->output.candidates) add_columns(columns, columns_of(c));
+    const MixedFit fit = fit_mixed(own_->output.problem, columns, nullptr, 15, RecordUse::all_records);
+    if (!fit.valid) return;
+    p.evidence = fit.log_evidence;
+    p.left = excess_mean_square(own_->output, fit);
+  }
+
+  void build(const LagWithCurve& forms, const Point& p) {
+    own_ = std::make_unique<Workspace>();
+    own_->input = w_.input;
+    if (p.delay_s != 0.0) delay_force(own_->input, p.delay_s);
+    own_->law = w_.law;
+    own_->zero_wanders = w_.zero_wanders;
+    own_->gain_V_per_N = w_.gain_V_per_N;
+    own_->shifts = w_.shifts;
+    own_->noise_V = w_.noise_V;
+    own_->white_V = w_.white_V;
+    own_->smoothed_V = w_.smoothed_V;
+    own_->judges = w_.judges;
+    Candidate lag = in_model(kLag, forms.lag, p.lag);
+    lag.written = {1.0};
+    const ListedOnly nothing_else{};
+    build_output_channel(*own_, threads_, {lag, in_model(kCurve, forms.curve, p.curve)}, &nothing_else);
+    delay_s_ = p.delay_s;
+    forms_ = forms;
+  }
+
+  const Workspace& w_;
+  unsigned threads_;
+  std::unique_ptr<Workspace> own_;
+  double delay_s_ = 0.0;
+  LagWithCurve forms_;
+};
+
+}  // namespace
+
+void delay_force(CampaignInput& campaign, double delay_s) {
+  const RecordInput* whole = nullptr;  // the first block of a recording, which alone has the force at full rate
+  for (RecordInput& r : campaign.records) {
+    if (r.fast_F_N.empty()) {
+      if (whole != nullptr && whole->recording == r.recording) r.F_N = whole->F_N;
+      continue;
+    }
+    r.wanted.clear();
+    r.F_N = delayed_rows(r, delay_s);
+    const std::vector<double>&t = r.fast_t_s, F = r.fast_F_N;
+    for (std::size_t k = 0, j = 0; k < t.size() && t.size() > 1; ++k) {
+      const double at = t[k] - delay_s;
+      while (j + 2 < t.size() && t[j + 1] <= at) ++j;
+      r.fast_F_N[k] = std::lerp(F[j], F[j + 1], std::clamp((at - t[j]) / (t[j + 1] - t[j]), 0.0, 1.0));
+    }
+    whole = &r;
+  }
+}
+
+LateOutput late_output(const Workspace& w, unsigned threads) {
+  constexpr double kPlainly = 30.0, kLeft = 0.5;  // nats, share of the mean square: a lag of a kind that nobody wrote down may come as near
+  constexpr double kSomething = 0.1;              // of what the instruments may leave (mean square): else nothing is left to be explained
+  constexpr double kOfLag = 0.4, kBeside = 0.7;   // of the lag alone: where the climb begins
+  constexpr double kTypical_n = 0.8, kTypicalRatio = 1.2, kProfile = 0.1;
+  const Candidate* guess = guessed_lag(w.output);
+  if (guess == nullptr || std::ranges::any_of(w.input.records, &RecordInput::dynamic)) return {};
+  LagAndCurveModel model(w, threads);
+  const double tau_s = guess->shape.front();
+  Point without, late;
+  LagWithCurve forms;
+  const auto see = [&](const Point& p) {
+    if (p.evidence > without.evidence) without = p;
+  };
+  const auto plain = [&] { return late.evidence > without.evidence + kPlainly && late.left < kLeft * without.left; };
+  // with a delay, from where the lag alone came to rest
+  const auto delayed = [&](const LagWithCurve& of, Point start) {
+    start.delay_s = kOfLag * start.lag.front();
+    start.lag.front() *= kBeside;
+    if (const Point p = model.best(of, start, Delay::moves); p.evidence > late.evidence) late = p, forms = of;
+  };
+  // polynomials, which have no shape but the lag, tell whether it is worth asking the others
+  LagWithCurve best;
+  for (const char* curve : {"polynomial_before_lag", "polynomial_after_lag"}) {
+    const Point p = model.best({kOnePole, curve}, {0.0, {tau_s}, {tau_s}}, Delay::stays);
+    if (p.evidence > without.evidence) best = {kOnePole, curve};
+    see(p);
+  }
+  const double allowed = std::pow(allowed_rms(w.output), 2);
+  if (without.left < kSomething * allowed) return {};
+  delayed(best, without);
+  for (const char* lag : {"two_poles", "diffusive"}) see(model.best({lag, best.curve}, {0.0, {tau_s}, {tau_s}}, Delay::stays));
+  if (late.evidence < without.evidence + kPlainly) return {};
+
+  const std::vector<std::pair<std::string, std::vector<double>>> curves = {{"power_before_lag", {tau_s, kTypical_n}},
+                                                                           {"power_after_lag", {tau_s, kTypical_n}},
+                                                                           {"polynomial_before_lag", {tau_s}},
+                                                                           {"polynomial_after_lag", {tau_s}}};
+  for (const auto& [curve, shape] : curves) {
+    const Point alone = model.best({kOnePole, curve}, {0.0, {tau_s}, shape}, Delay::stays);
+    see(alone);
+    delayed({kOnePole, curve}, alone);
+  }
+  if (!plain() || late.delay_s <= allowed_latency_s(w.input)) return {};
+  for (const auto& [curve, shape] : curves)
+    for (const auto& [lag, of_lag] : std::vector<std::pair<std::string, std::vector<double>>>{{"two_poles", {tau_s}}, {"diffusive", {tau_s}}, {"two_speeds", {tau_s, kTypicalRatio}}}) {
+      see(model.best({lag, curve}, {0.0, of_lag, shape}, Delay::stays));
+      if (!plain()) return {};
+    }
+  Point aside = late;
+  aside.delay_s *= 1.0 + kProfile;
+  const double fall = std::max(late.evidence - model.best(forms, aside, Delay::stays).evidence, 1e-3);
+  return {late.delay_s, kProfile * late.delay_s / std::sqrt(2.0 * fall), late.lag.front(), late.evidence - without.evidence, late.left / without.left};
+}
+
+}  // namespace forcegate::diagnose
