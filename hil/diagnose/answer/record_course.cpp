@@ -93,8 +93,9 @@ std::vector<double> residual_on_rows(const Workspace& w, const MixedFit& fit, st
   const MixedProblem& p = channel.problem;
   const Eigen::MatrixXd Z = repeatability_columns(w, channel.record_of[k], rows);
   const RecordInput& chosen = w.input.records[channel.record_of[k]];
+  const Eigen::VectorXd coefficient = fit.coefficients(k);
   Eigen::VectorXd e = Z.col(2) * w.shifts[k].log_b + Z.col(3) * w.shifts[k].log_q - Z.leftCols(p.nz) * fit.zeta[k] -
-                      Z.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
+                      Z.leftCols(p.n_fixed) * coefficient.head(p.n_fixed);
   for (Index i = 0; i < e.size(); ++i) e[i] += chosen.U_V[rows[static_cast<std::size_t>(i)]] / channel.scale;
   if (!fit.columns.empty()) {
     // blocks of one recording read the columns of its first block, which alone has the force at full rate
@@ -104,7 +105,7 @@ std::vector<double> residual_on_rows(const Workspace& w, const MixedFit& fit, st
     for (const Candidate& c : channel.candidates) {
       Eigen::VectorXd strength = Eigen::VectorXd::Zero(c.count);
       for (std::size_t b = 0; b < fit.columns.size(); ++b)
-        if (const int j = fit.columns[b] - c.first; j >= 0 && j < c.count) strength[j] = fit.strength(b, k, p.n_fixed);
+        if (const int j = fit.columns[b] - c.first; j >= 0 && j < c.count) strength[j] = coefficient[p.n_fixed + static_cast<Index>(b)];
       if (strength.isZero(0.0)) continue;
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Index>(all.rows()), c.count);
       c.form->columns(w.input, all, c.shape, columns);

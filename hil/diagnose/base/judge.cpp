@@ -34,10 +34,9 @@ std::vector<std::vector<double>> residual_rows(const ResidualChannel& channel, c
   const MixedProblem& p = channel.problem;
   for (std::size_t k = 0; k < channel.rows.size(); ++k) {
     const auto& A = channel.rows[k].matrix;
-    Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.nz) * fit.zeta[k] -
-                        A.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
-    for (std::size_t b = 0; b < fit.columns.size(); ++b)
-      e -= A.col(p.nz + fit.columns[b]) * fit.strength(b, k, p.n_fixed);
+    const Eigen::VectorXd coefficient = fit.coefficients(k);
+    Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.nz) * fit.zeta[k] - A.leftCols(p.n_fixed) * coefficient.head(p.n_fixed);
+    for (std::size_t b = 0; b < fit.columns.size(); ++b) e -= A.col(p.nz + fit.columns[b]) * coefficient[p.n_fixed + static_cast<Eigen::Index>(b)];
     e *= channel.scale;
     out.emplace_back(e.data(), e.data() + e.size());
   }

@@ -54,15 +54,43 @@ VectorXd with_minus(const VectorXd& coefficient) {
   return v;
 }
 
-// Of a fit of the same problem; its columns may be others.
-VectorXd per_gain_of(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit& fit) {
-  constexpr double kLeastGain = 0.2;  // of the gain that the columns are made with: below it the law has no output that the rest could grow with
-  if (problem.grows_with_gain.empty() || !(fit.coefficient[0] > kLeastGain)) return {};
-  VectorXd out = VectorXd::Zero(static_cast<Index>(columns.size()));
+// Slope of every column of S that grows with the gain on Z_0, over all records, beside a zero of each; 0 of others.
+VectorXd slopes_on_gain(const MixedProblem& problem, const std::vector<int>& columns) {
+  VectorXd out = VectorXd::Zero(std::ssize(columns));
+  double WW = 0.0;
+  for (const RecordGram& record : problem.records) {
+    const MatrixXd& G = record.gram;
+    const double per_one = G(1, 1) > 0.0 ? G(0, 1) / G(1, 1) : 0.0;
+    WW += G(0, 0) - per_one * G(0, 1);
+    for (std::size_t b = 0; b < columns.size(); ++b)
+      if (const int j = problem.nz + columns[b]; problem.grows_with_gain[static_cast<std::size_t>(columns[b])] == GrowsWithGain::with_it)
+        out[static_cast<Index>(b)] += G(0, j) - per_one * G(1, j);
+  }
+  return WW > 0.0 ? VectorXd(out / WW) : VectorXd::Zero(out.size());
+}
+
+// The part of the output that grows with the gain, at `coefficient`, in units of its own slope on Z_0; less Z_0 itself.
+VectorXd per_gain_of(const MixedProblem& problem, const std::vector<int>& columns, const VectorXd& slopes, const VectorXd& coefficient) {
+  constexpr double kLeast = 0.2;  // below it there is no output that anything could grow with
+  const double gain = coefficient[0] + slopes.dot(coefficient.tail(slopes.size()));
+  if (!(gain > kLeast)) return {};
+  VectorXd out = VectorXd::Zero(coefficient.size());
+  out[0] = coefficient[0] / gain - 1.0;
+  for (std::size_t b = 0; b < columns.size(); ++b)
+    if (problem.grows_with_gain[static_cast<std::size_t>(columns[b])] == GrowsWithGain::with_it) {
+      const Index at = problem.n_fixed + static_cast<Index>(b);
+      out[at] = coefficient[at] / gain;
+    }
+  return out;
+}
+
+// Of another fit of the problem, which may have other columns: 0 where it has not.
+VectorXd coefficients_in(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit& other) {
+  VectorXd out = VectorXd::Zero(problem.n_fixed + std::ssize(columns));
+  out.head(problem.n_fixed) = other.coefficient.head(problem.n_fixed);
   for (std::size_t a = 0; a < columns.size(); ++a)
-    for (std::size_t b = 0; b < fit.columns.size(); ++b)
-      if (fit.columns[b] == columns[a] && problem.grows_with_gain[static_cast<std::size_t>(columns[a])] == GrowsWithGain::with_it)
-        out[static_cast<Index>(a)] = fit.coefficient[problem.n_fixed + static_cast<Index>(b)] / fit.coefficient[0];
+    if (const auto b = std::ranges::find(other.columns, columns[a]) - other.columns.begin(); b < std::ssize(other.columns))
+      out[problem.n_fixed + static_cast<Index>(a)] = other.coefficient[problem.n_fixed + b];
   return out;
 }
 
@@ -89,6 +117,7 @@ double log_prior(const MixedProblem& problem, const MixedFit& fit, const VectorX
 void update_variances(const MixedProblem& problem, const std::vector<Conditional>& conditional,
                       MixedFit& fit) {
   VectorXd sum = VectorXd::Zero(fit.variance.size()), count = sum;
+  double own_gains = 0.0, with_gain = 0.0;
   for (std::size_t i = 0; i < conditional.size(); ++i) {
     const RecordGram& record = problem.records[i];
     const Conditional& c = conditional[i];
@@ -99,8 +128,11 @@ void update_variances(const MixedProblem& problem, const std::vector<Conditional
       const int k = problem.component_of_z[j];
       sum[k] += c.zeta[j] * c.zeta[j] + c.zeta_variance[j];
       count[k] += 1.0;
+      if (j == 0) own_gains += c.zeta[j], with_gain += 1.0;
     }
   }
+  // Gains that are all higher, beside strengths that are all smaller, are the same fit at a lower price of the strengths' priors: it is no spread.
+  if (fit.per_gain.size() > 0 && with_gain > 0.0) sum[problem.component_of_z[0]] -= own_gains * own_gains / with_gain;
   for (Index k = 0; k < fit.variance.size(); ++k) {
     const VarianceComponent& c = problem.components[static_cast<std::size_t>(k)];
     fit.variance[k] = (c.prior_weight * c.prior_sd * c.prior_sd + sum[k]) / (c.prior_weight + count[k]);
@@ -135,7 +167,9 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
 
   const VectorXd prior = prior_precision(problem, columns), mean = prior_mean(problem, columns), pull = prior.cwiseProduct(mean);
   std::vector<Conditional> conditional(n_records);
-  if (warm != nullptr && warm->valid) fit.per_gain = per_gain_of(problem, columns, *warm);
+  const bool grows = !problem.grows_with_gain.empty();
+  const VectorXd slopes = grows ? slopes_on_gain(problem, columns) : VectorXd();
+  if (grows && warm != nullptr && warm->valid) fit.per_gain = per_gain_of(problem, columns, slopes, coefficients_in(problem, columns, *warm));
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const bool last = iteration + 1 == iterations;
     const VectorXd sigma2 = expand_variance(problem, fit.variance);
@@ -168,7 +202,7 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
       break;
     }
     update_variances(problem, conditional, fit);
-    fit.per_gain = per_gain_of(problem, columns, fit);
+    if (grows) fit.per_gain = per_gain_of(problem, columns, slopes, fit.coefficient);
   }
 
   const VectorXd v = with_minus(fit.coefficient);

@@ -4,9 +4,10 @@
 //   y_i = Z_i (beta + zeta_i) + S_i c + e_i,   zeta_i ~ N(0, diag sigma^2),  c_j ~ N(m_j, tau_j^2),  e_i ~ N(0, s_i^2)
 //
 // A gain of a record, column 0 of Z, multiplies the whole output of the sensor, and so what some columns of S add to it too: zeta_i0 goes
-// with Z_i0 + h_i, h_i = sum_j (c_j / beta_0) S_ij at the strengths of the iteration before (first-order conditional linearisation,
-// Lindstrom and Bates 1990), the fixed part with Z_i0 alone. So does a column that is a gain itself, x_i Z_i0 in every record (a
-// temperature's): it goes with x_i (Z_i0 + h_i), x_i by regression of the column on Z_i0 and one.
+// with Z_i0 + h_i = (beta_0 Z_i0 + sum_j c_j S_ij) / g at the strengths of the iteration before (first-order conditional linearisation,
+// Lindstrom and Bates 1990), g the slope of that on Z_0 over all records: a bank of plays may have most of the force. The fixed part goes
+// with Z_i0 alone. So does a column that is a gain itself, x_i Z_i0 in every record (a temperature's): it goes with x_i (Z_i0 + h_i), x_i by
+// regression of the column on Z_i0 and one.
 //
 // The first `n_fixed` columns of Z have a fixed part beta as well. The variances sigma^2 (spread between records) and
 // s_i^2 (what the model leaves) are estimated by EM from the records themselves with weak priors; every fit re-estimates
@@ -86,7 +87,7 @@ struct MixedFit {
   Eigen::VectorXd coefficient;  ///< beta, then c
   Eigen::MatrixXd covariance;
   Eigen::VectorXd variance;  ///< of each component
-  Eigen::VectorXd per_gain;  ///< of each of `columns`: what a unit of a record's gain adds to its strength, c_j / beta_0, or 0; empty: all 0
+  Eigen::VectorXd per_gain;  ///< of each coefficient: what a unit of a record's gain adds to it, beside 1 to the first (h); empty: nothing
   std::vector<double> gain;  ///< of each record beside beta_0: zeta_0 and what columns that are gains have in it
   // per record, held-out ones too (predicted: their rows never enter the sums, and their zeta may go as far as the fixed parts are uncertain)
   std::vector<double> s2, adapted,
@@ -95,10 +96,9 @@ struct MixedFit {
   RecordUse use = RecordUse::fit_records;
   bool valid = false;
 
-  /// Strength of `columns[b]` in a record.
-  double strength(std::size_t b, std::size_t record, int n_fixed) const {
-    const auto at = static_cast<Eigen::Index>(b);
-    return coefficient[n_fixed + at] + (per_gain.size() > 0 ? gain[record] * per_gain[at] : 0.0);
+  /// Coefficients in a record, its own zeta set aside.
+  Eigen::VectorXd coefficients(std::size_t record) const {
+    return per_gain.size() > 0 ? Eigen::VectorXd(coefficient + gain[record] * per_gain) : coefficient;
   }
   bool counts(const RecordGram& record) const { return use == RecordUse::all_records || !record.heldout; }
 };

@@ -66,34 +66,46 @@ RecordPart::RecordPart(const MixedProblem& problem, std::size_t record, const st
 }
 
 void RecordPart::find_gains(const MixedProblem& problem, const MatrixXd& gram, const std::vector<int>& columns) {
-  if (problem.grows_with_gain.empty()) return;
-  as_given_ = {source_, gram_};
+  grows_ = !problem.grows_with_gain.empty() && !excited_.empty();
+  if (!grows_) return;
   gain_ = VectorXd::Zero(n_columns_);
   for (std::size_t b = 0; b < columns.size(); ++b) gain_[n_fixed_ + static_cast<Index>(b)] = gain_of_column(problem, gram, columns[b]);
+  has_gains_ = !gain_.isZero(0.0);
+  // without columns that are gains, zeta_0's row alone will change
+  as_given_.source.assign(source_.begin(), has_gains_ ? source_.end() : source_.begin() + width_);
+  if (has_gains_) as_given_.gram = gram_;
+  h_C_.resize(n_columns_);
+  h_Z_.resize(static_cast<Index>(excited_.size()));
 }
 
 void RecordPart::set_own_gain(const VectorXd& per_gain) {
-  if (gain_.size() == 0) return;
-  source_ = as_given_.source;
-  gram_ = as_given_.gram;
-  if (per_gain.size() == 0) return;
+  if (!grows_) return;
   const auto n = static_cast<Index>(excited_.size()), first = padded(n), n_s = per_gain.size();
-  // h = sum_b per_gain_b S_b and its products; every column that is a gain g of the record goes with g h more
-  VectorXd h_C(n_columns_), h_Z(n);
-  for (Index a = 0; a < n_columns_; ++a) h_C[a] = per_gain.dot(VectorXd::Map(gram_.data() + a * stride_ + n_fixed_, n_s));
-  for (Index i = 0; i < n; ++i) h_Z[i] = per_gain.dot(VectorXd::Map(source_.data() + i * width_ + first + n_fixed_, n_s));
-  const double hh = per_gain.dot(h_C.segment(n_fixed_, n_s));
-  const auto own = [&](Index i) { return excited_[at(i)] == 0 ? 1.0 : 0.0; };
-  for (Index a = 0; a < n_columns_; ++a)
-    for (Index b = 0; b < n_columns_; ++b) gram_[at(a * stride_ + b)] += gain_[a] * h_C[b] + gain_[b] * h_C[a] + gain_[a] * gain_[b] * hh;
-  for (Index i = 0; i < n; ++i) {
-    for (Index a = 0; a < n_columns_; ++a) source_[at(i * width_ + first + a)] += own(i) * h_C[a] + gain_[a] * h_Z[i] + own(i) * gain_[a] * hh;
-    for (Index j = 0; j < n; ++j) source_[at(i * width_ + j)] += own(i) * h_Z[j] + own(j) * h_Z[i] + own(i) * own(j) * hh;
+  std::copy(as_given_.source.begin(), as_given_.source.end(), source_.begin());
+  if (has_gains_) gram_ = as_given_.gram;
+  for (Index i = 1; i < n; ++i) source_[at(i * width_)] = source_[at(i)];
+  if (n_s == 0) return;
+  // h = C per_gain and its products; every column that is a gain g of the record goes with g h more
+  for (Index a = 0; a < n_columns_; ++a) h_C_[a] = per_gain.dot(VectorXd::Map(gram_.data() + a * stride_, n_s));
+  for (Index i = 0; i < n; ++i) h_Z_[i] = per_gain.dot(VectorXd::Map(source_.data() + i * width_ + first, n_s));
+  const double hh = per_gain.dot(h_C_.head(n_s));
+  if (has_gains_) {
+    for (Index a = 0; a < n_columns_; ++a)
+      for (Index b = 0; b < n_columns_; ++b) gram_[at(a * stride_ + b)] += gain_[a] * h_C_[b] + gain_[b] * h_C_[a] + gain_[a] * gain_[b] * hh;
+    for (Index i = 0; i < n; ++i)
+      for (Index a = 0; a < n_columns_; ++a) source_[at(i * width_ + first + a)] += gain_[a] * h_Z_[i];
   }
+  if (excited_.front() != 0) return;
+  for (Index a = 0; a < n_columns_; ++a) source_[at(first + a)] += h_C_[a] + gain_[a] * hh;
+  for (Index j = 0; j < n; ++j) {
+    source_[at(j)] += h_Z_[j];
+    source_[at(j * width_)] += h_Z_[j];
+  }
+  source_[0] += hh;
 }
 
 double RecordPart::gain(const VectorXd& coefficient, double zeta_0) const {
-  return zeta_0 + (gain_.size() > 0 ? gain_.head(coefficient.size()).dot(coefficient) : 0.0);
+  return grows_ ? zeta_0 + gain_.head(coefficient.size()).dot(coefficient) : 0.0;
 }
 
 void RecordPart::eliminate(const VectorXd& sigma2, double weight) {

@@ -32,9 +32,9 @@ class RecordPart {
  public:
   RecordPart(const MixedProblem& problem, std::size_t record, const std::vector<int>& columns);
 
-  /// Of the chosen columns of S (MixedFit::per_gain); empty: a gain multiplies the law alone.
+  /// MixedFit::per_gain; empty: a gain multiplies the law alone.
   void set_own_gain(const Eigen::VectorXd& per_gain);
-  /// The record's gain beside that of all: its own, and that of the columns which are gains.
+  /// The record's gain beside that of all, with which the rest goes: its own, and that of the columns which are gains; 0 where nothing does.
   double gain(const Eigen::VectorXd& coefficient, double zeta_0) const;
 
   /// For the variances `sigma2` of all columns of Z and the weight w; before what follows.
@@ -66,10 +66,12 @@ class RecordPart {
   std::vector<double> source_;    // rows [Z'Z | Z'C | 0]
   std::vector<double> rows_;      // the same after the elimination: [L' | X | L^-1]
   std::vector<double> gram_;      // C'C
+  bool grows_ = false, has_gains_ = false;
   struct {
     std::vector<double> source, gram;
-  } as_given_;                    // before a gain went with more than the law
+  } as_given_;                    // what will change when a gain goes with more than the law
   Eigen::VectorXd gain_;          // of C: by which it is a gain of the record; empty: nothing grows with it
+  Eigen::VectorXd h_C_, h_Z_;     // what goes with a gain beside the law, with C and with Z
   Eigen::VectorXd sigma2_;        // of the excited columns
   double weight_ = 1.0;
 };

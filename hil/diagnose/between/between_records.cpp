@@ -205,15 +205,18 @@ OwnRows own_rows(const MixedProblem& p, const MixedFit& fit, std::size_t record)
   const Index n = p.nz + p.ns;
   OwnRows out{G.topLeftCorner(p.nz, p.nz), G.topLeftCorner(p.nz, n), y.head(p.nz)};
   if (fit.per_gain.size() == 0) return out;
-  // h, which goes with a gain beside the law (mixed_model.h)
+  // h, which goes with a gain beside Z_0 (mixed_model.h)
+  VectorXd h = VectorXd::Zero(n);
+  h.head(p.n_fixed) = fit.per_gain.head(p.n_fixed);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b) h[p.nz + fit.columns[b]] = fit.per_gain[p.n_fixed + static_cast<Index>(b)];
   VectorXd with_h = VectorXd::Zero(n);
-  double h_y = 0.0, h_h = 0.0;
-  for (std::size_t b = 0; b < fit.columns.size(); ++b) {
-    const Index column = p.nz + fit.columns[b];
-    with_h += fit.per_gain[static_cast<Index>(b)] * G.col(column).head(n);
-    h_y += fit.per_gain[static_cast<Index>(b)] * y[column];
-  }
-  for (std::size_t b = 0; b < fit.columns.size(); ++b) h_h += fit.per_gain[static_cast<Index>(b)] * with_h[p.nz + fit.columns[b]];
+  double h_y = 0.0;
+  for (Index a = 0; a < n; ++a)
+    if (h[a] != 0.0) {
+      with_h += h[a] * G.col(a).head(n);
+      h_y += h[a] * y[a];
+    }
+  const double h_h = h.dot(with_h);
   VectorXd gain = VectorXd::Zero(n);
   for (int j = 0; j < p.ns; ++j) gain[p.nz + j] = gain_of_column(p, G, j);
   const auto of_own = VectorXd::Unit(p.nz, 0);

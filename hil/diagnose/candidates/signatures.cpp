@@ -268,7 +268,8 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<Cand
   });
   finish_records(w.input, channel, threads);
   set_column_priors(channel);
-  if (w.input.generic) return;
+  // beside a decay the swing of a record has a size of its own, and most of what effects add goes with that
+  if (w.input.generic || (w.law.decays && std::ranges::any_of(w.input.records, &RecordInput::dynamic))) return;
   channel.problem.grows_with_gain.assign(static_cast<std::size_t>(channel.problem.ns), GrowsWithGain::never);
   for (const Candidate& c : channel.candidates) tell_what_grows(channel, c);
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "hil/model/effect.h"
+#include "hil/model/states.h"
 
 namespace forcegate {
 namespace {
@@ -61,7 +62,7 @@ EffectForm form(const char* name, bool swing_only, bool carried_only) {
 // Exact for a load that travels `spans` at an even rate.
 double after_travel(double x, double spans, double seconds, double spans_up, double rest_s) {
   const double charge = spans / spans_up, rate = charge + seconds / rest_s;
-  return rate > 0.0 ? charge / rate + (x - charge / rate) * std::exp(-rate) : x;
+  return x + (charge - rate * x) * mean_of_decay(rate);
 }
 
 double travelled_at_start(const CampaignInput& c, const RecordInput& record, double spans_up, double rest_s) {
@@ -92,13 +93,17 @@ EffectForm by_travel() {
           .columns =
               [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
                 double x = travelled_at_start(c, r, shape[0], shape[1]), t_s = 0.0, travel_N = 0.0;
+                // what an earlier record left behind wears off while the decay of this one takes over
+                if (r.dynamic)
+                  return r.for_each_wanted([&](std::size_t i) {
+                    const double carried = r.t_s[i] > r.onset_s ? r.decay[i] : 1.0;
+                    out(static_cast<Eigen::Index>(i), 0) = x * std::exp(-r.t_s[i] / shape[1]) * carried * r.base_force_N(i);
+                  });
                 for (std::size_t i = 0; i < r.rows(); ++i) {
-                  // what an earlier record left behind wears off while the decay of this one takes over
-                  const double spans = r.dynamic ? 0.0 : (r.travel_N[i] - travel_N) / c.range_N, carried = r.dynamic && r.t_s[i] > r.onset_s ? r.decay[i] : 1.0;
-                  x = after_travel(x, spans, std::max(0.0, r.t_s[i] - t_s), shape[0], shape[1]);
+                  x = after_travel(x, (r.travel_N[i] - travel_N) / c.range_N, std::max(0.0, r.t_s[i] - t_s), shape[0], shape[1]);
                   t_s = r.t_s[i];
                   travel_N = r.travel_N[i];
-                  out(static_cast<Eigen::Index>(i), 0) = x * carried * r.base_force_N(i);
+                  out(static_cast<Eigen::Index>(i), 0) = x * r.base_force_N(i);
                 }
               }};
 }
