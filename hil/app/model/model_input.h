@@ -18,8 +18,8 @@ struct CampaignRequest {
   std::string model;              ///< a name of the library, or a file; "" = the library's model of the campaign's sensor
   std::vector<std::string> maps;  ///< "pressure_bar=F_ref_N"
   double assumed_rate_Hz = 0.0;
-  double late_s = 0.0;  ///< by which the output is known to be late behind the force
   unsigned threads = 0;
+  double late_s = 0.0;  ///< by which the output is known to be late behind the force
 };
 
 /// "": flexiforce.
