@@ -1,21 +1,11 @@
 #include "hil/diagnose/answer/guessed_effects.h"
 #include "hil/model/model.h"
+#include "tests/unit/diagnose/behind_pole.h"
 #include "tests/unit/diagnose/made_campaign.h"
 #include "tests/unit/diagnose/options_of_model.h"
 
 namespace forcegate::diagnose {
 namespace {
-
-/// F behind one pole.
-std::vector<double> behind_pole(const std::vector<double>& t, const std::vector<double>& F, double tau_s) {
-  std::vector<double> out;
-  double y = F.front();
-  for (std::size_t i = 0; i < F.size(); ++i) {
-    if (i > 0) y += (F[i] - y) * -std::expm1(-(t[i] - t[i - 1]) / tau_s);
-    out.push_back(y);
-  }
-  return out;
-}
 
 Sensor lagging_by(double tau_s) {
   return [=](const std::vector<double>& t, const std::vector<double>& F, int k) { return straight(t, behind_pole(t, F, tau_s), k); };

@@ -1,21 +1,12 @@
 #include "hil/diagnose/choose/late_output.h"
 
 #include "hil/model/model.h"
+#include "tests/unit/diagnose/behind_pole.h"
 #include "tests/unit/diagnose/made_campaign.h"
 #include "tests/unit/diagnose/options_of_model.h"
 
 namespace forcegate::diagnose {
 namespace {
-
-std::vector<double> behind_pole(const std::vector<double>& t, const std::vector<double>& F, double tau_s) {
-  std::vector<double> out;
-  double y = F.front();
-  for (std::size_t i = 0; i < F.size(); ++i) {
-    if (i > 0) y += (F[i] - y) * -std::expm1(-(t[i] - t[i - 1]) / tau_s);
-    out.push_back(y);
-  }
-  return out;
-}
 
 // A film that bends, behind poles, on a logger that is late.
 Sensor film(const std::vector<double>& taus_s, double delay_s) {
