@@ -16,12 +16,6 @@ namespace {
 
 constexpr double kWorthMoving = 3.0;  // nats
 
-std::vector<int> columns_of(const Candidate& c) {
-  std::vector<int> out;
-  for (int j = 0; j < c.count; ++j) out.push_back(c.first + j);
-  return out;
-}
-
 // Of the model; and of what acts together with this effect, which would bend its shape where it is missing: `companion`, or (-1) the form that
 // it has alone.
 std::vector<int> columns_beside(const ResidualChannel& channel, std::size_t own, int companion) {

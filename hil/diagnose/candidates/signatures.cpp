@@ -174,6 +174,12 @@ void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const 
   tell_what_grows(channel, c);
 }
 
+std::vector<int> columns_of(const Candidate& c) {
+  std::vector<int> out;
+  for (int j = 0; j < c.count; ++j) out.push_back(c.first + j);
+  return out;
+}
+
 int place_candidate(ResidualChannel& channel, Candidate candidate) {
   if (channel.first_spare + candidate.count > channel.problem.ns) return -1;
   candidate.first = channel.first_spare;
@@ -197,8 +203,7 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
       for (const std::vector<double>& shape : form.grid(w.input)) {
         Candidate c{&kind, &form, shape, out.problem.ns, static_cast<int>(form.strength.size())};
         const int index = static_cast<int>(out.candidates.size());
-        std::vector<int> all;
-        for (int j = 0; j < c.count; ++j) all.push_back(c.first + j);
+        const std::vector<int> all = columns_of(c);
         // courses that the rig would show better are there to be carried along, banks of what acts together to soak up: they do not compete
         const bool only_soaks = form.bank && !form.beside.empty();
         if ((!rig_tells || form.from_rig) && !only_soaks) {

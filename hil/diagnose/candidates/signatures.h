@@ -29,6 +29,9 @@ void fill_channel(const Workspace& workspace, ResidualChannel& channel, unsigned
 void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& candidate,
                     unsigned threads, const std::vector<int>* beside = nullptr);
 
+/// Its columns of S.
+std::vector<int> columns_of(const Candidate& candidate);
+
 /// Gives the candidate spare columns, not filled yet; -1 when there is no room.
 int place_candidate(ResidualChannel& channel, Candidate candidate);
 

@@ -36,12 +36,6 @@ Candidate in_model(const char* effect, const std::string& form_name, const std::
   return c;
 }
 
-std::vector<int> columns_of(const Candidate& c) {
-  std::vector<int> out;
-  for (int j = 0; j < c.count; ++j) out.push_back(c.first + j);
-  return out;
-}
-
 /// A lag and a curve that lags with it, on the force at a delay.
 struct LagWithCurve {
   std::string lag, curve;
