@@ -13,6 +13,7 @@
 #include "hil/diagnose/answer/guessed_effects.h"
 #include "hil/diagnose/answer/late_drive.h"
 #include "hil/diagnose/answer/moving_zero.h"
+#include "hil/diagnose/answer/out_of_step.h"
 #include "hil/diagnose/answer/null_calibration.h"
 #include "hil/diagnose/answer/pictures.h"
 #include "hil/diagnose/answer/ranking.h"
@@ -79,6 +80,7 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
   }
   if (w.has_command && search.drive.base.valid) add_findings(w, w.command, search.drive, kNamedEnough, out);
   if (auto late = listed_late_drive(w, out.findings)) out.findings.push_back(*std::move(late));
+  if (auto shift = listed_out_of_step(w, search.output, out.findings)) out.findings.push_back(*std::move(shift));
   if (auto zero = listed_moving_zero(w, search.output, out.findings)) out.findings.push_back(*std::move(zero));
   share_among_timing(search.output, out.findings);
   if (!w.input.generic) leave_curves_to_larger_causes(out.findings);

@@ -16,6 +16,7 @@
 #include "hil/diagnose/engine.h"
 #include "hil/diagnose/raw/absurd_force.h"
 #include "hil/diagnose/raw/clean_samples.h"
+#include "hil/diagnose/raw/lost_blocks.h"
 #include "hil/diagnose/raw/record_gains.h"
 #include "hil/model/model_frame.h"
 #include "hil/model/row_step.h"
@@ -108,11 +109,13 @@ void leave_out_after_gaps(RecordInput& input, std::vector<std::string>& notes) {
 // Nobody said when the cycling began: steps and ramps before it count as static where the decay then fits far better.
 void find_late_onset(RecordInput& input, double range_N) {
   constexpr double kFarBetter = 0.5;  // mean square
-  const std::optional<double> begin_s = steady_cycles_begin_s(input, range_N);
-  if (!begin_s) return;
-  RecordInput late = input;
-  begin_cycles_at(late, *begin_s, range_N);
-  if (left_by_decay(late) < kFarBetter * left_by_decay(input)) input = std::move(late);
+  const RecordInput early = input;
+  double least = kFarBetter * left_by_decay(input);
+  for (const double begin_s : cycles_may_begin_s(early, range_N)) {
+    RecordInput late = early;
+    begin_cycles_at(late, begin_s, range_N);
+    if (const double left = left_by_decay(late); left < least) least = left, input = std::move(late);
+  }
 }
 
 // Why hardly a row of a record is usable: what befell most of its samples.
@@ -243,6 +246,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
       }
     }
   });
+  find_lost_blocks(w.input, options.threads);
   for (const RecordInput& input : w.input.records) w.health.push_back(health[input.name]);
   w.input.U_step_V = common_step_V(w.health);
   w.raw_claims = health_claims(w.health, w.scales, w.input.bench);

@@ -28,6 +28,11 @@ bool is_between_records(const std::string& effect) {
   return kind != nullptr && kind->traits.between_records;
 }
 
+bool is_timing(const std::string& effect) {
+  const EffectKind* kind = EffectRegistry::instance().find(effect);
+  return kind != nullptr && kind->traits.timing;
+}
+
 bool look_alike(const EffectKind& a, const EffectKind& b) {
   const auto lists = [](const EffectKind& x, const EffectKind& y) {
     return std::find(x.look_alikes.begin(), x.look_alikes.end(), y.name) != x.look_alikes.end();

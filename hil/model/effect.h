@@ -121,6 +121,8 @@ using EffectRegistry = Registry<EffectKind>;
 
 /// EffectTraits::between_records by name; false where the registry has none of it.
 bool is_between_records(const std::string& effect);
+/// EffectTraits::timing, likewise.
+bool is_timing(const std::string& effect);
 
 /// Effects that the library knows to be mistaken for each other.
 bool look_alike(const EffectKind& a, const EffectKind& b);

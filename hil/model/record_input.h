@@ -12,6 +12,11 @@ namespace forcegate {
 
 constexpr double kLateAngle_s = 0.005;
 
+/// From an instant on a record lacks so many blocks of samples of the output, counted from its start.
+struct LostBlocks {
+  double from_s = 0.0, blocks = 0.0;
+};
+
 struct RecordInput {
   std::string name, kind;
   bool heldout = false;
@@ -43,6 +48,7 @@ struct RecordInput {
   /// What else may be meant by it: the lowest force that was touched at all, m - A as declared; those that agree with it are not here
   std::vector<double> other_F_min_N;
   std::vector<double> frequency_jumps_s, jump_log_ratio;  ///< where the cycle frequency changes, ln(f2/f1)
+  std::vector<LostBlocks> lost_blocks;  ///< in rising order, as the output shows them (set before the fits)
 
   // campaign
   double start_s = 0.0, duration_s = 0.0, rest_before_s = 0.0;
@@ -92,6 +98,7 @@ struct CampaignInput {
   bool in_counts = false;   ///< the output is codes of its converter: V stands for one of them
   bool has_theta = false, has_temp = false, has_humidity = false, has_drive = false, has_command = false,
        has_capacitance = false;
+  double block_s = 0.0;  ///< time that the output is behind the reference for each of RecordInput::lost_blocks; negative: before it; 0: none
   int mountings = 0;     ///< how many were declared; 0: some record does not say and its neighbours do not tell
   bool has_start_times = true;  ///< false: nobody wrote down when the records were taken
   bool single = false;   ///< one recording, its records are blocks of it

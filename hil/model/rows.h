@@ -52,9 +52,9 @@ inline constexpr std::size_t kTurnsOfCycling = 8;
 /// Facts of the excitation of one record from its rows: dynamic, onset, f, A, F_min, frequency jumps.
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N, std::size_t fewest_turns = kTurnsOfCycling);
 
-/// Where a record that was moved in other ways before begins to be cycled: from there to its end the peaks, and the valleys, keep their
-/// height. None where they do so from the start, or fewer than ten do.
-std::optional<double> steady_cycles_begin_s(const RecordInput& record, double range_N);
+/// Where a record that was moved in other ways before may begin to be cycled: from there to its end the peaks, and the valleys, keep their
+/// height (first, if at all); behind its longest stretches without a turn.
+std::vector<double> cycles_may_begin_s(const RecordInput& record, double range_N);
 
 /// Takes what came before for static: onset, f, A, F_min and jumps from the cycles after it.
 void begin_cycles_at(RecordInput& record, double onset_s, double range_N);

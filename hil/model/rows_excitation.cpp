@@ -119,10 +119,12 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
     find_jumps(record, turning);
 }
 
-std::optional<double> steady_cycles_begin_s(const RecordInput& record, double range_N) {
+namespace {
+
+// Where the peaks, and the valleys, begin to keep their height.
+std::optional<double> steady_cycles_begin_s(const std::vector<Extremum>& turns) {
   constexpr std::size_t kFewest = 10, kLast = 8;  // turning points
   constexpr double kSameHeight = 0.15;            // of the swing
-  const std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
   if (turns.size() < kFewest + 2) return {};
   std::vector<double> high, low;
   for (std::size_t i = turns.size() - kLast; i < turns.size(); ++i) (turns[i].turn == Turn::maximum ? high : low).push_back(turns[i].value);
@@ -137,6 +139,30 @@ std::optional<double> steady_cycles_begin_s(const RecordInput& record, double ra
     if (period_s(i) > kLonger * period_s(i + 1)) first = i + 1;
   if (first < 2 || turns.size() - first < kFewest) return {};
   return std::max(0.0, turns[first].t_s - (turns[first + 2].t_s - turns[first + 1].t_s));
+}
+
+// Behind the longest stretches without a turn: cycles of any height after ramps, holds and rests.
+std::vector<double> busy_stretches_begin_s(const std::vector<Extremum>& turns) {
+  constexpr std::size_t kFewest = 20, kMost = 6;
+  constexpr double kLonger = 3.0;  // than what follows
+  const std::vector<double> half = half_periods(turns);
+  std::vector<std::size_t> still;  // of `half`
+  for (std::size_t i = 0; i + kFewest < half.size(); ++i)
+    if (half[i] > kLonger * quantile({half.begin() + static_cast<std::ptrdiff_t>(i) + 1, half.end()}, 0.5)) still.push_back(i);
+  std::ranges::stable_sort(still, std::greater<>(), [&](std::size_t i) { return half[i]; });
+  still.resize(std::min(still.size(), kMost));
+  std::vector<double> out;
+  for (const std::size_t i : still) out.push_back(std::max(turns[i].t_s, turns[i + 1].t_s - half[i + 1]));
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> cycles_may_begin_s(const RecordInput& record, double range_N) {
+  const std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
+  std::vector<double> out = busy_stretches_begin_s(turns);
+  if (const std::optional<double> steady = steady_cycles_begin_s(turns)) out.insert(out.begin(), *steady);
+  return out;
 }
 
 void begin_cycles_at(RecordInput& record, double onset_s, double range_N) {

@@ -1,5 +1,8 @@
 #include "hil/model/states.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "hil/model/fading_memory.h"
 
 namespace forcegate {
@@ -67,7 +70,11 @@ std::vector<double> lagged_curve_rows(const RecordInput& record, double tau_s, L
   return out;
 }
 
-std::vector<double> delayed_rows(const RecordInput& record, double delay_s, double skew) {
+namespace {
+
+// F at `late_s` of the sample's time, from the record's first sample on, before it.
+template <class LateBy>
+std::vector<double> late_rows(const RecordInput& record, const LateBy& late_s) {
   if (record.fast_F_N.empty()) return std::vector<double>(record.rows(), 0.0);
   const auto& F = record.fast_F_N;
   const auto& t = record.fast_t_s;
@@ -78,7 +85,7 @@ std::vector<double> delayed_rows(const RecordInput& record, double delay_s, doub
     // on a clock without gaps j comes along with k, over rows that nobody wants too
     j = std::min<std::size_t>(j + (k - last), n - 2);
     last = k;
-    const double at = t[k] - delay_s - skew * (t[k] - t[0]);
+    const double at = t[k] - late_s(t[k] - t[0]);
     if (at <= t[0]) return F[0];
     if (at >= t[n - 1]) return F[n - 1];
     while (j > 0 && t[j] > at) --j;
@@ -89,6 +96,20 @@ std::vector<double> delayed_rows(const RecordInput& record, double delay_s, doub
   std::vector<double> out(record.rows(), 0.0);
   record.for_each_wanted([&](std::size_t i) { out[i] = row_mean(record, i, sample); });
   return out;
+}
+
+}  // namespace
+
+std::vector<double> delayed_rows(const RecordInput& record, double delay_s, double skew) {
+  return late_rows(record, [&](double since_s) { return delay_s + skew * since_s; });
+}
+
+std::vector<double> rows_behind_lost_blocks(const RecordInput& record, double block_s) {
+  const std::vector<LostBlocks>& lost = record.lost_blocks;
+  return late_rows(record, [&](double since_s) {
+    const auto next = std::ranges::upper_bound(lost, since_s, {}, &LostBlocks::from_s);
+    return next == lost.begin() ? 0.0 : block_s * std::prev(next)->blocks;
+  });
 }
 
 std::vector<double> low_pass_channel(const RecordInput& record, std::span<const double> x, double tau_s,

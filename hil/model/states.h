@@ -84,6 +84,8 @@ std::vector<double> lagged_curve_rows(const RecordInput& record, double tau_s, L
 
 /// F(t - delay_s), linear between full-rate samples, averaged over each wanted row; 0 in the others.
 std::vector<double> delayed_rows(const RecordInput& record, double delay_s, double skew = 0.0);
+/// The same, by block_s for each of the record's lost blocks.
+std::vector<double> rows_behind_lost_blocks(const RecordInput& record, double block_s);
 
 /// Low pass of a row channel.
 std::vector<double> low_pass_channel(const RecordInput& record, std::span<const double> x, double tau_s,

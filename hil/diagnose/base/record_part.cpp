@@ -20,8 +20,8 @@ Eigen::Map<const Lane> lane(const double* at) { return Eigen::Map<const Lane>(at
 Eigen::Map<Lane> lane(double* at) { return Eigen::Map<Lane>(at); }
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-}  // namespace
-
+// Of a column of S that is a gain: by how much of one in this record, by regression on Z_0 and one; 0 of another, and where the force
+// stands still.
 double gain_of_column(const MixedProblem& problem, const MatrixXd& gram, int column) {
   constexpr double kSingular = 1e-9;
   if (problem.grows_with_gain.empty() || problem.grows_with_gain[at(column)] != GrowsWithGain::is_gain) return 0.0;
@@ -29,6 +29,8 @@ double gain_of_column(const MixedProblem& problem, const MatrixXd& gram, int col
   const int j = problem.nz + column;
   return determinant > kSingular * WW * one ? (one * gram(0, j) - W1 * gram(1, j)) / determinant : 0.0;
 }
+
+}  // namespace
 
 RecordPart::RecordPart(const MixedProblem& problem, std::size_t record, const std::vector<int>& columns)
     : n_fixed_(problem.n_fixed), n_z_(problem.nz) {
@@ -106,6 +108,21 @@ void RecordPart::set_own_gain(const VectorXd& per_gain) {
 
 double RecordPart::gain(const VectorXd& coefficient, double zeta_0) const {
   return grows_ ? zeta_0 + gain_.head(coefficient.size()).dot(coefficient) : 0.0;
+}
+
+MatrixXd RecordPart::own_with_own() const {
+  MatrixXd out = MatrixXd::Zero(n_z_, n_z_);
+  for (std::size_t i = 0; i < excited_.size(); ++i)
+    for (std::size_t j = 0; j < excited_.size(); ++j) out(excited_[i], excited_[j]) = source_[i * at(width_) + j];
+  return out;
+}
+
+MatrixXd RecordPart::own_with_columns() const {
+  const Index first = identity_ - stride_;
+  MatrixXd out = MatrixXd::Zero(n_z_, n_columns_);
+  for (std::size_t i = 0; i < excited_.size(); ++i)
+    out.row(excited_[i]) = VectorXd::Map(source_.data() + static_cast<Index>(i) * width_ + first, n_columns_).transpose();
+  return out;
 }
 
 void RecordPart::eliminate(const VectorXd& sigma2, double weight) {

@@ -24,10 +24,6 @@ struct Conditional {
   double trace = 0.0;                   ///< of Z'Z times the covariance of zeta
 };
 
-/// Of a column of S that is a gain: by how much of one in this record, by regression on Z_0 and one; 0 of another, and where the force
-/// stands still.
-double gain_of_column(const MixedProblem& problem, const Eigen::MatrixXd& gram, int column);
-
 class RecordPart {
  public:
   RecordPart(const MixedProblem& problem, std::size_t record, const std::vector<int>& columns);
@@ -45,6 +41,11 @@ class RecordPart {
   Eigen::MatrixXd marginal() const;
   Eigen::Index columns() const { return n_columns_; }
   Eigen::Index rows_of_marginal() const { return stride_; }
+
+  /// Products of all columns of Z, as the record's own zeta goes with them, with each other (nz, nz) and with C (nz, columns());
+  /// rows that the record does not excite are 0.
+  Eigen::MatrixXd own_with_own() const;
+  Eigen::MatrixXd own_with_columns() const;
 
   /// `v`: minus the coefficients, then 1.
   void condition(const Eigen::VectorXd& v, Conditional& out) const;

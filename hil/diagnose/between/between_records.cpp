@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "hil/base/rng.h"
 #include "hil/diagnose/base/record_part.h"
@@ -193,36 +194,20 @@ void set_priors(const ResidualChannel& channel, ScreenResult& result) {
     if (unrecorded(family)) family.records.prior = -std::log(kRecorded * names);
 }
 
-// Of what a record may have of its own, as a fit has it: its products with itself, with the columns of Z and S, and with y.
-struct OwnRows {
-  MatrixXd with_own, with_columns;
-  VectorXd with_y;
-};
+// Of beta and all columns of S: what `of_fit` has for those of the fit, 0 for the others.
+VectorXd of_all_columns(const MixedProblem& p, const MixedFit& fit, const VectorXd& of_fit) {
+  VectorXd out = VectorXd::Zero(p.n_fixed + p.ns);
+  out.head(p.n_fixed) = of_fit.head(p.n_fixed);
+  for (std::size_t b = 0; b < fit.columns.size(); ++b) out[p.n_fixed + fit.columns[b]] = of_fit[p.n_fixed + static_cast<Index>(b)];
+  return out;
+}
 
-OwnRows own_rows(const MixedProblem& p, const MixedFit& fit, std::size_t record) {
-  const MatrixXd& G = p.records[record].gram;
-  const VectorXd y = p.other_y.empty() ? VectorXd(G.col(p.y_index())) : p.other_y[record];
-  const Index n = p.nz + p.ns;
-  OwnRows out{G.topLeftCorner(p.nz, p.nz), G.topLeftCorner(p.nz, n), y.head(p.nz)};
-  if (fit.per_gain.size() == 0) return out;
-  // h, which goes with a gain beside Z_0 (mixed_model.h)
-  VectorXd h = VectorXd::Zero(n);
-  h.head(p.n_fixed) = fit.per_gain.head(p.n_fixed);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b) h[p.nz + fit.columns[b]] = fit.per_gain[p.n_fixed + static_cast<Index>(b)];
-  VectorXd with_h = VectorXd::Zero(n);
-  double h_y = 0.0;
-  for (Index a = 0; a < n; ++a)
-    if (h[a] != 0.0) {
-      with_h += h[a] * G.col(a).head(n);
-      h_y += h[a] * y[a];
-    }
-  const double h_h = h.dot(with_h);
-  VectorXd gain = VectorXd::Zero(n);
-  for (int j = 0; j < p.ns; ++j) gain[p.nz + j] = gain_of_column(p, G, j);
-  const auto of_own = VectorXd::Unit(p.nz, 0);
-  out.with_own += of_own * with_h.head(p.nz).transpose() + with_h.head(p.nz) * of_own.transpose() + h_h * of_own * of_own.transpose();
-  out.with_columns += of_own * with_h.transpose() + with_h.head(p.nz) * gain.transpose() + h_h * of_own * gain.transpose();
-  out.with_y[0] += h_y;
+// A record with all columns of S, its gain going with what it goes with in a fit.
+RecordPart whole_record(const MixedProblem& p, const MixedFit& fit, std::size_t record) {
+  std::vector<int> all(static_cast<std::size_t>(p.ns));
+  std::iota(all.begin(), all.end(), 0);
+  RecordPart out(p, record, all);
+  if (fit.per_gain.size() > 0) out.set_own_gain(of_all_columns(p, fit, fit.per_gain));
   return out;
 }
 
@@ -243,20 +228,19 @@ RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& ch
   VectorXd sigma2(p.nz);
   for (int j = 0; j < p.nz; ++j) sigma2[j] = fit.variance[p.component_of_z[j]];
   sigma2[0] = sigma2[1] = kFree * kFree;
-  VectorXd of_fit = VectorXd::Zero(p.nz + p.ns);
-  of_fit.head(p.n_fixed) = fit.coefficient.head(p.n_fixed);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b) of_fit[p.nz + fit.columns[b]] = fit.coefficient[p.n_fixed + static_cast<Index>(b)];
+  const VectorXd of_fit = of_all_columns(p, fit, fit.coefficient);
   int session = 0;
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const RecordGram& g = p.records[k];
     const double weight = g.n_eff / fit.s2[k];
-    const OwnRows own = own_rows(p, fit, k);
-    MatrixXd A = weight * own.with_own;
+    const RecordPart record = whole_record(p, fit, k);
+    MatrixXd A = weight * record.own_with_own();
     A.diagonal() += sigma2.cwiseInverse();
     const MatrixXd V = A.llt().solve(MatrixXd::Identity(p.nz, p.nz)).topRows(2);
-    const Eigen::Vector2d level = weight * (V * (own.with_y - own.with_columns * of_fit));
-    const MatrixXd columns = weight * (V * own.with_columns.rightCols(p.ns));
+    const MatrixXd with_columns = V * record.own_with_columns();
+    const Eigen::Vector2d level = weight * (with_columns.rightCols<1>() - with_columns.leftCols(of_fit.size()) * of_fit);
+    const MatrixXd columns = weight * with_columns.middleCols(p.n_fixed, p.ns);
     out.gain.value[i] = level[0];
     out.zero.value[i] = level[1];
     out.gain.variance[i] = V(0, 0);

@@ -224,12 +224,11 @@ void list_candidates(const Workspace& w, EffectChannel which, bool drift_in_outp
     for (const auto& kind : w.user_kinds) add(*kind);
 }
 
-void build_output_channel(Workspace& w, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only) {
-  ResidualChannel& channel = w.output;
-  std::string unit = std::move(channel.unit);
-  channel = ResidualChannel{};
+ResidualChannel output_channel(const Workspace& w, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only,
+                               const RowsOfRecords* rows) {
+  ResidualChannel channel;
   channel.scale = w.input.U_range_V;
-  channel.unit = std::move(unit);
+  channel.unit = w.output.unit;
   set_repeatability(channel.problem, w.input.single, w.zero_wanders);
   list_candidates(w, EffectChannel::output, true, channel, only != nullptr ? &only->families : nullptr, of_model);
   if (only != nullptr && only->is_read)
@@ -254,7 +253,7 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<Cand
   for (std::size_t k = 0; k < n; ++k) channel.record_of.push_back(k);
   parallel_for(n, threads, [&](std::size_t k) {
     const RecordInput& r = w.input.records[k];
-    channel.rows[k].row = choose_rows(r, kRowLimit);
+    channel.rows[k].row = rows != nullptr ? (*rows)[k] : choose_rows(r, kRowLimit);
     const Eigen::MatrixXd Z = repeatability_columns(w, k, channel.rows[k].row);
     std::vector<double> y;
     for (std::size_t j = 0; j < channel.rows[k].row.size(); ++j) {
@@ -274,9 +273,17 @@ void build_output_channel(Workspace& w, unsigned threads, const std::vector<Cand
   finish_records(w.input, channel, threads);
   set_column_priors(channel);
   // beside a decay the swing of a record has a size of its own, and most of what effects add goes with that
-  if (w.input.generic || (w.law.decays && std::ranges::any_of(w.input.records, &RecordInput::dynamic))) return;
+  if (w.input.generic || (w.law.decays && std::ranges::any_of(w.input.records, &RecordInput::dynamic))) return channel;
   channel.problem.grows_with_gain.assign(static_cast<std::size_t>(channel.problem.ns), GrowsWithGain::never);
   for (const Candidate& c : channel.candidates) tell_what_grows(channel, c);
+  return channel;
+}
+
+void build_output_channel(Workspace& w, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only) {
+  std::string unit = std::move(w.output.unit);
+  w.output = ResidualChannel{};
+  w.output.unit = std::move(unit);
+  w.output = output_channel(w, threads, of_model, only);
 }
 
 void fill_channel(const Workspace& w, ResidualChannel& channel, unsigned threads, const FillRows& fill, const LeaveOutRows& leave_out) {

@@ -12,8 +12,13 @@ namespace forcegate::diagnose {
 
 /// Says which rows the Gram matrices will see, so that candidates need no others.
 void choose_wanted_rows(CampaignInput& input);
-/// Lists the candidates that the campaign's channels allow and builds the Gram matrices of the output channel.
-/// `of_model`: beside them, those that stand in the model.
+/// Rows of every record that a channel sees.
+using RowsOfRecords = std::vector<std::vector<std::size_t>>;
+/// The output channel: the candidates that the campaign's channels allow, beside those that stand in the model, `of_model`, and their Gram
+/// matrices. `rows`: which it sees; nullptr: as many as are enough, spread evenly.
+ResidualChannel output_channel(const Workspace& workspace, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only = nullptr,
+                               const RowsOfRecords* rows = nullptr);
+/// Makes it the workspace's own.
 void build_output_channel(Workspace& workspace, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only = nullptr);
 /// Rows of a channel of forces: `fill` writes Z and appends y for the chosen rows of one record; then the candidates' columns, Gram
 /// matrices and priors. nz, n_fixed, components and candidates of the channel are set before.

@@ -170,7 +170,7 @@ class ForwardChoice {
   }
 
   // The scatter within records and the spread between them are different questions: the next family may answer the other. What fits worse
-  // than a refused family answers the same question no better; yet evidence from strengths that left-out records do not share is no fit.
+  // than a refused family answers the same question no better; yet evidence from strengths that records do not share, left-out ones or any, is no fit.
   bool turn_down(const FamilyScore& family, Refusal why) {
     constexpr std::size_t kMostPlaces = 4;
     out_.refused.push_back({family.kind->name, why, family.gain});
@@ -178,7 +178,7 @@ class ForwardChoice {
     const auto& families = result_.families;
     const bool between = asks_between_records(family);
     const auto fits_worse = [&](const FamilyScore& next) {
-      return asks_between_records(next) == between && (why != Refusal::helps_no_records || next.best.fall <= family.best.fall);
+      return asks_between_records(next) == between && ((why != Refusal::helps_no_records && why != Refusal::differs) || next.best.fall <= family.best.fall);
     };
     ++place_;
     // beside what was chosen only the other question is left, and so it is far down in the ranking

@@ -95,12 +95,11 @@ std::vector<Outdone> outdone_by_unnamed(const CampaignInput& input, ResidualChan
   std::vector<Outdone> out;
   const std::vector<UnnamedDependence> unnamed = unnamed_dependences(input);
   for (const Place& place : places_of(channel, selection, structured)) {
-    const EffectKind* kind = place.effects.empty() ? nullptr : EffectRegistry::instance().find(place.effects.front());
-    const bool is_timing = kind != nullptr && kind->traits.timing, several = place.effects.size() > 1;
+    const bool of_time = !place.effects.empty() && is_timing(place.effects.front()), several = place.effects.size() > 1;
     Outdone best{place.effects, {}, {}, place.gain, 0.0};
     std::vector<double> shape;
     for (const UnnamedDependence& dependence : unnamed) {
-      if ((dependence.is_late && !place.effects.empty() && !is_timing) || (several && !dependence.is_simpler)) continue;
+      if ((dependence.is_late && !place.effects.empty() && !of_time) || (several && !dependence.is_simpler)) continue;
       const SpareRoom room(channel);
       const FamilyScore score = best_of(input, channel, dependence.kind, place.others, place.without, place.gain, threads, shape);
       if (!fills(place, score.best, dependence.is_simpler) || score.best.gain <= best.by_gain) continue;

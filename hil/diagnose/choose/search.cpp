@@ -1,5 +1,8 @@
 #include "hil/diagnose/choose/search.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "hil/diagnose/base/whole_recording.h"
@@ -7,6 +10,7 @@
 #include "hil/diagnose/choose/borne_out.h"
 #include "hil/diagnose/choose/probability.h"
 #include "hil/diagnose/choose/reference_latency.h"
+#include "hil/diagnose/choose/where_they_differ.h"
 
 namespace forcegate::diagnose {
 
@@ -91,6 +95,21 @@ std::vector<int> drift_columns(const ResidualChannel& channel) {
 
 }  // namespace
 
+// Anew, and the ranking stays that of all.
+void search_without(Workspace& w, const Given& given, const std::vector<std::string>& beaten, unsigned threads, Search& out) {
+  std::vector<std::string> skip = out.skip;
+  skip.insert(skip.end(), beaten.begin(), beaten.end());
+  if (out.output.set_aside.size() > 0) take_off_output(w.output, -out.output.set_aside);
+  Selection without = select_borne_out(w, given, skip, out.rules, threads, out.suspicions);
+  if (!without.base.valid || without.chosen.empty()) {
+    if (out.output.set_aside.size() > 0) take_off_output(w.output, out.output.set_aside);
+    return;
+  }
+  without.first = std::move(out.output.first);
+  without.nuisance.push_back(fmt::format("{} fit{} most rows as well, and not those where what they foretell differs", fmt::join(beaten, ", "), beaten.size() == 1 ? "s" : ""));
+  out.output = std::move(without);
+}
+
 Search search_channels(Workspace& w, const EngineOptions& options) {
   Search out;
   out.rules = output_rules(w);
@@ -117,6 +136,8 @@ Search search_channels(Workspace& w, const EngineOptions& options) {
   }
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "clipping"; })) out.skip.emplace_back("clipping");
   out.output = select_borne_out(w, given, out.skip, out.rules, options.threads, out.suspicions);
+  if (const std::vector<std::string> beaten = beaten_where_they_differ(w, out.output, out.rules, options.threads); !beaten.empty())
+    search_without(w, given, beaten, options.threads, out);
   // against the law without the model's own effects: they describe the whole too
   const bool has_effects = !given.base.empty();
   const MixedFit law = has_effects ? fit_mixed(w.output.problem, {}, &out.output.base) : out.output.base;

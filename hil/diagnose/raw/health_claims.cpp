@@ -60,7 +60,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   double samples = 0.0, missing = 0.0, reference_missing = 0.0, missing_variance = 0.0, outliers = 0.0, held = 0.0, zeros = 0.0, fallen = 0.0, rail = 0.0;
   double outlier_square_V2 = 0.0;
   bool plainly_held = false;
-  std::size_t with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0, far_holds = 0, with_far_holds = 0;
+  std::size_t with_outliers = 0, with_any_outlier = 0, with_held = 0, with_zeros = 0, zero_runs = 0, with_missing = 0, missing_runs = 0, far_holds = 0, with_far_holds = 0, lasting_holds = 0;
   double rail_V = 0.0, bit_errors = 0.0;
   std::size_t with_bit_errors = 0;
   std::vector<double> bit_V;
@@ -93,6 +93,11 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     constexpr double kFarOff = 0.05;  // of the range
     const auto far_off = h.at_rail > 0 ? 0 : std::ranges::count_if(h.runs, [&](const HeldRun& run) { return run.error_V > kFarOff * scales.U_range_V; });
     far_holds += static_cast<std::size_t>(far_off);
+    // one that does so for long, and farther, needs no second record
+    constexpr double kVeryFar = 0.1;
+    constexpr std::size_t kLasting = 16;
+    if (h.at_rail == 0)
+      lasting_holds += static_cast<std::size_t>(std::ranges::count_if(h.runs, [&](const HeldRun& run) { return run.samples >= kLasting && run.error_V > kVeryFar * scales.U_range_V; }));
     with_far_holds += far_off > 0 ? 1 : 0;
     with_held += h.held + h.zeros + (lone_are_spikes ? 0 : h.lone_zeros) >= 4 ? 1 : 0;
     bit_errors += static_cast<double>(h.bit_errors);
@@ -141,7 +146,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
   constexpr double kLong = 3.0, kLongLoss = 20.0;  // samples
   const bool are_long = zeros >= kLong * static_cast<double>(zero_runs);
   const bool plain_zeros = !lone_are_spikes && ((with_zeros >= several && zero_runs >= (are_long ? kFewestLong : kFewestZeros)) || fallen >= kLongLoss);
-  const bool plain_holds = !codes.found && far_holds >= kFewestLong && with_far_holds >= several;
+  const bool plain_holds = !codes.found && ((far_holds >= kFewestLong && with_far_holds >= several) || lasting_holds >= kFewestLong);
   // a sample that is missing here and there is noted, and so is a logger that loses cells of every column; an output that goes missing again
   // and again in most records, and plainly more than the reference does, loses samples
   constexpr std::size_t kFewestRuns = 10;

@@ -58,7 +58,7 @@ class Runs {
     if (!falls_and_rises(begin, end, low, high, at_bottom)) {
       const double moved = std::min(movement_of(F_.subspan(begin, length)), high - low), there_and_back = swing_of(F_.subspan(begin, length));
       const bool cycles = there_and_back > kCycles * moved && gain * there_and_back > kCycles * move_V_, silent = lacks_noise(begin, end);
-      const bool late = !cycles && !silent && is_late(begin, end, moved);
+      const bool late = !cycles && !silent && !rejoins(begin, end) && is_late(begin, end, moved);
       // noise breaks the flat top of an output that stops there into short runs at its last codes
       const bool of_top = U >= s_.top_V - 1.5 * s_.lsb_U_V && !(at_top && length >= kFlatTop);
       const bool allowed = (ends_.holds(U) && !steps_.falls_at(begin)) || (late && !at_top && !at_bottom) || of_top;
@@ -76,6 +76,17 @@ class Runs {
   bool is_late(std::size_t begin, std::size_t end, double moved_N) const {
     const double release = release_V(begin, end), next = end + 1 < U_.size() ? std::abs(U_[end + 1] - U_[end]) : 0.0;
     return release < 0.5 * s_.gain_V_per_N * moved_N || release < 2.5 * next;
+  }
+
+  // The force turned meanwhile, and the output is back with it in one jump: a late one would have turned later, and would be on its way.
+  bool rejoins(std::size_t begin, std::size_t end) const {
+    constexpr double kOfRange = 0.1, kLeastGain = 0.15, kJump = 5.0;  // a film that has lost its swing has a sixth of its gain
+    if (end - begin < kCertain || end + 1 >= U_.size()) return false;
+    const auto [low, high] = spread_of_present(F_.subspan(begin, end - begin));
+    const double from = F_[begin], to = F_[end], net = to - from, gain = s_.gain_V_per_N, jump = U_[end] - U_[begin];
+    const double there_N = high - std::max(from, to), back_N = std::min(from, to) - low;
+    const bool turned = gain * std::max(there_N, back_N) > kOfRange * s_.U_range_V;
+    return turned && jump * net > 0.0 && std::abs(jump) > kLeastGain * gain * std::abs(net) && std::abs(jump) > kJump * std::max(std::abs(U_[end + 1] - U_[end]), 2.0 * s_.lsb_U_V);
   }
 
   // A late output does not stand still at one code that its noise goes over, and then let go with a jump.

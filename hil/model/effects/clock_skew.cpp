@@ -1,5 +1,6 @@
 // Two clocks that do not run at the same rate: the shift grows within a record, a fan-shaped residual.
-//   dU = g D c (F(t - e t) - F(t)),  e the relative rate difference.
+//   dU = g D c (F(t - e t) - F(t)),  e the relative rate difference;
+//   dU = g D c (F(t - T n(t)) - F(t)),  T a block of samples that a logger lost, n(t) how many it has lost by then: a shift that grows in steps.
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
@@ -36,6 +37,23 @@ const Registration<EffectKind> kRegistered{EffectKind{
                const auto y = delayed_rows(r, 0.0, shape[0]);
                for (std::size_t i = 0; i < y.size(); ++i)
                  out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]);
+             },
+         .least = 0.6,
+         .most = 1.6},
+        {.name = "lost_blocks",
+         .shape = {{"block_s", "s", -10.0, 10.0, 1e-3, "time of a lost block, by which the output is later from then on; negative: the reference is"}},
+         .strength = {{"c", "1", -2.0, 2.0, 0.0, "share of the signal on the other clock"}},
+         .sign = StrengthSign::positive,
+         .grid =
+             [](const CampaignInput& c) {
+               return c.block_s != 0.0 ? std::vector<std::vector<double>>{{c.block_s}} : std::vector<std::vector<double>>{};
+             },
+         .columns =
+             [](const CampaignInput&, const RecordInput& r, std::span<const double> shape, ColumnsRef out) {
+               out.setZero();
+               if (r.lost_blocks.empty()) return;
+               const auto y = rows_behind_lost_blocks(r, shape[0]);
+               r.for_each_wanted([&](std::size_t i) { out(static_cast<Eigen::Index>(i), 0) = r.decay[i] * (y[i] - r.F_N[i]); });
              },
          .least = 0.6,
          .most = 1.6}}}};

@@ -10,8 +10,11 @@ TEST(Library, TellsInSecondsWhatShiftsByAShape) {
     const EffectKind& kind = *EffectRegistry::instance().find(name);
     if (kind.traits.shift == TimeShift::none) continue;
     EXPECT_TRUE(kind.traits.timing) << name;
+    if (kind.traits.shift != TimeShift::first_shape) continue;
     for (const EffectForm& form : kind.forms)
-      if (kind.traits.shift == TimeShift::first_shape && !form.shape.empty()) EXPECT_EQ(form.shape[0].unit, "s") << name << "/" << form.name;
+      if (!form.shape.empty()) {
+        EXPECT_EQ(form.shape[0].unit, "s") << name << "/" << form.name;
+      }
   }
 }
 

@@ -5,7 +5,12 @@
 namespace forcegate::diagnose {
 namespace {
 
-EffectForm of_one_shape() { return {.name = "made", .shape = {{"x", "N", 1e-3, 100.0, 1.0, "a shape"}}}; }
+EffectForm of_one_shape() {
+  EffectForm out;
+  out.name = "made";
+  out.shape = {{"x", "N", 1e-3, 100.0, 1.0, "a shape"}};
+  return out;
+}
 
 // Evidence in thousands of nats stands on a peak far narrower than the grid.
 TEST(Climb, FindsAPeakThatIsNarrowerThanTheGrid) {

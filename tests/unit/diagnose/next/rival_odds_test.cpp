@@ -58,9 +58,9 @@ TEST(RivalOdds, OnlyWhatSharesAProbabilityCompetesForOnePlace) {
   EXPECT_FALSE(compete_for_one_place(d, "delay", "creep")) << "creep is no finding";
 }
 
-// Late by 60 ms under forces that are slow beside that: a dead time and a lag leave nearly the same.
+// Late by 20 ms under forces that are slow beside that: a dead time and a lag leave nearly the same.
 std::vector<double> late(const std::vector<double>&, const std::vector<double>& F, int) {
-  constexpr std::size_t kRows = 12;
+  constexpr std::size_t kRows = 4;
   std::vector<double> U;
   for (std::size_t i = 0; i < F.size(); ++i) U.push_back(2.0 * F[i < kRows ? 0 : i - kRows] + 0.2);
   return U;

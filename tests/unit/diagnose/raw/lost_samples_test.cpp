@@ -45,6 +45,24 @@ TEST(LostSamples, OneRecordThatHoldsAgainAndAgainIsEnoughWhereTheOthersAreSlow) 
   EXPECT_TRUE(held(5).empty()) << "a hand on the cable";
 }
 
+TEST(LostSamples, TwoHoldsThatTheForceLeavesFarBehindAreEnoughInOneRecord) {
+  const auto held = [](std::size_t holds) {
+    Campaign c = make_campaign(41, [](const std::vector<double>&, const std::vector<double>& F, int) {
+      std::vector<double> U;
+      for (const double f : F) U.push_back(0.9 * f + 0.2);  // a film that has lost half of its swing
+      return U;
+    });
+    auto& U = c.records[3].trace.find("U")->value;
+    for (std::size_t j = 0; j < holds; ++j)  // over a turn of the triangle, and on to where it is no more
+      for (std::size_t i = 0; i < 400; ++i) U[2350 + 3000 * j + i] = U[2350 + 3000 * j];
+    return claims_of_samples(c);
+  };
+  EXPECT_TRUE(held(0).empty());
+  const std::vector<HealthClaim> claims = held(2);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "dropouts");
+}
+
 // A triangle of 5 s comes back to where it was: ends and halves of what is held there have the same force.
 TEST(LostSamples, AHoldOverAWholeCycleIsLostSamplesAndALongOneIsEnough) {
   const auto held = [](std::size_t length) {
