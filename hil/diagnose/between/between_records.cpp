@@ -178,11 +178,10 @@ Refusal objection(const ResidualChannel& channel, const RecordEvidence& records,
   return Refusal::none;
 }
 
-// Two or three mountings of a handful of records leave few different orders: where none does better, the records of each must agree all the
-// more closely.
+// Two or three mountings of a handful of records leave few different orders: the fewer they are, the more closely the records of each must agree.
 bool as_good_by_chance(const RecordChance& chance, const SelectionRules& rules) {
-  constexpr double kFewOrders = 0.25, kPlainly = 0.001;
-  return chance.of_orders > rules.between_chance && (chance.of_orders > kFewOrders || chance.of_directions > kPlainly);
+  constexpr double kFewOrders = 0.25, kTogether = 2.5e-4;
+  return chance.of_orders > rules.between_chance && (chance.of_orders > kFewOrders || chance.of_orders * chance.of_directions > kTogether);
 }
 
 // A course that nobody recorded is the less likely cause of what a recorded one explains too, and no two causes because two names would fit it.

@@ -177,8 +177,9 @@ class ForwardChoice {
     const bool unphysical = family.best.wrong_sign || family.gain < rules_.first_gain || why == Refusal::too_small || why == Refusal::jitter;
     const auto& families = result_.families;
     const bool between = asks_between_records(family);
+    const bool is_no_fit = why == Refusal::helps_no_records || why == Refusal::differs;
     const auto fits_worse = [&](const FamilyScore& next) {
-      return asks_between_records(next) == between && ((why != Refusal::helps_no_records && why != Refusal::differs) || next.best.fall <= family.best.fall);
+      return asks_between_records(next) == between && !(is_no_fit && next.best.fall > family.best.fall);
     };
     ++place_;
     // beside what was chosen only the other question is left, and so it is far down in the ranking

@@ -44,8 +44,12 @@ void measure(const RecordInput& r, const std::vector<double>& F, const std::vect
   const Eigen::Vector3d y = size.asDiagonal() * M.col(3).head<3>(), c = inverse * y;
   const double gain = c[1] * size[1], left = std::max(0.0, M(3, 3) - c.dot(y)) / (n - 3.0);
   if (gain == 0.0) return;
-  w.late_s = -c[2] * size[2] / gain;
-  w.variance_s2 = left * inverse(2, 2) * std::pow(size[2] / gain, 2);
+  // of a sine the two columns have a part of it each, and their ratio is the tangent of its phase
+  const double swing_N = std::sqrt(std::max(0.0, M(1, 1) / n - std::pow(M(0, 1) / n, 2))), per_s = swing_N > 0.0 ? w.speed_N_per_s / swing_N : 0.0;
+  const double tangent = -per_s * c[2] * size[2] / gain;
+  if (!(per_s > 0.0)) return;
+  w.late_s = std::atan(tangent) / per_s;
+  w.variance_s2 = left * inverse(2, 2) * std::pow(size[2] / gain / (1.0 + tangent * tangent), 2);
 }
 
 std::vector<Window> windows_of(const RecordInput& r) {

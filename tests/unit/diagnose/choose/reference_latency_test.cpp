@@ -65,6 +65,18 @@ TEST(ReferenceLatency, ALeadThatIsTheSameAtEveryLoadIsTheReferences) {
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
 }
 
+TEST(ReferenceLatency, AShiftThatIsLeftToTheClocksIsListedWithItsSize) {
+  const Diagnosis d = answer(edges(61, [](double) { return 0.005; }));
+  ASSERT_EQ(d.findings.size(), 1u) << told(d);
+  const Finding& f = d.findings.front();
+  EXPECT_EQ(f.effect, "delay");
+  EXPECT_LT(f.probability, 0.3);
+  ASSERT_EQ(f.parameters.size(), 1u);
+  EXPECT_NEAR(f.parameters.front().value, -0.005, 3.0 * f.parameters.front().u + 0.0005) << "negative: the output leads";
+  EXPECT_LT(f.error_after, 0.7 * f.error_before);
+  EXPECT_EQ(probability(answer(edges(61, [](double) { return 0.0; })), "delay"), 0.0) << "in step";
+}
+
 // The force of all records behind a pole of tau_s, or as it was delay_s before, is what the reference says.
 Campaign late_reference(std::uint64_t seed, double tau_s, double delay_s) {
   Campaign c = make_campaign(seed, straight);

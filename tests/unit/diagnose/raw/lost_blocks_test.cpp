@@ -3,6 +3,7 @@
 #include "hil/model/rows.h"
 #include "tests/unit/diagnose/behind_pole.h"
 #include "tests/unit/diagnose/made_campaign.h"
+#include "tests/unit/diagnose/turning_bench.h"
 
 namespace forcegate::diagnose {
 namespace {
@@ -100,6 +101,23 @@ TEST(LostBlocks, TheDiagnosisClaimsThemWithTheirLength) {
   EXPECT_NEAR(f.parameters.front().value, kBlock_s, 0.03 * kBlock_s);
   EXPECT_LT(d.error_after, 0.4 * d.error_before);
   EXPECT_TRUE(answer(sines([](double, int) { return 0.0; }, slow, 8)).findings.empty());
+}
+
+TEST(LostBlocks, AWheelThatPushesSidewaysAsWellIsNamedBesideThem) {
+  Bench bench;
+  bench.turns_Hz = {0.0, 0.21, 0.0, 0.35, 0.0, 0.56, 0.0};
+  bench.push = [](double, double, double th) { return 0.2 * std::sin(th); };
+  Campaign c = turning(bench);
+  for (Record& r : c.records) {
+    auto& U = r.trace.find("U")->value;
+    const std::vector<double> whole = U;
+    constexpr std::size_t kBlock = 4, kEvery = 7000;  // samples: 16 ms, 28 s
+    for (std::size_t i = 0; i < U.size(); ++i) U[i] = whole[i - kBlock * std::min(i / kEvery, i / kBlock)];
+  }
+  const Diagnosis d = answer(std::move(c));
+  EXPECT_GE(probability(d, "clock_skew"), 0.9) << told(d);
+  EXPECT_GE(probability(d, "off_axis"), 0.9) << told(d);
+  EXPECT_LT(d.error_after, 0.1 * d.error_before) << told(d);
 }
 
 }  // namespace
