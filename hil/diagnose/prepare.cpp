@@ -111,11 +111,16 @@ void find_late_onset(RecordInput& input, double range_N) {
   constexpr double kFarBetter = 0.5;  // mean square
   const RecordInput early = input;
   double least = kFarBetter * left_by_decay(input);
-  for (const double begin_s : cycles_may_begin_s(early, range_N)) {
-    RecordInput late = early;
-    begin_cycles_at(late, begin_s, range_N);
-    if (const double left = left_by_decay(late); left < least) least = left, input = std::move(late);
-  }
+  bool found = false;
+  const auto try_each = [&](const std::vector<double>& begins_s) {
+    for (const double begin_s : begins_s) {
+      RecordInput late = early;
+      begin_cycles_at(late, begin_s, range_N);
+      if (const double left = left_by_decay(late); left < least) least = left, input = std::move(late), found = true;
+    }
+  };
+  try_each(cycles_may_begin_s(early, range_N));
+  if (found) try_each(turns_begin_s(early, range_N, input.onset_s));
 }
 
 // Why hardly a row of a record is usable: what befell most of its samples.

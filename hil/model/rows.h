@@ -56,6 +56,9 @@ void estimate_excitation(RecordInput& record, const Record* declared, double ran
 /// height (first, if at all); behind its longest stretches without a turn.
 std::vector<double> cycles_may_begin_s(const RecordInput& record, double range_N);
 
+/// The first turning points after `from_s`, where its cycles may begin as well: a step may come before them.
+std::vector<double> turns_begin_s(const RecordInput& record, double range_N, double from_s);
+
 /// Takes what came before for static: onset, f, A, F_min and jumps from the cycles after it.
 void begin_cycles_at(RecordInput& record, double onset_s, double range_N);
 

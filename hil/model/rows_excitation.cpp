@@ -165,6 +165,15 @@ std::vector<double> cycles_may_begin_s(const RecordInput& record, double range_N
   return out;
 }
 
+std::vector<double> turns_begin_s(const RecordInput& record, double range_N, double from_s) {
+  constexpr std::size_t kMost = 6;
+  const std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
+  std::vector<double> out;
+  for (std::size_t i = 0; i + 1 < turns.size() && out.size() < kMost; ++i)
+    if (turns[i].t_s > from_s) out.push_back(turns[i].t_s);
+  return out;
+}
+
 void begin_cycles_at(RecordInput& record, double onset_s, double range_N) {
   std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
   std::erase_if(turns, [&](const Extremum& turn) { return turn.t_s < onset_s; });
