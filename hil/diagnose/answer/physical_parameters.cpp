@@ -121,7 +121,7 @@ std::vector<FoundParameter> behind(const CampaignInput& campaign, const Residual
   }
   RecordInput ramp = trial(std::move(t), std::move(F));
   ramp.lost_blocks = {{0.0, 1.0}};
-  const Response added = response(campaign, channel, chosen, joint, std::move(ramp));
+  const Response added = response(campaign, channel, chosen, joint, ramp);
   if (candidate_of(channel, chosen.variant).form->name == "lost_blocks") return {added.at(kLate, -1.0 / kRate_N_per_s, "block_s", "s")};
   if (chosen.kind->name == "clock_skew")
     return {added.difference(kLate, kSteps / 2, -1.0 / (kRate_N_per_s * kStep_s * (kLate - kSteps / 2)), "skew", "1")};
