@@ -17,6 +17,7 @@ constexpr std::size_t kWindows = 64, kRowsOfWindow = 100, kFewestWindows = 8;
 
 struct Window {
   std::size_t begin = 0, end = 0;  // rows
+  double middle_s = 0.0;           // in the record's time
   double late_s = 0.0, variance_s2 = std::numeric_limits<double>::infinity();
   double speed_N_per_s = 0.0;      // RMS
 };
@@ -56,8 +57,33 @@ std::vector<Window> windows_of(const RecordInput& r) {
   const std::size_t n = std::min(kWindows, r.rows() / kRowsOfWindow);
   std::vector<Window> out;
   if (n < kFewestWindows) return out;
-  for (std::size_t k = 0; k < n; ++k) out.push_back({r.rows() * k / n, r.rows() * (k + 1) / n});
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t begin = r.rows() * k / n, end = r.rows() * (k + 1) / n;
+    out.push_back({begin, end, 0.5 * (r.t_s[begin] + r.t_s[end - 1])});
+  }
   return out;
+}
+
+struct Slope {
+  double value = 0.0, u = 0.0;  // seconds a second
+  bool plain() const { return std::abs(value) > 4.0 * u; }
+};
+
+// Of the lateness from window to window: the median, which steps leave alone.
+Slope typical_slope(const std::vector<Window>& windows) {
+  constexpr double kOfMedian = 1.25, kOfQuartiles = 1.35;
+  std::vector<double> slope;
+  for (std::size_t k = 1; k < windows.size(); ++k)
+    if (std::isfinite(windows[k].variance_s2 + windows[k - 1].variance_s2))
+      slope.push_back((windows[k].late_s - windows[k - 1].late_s) / (windows[k].middle_s - windows[k - 1].middle_s));
+  if (slope.empty()) return {};
+  const auto [low, high] = quantiles(slope, 0.25, 0.75);
+  const double n = static_cast<double>(slope.size());
+  return {quantile(std::move(slope), 0.5), kOfMedian * (high - low) / kOfQuartiles / std::sqrt(n)};
+}
+
+void take_off(std::vector<Window>& windows, double slope) {
+  for (Window& w : windows) w.late_s -= slope * w.middle_s;
 }
 
 // Windows differ by more than their noise: by half of what the typical neighbours do.
@@ -122,6 +148,23 @@ Staircase staircase(const std::vector<Window>& w) {
   return out;
 }
 
+// One slope within all levels.
+Slope slope_within(const std::vector<Window>& w, const Staircase& stairs) {
+  double tt = 0.0, ts = 0.0;
+  for (const Level& level : stairs.levels) {
+    double weight = 0.0, t = 0.0;
+    for (std::size_t k = level.begin; k < level.end; ++k)
+      if (std::isfinite(w[k].variance_s2)) weight += 1.0 / w[k].variance_s2, t += w[k].middle_s / w[k].variance_s2;
+    for (std::size_t k = level.begin; k < level.end; ++k)
+      if (std::isfinite(w[k].variance_s2)) {
+        const double since = w[k].middle_s - t / weight;
+        tt += since * since / w[k].variance_s2;
+        ts += since * (w[k].late_s - level.late_s) / w[k].variance_s2;
+      }
+  }
+  return tt > 0.0 ? Slope{ts / tt, 1.0 / std::sqrt(tt)} : Slope{};
+}
+
 // What a smooth course leaves: chi squared about a polynomial of the third degree.
 double left_by_curve(const std::vector<Window>& w) {
   Eigen::Matrix<double, 5, 5> M = Eigen::Matrix<double, 5, 5>::Zero();
@@ -180,8 +223,19 @@ std::vector<LostBlocks> steps_of(const RecordInput& of) {
   std::vector<Window> windows = windows_of(of);
   if (windows.empty() || of.fast_F_N.empty()) return {};
   for (Window& w : windows) measure(of, of.F_N, of.rate_N_per_s, w);
+  // two clocks that run apart beside them
+  Slope slope = typical_slope(windows);
+  if (!slope.plain()) slope.value = 0.0;
+  take_off(windows, slope.value);
   widen(windows, of.row_step_s);
-  const Staircase stairs = staircase(windows);
+  Staircase stairs = staircase(windows);
+  for (int round = 0; round < kRounds; ++round) {
+    const Slope more = slope_within(windows, stairs);
+    if (!more.plain()) break;
+    take_off(windows, more.value);
+    slope.value += more.value;
+    stairs = staircase(windows);
+  }
   if (stairs.levels.size() < 2) return {};
   const double freedom = static_cast<double>(windows.size() - stairs.levels.size());
   if (stairs.misfit + freedom > kPlainer * (left_by_curve(windows) + freedom)) return {};
@@ -203,7 +257,8 @@ std::vector<LostBlocks> steps_of(const RecordInput& of) {
       for (std::size_t j = level.begin; j < level.end; ++j) {
         Window w = windows[j];
         measure(r, F, r.rate_N_per_s, w);
-        if (std::isfinite(w.variance_s2)) sum += (w.late_s - stairs.levels[0].late_s) / w.variance_s2, weight += 1.0 / w.variance_s2;
+        if (std::isfinite(w.variance_s2))
+          sum += (w.late_s - slope.value * w.middle_s - stairs.levels[0].late_s) / w.variance_s2, weight += 1.0 / w.variance_s2;
       }
       if (weight > 0.0) r.lost_blocks[k - 1].blocks += sum / weight;
     }

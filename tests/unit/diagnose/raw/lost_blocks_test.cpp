@@ -79,6 +79,12 @@ TEST(LostBlocks, TimesOfTheirOwnStayThoseOfTheirRecord) {
   }
 }
 
+TEST(LostBlocks, TwoClocksThatRunApartAsWellLeaveTheStepsAsTheyAre) {
+  const CampaignInput found = searched(sines([](double t, int) { return kBlock_s * lost(t) + 1e-4 * t; }));
+  EXPECT_NEAR(found.block_s, kBlock_s, 0.05 * kBlock_s);
+  for (std::size_t k = 2; k < 4; ++k) EXPECT_EQ(found.records[k].lost_blocks.size(), 3u) << k;
+}
+
 TEST(LostBlocks, NothingElseThatIsLateIsSteps) {
   EXPECT_EQ(searched(sines([](double, int) { return kBlock_s; })).block_s, 0.0) << "a delay";
   EXPECT_EQ(searched(sines([](double t, int) { return 2e-4 * t; })).block_s, 0.0) << "two clocks";
