@@ -44,6 +44,8 @@ CampaignInput input_for(const EffectKind& kind, const EffectForm& form) {
     cyclic.decay[i] = 0.5 + 0.5 * std::exp(-cyclic.t_s[i] / 30.0);
   cyclic.frequency_jumps_s = {20.0};
   cyclic.jump_log_ratio = {0.7};
+  cyclic.lost_blocks = {{10.0, 1.0}, {30.0, 2.0}};
+  out.block_s = 0.02;
   const auto serves = [&] { return is_available(kind, out) && !form.grid(out).empty(); };
   if (serves()) return out;
   // several mountings that nobody wrote down ask for more records
