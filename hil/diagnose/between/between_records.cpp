@@ -178,10 +178,12 @@ Refusal objection(const ResidualChannel& channel, const RecordEvidence& records,
   return Refusal::none;
 }
 
-// Two or three mountings of a handful of records leave few different orders: the fewer they are, the more closely the records of each must agree.
-bool as_good_by_chance(const RecordChance& chance, const SelectionRules& rules) {
-  constexpr double kFewOrders = 0.25, kTogether = 2.5e-4;
-  return chance.of_orders > rules.between_chance && (chance.of_orders > kFewOrders || chance.of_orders * chance.of_directions > kTogether);
+// Few records have few orders: where none does better, they must agree all the more closely. Groups that were declared have fewer still (records
+// of one group change places for nothing), and the fewer they are, the more closely.
+bool as_good_by_chance(const RecordChance& chance, const EffectForm& form, const SelectionRules& rules) {
+  constexpr double kFewOrders = 0.25, kPlainly = 0.001, kTogether = 2.5e-4;
+  if (chance.of_orders <= rules.between_chance || chance.of_orders > kFewOrders) return chance.of_orders > kFewOrders;
+  return form.groups ? chance.of_orders * chance.of_directions > kTogether : chance.of_directions > kPlainly;
 }
 
 // A course that nobody recorded is the less likely cause of what a recorded one explains too, and no two causes because two names would fit it.
@@ -329,7 +331,7 @@ RecordTest test_records(const CampaignInput& input, const ResidualChannel& chann
   const RecordLevels levels = levels_for(*family.kind, input, channel, record_levels(input, channel, base));
   const RecordChance chances = chance(channel, levels, ask(channel, levels, *family.kind), family.records.variant, family.kind->name, kDraws);
   out.chance = chances.of_directions;
-  if (as_good_by_chance(chances, rules)) out.objection = Refusal::any_order;
+  if (as_good_by_chance(chances, *candidate_of(channel, family.records.variant).form, rules)) out.objection = Refusal::any_order;
   return out;
 }
 
@@ -350,7 +352,7 @@ double visible_between_records(const CampaignInput& input, const ResidualChannel
     series.value = rest + size / rms * added;
     const RecordEvidence shown = evidence(channel, levels, asked).evidence;
     return objection(channel, shown, with_time, rules) == Refusal::none &&
-           !as_good_by_chance(chance(channel, levels, asked, shown.variant, family.kind->name, kDraws), rules);
+           !as_good_by_chance(chance(channel, levels, asked, shown.variant, family.kind->name, kDraws), *candidate_of(channel, shown.variant).form, rules);
   };
   double low = 1e-5, high = 0.5;
   if (!passes(high)) return 0.0;
