@@ -2,7 +2,6 @@
 // From recordings to what models see: block means at no more than 50 rows a second, excitation facts, travel.
 
 #include <array>
-#include <optional>
 #include <span>
 
 #include "hil/base/result.h"

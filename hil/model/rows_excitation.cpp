@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "hil/model/rows.h"
 #include "hil/trace/extrema.h"

@@ -182,7 +182,8 @@ Refusal objection(const ResidualChannel& channel, const RecordEvidence& records,
 // of one group change places for nothing), and the fewer they are, the more closely.
 bool as_good_by_chance(const RecordChance& chance, const EffectForm& form, const SelectionRules& rules) {
   constexpr double kFewOrders = 0.25, kPlainly = 0.001, kTogether = 2.5e-4;
-  if (chance.of_orders <= rules.between_chance || chance.of_orders > kFewOrders) return chance.of_orders > kFewOrders;
+  if (chance.of_orders <= rules.between_chance) return false;
+  if (chance.of_orders > kFewOrders) return true;
   return form.groups ? chance.of_orders * chance.of_directions > kTogether : chance.of_directions > kPlainly;
 }
 

@@ -126,19 +126,22 @@ void set_column_priors(ResidualChannel& channel) {
 
 }  // namespace
 
-void choose_wanted_rows(CampaignInput& input) {
+void want_rows(CampaignInput& input, const RowsOfRecords& rows) {
   // blocks of one recording read the columns of its first block
   for (std::size_t first = 0, end = 0; first < input.records.size(); first = end) {
     std::vector<std::uint32_t> wanted;
-    for (end = first; end < input.records.size() &&
-                      input.records[end].recording == input.records[first].recording;
-         ++end)
-      for (const std::size_t row : choose_rows(input.records[end], kRowLimit))
-        wanted.push_back(static_cast<std::uint32_t>(row));
-    std::sort(wanted.begin(), wanted.end());
+    for (end = first; end < input.records.size() && input.records[end].recording == input.records[first].recording; ++end)
+      for (const std::size_t row : rows[end]) wanted.push_back(static_cast<std::uint32_t>(row));
+    std::ranges::sort(wanted);
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
     for (std::size_t k = first; k < end; ++k) input.records[k].wanted = wanted;
   }
+}
+
+void choose_wanted_rows(CampaignInput& input) {
+  RowsOfRecords rows;
+  for (const RecordInput& r : input.records) rows.push_back(choose_rows(r, kRowLimit));
+  want_rows(input, rows);
 }
 
 void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const Candidate& c,

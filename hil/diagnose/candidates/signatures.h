@@ -10,10 +10,12 @@
 
 namespace forcegate::diagnose {
 
-/// Says which rows the Gram matrices will see, so that candidates need no others.
-void choose_wanted_rows(CampaignInput& input);
 /// Rows of every record that a channel sees.
 using RowsOfRecords = std::vector<std::vector<std::size_t>>;
+/// Says which rows the Gram matrices will see, so that candidates need no others.
+void want_rows(CampaignInput& input, const RowsOfRecords& rows);
+/// As many as are enough, spread evenly.
+void choose_wanted_rows(CampaignInput& input);
 /// The output channel: the candidates that the campaign's channels allow, beside those that stand in the model, `of_model`, and their Gram
 /// matrices. `rows`: which it sees; nullptr: as many as are enough, spread evenly.
 ResidualChannel output_channel(const Workspace& workspace, unsigned threads, const std::vector<Candidate>& of_model, const ListedOnly* only = nullptr,

@@ -24,20 +24,18 @@ void reconsider(const CampaignInput& input, ResidualChannel& channel, const std:
   for (std::size_t k = 0; out.chosen.size() >= 2 && k < out.chosen.size(); ++k) {
     ChosenEffect& place = out.chosen[k];
     if (place.between || place.share_of_family > kAlone) continue;
-    std::vector<int> present = carried;
+    const std::vector<int> present = columns_beside(channel, carried, out.chosen, place);
     std::vector<ChosenEffect> others;
     double removed = 0.0;
     for (std::size_t j = 0; j < out.chosen.size(); ++j) {
       if (j == k) continue;
-      add_columns(present, out.chosen[j].columns);
-      add_columns(present, bank_columns(channel, *out.chosen[j].kind));
       others.push_back(out.chosen[j]);
       if (!out.chosen[j].between) removed = std::max(removed, removed_rms(out.chosen[j]));
     }
-    std::vector<std::string> not_asked = skip;
-    for (const EffectKind* kind : kinds_of(channel))
-      if (kind != place.kind && std::none_of(place.rivals.begin(), place.rivals.end(), [&](const auto& r) { return r.first == kind->name; }))
-        not_asked.push_back(kind->name);
+    std::vector<std::string> compete = {place.kind->name};
+    for (const auto& [name, share] : place.rivals) compete.push_back(name);
+    std::vector<std::string> not_asked = families_but(channel, compete);
+    not_asked.insert(not_asked.end(), skip.begin(), skip.end());
     for (const ChosenEffect& other : others) not_asked.push_back(other.kind->name);
     ScreenResult again = screen(channel, present, not_asked, &out.final, threads);
     if (!again.base.valid || again.families.empty()) continue;

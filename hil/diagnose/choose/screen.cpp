@@ -78,6 +78,13 @@ std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel) {
   return out;
 }
 
+std::vector<std::string> families_but(const ResidualChannel& channel, const std::vector<std::string>& names) {
+  std::vector<std::string> out;
+  for (const EffectKind* kind : kinds_of(channel))
+    if (std::ranges::find(names, kind->name) == names.end()) out.push_back(kind->name);
+  return out;
+}
+
 double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit) {
   double sum = 0.0, n = 0.0;
   for (std::size_t i = 0; i < fit.adapted.size(); ++i) {

@@ -63,6 +63,9 @@ MixedFit fit_to_the_end(const ResidualChannel& channel, const std::vector<int>& 
 /// The families that have candidates in a channel, in the order of the registry, the user's own last.
 std::vector<const EffectKind*> kinds_of(const ResidualChannel& channel);
 
+/// Names of those that are not among `names`.
+std::vector<std::string> families_but(const ResidualChannel& channel, const std::vector<std::string>& names);
+
 /// One variant beside the present columns, on the records that the base was fitted to; gain -1e300 when it cannot be fitted or its strength is out of bounds.
 VariantScore score_variant(const ResidualChannel& channel, const std::vector<int>& present,
                            const MixedFit& base, int variant, const MixedFit* warm, int iterations = 9);

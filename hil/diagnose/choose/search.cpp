@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 
 #include "hil/diagnose/base/whole_recording.h"
 #include "hil/diagnose/candidates/model_effects.h"
@@ -47,6 +49,20 @@ SelectionRules rules_of_drive(SelectionRules rules) {
   return rules;
 }
 
+// Anew, from the output as it was before the first search set a late reference aside; the ranking stays that of all. False, and all as it was,
+// where the new selection does not serve.
+bool select_anew(Workspace& w, Selection& out, const std::function<Selection()>& select, const std::function<bool(const Selection&)>& serves) {
+  if (out.set_aside.size() > 0) take_off_output(w.output, -out.set_aside);
+  Selection anew = select();
+  if (!serves(anew)) {
+    if (out.set_aside.size() > 0) take_off_output(w.output, out.set_aside);
+    return false;
+  }
+  anew.first = std::move(out.first);
+  out = std::move(anew);
+  return true;
+}
+
 // A candidate that left-out records do not bear out may have made others needless: the search begins anew without it.
 Selection select_borne_out(Workspace& w, const Given& given, std::vector<std::string> skip, const SelectionRules& rules,
                            unsigned threads, std::vector<Finding>& suspicions) {
@@ -61,14 +77,7 @@ Selection select_borne_out(Workspace& w, const Given& given, std::vector<std::st
     std::vector<Finding> idle = not_borne_out(w.output, out);
     if (idle.empty()) break;
     for (const Finding& f : idle) skip.push_back(f.effect);
-    if (out.set_aside.size() > 0) take_off_output(w.output, -out.set_aside);
-    Selection without = select(true);
-    if (!without.base.valid) {
-      if (out.set_aside.size() > 0) take_off_output(w.output, out.set_aside);
-      break;
-    }
-    without.first = std::move(out.first);  // the ranking is of all
-    out = std::move(without);
+    if (!select_anew(w, out, [&] { return select(true); }, [](const Selection& s) { return s.base.valid; })) break;
     std::move(idle.begin(), idle.end(), std::back_inserter(suspicions));
   }
   return out;
@@ -93,22 +102,18 @@ std::vector<int> drift_columns(const ResidualChannel& channel) {
   return out;
 }
 
-}  // namespace
-
-// Anew, and the ranking stays that of all.
+// The search once more without families that others beat where they differ.
 void search_without(Workspace& w, const Given& given, const std::vector<std::string>& beaten, unsigned threads, Search& out) {
   std::vector<std::string> skip = out.skip;
   skip.insert(skip.end(), beaten.begin(), beaten.end());
-  if (out.output.set_aside.size() > 0) take_off_output(w.output, -out.output.set_aside);
-  Selection without = select_borne_out(w, given, skip, out.rules, threads, out.suspicions);
-  if (!without.base.valid || without.chosen.empty()) {
-    if (out.output.set_aside.size() > 0) take_off_output(w.output, out.output.set_aside);
-    return;
-  }
-  without.first = std::move(out.output.first);
-  without.nuisance.push_back(fmt::format("{} fit{} most rows as well, and not those where what they foretell differs", fmt::join(beaten, ", "), beaten.size() == 1 ? "s" : ""));
-  out.output = std::move(without);
+  std::vector<Finding> suspicions;
+  const auto select = [&] { return select_borne_out(w, given, skip, out.rules, threads, suspicions); };
+  if (!select_anew(w, out.output, select, [](const Selection& s) { return s.base.valid && !s.chosen.empty(); })) return;
+  std::ranges::move(suspicions, std::back_inserter(out.suspicions));
+  out.output.nuisance.push_back(fmt::format("{} fit{} most rows as well, and not those where what they foretell differs", fmt::join(beaten, ", "), beaten.size() == 1 ? "s" : ""));
 }
+
+}  // namespace
 
 Search search_channels(Workspace& w, const EngineOptions& options) {
   Search out;

@@ -111,6 +111,16 @@ void add_columns(std::vector<int>& to, const std::vector<int>& columns) {
     if (std::find(to.begin(), to.end(), j) == to.end()) to.push_back(j);
 }
 
+std::vector<int> columns_beside(const ResidualChannel& channel, const std::vector<int>& carried, const std::vector<ChosenEffect>& chosen, const ChosenEffect& one) {
+  std::vector<int> out = carried;
+  for (const ChosenEffect& other : chosen) {
+    if (&other == &one) continue;
+    add_columns(out, columns_of(channel, other));
+    add_columns(out, bank_columns(channel, *other.kind));
+  }
+  return out;
+}
+
 std::vector<int> bank_columns(const ResidualChannel& channel, const EffectKind& kind) {
   std::vector<int> out;
   for (const Candidate& c : channel.candidates)

@@ -110,6 +110,9 @@ double signature_cosine(const ResidualChannel& channel, const MixedFit& base, co
 /// All columns that an effect has in the model of the claims, its further forms included.
 std::vector<int> columns_of(const ResidualChannel& channel, const ChosenEffect& effect);
 
+/// All that stands beside one of the chosen effects in the model.
+std::vector<int> columns_beside(const ResidualChannel& channel, const std::vector<int>& carried, const std::vector<ChosenEffect>& chosen, const ChosenEffect& one);
+
 /// Appends the columns that are not there yet.
 void add_columns(std::vector<int>& to, const std::vector<int>& columns);
 

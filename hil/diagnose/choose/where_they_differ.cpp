@@ -26,24 +26,6 @@ std::vector<std::string> timing_rivals(const ChosenEffect& chosen) {
   return out;
 }
 
-// All that stands beside an effect in the model.
-std::vector<int> beside(const ResidualChannel& channel, const Selection& selection, const ChosenEffect& chosen) {
-  std::vector<int> out = selection.carried;
-  for (const ChosenEffect& other : selection.chosen) {
-    if (&other == &chosen) continue;
-    add_columns(out, columns_of(channel, other));
-    add_columns(out, bank_columns(channel, *other.kind));
-  }
-  return out;
-}
-
-std::vector<std::string> all_but(const ResidualChannel& channel, const std::vector<std::string>& names) {
-  std::vector<std::string> out;
-  for (const EffectKind* kind : kinds_of(channel))
-    if (std::ranges::find(names, kind->name) == names.end()) out.push_back(kind->name);
-  return out;
-}
-
 // What a family's best variant adds to every row of a recording, in units of the channel.
 Eigen::VectorXd answer_on_all_rows(const CampaignInput& input, const ResidualChannel& channel, const RecordInput& recording, const FamilyScore& family) {
   const Candidate& c = candidate_of(channel, family.best.variant);
@@ -96,7 +78,7 @@ RowsOfRecords rows_where_they_differ(const CampaignInput& input, const std::vect
   return out;
 }
 
-// The rows that an input's columns are written for, for a while.
+// All rows of an input are wanted, for a while; then those of before.
 class Wanted {
  public:
   explicit Wanted(CampaignInput& input) : input_(input) {
@@ -107,16 +89,6 @@ class Wanted {
   }
   Wanted(const Wanted&) = delete;
   Wanted& operator=(const Wanted&) = delete;
-
-  void set(const RowsOfRecords& rows) {
-    for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
-      std::vector<std::uint32_t> wanted;
-      for (end = first; end < rows.size() && input_.records[end].recording == input_.records[first].recording; ++end)
-        for (const std::size_t i : rows[end]) wanted.push_back(static_cast<std::uint32_t>(i));
-      std::ranges::sort(wanted);
-      for (std::size_t k = first; k < end; ++k) input_.records[k].wanted = wanted;
-    }
-  }
 
  private:
   CampaignInput& input_;
@@ -131,21 +103,17 @@ std::vector<const Candidate*> owners_of(const ResidualChannel& channel, const st
   return out;
 }
 
-struct Contest {
-  std::vector<std::string> names;
-  const std::vector<int>* present;
-};
-
-ScreenResult contest_on(const Workspace& w, const Contest& contest, const RowsOfRecords& rows, unsigned threads) {
-  const std::vector<const Candidate*> owners = owners_of(w.output, *contest.present);
+// The families `names` alone, beside the same columns, on other rows.
+ScreenResult screen_on(const RowsOfRecords& rows, const Workspace& w, const std::vector<std::string>& names, const std::vector<int>& beside, unsigned threads) {
+  const std::vector<const Candidate*> owners = owners_of(w.output, beside);
   std::vector<Candidate> copies;
   for (const Candidate* c : owners) copies.push_back(*c);
-  const ListedOnly only{contest.names, {}};
+  const ListedOnly only{names, {}};
   ResidualChannel channel = output_channel(w, threads, copies, &only, &rows);
   // of_model candidates stand behind those that are listed, in their order
   const std::size_t first = channel.candidates.size() - owners.size();
   std::vector<int> present;
-  for (const int j : *contest.present)
+  for (const int j : beside)
     for (std::size_t k = 0; k < owners.size(); ++k)
       if (j >= owners[k]->first && j < owners[k]->first + owners[k]->count) present.push_back(channel.candidates[first + k].first + j - owners[k]->first);
   ScreenResult out = screen(channel, present, {}, nullptr, threads);
@@ -160,19 +128,19 @@ std::vector<std::string> beaten_where_they_differ(Workspace& w, const Selection&
   for (const ChosenEffect& chosen : selection.chosen) {
     const std::vector<std::string> names = timing_rivals(chosen);
     if (names.size() < 2) continue;
-    const std::vector<int> present = beside(w.output, selection, chosen);
+    const std::vector<int> present = columns_beside(w.output, selection.carried, selection.chosen, chosen);
     RowsOfRecords rows;
     {
       const SpareRoom room(w.output);
-      ScreenResult even = screen(w.output, present, all_but(w.output, names), &selection.final, threads);
+      ScreenResult even = screen(w.output, present, families_but(w.output, names), &selection.final, threads);
       if (!even.base.valid || even.families.size() < 2) continue;
       refine_leaders(w.input, w.output, present, even, threads);
       const Wanted all(w.input);
       rows = rows_where_they_differ(w.input, spread_of_answers(w.input, w.output, even.families, threads));
     }
-    Wanted wanted(w.input);
-    wanted.set(rows);
-    const ScreenResult there = contest_on(w, {names, &present}, rows, threads);
+    const Wanted others(w.input);
+    want_rows(w.input, rows);
+    const ScreenResult there = screen_on(rows, w, names, present, threads);
     if (!there.base.valid || there.families.empty() || there.families.front().best.wrong_sign) continue;
     const double top = there.families.front().gain;
     std::vector<std::string> out;

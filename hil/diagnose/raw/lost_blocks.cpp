@@ -22,8 +22,9 @@ struct Window {
   double speed_N_per_s = 0.0;      // RMS
 };
 
-// By how much the output is behind `F`, whose rate is `rate`.
-void measure(const RecordInput& r, const std::vector<double>& F, const std::vector<double>& rate, Window& w) {
+// By how much the output is behind `F`, which goes as fast as the record's force.
+void measure(const RecordInput& r, const std::vector<double>& F, Window& w) {
+  const std::vector<double>& rate = r.rate_N_per_s;
   using Row = Eigen::Vector4d;
   Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
   double n = 0.0;
@@ -106,6 +107,7 @@ struct Level {
 struct Staircase {
   std::vector<Level> levels;
   double misfit = 0.0;  // chi squared
+  double slope = 0.0;   // seconds a second, of two clocks that run apart beside it
 };
 
 // The window between two levels may belong to neither: the step is in it.
@@ -193,19 +195,20 @@ bool same_speed(const std::vector<Window>& w, const Level& before, const Level& 
 }
 
 // Where between two levels the later one begins: the row at which changing from one to the other leaves least.
-std::size_t first_row_of(const RecordInput& r, const std::vector<Window>& w, const Level& before, const Level& after) {
+std::size_t first_row_of(const RecordInput& r, const std::vector<Window>& w, double slope, const Level& before, const Level& after) {
+  const auto late_F = [&](std::size_t i, double level_s) { return r.F_N[i] - (level_s + slope * r.t_s[i]) * r.rate_N_per_s[i]; };
   const std::size_t begin = w[before.end - 1].begin, end = w[after.begin].end;
   Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
   for (std::size_t i = begin; i < end; ++i) {
     if (r.ok[i] == 0 || !std::isfinite(r.rate_N_per_s[i])) continue;
-    const Eigen::Vector3d x(1.0, r.F_N[i] - 0.5 * (before.late_s + after.late_s) * r.rate_N_per_s[i], r.U_V[i]);
+    const Eigen::Vector3d x(1.0, late_F(i, 0.5 * (before.late_s + after.late_s)), r.U_V[i]);
     M += x * x.transpose();
   }
   const double det = M(0, 0) * M(1, 1) - M(0, 1) * M(0, 1);
   if (!(det > 1e-12 * M(0, 0) * M(1, 1))) return w[after.begin].begin;
   const double gain = (M(0, 0) * M(1, 2) - M(0, 1) * M(0, 2)) / det, zero = (M(0, 2) - gain * M(0, 1)) / M(0, 0);
   const auto left = [&](std::size_t i, double late_s) {
-    return r.ok[i] != 0 && std::isfinite(r.rate_N_per_s[i]) ? std::pow(r.U_V[i] - zero - gain * (r.F_N[i] - late_s * r.rate_N_per_s[i]), 2) : 0.0;
+    return r.ok[i] != 0 && std::isfinite(r.rate_N_per_s[i]) ? std::pow(r.U_V[i] - zero - gain * late_F(i, late_s), 2) : 0.0;
   };
   double sum = 0.0, least = 0.0;
   std::size_t at = begin;
@@ -216,49 +219,63 @@ std::size_t first_row_of(const RecordInput& r, const std::vector<Window>& w, con
   return at;
 }
 
-// A record's staircase, `blocks` in seconds; empty: it shows none.
-std::vector<LostBlocks> steps_of(const RecordInput& of) {
-  constexpr double kPlainer = 0.3;  // of what a smooth course leaves
+// The staircase beside the slope that two clocks may have; the slope is taken off the windows.
+Staircase staircase_beside_slope(std::vector<Window>& windows, double row_step_s) {
   constexpr int kRounds = 3;
-  std::vector<Window> windows = windows_of(of);
-  if (windows.empty() || of.fast_F_N.empty()) return {};
-  for (Window& w : windows) measure(of, of.F_N, of.rate_N_per_s, w);
-  // two clocks that run apart beside them
-  Slope slope = typical_slope(windows);
-  if (!slope.plain()) slope.value = 0.0;
-  take_off(windows, slope.value);
-  widen(windows, of.row_step_s);
-  Staircase stairs = staircase(windows);
+  const Slope typical = typical_slope(windows);
+  double slope = typical.plain() ? typical.value : 0.0;
+  take_off(windows, slope);
+  widen(windows, row_step_s);
+  Staircase out = staircase(windows);
   for (int round = 0; round < kRounds; ++round) {
-    const Slope more = slope_within(windows, stairs);
+    const Slope more = slope_within(windows, out);
     if (!more.plain()) break;
     take_off(windows, more.value);
-    slope.value += more.value;
-    stairs = staircase(windows);
+    slope += more.value;
+    out = staircase(windows);
   }
-  if (stairs.levels.size() < 2) return {};
-  const double freedom = static_cast<double>(windows.size() - stairs.levels.size());
-  if (stairs.misfit + freedom > kPlainer * (left_by_curve(windows) + freedom)) return {};
-  const double up = stairs.levels[1].late_s - stairs.levels[0].late_s;
-  for (std::size_t k = 1; k < stairs.levels.size(); ++k)
-    if ((stairs.levels[k].late_s - stairs.levels[k - 1].late_s) * up <= 0.0 || !same_speed(windows, stairs.levels[k - 1], stairs.levels[k])) return {};
+  out.slope = slope;
+  return out;
+}
+
+// Steps that go one way under a load that goes on as before, and no smooth course that is cut into some.
+bool is_plain(const Staircase& stairs, const std::vector<Window>& windows) {
+  constexpr double kPlainer = 0.3;  // of what a smooth course leaves
+  const std::vector<Level>& levels = stairs.levels;
+  if (levels.size() < 2) return false;
+  const double freedom = static_cast<double>(windows.size() - levels.size());
+  if (stairs.misfit + freedom > kPlainer * (left_by_curve(windows) + freedom)) return false;
+  const double up = levels[1].late_s - levels[0].late_s;
+  for (std::size_t k = 1; k < levels.size(); ++k)
+    if ((levels[k].late_s - levels[k - 1].late_s) * up <= 0.0 || !same_speed(windows, levels[k - 1], levels[k])) return false;
+  return true;
+}
+
+// A record's staircase, `blocks` in seconds; empty: it shows none.
+std::vector<LostBlocks> steps_of(const RecordInput& of) {
+  constexpr int kRounds = 2;
+  std::vector<Window> windows = windows_of(of);
+  if (windows.empty() || of.fast_F_N.empty()) return {};
+  for (Window& w : windows) measure(of, of.F_N, w);
+  const Staircase stairs = staircase_beside_slope(windows, of.row_step_s);
+  if (!is_plain(stairs, windows)) return {};
+  const std::vector<Level>& levels = stairs.levels;
   RecordInput r = of;
   r.wanted.clear();
   r.lost_blocks.clear();
-  for (std::size_t k = 1; k < stairs.levels.size(); ++k)
-    r.lost_blocks.push_back({of.t_s[std::min(of.rows() - 1, first_row_of(of, windows, stairs.levels[k - 1], stairs.levels[k]))],
-                             stairs.levels[k].late_s - stairs.levels[0].late_s});
+  for (std::size_t k = 1; k < levels.size(); ++k)
+    r.lost_blocks.push_back({of.t_s[std::min(of.rows() - 1, first_row_of(of, windows, stairs.slope, levels[k - 1], levels[k]))], levels[k].late_s - levels[0].late_s});
   // a rate is the force's change over a shift that is small: what is left of it on the force as late as found
-  for (int round = 1; round < kRounds; ++round) {
+  for (int round = 0; round < kRounds; ++round) {
     const std::vector<double> F = rows_behind_lost_blocks(r, 1.0);
-    for (std::size_t k = 1; k < stairs.levels.size(); ++k) {
-      const Level& level = stairs.levels[k];
+    for (std::size_t k = 1; k < levels.size(); ++k) {
       double sum = 0.0, weight = 0.0;
-      for (std::size_t j = level.begin; j < level.end; ++j) {
+      for (std::size_t j = levels[k].begin; j < levels[k].end; ++j) {
         Window w = windows[j];
-        measure(r, F, r.rate_N_per_s, w);
-        if (std::isfinite(w.variance_s2))
-          sum += (w.late_s - slope.value * w.middle_s - stairs.levels[0].late_s) / w.variance_s2, weight += 1.0 / w.variance_s2;
+        measure(r, F, w);
+        if (!std::isfinite(w.variance_s2)) continue;
+        sum += (w.late_s - stairs.slope * w.middle_s - levels[0].late_s) / w.variance_s2;
+        weight += 1.0 / w.variance_s2;
       }
       if (weight > 0.0) r.lost_blocks[k - 1].blocks += sum / weight;
     }
@@ -305,10 +322,10 @@ void find_lost_blocks(CampaignInput& campaign, unsigned threads) {
   parallel_for(found.size(), threads, [&](std::size_t k) { found[k] = steps_of(campaign.records[k]); });
   drop_slight(typical_step(found), found);
   const double block_s = typical_step(found);
+  if (block_s == 0.0) return;
   for (const auto& record : found)
     for (std::size_t k = 0; k < record.size(); ++k)
       if (size_of(record, k) * block_s <= 0.0) return;
-  if (block_s == 0.0) return;
   campaign.block_s = block_s;
   const std::vector<double> common_s = common_times_s(found);
   for (std::size_t k = 0; k < found.size(); ++k) {

@@ -82,7 +82,11 @@ TEST(LostBlocks, TimesOfTheirOwnStayThoseOfTheirRecord) {
 TEST(LostBlocks, TwoClocksThatRunApartAsWellLeaveTheStepsAsTheyAre) {
   const CampaignInput found = searched(sines([](double t, int) { return kBlock_s * lost(t) + 1e-4 * t; }));
   EXPECT_NEAR(found.block_s, kBlock_s, 0.05 * kBlock_s);
-  for (std::size_t k = 2; k < 4; ++k) EXPECT_EQ(found.records[k].lost_blocks.size(), 3u) << k;
+  for (std::size_t k = 2; k < 4; ++k) {
+    const std::vector<LostBlocks>& steps = found.records[k].lost_blocks;
+    ASSERT_EQ(steps.size(), 3u) << k;
+    for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(steps[j].from_s, 70.0 * static_cast<double>(j + 1), 1.0) << k;
+  }
 }
 
 TEST(LostBlocks, NothingElseThatIsLateIsSteps) {
