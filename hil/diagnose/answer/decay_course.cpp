@@ -29,9 +29,11 @@ struct Course {
   double left_V = 0.0, beside_V = 0.0;  // RMS
 };
 
-// A change of frequency is not counted: how the decay goes on after it differs from law to law.
+// A change of frequency is not counted: how the decay goes on after it differs from law to law. Nor is a record asked where the model has
+// effects of its own: what a lag leaves of a straight line is no matter of the decay.
 std::vector<Course> not_exponential(const Workspace& w, const MixedFit& fit, unsigned threads) {
   constexpr double kLeast = 1e-3;  // of the span
+  if (std::ranges::any_of(w.output.candidates, &Candidate::of_model)) return {};
   std::vector<Course> all(w.output.record_of.size());
   parallel_for(all.size(), threads, [&](std::size_t i) {
     const RecordInput& r = w.input.records[w.output.record_of[i]];

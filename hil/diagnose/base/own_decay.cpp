@@ -105,7 +105,8 @@ double lowest_force_of_decay(const RecordInput& record) {
 }
 
 double left_by_decay(const RecordInput& record) {
-  return own_decay(record, choose_rows(record, kRows)).mean_square;
+  const OwnDecay own = own_decay(record, choose_rows(record, kRows));
+  return std::min(own.mean_square, own.static_mean_square);  // the first is huge where the swing grows
 }
 
 }  // namespace forcegate::diagnose
