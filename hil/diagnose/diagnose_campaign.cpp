@@ -92,6 +92,8 @@ Result<Diagnosed> diagnose_late(CampaignRows rows, const EngineOptions& options,
   const EffectKind* kind = EffectRegistry::instance().find("delay");
   delay_force(rows.input, late.delay_s);
   rows.input.has_theta = rows.input.has_command = false;
+  for (RecordInput& r : rows.input.records)
+    for (std::vector<double>* channel : {&r.theta_rad, &r.sin_theta, &r.cos_theta, &r.late_cos_theta, &r.F_cmd_N}) channel->clear();
   FORCEGATE_TRY(Diagnosed out, diagnose_as_recorded(std::move(rows), options));
   const Diagnosis& before = as_recorded.diagnosis;
   Diagnosis& answer = out.diagnosis;
@@ -108,6 +110,8 @@ Result<Diagnosed> diagnose_late(CampaignRows rows, const EngineOptions& options,
   std::erase_if(answer.findings, [&](const Finding& f) { return f.effect == delay.effect; });
   for (const Finding& f : before.findings)
     if (f.unit != answer.unit) answer.findings.push_back(f);
+  if (const auto of_rig = before.errors.find("F"); of_rig != before.errors.end()) answer.errors["F"] = of_rig->second;
+  std::ranges::stable_sort(answer.findings, std::greater<>{}, &Finding::probability);
   answer.findings.insert(std::ranges::find_if(answer.findings, [&](const Finding& f) { return f.probability < kSure; }), std::move(delay));
   if (answer.verdict == DiagnosisVerdict::unknown) answer.residual_unknown = true;
   answer.verdict = DiagnosisVerdict::known;

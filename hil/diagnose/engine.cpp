@@ -107,13 +107,14 @@ void put_in_order(std::vector<Finding>& findings) {
 // hold most of the probability together, are no "none": there is something, and its name is open.
 bool name_is_open(const Diagnosis& d, const std::vector<Finding>& not_borne_out) {
   constexpr double kTogether = 0.8;
-  if (std::ranges::any_of(not_borne_out, [](const Finding& f) { return !is_between_records(f.effect); })) return true;
+  if (std::ranges::any_of(not_borne_out, [](const Finding& f) { return !f.between_records; })) return true;
   if (std::ranges::any_of(d.findings, [](const Finding& f) { return f.name_is_open && f.probability >= kNoClaim; })) return true;
-  double together = 0.0;
-  for (const std::vector<std::string>& set : d.not_separable)
+  return std::ranges::any_of(d.not_separable, [&](const std::vector<std::string>& set) {
+    double together = 0.0;
     for (const Finding& f : d.findings)
       if (std::ranges::find(set, f.effect) != set.end()) together += f.probability;
-  return together >= kTogether;
+    return together >= kTogether;
+  });
 }
 
 void tell_records_far_above(Diagnosis& out) {

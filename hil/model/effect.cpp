@@ -23,6 +23,10 @@ bool is_available(const EffectKind& kind, const CampaignInput& campaign) {
   return std::ranges::all_of(kind.needs, [&](Need need) { return has(campaign, need); });
 }
 
+bool shows_in_levels(const EffectKind& kind) {
+  return kind.traits.between_records || std::ranges::any_of(kind.forms, &EffectForm::outlasts);
+}
+
 bool is_between_records(const std::string& effect) {
   const EffectKind* kind = EffectRegistry::instance().find(effect);
   return kind != nullptr && kind->traits.between_records;

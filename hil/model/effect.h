@@ -64,13 +64,15 @@ struct EffectForm {
   bool bank = false;     ///< the family's most flexible form, used to soak up a wrong form's remains
   bool only_further = false;  ///< beside another form of the family, never in its place
   bool whole = false;    ///< what other forms of the family move one by one: taken where both are asked for, and not asked itself
+  bool outlasts = false; ///< its state runs on from record to record and moves their levels, which are asked first (hil/diagnose/between/outlasting.h)
   bool last = false;     ///< so flexible that it is asked only where nothing else is found, and nothing is asked beside it
   bool from_rig = false; ///< of the output, after what another channel has shown
   bool groups = false;   ///< a column belongs to one group of records each, the first group has none
   RecordedCause cause = {};
   std::string beside = {};  ///< an effect that the model must have: the form is how this one and that one act together
 
-  bool competes() const { return !only_further && !whole; }
+  /// For the rows of the records.
+  bool competes() const { return !only_further && !whole && !outlasts; }
 };
 
 /// By how much of a second an effect of time makes the output late.
@@ -119,6 +121,8 @@ struct EffectKind {
 
 using EffectRegistry = Registry<EffectKind>;
 
+/// Whether the levels of the records, gain and zero, are evidence of it: EffectTraits::between_records, or a form that outlasts a record.
+bool shows_in_levels(const EffectKind& kind);
 /// EffectTraits::between_records by name; false where the registry has none of it.
 bool is_between_records(const std::string& effect);
 /// EffectTraits::timing, likewise.

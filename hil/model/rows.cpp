@@ -236,9 +236,7 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
   out.F_cmd_N = channel("F_cmd");
   out.drive_V = channel("drive");
 
-  out.rate_N_per_s.assign(n_rows, 0.0);
-  for (std::uint32_t r = 1; r + 1 < n_rows; ++r)
-    out.rate_N_per_s[r] = (out.F_N[r + 1] - out.F_N[r - 1]) / (out.t_s[r + 1] - out.t_s[r - 1]);
+  set_rates(out);
 
   out.duration_s = t.back();
   out.start_s = record.start_s.value_or(kMissing);
@@ -252,6 +250,11 @@ Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t
 }
 
 }  // namespace
+
+void set_rates(RecordInput& r) {
+  r.rate_N_per_s.assign(r.rows(), 0.0);
+  for (std::size_t i = 1; i + 1 < r.rows(); ++i) r.rate_N_per_s[i] = (r.F_N[i + 1] - r.F_N[i - 1]) / (r.t_s[i + 1] - r.t_s[i - 1]);
+}
 
 bool follows_hole(const RecordInput& record, std::size_t row, double longest_step_s) {
   constexpr double kAlike = 1.5;

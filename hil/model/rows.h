@@ -27,6 +27,9 @@ Result<RecordInput> make_record_input(const Record& record, std::span<const std:
 Result<RecordInput> take_record_input(Record& record, std::span<const std::uint8_t> bad, double row_step_s,
                                       const RowParts& parts);
 
+/// rate_N_per_s of the rows from F_N: central differences, 0 at both ends.
+void set_rates(RecordInput& record);
+
 /// Whether there is a hole before this row: a step above `longest_step_s`, and not one of several alike, as where a logger goes on more slowly.
 bool follows_hole(const RecordInput& record, std::size_t row, double longest_step_s);
 

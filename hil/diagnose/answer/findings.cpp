@@ -40,6 +40,7 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
     std::snprintf(text, sizeof text, "the error of %s hardly shows it: %s %s without and %s %s with it", judges,
                   plain_number(f.error_before * unit.factor).c_str(), unit.name.c_str(), plain_number(f.error_after * unit.factor).c_str(), unit.name.c_str());
   std::string out = chosen.kind->summary + the_other_way_round(chosen, channel, f) + "; " + text;
+  if (chosen.records.same_strength) out += "; the levels of the records tell the strength that the rows within them tell";
   if (chosen.by_records()) {
     // the decay differs from record to record too: the error of whole records says little of a gain
     std::snprintf(text, sizeof text,
@@ -52,6 +53,7 @@ std::string sentence(const ChosenEffect& chosen, const ResidualChannel& channel,
       out += fmt::format("; with one gain and zero for all, the error of {} falls from {} to {} {}",
                          f.of_every_record ? "every record, predicted from all others," : "records left out",
                          plain_number(f.error_before * unit.factor), plain_number(f.error_after * unit.factor), unit.name);
+    if (chosen.records.same_strength) out += "; the rows within the records tell the same strength";
     return out;
   }
   if (by != JudgedBy::whole && chosen.left_out.excited > 0) {
@@ -88,10 +90,11 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
     f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
     f.parameters = found_parameters(w.input, channel, chosen, &channel == &w.output ? chosen.fit.coefficient[0] * channel.gain_of_unit : 1.0);
+    f.between_records = chosen.between;
     f.error_before = chosen.error_before;
     f.error_after = chosen.error_after;
     f.of_every_record = chosen.of_every_record && w.judges == JudgedBy::heldout;
-    f.effect_rms = chosen.by_records() ? chosen.effect_rms * channel.scale
+    f.effect_rms = chosen.by_records() || chosen.records.same_strength ? chosen.effect_rms * channel.scale
                                        : std::sqrt(std::max(0.0, f.error_before * f.error_before - f.error_after * f.error_after));
     f.records_improved = chosen.left_out.improved;
     f.records_excited = chosen.left_out.excited;

@@ -50,11 +50,12 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
     r.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
     r.score = family.gain;
     r.alone = std::clamp(family.best.fall, 0.0, 1.0);
-    r.visible_from = family.records.valid ? visible_between_records(input, channel, selection.first.base, family, rules)
+    const bool by_levels = family.records.valid && family.kind->traits.between_records;
+    r.visible_from = by_levels ? visible_between_records(input, channel, selection.first.base, family, rules)
                                           : visible_from(channel, family, threshold_of(family.kind->name, rules));
     if (family.best.wrong_sign)
       r.note = "wrong sign";
-    else if (family.records.valid && !(r.visible_from > 0.0) && !is_listed(out, r.effect))
+    else if (by_levels && !(r.visible_from > 0.0) && !is_listed(out, r.effect))
       r.note = "these records would show it at no size";
     for (const ChosenEffect& c : selection.chosen)
       if (c.kind == family.kind) r.probability = c.share_of_family;

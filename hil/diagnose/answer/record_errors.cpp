@@ -37,7 +37,7 @@ void add_records(const Workspace& w, const Selection& selection, Diagnosis& out)
   Judged before = judge(channel, base, base, w.judges), after = judge(channel, final, base, w.judges);
   // what a claim changes between the records, their own gains and zeros would hide
   out.levels = std::any_of(out.findings.begin(), out.findings.end(),
-                           [](const Finding& f) { return f.claimed() && !f.of_samples() && is_between_records(f.effect); });
+                           [](const Finding& f) { return f.claimed() && !f.of_samples() && f.between_records; });
   if (out.levels) {
     before.adapted = judge_levels(channel, base, base, w.judges);
     after.adapted = judge_levels(channel, final, base, w.judges);
@@ -88,7 +88,7 @@ void add_records(const Workspace& w, const Selection& selection, Diagnosis& out)
 bool most_stays(const Workspace& w, const Diagnosis& d) {
   constexpr double kMost = 0.5, kSome = 0.9;  // of the mean square above the floor: what acts on a few rows hardly changes it
   constexpr double kMatters = 0.0015;  // of the span
-  const auto is_within = [&](const Finding& f) { return f.claimed() && !f.of_samples() && f.unit == w.output.unit && !is_between_records(f.effect); };
+  const auto is_within = [&](const Finding& f) { return f.claimed() && !f.of_samples() && f.unit == w.output.unit && !f.between_records; };
   if (d.levels || std::ranges::none_of(d.findings, is_within)) return false;
   const auto above_floor = [&](double error) { return error * error - d.floor * d.floor; };
   const double stays = above_floor(d.error_after) / std::max(1e-300, above_floor(d.error_before));

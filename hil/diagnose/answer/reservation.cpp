@@ -136,7 +136,7 @@ bool is_bump_that_stays(const Asked& a) {
 bool helps_few(const Asked& a) {
   constexpr double kMost = 0.75;
   constexpr int kFewest = 4;
-  return a.f.effect != "hysteresis" && !is_curve(a.f.effect) && !is_between_records(a.f.effect) && a.f.records_excited >= kFewest &&
+  return a.f.effect != "hysteresis" && !is_curve(a.f.effect) && !a.f.between_records && a.f.records_excited >= kFewest &&
          a.f.records_improved < kMost * a.f.records_excited;
 }
 

@@ -114,8 +114,8 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
   const auto cell_of = [&](double x) {
     return static_cast<std::size_t>(std::upper_bound(edge.begin(), edge.end(), x) - edge.begin());
   };
-  // sums per block of rows and cell; a block is predicted by all blocks of other records, or by the other parity of
-  // its own record where there is only one
+  // sums per block of rows and cell; a block is predicted by all blocks of other records, or by the other blocks
+  // of its own record where there is only one
   struct Sum {
     double n = 0.0, e = 0.0, x = 0.0;
   };
@@ -147,7 +147,7 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
         if (here.n == 0.0) continue;
         Sum other = total[cell];
         for (std::size_t q = 0; q < kBlocks; ++q)
-          if (!own_record || (q >= b ? q - b : b - q) <= 0) {
+          if (!own_record || q == b) {
             other.n -= sum[k][q][cell].n;
             other.e -= sum[k][q][cell].e;
           }

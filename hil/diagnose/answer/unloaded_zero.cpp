@@ -91,10 +91,9 @@ void claim_unloaded_zero(const Workspace& w, const MixedFit& fit, Diagnosis& out
   std::erase_if(out.findings, [&](const Finding& f) { return f.effect == drift.effect; });
   out.findings.insert(std::ranges::find_if(out.findings, [](const Finding& f) { return !f.claimed(); }), std::move(drift));
   if (out.verdict == DiagnosisVerdict::known) return;
+  // what made the answer unknown stands within the records, which a zero of each does not explain
+  out.residual_unknown = out.residual_unknown || out.verdict == DiagnosisVerdict::unknown;
   out.verdict = DiagnosisVerdict::known;
-  out.residual_unknown = false;
-  out.depends_on.clear();
-  out.follows.clear();
 }
 
 }  // namespace forcegate::diagnose

@@ -19,7 +19,7 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr int kShapes = 5, kWaves = 4, kFirstShape = 6;
+constexpr int kShapes = 5, kWaves = 4, kSwing = 5, kFirstShape = 6;
 constexpr int kFirstWave = kFirstShape + kShapes, kColumns = kFirstWave + kWaves;
 constexpr double kShapeKnots_s[kShapes] = {3.0, 15.0, 60.0, 240.0, 900.0};
 constexpr double kLargestShift = 12.0;
@@ -110,10 +110,13 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
 }
 
 void add_waves(const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::Index first, int count, Eigen::MatrixXd& Z) {
-  for (int k = 0; k < count; ++k)
-    if (r.duration_s > 60.0 * (k + 1))
-      for (std::size_t j = 0; j < rows.size(); ++j)
-        Z(static_cast<Eigen::Index>(j), first + k) = std::cos(std::numbers::pi * (k + 1) * r.t_s[rows[j]] / r.duration_s);
+  for (int k = 0; k < count; ++k) {
+    if (!(r.duration_s > 60.0 * (k + 1))) continue;
+    auto wave = Z.col(first + k);
+    for (std::size_t j = 0; j < rows.size(); ++j)
+      wave[static_cast<Eigen::Index>(j)] = std::cos(std::numbers::pi * (k + 1) * r.t_s[rows[j]] / r.duration_s);
+    wave.array() -= wave.mean();  // in a block of a recording it has one, which is the zero's
+  }
 }
 
 void add_drive_lag(const RecordInput& r, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
@@ -152,6 +155,17 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
   problem.fixed_prior_sd.head(6) << 10.0, 10.0, 1.0, 1.0, 0.005, 0.3;
 }
 
+void judge_swing(MixedProblem& problem, const std::vector<int>& columns) {
+  constexpr double kNone = 0.003;  // of the gain
+  MixedProblem law = with_columns(problem, columns);
+  std::vector<int> all(columns.size());
+  std::iota(all.begin(), all.end(), 0);
+  const MixedFit own = fit_mixed(law, all);
+  law.fixed_prior_sd[kSwing] = kNone;
+  const MixedFit none = fit_mixed(law, all);
+  if (none.valid && none.log_evidence > own.log_evidence) problem.fixed_prior_sd[kSwing] = kNone;
+}
+
 Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
                                       const std::vector<std::size_t>& rows) {
   const RecordInput& r = w.input.records[index];
@@ -173,7 +187,7 @@ Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,
         Z(row, 3) = g * swing * q * (1.0 - e) / ((1.0 + q) * (1.0 + q));
         Z(row, 4) = (1.0 - D) * g * w.input.range_N;
         // laws a(A), c(A) in volts do not start at the static gain: the swing has a size of its own
-        Z(row, 5) = g * D * swing;
+        Z(row, kSwing) = g * D * swing;
       }
       const auto shape = hats(since);
       for (int k = 0; k < kShapes; ++k)
@@ -294,7 +308,9 @@ void fit_base(Workspace& w, unsigned threads, const std::vector<Candidate>& besi
   constexpr double kOpen = 1.0;                 // of the span: whatever they need
   constexpr double kAbout = 0.3, kLeast = 0.02; // of what is written, of the span
   std::vector<Eigen::MatrixXd> S(n);
-  parallel_for(n, threads, [&](std::size_t k) { S[k] = columns_beside(w, w.input.records[k], beside, rows[k]); });
+  // the first block of a recording has its rows and its force at full rate for all of them
+  const auto whole = [&](std::size_t k) { return std::ranges::find(w.input.records, w.input.records[k].recording, &RecordInput::recording); };
+  parallel_for(n, threads, [&](std::size_t k) { S[k] = columns_beside(w, *whole(k), beside, rows[k]); });
   const auto ns = static_cast<int>(S.front().cols());
   std::vector<int> columns(static_cast<std::size_t>(ns));
   std::iota(columns.begin(), columns.end(), 0);

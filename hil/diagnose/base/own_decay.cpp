@@ -27,6 +27,7 @@ std::vector<double> warmth_of(const RecordInput& r) {
 
 OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std::size_t>& rows) {
   constexpr int kRates = 14, kWarmGain = 5, kDecay = 6, kOutput = 7;
+  constexpr double kFinest = 0.005;  // of ln rate
   using Row = Eigen::Matrix<double, kOutput + 1, 1>;
   using Moments = Eigen::Matrix<double, kOutput + 1, kOutput + 1>;
   OwnDecay best;
@@ -62,18 +63,25 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
   // a decay that the temperature happens to go with would need a sensor that no maker sells
   const Eigen::VectorXd warm = fit(moments_at(0.0), kDecay).first;
   if (!(std::abs(warm[kWarmGain]) < kMostPerDegree * std::abs(warm[1]))) std::ranges::fill(warmth, 0.0);
-  for (int step = 0; step < kRates; ++step) {
-    const double rate =
-        std::exp(std::log(0.3 / longest) + step * (std::log(0.3) - std::log(0.3 / longest)) / (kRates - 1));
+  const auto try_rate = [&](double rate) {
     const Moments M = moments_at(rate);
-    if (step == 0) best.static_mean_square = fit(M, kDecay).second;
+    best.static_mean_square = fit(M, kDecay).second;
     const auto [c, mean_square] = fit(M, kDecay + 1);
     const double depth = c[1] != 0.0 ? c[kDecay] / c[1] : 0.0;
-    if (!(depth > 0.0 && depth < 1.1) || mean_square >= best.mean_square) continue;
+    if (!(depth > 0.0 && depth < 1.1) || mean_square >= best.mean_square) return;
     best.mean_square = mean_square;
     best.rate_per_s = rate;
     best.depth = std::min(depth, 0.99);
+  };
+  const double slowest = std::log(0.3 / longest), between = (std::log(0.3) - slowest) / (kRates - 1);
+  for (int step = 0; step < kRates; ++step) try_rate(std::exp(slowest + step * between));
+  // a rate of the grid is off by up to a third of itself, and a deep decay shows that
+  for (double h = 0.5 * between; best.rate_per_s > 0.0 && h > kFinest; h *= 0.5) {
+    const double middle = best.rate_per_s;
+    for (const double factor : {std::exp(-h), std::exp(h)}) try_rate(middle * factor);
   }
+  // nothing decays: a straight line is a decay of no depth
+  best.mean_square = std::min(best.mean_square, best.static_mean_square);
   return best;
 }
 
@@ -105,8 +113,7 @@ double lowest_force_of_decay(const RecordInput& record) {
 }
 
 double left_by_decay(const RecordInput& record) {
-  const OwnDecay own = own_decay(record, choose_rows(record, kRows));
-  return std::min(own.mean_square, own.static_mean_square);  // the first is huge where the swing grows
+  return own_decay(record, choose_rows(record, kRows)).mean_square;
 }
 
 }  // namespace forcegate::diagnose

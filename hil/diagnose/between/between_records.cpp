@@ -7,6 +7,7 @@
 #include "hil/base/rng.h"
 #include "hil/diagnose/base/record_part.h"
 #include "hil/diagnose/between/mounting_places.h"
+#include "hil/diagnose/between/outlasting.h"
 #include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/between/record_questions.h"
 #include "hil/model/lagged_channel.h"
@@ -122,7 +123,10 @@ std::vector<RecordQuestion> asked_of_static(const std::vector<RecordQuestion>& q
   if (rows.size() == cyclic.size() || rows.size() < kFewest) return out;
   for (const RecordQuestion& q : questions) {
     RecordQuestion part{{q.series.value(rows), q.series.variance(rows), {}, {}, q.series.typical_scatter}, {}};
-    for (const Index i : rows) part.series.session.push_back(q.series.session[static_cast<std::size_t>(i)]);
+    for (const Index i : rows) {
+      part.series.session.push_back(q.series.session[static_cast<std::size_t>(i)]);
+      if (!q.series.alike.empty()) part.series.alike.push_back(q.series.alike[static_cast<std::size_t>(i)]);
+    }
     for (const RecordPredictor& p : q.predictors)
       if (RecordPredictor own{p.column(rows, Eigen::all), p.weight, p.positive, p.alone}; normalise(own) > 0.0) part.predictors.push_back(std::move(own));
     out.push_back(std::move(part));
@@ -216,8 +220,10 @@ RecordPart whole_record(const MixedProblem& p, const MixedFit& fit, std::size_t 
 }  // namespace
 
 bool asks_between_records(const FamilyScore& family) {
-  return family.kind->traits.between_records && family.records.valid && family.gain <= family.records.gain;
+  return shows_in_levels(*family.kind) && family.records.valid && family.gain <= family.records.gain;
 }
+
+double standing(const FamilyScore& family) { return family.gain + (asks_between_records(family) ? family.records.prior : 0.0); }
 
 RecordLevels record_levels(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& fit) {
   const MixedProblem& p = channel.problem;
@@ -263,13 +269,13 @@ namespace {
 
 // Records whose load travels far more than that of the quiet ones.
 std::vector<int> cycled(const CampaignInput& input, const ResidualChannel& channel) {
-  constexpr double kFar = 4.0, kQuiet = 0.25;  // times their speed; the quantile of the campaign that they are
+  constexpr double kFar = 4.0, kQuiet = 0.25, kSlow = 0.02;  // times their speed; the quantile of the campaign that they are; ranges a second: holds have none
   std::vector<double> speed;
   for (const std::size_t k : channel.record_of) {
     const RecordInput& r = input.records[k];
     speed.push_back(r.duration_s > 0.0 && !r.travel_N.empty() ? r.travel_N.back() / r.duration_s : 0.0);
   }
-  const double quiet = quantile(speed, kQuiet);
+  const double quiet = std::max(quantile(speed, kQuiet), kSlow * input.range_N);
   std::vector<int> out;
   for (const double v : speed) out.push_back(v > kFar * quiet ? 1 : 0);
   return out;
@@ -286,11 +292,16 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
   if (input.single || !result.base.valid) return;
   const RecordLevels of_all = record_levels(input, channel, result.base);
   for (FamilyScore& family : result.families) {
-    if (!family.kind->traits.between_records) continue;
+    if (!shows_in_levels(*family.kind)) continue;
     const RecordLevels levels = levels_for(*family.kind, input, channel, of_all);
-    const Answer answer = evidence(channel, levels, ask(channel, levels, *family.kind));
+    const FamilyQuestion asked = ask(channel, levels, *family.kind);
+    const Answer answer = evidence(channel, levels, asked);
     family.records = answer.evidence;
     if (!answer.evidence.valid) continue;
+    if (!family.kind->traits.between_records && family.gain >= answer.evidence.gain) {
+      prefer_what_both_tell(channel, levels, asked, present, result.base, rules, family);
+      continue;
+    }
     // rows of a course that may be any follow whatever else changes slowly
     if (!family.best.wrong_sign && candidate_of(channel, family.best.variant).form->cause.of_record) family.records.within = std::max(0.0, family.gain);
     // waves of the campaign's time say nothing of what happens within a record
@@ -316,7 +327,6 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
     family.best = std::move(best);
   }
   set_priors(channel, result);
-  const auto standing = [](const FamilyScore& f) { return f.gain + (asks_between_records(f) ? f.records.prior : 0.0); };
   std::stable_sort(result.families.begin(), result.families.end(), [&](const FamilyScore& a, const FamilyScore& b) { return standing(a) > standing(b); });
 }
 

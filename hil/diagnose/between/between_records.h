@@ -27,6 +27,9 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
 /// Whether its evidence is that of one number for each record, and not that of the rows within them.
 bool asks_between_records(const FamilyScore& family);
 
+/// What a family ranks by: its gain, and the prior of a cause that nobody recorded where the levels of the records are its evidence.
+double standing(const FamilyScore& family);
+
 /// From which RMS on (share of the span, over all records) the family would pass on these records: what its best variant adds is
 /// taken away from the records and put back at growing size, until the rule that claims is met; 0 where it never is.
 double visible_between_records(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,

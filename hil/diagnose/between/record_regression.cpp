@@ -21,7 +21,11 @@ struct Best {
   double size = 0.0;
   MatrixXd covariance_of(const RecordSeries& series) const { return covariance(series, scatter, more); }
   // of each record by itself; what a session shares does not make one of its records count less than another
-  VectorXd weight_of(const RecordSeries& series) const { return covariance(series, scatter, {.cyclic = more.cyclic}).diagonal().cwiseInverse(); }
+  VectorXd weight_of(const RecordSeries& series) const {
+    RecordSeries own = series;
+    own.alike.clear();
+    return covariance(own, scatter, {.cyclic = more.cyclic}).diagonal().cwiseInverse();
+  }
 };
 
 // Errors of records predicted from the others under a covariance, mu flat: (P y)_i / P_ii.

@@ -31,7 +31,7 @@ struct Scatter {
 /// Even in ln s, from far below the spread of the values to beyond it.
 std::vector<Scatter> scatters(const RecordSeries& series);
 
-/// diag(v) + s^2 (I + k G + l H + w K).
+/// diag(v) + s^2 (I + k G + l H + w K + 1000 A), A_ij = 1 where i and j are RecordSeries::alike.
 Eigen::MatrixXd covariance(const RecordSeries& series, double scatter, const RecordStructure& more);
 
 /// ln of the variance of a record beside that of its measurement, its own, its session's and its course's: under the model without x these may hold what

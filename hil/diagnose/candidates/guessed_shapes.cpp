@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/candidates/signatures.h"
@@ -14,7 +15,7 @@ namespace forcegate::diagnose {
 
 namespace {
 
-constexpr double kWorthMoving = 3.0;  // nats
+constexpr double kWorthMoving = 3.0, kWorthAnotherForm = 20.0;  // nats
 
 // Of the model; and of what acts together with this effect, which would bend its shape where it is missing: `companion`, or (-1) the form that
 // it has alone.
@@ -38,6 +39,16 @@ int companion_of(const ResidualChannel& channel, const Candidate& own) {
         form.beside == own.kind->name && form.name == kBehind && form.shape.size() == own.form->shape.size())
       return static_cast<int>(k);
   return -1;
+}
+
+// Those that have as many shapes and strengths, and would take its place.
+std::vector<const EffectForm*> other_forms(const Candidate& written, const CampaignInput& input) {
+  std::vector<const EffectForm*> out;
+  for (const EffectForm& form : written.kind->forms)
+    if (&form != written.form && form.competes() && !form.last && form.beside.empty() && form.shape.size() == written.form->shape.size() &&
+        form.strength.size() == written.form->strength.size() && !form.grid(input).empty())
+      out.push_back(&form);
+  return out;
 }
 
 }  // namespace
@@ -66,18 +77,38 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     const int variant = static_cast<int>(channel.variants.size());
     channel.variants.push_back({static_cast<int>(own), columns_of(written)});
     std::vector<double> best_shape = written.shape;
-    double best = -1e300;
+    double best = -1e300, left = 0.0;
     const auto gain_at = [&](const std::vector<double>& shape) {
       move(own, shape, &looked_at);
       if (companion >= 0) move(static_cast<std::size_t>(companion), shape, &looked_at);
-      const double gain = score_variant(channel, present, base, variant, nullptr).gain;
-      if (gain > best) best = gain, best_shape = shape;
-      return gain;
+      const VariantScore score = score_variant(channel, present, base, variant, nullptr);
+      if (score.gain > best) best = score.gain, best_shape = shape, left = excess_mean_square(channel, score.fit);
+      return score.gain;
+    };
+    const auto search = [&](const EffectForm& form) {
+      for (const std::vector<double>& shape : form.grid(w.input)) gain_at(shape);
+      climb(form, best_shape, gain_at);
     };
     const double as_written = gain_at(written.shape);
-    for (const std::vector<double>& shape : written.form->grid(w.input)) gain_at(shape);
-    climb(*written.form, best_shape, gain_at);
-    const bool moves = best > as_written + kWorthMoving;
+    search(*written.form);
+    bool moves = best > as_written + kWorthMoving;
+    // nor does a guess know whether it is one pole or two
+    for (const EffectForm* other : other_forms(written, w.input)) {
+      if (left < allowed_rms(channel) * allowed_rms(channel)) break;
+      const EffectForm* const stood = channel.candidates[own].form;
+      const std::vector<double> shape_before = std::exchange(best_shape, other->grid(w.input).front());
+      const double gain_before = std::exchange(best, -1e300), left_before = left;
+      channel.candidates[own].form = other;
+      search(*other);
+      if (best > gain_before + kWorthAnotherForm) {
+        moves = true;
+        continue;
+      }
+      channel.candidates[own].form = stood;
+      best_shape = shape_before;
+      best = gain_before;
+      left = left_before;
+    }
     move(own, moves ? best_shape : written.shape, nullptr);
     if (companion >= 0) move(static_cast<std::size_t>(companion), companion_stood, nullptr);
     channel.variants.pop_back();
@@ -85,8 +116,9 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     const Candidate& c = channel.candidates[own];
     for (std::size_t k = 0; k < c.shape.size(); ++k)
       if (c.shape[k] != written.shape[k])
-        w.input.notes.push_back(fmt::format("the model's {} was a guess: {} = {:.3g}{} fits these records, {:.3g} is written", written.kind->name,
-                                            written.form->shape[k].name, c.shape[k], written.form->shape[k].unit == "1" ? "" : " " + written.form->shape[k].unit, written.shape[k]));
+        w.input.notes.push_back(fmt::format("the model's {} was a guess: {} = {:.3g}{}{} fits these records, {:.3g}{} is written", written.kind->name,
+                                            written.form->shape[k].name, c.shape[k], written.form->shape[k].unit == "1" ? "" : " " + written.form->shape[k].unit,
+                                            c.form == written.form ? "" : " of form " + c.form->name, written.shape[k], c.form == written.form ? "" : " of form " + written.form->name));
   }
 }
 

@@ -56,12 +56,13 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     if (!chosen.between && w.judges == JudgedBy::heldout && chosen.error_after > kHardly * chosen.error_before)
       chosen.borne_out = chosen.borne_out && knows_strength(channel, chosen.fit, chosen.columns);
     // a handful of fit records does not reach to the held-out ones: each record is asked from all others
-    if (!chosen.borne_out && (chosen.by_records() || !chosen.between)) {
+    const bool by_levels = chosen.by_records() || chosen.records.same_strength;
+    if (!chosen.borne_out && (by_levels || !chosen.between)) {
       const MixedFit freedom = chosen.between ? without_levels(channel, selection.base) : selection.base;
       const double all_before = left_out_of_all(channel, chosen.variant, *before, freedom), all_after = left_out_of_all(channel, chosen.variant, chosen.fit, freedom);
       // where the held-out ones get plainly worse by it, whoever takes it in gets a worse model
       const bool worse = chosen.error_after > kPlainlyWorse * chosen.error_before;
-      const bool told = !worse && chosen.by_records() && chosen.records.left_out <= kPlainly * kPlainly && all_after < all_before;
+      const bool told = !worse && by_levels && chosen.records.left_out <= kPlainly * kPlainly && all_after < all_before;
       if (told || all_after <= kPlainly * all_before) {
         chosen.error_before = all_before;
         chosen.error_after = all_after;
@@ -78,6 +79,7 @@ std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selecti
   for (const ChosenEffect& chosen : selection.chosen) {
     if (chosen.borne_out) continue;
     Finding f = finding_about(*chosen.kind, channel.unit);
+    f.between_records = chosen.between;
     f.probability = chosen.share_of_family;
     f.evidence = chosen.kind->summary;
     f.limit(kNoClaim, kDoesNotFall);

@@ -11,6 +11,7 @@
 #include "hil/diagnose/choose/refine.h"
 #include "hil/diagnose/choose/screen.h"
 #include "hil/diagnose/choose/select.h"
+#include "hil/model/rows.h"
 #include "hil/model/states.h"
 
 namespace forcegate::diagnose {
@@ -23,7 +24,7 @@ constexpr const char* kOnePole = "one_pole";
 
 const Candidate* guessed_lag(const ResidualChannel& channel) {
   for (const Candidate& c : channel.candidates)
-    if (c.is_guess && c.kind->name == kLag && c.form->name == kOnePole) return &c;
+    if (c.is_guess && c.kind->name == kLag) return &c;
   return nullptr;
 }
 
@@ -134,11 +135,12 @@ void delay_force(CampaignInput& campaign, double delay_s) {
   const RecordInput* whole = nullptr;  // the first block of a recording, which alone has the force at full rate
   for (RecordInput& r : campaign.records) {
     if (r.fast_F_N.empty()) {
-      if (whole != nullptr && whole->recording == r.recording) r.F_N = whole->F_N;
+      if (whole != nullptr && whole->recording == r.recording) r.F_N = whole->F_N, r.rate_N_per_s = whole->rate_N_per_s;
       continue;
     }
     r.wanted.clear();
     r.F_N = delayed_rows(r, delay_s);
+    set_rates(r);
     const std::vector<double>&t = r.fast_t_s, F = r.fast_F_N;
     for (std::size_t k = 0, j = 0; k < t.size() && t.size() > 1; ++k) {
       const double at = t[k] - delay_s;

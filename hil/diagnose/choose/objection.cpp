@@ -125,7 +125,9 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
   const CrossFit& left = chosen.left_out;
   const bool of_typical = rules.typical_record && left.helps() && !left.blocks && left.log_ratio > std::max(kOfTypical, 2.0 * left.log_ratio_error);
   const bool explains_its_own = of_typical || (rules.where_it_acts && left.share > (first ? rules.first_fall : rules.later_fall));
-  const bool leaves_most = !explains_its_own && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
+  // and what the levels of the records tell too is in them, not in what these leave
+  const bool told_twice = chosen.records.same_strength;
+  const bool leaves_most = !explains_its_own && !told_twice && chosen.fall < (first ? rules.first_fall : rules.later_fall) &&
       family.best.total_fall < (first ? rules.first_total_fall : rules.later_total_fall) &&
       !(first && family.gain > rules.sure_gain && family.best.total_fall > rules.sure_total_fall);
   chosen.stands_out = leaves_most && stands_out(channel, result, family, chosen, earlier);
@@ -141,7 +143,7 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
   const double where = rules.where_it_acts && chosen.left_out.excited > 0 && !chosen.left_out.blocks
                            ? std::sqrt(static_cast<double>(chosen.left_out.parts) / chosen.left_out.excited)
                            : 1.0;
-  const double seen_rms = where * std::max(removed_rms, total_rms);
+  const double seen_rms = std::max(where * std::max(removed_rms, total_rms), told_twice ? chosen.effect_rms : 0.0);
   if (seen_rms < rules.smallest_rms || seen_rms < (chosen.left_out.blocks ? kOfStepsInFew : kOfSteps) * steps_rms) return Refusal::too_small;
   if (seen_rms < kOfSmoothed * smoothed_rms(channel)) return Refusal::too_small;
   if (family.kind->traits.timing && seen_rms < std::max(kLeastOfTime, kOfNoise * allowed_rms(channel))) return Refusal::too_small;
@@ -150,7 +152,7 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
   const bool helps_all = !chosen.left_out.blocks && chosen.left_out.improved == chosen.left_out.excited && name != "backlash";
   const bool known_form = family.kind->traits.known_form || (chosen.between && !chosen.by_records());
   const double same = takes_nearly_all(chosen) ? kSameOfNearlyAll : kSameOfKnownForm;
-  if (known_form ? chosen.strength_scatter > same : chosen.strength_scatter > kSameStrength && !helps_all)
+  if (!told_twice && (known_form ? chosen.strength_scatter > same : chosen.strength_scatter > kSameStrength && !helps_all))
     return Refusal::differs;
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *
@@ -158,7 +160,7 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
       !takes_the_rest(family, chosen, earlier) && !chosen.seen_in_place)
     return Refusal::within_form;
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return Refusal::in_few_records;
-  if (!chosen.describes_whole && (!chosen.left_out.helps() || chosen.left_out.share < 0.02))
+  if (!chosen.describes_whole && !told_twice && (!chosen.left_out.helps() || chosen.left_out.share < 0.02))
     return chosen.left_out.blocks ? Refusal::helps_no_parts : Refusal::helps_no_records;
   const bool is_shift = family.kind->traits.shift == TimeShift::first_shape && family.kind->traits.known_form && rules.row_step_s > 0.0 &&
                         std::abs(shift_s(channel, family)) >= rules.row_step_s;

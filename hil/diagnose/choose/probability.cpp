@@ -24,11 +24,10 @@ bool cause_differs(const CampaignInput& campaign, const ChannelFacts& channel, c
 
 double probability_that_real(const CampaignInput& input, const ChannelFacts& channel, const ChosenEffect& chosen) {
   constexpr double kPlain = 40.0;  // nats
-  if (!chosen.between) return chosen.stands_out ? 0.75 : chosen.gain > kPlain ? 0.98 : 0.90;
+  if (!chosen.by_records()) return chosen.stands_out ? 0.75 : chosen.gain > kPlain ? 0.98 : 0.90;
   const double prior_odds = cause_differs(input, channel, chosen) ? 0.25 : 0.0625;
   double factor = std::exp(std::min(50.0, chosen.gain));
-  const bool records_alone = chosen.by_records() && chosen.gain <= chosen.records.gain;
-  if (records_alone) factor = std::min(factor, bayes_factor_bound(chosen.chance));
+  if (chosen.gain <= chosen.records.gain) factor = std::min(factor, bayes_factor_bound(chosen.chance));
   const double odds = prior_odds * factor;
   return std::min(0.98, odds / (1.0 + odds));
 }

@@ -5,7 +5,7 @@
 
 namespace forcegate::diagnose {
 
-/// Evidence between records is honest, since n counts records: posterior odds against a prior of 1 in 20, of 1 in 5 where the cause was recorded
+/// Evidence between records is honest, since n counts records: posterior odds against prior odds of 1 : 16, of 1 : 4 where the cause was recorded
 /// and differed, at most 0.98. Within records the evidence counts rows that hang together and is only a scale: 0.75, 0.90 or 0.98.
 double probability_that_real(const CampaignInput& input, const ChannelFacts& channel, const ChosenEffect& chosen);
 

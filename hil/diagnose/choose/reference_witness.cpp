@@ -38,6 +38,25 @@ EffectKind rig_misfit(bool turns) {
   return out;
 }
 
+// The witness is the last but for the zero of the angle.
+double strength_of_misfit(const ResidualChannel& channel, const Candidate& misfit, const MixedFit& fit) {
+  const auto at = std::ranges::find(fit.columns, misfit.first) - fit.columns.begin();
+  return fit.coefficient[channel.problem.n_fixed + at];
+}
+
+// On a wheel that turns evenly a loop of the sensor goes nearly as the sine of the angle. A zero of the angle that only the output asks for, and
+// beside which the reference is further off the rig's law than without, is none.
+bool rig_shows_angle_zero(const ResidualChannel& channel, const Candidate& misfit, const MixedFit& fit) {
+  const double share = strength_of_misfit(channel, misfit, fit), zero = fit.coefficient[fit.coefficient.size() - 1];
+  const int first = channel.problem.nz + misfit.first;
+  double with_sine = 0.0, of_sine = 0.0;
+  for (const RecordGram& record : channel.problem.records) {
+    with_sine += record.gram(first, first + 1);
+    of_sine += record.gram(first + 1, first + 1);
+  }
+  return share != 0.0 && zero / share * (2.0 * with_sine + zero / share * of_sine) < 0.0;
+}
+
 }  // namespace
 
 AgainstReference against_reference(const CampaignInput& input, ResidualChannel& channel, const Selection& selection, unsigned threads) {
@@ -56,7 +75,13 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
   fill_candidate(input, channel, placed, threads);
 
   const auto with_witness = [&](std::vector<int> columns) {
-    for (int j = 0; j < placed.count; ++j) columns.push_back(placed.first + j);
+    columns.push_back(placed.first);
+    if (placed.count > 1) {
+      std::vector<int> turned = columns;
+      turned.push_back(placed.first + 1);
+      MixedFit fit = fit_mixed(channel.problem, turned, &selection.claimed, 12, RecordUse::all_records);
+      if (fit.valid && rig_shows_angle_zero(channel, placed, fit)) return fit;
+    }
     return fit_mixed(channel.problem, columns, &selection.claimed, 12, RecordUse::all_records);
   };
   // what takes the evidence of claims away has about as much of its own; most campaigns end here
@@ -72,7 +97,7 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
   };
   const auto beside = [&](const std::vector<int>& columns) {
     Beside b{fit_mixed(channel.problem, columns, &selection.claimed, 12, RecordUse::all_records), with_witness(columns)};
-    if (b.with.valid) b.share = b.with.coefficient[b.with.coefficient.size() - placed.count] * channel.gain_of_unit / b.with.coefficient[0];
+    if (b.with.valid) b.share = strength_of_misfit(channel, placed, b.with) * channel.gain_of_unit / b.with.coefficient[0];
     return b;
   };
   const Beside claimed = beside(selection.claimed.columns);
@@ -82,8 +107,9 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
       if (!is_asked(c)) add_columns(others, columns_of(channel, c));
     const Beside b = beside(others);
     if (!b.without.valid || !b.with.valid || !claimed.with.valid || !(std::abs(b.share - 1.0) < kAgrees)) return false;
+    if (claimed.with.log_evidence - b.with.log_evidence >= kKept * (claimed.without.log_evidence - b.without.log_evidence)) return false;
     out.share = b.share;
-    return claimed.with.log_evidence - b.with.log_evidence < kKept * (claimed.without.log_evidence - b.without.log_evidence);
+    return true;
   };
   const bool all = is_needless(within);
   for (const ChosenEffect& c : selection.chosen)
@@ -94,7 +120,7 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
 void withdraw_against_reference(const AgainstReference& against, const std::string& rig_unit, Diagnosis& out) {
   if (against.effects.empty()) return;
   for (Finding& f : out.findings)
-    if (!f.of_samples() && (std::ranges::find(against.effects, f.effect) != against.effects.end() || (f.unit == rig_unit && !is_between_records(f.effect))))
+    if (!f.of_samples() && (std::ranges::find(against.effects, f.effect) != against.effects.end() || (f.unit == rig_unit && !f.between_records)))
       f.limit(kWithdrawn, "the output and the rig agree about it, and the reference alone departs from both");
   out.notes.push_back(fmt::format("the reference itself is off: what the output misses of it ({}) is what it has too much by the rig's law, in the same size ({:.2f} times)",
                                   fmt::join(against.effects, ", "), against.share));

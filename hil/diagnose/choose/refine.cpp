@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/between/between_records.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/candidates/spare_room.h"
 #include "hil/diagnose/choose/select.h"
@@ -135,7 +136,7 @@ void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const 
     // the user's own equation starts where the user guessed: it is always given its chance
     const bool own = EffectRegistry::instance().find(family.kind->name) != family.kind;
     // a handful of records does not settle a shape: its evidence stays the mean over the grid
-    if (family.kind->traits.between_records) continue;
+    if (family.kind->traits.between_records || candidate_of(channel, family.best.variant).form->outlasts) continue;
     if (!own && (family.gain < reach || refined == kMostFamilies)) continue;
     SpareRoom room(channel);
     const double before = family.gain;
@@ -148,8 +149,7 @@ void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const 
     }
     family = coarse;
   }
-  std::stable_sort(result.families.begin(), result.families.end(),
-                   [](const FamilyScore& a, const FamilyScore& b) { return a.gain > b.gain; });
+  std::stable_sort(result.families.begin(), result.families.end(), [](const FamilyScore& a, const FamilyScore& b) { return standing(a) > standing(b); });
 }
 
 }  // namespace forcegate::diagnose

@@ -166,7 +166,8 @@ VariantScore score_from(const ResidualChannel& channel, const std::vector<int>& 
     columns.push_back(j);
   }
   score.fit = fit_mixed(channel.problem, columns, warm != nullptr ? warm : &base, iterations, base.use);
-  if (warm == nullptr && channel.candidates[static_cast<std::size_t>(variant.candidate)].kind->traits.between_records) {
+  const Candidate& candidate = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  if (warm == nullptr && (candidate.kind->traits.between_records || candidate.form->outlasts)) {
     MixedFit other = from_records_that_repeat(channel, columns, base, iterations);
     if (other.valid && other.log_evidence > score.fit.log_evidence) score.fit = std::move(other);
   }

@@ -27,6 +27,7 @@ struct RecordEvidence {
   double explained = 0.0;  ///< share of the spread between records (a variance) that goes away
   double left_out = 1.0;   ///< mean square error of records predicted from the others, over the same without the effect
   double prior = 0.0;      ///< nats against its rivals: a cause that nobody recorded may be any that changes as slowly
+  bool same_strength = false;  ///< of a form that outlasts a record: the rows within the records tell the same strength
   double within = 0.0;     ///< log evidence of the rows within the records, where they follow a cause that was recorded
 };
 
@@ -76,7 +77,7 @@ double excess_mean_square(const ResidualChannel& channel, const MixedFit& fit);
 /// Share of the adapted mean square of the records of a fit that goes away between two fits.
 double total_fall(const ResidualChannel& channel, const MixedFit& before, const MixedFit& after);
 
-/// Signed size of what the columns add: RMS over rows, sign from the strengths weighted by their columns' size.
+/// RMS over rows of what the columns add, share of the span.
 double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns);
 
 }  // namespace forcegate::diagnose

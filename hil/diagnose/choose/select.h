@@ -60,7 +60,7 @@ struct SelectionRules {
   double first_gain = 14.0, later_gain = 20.0;
   std::map<std::string, double> form_gain;  ///< forms of what every bench does a little must reach more
   double between_gain =
-      3.0;  ///< nats. One in twenty campaigns has a given effect of this kind: even odds are left
+      3.0;  ///< nats. Prior odds of a given effect of this kind are 1 : 16: even odds are left
   double between_fall = 0.5;  ///< share of the spread between records (a variance) that it must explain
   double between_course_fall =
       0.75;  ///< the same where it follows no record of its cause: sessions of a bench look alike
@@ -102,7 +102,7 @@ void leave_out(const ResidualChannel& channel, const std::function<bool(const Ch
 ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channel, const MixedFit& base, const FamilyScore& family,
                        const SelectionRules& rules);
 
-/// |cos| between what two sets of columns add, after the base law and the repeatability are projected off.
+/// Cosine between what two sets of columns add, after the base law and the repeatability are projected off.
 double signature_cosine(const ResidualChannel& channel, const MixedFit& base, const MixedFit& a,
                         const std::vector<int>& columns_a, const MixedFit& b,
                         const std::vector<int>& columns_b);

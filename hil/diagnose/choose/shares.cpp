@@ -33,7 +33,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
                 ChosenEffect& chosen) {
   const double top = chosen.gain;
   const FamilyScore& leader = result.families[place];
-  const double temperature = chosen.between ? 1.5 : nats_of_rows(top);
+  const double temperature = nats_of_rows(top);
   constexpr double kOfWhatIsLeft = 3.0;
   double sum = 0.0;
   std::vector<double> weight(result.families.size(), 0.0);

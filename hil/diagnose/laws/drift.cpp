@@ -116,6 +116,7 @@ DriftFit best_fit(const DriftBlocks& b, const std::vector<char>& kept, const Dri
   best.shape = 1.0;
   double error = solve(b, kept, best);
   if (&law == &kLaws.front()) return best;
+  if (law.shape_low != nullptr) error = 1e300;  // 1 may be beyond its bounds
   const auto shape_error = [&](double onset_s, double shape, DriftFit& fit) {
     fit.law = &law, fit.onset_s = onset_s, fit.shape = shape;
     return solve(b, kept, fit);

@@ -33,15 +33,14 @@ namespace {
 std::optional<HealthClaim> claim_of_hum(const std::vector<RecordHealth>& health, const HealthScales& scales) {
   for (const double mains_Hz : kMains_Hz) {
     if (!is_hum(records_of_hum(health, scales, mains_Hz))) continue;
-    std::vector<double> amplitude_V;
-    double line_Hz = 0.0;
+    std::vector<double> amplitude_V, line_Hz;
     for (const RecordHealth& h : health)
       if (may_be_of_mains(h.hum_Hz, mains_Hz, h.rate_Hz) && shows_hum(h, scales)) {
         amplitude_V.push_back(h.hum_V);
-        line_Hz = h.hum_Hz;
+        line_Hz.push_back(h.hum_Hz);
       }
     const double middle_V = quantile(amplitude_V, 0.5);
-    return HealthClaim{"hum", 0.95, "a line at " + std::to_string(line_Hz).substr(0, 5) + " Hz stands in the output and not in the force",
+    return HealthClaim{"hum", 0.95, "a line at " + std::to_string(quantile(line_Hz, 0.5)).substr(0, 5) + " Hz stands in the output and not in the force",
                        "amplitude_V", scales.unit, middle_V, 0.1 * middle_V};
   }
   return std::nullopt;

@@ -46,7 +46,7 @@ bool StepsOfOutput::calm_behind(std::size_t end, double from_V) const {
 
 bool StepsOfOutput::falls_at(std::size_t i) const {
   if (i < 2 || !std::isfinite(U_[i - 1]) || !calm_before(i)) return false;
-  const auto [low, high] = std::minmax({F_[i - 2], F_[i - 1], F_[i]});
+  const auto [low, high] = spread_of_present(F_.subspan(i - 2, 3));
   return exceeds(std::abs(U_[i - 1] - U_[i]), high - low);
 }
 

@@ -142,8 +142,9 @@ HealthScales health_scales(const Campaign& campaign) {
 
 namespace {
 
-// Among spikes with tails, a short one at the low end is one of them that the end of the range cuts off.
-void count_zeros(bool among_spikes, RecordHealth& out) {
+// Among spikes with tails, a short one at the low end is one of them that the end of the range cuts off. Lone ones that all fall to one level
+// (`lone_fall`) are lost samples, others may be spikes.
+void count_zeros(bool among_spikes, bool lone_fall, RecordHealth& out) {
   const auto is_zero = [&](std::size_t i) { return out.bad[i] == static_cast<std::uint8_t>(BadSample::zero); };
   for (std::size_t i = 0; i < out.bad.size(); ++i) {
     if (!is_zero(i)) continue;
@@ -151,7 +152,7 @@ void count_zeros(bool among_spikes, RecordHealth& out) {
     while (end < out.bad.size() && is_zero(end)) ++end;
     const std::size_t length = end - i;
     const bool of_spikes = among_spikes && length <= kLongestSpike;
-    (of_spikes || length == 1 ? out.lone_zeros : out.zeros) += length;
+    (of_spikes || (length == 1 && !lone_fall) ? out.lone_zeros : out.zeros) += length;
     out.zero_runs += of_spikes ? 0 : 1;
     i = end;
   }
@@ -256,10 +257,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   spike.resize(alone);
   spike_level.resize(alone);
   const LoneSpikes lone{U, spike, spike_level};
+  bool lone_fall = false;
   if (fall_to_one_level(lone, near_V)) {
     for (std::size_t k = 0; k < spike.size(); ++k) mark(spike[k], BadSample::zero, U[spike[k]] - spike_level[k]);
-    out.zeros += spike.size();
-    out.zero_runs += spike.size();
+    lone_fall = true;
     spike.clear(), spike_level.clear();
   }
   const double bit_V = common_bit_V(lone, bench.voltage_max_V - low_rail, scales.U_range_V);
@@ -277,7 +278,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   out.top_V = *std::max_element(U.begin(), U.end(), [](double a, double b) {
     return (std::isfinite(a) ? a : -1e300) < (std::isfinite(b) ? b : -1e300);
   });
-  const RunScales of_runs{.gain_V_per_N = gain, .U_range_V = scales.U_range_V, .noise_F_N = out.noise_F_N, .noise_U_V = out.noise_U_V, .lsb_U_V = out.lsb_U_V,
+  const RunScales of_runs{.gain_V_per_N = gain, .U_range_V = scales.U_range_V, .noise_F_N = out.noise_F_N, .noise_U_V = out.noise_U_V, .lsb_U_V = out.lsb_U_V, .rises = scales.gain_V_per_N >= 0.0,
                           .low_V = low_rail, .high_V = bench.voltage_max_V, .top_V = out.top_V, .quiet_V = quiet};
   for (const SuspectRun& run : find_suspect_runs(F, U, of_runs)) {
     if (out.bad[run.begin] == static_cast<std::uint8_t>(BadSample::zero)) continue;  // a fall to the record's floor
@@ -288,7 +289,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     (run.why == BadSample::rail ? out.at_rail : out.held) += length;
     if (run.why == BadSample::rail) out.rail_V = U[run.begin];
   }
-  count_zeros(!short_spikes.empty(), out);
+  count_zeros(!short_spikes.empty(), lone_fall, out);
   out.bad_mean_square_V2 /= static_cast<double>(n);
   // a rail cuts noise off: what comes near it is bent too
   const double bent_V = out.at_rail > 0 ? out.rail_V - std::max(1.5 * out.lsb_U_V, 3.0 * out.noise_U_V) : std::numeric_limits<double>::infinity();

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
+#include "hil/diagnose/raw/range_ends.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -25,8 +27,8 @@ struct Allowance {
   SpikeScales scales;
   /// What the output may do between two samples: noise, and half as much again as the force does.
   double between(std::size_t begin, std::size_t end) const {
-    const auto [low, high] = std::minmax_element(F.begin() + static_cast<std::ptrdiff_t>(begin), F.begin() + static_cast<std::ptrdiff_t>(end));
-    return scales.quiet_V + 1.5 * scales.gain_V_per_N * (*high - *low);
+    const auto [low, high] = spread_of_present(std::span(F).subspan(begin, end - begin));
+    return scales.quiet_V + 1.5 * scales.gain_V_per_N * (high - low);
   }
 };
 

@@ -86,7 +86,7 @@ class Runs {
     const double from = F_[begin], to = F_[end], net = to - from, gain = s_.gain_V_per_N, jump = U_[end] - U_[begin];
     const double there_N = high - std::max(from, to), back_N = std::min(from, to) - low;
     const bool turned = gain * std::max(there_N, back_N) > kOfRange * s_.U_range_V;
-    return turned && jump * net > 0.0 && std::abs(jump) > kLeastGain * gain * std::abs(net) && std::abs(jump) > kJump * std::max(std::abs(U_[end + 1] - U_[end]), 2.0 * s_.lsb_U_V);
+    return turned && (s_.rises ? jump : -jump) * net > 0.0 && std::abs(jump) > kLeastGain * gain * std::abs(net) && std::abs(jump) > kJump * std::max(std::abs(U_[end + 1] - U_[end]), 2.0 * s_.lsb_U_V);
   }
 
   // A late output does not stand still at one code that its noise goes over, and then let go with a jump.

@@ -18,6 +18,7 @@ struct SuspectRun {
 struct RunScales {
   double gain_V_per_N = 0.0;  ///< its size
   double U_range_V = 0.0, noise_F_N = 0.0, noise_U_V = 0.0, lsb_U_V = 0.0;
+  bool rises = true;  ///< with the force
   double low_V = 0.0, high_V = 0.0;  ///< of the declared range
   double top_V = 0.0;                ///< largest output of the record
   double quiet_V = 0.0;              ///< StepsOfOutput

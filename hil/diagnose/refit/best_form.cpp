@@ -166,11 +166,11 @@ Result<VariantScore> best_form(Workspace& w, const std::string& name, const std:
   for (const EffectKind* other : listed)
     if (other->name != name) others.push_back(other->name);
   if (name == "mounting") place_mountings(w, present, warm, threads);
-  if (kind.traits.between_records && !w.input.single) {
+  if (shows_in_levels(kind) && !w.input.single) {
     ScreenResult result = screen(w.output, present, others, warm, threads);
     judge_between_records(w.input, w.output, present, SelectionRules{}, result);
     const bool by_records = !result.families.empty() && result.families.front().records.valid && result.families.front().records.variant == result.families.front().best.variant;
-    if (by_records) return std::move(result.families.front().best);
+    if (by_records && (kind.traits.between_records || result.families.front().records.same_strength)) return std::move(result.families.front().best);
   }
   ScreenResult result = screen_alone(w.output, present, others, warm, threads);
   if (!result.families.empty()) {

@@ -238,7 +238,8 @@ void measure(Workspace& w, const FittedEffects& fitted, bool adds, Fitted& made)
   out.judged_by = w.judges;
   std::vector<int> between;
   std::ranges::copy_if(fitted.variants, std::back_inserter(between), [&](int v) {
-    return candidate_of(w.output, v).kind->traits.between_records;
+    const Candidate& c = candidate_of(w.output, v);
+    return c.kind->traits.between_records || c.form->outlasts;
   });
   out.levels = !between.empty();
   out.error_before = held_out_rms(w, before, law, between);

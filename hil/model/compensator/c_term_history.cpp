@@ -102,6 +102,9 @@ Result<CTerm> creep(const ModelEffect& e, const CTermContext& x) {
   if (e.form.starts_with("prony")) {
     tau = {1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
     for (std::size_t k = 0; k < tau.size(); ++k) weight.push_back(strength_of(e, k));
+  } else if (e.form == "carried") {
+    tau = {shape_of(e, 0)};  // what was before it was switched on no firmware knows
+    weight = {strength_of(e, 0)};
   } else {
     for (int k = 0; k < 9; ++k) {
       tau.push_back(0.3 * std::pow(10.0, 0.5 * k));

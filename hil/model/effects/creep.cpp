@@ -44,6 +44,40 @@ void spectrum(const RecordInput& r, double p, bool decayed, bool settled, Column
   for (std::size_t i = 0; i < y.size(); ++i) out(static_cast<Eigen::Index>(i), 0) = y[i];
 }
 
+// Of one pole where a record begins: what the loads of the earlier ones and the rests without load between them left. A record that is none of
+// the campaign's begins without.
+double left_behind(const CampaignInput& c, const RecordInput& record, double tau_s) {
+  constexpr double kForgotten = 40.0;  // time constants
+  double state = 0.0, clock_s = record.start_s;
+  for (const RecordInput& r : c.records) {
+    if (r.index >= record.index) break;
+    if (r.start_s + r.duration_s < record.start_s - kForgotten * tau_s || r.rows() == 0) continue;
+    state = state * std::exp(-std::max(0.0, r.start_s - clock_s) / tau_s);
+    state = low_pass_channel(r, r.F_N, tau_s, state).back();
+    clock_s = r.start_s + r.duration_s;
+  }
+  return state * std::exp(-std::max(0.0, record.start_s - clock_s) / tau_s);
+}
+
+void carried(const CampaignInput& c, const RecordInput& record, double tau_s, ColumnsRef out) {
+  const auto y = low_pass_channel(record, record.F_N, tau_s, left_behind(c, record, tau_s));
+  for (std::size_t i = 0; i < y.size(); ++i) out(static_cast<Eigen::Index>(i), 0) = y[i];
+}
+
+EffectForm carried_form() {
+  return {.name = "carried",
+          .shape = {{"tau_s", "s", 30.0, 1e5, 1000.0, "time constant of growth and recovery"}},
+          .strength = {{"k", "1", -2.0, 2.0, 0.0, "growth, share of the load"}},
+          .sign = StrengthSign::positive,
+          .grid = [](const CampaignInput& c) {
+            return c.has_start_times && !c.single && c.records.size() > 1 ? std::vector<std::vector<double>>{{100.0}, {300.0}, {1000.0}, {3000.0}, {10000.0}} : std::vector<std::vector<double>>{};
+          },
+          .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) { carried(c, r, shape[0], out); },
+          .least = kLeastGrowth,
+          .most = kMostGrowth,
+          .outlasts = true};
+}
+
 std::vector<ParameterSpec> prony_strengths() {
   std::vector<ParameterSpec> out;
   for (int k = 0; k < 7; ++k)
@@ -94,7 +128,7 @@ const Registration<EffectKind> kRegistered{EffectKind{
     .forms = {prony_form("prony", false, false, true), prony_form("prony_settled", false, true, false),
               prony_form("prony_decayed", true, false, false), spectrum_form("power_law", false, false),
               spectrum_form("power_law_settled", false, true),
-              spectrum_form("power_law_decayed", true, false)}}};
+              spectrum_form("power_law_decayed", true, false), carried_form()}}};
 
 }  // namespace
 }  // namespace forcegate

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/diagnose/base/base_fit.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -84,6 +85,24 @@ TEST(OwnDecay, ATemperatureThatHardlyChangesTakesNoDecay) {
   RecordInput r = edges(0.3);
   for (std::size_t i = 0; i < r.rows(); ++i) r.temp_C.push_back(21.0 + 0.1 * std::expm1(-0.05 * r.t_s[i]));
   EXPECT_TRUE(decays_by_itself(r));
+}
+
+TEST(OwnDecay, ItsRateIsFoundBetweenThoseOfTheGrid) {
+  for (const double rate_per_s : {0.041, 0.05, 0.061}) {
+    RecordInput r = edges(0.0);
+    for (std::size_t i = 0; i < r.rows(); ++i) r.U_V[i] = 2.0 * (0.5 + (1.0 + 0.5 * std::expm1(-rate_per_s * r.t_s[i])) * (r.F_N[i] - 0.5));
+    const std::vector<std::size_t> rows = choose_rows(r, 4000);
+    EXPECT_NEAR(own_decay(r, rows).rate_per_s, rate_per_s, 0.01 * rate_per_s);
+    EXPECT_LT(left_by_decay(r), 1e-5);
+  }
+}
+
+// A swing that grows is no decay of any rate: what is left is that of a straight line.
+TEST(OwnDecay, OfASwingThatGrowsAStraightLineIsLeft) {
+  RecordInput r = edges(0.0);
+  for (std::size_t i = 0; i < r.rows(); ++i) r.U_V[i] = 2.0 * (0.5 + (1.0 - 0.3 * std::expm1(-0.05 * r.t_s[i])) * (r.F_N[i] - 0.5));
+  EXPECT_FALSE(decays_by_itself(r));
+  EXPECT_LT(left_by_decay(r), 1.0);
 }
 
 }  // namespace

@@ -73,6 +73,17 @@ TEST(GuessedEffects, ALagThatTheModelHasIsFittedAndIsNoClaim) {
   EXPECT_LT(d.error_after, 1.2 * d.floor) << told(d);
 }
 
+// A guess knows as little whether a sensor lags by one pole or by two.
+TEST(GuessedEffects, ALagOfTwoPolesIsTheModelsLagToo) {
+  const Sensor twice = [](const std::vector<double>& t, const std::vector<double>& F, int k) {
+    return straight(t, behind_pole(t, behind_pole(t, F, 0.05), 0.05), k);
+  };
+  const Diagnosis d = answer_of(*library_model("fsr"), twice);
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
+  EXPECT_TRUE(has_note(d, "of form two_poles fits these records")) << told(d);
+  EXPECT_LT(d.error_after, 1.2 * d.floor) << told(d);
+}
+
 // The lag of what the curve adds is no second time constant.
 TEST(GuessedEffects, ACurveBesideTheLagLagsToo) {
   for (const Sensor& sensor : {Sensor{bent_behind_lag}, bent_before_lag}) {

@@ -41,5 +41,15 @@ TEST(ReferenceWitness, CurvesOfSensorAndSpringAreTwoFindings) {
   EXPECT_NE(found.find("spring_nonlinearity"), std::string::npos) << found;
 }
 
+// On a wheel that turns evenly a loop of the film goes nearly as the sine of the angle, and so would a zero of the angle that the rig does not show.
+TEST(ReferenceWitness, ALoopOfTheSensorOnAnEvenWheelIsItsOwn) {
+  Bench bench;
+  bench.turns_Hz = {0.1, 0.4, 0.2, 1.5, 0.6, 3.0, 0.9};
+  bench.push = [](double, double, double th) { return -0.02 * std::tanh(12.0 * std::sin(th)); };
+  const Diagnosis d = diagnose(bench);
+  EXPECT_EQ(std::ranges::count(d.follows, "an error of the reference itself"), 0);
+  EXPECT_EQ(std::ranges::count_if(d.notes, [](const std::string& note) { return note.starts_with("the reference itself is off"); }), 0);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

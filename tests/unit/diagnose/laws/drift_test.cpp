@@ -167,5 +167,17 @@ TEST(Drift, SaysThatNoColumnIsAForceAndGivesNoNumberToALawThatFails) {
   EXPECT_EQ(of_still->notes.front(), "no record has an input that moves: only the drift of the output can be judged");
 }
 
+// A straight line is no power of the time below 0.9.
+TEST(Drift, AShapeStaysWithinItsBounds) {
+  const Campaign campaign = recording(4000, 0.1, 1e-4, [](double t) { return 1.0 + 0.01 * t; });
+  const auto fitted = fit_drift("line", campaign.records[0].trace.time_bases[0].t_s, campaign.records[0].trace.channels[0].value);
+  ASSERT_TRUE(fitted) << fitted.error().to_text();
+  for (const DriftFit& fit : fitted->fits) {
+    if (fit.law->shape_low == nullptr) continue;
+    EXPECT_GE(fit.shape, fit.law->shape_low(400.0) * 0.99) << fit.law->name;
+    EXPECT_LE(fit.shape, fit.law->shape_high(400.0) * 1.01) << fit.law->name;
+  }
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -248,5 +248,38 @@ TEST(LostSamples, AFallToTheFloorIsOneWhereTheOutputStaysAboveItAtLessForce) {
   EXPECT_EQ(claims[0].effect, "dropouts");
 }
 
+// Of a sensor whose output falls with force, as a resistance does, too: the force goes up by 3 N and comes back by one.
+TEST(LostSamples, AHoldOverATurnIsSeenWhicheverWayTheOutputGoes) {
+  for (const double gain_V_per_N : {2.0, -2.0}) {
+    Campaign c = make_campaign(43, [&](const std::vector<double>& t, const std::vector<double>& F, int record) {
+      std::vector<double> U = straight(t, F, record);
+      for (double& u : U) u = gain_V_per_N > 0.0 ? u : 12.0 - u;
+      return U;
+    });
+    Record& r = c.records[3];
+    auto &F = r.trace.find("F_ref")->value, &U = r.trace.find("U")->value;
+    for (std::size_t i = 0; i < F.size(); ++i) {
+      const double x = std::fmod(0.005 * static_cast<double>(i), 4.0);
+      F[i] = x < 2.0 ? 1.0 + 1.5 * x : 7.0 - 1.5 * x;
+      U[i] = gain_V_per_N > 0.0 ? 0.2 + 2.0 * F[i] : 12.0 - 0.2 - 2.0 * F[i];
+    }
+    const std::size_t from = 2440, length = 210;  // past the top by less than it went up
+    for (std::size_t i = 1; i < length; ++i) U[from + i] = U[from];
+    EXPECT_GT(check_raw_health(r, health_scales(c), c.bench).held, length * 9 / 10) << gain_V_per_N;
+  }
+}
+
+// What is lost is counted once, also where it is single samples.
+TEST(LostSamples, SinglesThatFallToOneLevelAreCountedOnce) {
+  Campaign c = make_campaign(44, straight);
+  auto& U = c.records[3].trace.find("U")->value;
+  const double lowest = *std::ranges::min_element(U) - 0.3;
+  std::size_t lost = 0;
+  for (std::size_t i = 701; i + 500 < U.size() && lost < 9; i += 1499, ++lost) U[i] = lowest;
+  const RecordHealth health = check_raw_health(c.records[3], health_scales(c), c.bench);
+  EXPECT_EQ(health.zeros + health.lone_zeros, lost);
+  EXPECT_EQ(health.zero_runs, lost);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
