@@ -98,13 +98,12 @@ CTerm relaxations(const std::string& id, const std::vector<double>& tau_s, const
 
 Result<CTerm> creep(const ModelEffect& e, const CTermContext& x) {
   const bool decayed = e.form.ends_with("_decayed"), settled = e.form.ends_with("_settled");
+  if (e.form == "carried")
+    return refuse("creep of form carried", "it begins with what loads and rests before a reset left behind", "--fit CAMPAIGN fits a form that begins anew");
   std::vector<double> tau, weight;
   if (e.form.starts_with("prony")) {
     tau = {1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
     for (std::size_t k = 0; k < tau.size(); ++k) weight.push_back(strength_of(e, k));
-  } else if (e.form == "carried") {
-    tau = {shape_of(e, 0)};  // what was before it was switched on no firmware knows
-    weight = {strength_of(e, 0)};
   } else {
     for (int k = 0; k < 9; ++k) {
       tau.push_back(0.3 * std::pow(10.0, 0.5 * k));

@@ -108,7 +108,6 @@ TEST(Compensator, EveryFormOfCreepIsUndone) {
   EXPECT_LT(replay_LSB(model_with({effect("creep", "prony_settled", prony)})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("creep", "prony_decayed", prony)})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("creep", "power_law", {0.03}, {0.12})})), 0.1);
-  EXPECT_LT(replay_LSB(model_with({effect("creep", "carried", {0.05}, {300.0})})), 0.1);
   EXPECT_LT(replay_LSB(model_with({effect("creep", "power_law_decayed", {0.03}, {0.0})})), 0.1);
 }
 
