@@ -200,8 +200,9 @@ class ReplayRig : public Rig {
     };
     FORCEGATE_TRY(const double bits, either("adc_bits", 16));
     FORCEGATE_TRY(info_.v_range_V, either("v_range_V", 10.0));
-    if (bits != std::floor(bits) || bits < 4 || bits > 16)
-      return bad_option("adc_bits", shortest(bits), "must be 4 to 16");
+    if (bits != std::floor(bits) || bits < 8 || bits > 16)
+      return bad_option("adc_bits", shortest(bits), "must be 8 to 16");
+    if (info_.v_range_V < 0.1 || info_.v_range_V > 100.0) return bad_option("v_range_V", shortest(info_.v_range_V), "must be 0.1 to 100");
     info_.adc_bits = static_cast<int>(bits);
     FORCEGATE_TRY(const double rate_Hz, positive(options, "rate_Hz", 0.0));
     for (const auto& [key, value] : calibration) info_.details["calibration." + key] = value;

@@ -248,10 +248,11 @@ Result<CalibrationFile> read_calibration_file(const std::filesystem::path& path)
   std::int64_t bits = c.adc_bits, format = 1;
   double range_V = c.v_range_V;
   r.integer("format", format, 1, 1);
-  r.number("gain_N_per_V", c.gain_N_per_V, 1e-6, 1e6, ConfigReader::required);
-  r.number("offset_N", c.offset_N, -1e3, 1e3, ConfigReader::required);
+  // what every image takes (docs/protocol.md): beyond it, the image would refuse the calibration and be charged with that
+  r.number("gain_N_per_V", c.gain_N_per_V, 1e-3, 100.0, ConfigReader::required);
+  r.number("offset_N", c.offset_N, -50.0, 50.0, ConfigReader::required);
   if (r.integer("adc_bits", bits, 8, 16)) file.adc_bits = static_cast<int>(bits);
-  if (r.number("v_range_V", range_V, 0.1, 1000.0)) file.v_range_V = range_V;
+  if (r.number("v_range_V", range_V, 0.1, 100.0)) file.v_range_V = range_V;
   const bool b = r.number("b_scale", c.b_scale, 0.01, 100.0);
   const bool q = r.number("q_scale", c.q_scale, 0.01, 100.0);
   if (b && q) level = "identified";

@@ -30,8 +30,8 @@ struct CalibrationFile {
   std::optional<double> v_range_V;
 };
 
-/// Keys gain_N_per_V, offset_N, b_scale, q_scale, level, id (all optional but the first two), adc_bits (8-16),
-/// v_range_V (0.1-1000 V).
+/// Keys gain_N_per_V (0.001-100), offset_N (-50 to 50), b_scale, q_scale (0.01-100), level, id (all optional but the first
+/// two), adc_bits (8-16), v_range_V (0.1-100 V). Errors: config, with the line.
 Result<CalibrationFile> read_calibration_file(const std::filesystem::path& path);
 
 /// What the firmware is told on this rig: the file, with the rig's converter. Errors (config): the file states another

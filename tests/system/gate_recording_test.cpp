@@ -122,6 +122,16 @@ TEST_F(GateRecording, IsCodedByTheConverterThatItsCalibrationStates) {
   EXPECT_THAT(told["notes"].dump(), HasSubstr("adc_bits = 14 as --rig-option says; the calibration states 12"));
 }
 
+TEST_F(GateRecording, ACalibrationThatNoImageTakesIsChargedToNone) {
+  const std::string csv = sine("run.csv", "F_ref_N", 1.0), cal = folder / "cal.toml";
+  for (const char* text : {"gain_N_per_V = 500\noffset_N = 0\n", "gain_N_per_V = 0.5\noffset_N = 80\n", "gain_N_per_V = 0.5\noffset_N = 0\nv_range_V = 500\n"}) {
+    write_text(cal, text);
+    const ProcessResult r = forcegate({"gate", kNative, "--record", csv, "--cal", cal, "-o", folder / "run"}, kHere);
+    EXPECT_EQ(r.exit_code, 2) << text << r.out;
+    EXPECT_THAT(r.err, HasSubstr("where: " + cal + ":")) << text;
+  }
+}
+
 TEST_F(GateRecording, BeyondTheConvertersRangeIsMendedAsItsHelpSays) {
   std::string text = "t_s,F_ref_N,U_V\n";
   for (int i = 0; i < 20000; ++i) {
