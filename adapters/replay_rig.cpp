@@ -184,6 +184,7 @@ class ReplayRig : public Rig {
  private:
   static constexpr float kNoForce = std::numeric_limits<float>::quiet_NaN();
   static constexpr double kOverRange = 1.1, kSpikes = 0.01;  // of the converter's range; share of the rows
+  static constexpr double kLeastUse = 0.01;                // of its range: nobody records less of it
 
   std::size_t latest() const { return grid_.rows[at_ == 0 ? 0 : at_ - 1].source; }
 
@@ -199,8 +200,9 @@ class ReplayRig : public Rig {
     };
     FORCEGATE_TRY(const double bits, either("adc_bits", 16));
     FORCEGATE_TRY(info_.v_range_V, either("v_range_V", 10.0));
-    if (bits != std::floor(bits) || bits < 4 || bits > 16)
-      return bad_option("adc_bits", shortest(bits), "must be 4 to 16");
+    if (bits != std::floor(bits) || bits < 8 || bits > 16)
+      return bad_option("adc_bits", shortest(bits), "must be 8 to 16");
+    if (info_.v_range_V < 0.1 || info_.v_range_V > 100.0) return bad_option("v_range_V", shortest(info_.v_range_V), "must be 0.1 to 100");
     info_.adc_bits = static_cast<int>(bits);
     FORCEGATE_TRY(const double rate_Hz, positive(options, "rate_Hz", 0.0));
     for (const auto& [key, value] : calibration) info_.details["calibration." + key] = value;
@@ -283,7 +285,7 @@ class ReplayRig : public Rig {
           return fail(ErrorCode::config,
                       "code " + shortest(code) + " in row " + std::to_string(i + 1) + " exceeds " +
                           std::to_string(info_.adc_bits) + " bits",
-                      path, "give the right adc_bits");
+                      path, "give the right adc_bits (in --cal FILE, unless --rig-option adc_bits states others)");
       } else {
         code = std::round(std::clamp(voltage->value[i] / info_.v_range_V, 0.0, 1.0) * full);
       }
@@ -316,9 +318,9 @@ class ReplayRig : public Rig {
     }
     std::string unit;
     for (const auto& [symbol, per_V] : {std::pair{"mV", 1e3}, std::pair{"uV", 1e6}})
-      if (unit.empty() && largest_V / per_V <= kOverRange * info_.v_range_V) unit = symbol;
+      if (unit.empty() && largest_V / per_V <= kOverRange * info_.v_range_V && largest_V / per_V >= kLeastUse * info_.v_range_V) unit = symbol;
     return fail(ErrorCode::config, reaches + ": " + std::to_string(beyond) + " of " + std::to_string(values) + " rows lie beyond it, the first is row " + std::to_string(first), path,
-                (unit.empty() ? std::string() : "the column is probably in " + unit + " (name it U_" + unit + "); else ") + "give the range of the converter (v_range_V in --cal FILE)");
+                (unit.empty() ? std::string() : "the column is probably in " + unit + " (name it U_" + unit + "); else ") + "give the range of the converter (v_range_V in --cal FILE, unless --rig-option v_range_V states another)");
   }
 
   RigInfo info_;

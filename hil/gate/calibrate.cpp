@@ -238,28 +238,49 @@ CaseRecord run_calibration(const CaseJob& job, Rig& rig, const std::atomic<bool>
   return CalibrationRun(job, rig, cancelled).run();
 }
 
-Result<Calibration> read_calibration_file(const std::filesystem::path& path, const RigInfo& info) {
+Result<CalibrationFile> read_calibration_file(const std::filesystem::path& path) {
   FORCEGATE_TRY(const ConfigNode root, read_config(path));
-  Calibration c = nominal_calibration(info);
+  CalibrationFile file;
+  file.path = path;
+  Calibration& c = file.calibration;
   ConfigReader r(root, "the calibration", "docs/gate.md");
   std::string level = "static", id = path.stem().string().substr(0, 16);
   std::int64_t bits = c.adc_bits, format = 1;
+  double range_V = c.v_range_V;
   r.integer("format", format, 1, 1);
-  r.number("gain_N_per_V", c.gain_N_per_V, 1e-6, 1e6, ConfigReader::required);
-  r.number("offset_N", c.offset_N, -1e3, 1e3, ConfigReader::required);
-  r.integer("adc_bits", bits, 8, 16);
-  r.number("v_range_V", c.v_range_V, 0.1, 1000.0);
+  // what every image takes (docs/protocol.md): beyond it, the image would refuse the calibration and be charged with that
+  r.number("gain_N_per_V", c.gain_N_per_V, 1e-3, 100.0, ConfigReader::required);
+  r.number("offset_N", c.offset_N, -50.0, 50.0, ConfigReader::required);
+  if (r.integer("adc_bits", bits, 8, 16)) file.adc_bits = static_cast<int>(bits);
+  if (r.number("v_range_V", range_V, 0.1, 100.0)) file.v_range_V = range_V;
   const bool b = r.number("b_scale", c.b_scale, 0.01, 100.0);
   const bool q = r.number("q_scale", c.q_scale, 0.01, 100.0);
   if (b && q) level = "identified";
   r.choice("level", level, {"nominal", "static", "identified"});
   r.text("id", id);
   FORCEGATE_CHECK_OK(r.finish());
-  c.adc_bits = static_cast<int>(bits);
   c.level = level == "nominal"  ? CalibrationLevel::nominal
             : level == "static" ? CalibrationLevel::statical
                                 : CalibrationLevel::identified;
   c.id = id.substr(0, 16);
+  return file;
+}
+
+Result<Calibration> calibration_on(const RigInfo& info, const CalibrationFile& file) {
+  const auto differs = [&](const std::string& key, const std::string& stated, const std::string& has, bool can_be_chosen) {
+    std::string cure = "give the calibration of this rig";
+    if (info.name == "bench") cure = "mend " + key + " of [board] in the bench file, or of the calibration";
+    if (can_be_chosen) cure += ", or the rig that converter (--rig-option " + key + "=" + stated + ")";
+    return fail(ErrorCode::config, "the calibration is of a converter with " + key + " = " + stated + ", that of the rig " + info.name + " has " + key + " = " + has,
+                file.path.string(), "one of the two is wrong: " + cure);
+  };
+  if (file.adc_bits && *file.adc_bits != info.adc_bits)
+    return differs("adc_bits", std::to_string(*file.adc_bits), std::to_string(info.adc_bits), info.name == "emulated");
+  if (file.v_range_V && std::fabs(*file.v_range_V - info.v_range_V) > 1e-6 * info.v_range_V)
+    return differs("v_range_V", shortest(*file.v_range_V), shortest(info.v_range_V), false);
+  Calibration c = file.calibration;
+  c.adc_bits = info.adc_bits;
+  c.v_range_V = info.v_range_V;
   return c;
 }
 

@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <optional>
 
 #include "hil/gate/case_record.h"
 #include "hil/interface/rig.h"
@@ -21,8 +22,20 @@ Calibration nominal_calibration(const RigInfo& info);
 /// and calibration_text. Never fails: see CaseRecord::failure.
 CaseRecord run_calibration(const CaseJob& job, Rig& rig, const std::atomic<bool>* cancelled = nullptr);
 
-/// Keys gain_N_per_V, offset_N, b_scale, q_scale, level, id (all optional but the first two), adc_bits,
-/// v_range_V.
-Result<Calibration> read_calibration_file(const std::filesystem::path& path, const RigInfo& info);
+/// A calibration file, and the converter that it was made with where it states one.
+struct CalibrationFile {
+  std::filesystem::path path;
+  Calibration calibration;  ///< its converter is not yet that of a rig
+  std::optional<int> adc_bits;
+  std::optional<double> v_range_V;
+};
+
+/// Keys gain_N_per_V (0.001-100), offset_N (-50 to 50), b_scale, q_scale (0.01-100), level, id (all optional but the first
+/// two), adc_bits (8-16), v_range_V (0.1-100 V). Errors: config, with the line.
+Result<CalibrationFile> read_calibration_file(const std::filesystem::path& path);
+
+/// What the firmware is told on this rig: the file, with the rig's converter. Errors (config): the file states another
+/// converter, and a code would be another voltage to the firmware than it was to the rig.
+Result<Calibration> calibration_on(const RigInfo& info, const CalibrationFile& file);
 
 }  // namespace forcegate

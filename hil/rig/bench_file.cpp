@@ -130,7 +130,7 @@ Result<BenchFile> build(ConfigNode root) {
   if (specimens != nullptr) FORCEGATE_CHECK_OK(read_specimens(*specimens, b.specimens));
   if (sensor != nullptr) {
     ConfigReader s(*sensor, "[sensor]", kGuide);
-    s.number("nominal_gain_N_per_V", b.nominal_gain_N_per_V, 1e-3, 1e3);
+    s.number("nominal_gain_N_per_V", b.nominal_gain_N_per_V, 1e-3, 100);
     s.number("nominal_offset_N", b.nominal_offset_N, -50, 50);
     FORCEGATE_CHECK_OK(s.finish());
   }
@@ -144,6 +144,9 @@ Result<BenchFile> build(ConfigNode root) {
   FORCEGATE_CHECK_OK(choose_adapter<BoardKind>(*board, "board", b.board_adapter));
   take_number(*board, "rate_Hz", b.rate_Hz);
   take_number(*board, "v_range_V", b.v_range_V);
+  // what every image takes (docs/protocol.md); beyond it, it would refuse the calibration and be charged with that
+  if (b.v_range_V < 0.1 || b.v_range_V > 100.0)
+    return fail(ErrorCode::config, "'v_range_V' in [board] = " + shortest(b.v_range_V) + " is out of range", board->find("v_range_V")->where, "give a number from 0.1 to 100");
   double bits = b.adc_bits;
   take_number(*board, "adc_bits", bits);
   b.adc_bits = static_cast<int>(std::clamp(bits, 8.0, 16.0));

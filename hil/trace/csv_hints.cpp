@@ -14,7 +14,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 std::string without_thousands(std::string_view cell, char point) {
   std::string plain;
   std::size_t group = 0, groups = 0;
-  bool decimals = false;
+  bool decimals = false, only_blanks = true;
   for (std::size_t i = 0; i < cell.size(); ++i) {
     const std::string_view rest = cell.substr(i);
     const std::size_t blank = rest.starts_with("\xC2\xA0") ? 2 : rest.starts_with("\xE2\x80\xAF") ? 3 : rest[0] == '\xA0' || rest[0] == ' ' ? 1 : 0;
@@ -26,6 +26,7 @@ std::string without_thousands(std::string_view cell, char point) {
     } else if (!decimals && group > 0 && (groups == 0 ? group <= 3 : group == 3) && (blank > 0 || rest[0] == ',' || rest[0] == '.' || rest[0] == '\'')) {
       ++groups;
       group = 0;
+      only_blanks = only_blanks && blank > 0;
       i += blank > 0 ? blank - 1 : 0;
       continue;
     } else if (i > 0 || (rest[0] != '-' && rest[0] != '+')) {
@@ -33,8 +34,13 @@ std::string without_thousands(std::string_view cell, char point) {
     }
     plain += rest[0];
   }
-  if (groups == 0 || (!decimals && group != 3) || plain.find_first_not_of("+-0") != plain.find_first_of("0123456789")) return {};
-  return plain;
+  if (groups == 0 || (!decimals && group != 3)) return {};
+  const std::size_t digit = plain.find_first_of("0123456789"), first = plain.find_first_not_of('0', digit);
+  if (first == digit) return plain;
+  // "0.000" has decimals of another kind, "0 598,79" is written so to keep its width
+  if (!only_blanks) return {};
+  const std::size_t units = std::min(plain.find(point), plain.size()) - 1;
+  return plain.erase(digit, std::min(first, units) - digit);
 }
 
 /// "11/20/2026 10:00:00": numbers of one or two digits, of which one is a month, and a year.

@@ -165,6 +165,7 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
   bool all_text = true;
   for (std::size_t c = 0; c < row_.size(); ++c) {
     const CsvCell kind = read_cell(cells_[c], point_, row_[c]);
+    const auto position = static_cast<std::size_t>(cells_[c].data() - line.data()) + 1;
     all_text = all_text && kind == CsvCell::text;
     if (is_day_[c]) read_day(c, kind);
     if (kind == CsvCell::number || is_text_[c]) continue;
@@ -174,14 +175,13 @@ Result<void> CsvParser::slow_row(std::string_view line, bool cut_short) {
     }
     if (kind == CsvCell::text && table_.columns[c].missing == table_.rows()) {  // nothing stood in it so far
       is_text_[c] = 1;
-      text_[c] = {table_.columns[c].header, printable_utf8(unquoted(cells_[c]).substr(0, 40)), hint_for_cell(cells_[c], point_), line_, {}};
+      text_[c] = {table_.columns[c].header, printable_utf8(unquoted(cells_[c]).substr(0, 40)), hint_for_cell(cells_[c], point_), line_, position, {}};
       is_day_[c] = table_.rows() == 0;  // a remark may be a date too
       read_day(c, kind);
       continue;
     }
     if (kind == CsvCell::text)
-      return error(in_quotes(unquoted(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number",
-                   static_cast<std::size_t>(cells_[c].data() - line.data()) + 1, hint_for_cell(cells_[c], point_));
+      return error(in_quotes(unquoted(cells_[c])) + " in column " + in_quotes(table_.columns[c].header) + " is not a number", position, hint_for_cell(cells_[c], point_));
     ++table_.columns[c].missing;
   }
   if (all_text && !seen_data_)

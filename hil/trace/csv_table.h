@@ -22,7 +22,7 @@ struct CsvColumn {
 struct TextColumn {
   std::string header, cell;  ///< cell: its first 40 bytes
   std::string hint;          ///< how to make it a number
-  std::uint64_t line = 0;
+  std::uint64_t line = 0, position = 0;  ///< of that cell; position: its first byte in the line, from 1
   std::vector<double> day_s;  ///< where every cell is a date, or empty: the beginning of the day, seconds since 1970; NaN = missing
 };
 

@@ -12,6 +12,7 @@ namespace forcegate::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 constexpr const char* kNative = FORCEGATE_BINARY_DIR "/firmware/reference.native.so";
@@ -96,6 +97,98 @@ TEST_F(GateRecording, MapsAForeignColumnAsItsAdviceSays) {
   const ProcessResult emulated = forcegate({"gate", kNative, "--map", "kgf=F_ref_kgf", "-o", folder / "run"}, kHere);
   EXPECT_EQ(emulated.exit_code, 2);
   EXPECT_THAT(emulated.err, HasSubstr("--record"));
+}
+
+TEST_F(GateRecording, IsCodedByTheConverterThatItsCalibrationStates) {
+  const std::string csv = sine("run.csv", "F_ref_N", 1.0), cal = folder / "cal.toml";
+  const auto judged = [&](const std::string& converter, std::vector<std::string> options) {
+    write_text(cal, "gain_N_per_V = 0.5\noffset_N = 0\n" + converter);
+    options.insert(options.begin(), {csv, "--cal", cal});
+    const Json judged_checks = checks(options);
+    EXPECT_FALSE(judged_checks.empty());
+    for (const Json& check : judged_checks)
+      if (check["id"] == "rig_calibration_fits" || check["id"] == "conformance") {
+        EXPECT_EQ(check["verdict"], "pass") << converter << check;
+      }
+    return Json::parse(read_text(folder / "run/result.json"), nullptr, false);
+  };
+  const Json bits = judged("adc_bits = 12\n", {});
+  EXPECT_EQ(bits["rig"]["adc_bits"], 12);
+  EXPECT_EQ(bits["firmware"]["adc_bits"], 12);
+  EXPECT_EQ(judged("v_range_V = 20\n", {})["rig"]["v_range_V"], 20);
+  const Json told = judged("adc_bits = 12\n", {"--rig-option", "adc_bits=14"});
+  EXPECT_EQ(told["rig"]["adc_bits"], 14);
+  EXPECT_EQ(told["firmware"]["adc_bits"], 14);
+  EXPECT_THAT(told["notes"].dump(), HasSubstr("adc_bits = 14 as --rig-option says; the calibration states 12"));
+}
+
+TEST_F(GateRecording, ACalibrationThatNoImageTakesIsChargedToNone) {
+  const std::string csv = sine("run.csv", "F_ref_N", 1.0), cal = folder / "cal.toml";
+  for (const char* text : {"gain_N_per_V = 500\noffset_N = 0\n", "gain_N_per_V = 0.5\noffset_N = 80\n", "gain_N_per_V = 0.5\noffset_N = 0\nv_range_V = 500\n"}) {
+    write_text(cal, text);
+    const ProcessResult r = forcegate({"gate", kNative, "--record", csv, "--cal", cal, "-o", folder / "run"}, kHere);
+    EXPECT_EQ(r.exit_code, 2) << text << r.out;
+    EXPECT_THAT(r.err, HasSubstr("where: " + cal + ":")) << text;
+  }
+}
+
+TEST_F(GateRecording, BeyondTheConvertersRangeIsMendedAsItsHelpSays) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 20000; ++i) {
+    const double load_N = 2.5 - 1.5 * std::cos(0.5 * 2.0 * 3.14159265 * 0.001 * i);
+    text += std::to_string(0.001 * i) + "," + std::to_string(load_N) + "," + std::to_string(load_N / 0.25) + "\n";
+  }
+  write_text(folder / "wide.csv", text);
+  write_text(folder / "cal.toml", "gain_N_per_V = 0.25\noffset_N = 0\n");
+  const std::vector<std::string> words{"gate", kNative, "--record", folder / "wide.csv", "--cal", folder / "cal.toml", "-o", folder / "run"};
+  const ProcessResult narrow = forcegate(words, kHere);
+  EXPECT_EQ(narrow.exit_code, 2);
+  EXPECT_THAT(narrow.err, HasSubstr("U reaches 16 V, the converter's range is 10 V"));
+  EXPECT_THAT(narrow.err, HasSubstr("v_range_V in --cal FILE"));
+  EXPECT_THAT(narrow.err, Not(HasSubstr("in mV")));
+  write_text(folder / "cal.toml", "gain_N_per_V = 0.25\noffset_N = 0\nv_range_V = 20\n");
+  const ProcessResult wide = forcegate(words, kHere);
+  EXPECT_NE(wide.exit_code, 2) << wide.err;
+}
+
+TEST_F(GateRecording, LimitsReadCountsWithTheBitsOfTheCalibration) {
+  write_text(folder / "cal.toml", "gain_N_per_V = 0.5\noffset_N = 0\nadc_bits = 12\n");
+  std::vector<std::string> words{"limits", kNative, "--cal", folder / "cal.toml"};
+  for (int k = 0; k < 5; ++k) {
+    std::string text = "t_s,F_ref_N,U_counts\n";
+    for (int i = 0; i < 40000; ++i) {
+      const double load_N = 2.5 + 0.001 * k - 1.5 * std::cos(0.5 * 2.0 * 3.14159265 * 0.001 * i);
+      text += std::to_string(0.001 * i) + "," + std::to_string(load_N) + "," + std::to_string(std::lround(load_N / 0.5 / 10.0 * 4095.0)) + "\n";
+    }
+    words.insert(words.end(), {"--record", folder / (std::to_string(k) + ".csv")});
+    write_text(words.back(), text);
+  }
+  const ProcessResult r = forcegate(words, kHere);
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  const ProcessResult none = forcegate({"limits", kNative, "--cal", folder / "cal.toml"}, kHere);
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("it is for --record FILE"));
+}
+
+TEST_F(GateRecording, ARigWithAnotherConverterThanTheCalibrationIsToldBeforeAnythingIsPlayed) {
+  const std::string bits = folder / "bits.toml", range = folder / "range.toml";
+  write_text(bits, "gain_N_per_V = 0.5\noffset_N = 0\nadc_bits = 12\n");
+  write_text(range, "gain_N_per_V = 0.5\noffset_N = 0\nv_range_V = 5\n");
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"gate", kNative, "-o", folder / "run"}, {"bench", "selfcheck", kNative}})
+    for (const std::string& cal : {bits, range}) {
+      std::vector<std::string> line = words;
+      line.insert(line.end(), {"--cal", cal});
+      const ProcessResult r = forcegate(line, kHere);
+      EXPECT_EQ(r.exit_code, 2) << r.out;
+      EXPECT_THAT(r.err, HasSubstr(cal == bits ? "adc_bits = 12, that of the rig emulated has adc_bits = 16" : "v_range_V = 5, that of the rig emulated has v_range_V = 10"));
+      EXPECT_THAT(r.err, HasSubstr("where: " + cal));
+      EXPECT_THAT(r.err, HasSubstr("give the calibration of this rig"));
+    }
+  const ProcessResult bench = forcegate({"gate", FORCEGATE_BINARY_DIR "/firmware/reference.uart.elf", "--rig", "rigs/twin.toml", "--plan", "twin", "--cal", bits, "-o", folder / "run"}, kHere);
+  EXPECT_EQ(bench.exit_code, 2) << bench.out;
+  EXPECT_THAT(bench.err, HasSubstr("mend adc_bits of [board] in the bench file, or of the calibration"));
+  const ProcessResult narrow = forcegate({"gate", kNative, "--case", "four_sines", "--cal", bits, "--rig-option", "adc_bits=12", "-o", folder / "run"}, kHere);
+  EXPECT_NE(narrow.exit_code, 2) << narrow.err;
 }
 
 }  // namespace

@@ -347,6 +347,7 @@ TEST_F(Gate, CtrlCEndsWithCode130AndNoResult) {
   options.signal = 2;
   const ProcessResult r = gate({kNative, "--plan", "nightly", "-o", folder / "run"}, options);
   EXPECT_EQ(r.exit_code, 130) << r.out << r.err;
+  EXPECT_THAT(r.out, ContainsRegex("\nnext: forcegate gate [^\n]*\n$"));
   EXPECT_THAT(r.out, Not(HasSubstr("to act"))) << "nobody has to mend anything";
 }
 

@@ -59,6 +59,25 @@ TEST(Mistakes, InWhereAProgramStandsAreToldByDoctorBeforeTheGate) {
   EXPECT_THAT(here.out, ::testing::Not(HasSubstr("there is no plan"))) << here.out;
 }
 
+TEST(Mistakes, InThePathOfAPlanAreToldAsAFileThatIsNotThere) {
+  TemporaryFolder folder;
+  const std::string mine = folder / "my_plan.toml", wrong = folder / "my_plam.toml", far = folder / "elsewhere/x.toml", out = folder / "run";
+  std::filesystem::copy_file(FORCEGATE_SOURCE_DIR "/ci/plans/smoke.toml", mine);
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"plan"}, {"record", "-o", out, "--plan"}, {"gate", kNative, "-o", out, "--plan"}}) {
+    const auto asked = [&](const std::string& plan) {
+      std::vector<std::string> line = words;
+      line.push_back(plan);
+      const ProcessResult r = forcegate(line, kHere);
+      EXPECT_EQ(r.exit_code, 2) << r.out;
+      return r.err;
+    };
+    EXPECT_THAT(asked(wrong), HasSubstr("error: there is no such plan file\n  where: " + wrong + "\n  help: did you mean '" + mine + "'?"));
+    EXPECT_THAT(asked(far), HasSubstr("there is no folder " + (folder / "elsewhere") + " either: mend the path, or give the name of a plan in ci/plans (bench, "));
+    EXPECT_THAT(asked("smoke.toml"), HasSubstr("did you mean the plan 'smoke' of ci/plans?"));
+    EXPECT_THAT(asked("ci/plans"), HasSubstr("the plan is a folder"));
+  }
+}
+
 TEST(Mistakes, InTheDeviceOfAWireFaultAreNoFaultThatWasSurvived) {
   TemporaryFolder folder;
   const std::string bench = read_text(std::string(FORCEGATE_SOURCE_DIR) + "/rigs/twin.toml");

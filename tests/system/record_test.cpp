@@ -84,7 +84,7 @@ TEST_F(Record, GoesOnAfterALaterRecordFailedAndMakesTheSameCampaign) {
   EXPECT_THAT(again.err, HasSubstr("--continue"));
   const ProcessResult other = forcegate({"record", "--plan", file, "--seed", "5", "--continue", "-o", out});
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_THAT(other.err, HasSubstr("another campaign"));
+  EXPECT_THAT(other.err, HasSubstr("another campaign already: seed 1 there, 5 asked\n"));
   const ProcessResult rest = forcegate({"record", "--plan", file, "--continue", "-o", out});
   EXPECT_EQ(rest.exit_code, 0) << rest.err;
   EXPECT_THAT(rest.out, HasSubstr("beside 1 that were there"));
@@ -93,6 +93,23 @@ TEST_F(Record, GoesOnAfterALaterRecordFailedAndMakesTheSameCampaign) {
   EXPECT_EQ(continued, read_text(whole + "/campaign.json"));
   EXPECT_EQ(read_text(out + "/r02_long.csv"), read_text(whole + "/r02_long.csv"));
   EXPECT_EQ(forcegate({"record", "--plan", file, "--continue", "-o", out}).exit_code, 2) << "nothing is missing";
+}
+
+TEST_F(Record, SaysAllThatDiffersFromTheCampaignThatIsThere) {
+  const std::string file = plan("40"), out = folder / "mine";
+  ASSERT_EQ(forcegate({"record", "--plan", file, "-o", out}).exit_code, 0);
+  const auto asked = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"record", "--plan", file, "--continue", "-o", out});
+    const ProcessResult r = forcegate(words);
+    EXPECT_EQ(r.exit_code, 2) << r.out;
+    return r.err;
+  };
+  EXPECT_THAT(asked({"--seed", "2", "--specimen", "q25", "--rate", "100"}),
+              HasSubstr("already: specimen q50 there, q25 asked; seed 1 there, 2 asked; rate 200 Hz there, 100 Hz asked\n  where: " + out + "\n  help: choose another folder with -o"));
+  EXPECT_THAT(asked({"--case", "long"}), HasSubstr("already: records 2 there, 1 asked; record 1 r01_short.csv there, r01_long.csv asked\n"));
+  EXPECT_THAT(asked({"--rig", FORCEGATE_SOURCE_DIR "/rigs/twin.toml"}), HasSubstr("already: rig emulated there, bench asked\n"));
+  write_text(out + "/campaign.json", "{\"records\": []}");
+  EXPECT_THAT(asked({}), HasSubstr("already: forcegate record did not make it\n"));
 }
 
 TEST_F(Record, SaysWhatIsKeptAfterCtrlC) {

@@ -40,7 +40,7 @@ class GateRun {
     GatePlayer player(request_, setup_, limits_, progress, cancelled_);
     player_ = &player;
     if (accepted_) player.set_accepted(&*accepted_);
-    FORCEGATE_CHECK_OK(player.take_base_calibration());
+    player.take_base_calibration();
     keeps_doubtful_ = folder && !keeps_all_;
     look(keep_folder);
     FORCEGATE_CHECK_OK(first_usage_error());
@@ -222,8 +222,9 @@ class GateRun {
 
 }  // namespace
 
-Result<RunResult> gate(const GateRequest& request, const GateProgress& progress,
+Result<RunResult> gate(const GateRequest& asked, const GateProgress& progress,
                        const std::atomic<bool>* cancelled) {
+  GateRequest request = asked;
   FORCEGATE_TRY(GateSetup setup, prepare_gate(request));
   return GateRun(request, std::move(setup), cancelled).run(progress);
 }

@@ -63,6 +63,19 @@ Result<void> take_profile_of_recording(const GateRequest& request, PlanCase& pla
   return {};
 }
 
+// What the command line says of the converter of a recording stands, for the rig and for the firmware.
+void take_converter(CalibrationFile& calibration, GateRequest& request, GateSetup& setup) {
+  const auto take = [&](const std::string& key, auto& stated, const std::string& value) {
+    const auto [at, added] = request.rig_options.emplace(key, value);
+    if (added) return;
+    stated.reset();
+    if (at->second != value)
+      setup.notes.push_back(fmt::format("{} = {} as --rig-option says; the calibration states {}", key, printable_utf8(at->second), value));
+  };
+  if (calibration.adc_bits) take("adc_bits", calibration.adc_bits, std::to_string(*calibration.adc_bits));
+  if (calibration.v_range_V) take("v_range_V", calibration.v_range_V, shortest(*calibration.v_range_V));
+}
+
 CaseJob common_job(const GateRequest& request, const GateSetup& setup, const std::string& specimen) {
   CaseJob job;
   job.rig = request.rig;
@@ -153,14 +166,22 @@ Result<std::string> choose_lane(const GateRequest& request, const std::string& b
               "give an ELF image built for one of the ports: " + join(lanes.names(), ", "));
 }
 
-Result<GateSetup> prepare_gate(const GateRequest& request) {
+Result<GateSetup> prepare_gate(GateRequest& request) {
   GateSetup setup;
   FORCEGATE_TRY(setup.firmware_sha256, image_sha256(request.firmware));
+  std::optional<CalibrationFile> calibration;
+  if (!request.calibration_file.empty()) {
+    FORCEGATE_TRY(calibration, read_calibration_file(request.calibration_file));
+    if (request.rig == "replay") take_converter(*calibration, request, setup);
+  }
   FORCEGATE_TRY(const auto rig, make_rig(request.rig, request.rig_options));
   FORCEGATE_TRY(setup.lane, choose_lane(request, rig->board_lane()));
   FORCEGATE_TRY(const std::filesystem::path plan_path, find_plan(request.plan));
   FORCEGATE_TRY(setup.plan, read_plan(plan_path));
   setup.rig = rig->info();
+  if (calibration) {
+    FORCEGATE_TRY(setup.calibration, calibration_on(setup.rig, *calibration));
+  }
   Plan& plan = setup.plan;
   if (request.seed) plan.seed = *request.seed;
   if (request.level) {

@@ -1,6 +1,7 @@
 #pragma once
 // From a plan and a request to the jobs of a run.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct GateSetup {
   std::string lane;  ///< of the cases that name none; afterwards every case has one
   std::vector<std::string> notes;
   RigInfo rig;
+  std::optional<Calibration> calibration;  ///< that of the request's file, with the converter of the rig
   std::vector<std::string> specimens;  ///< all that are needed, in order of first use
 };
 
@@ -32,8 +34,9 @@ RunResult run_head(const GateRequest& request, const std::string& firmware_sha25
 Result<void> known_cases(const std::vector<std::string>& wanted, const std::vector<std::string>& known,
                          const std::string& where);
 
-/// Checks everything that can be wrong before a record is made (exit 2).
-Result<GateSetup> prepare_gate(const GateRequest& request);
+/// Checks everything that can be wrong before a record is made (exit 2). A recording has no converter of its own: where the calibration
+/// file states one and the request's rig options do not, it is added to them.
+Result<GateSetup> prepare_gate(GateRequest& request);
 
 /// One bench on the table, or twins that are served as one: a record cannot be had twice, nor two at a time. Only twins that a worker starts
 /// for itself can be had several times.

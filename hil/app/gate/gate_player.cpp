@@ -42,10 +42,10 @@ GatePlayer::GatePlayer(const GateRequest& request, const GateSetup& setup, const
       attempts_(setup.rig.can_move ? setup.plan.retry.attempts : 1),
       base_(nominal_calibration(setup.rig)) {}
 
-Result<void> GatePlayer::take_base_calibration() {
+void GatePlayer::take_base_calibration() {
   level_ = setup_.plan.calibration.level;
-  if (!request_.calibration_file.empty()) {
-    FORCEGATE_TRY(base_, read_calibration_file(request_.calibration_file, setup_.rig));
+  if (setup_.calibration) {
+    base_ = *setup_.calibration;
     level_ = base_.level;
     notes_.push_back(fmt::format("calibration '{}' from {}", base_.id, request_.calibration_file.string()));
   } else if (!setup_.rig.can_move) {
@@ -53,7 +53,6 @@ Result<void> GatePlayer::take_base_calibration() {
     notes_.push_back("no calibration was given: the nominal values of the sensor type are used (--cal FILE)");
   }
   notes_.push_back(fmt::format("calibration level: {}", to_string(level_)));
-  return {};
 }
 
 std::vector<CaseRecord> GatePlayer::run(const std::vector<CaseJob>& jobs) {

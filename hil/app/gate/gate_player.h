@@ -22,7 +22,7 @@ class GatePlayer {
              const GateProgress& progress, const std::atomic<bool>* cancelled);
 
   /// Level and values that hold for every specimen: nominal ones or those of the calibration file.
-  Result<void> take_base_calibration();
+  void take_base_calibration();
 
   /// Every record is played with this image too, in turn; it must outlive the player.
   void set_accepted(const AcceptedBuild* build) { accepted_build_ = build; }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "hil/app/files/find_plan.h"
 #include "hil/base/text.h"
@@ -14,19 +15,50 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How many of the profiles the campaign begins with; none where it is another one: other profiles, specimen, seed or rate.
-std::size_t recorded_of(const fs::path& list, const std::vector<ProfileToRecord>& profiles, const RecordingBench& bench) {
+using Json = nlohmann::json;
+
+/// What a folder holds of the campaign that is asked for.
+struct Recorded {
+  std::size_t records = 0;           ///< how many of the profiles; 0 where it is another campaign
+  std::vector<std::string> differs;  ///< what makes it another one: "seed 1 there, 2 asked"
+};
+
+std::string plain(const Json& value) { return value.is_null() ? "none" : value.is_string() ? printable_utf8(value.get<std::string>()) : value.is_number_float() ? shortest(value.get<double>()) : value.dump(); }
+
+std::string there_and_asked(const std::string& what, const std::string& there, const std::string& asked) {
+  return fmt::format("{} {} there, {} asked", what, there, asked);
+}
+
+std::string specimen_of(const Json& campaign) {
+  constexpr std::string_view kBefore = ", specimen ";
+  const std::string sensor = campaign.value("sensor", Json()).is_string() ? campaign["sensor"].get<std::string>() : "";
+  const std::size_t at = sensor.rfind(kBefore);
+  return at == std::string::npos ? "none" : printable_utf8(sensor.substr(at + kBefore.size()));
+}
+
+Recorded recorded_of(const fs::path& list, const std::vector<ProfileToRecord>& profiles, const RecordingBench& bench) {
   std::ifstream file(list, std::ios::binary);
-  const auto json = nlohmann::json::parse(file, nullptr, false, true);
-  if (!json.is_object() || !json.contains("records") || !json["records"].is_array() || json["records"].size() > profiles.size()) return 0;
-  const std::vector<std::pair<const char*, nlohmann::json>> wanted = {{"seed", bench.seed}, {"session", bench.session}, {"rate_Hz", bench.rate_Hz}};
-  for (const auto& [name, value] : wanted)
-    if (!json.contains("recorded_with") || json["recorded_with"].value(name, nlohmann::json()) != value) return 0;
-  const auto sensor = json.value("sensor", nlohmann::json());
-  if (!sensor.is_string() || !sensor.get<std::string>().ends_with(", specimen " + bench.specimen)) return 0;
-  for (std::size_t k = 0; k < json["records"].size(); ++k)
-    if (json["records"][k].value("file", nlohmann::json()) != file_of_record(k + 1, profiles[k].name)) return 0;
-  return json["records"].size();
+  const auto json = Json::parse(file, nullptr, false, true);
+  if (!json.is_object() || !json.contains("records") || !json["records"].is_array()) return {0, {"its campaign.json has no list of records"}};
+  const Json with = json.value("recorded_with", Json());
+  if (!with.is_object()) return {0, {"forcegate record did not make it"}};
+  Recorded out;
+  const std::string rig = plain(with.value("rig", Json())), rig_name = rig.substr(0, rig.find('/'));
+  if (rig_name != bench.rig) out.differs.push_back(there_and_asked("rig", rig_name, printable_utf8(bench.rig)));
+  if (const std::string there = specimen_of(json); there != bench.specimen) out.differs.push_back(there_and_asked("specimen", there, printable_utf8(bench.specimen)));
+  for (const auto& [name, what, unit, asked] : {std::tuple<const char*, const char*, const char*, Json>{"seed", "seed", "", bench.seed}, {"session", "session", "", bench.session}, {"rate_Hz", "rate", " Hz", bench.rate_Hz}})
+    if (const Json there = with.value(name, Json()); there != asked) out.differs.push_back(there_and_asked(what, plain(there) + unit, plain(asked) + unit));
+  const Json& records = json["records"];
+  if (records.empty() || records.size() > profiles.size()) out.differs.push_back(there_and_asked("records", std::to_string(records.size()), std::to_string(profiles.size())));
+  for (std::size_t k = 0; k < std::min(records.size(), profiles.size()); ++k) {
+    const Json there = records[k].is_object() ? records[k].value("file", Json()) : Json();
+    const std::string asked = file_of_record(k + 1, profiles[k].name);
+    if (there == asked) continue;
+    out.differs.push_back(there_and_asked(fmt::format("record {}", k + 1), plain(there), printable_utf8(asked)));
+    break;  // one record more or less, and all behind it have another number
+  }
+  if (out.differs.empty()) out.records = records.size();
+  return out;
 }
 
 }  // namespace
@@ -59,9 +91,11 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
   const std::size_t planned = all.size();
   RecordResult out;
   if (fs::exists(list, error)) {
-    out.were_there = recorded_of(list, profiles, request.bench);
-    if (out.were_there == 0)
-      return fail(ErrorCode::usage, "there is another campaign already", request.output.string(), "choose another folder with -o");
+    const Recorded there = recorded_of(list, profiles, request.bench);
+    out.were_there = there.records;
+    if (!there.differs.empty())
+      return fail(ErrorCode::usage, "there is another campaign already: " + join(there.differs, "; "), request.output.string(),
+                  "choose another folder with -o; only the same campaign goes on with --continue");
     if (!request.go_on || out.were_there == planned)
       return fail(ErrorCode::usage, fmt::format("there is a campaign already, with {} of the {} records", out.were_there, planned), request.output.string(),
                   out.were_there == planned ? "choose another folder with -o" : "add --continue to record the others, or choose another folder with -o");
@@ -73,7 +107,7 @@ Result<RecordResult> record(const RecordRequest& request, const RecordingProgres
   auto files = record_profiles(bench, profiles, request.output, progress, cancelled);
   if (!files) {
     Error e = std::move(files).error();
-    const std::size_t kept = recorded_of(list, all, request.bench);
+    const std::size_t kept = recorded_of(list, all, request.bench).records;
     if (kept > 0 && e.code != ErrorCode::usage)
       e.hint += fmt::format("{}{} of {} records are kept in {}: the same command with --continue records the others", e.hint.empty() ? "" : "; ", kept, planned,
                             request.output.string());

@@ -83,7 +83,9 @@ Result<int> run(const Invocation& in) {
   console.print(render_console(*made, {.colour = console.color()}));
   if (const ReporterKind* json = Registry<ReporterKind>::instance().find("json"))
     console.print_json(json->render(*made));
-  if (made->decision.exit_code != kExitInterrupted)
+  if (made->decision.exit_code == kExitInterrupted)
+    console.next(in.command_line());
+  else
     console.look_at((request.output / "report.html").string());
   return made->decision.exit_code;
 }

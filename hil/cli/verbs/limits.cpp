@@ -17,6 +17,9 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const std::int64_t n, in.integer("count", 10, 100000));
   request.n = static_cast<std::size_t>(n);
   for (const std::string& record : in.texts("record")) request.records.emplace_back(record);
+  for (const char* option : {"cal", "map"})
+    if (request.records.empty() && in.given(option))
+      return fail(ErrorCode::usage, "limits of the emulated rig have no recordings to read with it", std::string("--") + option, "it is for --record FILE");
   FORCEGATE_TRY(request.map, column_map_lines(in));
   if (in.given("cal")) request.calibration_file = in.text("cal");
   FORCEGATE_TRY(request.first_seed, in.seed("first-seed"));

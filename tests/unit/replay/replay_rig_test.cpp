@@ -119,7 +119,8 @@ TEST_F(ReplayRig, RefusesWhatItCannotReplayAndSaysHowToMendIt) {
   EXPECT_THAT(make({{"record", wild}}).error().text, HasSubstr("not uniform"));
   const auto good = put("d.csv", "t_s,F_ref_N,U_V\n0,1,1\n1,1,1\n");
   EXPECT_THAT(make({{"record", good}, {"adc_bit", "12"}}).error().hint, HasSubstr("adc_bits"));
-  EXPECT_FALSE(make({{"record", good}, {"adc_bits", "40"}}));
+  for (const char* bits : {"40", "6", "12.5"}) EXPECT_FALSE(make({{"record", good}, {"adc_bits", bits}})) << bits;
+  EXPECT_FALSE(make({{"record", good}, {"v_range_V", "500"}})) << "no image takes it";
   EXPECT_FALSE(make({{"record", good}, {"v_range_V", "x"}}));
   auto rig = make({{"record", good}});
   ASSERT_TRUE(rig);

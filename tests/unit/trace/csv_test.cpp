@@ -294,7 +294,7 @@ TEST(ReadPlainDecimal, AgreesWithTheStandardLibraryToTheLastBit) {
 TEST(ReadCsv, AForceOrAClockOfTextIsAnErrorAndAnyOtherIsLeftOut) {
   const auto force = refuse("t,F,U\n0,\"1,234.5\",1\n1,\"1,235.5\",2\n");
   EXPECT_THAT(force.text, HasSubstr("\"F\""));
-  EXPECT_EQ(force.where, "x.csv:2");
+  EXPECT_EQ(force.where, "x.csv:2:3");
   EXPECT_THAT(force.hint, HasSubstr("1234.5"));
   EXPECT_THAT(refuse("t,F,U\n01/02/2026 10:00:00,1,1\n01/02/2026 10:00:01,1,1\n").hint, HasSubstr("2024-05-31T10:31:07"));
   EXPECT_THAT(read("t,F,U,who\n0,1,1,me\n1,2,2,me\n").notes, Contains(HasSubstr("\"who\" holds text")));

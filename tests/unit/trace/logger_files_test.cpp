@@ -154,7 +154,7 @@ TEST(LoggerFiles, AColumnThatIsEmptyUntilSomebodyWritesIntoItHoldsText) {
   const auto f = read("t_s,F_ref_N,event\n0,1,\n1,2,\n2,3,touched\n3,4,\n");
   EXPECT_EQ(force(f), (std::vector<double>{1, 2, 3, 4}));
   EXPECT_THAT(f.notes, Contains("column \"event\" holds text and was left out"));
-  EXPECT_THAT(refuse("t_s,F_ref_N\n0,\n1,\n2,touched\n").where, "x.csv:4") << "a force is no remark";
+  EXPECT_THAT(refuse("t_s,F_ref_N\n0,\n1,\n2,touched\n").where, "x.csv:4:3") << "a force is no remark";
 }
 
 TEST(LoggerFiles, AUnitThatIsNotKnownStaysWithItsColumn) {
@@ -221,6 +221,9 @@ TEST(LoggerFiles, HintsSayWhatIsWrongWithTheCell) {
   EXPECT_EQ(hint_for_cell("1,000.64", '.'), "write 1000.64 and not 1,000.64: nothing may part the thousands");
   EXPECT_THAT(hint_for_cell("-1'234'567.5", '.'), HasSubstr("write -1234567.5"));
   EXPECT_THAT(hint_for_cell("1 000,5", ','), HasSubstr("write 1000,5"));
+  EXPECT_EQ(hint_for_cell("0 598,79", ','), "write 598,79 and not 0 598,79: nothing may part the thousands");
+  EXPECT_THAT(hint_for_cell("-0 000,5", ','), HasSubstr("write -0,5 and"));
+  EXPECT_THAT(hint_for_cell("0 000", '.'), HasSubstr("write 0 and"));
   EXPECT_THAT(hint_for_cell("1.007", ','), HasSubstr("decimals of this file are commas"));
   EXPECT_THAT(hint_for_cell("0.000", ','), HasSubstr("decimals of this file are commas"));
   EXPECT_THAT(hint_for_cell("0,5", '.'), HasSubstr("decimals of this file are points"));
@@ -231,6 +234,15 @@ TEST(LoggerFiles, HintsSayWhatIsWrongWithTheCell) {
   EXPECT_EQ(words.where, "x.csv:2:1");
   EXPECT_THAT(words.hint, HasSubstr("write the number alone"));
   EXPECT_THAT(refuse("10:31:00.000 -> 1,2\n10:31:00.100 -> 1,2\n").hint, HasSubstr("replace \" -> \" by a comma"));
+}
+
+TEST(LoggerFiles, BlanksBetweenThousandsAreToldAsCommasAre) {
+  const Error blanks = refuse("t (s);F (N);U (mV)\n0,000;0,4;0 598,79\n0,020;0,4;0 619,66\n0,040;0,4;1 032,15\n");
+  EXPECT_EQ(blanks.where, "x.csv:2:11");
+  EXPECT_EQ(blanks.hint, "write 598,79 and not 0 598,79: nothing may part the thousands");
+  const Error later = refuse("t (s);F (N);U (mV)\n0,000;0,4;598,79\n0,020;0,4;1 019,66\n");
+  EXPECT_EQ(later.where, "x.csv:3:11");
+  EXPECT_EQ(later.hint, "write 1019,66 and not 1 019,66: nothing may part the thousands");
 }
 
 TEST(LoggerFiles, ACellThatIsMissingBetweenBlanksCannotBeLeftEmpty) {
