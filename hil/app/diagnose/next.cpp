@@ -79,6 +79,7 @@ std::string next_text(const Diagnosis& d) {
                        s.odds_stated ? "" : " by the evidence", s.cosine_before, s.cosine_after);
     for (const auto& [name, value] : s.numbers) out += fmt::format("      {} = {:g}\n", name, value);
   }
+  out += "odds behind the arrow: what to expect if the first one of the two is there\n";
   if (n.segments.size() > 1) out += "the first odds are those of the diagnosis; a later segment starts from what those above it leave\n";
   return out;
 }
