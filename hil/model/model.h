@@ -19,6 +19,7 @@ struct ModelParameter {
   std::string name, unit;
   double value = 0.0, se = 0.0;  ///< se 0: not estimated
   double minimum = 0.0, maximum = 0.0, neutral = 0.0;
+  double written = kMissing;  ///< of a shape of the user's own: the value in the file, where a fit has moved it since; not kept in a file
 };
 
 struct ModelEffect {

@@ -9,6 +9,7 @@
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
 #include "hil/model/model_toml.h"
+#include "hil/model/equation_unit.h"
 #include "hil/model/user_equation.h"
 
 namespace forcegate {
@@ -141,6 +142,7 @@ Result<UserEffect> read_user_effect(const toml::table& table, const std::string&
   if (parameters != nullptr)
     for (const auto& [key, node] : *parameters) {
       FORCEGATE_TRY(ModelParameter p, read_parameter(node, std::string(key.str()), where));
+      FORCEGATE_CHECK_OK(check_unit_of_equations(p, place(where, node)));
       out.parameters.push_back(std::move(p));
     }
   std::vector<std::string> taken = user_inputs();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/last_line.h"
 #include "tests/support/noise.h"
@@ -67,6 +68,31 @@ TEST(Export, WithoutEffectsThereIsOneErrorAndNotTwo) {
   EXPECT_THAT(r.out, HasSubstr("(the law alone):"));
   EXPECT_THAT(r.out, Not(HasSubstr(" -> ")));
   EXPECT_THAT(r.out, HasSubstr("held against the model's own inverse from 0 to 3.5 N"));
+}
+
+// The firmware of --plan none calibrates by the model: a straight line through the records would hide a wrong one.
+TEST(Export, AGainThatIsNotThatOfTheRecordsIsAWarningWhereTheModelCalibrates) {
+  const TemporaryFolder folder;
+  write_straight(folder / "film.csv");
+  write_text(folder / "wrong.toml", "format = 1\n[law]\nkind = \"static\"\nspan_N = 3\nlowest_N = 0.5\ngain_N_per_V = 0.3\noffset_N = 2.0\n");
+  const ProcessResult r = pasted("forcegate export wrong.toml --c comp.h --plan none --check film.csv", folder);
+  EXPECT_EQ(r.exit_code, 1) << r.err;
+  EXPECT_THAT(r.out, HasSubstr("with gain and offset of the model, by which the firmware calibrates"));
+  EXPECT_THAT(r.out, HasSubstr("with the best straight line instead"));
+  EXPECT_THAT(r.out, HasSubstr("warning: gain and offset of the model are not those of these records"));
+  EXPECT_EQ(next_of(r), "forcegate fit film.csv --model wrong.toml -o better.toml");
+  EXPECT_EQ(pasted(next_of(r), folder).exit_code, 0);
+  EXPECT_EQ(pasted("forcegate export better.toml --c comp.h --plan none --check film.csv", folder).exit_code, 0);
+  const auto check = nlohmann::json::parse(pasted("forcegate export wrong.toml --plan none --check film.csv --json", folder).out)["check"];
+  EXPECT_EQ(check["calibrated_by"], "model");
+  EXPECT_GT(check["raw_compensated_rms_N"].get<double>(), 0.3);
+  EXPECT_LT(check["compensated_rms_N"].get<double>(), 0.01);
+  EXPECT_NEAR(check["line"]["gain"].get<double>(), 0.5 / 0.3, 0.01);
+  // a plan finds gain and zero on the bench
+  const ProcessResult planned = forcegate({"export", folder / "wrong.toml", "--check", folder / "film.csv"}, {.folder = FORCEGATE_SOURCE_DIR});
+  EXPECT_EQ(planned.exit_code, 0) << planned.err;
+  EXPECT_THAT(planned.out, HasSubstr("as the plan's calibration finds it on the bench"));
+  EXPECT_THAT(planned.out, HasSubstr("gain and offset of the model instead"));
 }
 
 TEST(Export, AConductanceIsNotSoldAsAVoltage) {

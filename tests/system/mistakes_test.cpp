@@ -37,6 +37,62 @@ TEST(Mistakes, InNamesAreToldAlsoWhereNothingWouldBeDoneWithThem) {
   }
 }
 
+// Straight, 40 s: enough for an answer.
+std::string write_run(const TemporaryFolder& folder) {
+  std::string text = "t_s,F_ref_N,U_V\n";
+  for (int i = 0; i < 2000; ++i) text += std::to_string(0.02 * i) + "," + std::to_string(0.01 * (i % 400)) + "," + std::to_string(0.02 * (i % 400) + 0.001 * (i % 7)) + "\n";
+  write_text(folder / "run.csv", text);
+  return folder / "run.csv";
+}
+
+TEST(Mistakes, InPlacesThatCannotBeWrittenAreToldBeforeTheWorkWithTheReason) {
+  TemporaryFolder folder;
+  const std::string run = write_run(folder), file = folder / "file.toml", model = folder / "better.toml";
+  write_text(file, "");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> told = {
+      {{"diagnose", run, "--pictures", "/proc/nowhere/pictures"}, "cannot make"},
+      {{"diagnose", run, "--pictures", file}, "a file has that name"},
+      {{"diagnose", run, "--html", folder.path()}, "Is a directory"},
+      {{"add", "creep", "--fit", run, "-o", model, "--html", file + "/page.html"}, "a file has that name"},
+      {{"simulate", run, "-o", file}, "a file has that name"},
+      {{"mystery", "/proc/nowhere/m"}, "cannot make the folder"},
+      {{"mystery", file + "/m"}, "a file has that name"},
+  };
+  for (const auto& [words, what] : told) {
+    const ProcessResult r = forcegate(words, kHere);
+    EXPECT_EQ(r.exit_code, 2) << what << r.out;
+    EXPECT_THAT(r.err, HasSubstr(what)) << words.front();
+    EXPECT_THAT(r.err, HasSubstr("\n  help: ")) << words.front();
+    EXPECT_EQ(r.out, "") << words.front();
+  }
+  EXPECT_FALSE(std::filesystem::exists(model)) << "nothing was begun";
+}
+
+TEST(Mistakes, InThePageOfAnAnswerDoNotTakeTheAnswer) {
+  TemporaryFolder folder;
+  const ProcessResult r = forcegate({"diagnose", write_run(folder), "--html", "/dev/full"}, kHere);
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_THAT(r.out, HasSubstr("verdict: "));
+  EXPECT_THAT(r.err, HasSubstr("No space left on device"));
+}
+
+TEST(Mistakes, InTheNameOfAnEffectSayWhereEquationsAreNamed) {
+  TemporaryFolder folder;
+  const std::string run = write_run(folder);
+  const ProcessResult own = forcegate({"add", "mine", "--fit", run}, kHere);
+  EXPECT_EQ(own.exit_code, 2);
+  EXPECT_THAT(own.err, HasSubstr("no effect \"mine\""));
+  EXPECT_THAT(own.err, HasSubstr("\n  help: an equation of your own stands in a model file: name that with --model FILE"));
+  EXPECT_THAT(forcegate({"add", "hysteresi", "--fit", run}, kHere).err, HasSubstr("did you mean \"hysteresis\"?"));
+}
+
+TEST(Mistakes, InTheSizeOfADiskLeaveNoHalfMystery) {
+  TemporaryFolder folder;
+  const ProcessResult r = run_process({"bash", "-c", "ulimit -f 100; " + std::string(FORCEGATE_BINARY_DIR) + "/forcegate mystery --seed 3 " + (folder / "m")}, kHere);
+  EXPECT_EQ(r.exit_code, 2) << r.out;
+  EXPECT_FALSE(std::filesystem::exists(folder / "m"));
+}
+
 TEST(Mistakes, InALimitOnTheSizeOfFilesAreAFailedWriteAndNoSilentEnd) {
   TemporaryFolder folder;
   const std::string gate = std::string(FORCEGATE_BINARY_DIR) + "/forcegate gate " + kNative + " --case four_sines --specimen q50 -o " + (folder / "run");

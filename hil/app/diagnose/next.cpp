@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "hil/app/diagnose/what_next.h"
@@ -36,10 +37,13 @@ std::string which_plan(const Diagnosis& d) {
 
 std::string without_segments(const Diagnosis& d) {
   if (!d.not_separable.empty()) {
-    std::string out = "not separable here: " + join(d.not_separable.front(), " or ") +
-                      "; none of the short segments that a rig can play would part them\nwhat would:\n";
-    for (const std::string& effect : d.not_separable.front())
+    const std::vector<std::string>& rivals = d.not_separable.front();
+    const bool own = std::ranges::any_of(rivals, [](const std::string& effect) { return EffectRegistry::instance().find(effect) == nullptr; });
+    std::string out = "not separable here: " + join(rivals, " or ") + "; none of the short segments that a rig can play would part them\n" +
+                      (own ? "what shows the library's effects as a rule:\n" : "what would:\n");
+    for (const std::string& effect : rivals)
       if (const std::string how = what_parts(effect); !how.empty()) out += "  " + effect + ": " + how + "\n";
+    if (own) out += "an equation of your own that answers alike wherever the force can be played predicts the same: take the one that you can explain\n";
     return out + which_plan(d);
   }
   if (const std::vector<const Finding*> suspicions = suspicions_beside_none(d); !suspicions.empty()) {
@@ -47,6 +51,8 @@ std::string without_segments(const Diagnosis& d) {
     for (const Finding* f : suspicions) out += "  " + f->effect + ": " + what_parts(f->effect) + (f->reservations.empty() ? "" : " (not claimed: " + f->reservations.back().why + ")") + "\n";
     return out + which_plan(d);
   }
+  // open all the same, and no segment is of use
+  if (!d.next_experiment.sentence.empty()) return d.next_experiment.sentence + "\n" + which_plan(d);
   if (d.verdict == DiagnosisVerdict::unknown)
     return "structure remains that no effect of the library explains, so none competes" +
            (d.depends_on.empty() ? "" : "; it depends on " + join(d.depends_on, ", ")) +
@@ -73,6 +79,7 @@ std::string next_text(const Diagnosis& d) {
                        s.odds_stated ? "" : " by the evidence", s.cosine_before, s.cosine_after);
     for (const auto& [name, value] : s.numbers) out += fmt::format("      {} = {:g}\n", name, value);
   }
+  out += "odds behind the arrow: what to expect if the first one of the two is there\n";
   if (n.segments.size() > 1) out += "the first odds are those of the diagnosis; a later segment starts from what those above it leave\n";
   return out;
 }

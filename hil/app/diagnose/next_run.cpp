@@ -331,9 +331,9 @@ Result<NextRunResult> next_run(const NextRunRequest& request, const RecordingPro
     const std::string first = odds.rivals.substr(0, at),
                       second = at == std::string::npos ? "" : odds.rivals.substr(at + 3);
     for (const ExperimentSegment& s : out.planned.segments)
-      if (s.name == odds.segment) odds.expected = s.odds_after;
+      if (s.name == odds.segment) odds.expected = s.odds_after, odds.stated = s.odds_stated;
     if (const auto before = diagnose::rival_odds(out.before, first, second)) odds.log_before = before->log_odds;
-    const auto now = diagnose::rival_odds(out.after, first, second);
+    const auto now = diagnose::rival_odds_as(odds.stated, out.after, first, second);
     if (!now) continue;
     odds.log_after = now->log_odds;
     odds.leads = now->log_odds >= 0.0 ? first : second;
@@ -347,8 +347,8 @@ std::string next_run_text(const NextRunResult& r) {
     out += "the emulated rig holds a sensor of its own: what follows means something only where the first records were played on it too;\n"
            "for records of a bench give yours with --rig replay --record FILE\n";
   for (const SegmentOdds& s : r.segments)
-    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before, {} to 1 expected, {}\n", s.segment, s.file, s.rivals,
-                       odds_text(std::exp(std::fabs(s.log_before))), odds_text(s.expected),
+    out += fmt::format("played {:<38} {}\n  {}: odds {} to 1 before{}, {} to 1 expected, {}\n", s.segment, s.file, s.rivals,
+                       odds_text(std::exp(std::fabs(s.log_before))), s.stated ? "" : " by the evidence", odds_text(s.expected),
                        s.log_after ? fmt::format("{} to 1 now for {}", odds_text(std::exp(std::fabs(*s.log_after))), s.leads)
                                    : "both are found now");
   for (const std::string& s : r.skipped) out += "left out " + s + "\n";
@@ -370,6 +370,7 @@ std::string next_run_json(const NextRunResult& r) {
                         {"rivals", s.rivals},
                         {"log_odds_before", s.log_before},
                         {"odds_expected", s.expected},
+                        {"odds_from", s.stated ? "probability" : "evidence"},
                         {"log_odds_after", s.log_after ? Json(*s.log_after) : Json(nullptr)},
                         {"leads", s.leads}});
   const Json out = {{"format", 1},

@@ -21,6 +21,7 @@ struct SegmentOdds {
   std::string segment, rivals, file;
   double log_before = 0.0;
   double expected = 1.0;            ///< odds of the better rival
+  bool stated = true;               ///< all three are odds of probabilities; else of the evidence alone
   std::optional<double> log_after;  ///< nothing: both are found
   std::string leads;                ///< the rival that the new data favour
 };

@@ -12,6 +12,7 @@
 #include <deque>
 #include <fstream>
 #include <memory>
+#include <tuple>
 
 #include "hil/base/read_file.h"
 #include "hil/base/text.h"
@@ -303,10 +304,13 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
       sum += std::pow(line.first * static_cast<double>(x[i]) + line.second - static_cast<double>(F[i]), 2);
     return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, x.size())));
   };
+  double low_N = 1e300, high_N = -1e300;
   for (std::size_t k = 0; k < kept.size(); ++k) {
     ReplayedRecord& item = out.records[k];
     item.plain_rms_N = rms(kept[k].plain, kept[k].F, plain_line.fit());
     item.compensated_rms_N = rms(kept[k].compensated, kept[k].F, compensated_line.fit());
+    item.raw_plain_rms_N = rms(kept[k].plain, kept[k].F, {1.0, 0.0});
+    item.raw_compensated_rms_N = rms(kept[k].compensated, kept[k].F, {1.0, 0.0});
     Line own_plain, own_compensated;
     kept[k].add_to(own_plain, kept[k].plain);
     kept[k].add_to(own_compensated, kept[k].compensated);
@@ -315,7 +319,15 @@ Result<CompensatorCheck> check_compensator(const Model& model, const Compensator
     out.plain_rms_N += item.plain_rms_N * item.plain_rms_N / static_cast<double>(kept.size());
     out.compensated_rms_N +=
         item.compensated_rms_N * item.compensated_rms_N / static_cast<double>(kept.size());
+    out.raw_plain_rms_N += item.raw_plain_rms_N * item.raw_plain_rms_N / static_cast<double>(kept.size());
+    out.raw_compensated_rms_N += item.raw_compensated_rms_N * item.raw_compensated_rms_N / static_cast<double>(kept.size());
+    const auto [least, most] = std::ranges::minmax(kept[k].F);
+    low_N = std::min(low_N, static_cast<double>(least)), high_N = std::max(high_N, static_cast<double>(most));
   }
+  std::tie(out.line_gain, out.line_zero_N) = compensated_line.fit();
+  out.span_N = high_N - low_N;
+  out.raw_plain_rms_N = std::sqrt(out.raw_plain_rms_N);
+  out.raw_compensated_rms_N = std::sqrt(out.raw_compensated_rms_N);
   out.plain_rms_N = std::sqrt(out.plain_rms_N);
   out.compensated_rms_N = std::sqrt(out.compensated_rms_N);
   return out;

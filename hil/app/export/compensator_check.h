@@ -4,9 +4,10 @@
 //   arithmetic   the model answers to the recorded forces, the compensator inverts the answer: what is left is the header's
 //                single precision and its solver, since the model's own inverse of its own answer is the force itself; a rate
 //                of the force is taken from the samples so far, as a firmware must
-//   recording    the recorded voltages, with U_min tracked as a firmware does it, against the recorded forces; both the plain
-//                law and the compensator get the best straight line over the campaign first, by the output as a law is fitted, so
-//                that gain and offset of a session do not count
+//   recording    the recorded voltages, with U_min tracked as a firmware does it, against the recorded forces: as the header makes them with gain
+//                and offset of the model ("raw"), and with the best straight line over the campaign first, by the output as a law is fitted,
+//                for the plain law and for the compensator each. A calibration on the bench finds that line, so that gain and offset of a
+//                session do not count; a firmware that calibrates by the model has none
 
 #include <filesystem>
 #include <string>
@@ -26,6 +27,7 @@ struct ReplayedRecord {
   double largest_at_N = 0.0;  ///< force at which it is
   double plain_rms_N = 0.0;  ///< recorded voltage through the law without the effects
   double compensated_rms_N = 0.0;
+  double raw_plain_rms_N = 0.0, raw_compensated_rms_N = 0.0;  ///< with gain and offset of the model
   double own_plain_rms_N = 0.0, own_compensated_rms_N = 0.0;  ///< with a gain and a zero of its own
 };
 
@@ -34,15 +36,22 @@ struct CompensatorCheck {
   double largest_N = 0.0;
   double lsb_N = 0.0;  ///< of the campaign's converter: |G| v_range / (2^bits - 1) of volts, |G| of counts; 0: a unit that no converter gives
   double plain_rms_N = 0.0, compensated_rms_N = 0.0;  ///< records weigh the same
+  double raw_plain_rms_N = 0.0, raw_compensated_rms_N = 0.0;  ///< the same with gain and offset of the model
+  double line_gain = 1.0, line_zero_N = 0.0;                  ///< F = gain * (what the header says) + zero, the best over the campaign
+  double span_N = 0.0;                                        ///< of the recorded force
+  bool by_model = false;  ///< the firmware calibrates by the model: gain and offset count, and the raw errors are its own
   std::string compiler;
   std::string far_off;  ///< records replayed far above what their fit leaves (replayed_far_off.h); "" none, or nothing was fitted
 };
 
 /// What speaks against putting the header into firmware, one sentence each; empty: nothing. It differs from the model's own inverse by more
-/// than 8 LSB and a tenth of the error that it leaves, or it leaves a larger error than the law alone (by more than 2 %).
+/// than 8 LSB and a tenth of the error that it leaves; it leaves a larger error than the law alone (by more than 2 %), each with its best line; or the
+/// firmware calibrates by the model, and its gain and offset are off by more than a twentieth of the span (RMS) and by what the line leaves.
 std::vector<std::string> objections(const CompensatorCheck& check);
 /// The first of them.
 bool differs_from_model(const CompensatorCheck& check);
+/// The last of them.
+bool is_off_in_gain(const CompensatorCheck& check);
 
 /// Each record is replayed for at most `most_s` seconds. Errors: io when there is no C compiler (cc), config when the header
 /// does not compile (with the compiler's words), those of the campaign.

@@ -56,13 +56,18 @@ std::string check_text(const ExportResult& r) {
     return bare ? fmt::format("{:>8.1f}", 1e3 * law_N) : fmt::format("{:>8.1f} -> {:.1f}", 1e3 * law_N, 1e3 * header_N);
   };
   std::string out = fmt::format("built with {} and replayed:\n  largest difference from the model's own inverse {:.2g} N{}\n", check.compiler, check.largest_N, lsb(check.largest_N, " = "));
-  out += fmt::format("  recorded {} against recorded force{}, RMS in mN ({}):\n", r.input.empty() ? "voltages" : "outputs",
-                     check.lsb_N > 0.0 ? " and the largest difference from the model's own inverse" : "", bare ? "the law alone" : "the law alone -> with this header");
+  out += fmt::format("  recorded {} against recorded force{}, RMS in mN ({}):\n    {}\n", r.input.empty() ? "voltages" : "outputs",
+                     check.lsb_N > 0.0 ? " and the largest difference from the model's own inverse" : "",
+                     bare ? "the law alone" : "the law alone -> with this header",
+                     check.by_model ? "with gain and offset of the model, by which the firmware calibrates" : "with the best straight line over them, as the plan's calibration finds it on the bench");
   for (const ReplayedRecord& item : check.records)
-    out += fmt::format("    {:<28} {:>5.0f} s {}{}{}\n", item.record, item.seconds, errors(item.plain_rms_N, item.compensated_rms_N), lsb(item.largest_N, ", difference "),
+    out += fmt::format("    {:<28} {:>5.0f} s {}{}{}\n", item.record, item.seconds,
+                       check.by_model ? errors(item.raw_plain_rms_N, item.raw_compensated_rms_N) : errors(item.plain_rms_N, item.compensated_rms_N), lsb(item.largest_N, ", difference "),
                        (item.left_out_s >= 0.1 ? fmt::format(", {:.3g} s without samples not judged", item.left_out_s) : "") +
                            (item.cut_s >= 0.1 ? fmt::format(", the {} s behind not replayed", plain_number(item.cut_s)) : ""));
-  out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", errors(check.plain_rms_N, check.compensated_rms_N));
+  const std::string raw = errors(check.raw_plain_rms_N, check.raw_compensated_rms_N), line = errors(check.plain_rms_N, check.compensated_rms_N);
+  out += fmt::format("    {:<28} {:>7} {}\n", "all records", "", check.by_model ? raw : line);
+  out += fmt::format("    {:<36} {}\n", check.by_model ? "with the best straight line instead" : "gain and offset of the model instead", check.by_model ? line : raw);
   for (const std::string& objection : objections(check)) out += "warning: " + objection + "\n";
   if (!check.far_off.empty()) out += "warning: " + check.far_off + "\n";
   return out;
@@ -126,6 +131,7 @@ Result<ExportResult> export_model(const ExportRequest& request) {
   if (request.check) {
     FORCEGATE_TRY(const Campaign campaign, load_campaign(*request.check));
     FORCEGATE_TRY(out.check, check_compensator(model, out.compensator, request.rate_Hz, campaign));
+    out.check->by_model = !options.calibration.known;
     if (out.fit) out.check->far_off = replayed_far_off(*out.fit, *out.check, model.law.gain_N_per_V);
   }
   if (!request.header.empty()) {
@@ -189,6 +195,8 @@ std::string export_json(const ExportResult& r) {
                          {"largest_N", item.largest_N},
                          {"plain_rms_N", item.plain_rms_N},
                          {"compensated_rms_N", item.compensated_rms_N},
+                         {"raw_plain_rms_N", item.raw_plain_rms_N},
+                         {"raw_compensated_rms_N", item.raw_compensated_rms_N},
                          {"own_plain_rms_N", item.own_plain_rms_N},
                          {"own_compensated_rms_N", item.own_compensated_rms_N}});
     out["check"] = {{"compiler", r.check->compiler},
@@ -196,6 +204,10 @@ std::string export_json(const ExportResult& r) {
                     {"lsb_N", r.check->lsb_N},
                     {"plain_rms_N", r.check->plain_rms_N},
                     {"compensated_rms_N", r.check->compensated_rms_N},
+                    {"raw_plain_rms_N", r.check->raw_plain_rms_N},
+                    {"raw_compensated_rms_N", r.check->raw_compensated_rms_N},
+                    {"calibrated_by", r.check->by_model ? "model" : "plan"},
+                    {"line", {{"gain", r.check->line_gain}, {"zero_N", r.check->line_zero_N}}},
                     {"objections", objections(*r.check)},
                     {"far_off", r.check->far_off},
                     {"records", records}};

@@ -75,6 +75,12 @@ bool differs_from_model(const CompensatorCheck& check) {
   return check.largest_N > std::max(kFewLSB * check.lsb_N, kOfWhatIsLeft * check.compensated_rms_N);
 }
 
+bool is_off_in_gain(const CompensatorCheck& check) {
+  constexpr double kOfTheSpan = 0.05;
+  const double raw = check.raw_compensated_rms_N, line = check.compensated_rms_N;
+  return check.by_model && raw * raw > 2.0 * line * line + kOfTheSpan * kOfTheSpan * check.span_N * check.span_N;
+}
+
 std::vector<std::string> objections(const CompensatorCheck& check) {
   std::vector<std::string> out;
   if (differs_from_model(check))
@@ -86,6 +92,10 @@ std::vector<std::string> objections(const CompensatorCheck& check) {
     out.push_back(fmt::format("the error on these records is larger with the header than with the law alone: {} -> {} mN{}", plain_number(1e3 * check.plain_rms_N),
                               plain_number(1e3 * check.compensated_rms_N), few ? few_carry_it(c) : most_carry_it(check)));
   }
+  if (is_off_in_gain(check))
+    out.push_back(fmt::format("gain and offset of the model are not those of these records: {} mN as they are, {} mN with {:.3g} times the force and {:+.3g} N. A firmware that calibrates by the model "
+                              "has them: refit the model on records of this sensor (--fit), or calibrate on the bench (--plan)",
+                              plain_number(1e3 * check.raw_compensated_rms_N), plain_number(1e3 * check.compensated_rms_N), check.line_gain, check.line_zero_N));
   return out;
 }
 

@@ -11,4 +11,10 @@ namespace forcegate {
 /// never half of one. Makes missing parent folders. Errors: io.
 Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
+/// The folder with those above it. Errors: io, with the folder that cannot be made.
+Result<void> make_folder(const std::filesystem::path& folder);
+
+/// Asked before long work: whether a file can be written there as things stand. Makes nothing that stays. Errors: as of the write.
+Result<void> check_writable(const std::filesystem::path& path);
+
 }  // namespace forcegate

@@ -8,6 +8,7 @@
 
 #include "hil/app/model/beyond_bounds.h"
 #include "hil/app/model/never_fitted.h"
+#include "hil/app/model/weak_addition.h"
 #include "hil/base/plain_number.h"
 #include "hil/base/text.h"
 #include "hil/diagnose/candidates/user_candidates.h"
@@ -97,6 +98,7 @@ std::string refit_text(const diagnose::Refit& r, const std::string& add) {
       number(r.error_before), number(r.error_after), unit.name, number(r.floor), unit.name, number(r.plain_before),
       number(r.plain_after), unit.name);
   if (!add.empty() && !is_needed(r)) out += std::string(kNotNeeded) + "\n";
+  for (const std::string& warning : weak_addition(r, add).warnings) out += "warning: " + warning + "\n";
   out += "parameters:\n";
   for (const auto& m : r.moves)
     out += fmt::format("  {:<28} {:>12} -> {} {}\n", m.name, std::isfinite(m.before) ? fmt::format("{:.5g}", m.before) : "new", with_uncertainty(m.after, m.u),
@@ -124,6 +126,7 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
   for (const auto& m : r.moves)
     moves.push_back(
         {{"name", m.name}, {"before", std::isfinite(m.before) ? nlohmann::ordered_json(m.before) : nlohmann::ordered_json()}, {"after", m.after}, {"u", m.u}, {"unit", m.unit}});
+  const WeakAddition weak = weak_addition(r, add);
   std::vector<std::string> notes = r.notes;
   if (!add.empty() && !is_needed(r)) notes.emplace_back(kNotNeeded);
   const nlohmann::ordered_json out = {
@@ -131,6 +134,8 @@ std::string refit_json(const diagnose::Refit& r, const std::string& add) {
       {"added", add},
       {"model", r.model.name},
       {"accepted", add.empty() || is_needed(r)},
+      {"shown", weak.is_shown},
+      {"warnings", weak.warnings},
       {"parameters", moves},
       {"notes", notes},
       {"error_before", r.error_before},

@@ -43,9 +43,7 @@ Result<Simulation> simulate_request(const CampaignRequest& request, const std::f
   const CampaignInFrame input(model.frame, std::move(rows));
   NewFiles files;
   files.about_to_make(folder);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return fail(ErrorCode::io, "cannot make the folder: " + error.message(), folder.string(), "");
+  FORCEGATE_CHECK_OK(make_folder(folder));
   for (const RecordInput& r : input.input().records) {
     if (interrupted != nullptr && *interrupted) return fail(ErrorCode::cancelled, "interrupted: what was written is taken back", folder.string());
     FORCEGATE_TRY(const std::vector<double> U, model_output_V(model, input, r));

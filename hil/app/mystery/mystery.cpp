@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/app/files/write_file.h"
 #include "hil/base/digest.h"
 #include "hil/base/read_file.h"
 #include "hil/base/rng.h"
@@ -37,6 +38,26 @@ std::vector<std::string> choose_effects(const MysteryRequest& request, Rng& rng)
     }
   return chosen;
 }
+
+// A campaign that could not be written whole is none: a folder that was made for it goes again.
+class NewFolder {
+ public:
+  explicit NewFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+    std::error_code unknown;
+    kept_ = std::filesystem::exists(folder_, unknown);
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  ~NewFolder() {
+    std::error_code ignored;
+    if (!kept_) std::filesystem::remove_all(folder_, ignored);
+  }
+  void keep() { kept_ = true; }
+
+ private:
+  std::filesystem::path folder_;
+  bool kept_ = false;
+};
 
 }  // namespace
 
@@ -102,9 +123,13 @@ Result<MysteryResult> make_mystery(const MysteryRequest& request,
 
   const std::string nonce = sha256_hex("nonce/" + std::to_string(request.seed)).substr(0, 32);
   const hidden::SealedSheet sheet = hidden::seal(hidden::to_json(made.truth), nonce);
+  NewFolder folder(request.folder);
+  FORCEGATE_CHECK_OK(make_folder(request.folder));
+  FORCEGATE_CHECK_OK(check_writable(request.folder / hidden::kSealedFile));
   if (on_commitment) on_commitment(sheet.commitment);
   FORCEGATE_CHECK_OK(hidden::write_campaign(made, request.folder, request.overwrite));
   FORCEGATE_CHECK_OK(hidden::write_sealed(sheet, request.folder));
+  folder.keep();
 
   MysteryResult result;
   result.folder = request.folder;

@@ -5,6 +5,7 @@
 #include "hil/app/diagnose/diagnose.h"
 #include "hil/app/diagnose/what_next.h"
 #include "hil/app/files/write_file.h"
+#include "hil/app/model/weak_addition.h"
 #include "hil/cli/command.h"
 #include "hil/cli/parse.h"
 #include "hil/cli/verbs/campaign_options.h"
@@ -18,16 +19,20 @@ Result<int> run(const Invocation& in) {
   request.effect = in.text("EFFECT");
   FORCEGATE_TRY(request.campaign, campaign_request(in, in.text("fit"), named_model(in)));
   request.output = in.text("output");
+  const std::string html = in.text("html");
+  if (!request.output.empty()) FORCEGATE_CHECK_OK(check_writable(request.output));
+  if (!html.empty()) FORCEGATE_CHECK_OK(check_writable(html));
   FORCEGATE_TRY(const diagnose::Refit answer, add_request(request));
-  if (const std::string html = in.text("html"); !html.empty()) {
+  // the answer first: it stands, whatever becomes of its page
+  in.console().print(refit_text(answer, request.effect));
+  in.console().print_json(refit_json(answer, request.effect));
+  if (!html.empty()) {
     FORCEGATE_TRY(const std::string page, added_page(request, answer, in.command_line()));
     FORCEGATE_CHECK_OK(write_file_atomically(html, page));
     in.console().note("wrote " + html);
   }
-  in.console().print(refit_text(answer, request.effect));
-  in.console().print_json(refit_json(answer, request.effect));
   const std::string model = named_model(in);
-  if (!is_needed(answer)) {  // what else is it? A diagnosis that claims it would lead back here
+  if (!is_needed(answer) || !weak_addition(answer, request.effect).is_shown) {  // what else is it? A diagnosis that claims it would lead back here
     const Result<Diagnosis> other = diagnose_request(request.campaign);
     in.console().next(other && leads_to_add(*other, request.effect) ? "forcegate explain " + shell_quoted(request.effect)
                                                                    : "forcegate diagnose " + campaign_words(in, in.text("fit")) + model_words(in));

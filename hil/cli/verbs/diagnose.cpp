@@ -17,22 +17,26 @@ Result<int> run(const Invocation& in) {
   FORCEGATE_TRY(const CampaignRequest request, campaign_request(in, in.text("CAMPAIGN"), named_model(in)));
   Console& console = in.console();
   RecordPictures pictures;
-  const bool drawn = !in.text("html").empty() || !in.text("pictures").empty();
+  const std::string html = in.text("html"), folder = in.text("pictures");
+  const bool drawn = !html.empty() || !folder.empty();
+  if (!html.empty()) FORCEGATE_CHECK_OK(check_writable(html));
+  if (!folder.empty()) FORCEGATE_CHECK_OK(check_writable(std::filesystem::path(folder) / "ranking.svg"));
   FORCEGATE_TRY(const Diagnosis answer, diagnose_request(request, drawn ? &pictures : nullptr));
-  if (const std::string html = in.text("html"); !html.empty()) {
+  // the answer first: it stands, whatever becomes of its pictures
+  console.print(diagnosis_text(answer));
+  console.notes(answer.notes);
+  console.print_json(to_json(answer));
+  if (!html.empty()) {
     FORCEGATE_CHECK_OK(
         write_file_atomically(html, diagnosis_html(answer, {FORCEGATE_VERSION, in.command_line(), false, pictures})));
     console.note("wrote " + html);
   }
-  if (const std::string folder = in.text("pictures"); !folder.empty()) {
+  if (!folder.empty()) {
     FORCEGATE_TRY(const auto files, write_pictures(answer, pictures, folder));
     console.note(fmt::format("wrote {} pictures into {}", files.size(), folder));
   }
-  console.print(diagnosis_text(answer));
-  console.notes(answer.notes);
-  console.print_json(to_json(answer));
   console.next(line_after_diagnosis(in, answer,
-                                    {.campaign = in.text("CAMPAIGN"), .model = named_model(in), .page = !in.text("html").empty()}));
+                                    {.campaign = in.text("CAMPAIGN"), .model = named_model(in), .page = !html.empty()}));
   return kExitSuccess;
 }
 

@@ -1,3 +1,4 @@
+#include "hil/app/diagnose/what_next.h"
 #include "hil/app/export/export.h"
 #include "hil/app/files/find_plan.h"
 
@@ -19,6 +20,13 @@ std::string line_after(const Invocation& in, const ExportResult& answer) {
   if (answer.input.empty() && std::filesystem::is_regular_file("ci/firmware", ignored)) return "ci/firmware " + file + " mine";
   if (in.given("fit") && !in.given("check")) return in.command_line() + " --check " + shell_quoted(in.text("fit"));
   return "cc -std=c11 -Wall -fsyntax-only -x c " + file;
+}
+
+// Gain and offset that are not those of the records: a model of theirs.
+std::string refit_on_checked(const Invocation& in) {
+  std::string out = "forcegate fit " + shell_quoted(in.text("check")) + " --model " + shell_quoted(in.text("MODEL"));
+  for (const std::string& map : in.texts("map")) out += " --map " + shell_quoted(map);
+  return out + " -o " + shell_quoted(better_model_name(in.text("MODEL")));
 }
 
 Result<int> run(const Invocation& in) {
@@ -53,7 +61,9 @@ Result<int> run(const Invocation& in) {
   in.console().print_json(export_json(answer));
   if (answer.check && !objections(*answer.check).empty()) {
     // no diagnosis tells more of it, and one whose model leaves nothing would lead back here
-    in.console().next(differs_from_model(*answer.check) ? "forcegate explain \"not undone\"" : "forcegate explain \"no gain\"");
+    in.console().next(differs_from_model(*answer.check) ? "forcegate explain \"not undone\""
+                      : is_off_in_gain(*answer.check) && objections(*answer.check).size() == 1 ? refit_on_checked(in)
+                                                                                             : "forcegate explain \"no gain\"");
     return kExitReject;
   }
   in.console().next(answer.header.empty() ? in.command_line() + " --c comp.h" : line_after(in, answer));
@@ -76,8 +86,10 @@ const Registration<Command> kRow{Command{
         "Before it is written the header is built with the host's compiler and held against the model's own inverse on swings over the model's "
         "range; one that does not undo the model is refused. The header takes what the model takes: volts, or the unit that the model file names.\n\n"
         "--check builds the header with the host's compiler and replays a campaign: how far it is from the model's own inverse, "
-        "in newtons and in LSB, and what it does to the recorded voltages. Of each record the first 600 s are replayed. Where the header "
-        "is far from the model's inverse, or makes the error larger, a warning says so and the exit code is 1.",
+        "in newtons and in LSB, and what it does to the recorded voltages. Where the plan calibrates on the bench, the best straight line "
+        "over the records is taken first, as that does; with --plan none gain and offset of the model count. The other error is told "
+        "too. Of each record the first 600 s are replayed. Where the header is far from the model's inverse, makes the error larger (each "
+        "with its best line), or has by --plan none a gain and an offset that are not those of the records, a warning says so and the exit code is 1.",
     .positionals = {{.name = "MODEL", .doc = "Model file, or flexiforce, fsr.", .names = Names::input}},
     .options =
         {{.name = "c", .value_name = "FILE", .doc = "Header to write.", .names = Names::file},

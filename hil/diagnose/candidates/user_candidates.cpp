@@ -14,13 +14,9 @@ constexpr double kNoBound = 1e299;
 
 ParameterSpec spec_of(const ModelParameter& p) {
   ParameterSpec out{p.name, p.unit, p.minimum, p.maximum, p.value, ""};
-  // without bounds, two decades around the value that the user wrote; a search never changes the sign
-  const double low = p.value > 0.0 ? 0.01 * p.value : 100.0 * p.value,
-               high = p.value > 0.0 ? 100.0 * p.value : 0.01 * p.value;
-  if (p.value != 0.0) {
-    out.minimum = std::max(out.minimum, low);
-    out.maximum = std::min(out.maximum, high);
-  }
+  const Reach reach = reach_of(p);
+  out.minimum = reach.low;
+  out.maximum = reach.high;
   return out;
 }
 
@@ -122,6 +118,14 @@ ModelParameter* parameter_of(UserEffect& effect, const std::string& name) {
 
 }  // namespace
 
+Reach reach_of(const ModelParameter& p) {
+  constexpr double kDecades = 100.0;
+  const double written = std::isfinite(p.written) ? p.written : p.value;
+  if (written == 0.0) return {p.minimum, p.maximum};
+  const double a = written / kDecades, b = written * kDecades;  // the sign does not change
+  return {std::max(p.minimum, std::min(a, b)), std::min(p.maximum, std::max(a, b))};
+}
+
 bool is_fitted(const UserEffect& effect) {
   return std::any_of(effect.parameters.begin(), effect.parameters.end(),
                      [](const ModelParameter& p) { return p.se > 0.0; });
@@ -218,6 +222,7 @@ UserEffect with_fit(const UserEffect& effect, const EffectForm& form, std::span<
   for (ModelParameter& p : out.parameters) p.se = 0.0;
   for (std::size_t k = 0; k < shape.size(); ++k)
     if (ModelParameter* p = parameter_of(out, form.shape[k].name)) {
+      if (!std::isfinite(p->written)) p->written = p->value;
       p->value = shape[k].value;
       p->se = shape[k].se;
     }

@@ -14,6 +14,12 @@
 
 namespace forcegate::diagnose {
 
+/// What a shape of the user's own may be: within its bounds, and two decades around the value that was written.
+struct Reach {
+  double low = 0.0, high = 0.0;
+};
+Reach reach_of(const ModelParameter& parameter);
+
 /// True once a fit has given the effect's parameters their uncertainties: it is a part of the model then.
 bool is_fitted(const UserEffect& effect);
 

@@ -17,6 +17,14 @@ struct RivalOdds {
 /// difference of their log evidence beside the base model. Nothing where both are claimed: such effects are no rivals.
 std::optional<RivalOdds> rival_odds(const Diagnosis& diagnosis, const std::string& first, const std::string& second);
 
+/// Nats of evidence within records that a factor e of probability takes, where the leader has `top` of it: such evidence hangs together
+/// (hil/diagnose/choose/shares.h).
+double nats_of_a_factor(double top);
+
+/// rival_odds of a later diagnosis by the measure of an earlier one: `stated` odds of probabilities, which are made of the evidence where the later one
+/// states none; else those of the evidence.
+std::optional<RivalOdds> rival_odds_as(bool stated, const Diagnosis& later, const std::string& first, const std::string& second);
+
 /// Log evidence of the first over the second beside the base model, as the ranking has it; what is not ranked has none.
 double evidence_between(const Diagnosis& diagnosis, const std::string& first, const std::string& second);
 

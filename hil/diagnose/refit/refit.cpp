@@ -95,7 +95,12 @@ Result<std::vector<std::string>> effects_to_fit(const Workspace& w, const Model&
     std::vector<std::string> known = EffectRegistry::instance().names();
     for (const UserEffect& own : start.user_effects) known.push_back(own.name);
     const std::string near = nearest_name(add, known);
-    return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add", near.empty() ? "" : "did you mean \"" + near + "\"?");
+    std::vector<std::string> own;
+    for (const UserEffect& effect : start.user_effects) own.push_back(effect.name);
+    return fail(ErrorCode::usage, "no effect \"" + add + "\"", "forcegate add",
+                (near.empty() ? "" : "did you mean \"" + near + "\"? ") +
+                    (own.empty() ? "an equation of your own stands in a model file: name that with --model FILE" : "the model file has the equations " + join(own, ", ")) +
+                    (near.empty() ? "; forcegate explain lists the effects of the library" : ""));
   }
   if (kind->channel != EffectChannel::output)
     return fail(ErrorCode::config, add + " is not an effect of the sensor: it is mended at the " + kind->side + ", not in the model", "forcegate add",

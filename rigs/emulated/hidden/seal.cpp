@@ -74,7 +74,7 @@ Result<void> write_sealed(const SealedSheet& sheet, const std::filesystem::path&
   std::ofstream file(folder / kSealedFile, std::ios::binary);
   file << j.dump(1) << '\n';
   file.close();
-  if (!file) return fail(ErrorCode::io, "cannot write the file", (folder / kSealedFile).string());
+  if (!file) return fail(ErrorCode::io, "cannot write the file", (folder / kSealedFile).string(), "is the folder writable and the disk not full?");
   return {};
 }
 

@@ -287,6 +287,20 @@ TEST(ModelFile, ValuesInAnotherUnitOrOfAnotherTypeAreErrorsEverywhere) {
   EXPECT_EQ(none.error().hint, "the form prony of creep has no shape; forcegate explain creep lists the forms with theirs");
 }
 
+TEST(ModelFile, AUnitOfAnEquationThatIsNotThatOfItsQuantitiesIsRefused) {
+  const auto with_unit = [](const std::string& tau, const std::string& k) {
+    return parse_model("[law]\n[[effect]]\nname = \"mine\"\noutput = \"k * x\"\nstate.x = \"(F - x) / tau\"\nparameter.k = " + k + "\nparameter.tau = " + tau + "\n", "m.toml");
+  };
+  const auto ms = with_unit("{ value = 20000, unit = \"ms\" }", "0.1");
+  ASSERT_FALSE(ms);
+  EXPECT_EQ(ms.error().text, "tau is in \"ms\", and equations are written in N, s, degC and rad: nothing is converted");
+  EXPECT_TRUE(ms.error().where.starts_with("m.toml:7:")) << ms.error().where;
+  EXPECT_EQ(ms.error().hint, "write tau = { value = 20, unit = \"s\" }, and bounds in s too");
+  for (const char* unit : {"1/mN", "N/min", "V", "kN*s", "%"}) EXPECT_FALSE(with_unit("20", std::string("{ value = 0.1, unit = \"") + unit + "\" }")) << unit;
+  for (const char* unit : {"", "1", "1/N", "N/s", "N s^-2", "1/degC", "N/K", "rad", "Hz"})
+    EXPECT_TRUE(with_unit("{ value = 20, unit = \"s\" }", std::string("{ value = 0.1, unit = \"") + unit + "\" }")) << unit;
+}
+
 TEST(ModelFile, AnyTextAndAnyFittedValueSurviveWriting) {
   Model model = *library_model("fsr");
   model.name = "q\"x\\y";

@@ -1,0 +1,75 @@
+#include "hil/app/model/weak_addition.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/base/plain_number.h"
+#include "hil/base/text.h"
+#include "hil/diagnose/candidates/user_candidates.h"
+
+namespace forcegate {
+namespace {
+
+constexpr double kWithin = 2.0;  // standard errors
+
+std::string told(const std::string& effect, const ModelParameter& p) {
+  return effect + "." + p.name + " = " + with_uncertainty(p.value, p.se) + (p.unit.empty() || p.unit == "1" ? "" : " " + p.unit);
+}
+
+void tell_strengths(const std::string& effect, const std::vector<const ModelParameter*>& strengths, WeakAddition& out) {
+  const auto is_none = [](const ModelParameter* p) { return p->se > 0.0 && std::abs(p->value) <= kWithin * p->se; };
+  if (strengths.empty() || !std::ranges::all_of(strengths, is_none)) return;
+  out.is_shown = false;
+  std::vector<std::string> values;
+  for (const ModelParameter* p : strengths) values.push_back(told(effect, *p));
+  out.warnings.push_back(join(values, ", ") + (values.size() == 1 ? " lies" : " lie") + " within two standard errors of 0, where there is no such effect: these records do not show it");
+}
+
+void tell_shape(const std::string& effect, const ModelParameter& p, double low, double high, const std::string& help, WeakAddition& out) {
+  constexpr double kSame = 1e-6;
+  const auto at = [&](double end) { return std::abs(p.value - end) <= kSame * std::abs(end); };
+  if (!(p.se > 0.0) || (!at(low) && !at(high))) return;
+  out.warnings.push_back(fmt::format("{} lies at an end of what it may be ({:.4g} to {:.4g}): {}", told(effect, p), low, high, help));
+}
+
+}  // namespace
+
+WeakAddition weak_addition(const diagnose::Refit& r, const std::string& added) {
+  WeakAddition out;
+  if (added.empty()) return out;
+  std::vector<const ModelParameter*> strengths;
+  for (const ModelEffect& effect : r.model.effects) {
+    if (effect.effect != added) continue;
+    for (const ModelParameter& p : effect.strength) strengths.push_back(&p);
+    const EffectKind* kind = EffectRegistry::instance().find(added);
+    const EffectForm* form = kind != nullptr ? find_form(*kind, effect.form) : nullptr;
+    for (std::size_t k = 0; form != nullptr && k < std::min(form->shape.size(), effect.shape.size()); ++k)
+      if (!form->shape[k].choice)
+        tell_shape(added, effect.shape[k], effect.shape[k].minimum, effect.shape[k].maximum, "the records ask for more than such an effect has, and another form or effect may be there", out);
+  }
+  for (const UserEffect& own : r.model.user_effects) {
+    if (own.name != added) continue;
+    for (const ModelParameter& p : own.parameters) {
+      if (!std::isfinite(p.written)) {
+        if (p.se > 0.0) strengths.push_back(&p);  // what was not fitted has none
+        continue;
+      }
+      const diagnose::Reach reach = diagnose::reach_of(p);
+      tell_shape(added, p, reach.low, reach.high, "write another value or wider bounds, or another equation", out);
+    }
+  }
+  tell_strengths(added, strengths, out);
+  constexpr double kHardly = 0.98;
+  if (diagnose::lowers_error(r.error_before, r.error_after) && r.error_after > kHardly * r.error_before && r.plain_after >= r.plain_before) {
+    out.is_shown = false;
+    const PrintedUnit unit = printed_unit(r.waterfall.unit);
+    out.warnings.push_back(fmt::format("the error hardly falls ({:.4g} -> {:.4g} {}), and with one gain, offset and decay for all records it does not at all", unit.factor * r.error_before,
+                                       unit.factor * r.error_after, unit.name));
+  }
+  if (!out.is_shown) out.warnings.emplace_back("leave " + added + " out: the model before describes these records as well; records that move it more may show it");
+  return out;
+}
+
+}  // namespace forcegate

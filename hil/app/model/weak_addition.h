@@ -1,0 +1,20 @@
+#pragma once
+// Whether the records show what was added to a model.
+
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/refit/refit.h"
+
+namespace forcegate {
+
+struct WeakAddition {
+  bool is_shown = true;               ///< false: of no strength beyond its uncertainty, or no error falls
+  std::vector<std::string> warnings;  ///< one sentence each
+};
+
+/// `added` empty: a refit, nothing to be said. A strength is none within two of its standard errors of 0 (all of them, where there are several);
+/// errors do not fall where the adapted one keeps 98 % and the plain one all. A shape at an end of its range is warned of, and shown all the same.
+WeakAddition weak_addition(const diagnose::Refit& refit, const std::string& added);
+
+}  // namespace forcegate

@@ -1,0 +1,28 @@
+#pragma once
+// S8: pieces of rig time that a next experiment may be made of.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hil/diagnose/workspace.h"
+
+namespace forcegate::diagnose {
+
+struct Segment {
+  const char* name;
+  const char* stimulus;
+  double minutes;
+  bool dynamic;
+  std::map<std::string, double> numbers;
+  double (*force)(double t, double low, double high);  ///< N
+  double temperature_C;  ///< ramp over the segment, when the rig can heat
+};
+
+/// Twenty of them; each holds the base law down in its own way.
+const std::vector<Segment>& segments();
+
+/// A record of the segment as the campaign's next one, ten minutes behind the last; its output is the law's.
+RecordInput simulate(const Workspace& workspace, const Segment& segment);
+
+}  // namespace forcegate::diagnose

@@ -1,0 +1,43 @@
+#include "hil/app/model/weak_addition.h"
+
+#include <gmock/gmock.h>
+
+namespace forcegate {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+diagnose::Refit refit(double k, double u, double p, double error_after, double plain_after) {
+  diagnose::Refit out;
+  UserEffect mine{"mine", {{"k", "", k, u, -1e300, 1e300, 0.0}, {"p", "", p, 0.1, 0.5, 3.0, 0.0}}, {}, "k * F^p"};
+  mine.parameters.back().written = 1.5;
+  out.model.user_effects = {mine};
+  out.error_before = 0.0179, out.error_after = error_after;
+  out.plain_before = 0.0847, out.plain_after = plain_after;
+  return out;
+}
+
+TEST(WeakAddition, WhatIsPlainlyThereIsNotWarnedOf) {
+  const WeakAddition w = weak_addition(refit(0.06, 0.0002, 1.4, 0.0035, 0.006), "mine");
+  EXPECT_TRUE(w.is_shown);
+  EXPECT_THAT(w.warnings, IsEmpty());
+  EXPECT_THAT(weak_addition(refit(0.0, 0.1, 3.0, 0.0179, 0.09), "").warnings, IsEmpty()) << "a refit adds nothing";
+}
+
+TEST(WeakAddition, AStrengthOfNothingAShapeAtItsEndAndErrorsThatStayAreTold) {
+  const WeakAddition w = weak_addition(refit(-0.0002, 0.0006, 3.0, 0.0178, 0.0853), "mine");
+  EXPECT_FALSE(w.is_shown);
+  EXPECT_THAT(w.warnings, ElementsAre(HasSubstr("mine.p = 3.00(10) lies at an end of what it may be (0.5 to 3)"),
+                                      HasSubstr("mine.k = -0.0002(6) lies within two standard errors of 0"), HasSubstr("the error hardly falls"), HasSubstr("leave mine out")));
+}
+
+TEST(WeakAddition, AnEndOfTheRangeAloneIsShownAllTheSame) {
+  const WeakAddition w = weak_addition(refit(0.06, 0.0002, 0.5, 0.0035, 0.006), "mine");
+  EXPECT_TRUE(w.is_shown);
+  EXPECT_THAT(w.warnings, ElementsAre(HasSubstr("write another value or wider bounds")));
+}
+
+}  // namespace
+}  // namespace forcegate
