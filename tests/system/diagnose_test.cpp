@@ -41,13 +41,26 @@ INSTANTIATE_TEST_SUITE_P(Answers, DiagnoseSaysWhatIsNext, ::testing::Values("non
 
 TEST(Diagnose, ANoneNamesWhatIsSuspectedBesideItAndWhyItIsNotClaimed) {
   const TemporaryFolder folder;
-  ASSERT_EQ(pasted("forcegate mystery --seed 8 m8", folder).exit_code, 0);
+  ASSERT_EQ(pasted("forcegate mystery --seed 36 --minutes 4 --effect humidity m8", folder).exit_code, 0);
   const ProcessResult said = pasted("forcegate diagnose m8", folder);
   EXPECT_THAT(said.out, HasSubstr("verdict: nothing is missing that these records could show; but humidity is suspected and not claimed"));
   EXPECT_THAT(said.out, HasSubstr("not claimed: nobody recorded it"));
   EXPECT_THAT(said.out, HasSubstr("with one gain and zero for all, the error of records left out falls from"));
   EXPECT_EQ(next_of(said), "forcegate diagnose m8 --html diagnosis.html");
   EXPECT_EQ(next_of(pasted(next_of(said), folder)), "forcegate next m8");
+}
+
+// A time constant of an hour and records of five minutes: gain and zero of a record take nearly all of it, and their course is a witness too.
+TEST(Diagnose, ACreepThatRunsOnFromRecordToRecordIsToldByTheirLevels) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(pasted("forcegate mystery --seed 90828266004068 --minutes 5 --effect creep --strength medium creeps", folder).exit_code, 0);
+  const ProcessResult said = pasted("forcegate diagnose creeps", folder);
+  EXPECT_THAT(said.out, HasSubstr("* creep")) << said.out;
+  EXPECT_THAT(said.out, HasSubstr("the rows within the records tell the same strength"));
+  EXPECT_THAT(said.out, HasSubstr("held-out error, one gain and offset for all: "));
+  const ProcessResult added = pasted("forcegate add creep --fit creeps -o better.toml", folder);
+  EXPECT_THAT(read_text(folder / "better.toml"), HasSubstr("form = \"carried\"")) << added.out;
+  EXPECT_THAT(added.out, ::testing::Not(HasSubstr("the error did not fall")));
 }
 
 TEST(Diagnose, AClaimThatHeldOutRecordsDoNotShowSaysSoAndDoesNotSendToAdd) {

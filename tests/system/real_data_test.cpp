@@ -82,7 +82,8 @@ TEST_F(RealData, TheLevelOfTheCascadedTanksLagsBehindThePumpAndThenOverflows) {
   const std::vector<std::string> columns = {"--map", "pump_V=F_ref_N", "--map", "level_V=U_V"};
   const Json estimation = diagnose("mit-repo/cascaded_tanks_estimation.csv", columns);
   EXPECT_EQ(claims(estimation), (std::vector<std::string>{"lag", "clipping"}));
-  EXPECT_LT(estimation["error_after"], 0.4 * estimation["error_before"].get<double>());
+  EXPECT_LT(estimation["error_after"], 0.6 * estimation["error_before"].get<double>());
+  EXPECT_LT(estimation["error_after"], 0.4) << "V";
   EXPECT_THAT(claims(diagnose("mit-repo/cascaded_tanks_validation.csv", columns)),
               ::testing::Contains("clipping"));
 }

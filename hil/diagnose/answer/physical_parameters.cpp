@@ -134,7 +134,8 @@ std::vector<FoundParameter> physical_parameters(const CampaignInput& campaign, c
                                                 const ShapeCovariance& joint) {
   const std::string& name = chosen.kind->name;
   if (EffectRegistry::instance().find(name) != chosen.kind) return {};
-  if (name == "creep") return growth(campaign, channel, chosen, joint);
+  const bool runs_on = candidate_of(channel, chosen.variant).form->outlasts;  // a time constant of its own
+  if (name == "creep" && !runs_on) return growth(campaign, channel, chosen, joint);
   if (name == "hysteresis" || name == "backlash") return width(campaign, channel, chosen, joint);
   if (name == "delay" || name == "lag" || name == "clock_skew") return behind(campaign, channel, chosen, joint);
   return {};

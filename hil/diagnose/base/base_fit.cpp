@@ -137,12 +137,13 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
                         {"log_b", 0.25, 0.05, 0.5},  {"log_q", 0.14, 0.03, 0.5},
                         {"F_min", 0.01, 0.001, 0.5}, {"swing", 0.03, 0.003, 0.5},
                         {"shape", 0.02, 0.003, 0.5}, {"wander", 0.002, 3e-4, 0.5}};
-  // blocks of one recording are the same machine, not touched in between: what changes there is the residual's business
+  // blocks of one recording are the same machine, not touched in between: what changes there is the residual's business, and slow waves of
+  // each block by itself would take what a slow lag does
   if (one_recording)
     for (std::size_t k = 0; k < problem.components.size(); ++k) {
       VarianceComponent& c = problem.components[k];
-      const bool is_level = k == 0 || k == 1 || k == 7;
-      c.nuisance = k == 0 || k == 1;  // the part that is left out may be the only one that tells of the gain
+      const bool is_level = k == 0 || k == 1;
+      c.nuisance = is_level;  // the part that is left out may be the only one that tells of the gain
       if (zero_wanders && !is_level) continue;
       c.prior_weight = zero_wanders ? 50.0 : 1e6;
       if (!zero_wanders) c.prior_sd = 1e-5;
@@ -161,6 +162,9 @@ void judge_swing(MixedProblem& problem, const std::vector<int>& columns) {
   std::vector<int> all(columns.size());
   std::iota(all.begin(), all.end(), 0);
   const MixedFit own = fit_mixed(law, all);
+  // one that is there would go into the gains of the records instead
+  constexpr double kErrors = 2.0;
+  if (!own.valid || std::abs(own.coefficient[kSwing]) > kErrors * std::sqrt(std::max(0.0, own.covariance(kSwing, kSwing)))) return;
   law.fixed_prior_sd[kSwing] = kNone;
   const MixedFit none = fit_mixed(law, all);
   if (none.valid && none.log_evidence > own.log_evidence) problem.fixed_prior_sd[kSwing] = kNone;

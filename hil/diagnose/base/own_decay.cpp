@@ -25,7 +25,7 @@ std::vector<double> warmth_of(const RecordInput& r) {
   return out;
 }
 
-OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std::size_t>& rows) {
+OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std::size_t>& rows, Rates rates = Rates::of_grid) {
   constexpr int kRates = 14, kWarmGain = 5, kDecay = 6, kOutput = 7;
   constexpr double kFinest = 0.005;  // of ln rate
   using Row = Eigen::Matrix<double, kOutput + 1, 1>;
@@ -73,12 +73,12 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
     best.rate_per_s = rate;
     best.depth = std::min(depth, 0.99);
   };
-  const double slowest = std::log(0.3 / longest), between = (std::log(0.3) - slowest) / (kRates - 1);
+  const double fastest = std::log(0.3), slowest = std::log(0.3 / longest), between = (fastest - slowest) / (kRates - 1);
   for (int step = 0; step < kRates; ++step) try_rate(std::exp(slowest + step * between));
-  // a rate of the grid is off by up to a third of itself, and a deep decay shows that
-  for (double h = 0.5 * between; best.rate_per_s > 0.0 && h > kFinest; h *= 0.5) {
-    const double middle = best.rate_per_s;
-    for (const double factor : {std::exp(-h), std::exp(h)}) try_rate(middle * factor);
+  for (double h = 0.5 * between; rates == Rates::between && best.rate_per_s > 0.0 && h > kFinest; h *= 0.5) {
+    const double middle = std::log(best.rate_per_s);
+    for (const double rate : {middle - h, middle + h})
+      if (rate >= slowest && rate <= fastest) try_rate(std::exp(rate));
   }
   // nothing decays: a straight line is a decay of no depth
   best.mean_square = std::min(best.mean_square, best.static_mean_square);
@@ -87,7 +87,7 @@ OwnDecay decay_about(double F_min_N, const RecordInput& r, const std::vector<std
 
 }  // namespace
 
-OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows) { return decay_about(record.F_min_N, record, rows); }
+OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows, Rates rates) { return decay_about(record.F_min_N, record, rows, rates); }
 
 bool OwnDecay::is_decay() const {
   constexpr double kExplains = 0.6;
@@ -113,7 +113,7 @@ double lowest_force_of_decay(const RecordInput& record) {
 }
 
 double left_by_decay(const RecordInput& record) {
-  return own_decay(record, choose_rows(record, kRows)).mean_square;
+  return own_decay(record, choose_rows(record, kRows), Rates::between).mean_square;
 }
 
 }  // namespace forcegate::diagnose

@@ -21,7 +21,9 @@ struct OwnDecay {
   bool is_decay() const;
 };
 
-OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows);
+/// A rate of the grid is off by up to a third of itself. That is enough where a fit begins with it; what a decay leaves needs the rate between.
+enum class Rates { of_grid, between };
+OwnDecay own_decay(const RecordInput& record, const std::vector<std::size_t>& rows, Rates rates = Rates::of_grid);
 
 /// Whether a decay of the swing, of any rate and depth, explains most of what a straight line leaves of the record.
 bool decays_by_itself(const RecordInput& record);

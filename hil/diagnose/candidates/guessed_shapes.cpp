@@ -16,6 +16,7 @@ namespace forcegate::diagnose {
 namespace {
 
 constexpr double kWorthMoving = 3.0, kWorthAnotherForm = 20.0;  // nats
+constexpr double kSomething = 0.1;  // of what the instruments may leave (mean square)
 
 // Of the model; and of what acts together with this effect, which would bend its shape where it is missing: `companion`, or (-1) the form that
 // it has alone.
@@ -94,7 +95,7 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     bool moves = best > as_written + kWorthMoving;
     // nor does a guess know whether it is one pole or two
     for (const EffectForm* other : other_forms(written, w.input)) {
-      if (left < allowed_rms(channel) * allowed_rms(channel)) break;
+      if (left < kSomething * allowed_rms(channel) * allowed_rms(channel)) break;
       const EffectForm* const stood = channel.candidates[own].form;
       const std::vector<double> shape_before = std::exchange(best_shape, other->grid(w.input).front());
       const double gain_before = std::exchange(best, -1e300), left_before = left;

@@ -179,7 +179,8 @@ class ForwardChoice {
     const bool between = asks_between_records(family);
     const bool is_no_fit = why == Refusal::helps_no_records || why == Refusal::differs;
     const auto fits_worse = [&](const FamilyScore& next) {
-      return asks_between_records(next) == between && !(is_no_fit && next.best.fall > family.best.fall);
+      // a cause that nobody recorded may fit better and stand behind by its prior
+      return asks_between_records(next) == between && !(is_no_fit && next.best.fall > family.best.fall) && !(between && next.gain > family.gain);
     };
     ++place_;
     // beside what was chosen only the other question is left, and so it is far down in the ranking

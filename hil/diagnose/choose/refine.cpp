@@ -136,7 +136,7 @@ void refine_leaders(const CampaignInput& input, ResidualChannel& channel, const 
     // the user's own equation starts where the user guessed: it is always given its chance
     const bool own = EffectRegistry::instance().find(family.kind->name) != family.kind;
     // a handful of records does not settle a shape: its evidence stays the mean over the grid
-    if (family.kind->traits.between_records || candidate_of(channel, family.best.variant).form->outlasts) continue;
+    if (family.kind->traits.between_records) continue;
     if (!own && (family.gain < reach || refined == kMostFamilies)) continue;
     SpareRoom room(channel);
     const double before = family.gain;

@@ -75,6 +75,7 @@ EffectForm carried_form() {
           .columns = [](const CampaignInput& c, const RecordInput& r, std::span<const double> shape, ColumnsRef out) { carried(c, r, shape[0], out); },
           .least = kLeastGrowth,
           .most = kMostGrowth,
+          .refine = false,  // the rows within the records alone would move it away from what the levels tell
           .outlasts = true};
 }
 

@@ -92,7 +92,7 @@ TEST(OwnDecay, ItsRateIsFoundBetweenThoseOfTheGrid) {
     RecordInput r = edges(0.0);
     for (std::size_t i = 0; i < r.rows(); ++i) r.U_V[i] = 2.0 * (0.5 + (1.0 + 0.5 * std::expm1(-rate_per_s * r.t_s[i])) * (r.F_N[i] - 0.5));
     const std::vector<std::size_t> rows = choose_rows(r, 4000);
-    EXPECT_NEAR(own_decay(r, rows).rate_per_s, rate_per_s, 0.01 * rate_per_s);
+    EXPECT_NEAR(own_decay(r, rows, Rates::between).rate_per_s, rate_per_s, 0.01 * rate_per_s);
     EXPECT_LT(left_by_decay(r), 1e-5);
   }
 }

@@ -76,7 +76,7 @@ TEST(GuessedEffects, ALagThatTheModelHasIsFittedAndIsNoClaim) {
 // A guess knows as little whether a sensor lags by one pole or by two.
 TEST(GuessedEffects, ALagOfTwoPolesIsTheModelsLagToo) {
   const Sensor twice = [](const std::vector<double>& t, const std::vector<double>& F, int k) {
-    return straight(t, behind_pole(t, behind_pole(t, F, 0.05), 0.05), k);
+    return straight(t, behind_pole(t, behind_pole(t, F, 0.15), 0.15), k);
   };
   const Diagnosis d = answer_of(*library_model("fsr"), twice);
   EXPECT_EQ(d.verdict, DiagnosisVerdict::none) << told(d);
