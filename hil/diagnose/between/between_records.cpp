@@ -161,11 +161,11 @@ RecordChance chance(const ResidualChannel& channel, const RecordLevels& levels, 
   return out;
 }
 
-// What nobody measured, steps, a smooth course, the loading done: sessions of a bench can look like it.
+// What nobody measured, steps, a smooth course, the loading done, what it left behind: sessions of a bench can look like it.
 bool only_goes_with_time(const ResidualChannel& channel, const FamilyScore& family) {
   const Candidate& of = candidate_of(channel, family.records.variant);
   if (of.form->from_rig) return false;
-  return of.form->name == kUnrecorded || unknown_steps(of) > 0 || family.kind->name == "wear" || family.kind->name == "reference_drift";
+  return of.form->name == kUnrecorded || of.form->outlasts || unknown_steps(of) > 0 || family.kind->name == "wear" || family.kind->name == "reference_drift";
 }
 
 // Share of the scatter that is to go away. Two or three levels go through many courses within the scatter that sessions leave: they are steps
