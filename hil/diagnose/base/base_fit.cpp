@@ -110,12 +110,12 @@ std::vector<std::size_t> choose_rows(const RecordInput& record, std::size_t limi
 }
 
 void add_waves(const RecordInput& r, const std::vector<std::size_t>& rows, Eigen::Index first, int count, Eigen::MatrixXd& Z) {
+  const bool is_block = !rows.empty() && r.t_s[rows.back()] - r.t_s[rows.front()] < 0.5 * r.duration_s;
   for (int k = 0; k < count; ++k) {
     if (!(r.duration_s > 60.0 * (k + 1))) continue;
     auto wave = Z.col(first + k);
-    for (std::size_t j = 0; j < rows.size(); ++j)
-      wave[static_cast<Eigen::Index>(j)] = std::cos(std::numbers::pi * (k + 1) * r.t_s[rows[j]] / r.duration_s);
-    wave.array() -= wave.mean();  // in a block of a recording it has one, which is the zero's
+    for (std::size_t j = 0; j < rows.size(); ++j) wave[static_cast<Eigen::Index>(j)] = std::cos(std::numbers::pi * (k + 1) * r.t_s[rows[j]] / r.duration_s);
+    if (is_block) wave.array() -= wave.mean();  // which is the zero's
   }
 }
 
@@ -157,17 +157,14 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
 }
 
 void judge_swing(MixedProblem& problem, const std::vector<int>& columns) {
-  constexpr double kNone = 0.003;  // of the gain
+  constexpr double kErrors = 2.0, kNone = 0.003;  // standard errors; of the gain
   MixedProblem law = with_columns(problem, columns);
   std::vector<int> all(columns.size());
   std::iota(all.begin(), all.end(), 0);
-  const MixedFit own = fit_mixed(law, all);
-  // one that is there would go into the gains of the records instead
-  constexpr double kErrors = 2.0;
-  if (!own.valid || std::abs(own.coefficient[kSwing]) > kErrors * std::sqrt(std::max(0.0, own.covariance(kSwing, kSwing)))) return;
-  law.fixed_prior_sd[kSwing] = kNone;
-  const MixedFit none = fit_mixed(law, all);
-  if (none.valid && none.log_evidence > own.log_evidence) problem.fixed_prior_sd[kSwing] = kNone;
+  const MixedFit fit = fit_mixed(law, all);
+  if (!fit.valid || std::abs(fit.coefficient[kSwing]) > kErrors * std::sqrt(std::max(0.0, fit.covariance(kSwing, kSwing)))) return;
+  problem.plain_prior_sd = problem.fixed_prior_sd;
+  problem.plain_prior_sd[kSwing] = kNone;
 }
 
 Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,

@@ -27,8 +27,8 @@ void add_drive_lag(const RecordInput& record, const std::vector<double>& command
 /// Sets nz, components and priors of the output channel.
 void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders);
 /// Where cyclic records have one lowest force, a swing of its own size is a gain and a zero: static records part them, and where these are left
-/// out the prior alone does. It is that of a law without one where the swing is within two of its
-/// standard errors of none and the evidence of the law beside `columns` of S is larger so.
+/// out the prior alone does. Where the law beside `columns` of S has none within two standard errors, records are foretold without one
+/// (MixedProblem::plain_prior_sd).
 void judge_swing(MixedProblem& problem, const std::vector<int>& columns);
 
 }  // namespace forcegate::diagnose

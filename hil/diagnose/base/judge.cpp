@@ -15,7 +15,8 @@ double judged(const ResidualChannel& channel, const std::vector<double>& mean_sq
 }
 
 Judged judge(const ResidualChannel& channel, const MixedFit& fit, const MixedFit& freedom, JudgedBy by) {
-  if (by != JudgedBy::left_out) return {adapted_errors(channel.problem, fit, freedom), fit.plain};
+  if (by != JudgedBy::left_out)
+    return {adapted_errors(channel.problem, fit, freedom), channel.problem.plain_prior_sd.size() > 0 ? leave_one_out(channel.problem, fit).plain : fit.plain};
   LeftOut out = leave_one_out(channel.problem, fit, &freedom);
   return {std::move(out.adapted), std::move(out.plain)};
 }

@@ -358,15 +358,20 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     if (fit.counts(problem.records[i])) total += single.back();
   }
   LeftOut out{std::vector<double>(n_records), std::vector<double>(n_records)};
+  VectorXd plain_prior = prior;
+  for (Index j = 0; j < problem.plain_prior_sd.size(); ++j) plain_prior[j] = 1.0 / (problem.plain_prior_sd[j] * problem.plain_prior_sd[j]);
   std::vector<VectorXd> uncertain;
   if (freedom != nullptr) uncertain = nuisance_variance(problem, parts, fit, *freedom);
   Conditional conditional;
   for (std::size_t i = 0; i < n_records; ++i) {
     const bool counts = fit.counts(problem.records[i]);
     const MatrixXd others = counts ? MatrixXd(total - single[i]) : total;
-    MatrixXd P = others.topLeftCorner(d, d);
-    P.diagonal() += prior;
-    const VectorXd v = with_minus(P.llt().solve(others.row(d).head(d).transpose() + pull));
+    const auto told = [&](const VectorXd& by) {
+      MatrixXd P = others.topLeftCorner(d, d);
+      P.diagonal() += by;
+      return with_minus(P.llt().solve(others.row(d).head(d).transpose() + pull));
+    };
+    const VectorXd v = told(prior);
     const double n_eff = problem.records[i].n_eff;
     if (freedom != nullptr) {
       VectorXd own = expand_variance(problem, freedom->variance);
@@ -375,7 +380,7 @@ LeftOut leave_one_out(const MixedProblem& problem, const MixedFit& fit, const Mi
     }
     parts[i].condition(v, conditional);
     out.adapted[i] = conditional.mean_square;
-    out.plain[i] = parts[i].plain(v);
+    out.plain[i] = parts[i].plain(problem.plain_prior_sd.size() > 0 ? told(plain_prior) : v);
   }
   return out;
 }

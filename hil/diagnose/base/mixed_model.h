@@ -71,6 +71,7 @@ struct MixedProblem {
   std::vector<int> component_of_z;
   std::vector<VarianceComponent> components;
   Eigen::VectorXd fixed_prior_sd;   ///< n_fixed
+  Eigen::VectorXd plain_prior_sd = {};  ///< n_fixed: what a record is foretold by where nothing of its own is known; empty: fixed_prior_sd
   Eigen::VectorXd column_prior_sd;  ///< ns
   Eigen::VectorXd column_prior_mean = {};  ///< ns, or empty: all 0
   std::vector<GrowsWithGain> grows_with_gain = {};  ///< ns, or empty: none does
