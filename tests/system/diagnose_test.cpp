@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Answers, DiagnoseSaysWhatIsNext, ::testing::Values("non
 
 TEST(Diagnose, ANoneNamesWhatIsSuspectedBesideItAndWhyItIsNotClaimed) {
   const TemporaryFolder folder;
-  ASSERT_EQ(pasted("forcegate mystery --seed 36 --minutes 4 --effect humidity m8", folder).exit_code, 0);
+  ASSERT_EQ(pasted("forcegate mystery --seed 8 m8", folder).exit_code, 0);
   const ProcessResult said = pasted("forcegate diagnose m8", folder);
   EXPECT_THAT(said.out, HasSubstr("verdict: nothing is missing that these records could show; but humidity is suspected and not claimed"));
   EXPECT_THAT(said.out, HasSubstr("not claimed: nobody recorded it"));
