@@ -84,6 +84,7 @@ TEST_F(RealData, TheLevelOfTheCascadedTanksLagsBehindThePumpAndThenOverflows) {
   EXPECT_EQ(claims(estimation), (std::vector<std::string>{"lag", "clipping"}));
   EXPECT_LT(estimation["error_after"], 0.6 * estimation["error_before"].get<double>());
   EXPECT_LT(estimation["error_after"], 0.4) << "V";
+  EXPECT_LT(estimation["plain"]["after"], 0.4 * estimation["plain"]["before"].get<double>());
   EXPECT_THAT(claims(diagnose("mit-repo/cascaded_tanks_validation.csv", columns)),
               ::testing::Contains("clipping"));
 }

@@ -156,15 +156,12 @@ void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wand
   problem.fixed_prior_sd.head(6) << 10.0, 10.0, 1.0, 1.0, 0.005, 0.3;
 }
 
-void judge_swing(MixedProblem& problem, const std::vector<int>& columns) {
-  constexpr double kErrors = 2.0, kNone = 0.003;  // standard errors; of the gain
-  MixedProblem law = with_columns(problem, columns);
-  std::vector<int> all(columns.size());
-  std::iota(all.begin(), all.end(), 0);
-  const MixedFit fit = fit_mixed(law, all);
-  if (!fit.valid || std::abs(fit.coefficient[kSwing]) > kErrors * std::sqrt(std::max(0.0, fit.covariance(kSwing, kSwing)))) return;
+void size_swing(MixedProblem& problem) {
+  const MixedFit fit = fit_mixed(problem, {});
+  if (!fit.valid) return;
+  const double size = std::sqrt(std::pow(fit.coefficient[kSwing], 2) + std::max(0.0, fit.covariance(kSwing, kSwing)));
   problem.plain_prior_sd = problem.fixed_prior_sd;
-  problem.plain_prior_sd[kSwing] = kNone;
+  problem.plain_prior_sd[kSwing] = std::min(problem.fixed_prior_sd[kSwing], size);
 }
 
 Eigen::MatrixXd repeatability_columns(const Workspace& w, std::size_t index,

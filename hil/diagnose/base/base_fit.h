@@ -19,7 +19,8 @@ void fit_base(Workspace& workspace, unsigned threads = 1, const std::vector<Cand
 /// Columns of Z for the chosen rows at the workspace's shifts, each divided by the voltage span.
 Eigen::MatrixXd repeatability_columns(const Workspace& workspace, std::size_t record,
                                       const std::vector<std::size_t>& rows);
-/// Slow wander as columns of Z from `first` on: half waves cos(k pi t / T) of the record, k = 1 .. count, those longer than a minute.
+/// Slow wander as columns of Z from `first` on: half waves cos(k pi t / T) of the record, k = 1 .. count, those longer than a minute; in a block of a
+/// recording without their mean, which is the zero's.
 void add_waves(const RecordInput& record, const std::vector<std::size_t>& rows, Eigen::Index first, int count, Eigen::MatrixXd& Z);
 /// The ordinary lag of a drive behind its command as two columns of Z: (L_tau[C] - C) / scale, tau 30 and 100 ms.
 void add_drive_lag(const RecordInput& record, const std::vector<double>& command_N, const std::vector<std::size_t>& rows, double scale,
@@ -27,8 +28,8 @@ void add_drive_lag(const RecordInput& record, const std::vector<double>& command
 /// Sets nz, components and priors of the output channel.
 void set_repeatability(MixedProblem& problem, bool one_recording, bool zero_wanders);
 /// Where cyclic records have one lowest force, a swing of its own size is a gain and a zero: static records part them, and where these are left
-/// out the prior alone does. Where the law beside `columns` of S has none within two standard errors, records are foretold without one
-/// (MixedProblem::plain_prior_sd).
-void judge_swing(MixedProblem& problem, const std::vector<int>& columns);
+/// out the prior alone does. What a record is foretold by (MixedProblem::plain_prior_sd) has a prior as wide as the law's own swing with its
+/// standard error.
+void size_swing(MixedProblem& problem);
 
 }  // namespace forcegate::diagnose

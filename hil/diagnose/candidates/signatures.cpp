@@ -275,15 +275,10 @@ ResidualChannel output_channel(const Workspace& w, unsigned threads, const std::
   });
   finish_records(w.input, channel, threads);
   set_column_priors(channel);
-  if (w.law.decays && std::ranges::any_of(w.input.records, &RecordInput::dynamic)) {
-    std::vector<int> own;
-    for (const Candidate& c : channel.candidates)
-      for (const int j : columns_of(c))
-        if (c.of_model) own.push_back(j);
-    judge_swing(channel.problem, own);
-  }
+  const bool decays = w.law.decays && std::ranges::any_of(w.input.records, &RecordInput::dynamic);
+  if (decays) size_swing(channel.problem);
   // beside a decay the swing of a record has a size of its own, and most of what effects add goes with that
-  if (w.input.generic || (w.law.decays && std::ranges::any_of(w.input.records, &RecordInput::dynamic))) return channel;
+  if (w.input.generic || decays) return channel;
   channel.problem.grows_with_gain.assign(static_cast<std::size_t>(channel.problem.ns), GrowsWithGain::never);
   for (const Candidate& c : channel.candidates) tell_what_grows(channel, c);
   return channel;
