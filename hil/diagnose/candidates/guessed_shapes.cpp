@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/candidates/signatures.h"
@@ -17,6 +16,12 @@ namespace {
 
 constexpr double kWorthMoving = 3.0, kWorthAnotherForm = 20.0;  // nats
 constexpr double kSomething = 0.1;  // of what the instruments may leave (mean square)
+
+struct Guess {
+  const EffectForm* form = nullptr;
+  std::vector<double> shape;
+  double gain = -1e300, left = 0.0;  // nats; excess mean square
+};
 
 // Of the model; and of what acts together with this effect, which would bend its shape where it is missing: `companion`, or (-1) the form that
 // it has alone.
@@ -77,43 +82,35 @@ void fit_guessed_shapes(Workspace& w, unsigned threads) {
     }
     const int variant = static_cast<int>(channel.variants.size());
     channel.variants.push_back({static_cast<int>(own), columns_of(written)});
-    std::vector<double> best_shape = written.shape;
-    double best = -1e300, left = 0.0;
-    const auto gain_at = [&](const std::vector<double>& shape) {
+    const auto stand_at = [&](const EffectForm& form, const std::vector<double>& shape) {
+      channel.candidates[own].form = &form;
       move(own, shape, &looked_at);
       if (companion >= 0) move(static_cast<std::size_t>(companion), shape, &looked_at);
       const VariantScore score = score_variant(channel, present, base, variant, nullptr);
-      if (score.gain > best) best = score.gain, best_shape = shape, left = excess_mean_square(channel, score.fit);
-      return score.gain;
+      return Guess{&form, shape, score.gain, score.fit.valid ? excess_mean_square(channel, score.fit) : 0.0};
     };
-    const auto search = [&](const EffectForm& form) {
+    const auto best_from = [&](Guess best) {
+      const EffectForm& form = *best.form;
+      const auto gain_at = [&](const std::vector<double>& shape) {
+        const Guess here = stand_at(form, shape);
+        if (here.gain > best.gain) best = here;
+        return here.gain;
+      };
       for (const std::vector<double>& shape : form.grid(w.input)) gain_at(shape);
-      climb(form, best_shape, gain_at);
+      climb(form, best.shape, gain_at);
+      return best;
     };
-    const double as_written = gain_at(written.shape);
-    search(*written.form);
-    bool moves = best > as_written + kWorthMoving;
+    Guess best = stand_at(*written.form, written.shape);
+    if (const Guess moved = best_from(best); moved.gain > best.gain + kWorthMoving) best = moved;
     // nor does a guess know whether it is one pole or two
     for (const EffectForm* other : other_forms(written, w.input)) {
-      if (left < kSomething * allowed_rms(channel) * allowed_rms(channel)) break;
-      const EffectForm* const stood = channel.candidates[own].form;
-      const std::vector<double> shape_before = std::exchange(best_shape, other->grid(w.input).front());
-      const double gain_before = std::exchange(best, -1e300), left_before = left;
-      channel.candidates[own].form = other;
-      search(*other);
-      if (best > gain_before + kWorthAnotherForm) {
-        moves = true;
-        continue;
-      }
-      channel.candidates[own].form = stood;
-      best_shape = shape_before;
-      best = gain_before;
-      left = left_before;
+      if (best.left < kSomething * allowed_rms(channel) * allowed_rms(channel)) break;
+      if (const Guess another = best_from(stand_at(*other, other->grid(w.input).front())); another.gain > best.gain + kWorthAnotherForm) best = another;
     }
-    move(own, moves ? best_shape : written.shape, nullptr);
+    channel.candidates[own].form = best.form;
+    move(own, best.shape, nullptr);
     if (companion >= 0) move(static_cast<std::size_t>(companion), companion_stood, nullptr);
     channel.variants.pop_back();
-    if (!moves) continue;
     const Candidate& c = channel.candidates[own];
     for (std::size_t k = 0; k < c.shape.size(); ++k)
       if (c.shape[k] != written.shape[k])

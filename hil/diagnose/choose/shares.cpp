@@ -29,12 +29,16 @@ double log_weight_of_look_alike(const FamilyScore& chosen, const FamilyScore& ri
 
 }  // namespace
 
+double least_apart(const SelectionRules& rules, double fall) {
+  constexpr double kOfWhatIsLeft = 3.0;
+  return std::min(rules.form_error, kOfWhatIsLeft * std::sqrt(std::max(0.0, 1.0 - fall)));
+}
+
 void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, bool beside_another,
                 ChosenEffect& chosen) {
   const double top = chosen.gain;
   const FamilyScore& leader = result.families[place];
   const double temperature = nats_of_rows(top);
-  constexpr double kOfWhatIsLeft = 3.0;
   double sum = 0.0;
   std::vector<double> weight(result.families.size(), 0.0);
   for (std::size_t k = 0; k < result.families.size(); ++k) {
@@ -52,9 +56,8 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
     if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
       const double cosine = signature_cosine(channel, result.base, chosen.fit, chosen.columns, family.best.fit,
                                              channel.variants[static_cast<std::size_t>(family.best.variant)].columns);
-      const double apart = std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), left = std::sqrt(std::max(0.0, 1.0 - chosen.fall));
-      // a form that leaves nothing is no rough one
-      if (apart < std::min(rules.form_error, kOfWhatIsLeft * left)) weight[k] = std::exp(log_weight_of_look_alike(leader, family, rules));
+      const double apart = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+      if (apart < least_apart(rules, chosen.fall)) weight[k] = std::exp(log_weight_of_look_alike(leader, family, rules));
     }
     sum += weight[k];
   }

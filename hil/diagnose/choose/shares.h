@@ -5,6 +5,10 @@
 
 namespace forcegate::diagnose {
 
+/// Signatures of another machine's rivals that are no further apart (sine) cannot be parted by how well they fit: by so much is a form not known, and
+/// one that leaves nothing is no rough one. `fall`: of the leader.
+double least_apart(const SelectionRules& rules, double fall);
+
 /// Softmax of the evidence at the working temperature among the families from `place` on: what was turned down for its own reasons is no
 /// rival, unless its rows were turned down and levels chose. Levels are weighed with the prior of their cause and with what the rows within the
 /// records say of it. Families whose signatures differ by less than a form is known to have equal shares, but for what levels say.

@@ -5,7 +5,7 @@
 
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/choose/refine.h"
-#include "hil/diagnose/choose/select.h"
+#include "hil/diagnose/choose/shares.h"
 
 namespace forcegate::diagnose {
 
@@ -161,9 +161,7 @@ Expected expected_odds(const Workspace& w, const Diagnosis& d, const RivalOdds& 
   }
   const double share = std::min(1.0, apart / played.size);
   out.likeness = std::sqrt(1.0 - share);
-  const SelectionRules rules;
-  constexpr double kOfWhatIsLeft = 3.0;
-  if (w.input.generic && std::sqrt(share) < std::min(rules.form_error, kOfWhatIsLeft * std::sqrt(std::max(0.0, 1.0 - leader.fall)))) return out;
+  if (w.input.generic && std::sqrt(share) < least_apart(SelectionRules{}, leader.fall)) return out;
   if (!now.stated) {
     out.log_odds = now.log_odds + evidence;
     return out;
