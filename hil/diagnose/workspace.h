@@ -29,6 +29,9 @@ struct Candidate {
   std::vector<double> written = {};  ///< of_model: strengths as the file writes them, where the prior of its columns stands
 };
 
+/// Whether its columns change gain or zero from record to record: it is judged by these.
+inline bool moves_levels(const Candidate& c) { return c.kind->traits.between_records || c.form->outlasts; }
+
 /// What a channel lists when it does not list everything.
 struct ListedOnly {
   std::vector<std::string> families;

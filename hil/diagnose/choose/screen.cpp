@@ -166,8 +166,7 @@ VariantScore score_from(const ResidualChannel& channel, const std::vector<int>& 
     columns.push_back(j);
   }
   score.fit = fit_mixed(channel.problem, columns, warm != nullptr ? warm : &base, iterations, base.use);
-  const Candidate& candidate = channel.candidates[static_cast<std::size_t>(variant.candidate)];
-  if (warm == nullptr && (candidate.kind->traits.between_records || candidate.form->outlasts)) {
+  if (warm == nullptr && moves_levels(candidate_of(channel, index))) {
     MixedFit other = from_records_that_repeat(channel, columns, base, iterations);
     if (other.valid && other.log_evidence > score.fit.log_evidence) score.fit = std::move(other);
   }

@@ -7,30 +7,22 @@
 #include "hil/diagnose/answer/record_errors.h"
 #include "hil/diagnose/answer/residual_map.h"
 #include "hil/diagnose/base_errors.h"
-#include "hil/diagnose/between/mounting_places.h"
 #include "hil/diagnose/candidates/model_effects.h"
 #include "hil/diagnose/choose/further_forms.h"
-#include "hil/diagnose/choose/refine.h"
+#include "hil/diagnose/refit/best_form.h"
 
 namespace forcegate::diagnose {
 
 namespace {
 
-// Chosen and refined as a refit does it.
 Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::string& effect, unsigned threads) {
-  std::vector<std::string> others;
-  for (const EffectKind* kind : kinds_of(w.output))
-    if (kind->name != effect) others.push_back(kind->name);
-  if (effect == "mounting") place_mountings(w, base.columns, &base, threads);
-  ScreenResult result = screen_alone(w.output, base.columns, others, &base, threads);
-  if (result.families.empty()) return fail(ErrorCode::config, "the campaign cannot show " + effect, w.input.name);
-  refine_family(w.input, w.output, base.columns, result.base, result.families.front(), threads);
-  const VariantScore& best = result.families.front().best;
+  FORCEGATE_TRY(const VariantScore best, best_form(w, effect, base.columns, &base, threads));
   const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
+  const Candidate& candidate = candidate_of(w.output, best.variant);
   ChosenEffect out;
-  out.kind = w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
+  out.kind = candidate.kind;
   out.variant = best.variant;
-  out.between = out.kind->traits.between_records;
+  out.between = moves_levels(candidate);
   std::vector<int> present = base.columns;
   add_columns(present, variant.columns);
   out.fit = fit_mixed(w.output.problem, present, &best.fit, 15);

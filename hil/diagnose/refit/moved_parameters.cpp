@@ -79,7 +79,7 @@ std::vector<ParameterMove> moved_parameters(const std::vector<ModelEffect>& befo
       const ModelParameter& p = effect.shape[j];
       if (old != nullptr) out.push_back({of + p.name, p.unit, old->shape[j].value, p.value, p.se});
       // a shape without its strength has no value to begin with; a choice is part of the name
-      else if (p.se > 0.0 && !is_choice(form_of(effect), j)) out.push_back({of + p.name, p.unit, kMissing, p.value, p.se});
+      else if (!is_choice(form_of(effect), j)) out.push_back({of + p.name, p.unit, kMissing, p.value, p.se});
     }
   }
   return out;

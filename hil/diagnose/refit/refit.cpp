@@ -140,9 +140,8 @@ Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::v
       std::vector<int> all = present;
       all.insert(all.end(), variant.columns.begin(), variant.columns.end());
       taken = {{best->variant}, {}, fit_mixed(w.output.problem, all, &best->fit, 15)};
-      const EffectKind& kind = *w.output.candidates[static_cast<std::size_t>(variant.candidate)].kind;
-      if (!kind.traits.between_records)
-        for (const int v : further_forms(w.output, kind, all, taken.fit)) taken.variants.push_back(v);
+      if (const Candidate& of = candidate_of(w.output, best->variant); !moves_levels(of))
+        for (const int v : further_forms(w.output, *of.kind, all, taken.fit)) taken.variants.push_back(v);
       taken.columns.assign(all.begin() + std::ssize(present), all.end());
     }
     if (written && (!taken.fit.valid || written->fit.log_evidence > taken.fit.log_evidence)) taken = *std::move(written);
@@ -243,8 +242,7 @@ void measure(Workspace& w, const FittedEffects& fitted, bool adds, Fitted& made)
   out.judged_by = w.judges;
   std::vector<int> between;
   std::ranges::copy_if(fitted.variants, std::back_inserter(between), [&](int v) {
-    const Candidate& c = candidate_of(w.output, v);
-    return c.kind->traits.between_records || c.form->outlasts;
+    return moves_levels(candidate_of(w.output, v));
   });
   out.levels = !between.empty();
   out.error_before = held_out_rms(w, before, law, between);
