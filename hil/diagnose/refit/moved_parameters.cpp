@@ -32,6 +32,11 @@ const EffectForm* form_of(const ModelEffect& effect) {
 
 bool is_choice(const EffectForm* form, std::size_t k) { return form != nullptr && k < form->shape.size() && form->shape[k].choice; }
 
+// Fitted, or taken from the grid of a form that is not refined; what a refit left where it was is neither.
+bool is_found(const EffectForm* form, std::size_t k, const ModelParameter& p) {
+  return p.se > 0.0 || (form != nullptr && !form->refine && !is_choice(form, k));
+}
+
 // How far a shape moved, in the decades of its parameters; choices that differ weigh more than any of them.
 double distance(const ModelEffect& a, const ModelEffect& b) {
   constexpr double kOtherChoice = 1e3;
@@ -79,7 +84,7 @@ std::vector<ParameterMove> moved_parameters(const std::vector<ModelEffect>& befo
       const ModelParameter& p = effect.shape[j];
       if (old != nullptr) out.push_back({of + p.name, p.unit, old->shape[j].value, p.value, p.se});
       // a shape without its strength has no value to begin with; a choice is part of the name
-      else if (!is_choice(form_of(effect), j)) out.push_back({of + p.name, p.unit, kMissing, p.value, p.se});
+      else if (is_found(form_of(effect), j, p)) out.push_back({of + p.name, p.unit, kMissing, p.value, p.se});
     }
   }
   return out;

@@ -70,5 +70,12 @@ TEST(MovedParameters, AFittedShapeOfWhatIsNewIsTold) {
   }
 }
 
+TEST(MovedParameters, AShapeThatItsFormTakesFromAGridIsToldThoughItWasNotFitted) {
+  const std::vector<ParameterMove> moves = moved_parameters({}, {of_form("creep", "carried", 300.0, 0.05)});
+  ASSERT_EQ(moves.size(), 2u);
+  EXPECT_EQ(moves.back().name, "creep.tau_s");
+  EXPECT_EQ(moves.back().after, 300.0);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose
