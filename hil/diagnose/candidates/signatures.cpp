@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kRowLimit = 2500;
 constexpr double kPriorShare = 0.03;  // an effect of 3 % of the span is nothing unusual
-constexpr int kSpareColumns = 24;
+constexpr int kSpareColumns = 24;  // at a time
 
 // The candidate's columns on the chosen rows of record k and of all other blocks of the same recording. `room` is kept from
 // candidate to candidate.
@@ -108,6 +108,29 @@ void reserve_spare(ResidualChannel& channel) {
   channel.problem.ns += kSpareColumns;
 }
 
+// Empty columns before the last, which is y.
+void insert_columns(Eigen::MatrixXd& matrix, Eigen::Index count) {
+  const Eigen::Index last = matrix.cols() - 1;
+  if (last < 0) return;
+  matrix.conservativeResize(Eigen::NoChange, last + count + 1);
+  matrix.col(last + count) = Eigen::VectorXd(matrix.col(last));
+  matrix.middleCols(last, count).setZero();
+}
+
+void widen(ResidualChannel& channel, int columns) {
+  MixedProblem& p = channel.problem;
+  for (RecordRows& rows : channel.rows) insert_columns(rows.matrix, columns);
+  for (RecordGram& record : p.records) {
+    insert_columns(record.gram, columns);
+    record.gram.transposeInPlace();
+    insert_columns(record.gram, columns);
+  }
+  p.ns += columns;
+  p.column_prior_sd.conservativeResizeLike(Eigen::VectorXd::Zero(p.ns));
+  if (p.column_prior_mean.size() > 0) p.column_prior_mean.conservativeResizeLike(Eigen::VectorXd::Zero(p.ns));
+  if (!p.grows_with_gain.empty()) p.grows_with_gain.resize(static_cast<std::size_t>(p.ns), GrowsWithGain::never);
+}
+
 void tell_what_grows(ResidualChannel& channel, const Candidate& c) {
   std::vector<GrowsWithGain>& grows = channel.problem.grows_with_gain;
   if (grows.empty()) return;
@@ -184,7 +207,7 @@ std::vector<int> columns_of(const Candidate& c) {
 }
 
 int place_candidate(ResidualChannel& channel, Candidate candidate) {
-  if (channel.first_spare + candidate.count > channel.problem.ns) return -1;
+  if (channel.first_spare + candidate.count > channel.problem.ns) widen(channel, std::max(kSpareColumns, candidate.count));
   candidate.first = channel.first_spare;
   channel.first_spare += candidate.count;
   channel.candidates.push_back(std::move(candidate));

@@ -39,7 +39,7 @@ void fill_candidate(const CampaignInput& input, ResidualChannel& channel, const 
 /// Its columns of S.
 std::vector<int> columns_of(const Candidate& candidate);
 
-/// Gives the candidate spare columns, not filled yet; -1 when there is no room.
+/// Gives the candidate spare columns, not filled yet, and the channel more of these where it has none left; its index.
 int place_candidate(ResidualChannel& channel, Candidate candidate);
 
 /// Lists candidates and variants of one channel. `of_model`: what stands in the model, for the forms that act beside it.

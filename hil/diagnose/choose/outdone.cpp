@@ -27,7 +27,6 @@ FamilyScore best_of(const CampaignInput& input, ResidualChannel& channel, const 
   out.best.gain = -1e300;
   const EffectForm& form = kind.forms.front();
   const int candidate = place_candidate(channel, {&kind, &form, {}, 0, static_cast<int>(form.strength.size())});
-  if (candidate < 0) return out;
   std::vector<int> columns(form.strength.size());
   std::iota(columns.begin(), columns.end(), channel.candidates.back().first);
   channel.variants.push_back({candidate, columns});

@@ -70,7 +70,7 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
   const SpareRoom room(channel);
   const EffectKind kind = rig_misfit(input.has_theta);
   const EffectForm& form = kind.forms.front();
-  if (place_candidate(channel, {&kind, &form, {}, 0, static_cast<int>(form.strength.size())}) < 0) return out;
+  place_candidate(channel, {&kind, &form, {}, 0, static_cast<int>(form.strength.size())});
   const Candidate placed = channel.candidates.back();
   fill_candidate(input, channel, placed, threads);
 

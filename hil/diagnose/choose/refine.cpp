@@ -24,12 +24,11 @@ double vertex(double low, double middle, double high) {
   return std::clamp(0.5 * (low - high) / bend, -1.5, 1.5);
 }
 
-// The variant again, at another shape, in spare columns that are not filled yet; its index, or -1 where there is no room.
+// The variant again, at another shape, in spare columns that are not filled yet; its index.
 int place_copy(ResidualChannel& channel, const Variant& old, const std::vector<double>& shape) {
   Candidate c = channel.candidates[static_cast<std::size_t>(old.candidate)];
   c.shape = shape;
   const int old_first = c.first, copy = place_candidate(channel, std::move(c));
-  if (copy < 0) return -1;
   Variant variant{copy, {}};
   for (const int j : old.columns) variant.columns.push_back(j - old_first + channel.candidates.back().first);
   channel.variants.push_back(std::move(variant));
@@ -81,7 +80,7 @@ struct Refined {
   std::vector<double> shape;
 };
 
-// In spare columns that are free again in the end; no fit where the form has no continuous shape, or no room is left.
+// In spare columns that are free again in the end; no fit where the form has no continuous shape.
 Refined refine_variant(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present, const MixedFit& base, int variant,
                        const MixedFit& warm, unsigned threads) {
   Refined out;
@@ -91,7 +90,6 @@ Refined refine_variant(const CampaignInput& input, ResidualChannel& channel, con
   const Candidate from = channel.candidates[static_cast<std::size_t>(old.candidate)];
   if (from.shape.empty() || !from.form->refine) return out;
   const int tried = place_copy(channel, old, from.shape);
-  if (tried < 0) return out;
   climb(*from.form, from.shape, [&](const std::vector<double>& shape) {
     Candidate& c = channel.candidates.back();
     c.shape = shape;
@@ -119,7 +117,6 @@ bool refine_family(const CampaignInput& input, ResidualChannel& channel, const s
   }
   if (!best.score.fit.valid) return false;
   const int copy = place_copy(channel, Variant(channel.variants[static_cast<std::size_t>(from)]), best.shape);
-  if (copy < 0) return false;
   fill_candidate(input, channel, channel.candidates.back(), threads);
   best.score.variant = copy;
   family.gain += best.score.gain - family.best.gain;

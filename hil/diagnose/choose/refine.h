@@ -15,8 +15,7 @@ namespace forcegate::diagnose {
 void climb(const EffectForm& form, std::vector<double> start, const std::function<double(const std::vector<double>&)>& gain_at);
 
 /// Refines the best variant of a family in spare columns of the channel and adds what that gains to the family's score.
-/// `taken` columns stay in the model. False (and nothing changed) when the form has no continuous shape or there is no
-/// room left.
+/// `taken` columns stay in the model. False (and nothing changed) when the form has no continuous shape.
 bool refine_family(const CampaignInput& input, ResidualChannel& channel, const std::vector<int>& present,
                    const MixedFit& base, FamilyScore& family, unsigned threads);
 

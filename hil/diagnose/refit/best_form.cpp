@@ -43,10 +43,9 @@ bool is_nonsense(const ResidualChannel& channel, const VariantScore& score) {
          is_nonsense(*candidate_of(channel, score.variant).form, last_strength(channel, score.fit));
 }
 
-// A variant of the form in spare columns; -1 where none are left.
+// A variant of the form in spare columns.
 int place(const CampaignInput& input, ResidualChannel& channel, const EffectKind& kind, const EffectForm& form, const std::vector<double>& shape, unsigned threads) {
   const int at = place_candidate(channel, {&kind, &form, shape, 0, static_cast<int>(form.strength.size())});
-  if (at < 0) return -1;
   const Candidate& c = channel.candidates.back();
   Variant variant{at, {}};
   for (int j = 0; j < c.count; ++j) variant.columns.push_back(c.first + j);
@@ -75,7 +74,6 @@ std::optional<VariantScore> best_within(Workspace& w, const EffectKind& kind, co
   std::vector<double> shape = candidate_of(channel, best.variant).shape;
   if (shape.empty() || !form.refine || channel.variants[static_cast<std::size_t>(best.variant)].columns.size() != form.strength.size()) return best;
   const int tried = place(w.input, channel, kind, form, shape, threads);
-  if (tried < 0) return best;
   double top = best.gain;
   climb(form, shape, [&](const std::vector<double>& at) {
     channel.candidates.back().shape = at;
@@ -111,24 +109,24 @@ Result<VariantScore> beyond_grid(Workspace& w, const EffectKind& kind, const std
   if (from < 0) return fail(ErrorCode::config, "the campaign cannot show " + kind.name, w.input.name, "its columns have no values on these records");
   const EffectForm& form = *candidate_of(channel, from).form;
   std::vector<double> shape = candidate_of(channel, from).shape;
-  if (!shape.empty() && form.refine)
-    if (const int tried = place(w.input, channel, kind, form, shape, threads); tried >= 0) {
-      double top = -1e300;
-      for (double before = -1e301; top > before + kWorthClimbing;) {
-        before = top;
-        climb(form, shape, [&](const std::vector<double>& at) {
-          channel.candidates.back().shape = at;
-          fill_candidate(w.input, channel, channel.candidates.back(), threads, &present);
-          const auto [gain, fit] = gain_of(tried);
-          if (gain > top) top = gain, shape = at, asked = last_strength(channel, fit);
-          return gain;
-        });
-      }
-      channel.candidates.back().shape = shape;
-      fill_candidate(w.input, channel, channel.candidates.back(), threads);
-      VariantScore score = score_variant(channel, present, base, tried, nullptr);
-      if (score.fit.valid && score.gain > -1e299 && !is_nonsense(channel, score)) return score;
+  if (!shape.empty() && form.refine) {
+    const int tried = place(w.input, channel, kind, form, shape, threads);
+    double top = -1e300;
+    for (double before = -1e301; top > before + kWorthClimbing;) {
+      before = top;
+      climb(form, shape, [&](const std::vector<double>& at) {
+        channel.candidates.back().shape = at;
+        fill_candidate(w.input, channel, channel.candidates.back(), threads, &present);
+        const auto [gain, fit] = gain_of(tried);
+        if (gain > top) top = gain, shape = at, asked = last_strength(channel, fit);
+        return gain;
+      });
     }
+    channel.candidates.back().shape = shape;
+    fill_candidate(w.input, channel, channel.candidates.back(), threads);
+    VariantScore score = score_variant(channel, present, base, tried, nullptr);
+    if (score.fit.valid && score.gain > -1e299 && !is_nonsense(channel, score)) return score;
+  }
   const ParameterSpec& strength = form.strength.front();
   return fail(ErrorCode::config, "the campaign cannot show " + kind.name + fmt::format(": the records ask for {} = {:.3g}, and it has {:.3g} to {:.3g}", strength.name, asked.value, std::max(form.least, strength.minimum), std::min(form.most, strength.maximum)),
               w.input.name, "another effect does the like: forcegate diagnose compares them");
@@ -194,7 +192,6 @@ std::optional<WrittenForms> written_forms(Workspace& w, const std::vector<ModelE
     std::vector<double> shape;
     for (const ModelParameter& p : effect.shape) shape.push_back(p.value);
     const int at = place(w.input, w.output, *kind, *form, shape, threads);
-    if (at < 0) return std::nullopt;
     FamilyScore family;
     family.kind = kind;
     family.best = score_variant(w.output, all, out.fit, at, nullptr);
