@@ -2,6 +2,7 @@
 
 #include "hil/model/effect.h"
 #include "hil/model/states.h"
+#include "hil/model/time_scale.h"
 
 namespace forcegate {
 namespace {
@@ -25,14 +26,14 @@ const Registration<EffectKind> kRegistered{EffectKind{
          .grid =
              [](const CampaignInput& campaign) {
                std::vector<std::vector<double>> out;
-               // slow systems sampled slowly have long dead times
-               const double scale = campaign.undeclared && !campaign.records.empty() ? std::max(1.0, campaign.records.front().row_step_s / 0.02) : 1.0;
-               for (const double delay_s : {0.0004, 0.001, 0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, -0.0004, -0.001, -0.002, -0.004,
-                                            -0.008, -0.016, -0.032, -0.064, -0.128})
-                 out.push_back({delay_s * scale});
+               const std::vector<double> scales = time_scales(campaign, 0.02);
+               for (const double scale : scales)
+                 for (const double delay_s : {0.0004, 0.001, 0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, -0.0004, -0.001, -0.002, -0.004,
+                                              -0.008, -0.016, -0.032, -0.064, -0.128})
+                   out.push_back({delay_s * scale});
                // two loggers that were started by hand
                if (campaign.undeclared)
-                 for (const double delay_s : {0.14, 0.2, 0.28, 0.4, 0.56, 0.8, -0.25, -0.35, -0.5, -0.7, -1.0}) out.push_back({delay_s * scale});
+                 for (const double delay_s : {0.14, 0.2, 0.28, 0.4, 0.56, 0.8, -0.25, -0.35, -0.5, -0.7, -1.0}) out.push_back({delay_s * scales.back()});
                return out;
              },
          .columns =

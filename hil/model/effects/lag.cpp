@@ -17,6 +17,7 @@
 #include "hil/model/effect.h"
 #include "hil/model/fading_memory.h"
 #include "hil/model/states.h"
+#include "hil/model/time_scale.h"
 
 namespace forcegate {
 namespace {
@@ -96,10 +97,7 @@ EffectForm two_speeds() {
           .most = 1.15};
 }
 
-// Slow systems sampled slowly have slow lags.
-double slower(const CampaignInput& campaign) {
-  return campaign.undeclared && !campaign.records.empty() ? std::max(1.0, campaign.records.front().row_step_s / 0.01) : 1.0;
-}
+constexpr double kUsualRow_s = 0.01;
 
 EffectForm filtered(const char* name, Kind kind, const ParameterSpec& tau, double least, std::function<std::vector<std::vector<double>>(const CampaignInput&)> grid) {
   return {.name = name,
@@ -114,9 +112,10 @@ EffectForm filtered(const char* name, Kind kind, const ParameterSpec& tau, doubl
 }
 
 EffectForm form(const char* name, Kind kind, std::vector<double> taus) {
-  return filtered(name, kind, {"tau_s", "s", 1e-4, kSlowest_s, 0.05, "time constant"}, 0.0, [taus = std::move(taus)](const CampaignInput& campaign) {
+  return filtered(name, kind, {"tau_s", "s", 1e-6, kSlowest_s, 0.05, "time constant"}, 0.0, [taus = std::move(taus)](const CampaignInput& campaign) {
     std::vector<std::vector<double>> out;
-    for (const double tau : taus) out.push_back({tau * slower(campaign)});
+    for (const double scale : time_scales(campaign, kUsualRow_s))
+      for (const double tau : taus) out.push_back({tau * scale});
     return out;
   });
 }
@@ -128,7 +127,7 @@ EffectForm slow(const char* name, Kind kind) {
     std::vector<std::vector<double>> out;
     if (!campaign.undeclared || campaign.records.empty()) return out;
     const double longest_s = std::min(kSlowest_s, kOfRecord * campaign.records.front().duration_s);
-    for (double tau_s = 1.024 * slower(campaign); tau_s < longest_s; tau_s *= 2.0) out.push_back({tau_s});
+    for (double tau_s = 1.024 * time_scales(campaign, kUsualRow_s).back(); tau_s < longest_s; tau_s *= 2.0) out.push_back({tau_s});
     return out;
   });
 }

@@ -162,5 +162,17 @@ TEST(SlowSystem, WhatIsFasterThanFiftyRowsASecondIsSeen) {
   EXPECT_EQ(d.verdict, DiagnosisVerdict::unknown) << told(d);
 }
 
+// A circuit at the rate of a sound card: its time constant is a twentieth of the shortest that a force sensor has.
+TEST(SlowSystem, ALagOfMicrosecondsIsSeenWhereTheLoadIsAsFast) {
+  const auto shaken = [](double t) {
+    double sum = 2.5;
+    for (int k = 0; k < 12; ++k) sum += 0.15 * std::sin(2.0 * std::numbers::pi * (60.0 + 311.7 * k) * t + 2.4 * k * k);
+    return sum;
+  };
+  const Diagnosis d = answer(recording(51200.0, 40000, shaken, [](const Series& t, const Series& x) { return straight_line(low_pass(t, x, 6e-5)); }, 0.002));
+  EXPECT_EQ(first(d).effect, "lag") << told(d);
+  EXPECT_TRUE(first(d).claimed()) << told(d);
+}
+
 }  // namespace
 }  // namespace forcegate::diagnose

@@ -1,0 +1,21 @@
+#pragma once
+// The times that a grid of shapes begins with, where nobody wrote down what a recording is of.
+
+#include <algorithm>
+#include <vector>
+
+#include "hil/model/record_input.h"
+
+namespace forcegate {
+
+/// Factors for times that are meant for rows of `usual_s`: 1; of an undeclared recording whose rows are longer than that their ratio instead, since systems
+/// that are sampled slowly are slow; and the ratio beside 1 where its force is so fast that they are far shorter (hil/model/row_step.h).
+inline std::vector<double> time_scales(const CampaignInput& campaign, double usual_s) {
+  constexpr double kFarShorter = 0.1;
+  if (!campaign.undeclared || campaign.records.empty()) return {1.0};
+  const double ratio = campaign.records.front().row_step_s / usual_s;
+  if (ratio < kFarShorter) return {ratio, 1.0};
+  return {std::max(1.0, ratio)};
+}
+
+}  // namespace forcegate
