@@ -194,7 +194,7 @@ Result<CampaignRows> take_rows(Campaign campaign, const EngineOptions& options) 
   const bool is_ratio = output != nullptr && output->quantity == "ratio";
   if (output != nullptr && !output->unit.empty() && (is_ratio || output->unit != "1")) w.unit = output->unit;
   leave_out_absurd_force(campaign, options.threads, w.input.notes);
-  w.scales = health_scales(campaign);
+  w.scales = health_scales(campaign, options.threads);
 
   struct Prepared {
     RecordHealth health;

@@ -176,7 +176,7 @@ std::string note_of_left_out(const std::vector<RecordHealth>& health, const std:
   std::size_t zeros = 0, spikes = 0, records = 0;
   std::string where;
   for (const RecordHealth& h : health) {
-    const std::size_t own_zeros = claimed("dropouts") ? 0 : h.zeros + h.lone_zeros, own_spikes = claimed("outliers") ? 0 : h.outliers;
+    const std::size_t own_zeros = claimed("dropouts") ? 0 : h.zeros + (claimed("outliers") ? 0 : h.lone_zeros), own_spikes = claimed("outliers") ? 0 : h.outliers;
     zeros += own_zeros;
     spikes += own_spikes;
     if (own_zeros + own_spikes > 0 && ++records <= kNamed) where += (where.empty() ? "" : ", ") + h.record;

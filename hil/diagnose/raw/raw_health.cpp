@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "hil/base/parallel.h"
 #include "hil/base/portable_math.h"
 #include "hil/diagnose/raw/falls_to_floor.h"
 #include "hil/diagnose/raw/mains_line.h"
@@ -108,9 +109,31 @@ double restlessness(const std::vector<double>& F, const std::vector<double>& U, 
   return typical > kOfForce * quantile(std::move(by_force), 0.5) ? 1.4826 * typical : 0.0;
 }
 
+// What noise and steps do between two samples.
+double quiet_of(const std::vector<double>& F, const std::vector<double>& U, double noise_V, double lsb_V, const HealthScales& scales) {
+  constexpr double kOfRestless = 6.0;
+  return std::max(8.0 * std::max(noise_V, 0.3 * lsb_V) + 0.012 * scales.U_range_V, kOfRestless * restlessness(F, U, scales.gain_V_per_N));
+}
+
+bool thrown_in_all(const Campaign& campaign, const HealthScales& scales, unsigned threads) {
+  std::vector<std::vector<double>> of_record(campaign.records.size());
+  parallel_for(campaign.records.size(), threads, [&](std::size_t k) {
+    const Trace& trace = campaign.records[k].trace;
+    const Channel *f = trace.find("F_ref"), *u = trace.find("U");
+    if (f == nullptr || u == nullptr) return;
+    const std::vector<double>& t_s = trace.time_bases[f->time_base].t_s;
+    std::vector<double> room_F, room_U;
+    const std::vector<double>&F = aligned(*f, t_s.size(), room_F), &U = aligned(*u, t_s.size(), room_U);
+    of_record[k] = excursions_V(t_s, F, U, {.quiet_V = quiet_of(F, U, white_noise(U), scales.step_V, scales), .gain_V_per_N = std::abs(scales.gain_V_per_N)});
+  });
+  std::vector<double> all;
+  for (const std::vector<double>& one : of_record) all.insert(all.end(), one.begin(), one.end());
+  return thrown_at_random(all);
+}
+
 }  // namespace
 
-HealthScales health_scales(const Campaign& campaign) {
+HealthScales health_scales(const Campaign& campaign, unsigned threads) {
   std::vector<double> F, U;
   for (const Record& record : campaign.records) {
     const Channel* f = record.trace.find("F_ref");
@@ -137,6 +160,7 @@ HealthScales health_scales(const Campaign& campaign) {
   out.gain_V_per_N = shared_by(F, U).gain().value_or(1.0);
   out.step_N = value_step(F);
   out.step_V = value_step(U);
+  out.thrown = thrown_in_all(campaign, out, threads);
   return out;
 }
 
@@ -197,10 +221,8 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
   if (out.lsb_U_V == 0.0) out.lsb_U_V = scales.step_V;
   if (out.lsb_U_V == 0.0 && bench.adc_bits > 0 && shows_few_values(U))
     out.lsb_U_V = (std::isfinite(bench.voltage_max_V) ? bench.voltage_max_V - low_rail : scales.U_range_V) / std::exp2(bench.adc_bits);
-  constexpr double kOfRestless = 6.0;
   const double gain = std::abs(scales.gain_V_per_N);
-  const double quiet = std::max(8.0 * std::max(out.noise_U_V, 0.3 * out.lsb_U_V) + 0.012 * scales.U_range_V,
-                                kOfRestless * restlessness(F, U, scales.gain_V_per_N));
+  const double quiet = quiet_of(F, U, out.noise_U_V, out.lsb_U_V, scales);
 
   const RangeEnds ends = ends_of_range(U, low_rail, bench.voltage_max_V, out.lsb_U_V, out.noise_U_V);
   const StepsOfOutput steps(F, U, gain, quiet);
@@ -239,7 +261,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
       spike_V.push_back(U[i] - middle);
     }
   }
-  std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain}, spike_V);
+  std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain, scales.thrown}, spike_V);
   std::erase_if(short_spikes, [&](const ShortSpike& s) { return out.bad[s.begin] == static_cast<std::uint8_t>(BadSample::zero); });
   for (const ShortSpike& s : short_spikes)
     for (std::size_t i = s.begin; i < s.begin + s.length; ++i) {
@@ -289,7 +311,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     (run.why == BadSample::rail ? out.at_rail : out.held) += length;
     if (run.why == BadSample::rail) out.rail_V = U[run.begin];
   }
-  count_zeros(!short_spikes.empty(), lone_fall, out);
+  count_zeros(scales.thrown || !short_spikes.empty(), lone_fall, out);
   out.bad_mean_square_V2 /= static_cast<double>(n);
   // a rail cuts noise off: what comes near it is bent too
   const double bent_V = out.at_rail > 0 ? out.rail_V - std::max(1.5 * out.lsb_U_V, 3.0 * out.noise_U_V) : std::numeric_limits<double>::infinity();

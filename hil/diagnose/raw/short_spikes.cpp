@@ -84,19 +84,27 @@ std::vector<ShortSpike> spikes_of(const std::vector<double>& t_s, const std::vec
 
 constexpr std::ptrdiff_t kSeveral = 3;
 
-// Some up and some down, each by as much as it likes: a switch, a bit of the converter, a slip have a size or a direction.
-bool thrown_at_random(const std::vector<ShortSpike>& blocks, std::span<const double> lone_V) {
-  constexpr double kDiffer = 1.5;
-  std::vector<double> up, down;
-  for (const ShortSpike& s : blocks) (s.up ? up : down).push_back(s.peak_V);
-  for (const double v : lone_V) (v > 0.0 ? up : down).push_back(std::abs(v));
-  if (up.empty() || down.empty() || std::ssize(up) + std::ssize(down) < kSeveral) return false;
-  up.insert(up.end(), down.begin(), down.end());
-  const auto [low, high] = quantiles(std::move(up), 0.15, 0.85);
-  return high > kDiffer * low;
+void add_signed(const std::vector<ShortSpike>& spikes, std::vector<double>& to) {
+  for (const ShortSpike& s : spikes) to.push_back(s.up ? s.peak_V : -s.peak_V);
 }
 
 }  // namespace
+
+std::vector<double> excursions_V(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales) {
+  std::vector<double> out;
+  add_signed(spikes_of(t_s, U, {F, scales}, true), out);
+  return out;
+}
+
+bool thrown_at_random(std::span<const double> excursions_V) {
+  constexpr double kDiffer = 1.5;
+  const auto up = std::ranges::count_if(excursions_V, [](double v) { return v > 0.0; });
+  if (up == 0 || up == std::ssize(excursions_V) || std::ssize(excursions_V) < kSeveral) return false;
+  std::vector<double> size;
+  for (const double v : excursions_V) size.push_back(std::abs(v));
+  const auto [low, high] = quantiles(std::move(size), 0.15, 0.85);
+  return high > kDiffer * low;
+}
 
 bool fall_to_one_level(const LoneSpikes& spikes, double near_V) {
   if (spikes.at.size() < kFewestFalls) return false;
@@ -118,8 +126,10 @@ std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const 
   const Allowance allowance{F, scales};
   std::vector<ShortSpike> falling = spikes_of(t_s, U, allowance, false), any = spikes_of(t_s, U, allowance, true);
   // what throws samples up and down throws some of them to one side only
-  const bool throws = std::ranges::count_if(falling, &ShortSpike::both_ways) >= kSeveral;
-  if (throws || thrown_at_random(any, lone_V)) return any;
+  const bool throws = scales.thrown || std::ranges::count_if(falling, &ShortSpike::both_ways) >= kSeveral;
+  std::vector<double> sizes(lone_V.begin(), lone_V.end());
+  add_signed(any, sizes);
+  if (throws || thrown_at_random(sizes)) return any;
   // to one side, one or two may be what the contact did
   if (falling.size() < kFewestTails) std::erase_if(falling, [](const ShortSpike& s) { return !s.both_ways; });
   return falling;

@@ -48,11 +48,18 @@ struct ShortSpike {
 struct SpikeScales {
   double quiet_V = 0.0;      ///< what noise and steps do between two samples
   double gain_V_per_N = 0.0; ///< of the sensor, without its sign: what the force does is no spike
+  bool thrown = false;       ///< the excursions of the campaign are thrown_at_random()
 };
 
+/// How far excursions of 2 to kLongestSpike samples that end where they began stand up (or down, negative), whatever their course, V.
+std::vector<double> excursions_V(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales);
+
+/// Whether three and more stand up and down by sizes that differ by half: a switch, a bit of the converter, a slip have a size or a direction.
+bool thrown_at_random(std::span<const double> excursions_V);
+
 /// Excursions of 2 to kLongestSpike samples that end where they began: to both sides, or within 40 ms to one, largest at their first sample and
-/// falling after it. A record with three to both sides may have any to one side, and so may one with three spikes and more that
-/// stand up and down by sizes that differ by half; `lone_V`, how far its spikes of a single sample stand off, counts there. `t_s`, `F` and `U` on one clock; samples that are missing belong to none.
+/// falling after it. A record with three to both sides may have any to one side, and so may one whose spikes are thrown_at_random()
+/// with `lone_V`, how far those of a single sample stand off, or a campaign whose excursions are. `t_s`, `F` and `U` on one clock; samples that are missing belong to none.
 std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales,
                                           std::span<const double> lone_V = {});
 

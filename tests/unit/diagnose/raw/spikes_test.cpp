@@ -66,6 +66,26 @@ TEST(Spikes, BlocksThrownUpAndDownAreSpikesAndNoDropouts) {
   EXPECT_EQ(claims[0].effect, "outliers");
 }
 
+// One burst in a record, up in one and down in the next, whatever course it takes: together the records show what none of them shows alone.
+TEST(Spikes, ABurstInEachRecordIsSeenInAllTogether) {
+  Campaign c = make_campaign(51, straight);
+  Rng rng(51, "bursts");
+  bool up = true;
+  for (Record& r : c.records) {
+    auto& U = r.trace.find("U")->value;
+    for (std::size_t k = 0; k < 4; ++k) U[9000 + k] = std::max(0.0, U[9000 + k] + (up ? 1.0 : -1.0) * (1.0 + 2.5 * rng.uniform()));
+    up = !up;
+  }
+  const std::vector<HealthClaim> claims = claims_of_samples(c);
+  ASSERT_EQ(claims.size(), 1u);
+  EXPECT_EQ(claims[0].effect, "outliers");
+  const HealthScales scales = health_scales(c);
+  for (const Record& r : c.records) {
+    const RecordHealth h = check_raw_health(r, scales, c.bench);
+    EXPECT_EQ(h.outliers + h.lone_zeros, 4u) << r.name;
+  }
+}
+
 // A sensor that rings after an edge swings below the end of the converter's range, one period after another.
 TEST(Spikes, ASwingThatTheEndOfTheRangeCutsOffIsNoDropout) {
   Campaign c = make_campaign(50, [](const std::vector<double>&, const std::vector<double>& F, int) {
