@@ -15,7 +15,7 @@ struct WideScatter {
 };
 
 /// `fit`: gain and zero of every record beside all effects. `zeros_explained`: they have a cause, and gains alone are asked. Nothing where the spread is that of an ordinary bench: 3 % of gain, a zero of 1 % of
-/// the span (RMS). From twice and three times of that on, and where it goes one way in the order of the records, it is more than a note.
+/// the span (RMS). From 15 % and 3 % on, and where it goes one way in the order of the records, it is more than a note.
 std::optional<WideScatter> wide_scatter(const Workspace& workspace, const MixedFit& fit, bool zeros_explained = false);
 
 }  // namespace forcegate::diagnose
