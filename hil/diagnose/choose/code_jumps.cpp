@@ -20,25 +20,22 @@ struct Place {
   bool above(double U_V) const { return U_V > at_V + half_width_V; }
 };
 
-// By which the force jumps where U passes the place from row `begin` to `end`: W = p(U - at) + c [U >= at], p of the third degree, since what a law leaves
-// may turn its bend there and rise as a step of a straight line would.
+// By which the force jumps where U passes the place from row `begin` to `end`: W = a + b (U - at) + c [U >= at].
 std::optional<double> jump_of(const RecordInput& r, const Place& place, std::size_t begin, std::size_t end) {
-  using Matrix = Eigen::Matrix<double, 5, 5>;
-  using Vector = Eigen::Matrix<double, 5, 1>;
-  Matrix XX = Matrix::Zero();
-  Vector XW = Vector::Zero();
+  Eigen::Matrix3d XX = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d XW = Eigen::Vector3d::Zero();
   std::size_t upper = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const double u = (r.U_V[i] - place.at_V) / place.half_width_V;
-    const Vector x{{1.0, u, u * u, u * u * u, u >= 0.0 ? 1.0 : 0.0}};
+    const Eigen::Vector3d x(1.0, u, u >= 0.0 ? 1.0 : 0.0);
     XX += x * x.transpose();
     XW += x * r.base_force_N(i);
     upper += u >= 0.0 ? 1 : 0;
   }
   if (upper < kFewestRows || end - begin - upper < kFewestRows) return std::nullopt;
-  const Eigen::LDLT<Matrix> solver(XX);
+  const Eigen::LDLT<Eigen::Matrix3d> solver(XX);
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-9)) return std::nullopt;
-  return solver.solve(XW)[4];
+  return solver.solve(XW)[2];
 }
 
 // Mean over its standard error; nothing where the output does not pass often enough.

@@ -69,15 +69,6 @@ TEST(CodeJumps, ACurveALoopAndAnotherRangeHaveNone) {
   EXPECT_FALSE(jumps_at_codes(swings([](double F) { return converted(bent(F), 0.06, -0.04); }), 0.0, 8.0)) << "its codes lie elsewhere";
 }
 
-// A facet of the wheel, a coil of the spring: steep where a bit would change, and smooth.
-TEST(CodeJumps, AWaveThatIsSteepAtTwoCodesHasNone) {
-  const auto wave = [](double F) {
-    const double U = bent(F);
-    return U + 0.04 * std::tanh((U - 5.0) / 0.4) - 0.04 * std::tanh((U - 2.5) / 0.4);
-  };
-  EXPECT_FALSE(jumps_at_codes(swings(wave), 0.0, 10.0));
-}
-
 TEST(CodeJumps, OneJumpIsNoConverter) {
   EXPECT_FALSE(jumps_at_codes(swings([](double F) { return bent(F) + (bent(F) >= 5.0 ? 0.1 : 0.0); }), 0.0, 10.0)) << "a fixture that snaps";
 }
