@@ -84,6 +84,18 @@ std::vector<ShortSpike> spikes_of(const std::vector<double>& t_s, const std::vec
 
 constexpr std::ptrdiff_t kSeveral = 3;
 
+// A stretch of noise jumps on both sides of an excursion as far as there.
+bool stands_alone(const std::vector<double>& U, const Allowance& allowance, const ShortSpike& spike) {
+  constexpr std::size_t kFar = 100;
+  constexpr double kAsFar = 0.3;
+  const std::size_t begin = std::max<std::size_t>(spike.begin, kFar) - kFar, end = std::min(spike.begin + spike.length + kFar, U.size() - 1);
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i + 1 >= spike.begin && i < spike.begin + spike.length) continue;
+    if (std::abs(U[i + 1] - U[i]) > allowance.between(i, i + 2) + kAsFar * spike.peak_V) return false;
+  }
+  return true;
+}
+
 void add_signed(const std::vector<ShortSpike>& spikes, std::vector<double>& to) {
   for (const ShortSpike& s : spikes) to.push_back(s.up ? s.peak_V : -s.peak_V);
 }
@@ -91,8 +103,11 @@ void add_signed(const std::vector<ShortSpike>& spikes, std::vector<double>& to) 
 }  // namespace
 
 std::vector<double> excursions_V(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales) {
+  const Allowance allowance{F, scales};
+  std::vector<ShortSpike> spikes = spikes_of(t_s, U, allowance, true);
+  std::erase_if(spikes, [&](const ShortSpike& s) { return !stands_alone(U, allowance, s); });
   std::vector<double> out;
-  add_signed(spikes_of(t_s, U, {F, scales}, true), out);
+  add_signed(spikes, out);
   return out;
 }
 

@@ -51,7 +51,8 @@ struct SpikeScales {
   bool thrown = false;       ///< the excursions of the campaign are thrown_at_random()
 };
 
-/// How far excursions of 2 to kLongestSpike samples that end where they began stand up (or down, negative), whatever their course, V.
+/// How far excursions of 2 to kLongestSpike samples that end where they began stand up (or down, negative), whatever their course, V. Those
+/// beside which the output jumps by a third of that within 100 samples are none: that is a stretch of noise.
 std::vector<double> excursions_V(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales);
 
 /// Whether three and more stand up and down by sizes that differ by half: a switch, a bit of the converter, a slip have a size or a direction.
