@@ -13,6 +13,7 @@
 #include "hil/trace/conductance.h"
 #include "hil/trace/convert.h"
 #include "hil/trace/declared_facts.h"
+#include "hil/trace/sensor_name.h"
 
 namespace forcegate {
 namespace {
@@ -47,6 +48,7 @@ struct Reading {
   fs::path file;
   std::vector<std::string> notes;
   std::vector<std::string> mapped;
+  std::string sensor;  ///< as the file calls it
   Result<void> result;
 };
 
@@ -62,6 +64,7 @@ void load(Reading& reading, const CampaignOptions& options) {
   }
   reading.notes = std::move(read->notes);
   reading.mapped = std::move(read->mapped);
+  reading.sensor = std::move(read->sensor);
   record.trace = std::move(read->trace);
   record.trace.name = record.name;
   record.header_line = read->header_line;
@@ -119,6 +122,18 @@ void add_notes(const std::vector<Reading>& readings, Campaign& campaign) {
   }
 }
 
+/// What nobody declared, and the files or their names tell.
+void take_sensor(const std::vector<Reading>& readings, Campaign& campaign) {
+  if (!campaign.sensor.empty()) return;
+  std::vector<std::string> said, names{campaign.name};
+  for (const Reading& reading : readings) {
+    said.push_back(reading.sensor);
+    names.push_back(reading.file.stem().string());
+  }
+  campaign.sensor = only_sensor_named(said);
+  if (campaign.sensor.empty()) campaign.sensor = only_sensor_named(names);
+}
+
 Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptions& options,
                        const fs::path& where) {
   std::vector<std::string> mapped;
@@ -173,6 +188,7 @@ Result<void> add_folder(const fs::path& folder, const CampaignOptions& options, 
   skip_unfit(readings, campaign);
   FORCEGATE_CHECK_OK(check_map(readings, options, folder));
   add_notes(readings, campaign);
+  take_sensor(readings, campaign);
   for (const Reading& reading : readings) campaign.records.push_back(std::move(*reading.record));
   return {};
 }
@@ -202,13 +218,14 @@ Result<Campaign> read_described(const fs::path& file, const CampaignOptions& opt
       return fail(ErrorCode::io, "the file \"" + printable_utf8(described.file) + "\" of record " + number + " does not exist", described.where,
                   "put it into " + campaign.folder.string() + " or take the record out");
     campaign.records.push_back(std::move(record));
-    readings.push_back({nullptr, path, {}, {}, {}});
+    readings.push_back({nullptr, path, {}, {}, {}, {}});
   }
   for (std::size_t i = 0; i < readings.size(); ++i) readings[i].record = &campaign.records[i];
   load_all(readings, options);
   for (Reading& reading : readings) FORCEGATE_CHECK_OK(std::move(reading.result));
   FORCEGATE_CHECK_OK(check_map(readings, options, file));
   add_notes(readings, campaign);
+  take_sensor(readings, campaign);
   return campaign;
 }
 
@@ -243,6 +260,7 @@ Result<Campaign> read_single(const fs::path& path, const CampaignOptions& option
   FORCEGATE_CHECK_OK(std::move(reading[0].result));
   FORCEGATE_CHECK_OK(check_map(reading, options, path));
   add_notes(reading, single);
+  take_sensor(reading, single);
   if (is_described_beside(path, single.folder))
     single.notes.push_back("campaign.json beside " + path.filename().string() + " is not read for a file that is named itself: name the folder, " + single.folder.string() +
                            ", to use what it says of the bench and of its records");

@@ -16,6 +16,7 @@
 #include "hil/trace/csv_hints.h"
 #include "hil/trace/date_column.h"
 #include "hil/trace/no_clock.h"
+#include "hil/trace/sensor_name.h"
 #include "hil/trace/time_base.h"
 
 namespace forcegate {
@@ -239,6 +240,8 @@ Result<TraceFile> trace_of_table(CsvTable table, const std::string& where, const
   for (std::string& note : use_canonical_names(out.trace, headers)) out.notes.push_back(std::move(note));
   note_unlikely_sizes(out.trace, headers, out.notes);
   for (std::size_t i = 0; i < headers.size(); ++i) out.headers.emplace(out.trace.channels[i].name, std::move(headers[i]));
+  if (const auto output = out.headers.find("U"); output != out.headers.end()) table.above.push_back(output->second);
+  out.sensor = only_sensor_named(table.above);
   attach_counts(out.trace);
   make_names_unique(out.trace);
   return out;

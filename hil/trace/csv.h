@@ -25,6 +25,7 @@ struct TraceFile {
   std::vector<std::string> mapped;  ///< entries of the column map that met a column
   std::map<std::string, std::string> headers;  ///< name of a channel -> header of its column as written
   std::uint64_t header_line = 0;  ///< of a text file; 0 elsewhere
+  std::string sensor;             ///< as a line above the rows or the name of the output's column calls it (sensor_name.h); "" where neither does
 };
 
 /// Every column becomes a channel in its canonical unit. A column of counts beside a physical one of the same name

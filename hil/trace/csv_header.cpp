@@ -54,11 +54,18 @@ void CsvParser::skip_preamble(const char*& p, const char* end) {
   if (above == 0) return;
   for (std::size_t i = 0; i < above; ++i) {
     const char* const stop = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p)));
-    if (const std::string_view line(p, static_cast<std::size_t>(stop - p)); line.starts_with("Y_Unit_Label\t")) unit_labels_ = line;
+    const std::string_view line(p, static_cast<std::size_t>(stop - p));
+    if (line.starts_with("Y_Unit_Label\t")) unit_labels_ = line;
+    keep_above(line);
     p = stop + 1;
   }
   line_ += above;
   table_.notes.push_back("the names of the columns stand in line " + std::to_string(line_ + 1) + "; what is above was skipped");
+}
+
+void CsvParser::keep_above(std::string_view line) {
+  constexpr std::size_t kMostLines = 50, kMostBytes = 200;
+  if (table_.above.size() < kMostLines) table_.above.emplace_back(line.substr(0, kMostBytes));
 }
 
 bool CsvParser::comment_names(std::string_view row) {

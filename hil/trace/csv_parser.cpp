@@ -52,7 +52,7 @@ Result<void> CsvParser::lines(const char* p, const char* end, bool cut) {
     const std::string_view bare = trim(line);
     if (bare.empty() || bare.front() == '#') {
       if (has_header_) table_.skipped_lines.push_back(line_);
-      else if (!bare.empty()) comment_ = bare;
+      else if (!bare.empty()) keep_above(comment_ = bare);
       continue;
     }
     if (!has_header_) {

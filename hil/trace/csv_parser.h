@@ -25,6 +25,8 @@ class CsvParser {
   Result<void> lines(const char* p, const char* end, bool cut);
   Unexpected error(std::string text, std::size_t column, std::string hint) const;
   void skip_preamble(const char*& p, const char* end);
+  /// For who asks what the lines above the rows say.
+  void keep_above(std::string_view line);
   Result<void> check_kind(std::string_view chunk) const;
   /// "# t_s F_ref_N U_V" above the first row, as numpy writes it, is the header.
   bool comment_names(std::string_view row);

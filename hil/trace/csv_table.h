@@ -30,6 +30,7 @@ struct CsvTable {
   std::vector<CsvColumn> columns;
   std::vector<TextColumn> text_columns;
   std::vector<std::string> notes;            ///< what was unusual about the file, one sentence each
+  std::vector<std::string> above;            ///< comments and whatever else stands above the rows: the first 200 bytes of 50 lines at most
   std::vector<std::uint64_t> skipped_lines;  ///< numbers of blank and comment lines after the header
   std::uint64_t header_line = 1;             ///< 0: the table comes from no text
 

@@ -211,7 +211,7 @@ Result<TraceFile> read_hdf5(const std::filesystem::path& path) {
                 "was it cut short while being copied?");
   Reader reader(file, path);
   FORCEGATE_TRY(Trace trace, reader.read());
-  return TraceFile{std::move(trace), {}, {}, {}, 0};
+  return TraceFile{std::move(trace), {}, {}, {}, 0, {}};
 }
 
 }  // namespace forcegate
