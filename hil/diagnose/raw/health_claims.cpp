@@ -46,6 +46,19 @@ std::optional<HealthClaim> claim_of_hum(const std::vector<RecordHealth>& health,
   return std::nullopt;
 }
 
+// A record has few of them, and a converter is the same in all.
+bool are_steps_of_converter(const std::vector<RecordHealth>& health) {
+  std::vector<Jump> all;
+  double near_V = 0.0;
+  std::size_t outliers = 0;
+  for (const RecordHealth& h : health) {
+    all.insert(all.end(), h.lone_jumps.begin(), h.lone_jumps.end());
+    near_V = std::max(near_V, h.near_V);
+    outliers += h.outliers;
+  }
+  return all.size() * 2 > outliers && go_back_and_forth(all, near_V);
+}
+
 }  // namespace
 
 std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, const HealthScales& scales,
@@ -107,6 +120,7 @@ std::vector<HealthClaim> health_claims(const std::vector<RecordHealth>& health, 
     if (h.at_rail > 0) rail_V = h.rail_V;
   }
   if (samples < 1.0) return out;
+  if (are_steps_of_converter(health)) outliers = 0.0;
   const auto percent = [](double share) { return std::to_string(100.0 * share).substr(0, 6) + " %"; };
   const std::size_t n = health.size();
   const bool many_records = n >= 3;
@@ -184,8 +198,9 @@ std::string note_of_left_out(const std::vector<RecordHealth>& health, const std:
   if (records > kNamed) where += " and " + std::to_string(records - kNamed) + " more";
   if (zeros + spikes == 0) return {};
   const auto told = [](std::size_t n, const char* what) { return n > 0 ? std::to_string(n) + " " + what : std::string(); };
-  return "samples of the output left out, too few for a finding: " + told(zeros, "at the low end where the force says otherwise") +
-         (zeros > 0 && spikes > 0 ? ", " : "") + told(spikes, "far off their neighbours") + " (" + where + ")";
+  const bool of_steps = are_steps_of_converter(health);
+  return std::string("samples of the output left out") + (of_steps ? ": " : ", too few for a finding: ") + told(zeros, "at the low end where the force says otherwise") +
+         (zeros > 0 && spikes > 0 ? ", " : "") + told(spikes, of_steps ? "that go back and forth between the same levels, as over a step of the converter" : "far off their neighbours") + " (" + where + ")";
 }
 
 }  // namespace forcegate::diagnose

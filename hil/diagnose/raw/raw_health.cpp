@@ -116,7 +116,8 @@ double quiet_of(const std::vector<double>& F, const std::vector<double>& U, doub
 }
 
 bool thrown_in_all(const Campaign& campaign, const HealthScales& scales, unsigned threads) {
-  std::vector<std::vector<double>> of_record(campaign.records.size());
+  std::vector<std::vector<Jump>> of_record(campaign.records.size());
+  std::vector<double> quiet_V(campaign.records.size(), 0.0);
   parallel_for(campaign.records.size(), threads, [&](std::size_t k) {
     const Trace& trace = campaign.records[k].trace;
     const Channel *f = trace.find("F_ref"), *u = trace.find("U");
@@ -124,11 +125,12 @@ bool thrown_in_all(const Campaign& campaign, const HealthScales& scales, unsigne
     const std::vector<double>& t_s = trace.time_bases[f->time_base].t_s;
     std::vector<double> room_F, room_U;
     const std::vector<double>&F = aligned(*f, t_s.size(), room_F), &U = aligned(*u, t_s.size(), room_U);
-    of_record[k] = excursions_V(t_s, F, U, {.quiet_V = quiet_of(F, U, white_noise(U), scales.step_V, scales), .gain_V_per_N = std::abs(scales.gain_V_per_N)});
+    quiet_V[k] = quiet_of(F, U, white_noise(U), scales.step_V, scales);
+    of_record[k] = excursions(t_s, F, U, {.quiet_V = quiet_V[k], .gain_V_per_N = std::abs(scales.gain_V_per_N)});
   });
-  std::vector<double> all;
-  for (const std::vector<double>& one : of_record) all.insert(all.end(), one.begin(), one.end());
-  return thrown_at_random(all);
+  std::vector<Jump> all;
+  for (const std::vector<Jump>& one : of_record) all.insert(all.end(), one.begin(), one.end());
+  return !quiet_V.empty() && thrown_at_random(all, std::ranges::max(quiet_V));
 }
 
 }  // namespace
@@ -232,11 +234,12 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     if (out.bad[i] == 0) out.bad_mean_square_V2 += error * error;
     out.bad[i] = static_cast<std::uint8_t>(why);
   };
-  const double near_V = std::max({1.5 * out.lsb_U_V, 4.0 * out.noise_U_V, 0.005 * scales.U_range_V});  // levels that are one
+  const double near_V = out.near_V = std::max({1.5 * out.lsb_U_V, 4.0 * out.noise_U_V, 0.005 * scales.U_range_V});  // levels that are one
   for (const Fall& fall : falls_to_floor(F, U, steps, near_V, scales.U_range_V))
     for (std::size_t i = fall.begin; i < fall.end; ++i) mark(i, BadSample::zero, std::min(U[fall.begin - 1], U[fall.end]) - U[i]);
   std::vector<std::size_t> spike;
-  std::vector<double> spike_level, spike_V;
+  std::vector<double> spike_level;
+  std::vector<Jump> spike_jumps;
   // a spike comes back, and its neighbours know nothing of it; what stays is an edge, or held samples that were let go, and what they
   // climb to is a peak
   const auto stands_alone = [&](std::size_t i, double jump) {
@@ -258,10 +261,10 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     } else if (stands_alone(i, jump) && jump > kAboveAround * scatter_around(U, i)) {
       spike.push_back(i);
       spike_level.push_back(middle);
-      spike_V.push_back(U[i] - middle);
+      spike_jumps.push_back({middle, U[i]});
     }
   }
-  std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain, scales.thrown}, spike_V);
+  std::vector<ShortSpike> short_spikes = find_short_spikes(t, F, U, {quiet, gain, scales.thrown}, spike_jumps);
   std::erase_if(short_spikes, [&](const ShortSpike& s) { return out.bad[s.begin] == static_cast<std::uint8_t>(BadSample::zero); });
   for (const ShortSpike& s : short_spikes)
     for (std::size_t i = s.begin; i < s.begin + s.length; ++i) {
@@ -292,6 +295,7 @@ RecordHealth check_raw_health(const Record& record, const HealthScales& scales, 
     out.bit_V = bit_V;
     out.outlier_parts = parts_of_record(spike, n);
     (out.bit_V > 0.0 ? out.bit_errors : out.outliers) += spike.size();
+    if (out.bit_V == 0.0) out.lone_jumps = jumps_of(lone);
     for (std::size_t k = 0; k < spike.size(); ++k) {
       mark(spike[k], out.bit_V > 0.0 ? BadSample::bit : BadSample::outlier, size[k]);
       if (out.bit_V == 0.0) out.outlier_square_V2 += size[k] * size[k];

@@ -8,6 +8,7 @@
 
 #include "hil/diagnose/diagnosis.h"
 #include "hil/diagnose/raw/reference_scatter.h"
+#include "hil/diagnose/raw/short_spikes.h"
 #include "hil/trace/campaign.h"
 
 namespace forcegate::diagnose {
@@ -43,6 +44,8 @@ struct RecordHealth {
       0;  ///< single samples at the low end: a lost sample, or a spike that was cut off there
   std::size_t outlier_parts = 0;            ///< eighths of the record in which single samples stand off
   double outlier_square_V2 = 0.0;           ///< sum over the outliers of what they stand off by, squared
+  std::vector<Jump> lone_jumps;             ///< of the outliers that are single samples
+  double near_V = 0.0;                      ///< levels that are nearer than that are one
   std::size_t bit_errors = 0;               ///< spikes that all have the size of one bit of the converter
   double bit_V = 0.0;                       ///< that size
   double noise_U_V = 0.0, noise_F_N = 0.0;  ///< white noise per sample; of the force less what its movement and a jittering clock make of it

@@ -39,7 +39,7 @@ std::optional<ShortSpike> spike_of(const std::vector<double>& U, const Allowance
   const double allowed = allowance.between(begin - kAround, end + kAround);
   if (!std::isfinite(before + after + allowed)) return std::nullopt;
   const auto level = [&](std::size_t k) { return before + (after - before) * static_cast<double>(k - begin + 1) / static_cast<double>(length + 1); };
-  ShortSpike out{begin, length};
+  ShortSpike out{.begin = begin, .length = length, .level_V = 0.5 * (before + after)};
   double highest = 0.0, lowest = 0.0;
   for (std::size_t k = begin; k < end; ++k) {
     highest = std::max(highest, U[k] - level(k));
@@ -96,27 +96,43 @@ bool stands_alone(const std::vector<double>& U, const Allowance& allowance, cons
   return true;
 }
 
-void add_signed(const std::vector<ShortSpike>& spikes, std::vector<double>& to) {
-  for (const ShortSpike& s : spikes) to.push_back(s.up ? s.peak_V : -s.peak_V);
+void add_jumps(const std::vector<ShortSpike>& spikes, std::vector<Jump>& to) {
+  for (const ShortSpike& s : spikes) to.push_back({s.level_V, s.level_V + (s.up ? s.peak_V : -s.peak_V)});
 }
 
 }  // namespace
 
-std::vector<double> excursions_V(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales) {
+std::vector<Jump> excursions(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales) {
   const Allowance allowance{F, scales};
   std::vector<ShortSpike> spikes = spikes_of(t_s, U, allowance, true);
   std::erase_if(spikes, [&](const ShortSpike& s) { return !stands_alone(U, allowance, s); });
-  std::vector<double> out;
-  add_signed(spikes, out);
+  std::vector<Jump> out;
+  add_jumps(spikes, out);
   return out;
 }
 
-bool thrown_at_random(std::span<const double> excursions_V) {
+bool go_back_and_forth(std::span<const Jump> jumps, double near_V) {
+  constexpr std::size_t kFewest = 4;
+  constexpr double kMost = 0.8;
+  if (jumps.size() < kFewest) return false;
+  const auto leads_back = [&](const Jump& there) {
+    return std::ranges::any_of(jumps, [&](const Jump& back) { return std::abs(back.from_V - there.to_V) < near_V && std::abs(back.to_V - there.from_V) < near_V; });
+  };
+  return static_cast<double>(std::ranges::count_if(jumps, leads_back)) >= kMost * static_cast<double>(jumps.size());
+}
+
+std::vector<Jump> jumps_of(const LoneSpikes& spikes) {
+  std::vector<Jump> out;
+  for (std::size_t k = 0; k < spikes.at.size(); ++k) out.push_back({spikes.level_V[k], spikes.U[spikes.at[k]]});
+  return out;
+}
+
+bool thrown_at_random(std::span<const Jump> excursions, double near_V) {
   constexpr double kDiffer = 1.5;
-  const auto up = std::ranges::count_if(excursions_V, [](double v) { return v > 0.0; });
-  if (up == 0 || up == std::ssize(excursions_V) || std::ssize(excursions_V) < kSeveral) return false;
+  const auto up = std::ranges::count_if(excursions, [](const Jump& jump) { return jump.to_V > jump.from_V; });
+  if (up == 0 || up == std::ssize(excursions) || std::ssize(excursions) < kSeveral || go_back_and_forth(excursions, near_V)) return false;
   std::vector<double> size;
-  for (const double v : excursions_V) size.push_back(std::abs(v));
+  for (const Jump& jump : excursions) size.push_back(std::abs(jump.to_V - jump.from_V));
   const auto [low, high] = quantiles(std::move(size), 0.15, 0.85);
   return high > kDiffer * low;
 }
@@ -136,15 +152,15 @@ bool fall_to_one_level(const LoneSpikes& spikes, double near_V) {
 }
 
 std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales,
-                                          std::span<const double> lone_V) {
+                                          std::span<const Jump> lone) {
   constexpr std::size_t kFewestTails = 6;
   const Allowance allowance{F, scales};
   std::vector<ShortSpike> falling = spikes_of(t_s, U, allowance, false), any = spikes_of(t_s, U, allowance, true);
   // what throws samples up and down throws some of them to one side only
   const bool throws = scales.thrown || std::ranges::count_if(falling, &ShortSpike::both_ways) >= kSeveral;
-  std::vector<double> sizes(lone_V.begin(), lone_V.end());
-  add_signed(any, sizes);
-  if (throws || thrown_at_random(sizes)) return any;
+  std::vector<Jump> jumps(lone.begin(), lone.end());
+  add_jumps(any, jumps);
+  if (throws || thrown_at_random(jumps, scales.quiet_V)) return any;
   // to one side, one or two may be what the contact did
   if (falling.size() < kFewestTails) std::erase_if(falling, [](const ShortSpike& s) { return !s.both_ways; });
   return falling;

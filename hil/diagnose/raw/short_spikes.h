@@ -34,6 +34,16 @@ double common_bit_V(const LoneSpikes& spikes, double range_V, double span_V);
 /// to the other side, and noise makes it jump there again and again.
 bool stay_on_one_side(const LoneSpikes& spikes, const std::vector<double>& F_N, double gain_V_per_N, double size_V);
 
+/// Where the output jumps from and to, V.
+struct Jump {
+  double from_V = 0.0, to_V = 0.0;
+};
+
+/// Whether four in five of four and more have another one that leads back: at a step of its curve a converter shows the code of either side, and noise
+/// makes it jump up here and down there between the same two. `near_V`: within which levels are one.
+bool go_back_and_forth(std::span<const Jump> jumps, double near_V);
+std::vector<Jump> jumps_of(const LoneSpikes& spikes);
+
 /// Whether nearly all of five and more fall, from anywhere in the range, to the lowest level that the output has: what it shows where the
 /// sensor is disconnected. `near_V`: within which levels are one.
 bool fall_to_one_level(const LoneSpikes& spikes, double near_V);
@@ -41,6 +51,7 @@ bool fall_to_one_level(const LoneSpikes& spikes, double near_V);
 struct ShortSpike {
   std::size_t begin = 0, length = 0;  ///< samples
   double peak_V = 0.0;                ///< above or below the line between its surroundings
+  double level_V = 0.0;               ///< of that line in its middle
   bool both_ways = false;             ///< above and below
   bool up = false;                    ///< its peak stands above
 };
@@ -51,17 +62,18 @@ struct SpikeScales {
   bool thrown = false;       ///< the excursions of the campaign are thrown_at_random()
 };
 
-/// How far excursions of 2 to kLongestSpike samples that end where they began stand up (or down, negative), whatever their course, V. Those
-/// beside which the output jumps by a third of that within 100 samples are none: that is a stretch of noise.
-std::vector<double> excursions_V(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales);
+/// Excursions of 2 to kLongestSpike samples that end where they began, whatever their course, to the peak. Those beside which the output jumps by a third of
+/// that within 100 samples are none: that is a stretch of noise.
+std::vector<Jump> excursions(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales);
 
-/// Whether three and more stand up and down by sizes that differ by half: a switch, a bit of the converter, a slip have a size or a direction.
-bool thrown_at_random(std::span<const double> excursions_V);
+/// Whether three and more go up and down by sizes that differ by half: a switch, a bit of the converter, a slip have a size or a direction. What goes back and
+/// forth is not thrown.
+bool thrown_at_random(std::span<const Jump> excursions, double near_V);
 
 /// Excursions of 2 to kLongestSpike samples that end where they began: to both sides, or within 40 ms to one, largest at their first sample and
 /// falling after it. A record with three to both sides may have any to one side, and so may one whose spikes are thrown_at_random()
-/// with `lone_V`, how far those of a single sample stand off, or a campaign whose excursions are. `t_s`, `F` and `U` on one clock; samples that are missing belong to none.
+/// with `lone`, those of a single sample, or a campaign whose excursions are. `t_s`, `F` and `U` on one clock; samples that are missing belong to none.
 std::vector<ShortSpike> find_short_spikes(const std::vector<double>& t_s, const std::vector<double>& F, const std::vector<double>& U, const SpikeScales& scales,
-                                          std::span<const double> lone_V = {});
+                                          std::span<const Jump> lone = {});
 
 }  // namespace forcegate::diagnose

@@ -1,5 +1,6 @@
 // Samples that stand far off their neighbours, and what is none of them.
 
+#include <array>
 #include <limits>
 #include <numbers>
 
@@ -150,6 +151,26 @@ TEST(Spikes, ANoisyStretchInOnePieceIsNoSpikes) {
   for (Record& r : c.records) {
     auto& U = r.trace.find("U")->value;
     for (std::size_t i = 9000; i < 12000; ++i) U[i] = std::max(0.0, U[i] + 0.3 * rng.normal());
+  }
+  for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "outliers") << claim.evidence;
+}
+
+// Noise makes a converter jump up and down between the two sides of a step, wherever one is; the steps differ.
+TEST(Spikes, WhatGoesBackAndForthOverStepsOfTheConverterIsNoSpikes) {
+  constexpr std::array kStep_V{0.36, -0.28, 0.21, 0.29, -0.24, 0.4, -0.33, 0.26};
+  Campaign c = make_campaign(84, [](const auto&, const auto& F, int) {
+    std::vector<double> U;
+    for (const double f : F) U.push_back(2.0 * f + 0.2);
+    return U;
+  });
+  for (Record& r : c.records) {
+    Rng rng(84, r.name);
+    for (double& U : r.trace.find("U")->value) {
+      U += 0.01 * rng.normal();
+      double steps_V = 0.0;
+      for (std::size_t k = 0; k < kStep_V.size(); ++k) steps_V += U > 1.0 + 0.9 * static_cast<double>(k) ? kStep_V[k] : 0.0;
+      U += steps_V;
+    }
   }
   for (const HealthClaim& claim : claims_of_samples(c)) EXPECT_NE(claim.effect, "outliers") << claim.evidence;
 }
