@@ -143,8 +143,7 @@ double mean_without_own(const ResidualChannel& channel, const MixedFit& fit, std
   const MixedProblem& p = channel.problem;
   const Eigen::MatrixXd& A = channel.rows[k].matrix;
   Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
-    e -= A.col(p.nz + fit.columns[b]) * fit.coefficient[p.n_fixed + static_cast<Index>(b)];
+  for (const int column : fit.columns) e -= A.col(p.nz + column) * fit.strength_of(column);
   return e.size() > 0 ? channel.scale * e.mean() : NAN;
 }
 

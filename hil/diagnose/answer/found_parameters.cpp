@@ -39,13 +39,11 @@ std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, cons
       const ParameterSpec& spec = c.form->shape[k];
       if (!spec.choice) out.push_back({of + spec.name, c.shape[k], joint.of_shape(v, k), spec.unit});
     }
-    for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
-      for (int column : variant.columns)
-        if (chosen.fit.columns[b] == column && !is_zero(channel, column)) {
-          const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
-          const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-          out.push_back({of + spec.name, chosen.fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain), spec.unit});
-        }
+    for (const int column : variant.columns)
+      if (const auto at = chosen.fit.place_of(column); at && !is_zero(channel, column)) {
+        const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
+        out.push_back({of + spec.name, chosen.fit.coefficient[*at] / gain, joint.of_coefficient(*at) / std::abs(gain), spec.unit});
+      }
   }
   return out;
 }

@@ -57,9 +57,8 @@ Response response(const CampaignInput& campaign, const ResidualChannel& channel,
     const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, c.count);
     c.form->columns(campaign, r, c.shape, columns);
-    for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
-      for (const int j : variant.columns)
-        if (chosen.fit.columns[b] == j) out.derivative.col(channel.problem.n_fixed + static_cast<Index>(b)) = columns.col(j - c.first);
+    for (const int j : variant.columns)
+      if (const auto at = chosen.fit.place_of(j)) out.derivative.col(*at) = columns.col(j - c.first);
   }
   out.added = out.derivative.leftCols(n) * chosen.fit.coefficient;
   for (std::size_t s = 0; s < joint.shapes.size(); ++s)

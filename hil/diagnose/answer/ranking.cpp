@@ -19,9 +19,7 @@ double visible_from(const ResidualChannel& channel, const FamilyScore& family, d
   const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
   if (variant.columns.size() != 1 || !family.best.fit.valid) return 0.0;
   const int column = variant.columns.front();
-  const auto at = family.best.fit.coefficient.size() - 1;
-  const double u = std::sqrt(std::max(0.0, family.best.fit.covariance(at, at))),
-               prior = channel.problem.column_prior_sd[column];
+  const double u = family.best.fit.standard_error_of(column), prior = channel.problem.column_prior_sd[column];
   double mean_square = 0.0;
   for (const RecordGram& g : channel.problem.records)
     mean_square += g.gram(channel.problem.nz + column, channel.problem.nz + column);

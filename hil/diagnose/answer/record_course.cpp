@@ -104,8 +104,8 @@ std::vector<double> residual_on_rows(const Workspace& w, const MixedFit& fit, st
     all.wanted.clear();
     for (const Candidate& c : channel.candidates) {
       Eigen::VectorXd strength = Eigen::VectorXd::Zero(c.count);
-      for (std::size_t b = 0; b < fit.columns.size(); ++b)
-        if (const int j = fit.columns[b] - c.first; j >= 0 && j < c.count) strength[j] = coefficient[p.n_fixed + static_cast<Index>(b)];
+      for (int j = 0; j < c.count; ++j)
+        if (const auto at = fit.place_of(c.first + j)) strength[j] = coefficient[*at];
       if (strength.isZero(0.0)) continue;
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Index>(all.rows()), c.count);
       c.form->columns(w.input, all, c.shape, columns);

@@ -14,14 +14,6 @@ using Eigen::VectorXd;
 
 double root_of_diagonal(const MatrixXd& m, Index at) { return std::sqrt(std::max(0.0, m(at, at))); }
 
-VectorXd strengths(const ResidualChannel& channel, const MixedFit& fit, const Variant& variant, const Candidate& candidate) {
-  VectorXd out = VectorXd::Zero(candidate.count);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
-    if (std::ranges::find(variant.columns, fit.columns[b]) != variant.columns.end())
-      out[fit.columns[b] - candidate.first] = fit.coefficient[channel.problem.n_fixed + static_cast<Index>(b)];
-  return out;
-}
-
 // One column more behind those of S.
 void append(MixedProblem& problem, std::size_t record, const VectorXd& cross, double square) {
   MatrixXd& G = problem.records[record].gram;
@@ -49,7 +41,8 @@ VectorXd shape_derivative(const CampaignInput& campaign, const ResidualChannel& 
   const double low = std::max(spec.minimum, at - step), high = std::min(spec.maximum, at + step);
   const auto rows = static_cast<Index>(record.rows());
   if (!(high > low)) return VectorXd::Zero(rows);
-  const VectorXd strength = strengths(channel, fit, variant, candidate);
+  VectorXd strength = VectorXd::Zero(candidate.count);
+  for (const int column : variant.columns) strength[column - candidate.first] = fit.strength_of(column);
   const auto contribution = [&](double value) -> VectorXd {
     std::vector<double> moved = candidate.shape;
     moved[shape.index] = value;

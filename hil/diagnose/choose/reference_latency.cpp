@@ -37,10 +37,9 @@ double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
 
 double net_shift_s(const ResidualChannel& channel, const MixedFit& fit) {
   double out = 0.0;
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+  for (const int column : fit.columns)
     for (const Candidate& c : channel.candidates)
-      if (c.first == fit.columns[b] && is_shift(c))
-        out += c.shape[0] * fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+      if (c.first == column && is_shift(c)) out += c.shape[0] * fit.strength_of(column);
   return out;
 }
 
@@ -78,9 +77,7 @@ void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double
 Eigen::VectorXd strengths_of_leads(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& fit) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(channel.problem.ns);
   for (const Candidate& candidate : channel.candidates)
-    for (std::size_t b = 0; b < fit.columns.size(); ++b)
-      if (candidate.first == fit.columns[b] && is_allowed_lead(candidate) && std::ranges::find(columns, candidate.first) != columns.end())
-        out[candidate.first] = fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+    if (is_allowed_lead(candidate) && std::ranges::find(columns, candidate.first) != columns.end()) out[candidate.first] = fit.strength_of(candidate.first);
   return out;
 }
 
@@ -124,7 +121,7 @@ MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<s
   double lead_s = 0.0;
   for (std::size_t b = base.columns.size(); b < columns.size(); ++b)
     for (const Candidate& c : channel.candidates)
-      if (c.first == columns[b]) lead_s -= c.shape[0] * with.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+      if (c.first == columns[b]) lead_s -= c.shape[0] * with.strength_of(c.first);
   if (lead_s < 0.0 || lead_s > kAllowedLatency_s) return base;
   const auto left_out = [&](const MixedFit& fit) {
     return judged(channel, judge(channel, fit, base, w.judges).adapted, w.judges);

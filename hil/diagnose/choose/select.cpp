@@ -23,9 +23,7 @@ using Eigen::VectorXd;
 
 VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
   VectorXd out = VectorXd::Zero(channel.problem.ns);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
-    if (std::find(columns.begin(), columns.end(), fit.columns[b]) != columns.end())
-      out[fit.columns[b]] = fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  for (const int column : columns) out[column] = fit.strength_of(column);
   return out;
 }
 

@@ -32,7 +32,7 @@ Eigen::VectorXd answer_on_all_rows(const CampaignInput& input, const ResidualCha
   const std::vector<int>& columns = channel.variants[static_cast<std::size_t>(family.best.variant)].columns;
   Eigen::MatrixXd room = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(recording.rows()), c.count);
   c.form->columns(input, recording, c.shape, room);
-  const Eigen::VectorXd strengths = family.best.fit.coefficient.tail(static_cast<Eigen::Index>(columns.size()));
+  const Eigen::VectorXd strengths = family.best.fit.strengths_of(columns);
   Eigen::VectorXd out = Eigen::VectorXd::Zero(room.rows());
   for (std::size_t j = 0; j < columns.size(); ++j)
     out += strengths[static_cast<Eigen::Index>(j)] * channel.column_factor * room.col(columns[j] - c.first);

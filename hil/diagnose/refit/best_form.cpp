@@ -20,22 +20,17 @@ namespace {
 constexpr int kRounds = 15;
 constexpr double kWorthClimbing = 0.5;  // nats
 
-struct Strength {
-  double value = 0.0, u = 0.0;
-};
-
 // Of the last column of a fit, as a model file writes it.
-Strength last_strength(const ResidualChannel& channel, const MixedFit& fit) {
-  const auto at = fit.coefficient.size() - 1;
+Estimate last_strength(const ResidualChannel& channel, const MixedFit& fit) {
   const double gain = fit.coefficient[0] * channel.gain_of_unit;
-  return {fit.coefficient[at] / gain, std::sqrt(std::max(0.0, fit.covariance(at, at))) / std::abs(gain)};
+  return {fit.strength_of(fit.columns.back()) / gain, fit.standard_error_of(fit.columns.back()) / std::abs(gain)};
 }
 
 // A strength that no such effect has, plainly: what the screen leaves room for where a column is hardly known is no bound for a model file.
-bool is_nonsense(const EffectForm& form, const Strength& s) {
+bool is_nonsense(const EffectForm& form, const Estimate& s) {
   if (form.strength.size() != 1 || (form.most > 1e299 && form.least < -1e299)) return false;
   const ParameterSpec& bound = form.strength.front();
-  return (s.value > bound.maximum && s.value > form.most + s.u) || (s.value < bound.minimum && s.value < form.least - s.u);
+  return (s.value > bound.maximum && s.value > form.most + s.se) || (s.value < bound.minimum && s.value < form.least - s.se);
 }
 
 bool is_nonsense(const ResidualChannel& channel, const VariantScore& score) {
@@ -98,7 +93,7 @@ Result<VariantScore> beyond_grid(Workspace& w, const EffectKind& kind, const std
   };
   double best = -1e299;
   int from = -1;
-  Strength asked;
+  Estimate asked;
   for (std::size_t v = 0; v < channel.variants.size(); ++v) {
     const Candidate& c = candidate_of(channel, static_cast<int>(v));
     if (c.kind != &kind || !c.form->competes() || c.form->last) continue;
