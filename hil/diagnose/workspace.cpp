@@ -11,10 +11,11 @@ double allowed_rms(const ResidualChannel& channel) {
   return std::sqrt(sum / std::max<double>(1.0, static_cast<double>(channel.problem.records.size())));
 }
 
-Finding finding_about(const EffectKind& kind, const std::string& unit) {
+Finding finding_about(const EffectKind& kind, const std::string& unit, ShownIn shown_in) {
   Finding out;
   out.effect = kind.name;
   out.side = kind.side;
+  out.shown_in = shown_in;
   out.unit = unit;
   out.between_records = kind.traits.between_records;
   return out;

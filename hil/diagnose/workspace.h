@@ -66,6 +66,7 @@ struct ChannelFacts {
   int first_spare = 0;         ///< columns of S from here on are free for refined shapes
   double scale = 1.0;          ///< y and columns are divided by this (V or N)
   std::string unit = "V";  ///< of the output: that of its column
+  ShownIn shown_in = ShownIn::output;  ///< what is found in it
 };
 
 struct ResidualChannel : ChannelFacts {
@@ -113,7 +114,8 @@ struct Workspace {
 };
 
 /// A finding about an effect, of errors in `unit`: nothing is said of it yet.
-Finding finding_about(const EffectKind& kind, const std::string& unit);
+Finding finding_about(const EffectKind& kind, const std::string& unit, ShownIn shown_in = ShownIn::output);
+inline Finding finding_about(const EffectKind& kind, const ChannelFacts& channel) { return finding_about(kind, channel.unit, channel.shown_in); }
 
 /// An effect by its name: the user's own, else that of the registry; null where neither has it.
 const EffectKind* kind_of(const Workspace& workspace, const std::string& name);

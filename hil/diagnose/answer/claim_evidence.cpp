@@ -204,7 +204,7 @@ void add_claim_evidence(const Workspace& w, const ResidualChannel& channel, cons
   const Chosen chosen{w, channel, selection, axes};
   for (const ChosenEffect& effect : selection.chosen) {
     const auto claim = std::ranges::find_if(findings, [&](const Finding& f) {
-      return f.effect == effect.kind->name && !f.of_samples() && f.unit == channel.unit && f.claimed() && f.series.empty();
+      return f.effect == effect.kind->name && f.shown_in == channel.shown_in && f.claimed() && f.series.empty();
     });
     if (claim == findings.end()) continue;
     if (effect.between) {

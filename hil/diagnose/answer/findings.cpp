@@ -83,7 +83,7 @@ std::string why_no_claim(const Workspace& w, const ResidualChannel& channel, con
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out) {
   for (const ChosenEffect& chosen : selection.chosen) {
-    Finding f = finding_about(*chosen.kind, channel.unit);
+    Finding f = finding_about(*chosen.kind, channel);
     const double real = probability_that_real(w.input, channel, chosen);
     const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
@@ -121,7 +121,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     for (const auto& [name, share] : chosen.rivals) {
       const EffectKind* kind = kind_of(w, name);
       if (kind == nullptr || share < 0.05) continue;
-      Finding weak = finding_about(*kind, channel.unit);
+      Finding weak = finding_about(*kind, channel);
       weak.rival_of = chosen.kind->name;
       weak.probability = std::clamp(share * real * whole, 0.0, kNoClaim);
       weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
@@ -135,7 +135,7 @@ namespace {
 void add_suspicion(const Workspace& w, const RefusedEffect& refused, double probability, Diagnosis& out) {
   const EffectKind* kind = kind_of(w, refused.effect);
   if (kind == nullptr) return;
-  Finding f = finding_about(*kind, kind->channel == EffectChannel::rig ? "N" : out.unit);
+  Finding f = kind->channel == EffectChannel::rig ? finding_about(*kind, "N", ShownIn::rig) : finding_about(*kind, w.output);
   f.probability = probability;
   f.evidence = kind->summary + "; not claimed: " + std::string(traits_of(refused.reason).sentence);
   const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [&](const Finding& o) { return o.probability < f.probability; });

@@ -29,7 +29,7 @@ void tell_guessed_effects(const Workspace& w, const MixedFit& fit, double first_
       continue;
     }
     if (std::ranges::any_of(out.findings, [&](const Finding& o) { return o.effect == c.kind->name; })) continue;  // two forms of one effect
-    Finding f = finding_about(*c.kind, out.unit);
+    Finding f = finding_about(*c.kind, channel);
     f.form = c.form->name;
     f.probability = kNoClaim;
     f.in_model = true;

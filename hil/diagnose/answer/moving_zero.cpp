@@ -94,7 +94,7 @@ std::optional<Finding> listed_moving_zero(const Workspace& w, const Selection& s
   const double moved = zeros.own.maxCoeff() - zeros.own.minCoeff(), without = line_through(parts, Own::nothing).left;
   const double least = left_by_own_lines(parts), above = zeros.left - least;
   if (above > kOfNothing * (without - least) || above > kOfGains * (line_through(parts, Own::gain).left - least) || moved < kLeast) return std::nullopt;
-  Finding out = finding_about(*drift, w.output.unit);
+  Finding out = finding_about(*drift, w.output);
   out.form = "within_recording";
   out.probability = kListed;
   out.side_witnessed = false;

@@ -230,6 +230,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   channel = ResidualChannel{};
   channel.scale = w.input.range_N;
   channel.unit = "N";
+  channel.shown_in = ShownIn::rig;
   find_rig_law(w, channel.record_of, threads);
   if (channel.record_of.size() < 2) return;
   w.has_rig = true;

@@ -73,7 +73,7 @@ std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selecti
   std::vector<Finding> out;
   for (const ChosenEffect& chosen : selection.chosen) {
     if (chosen.borne_out) continue;
-    Finding f = finding_about(*chosen.kind, channel.unit);
+    Finding f = finding_about(*chosen.kind, channel);
     f.between_records = chosen.between;
     f.probability = chosen.share_of_family;
     f.evidence = chosen.kind->summary;

@@ -111,10 +111,10 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
   return out;
 }
 
-void withdraw_against_reference(const AgainstReference& against, const std::string& rig_unit, Diagnosis& out) {
+void withdraw_against_reference(const AgainstReference& against, Diagnosis& out) {
   if (against.effects.empty()) return;
   for (Finding& f : out.findings)
-    if (!f.of_samples() && (std::ranges::find(against.effects, f.effect) != against.effects.end() || (f.unit == rig_unit && !f.between_records)))
+    if (!f.of_samples() && (std::ranges::find(against.effects, f.effect) != against.effects.end() || (f.of_reference() && !f.between_records)))
       f.limit(kWithdrawn, "the output and the rig agree about it, and the reference alone departs from both");
   out.notes.push_back(fmt::format("the reference itself is off: what the output misses of it ({}) is what it has too much by the rig's law, in the same size ({:.2f} times)",
                                   fmt::join(against.effects, ", "), against.share));
