@@ -79,6 +79,8 @@ inline const Candidate& candidate_of(const ChannelFacts& channel, int variant) {
   return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)];
 }
 
+inline const std::vector<int>& columns_of(const ChannelFacts& channel, int variant) { return channel.variants[static_cast<std::size_t>(variant)].columns; }
+
 /// RMS over the records of what the declared instruments may leave, share of the channel's scale.
 double allowed_rms(const ResidualChannel& channel);
 

@@ -155,8 +155,7 @@ std::optional<EvidenceSeries> between_series(const Chosen& c, const ChosenEffect
   const Pair of_all = fit_both(c.channel, c.selection, effect, std::nullopt);
   EvidenceSeries s;
   s.title = "mean " + c.axes.residual + " of every record" + (can_leave_out ? ", each left out in turn" : "");
-  const Variant& variant = c.channel.variants[static_cast<std::size_t>(effect.variant)];
-  const RecordedCause& cause = c.channel.candidates[static_cast<std::size_t>(variant.candidate)].form->cause;
+  const RecordedCause& cause = candidate_of(c.channel, effect.variant).form->cause;
   const bool timed = input.has_start_times || input.single;
   s.x_name = cause.of_record ? cause.name : timed ? "start in campaign time" : "record, in order";
   s.x_unit = cause.of_record ? cause.unit : timed ? "min" : "1";

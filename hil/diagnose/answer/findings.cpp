@@ -21,8 +21,7 @@ namespace {
 
 // The summary tells of the sign that the sensors of the library have.
 std::string the_other_way_round(const ChosenEffect& chosen, const ResidualChannel& channel, const Finding& f) {
-  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-  const bool one_sign = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->sign == StrengthSign::positive;
+  const bool one_sign = candidate_of(channel, chosen.variant).form->sign == StrengthSign::positive;
   if (!one_sign || f.parameters.empty() || !(f.parameters.front().value < -f.parameters.front().u)) return "";
   return "; here the other way round, " + f.parameters.front().name + " is negative";
 }
@@ -87,8 +86,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     const double real = probability_that_real(w.input, channel, chosen);
     const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
-    const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-    f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
+    f.form = candidate_of(channel, chosen.variant).form->name;
     f.parameters = found_parameters(w.input, channel, chosen, &channel == &w.output ? chosen.fit.coefficient[0] * channel.gain_of_unit : 1.0);
     f.between_records = chosen.between;
     f.error_before = chosen.error_before;
@@ -108,7 +106,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
       if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
       const double cosine =
           signature_cosine(channel, selection.base, chosen.fit, chosen.columns, rival.best.fit,
-                           channel.variants[static_cast<std::size_t>(rival.best.variant)].columns);
+                           columns_of(channel, rival.best.variant));
       if (std::abs(cosine) > 0.9)
         f.confounded_with.push_back({rival.kind->name, cosine, chosen.kind->separates});
     }

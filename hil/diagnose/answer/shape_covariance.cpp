@@ -34,15 +34,14 @@ void append(MixedProblem& problem, std::size_t record, const VectorXd& cross, do
 VectorXd shape_derivative(const CampaignInput& campaign, const ResidualChannel& channel, const MixedFit& fit, const ShapeCovariance::Shape& shape,
                           const RecordInput& record) {
   constexpr double kRelative = 0.03, kOfRange = 1e-3;
-  const Variant& variant = channel.variants[static_cast<std::size_t>(shape.variant)];
-  const Candidate& candidate = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  const Candidate& candidate = candidate_of(channel, shape.variant);
   const ParameterSpec& spec = candidate.form->shape[shape.index];
   const double at = candidate.shape[shape.index], step = at != 0.0 ? kRelative * std::abs(at) : kOfRange * (spec.maximum - spec.minimum);
   const double low = std::max(spec.minimum, at - step), high = std::min(spec.maximum, at + step);
   const auto rows = static_cast<Index>(record.rows());
   if (!(high > low)) return VectorXd::Zero(rows);
   VectorXd strength = VectorXd::Zero(candidate.count);
-  for (const int column : variant.columns) strength[column - candidate.first] = fit.strength_of(column);
+  for (const int column : columns_of(channel, shape.variant)) strength[column - candidate.first] = fit.strength_of(column);
   const auto contribution = [&](double value) -> VectorXd {
     std::vector<double> moved = candidate.shape;
     moved[shape.index] = value;

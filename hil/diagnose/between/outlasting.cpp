@@ -46,7 +46,7 @@ void prefer_what_both_tell(const ResidualChannel& channel, const RecordLevels& l
     const std::vector<RecordScore> scores = scores_of(levels, asked, of_gain);
     for (std::size_t a = 0; a < scores.size(); ++a) {
       const RecordScore& of_levels = scores[a];
-      const std::vector<int>& own = channel.variants[static_cast<std::size_t>(part[a].variant)].columns;
+      const std::vector<int>& own = columns_of(channel, part[a].variant);
       if (own.size() != 1 || !candidate_of(channel, part[a].variant).form->outlasts || !(of_levels.gain > 0.0)) continue;
       if (of_levels.explained < rules.between_fall || of_levels.left_out > rules.between_left_out) continue;
       VariantScore of_rows = score_variant(channel, present, base, part[a].variant, nullptr);

@@ -10,11 +10,6 @@ namespace forcegate::diagnose {
 
 namespace {
 
-const Candidate& best_candidate(const ResidualChannel& channel, const FamilyScore& family) {
-  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-  return channel.candidates[static_cast<std::size_t>(variant.candidate)];
-}
-
 bool is_shift(const Candidate& c) { return c.kind->traits.shift == TimeShift::first_shape && !c.shape.empty(); }
 
 bool is_lead(const Candidate& c) { return c.kind->name == kLatencyEffect && c.shape[0] < 0.0; }
@@ -29,7 +24,7 @@ double allowed_latency_s(const CampaignInput& input) {
 }
 
 double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
-  const Candidate& c = best_candidate(channel, family);
+  const Candidate& c = candidate_of(channel, family.best.variant);
   const double share = family.best.fit.coefficient[family.best.fit.coefficient.size() - 1];
   if (family.kind->traits.shift == TimeShift::percent_lead) return 0.01 * std::abs(share);
   return is_shift(c) ? std::abs(c.shape[0] * share) : 0.0;
@@ -46,12 +41,12 @@ double net_shift_s(const ResidualChannel& channel, const MixedFit& fit) {
 double rival_lead_s(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family) {
   constexpr double kOfIt = 0.5;  // a shift and a rate part where the force is fast
   for (const FamilyScore& other : result.families)
-    if (other.kind->name == kLatencyEffect && is_lead(best_candidate(channel, other)) && other.gain > kOfIt * family.gain) return shift_s(channel, other);
+    if (other.kind->name == kLatencyEffect && is_lead(candidate_of(channel, other.best.variant)) && other.gain > kOfIt * family.gain) return shift_s(channel, other);
   return 0.0;
 }
 
 bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family) {
-  return is_lead(best_candidate(channel, family)) && shift_s(channel, family) <= kAllowedLatency_s;
+  return is_lead(candidate_of(channel, family.best.variant)) && shift_s(channel, family) <= kAllowedLatency_s;
 }
 
 bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result) {

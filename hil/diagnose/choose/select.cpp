@@ -31,7 +31,7 @@ VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const
 
 std::vector<int> columns_of(const ResidualChannel& channel, const ChosenEffect& effect) {
   std::vector<int> out = effect.columns;
-  for (const int further : effect.further) add_columns(out, channel.variants[static_cast<std::size_t>(further)].columns);
+  for (const int further : effect.further) add_columns(out, columns_of(channel, further));
   return out;
 }
 
@@ -178,7 +178,7 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
   ChosenEffect chosen;
   chosen.kind = family.kind;
   chosen.variant = family.best.variant;
-  chosen.columns = channel.variants[static_cast<std::size_t>(family.best.variant)].columns;
+  chosen.columns = columns_of(channel, family.best.variant);
   chosen.gain = family.gain;
   chosen.fall = family.best.fall;
   chosen.excess = excess_mean_square(channel, base);

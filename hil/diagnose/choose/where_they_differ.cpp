@@ -29,7 +29,7 @@ std::vector<std::string> timing_rivals(const ChosenEffect& chosen) {
 // What a family's best variant adds to every row of a recording, in units of the channel.
 Eigen::VectorXd answer_on_all_rows(const CampaignInput& input, const ResidualChannel& channel, const RecordInput& recording, const FamilyScore& family) {
   const Candidate& c = candidate_of(channel, family.best.variant);
-  const std::vector<int>& columns = channel.variants[static_cast<std::size_t>(family.best.variant)].columns;
+  const std::vector<int>& columns = columns_of(channel, family.best.variant);
   Eigen::MatrixXd room = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(recording.rows()), c.count);
   c.form->columns(input, recording, c.shape, room);
   const Eigen::VectorXd strengths = family.best.fit.strengths_of(columns);

@@ -17,14 +17,13 @@ namespace {
 
 Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::string& effect, unsigned threads) {
   FORCEGATE_TRY(const VariantScore best, best_form(w, effect, base.columns, &base, threads));
-  const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
   const Candidate& candidate = candidate_of(w.output, best.variant);
   ChosenEffect out;
   out.kind = candidate.kind;
   out.variant = best.variant;
   out.between = moves_levels(candidate);
   std::vector<int> present = base.columns;
-  add_columns(present, variant.columns);
+  add_columns(present, columns_of(w.output, best.variant));
   out.fit = fit_mixed(w.output.problem, present, &best.fit, 15);
   if (out.fit.valid && !out.between) out.further = further_forms(w.output, *out.kind, present, out.fit);
   if (!out.fit.valid) return fail(ErrorCode::config, "the records do not determine the model with " + effect, w.input.name);

@@ -34,7 +34,7 @@ bool is_nonsense(const EffectForm& form, const Estimate& s) {
 }
 
 bool is_nonsense(const ResidualChannel& channel, const VariantScore& score) {
-  return channel.variants[static_cast<std::size_t>(score.variant)].columns.size() == 1 &&
+  return columns_of(channel, score.variant).size() == 1 &&
          is_nonsense(*candidate_of(channel, score.variant).form, last_strength(channel, score.fit));
 }
 
@@ -67,7 +67,7 @@ std::optional<VariantScore> best_within(Workspace& w, const EffectKind& kind, co
   if (!best.fit.valid) return std::nullopt;
   const EffectForm& form = *candidate_of(channel, best.variant).form;
   std::vector<double> shape = candidate_of(channel, best.variant).shape;
-  if (shape.empty() || !form.refine || channel.variants[static_cast<std::size_t>(best.variant)].columns.size() != form.strength.size()) return best;
+  if (shape.empty() || !form.refine || columns_of(channel, best.variant).size() != form.strength.size()) return best;
   const int tried = place(w.input, channel, kind, form, shape, threads);
   double top = best.gain;
   climb(form, shape, [&](const std::vector<double>& at) {
@@ -87,7 +87,7 @@ Result<VariantScore> beyond_grid(Workspace& w, const EffectKind& kind, const std
   ResidualChannel& channel = w.output;
   const auto gain_of = [&](int variant) {
     std::vector<int> columns = present;
-    add_columns(columns, channel.variants[static_cast<std::size_t>(variant)].columns);
+    add_columns(columns, columns_of(channel, variant));
     const MixedFit fit = fit_mixed(channel.problem, columns, &base, 9, base.use);
     return std::pair{fit.valid ? fit.log_evidence - base.log_evidence : -1e300, fit};
   };
@@ -193,7 +193,7 @@ std::optional<WrittenForms> written_forms(Workspace& w, const std::vector<ModelE
     if (!family.best.fit.valid || !(family.best.gain > -1e299)) return std::nullopt;
     if (form->refine && !kind->traits.between_records) refine_family(w.input, w.output, all, out.fit, family, threads);
     if (is_nonsense(w.output, family.best)) return std::nullopt;
-    const std::vector<int>& columns = w.output.variants[static_cast<std::size_t>(family.best.variant)].columns;
+    const std::vector<int>& columns = columns_of(w.output, family.best.variant);
     add_columns(all, columns);
     add_columns(out.columns, columns);
     out.variants.push_back(family.best.variant);

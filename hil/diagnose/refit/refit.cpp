@@ -38,8 +38,7 @@ double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& bas
 }
 
 ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const ShapeCovariance& joint) {
-  const Variant& variant = w.output.variants[static_cast<std::size_t>(index)];
-  const Candidate& c = w.output.candidates[static_cast<std::size_t>(variant.candidate)];
+  const Candidate& c = candidate_of(w.output, index);
   // the strengths were fitted beside the working gain; the law carries its own
   const double gain = fit.coefficient[0] * w.output.gain_of_unit;
   std::vector<Estimate> strength(static_cast<std::size_t>(c.count));
@@ -132,9 +131,8 @@ Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::v
     if (!best && !written) return Unexpected(best.error());
     WrittenForms taken;
     if (best) {
-      const Variant& variant = w.output.variants[static_cast<std::size_t>(best->variant)];
       std::vector<int> all = present;
-      all.insert(all.end(), variant.columns.begin(), variant.columns.end());
+      std::ranges::copy(columns_of(w.output, best->variant), std::back_inserter(all));
       taken = {{best->variant}, {}, fit_mixed(w.output.problem, all, &best->fit, 15)};
       if (const Candidate& of = candidate_of(w.output, best->variant); !moves_levels(of))
         for (const int v : further_forms(w.output, *of.kind, all, taken.fit)) taken.variants.push_back(v);
