@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "hil/base/quantile.h"
 #include "hil/model/rows.h"
 #include "hil/trace/extrema.h"
 

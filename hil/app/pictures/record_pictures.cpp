@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "hil/base/quantile.h"
 #include "hil/trace/extrema.h"
 
 namespace forcegate {
@@ -37,12 +38,6 @@ std::optional<Straight> straight(const std::vector<double>& x, const std::vector
     if (use(i)) sxx += (x[i] - sx / n) * (x[i] - sx / n), sxy += (x[i] - sx / n) * (y[i] - sy / n);
   const double gain = sxx > 0.0 ? sxy / sxx : 0.0;
   return Straight{gain, (sy - gain * sx) / n};
-}
-
-double median(std::vector<double> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
 }
 
 // `in_frame`: nullptr where the model has no effects.

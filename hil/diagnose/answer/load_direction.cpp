@@ -4,6 +4,8 @@
 #include <cmath>
 #include <deque>
 
+#include "hil/base/quantile.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -13,9 +15,7 @@ double prominence_of(const RecordInput& r, double range_N) {
   std::vector<double> bend;
   for (std::size_t i = 2; i < r.rows(); ++i) bend.push_back(std::abs(r.F_N[i] - 2.0 * r.F_N[i - 1] + r.F_N[i - 2]));
   if (bend.empty()) return kLeast * range_N;
-  const auto middle = bend.begin() + static_cast<std::ptrdiff_t>(bend.size() / 2);
-  std::nth_element(bend.begin(), middle, bend.end());
-  const double sigma = *middle / (0.6745 * std::sqrt(6.0));
+  const double sigma = median(std::move(bend)) / (0.6745 * std::sqrt(6.0));
   return std::clamp(kPeakToPeak * sigma, kLeast * range_N, kMost * range_N);
 }
 

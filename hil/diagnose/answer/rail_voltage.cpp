@@ -4,15 +4,11 @@
 #include <cmath>
 #include <span>
 
+#include "hil/base/quantile.h"
+
 namespace forcegate::diagnose {
 
 namespace {
-
-double median(std::vector<double> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 struct Beyond {
   double by_N, U;

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <functional>
 
+#include "hil/base/quantile.h"
 #include "hil/diagnose/answer/coloured_noise.h"
 #include "hil/diagnose/answer/unresolved_edges.h"
 #include "hil/diagnose/raw/folded_hum.h"
-#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "hil/base/parallel.h"
+#include "hil/base/quantile.h"
 #include "hil/diagnose/base/own_decay.h"
 #include "hil/diagnose/raw/sample_noise.h"
 #include "hil/diagnose/workspace.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "hil/base/quantile.h"
 #include "hil/base/rng.h"
 #include "hil/diagnose/base/record_part.h"
 #include "hil/diagnose/between/mounting_places.h"
@@ -11,7 +12,7 @@
 #include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/between/record_questions.h"
 #include "hil/model/lagged_channel.h"
-#include "hil/model/rows.h"
+#include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {
 
