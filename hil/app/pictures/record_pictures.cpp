@@ -209,10 +209,7 @@ std::optional<ExtremaDecay> extrema_of(const ModelledRecord& m, const ModelledRe
   if (!(high > low)) return std::nullopt;
   ExtremaDecay out;
   out.record = m.name;
-  TurningPoints turning(kProminence * (high - low));
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (!turning.push(r.t_s[i], r.F_N[i])) continue;
-    const Extremum& turn = turning.last();
+  for (const Extremum& turn : turning_points(r.t_s, r.F_N, kProminence * (high - low))) {
     auto at = static_cast<std::size_t>(std::lower_bound(r.t_s.begin(), r.t_s.end(), turn.t_s) - r.t_s.begin());
     if (at >= r.rows() || (at > 0 && turn.t_s - r.t_s[at - 1] < r.t_s[at] - turn.t_s)) --at;
     // two samples of one height make a plateau whose middle may be no peak

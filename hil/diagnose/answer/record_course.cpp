@@ -73,15 +73,14 @@ struct Course {
     constexpr double kProminence = 0.05;  // of the span
     constexpr std::size_t kFewestTurns = 60, kHalf = 5;
     const auto [low, high] = std::ranges::minmax(measured);
-    TurningPoints turning(kProminence * (high - low));
-    std::vector<double> turns_s;
-    for (std::size_t i = 0; i < row.size(); ++i)
-      if (turning.push(r.t_s[row[i]], measured[i])) turns_s.push_back(turning.last().t_s);
+    std::vector<double> t_s;
+    for (const std::size_t i : row) t_s.push_back(r.t_s[i]);
+    const std::vector<Extremum> turns = turning_points(t_s, measured, kProminence * (high - low));
     std::vector<std::size_t> out;
-    if (turns_s.size() < kFewestTurns) return out;
-    const double from = turns_s[turns_s.size() / 2 - kHalf], to = turns_s[turns_s.size() / 2 + kHalf];
-    for (std::size_t i = 0; i < row.size(); ++i)
-      if (r.t_s[row[i]] >= from && r.t_s[row[i]] <= to) out.push_back(i);
+    if (turns.size() < kFewestTurns) return out;
+    const double from = turns[turns.size() / 2 - kHalf].t_s, to = turns[turns.size() / 2 + kHalf].t_s;
+    for (std::size_t i = 0; i < t_s.size(); ++i)
+      if (t_s[i] >= from && t_s[i] <= to) out.push_back(i);
     return out;
   }
 };
