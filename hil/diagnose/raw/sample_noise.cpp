@@ -24,10 +24,10 @@ std::vector<double> values_of(const std::vector<double>& x) {
 
 }  // namespace
 
-double white_noise(const std::vector<double>& x) {
+double white_noise(const std::vector<double>& x, std::size_t most) {
   constexpr double kHardlyAny = 0.02;  // of the windows are complete
   std::vector<double> d;
-  const std::size_t stride = std::max<std::size_t>(1, x.size() / 20000);
+  const std::size_t stride = std::max<std::size_t>(1, x.size() / std::max<std::size_t>(1, most));
   double asked = 0.0;
   for (std::size_t i = 2; i + 2 < x.size(); i += stride, asked += 1.0) {
     const double v = x[i - 2] - 4.0 * x[i - 1] + 6.0 * x[i] - 4.0 * x[i + 1] + x[i + 2];
