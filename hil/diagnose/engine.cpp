@@ -33,16 +33,6 @@ namespace forcegate::diagnose {
 
 namespace {
 
-void set_scales(const Workspace& w, const EngineOptions& options, Diagnosis& out) {
-  out.campaign = w.input.name;
-  out.model = options.model_name;
-  out.single = w.input.single;
-  out.unit = w.output.unit;
-  out.notes = w.input.notes;
-  out.force_range_N = w.input.range_N;
-  out.voltage_range_V = w.input.U_range_V;
-}
-
 Finding of_raw_samples(const HealthClaim& claim, const std::string& unit) {
   const EffectKind* kind = EffectRegistry::instance().find(claim.effect);
   Finding out = finding_about(*kind, unit, ShownIn::samples);  // of its errors, which are the output's
@@ -219,14 +209,14 @@ Unexpected undetermined(const Workspace& w) {
 }  // namespace
 
 Result<Diagnosis> compare_workspace(Workspace& w, const EngineOptions& options) {
-  Diagnosis out;
-  set_scales(w, options, out);
+  Diagnosis out = answer_about(w, options.model_name);
+  out.notes = w.input.notes;
   const MixedFit base = base_model(w, options, out.notes);
   if (!base.valid) return undetermined(w);
   if (!base.columns.empty() && whole_must_judge(w, fit_mixed(w.output.problem, {}, &base), base)) w.judges = JudgedBy::whole;
   out.judged_by = w.judges;
   const auto residual = residual_rows(w.output, base);
-  out.maps = residual_maps(w, w.output, residual, options.threads);
+  out.maps = residual_maps(w, residual, options.threads);
   Selection of_base;
   of_base.base = of_base.claimed = base;
   add_records(w, of_base, out);
@@ -237,8 +227,8 @@ Result<Diagnosis> compare_workspace(Workspace& w, const EngineOptions& options) 
 }
 
 Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options) {
-  Diagnosis out;
-  set_scales(w, options, out);
+  Diagnosis out = answer_about(w, options.model_name);
+  out.notes = w.input.notes;
   const Search search = search_channels(w, options);
   const Selection& selection = search.output;
   out.judged_by = w.judges;
@@ -283,7 +273,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (out.residual_unknown) doubt_later_claims(out.findings);
 
   const auto residual = residual_rows(w.output, selection.base);
-  out.maps = residual_maps(w, w.output, residual, options.threads);
+  out.maps = residual_maps(w, residual, options.threads);
   // where all claims were withdrawn, what they soak up is unknown too
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);

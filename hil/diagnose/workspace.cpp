@@ -21,6 +21,17 @@ Finding finding_about(const EffectKind& kind, const std::string& unit, ShownIn s
   return out;
 }
 
+Diagnosis answer_about(const Workspace& w, const std::string& model_name) {
+  Diagnosis out;
+  out.campaign = w.input.name;
+  out.model = model_name;
+  out.single = w.input.single;
+  out.unit = w.output.unit;
+  out.force_range_N = w.input.range_N;
+  out.voltage_range_V = w.input.U_range_V;
+  return out;
+}
+
 const EffectKind* kind_of(const Workspace& w, const std::string& name) {
   for (const auto& own : w.user_kinds)
     if (own->name == name) return own.get();

@@ -27,6 +27,8 @@ struct Candidate {
   bool of_model = false;     ///< the model has it already, at the shape of its file
   bool is_guess = false;     ///< of_model, and no parameter has a standard error: no fit has estimated it
   std::vector<double> written = {};  ///< of_model: strengths as the file writes them, where the prior of its columns stands
+
+  bool owns(int column) const { return column >= first && column < first + count; }
 };
 
 /// Whether its columns change gain or zero from record to record: it is judged by these.
@@ -119,6 +121,8 @@ struct Workspace {
 Finding finding_about(const EffectKind& kind, const std::string& unit, ShownIn shown_in = ShownIn::output);
 inline Finding finding_about(const EffectKind& kind, const ChannelFacts& channel) { return finding_about(kind, channel.unit, channel.shown_in); }
 
+/// An answer about the campaign in which nothing is said yet.
+Diagnosis answer_about(const Workspace& workspace, const std::string& model_name);
 /// An effect by its name: the user's own, else that of the registry; null where neither has it.
 const EffectKind* kind_of(const Workspace& workspace, const std::string& name);
 

@@ -60,7 +60,7 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
     std::vector<int> columns = selection.final.columns;
     // all of its family: another form or shape of it would take over what one leaves
     const auto is_own = [&](int j) {
-      return std::ranges::any_of(channel.candidates, [&](const Candidate& c) { return c.kind == family.kind && j >= c.first && j < c.first + c.count; });
+      return std::ranges::any_of(channel.candidates, [&](const Candidate& c) { return c.kind == family.kind && c.owns(j); });
     };
     const bool in = std::ranges::any_of(columns, is_own);
     if (selection.excess_before > 0.0 && (in || family.gain > 3.0)) {

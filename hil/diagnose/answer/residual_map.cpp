@@ -182,8 +182,8 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
 
 }  // namespace
 
-std::vector<ResidualMap> residual_maps(const Workspace& w, const ResidualChannel& channel,
-                                       const std::vector<std::vector<double>>& residual, unsigned threads) {
+std::vector<ResidualMap> residual_maps(const Workspace& w, const std::vector<std::vector<double>>& residual, unsigned threads) {
+  const ResidualChannel& channel = w.output;
   const std::size_t n = channel.record_of.size();
   std::vector<std::vector<Turn>> turns(n);
   parallel_for(n, threads, [&](std::size_t k) {

@@ -112,7 +112,7 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
   const Structure left = structure_of(w.output, resolved);
   out.structure_rms = left.rms;
   out.smooth = is_structure(left, out.noise_rms);
-  out.maps = residual_maps(w, w.output, residual, threads);
+  out.maps = residual_maps(w, residual, threads);
   out.coloured = is_coloured_noise(w.input, w.output, residual, out.maps);
   out.of_claimed = residual_rows(w.output, selection.claimed);
   if (!out.coloured) {

@@ -99,7 +99,7 @@ class Wanted {
 std::vector<const Candidate*> owners_of(const ResidualChannel& channel, const std::vector<int>& columns) {
   std::vector<const Candidate*> out;
   for (const Candidate& c : channel.candidates)
-    if (std::ranges::any_of(columns, [&](int j) { return j >= c.first && j < c.first + c.count; })) out.push_back(&c);
+    if (std::ranges::any_of(columns, [&](int j) { return c.owns(j); })) out.push_back(&c);
   return out;
 }
 
@@ -115,7 +115,7 @@ ScreenResult screen_on(const RowsOfRecords& rows, const Workspace& w, const std:
   std::vector<int> present;
   for (const int j : beside)
     for (std::size_t k = 0; k < owners.size(); ++k)
-      if (j >= owners[k]->first && j < owners[k]->first + owners[k]->count) present.push_back(channel.candidates[first + k].first + j - owners[k]->first);
+      if (owners[k]->owns(j)) present.push_back(channel.candidates[first + k].first + j - owners[k]->first);
   ScreenResult out = screen(channel, present, {}, nullptr, threads);
   if (out.base.valid) refine_leaders(w.input, channel, present, out, threads);
   return out;

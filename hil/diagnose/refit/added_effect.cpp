@@ -35,7 +35,7 @@ Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::strin
 MixedFit base_without(const Workspace& w, const EngineOptions& before, const std::string& effect, std::vector<std::string>& notes) {
   std::vector<int> columns = model_columns(w.output, before);
   for (const Candidate& c : w.output.candidates)
-    if (c.of_model && c.kind->name == effect) std::erase_if(columns, [&](int j) { return j >= c.first && j < c.first + c.count; });
+    if (c.of_model && c.kind->name == effect) std::erase_if(columns, [&](int j) { return c.owns(j); });
   return law_beside(w, columns, true, notes);
 }
 
@@ -59,13 +59,7 @@ void take_after(const Diagnosis& from, Diagnosis& to) {
 }
 
 Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const std::string& effect) {
-  Diagnosis out;
-  out.campaign = w.input.name;
-  out.model = before.model_name;
-  out.single = w.input.single;
-  out.unit = w.output.unit;
-  out.force_range_N = w.input.range_N;
-  out.voltage_range_V = w.input.U_range_V;
+  Diagnosis out = answer_about(w, before.model_name);
   out.judged_by = w.judges;
   out.verdict = DiagnosisVerdict::known;
   Search search;
@@ -80,8 +74,8 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   selection.chosen.push_back(std::move(chosen));
   add_records(w, selection, out);
   const auto residual = residual_rows(w.output, selection.base), left = residual_rows(w.output, selection.claimed);
-  out.maps = residual_maps(w, w.output, residual, before.threads);
-  out.maps_after = residual_maps(w, w.output, left, before.threads);
+  out.maps = residual_maps(w, residual, before.threads);
+  out.maps_after = residual_maps(w, left, before.threads);
   const auto sd = [&](int k) { return std::sqrt(selection.claimed.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_pictures(w, search, selection.claimed, before.threads, out);
