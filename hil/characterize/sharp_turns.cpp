@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "hil/base/quantile.h"
+
 namespace forcegate::characterize {
 namespace {
 
@@ -61,8 +63,7 @@ double samples_per_cycle(std::span<const double> t_s, const Extrema& e) {
   const auto median_step = [](std::span<const double> t) {
     std::vector<double> step;
     for (std::size_t i = 1; i < t.size(); ++i) step.push_back(t[i] - t[i - 1]);
-    std::nth_element(step.begin(), step.begin() + std::ssize(step) / 2, step.end());
-    return step[step.size() / 2];
+    return median(std::move(step));
   };
   return median_step(e.maxima.t_s) / median_step(t_s);
 }

@@ -98,7 +98,7 @@ Result<Diagnosed> diagnose_late(CampaignRows rows, const EngineOptions& options,
   const Diagnosis& before = as_recorded.diagnosis;
   Diagnosis& answer = out.diagnosis;
   if (kind == nullptr || !(answer.error_after < kHelps * before.error_after)) return as_recorded;
-  Finding delay = finding_about(*kind, answer.unit);
+  Finding delay = finding_about(*kind, out.workspace->output);
   delay.form = kBehindLag;
   delay.probability = kSure;
   delay.parameters.push_back({"delay_s", late.delay_s, late.u_s, "s"});
@@ -109,7 +109,7 @@ Result<Diagnosed> diagnose_late(CampaignRows rows, const EngineOptions& options,
                                kind->summary, late.tau_s, late.share_left);
   std::erase_if(answer.findings, [&](const Finding& f) { return f.effect == delay.effect; });
   for (const Finding& f : before.findings)
-    if (f.unit != answer.unit) answer.findings.push_back(f);
+    if (f.of_reference()) answer.findings.push_back(f);
   if (const auto of_rig = before.errors.find("F"); of_rig != before.errors.end()) answer.errors["F"] = of_rig->second;
   std::ranges::stable_sort(answer.findings, std::greater<>{}, &Finding::probability);
   answer.findings.insert(std::ranges::find_if(answer.findings, [&](const Finding& f) { return f.probability < kSure; }), std::move(delay));

@@ -41,7 +41,7 @@ std::vector<const Finding*> suspicions_beside_none(const Diagnosis& d) {
   std::vector<const Finding*> out;
   if (d.verdict != DiagnosisVerdict::none) return out;
   for (const Finding& f : d.findings)
-    if (!f.claimed() && !f.in_model && !f.of_samples() && f.unit == d.unit && f.effect_rms > kFarAboveNoise * d.floor) out.push_back(&f);
+    if (!f.claimed() && !f.in_model && f.of_output() && f.effect_rms > kFarAboveNoise * d.floor) out.push_back(&f);
   return out;
 }
 

@@ -70,7 +70,10 @@ inline constexpr double kToItsNoise = 1.5;
 /// The same from which something is left that no instrument makes: one that is declared too good by twice stays below.
 inline constexpr double kFarAboveNoise = 2.5;
 
-/// Form of a finding that a detector made of the samples themselves: no term of a model.
+/// What shows a finding: the output against the reference, the reference against the rig's own law, what the drive makes of its command, or a
+/// detector in the samples themselves.
+enum class ShownIn { output, rig, command, samples };
+/// Form of a finding of a detector: no term of a model.
 inline constexpr const char* kOfSamples = "raw";
 
 /// Form of a delay that was found together with the model's lag: the output is to be set earlier, no term of a model is in series with a lag.
@@ -79,6 +82,7 @@ inline constexpr const char* kBehindLag = "behind_lag";
 struct Finding {
   std::string effect;
   std::string side;          ///< sensor, rig, reference, instrument
+  ShownIn shown_in = ShownIn::output;
   double probability = 0.0;  ///< a claim from kClaim on
   std::vector<FoundParameter> parameters;
   double error_before = 0.0, error_after = 0.0;  ///< held-out, adapted, in `unit`
@@ -101,7 +105,10 @@ struct Finding {
   bool between_records = false;  ///< it changes gain or zero from record to record: their levels are its evidence
 
   bool claimed() const { return probability >= kClaim; }
-  bool of_samples() const { return form == kOfSamples; }
+  bool of_output() const { return shown_in == ShownIn::output; }
+  bool of_samples() const { return shown_in == ShownIn::samples; }
+  /// Its errors are of the reference, in newtons.
+  bool of_reference() const { return shown_in == ShownIn::rig || shown_in == ShownIn::command; }
 
   /// Lowers a probability above `most` to it, and says why in `reservations` and at the end of `evidence`. The only way to a lower one.
   /// True when it was above.

@@ -33,19 +33,9 @@ namespace forcegate::diagnose {
 
 namespace {
 
-void set_scales(const Workspace& w, const EngineOptions& options, Diagnosis& out) {
-  out.campaign = w.input.name;
-  out.model = options.model_name;
-  out.single = w.input.single;
-  out.unit = w.output.unit;
-  out.notes = w.input.notes;
-  out.force_range_N = w.input.range_N;
-  out.voltage_range_V = w.input.U_range_V;
-}
-
 Finding of_raw_samples(const HealthClaim& claim, const std::string& unit) {
   const EffectKind* kind = EffectRegistry::instance().find(claim.effect);
-  Finding out = finding_about(*kind, unit);  // of its errors, which are the output's
+  Finding out = finding_about(*kind, unit, ShownIn::samples);  // of its errors, which are the output's
   out.probability = claim.probability;
   out.evidence = claim.evidence;
   out.parameters.push_back({claim.parameter, claim.value, claim.u, claim.unit});
@@ -71,7 +61,7 @@ void collect_findings(const Workspace& w, const Search& search, const Remainder&
   add_findings(w, w.output, search.output, named_enough ? std::max(rest.explained, kNamedEnough) : rest.explained, out);
   out.findings.insert(out.findings.end(), search.suspicions.begin(), search.suspicions.end());
   for (Finding& f : out.findings)
-    if (f.effect == "reference_drift" && f.unit == w.output.unit && !w.rig_sees_zero) decide_by_capacitance(w.input, f);
+    if (f.effect == "reference_drift" && f.of_output() && !w.rig_sees_zero) decide_by_capacitance(w.input, f);
   for (const HealthClaim& claim : w.raw_claims) out.findings.push_back(of_raw_samples(claim, w.output.unit));
   if (w.has_rig && search.rig.base.valid) {
     const Selection& rig = search.rig;
@@ -162,11 +152,11 @@ bool withdraw_tips(const Remainder& rest, std::vector<Finding>& findings) {
 
 // Beside structure without a name a second claim may be part of it: on nine draws of three outside generators 9 of 12 were true, and 51 of 53
 // first ones.
-void doubt_later_claims(const std::string& unit, std::vector<Finding>& findings) {
+void doubt_later_claims(std::vector<Finding>& findings) {
   constexpr double kLater = 0.75;
   bool first = true;
   for (Finding& f : findings) {
-    if (!f.claimed() || f.of_samples() || f.unit != unit) continue;
+    if (!f.claimed() || !f.of_output()) continue;
     if (!first) f.limit(kLater, "what is left has no name, and it may be part of it");
     first = false;
   }
@@ -219,14 +209,14 @@ Unexpected undetermined(const Workspace& w) {
 }  // namespace
 
 Result<Diagnosis> compare_workspace(Workspace& w, const EngineOptions& options) {
-  Diagnosis out;
-  set_scales(w, options, out);
+  Diagnosis out = answer_about(w, options.model_name);
+  out.notes = w.input.notes;
   const MixedFit base = base_model(w, options, out.notes);
   if (!base.valid) return undetermined(w);
   if (!base.columns.empty() && whole_must_judge(w, fit_mixed(w.output.problem, {}, &base), base)) w.judges = JudgedBy::whole;
   out.judged_by = w.judges;
   const auto residual = residual_rows(w.output, base);
-  out.maps = residual_maps(w, w.output, residual, options.threads);
+  out.maps = residual_maps(w, residual, options.threads);
   Selection of_base;
   of_base.base = of_base.claimed = base;
   add_records(w, of_base, out);
@@ -237,8 +227,8 @@ Result<Diagnosis> compare_workspace(Workspace& w, const EngineOptions& options) 
 }
 
 Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options) {
-  Diagnosis out;
-  set_scales(w, options, out);
+  Diagnosis out = answer_about(w, options.model_name);
+  out.notes = w.input.notes;
   const Search search = search_channels(w, options);
   const Selection& selection = search.output;
   out.judged_by = w.judges;
@@ -254,7 +244,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   withdraw_outdone(outdone, out);
   const bool some_outdone = std::ranges::any_of(outdone, [](const Outdone& o) { return !o.effects.empty(); });
   const AgainstReference against = against_reference(w.input, w.output, selection, options.threads);
-  withdraw_against_reference(against, w.rig.unit, out);
+  withdraw_against_reference(against, out);
   const bool withdrawn = withdraw_what_explains_little(w.output, selection, rest, w.judges, out.findings) || some_outdone || !against.effects.empty();
   // a noisy reference bends and delays everything that is regressed on it: nothing else is claimed beside it
   if (std::ranges::any_of(w.raw_claims, [](const HealthClaim& c) { return c.effect == "reference_noise"; }))
@@ -266,7 +256,7 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   if (w.has_rig && search.rig.base.valid) tell_not_separable(search.rig, out);
 
   const bool claims = std::ranges::any_of(out.findings, [](const Finding& f) { return f.claimed(); });
-  if (std::ranges::none_of(out.findings, [&](const Finding& f) { return f.claimed() && f.unit == w.rig.unit; })) out.errors.erase("F");
+  if (std::ranges::none_of(out.findings, [](const Finding& f) { return f.claimed() && f.of_reference(); })) out.errors.erase("F");
   const bool follows = follows_force(w.output, selection.base);
   if (!follows) out.notes.emplace_back("the output hardly follows the force: is the sensor connected, and is this its column? --map NAME=U_V names another");
   const bool short_of = form_falls_short(options, selection, rest);
@@ -280,10 +270,10 @@ Result<Diagnosis> diagnose_workspace(Workspace& w, const EngineOptions& options)
   // what the user gets who takes the findings in, not what all forms of their families soak up beside them
   add_records(w, selection, out);
   out.residual_unknown = claims && (rest.beside_claims || some_outdone || most_stays(w, out));
-  if (out.residual_unknown) doubt_later_claims(w.output.unit, out.findings);
+  if (out.residual_unknown) doubt_later_claims(out.findings);
 
   const auto residual = residual_rows(w.output, selection.base);
-  out.maps = residual_maps(w, w.output, residual, options.threads);
+  out.maps = residual_maps(w, residual, options.threads);
   // where all claims were withdrawn, what they soak up is unknown too
   if (out.verdict == DiagnosisVerdict::unknown || out.residual_unknown)
     out.depends_on = depends_on(withdrawn && !claims ? out.maps : out.maps_after);

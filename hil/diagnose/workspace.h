@@ -27,6 +27,8 @@ struct Candidate {
   bool of_model = false;     ///< the model has it already, at the shape of its file
   bool is_guess = false;     ///< of_model, and no parameter has a standard error: no fit has estimated it
   std::vector<double> written = {};  ///< of_model: strengths as the file writes them, where the prior of its columns stands
+
+  bool owns(int column) const { return column >= first && column < first + count; }
 };
 
 /// Whether its columns change gain or zero from record to record: it is judged by these.
@@ -66,6 +68,7 @@ struct ChannelFacts {
   int first_spare = 0;         ///< columns of S from here on are free for refined shapes
   double scale = 1.0;          ///< y and columns are divided by this (V or N)
   std::string unit = "V";  ///< of the output: that of its column
+  ShownIn shown_in = ShownIn::output;  ///< what is found in it
 };
 
 struct ResidualChannel : ChannelFacts {
@@ -77,6 +80,8 @@ struct ResidualChannel : ChannelFacts {
 inline const Candidate& candidate_of(const ChannelFacts& channel, int variant) {
   return channel.candidates[static_cast<std::size_t>(channel.variants[static_cast<std::size_t>(variant)].candidate)];
 }
+
+inline const std::vector<int>& columns_of(const ChannelFacts& channel, int variant) { return channel.variants[static_cast<std::size_t>(variant)].columns; }
 
 /// RMS over the records of what the declared instruments may leave, share of the channel's scale.
 double allowed_rms(const ResidualChannel& channel);
@@ -113,8 +118,11 @@ struct Workspace {
 };
 
 /// A finding about an effect, of errors in `unit`: nothing is said of it yet.
-Finding finding_about(const EffectKind& kind, const std::string& unit);
+Finding finding_about(const EffectKind& kind, const std::string& unit, ShownIn shown_in = ShownIn::output);
+inline Finding finding_about(const EffectKind& kind, const ChannelFacts& channel) { return finding_about(kind, channel.unit, channel.shown_in); }
 
+/// An answer about the campaign in which nothing is said yet.
+Diagnosis answer_about(const Workspace& workspace, const std::string& model_name);
 /// An effect by its name: the user's own, else that of the registry; null where neither has it.
 const EffectKind* kind_of(const Workspace& workspace, const std::string& name);
 

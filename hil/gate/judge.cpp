@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/base/quantile.h"
 #include "hil/base/text.h"
 #include "hil/gate/blame.h"
 #include "hil/gate/case_checks.h"
@@ -38,9 +39,7 @@ double shortest_period_s(const std::vector<CasePair>& pairs, double from_s) {
   for (std::size_t i = 1; i < pairs.size(); ++i)
     if (pairs[i - 1].t_s >= from_s && pairs[i].maximum != pairs[i - 1].maximum) half_s.push_back(pairs[i].t_s - pairs[i - 1].t_s);
   if (half_s.size() < 4) return std::numeric_limits<double>::infinity();
-  const auto middle = half_s.begin() + static_cast<std::ptrdiff_t>(half_s.size() / 2);
-  std::nth_element(half_s.begin(), middle, half_s.end());
-  return 2.0 * *middle;
+  return 2.0 * median(std::move(half_s));
 }
 
 class CaseJudge {

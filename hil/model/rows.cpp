@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/base/quantile.h"
 #include "hil/base/text.h"
 #include "hil/model/states.h"
 
@@ -136,24 +137,6 @@ void set_full_rate(std::vector<double> t, std::vector<double> F, RecordInput& ou
   out.fast_t_s = since_start(std::move(t));
   out.fast_F_N = std::move(F);
 }
-
-}  // namespace
-
-double quantile(std::vector<double> values, double q) { return quantiles(std::move(values), q, q).front(); }
-
-std::array<double, 2> quantiles(std::vector<double> values, double low_q, double high_q) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return {kMissing, kMissing};
-  const auto place = [&](double q) {
-    return values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  };
-  const auto low = place(low_q), high = place(high_q);
-  std::nth_element(values.begin(), low, values.end());
-  if (high > low) std::nth_element(low + 1, high, values.end());
-  return {*low, *high};
-}
-
-namespace {
 
 Result<RecordInput> make_rows(const Record& record, std::span<const std::uint8_t> bad, double row_step_s,
                               bool angle) {

@@ -1,7 +1,6 @@
 #pragma once
 // From recordings to what models see: block means at no more than 50 rows a second, excitation facts, travel.
 
-#include <array>
 #include <span>
 
 #include "hil/base/result.h"
@@ -43,11 +42,6 @@ std::vector<std::size_t> sample_counts(const Campaign& campaign);
 /// Reads nothing; convenience for callers that fit nothing: all records, then finish. `bad`: of each record, as in make_record_input; empty: none.
 Result<CampaignInput> make_campaign_input(const Campaign& campaign, unsigned threads = 1, const RowParts& parts = {},
                                           std::span<const std::vector<std::uint8_t>> bad = {});
-
-/// q-quantile (0..1) of finite values; NaN when there are none.
-double quantile(std::vector<double> values, double q);
-/// Two of them, low_q <= high_q.
-std::array<double, 2> quantiles(std::vector<double> values, double low_q, double high_q);
 
 /// Turning points from which on a record that nobody declared counts as cycled.
 inline constexpr std::size_t kTurnsOfCycling = 8;

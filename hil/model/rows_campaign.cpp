@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "hil/base/largest_first.h"
+#include "hil/base/quantile.h"
 #include "hil/base/some_of.h"
 #include "hil/model/missing_facts.h"
 #include "hil/model/row_step.h"

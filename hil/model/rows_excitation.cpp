@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "hil/base/quantile.h"
 #include "hil/model/rows.h"
 #include "hil/trace/extrema.h"
 
@@ -12,12 +13,8 @@ namespace {
 
 constexpr double kProminence = 0.08;  // of the range
 
-std::vector<Extremum> turning_points(const RecordInput& record, double prominence_N) {
-  std::vector<Extremum> out;
-  TurningPoints turning(prominence_N);
-  for (std::size_t i = 0; i < record.rows(); ++i)
-    if (turning.push(record.t_s[i], record.F_N[i])) out.push_back(turning.last());
-  return out;
+std::vector<Extremum> turns_of(const RecordInput& record, double range_N) {
+  return turning_points(record.t_s, record.F_N, kProminence * range_N);
 }
 
 std::vector<double> half_periods(const std::vector<Extremum>& turns) {
@@ -96,7 +93,7 @@ double since_start_s(const RecordInput& record, double declared_s, double seen_s
 }  // namespace
 
 void estimate_excitation(RecordInput& record, const Record* declared, double range_N, std::size_t fewest_turns) {
-  const std::vector<Extremum> turning = turning_points(record, kProminence * range_N);
+  const std::vector<Extremum> turning = turns_of(record, range_N);
   const std::size_t turns = turning.size();
   record.dynamic_assumed = declared == nullptr || !declared->dynamic.has_value();
   record.dynamic = record.dynamic_assumed ? turns >= fewest_turns && !is_static_kind(record.kind) : *declared->dynamic;
@@ -160,7 +157,7 @@ std::vector<double> busy_stretches_begin_s(const std::vector<Extremum>& turns) {
 }  // namespace
 
 std::vector<double> cycles_may_begin_s(const RecordInput& record, double range_N) {
-  const std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
+  const std::vector<Extremum> turns = turns_of(record, range_N);
   std::vector<double> out = busy_stretches_begin_s(turns);
   if (const std::optional<double> steady = steady_cycles_begin_s(turns)) out.insert(out.begin(), *steady);
   return out;
@@ -168,7 +165,7 @@ std::vector<double> cycles_may_begin_s(const RecordInput& record, double range_N
 
 std::vector<double> turns_begin_s(const RecordInput& record, double range_N, double from_s) {
   constexpr std::size_t kMost = 6;
-  const std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
+  const std::vector<Extremum> turns = turns_of(record, range_N);
   std::vector<double> out;
   for (std::size_t i = 0; i + 1 < turns.size() && out.size() < kMost; ++i)
     if (turns[i].t_s > from_s) out.push_back(turns[i].t_s);
@@ -176,7 +173,7 @@ std::vector<double> turns_begin_s(const RecordInput& record, double range_N, dou
 }
 
 void begin_cycles_at(RecordInput& record, double onset_s, double range_N) {
-  std::vector<Extremum> turns = turning_points(record, kProminence * range_N);
+  std::vector<Extremum> turns = turns_of(record, range_N);
   std::erase_if(turns, [&](const Extremum& turn) { return turn.t_s < onset_s; });
   const std::vector<double> half = half_periods(turns);
   if (half.empty()) return;

@@ -118,9 +118,8 @@ Figure diagnosis_waterfall(const Diagnosis& d) {
 }
 
 bool is_of_rig(const Diagnosis& d, const Finding& f) {
-  const auto rig = d.errors.find("F");
   // what the drive does is held against its command
-  return rig != d.errors.end() && f.claimed() && !f.of_samples() && f.unit == rig->second.unit && f.effect != "motor";
+  return d.errors.contains("F") && f.claimed() && f.shown_in == ShownIn::rig;
 }
 
 bool claims_hum(const Diagnosis& d) {

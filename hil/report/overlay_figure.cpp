@@ -38,10 +38,7 @@ std::size_t turns_of(const EvidenceSeries& s) {
   for (const double v : s.before)
     if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
   if (!(high > low)) return 0;
-  TurningPoints turning(kProminence * (high - low));
-  std::size_t out = 0;
-  for (std::size_t i = 0; i < std::min(s.x.size(), s.before.size()); ++i) out += turning.push(s.x[i], s.before[i]) ? 1 : 0;
-  return out;
+  return turning_points(s.x, s.before, kProminence * (high - low)).size();
 }
 
 // Smallest and largest of equal stretches of x; NaN where a stretch has no sample.

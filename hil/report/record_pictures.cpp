@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "hil/base/quantile.h"
 #include "hil/report/figures/plots.h"
 #include "hil/report/figures/text.h"
 
@@ -37,13 +38,10 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
 double above_neighbours(const std::vector<double>& y, std::size_t at) {
   constexpr std::size_t kReach = 8, kFewest = 3;
   if (at < kFewest || at + kFewest >= y.size()) return 0.0;
-  const auto median = [&](std::size_t begin, std::size_t end) {
-    std::vector<double> side(y.begin() + static_cast<std::ptrdiff_t>(begin), y.begin() + static_cast<std::ptrdiff_t>(end));
-    const auto middle = side.begin() + static_cast<std::ptrdiff_t>(side.size() / 2);
-    std::nth_element(side.begin(), middle, side.end());
-    return *middle;
+  const auto side = [&](std::size_t begin, std::size_t end) {
+    return median({y.begin() + static_cast<std::ptrdiff_t>(begin), y.begin() + static_cast<std::ptrdiff_t>(end)});
   };
-  const double around = std::max(median(at > kReach ? at - kReach : 0, at), median(at + 1, std::min(y.size(), at + kReach + 1)));
+  const double around = std::max(side(at > kReach ? at - kReach : 0, at), side(at + 1, std::min(y.size(), at + kReach + 1)));
   return around > 0.0 ? y[at] / around : 0.0;
 }
 

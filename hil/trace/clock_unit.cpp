@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "hil/base/plain_number.h"
+#include "hil/base/quantile.h"
 #include "hil/base/text.h"
 
 namespace forcegate {
@@ -35,10 +36,7 @@ double typical_step(const std::vector<double>& stamps) {
         steps.push_back(step);
         break;
       }
-  if (steps.empty()) return 0.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
 std::string map_to(const std::string& column, const std::string& unit) { return "--map " + shell_quoted(column + "=t_" + unit); }

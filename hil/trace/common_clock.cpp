@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "hil/base/quantile.h"
 #include "hil/base/text.h"
 #include "hil/trace/time_base.h"
 
@@ -36,10 +37,7 @@ bool has_sample_in_every_row(const Channel& channel) {
 double median_distance(const std::vector<double>& at) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < at.size(); ++i) steps.push_back(at[i] - at[i - 1]);
-  if (steps.empty()) return 0.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
 // Rows from one sample to the next.

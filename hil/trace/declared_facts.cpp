@@ -52,17 +52,13 @@ Cycles cycles_of(const Trace& trace) {
     if (seen++ % stride == 0) some.push_back(F_N[i]);
   }
   if (some.empty() || t_s.size() != F_N.size()) return out;
-  TurningPoints turning(kProminence * (quantile_of(some, 1.0 - kTail) - quantile_of(some, kTail)));
+  const std::vector<Extremum> turns = turning_points(t_s, F_N, kProminence * (quantile_of(some, 1.0 - kTail) - quantile_of(some, kTail)));
+  out.turns = turns.size();
   std::vector<double> half_s, swing_N, middle_N;
-  Extremum before{};
-  for (std::size_t i = 0; i < F_N.size(); ++i) {
-    if (!turning.push(t_s[i], F_N[i])) continue;
-    if (out.turns++ > 0) {
-      half_s.push_back(turning.last().t_s - before.t_s);
-      swing_N.push_back(0.5 * std::fabs(turning.last().value - before.value));
-      middle_N.push_back(0.5 * (turning.last().value + before.value));
-    }
-    before = turning.last();
+  for (std::size_t k = 1; k < turns.size(); ++k) {
+    half_s.push_back(turns[k].t_s - turns[k - 1].t_s);
+    swing_N.push_back(0.5 * std::fabs(turns[k].value - turns[k - 1].value));
+    middle_N.push_back(0.5 * (turns[k].value + turns[k - 1].value));
   }
   if (half_s.empty()) return out;
   const auto Hz = [&](double q) { return 0.5 / quantile_of(half_s, q); };

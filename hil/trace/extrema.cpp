@@ -7,6 +7,14 @@
 
 namespace forcegate {
 
+std::vector<Extremum> turning_points(std::span<const double> t_s, std::span<const double> value, double prominence) {
+  std::vector<Extremum> out;
+  TurningPoints turning(prominence);
+  for (std::size_t i = 0; i < std::min(t_s.size(), value.size()); ++i)
+    if (turning.push(t_s[i], value[i])) out.push_back(turning.last());
+  return out;
+}
+
 RelativeError mean_relative_error(std::span<const double> actual, std::span<const double> expected,
                                   double floor) {
   assert(actual.size() == expected.size());

@@ -80,6 +80,9 @@ inline bool TurningPoints::push(double t_s, double value) {
   return false;
 }
 
+/// Those of a series.
+std::vector<Extremum> turning_points(std::span<const double> t_s, std::span<const double> value, double prominence);
+
 /// One turning point of the guide channel and what the other channels did in its half-cycle window
 /// (from the middle of the preceding half-cycle to the middle of the following one, shifted by `lag`).
 struct PairedExtremum {

@@ -1,7 +1,8 @@
 #include "hil/trace/packets.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "hil/base/quantile.h"
 
 namespace forcegate {
 namespace {
@@ -20,12 +21,6 @@ std::vector<Packet> packets_of(const std::vector<double>& stamps_s) {
     ++out.back().rows;
   }
   return out;
-}
-
-double median(std::vector<double> x) {
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
 }
 
 // How long a packet takes when nothing is lost, with half of it and a row to spare.

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "hil/base/quantile.h"
 #include "hil/base/text.h"
 #include "hil/trace/packets.h"
 
@@ -15,9 +16,7 @@ double median_step(const std::vector<double>& t) {
   const std::size_t n = t.size() - 1, stride = std::max<std::size_t>(1, n / 4096);
   std::vector<double> steps;
   for (std::size_t i = 0; i < n; i += stride) steps.push_back(t[i + 1] - t[i]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return median(std::move(steps));
 }
 
 constexpr double kGap = 1.5;  // nominal steps, with room for the rounding of the stamps
@@ -48,9 +47,7 @@ double jitter_of(const std::vector<double>& t, double step) {
   if (t.size() < 3 || is_rounded(t, step)) return 0.0;
   std::vector<double> second;
   for (std::size_t i = 1, stride = t.size() / kMost + 1; i + 1 < t.size(); i += stride) second.push_back(std::fabs(t[i + 1] - 2.0 * t[i] + t[i - 1]));
-  const auto middle = second.begin() + static_cast<std::ptrdiff_t>(second.size() / 2);
-  std::nth_element(second.begin(), middle, second.end());
-  return 1.4826 * *middle / std::sqrt(6.0) / step;
+  return deviation_of_magnitudes(std::move(second)) / std::sqrt(6.0) / step;
 }
 
 /// The jitter, in steps.
@@ -172,12 +169,7 @@ Result<Clock> make_clock(std::vector<double> stamps_s, const ClockSource& source
     std::vector<double> steps;
     for (std::size_t i = 1; i < t.size(); ++i)
       if (t[i] != t[i - 1]) steps.push_back(std::fabs(t[i] - t[i - 1]));
-    double step = 0.0;
-    if (!steps.empty()) {
-      const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-      std::nth_element(steps.begin(), middle, steps.end());
-      step = *middle;
-    }
+    const double step = steps.empty() ? 0.0 : median(std::move(steps));
     FORCEGATE_CHECK_OK(check_runs_forwards(t, where));
     std::size_t backwards = 0;
     double latest = t.front();

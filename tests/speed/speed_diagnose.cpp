@@ -247,7 +247,7 @@ void parts() {
       best_cpu_s(3, [&] { sink = diagnose::structure_of(channel, diagnose::residual_rows(channel, base)).rms; }),
       "structure against noise, on rows");
   row("a map of 40 x 40", best_cpu_s(5, [&] { sink = bare_map(b); }),
-      best_cpu_s(3, [&] { sink = diagnose::residual_maps(w, channel, residual).front().share; }),
+      best_cpu_s(3, [&] { sink = diagnose::residual_maps(w, residual).front().share; }),
       "all coordinates, on rows");
 }
 

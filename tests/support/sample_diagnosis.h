@@ -80,6 +80,7 @@ inline Diagnosis diagnosis() {
   lost.effect = "dropouts";
   lost.side = "instrument";
   lost.probability = 0.95;
+  lost.shown_in = ShownIn::samples;
   lost.form = "raw";
   lost.evidence = "0.4 % of the samples are held or zero where the force says otherwise";
   SampleWindow window{"C07_r05", "output", "V", "as the force says", {}, {}, {}, {}, {}};

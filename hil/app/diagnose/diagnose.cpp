@@ -81,7 +81,7 @@ const Finding* worth_adding(const Diagnosis& d) {
   if (is_described_worse(d)) return nullptr;
   for (const Finding& f : d.findings) {
     const EffectKind* kind = EffectRegistry::instance().find(f.effect);
-    if (f.claimed() && !f.of_samples() && f.effect != "drift" && f.unit == d.unit &&
+    if (f.claimed() && f.of_output() && f.effect != "drift" &&
         f.error_after < f.error_before && (kind == nullptr || kind->channel == EffectChannel::output))
       return &f;
   }

@@ -30,9 +30,9 @@ bool competes(const Diagnosis& d) {
 
 // An effect of the sensor is claimed, and a model that takes it in is no better for the held-out records: only more of them tell.
 bool is_of_no_use_yet(const Diagnosis& d) {
-  return d.verdict == DiagnosisVerdict::known && is_described_worse(d) && std::ranges::any_of(d.findings, [&](const Finding& f) {
+  return d.verdict == DiagnosisVerdict::known && is_described_worse(d) && std::ranges::any_of(d.findings, [](const Finding& f) {
     const EffectKind* kind = EffectRegistry::instance().find(f.effect);
-    return f.claimed() && !f.of_samples() && f.unit == d.unit && kind != nullptr && kind->channel == EffectChannel::output;
+    return f.claimed() && f.of_output() && kind != nullptr && kind->channel == EffectChannel::output;
   });
 }
 

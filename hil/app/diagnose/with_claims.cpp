@@ -12,7 +12,7 @@ namespace forcegate {
 std::optional<diagnose::Refit> with_claims(const diagnose::Workspace& w, const Model& model, const Diagnosis& d, unsigned threads) {
   std::optional<diagnose::Refit> out;
   for (const Finding& f : d.findings) {
-    if (!f.claimed() || f.of_samples() || f.unit != d.unit) continue;
+    if (!f.claimed() || !f.of_output()) continue;
     const Model start = out ? out->model : model;
     if (auto refit = diagnose::refit_prepared_rows(w, engine_options(start, threads), start, f.effect)) out = *std::move(refit);
   }
@@ -25,7 +25,7 @@ bool is_plain_refitted(const diagnose::Workspace& w, const Diagnosis& d) {
 
 void tell_plain_as_refitted(const diagnose::Workspace& w, const diagnose::EngineOptions& options, const std::optional<diagnose::Refit>& after, Diagnosis& d) {
   const std::vector<double> before = diagnose::plain_errors_V(w, options);
-  const bool untold = !after && std::ranges::any_of(d.findings, [&](const Finding& f) { return f.claimed() && !f.of_samples() && f.unit == d.unit; });
+  const bool untold = !after && std::ranges::any_of(d.findings, [](const Finding& f) { return f.claimed() && f.of_output(); });
   if (before.size() != d.records.size() || (after && after->plain_after_of_record.size() != d.records.size())) return;
   const bool counts_bad = std::ranges::any_of(d.findings, [](const Finding& f) { return f.of_samples() && f.claimed(); });
   double square_before = 0.0, square_after = 0.0, n = 0.0;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "hil/base/quantile.h"
 #include "hil/trace/extrema.h"
 
 namespace forcegate {
@@ -37,12 +38,6 @@ std::optional<Straight> straight(const std::vector<double>& x, const std::vector
     if (use(i)) sxx += (x[i] - sx / n) * (x[i] - sx / n), sxy += (x[i] - sx / n) * (y[i] - sy / n);
   const double gain = sxx > 0.0 ? sxy / sxx : 0.0;
   return Straight{gain, (sy - gain * sx) / n};
-}
-
-double median(std::vector<double> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
 }
 
 // `in_frame`: nullptr where the model has no effects.
@@ -214,10 +209,7 @@ std::optional<ExtremaDecay> extrema_of(const ModelledRecord& m, const ModelledRe
   if (!(high > low)) return std::nullopt;
   ExtremaDecay out;
   out.record = m.name;
-  TurningPoints turning(kProminence * (high - low));
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (!turning.push(r.t_s[i], r.F_N[i])) continue;
-    const Extremum& turn = turning.last();
+  for (const Extremum& turn : turning_points(r.t_s, r.F_N, kProminence * (high - low))) {
     auto at = static_cast<std::size_t>(std::lower_bound(r.t_s.begin(), r.t_s.end(), turn.t_s) - r.t_s.begin());
     if (at >= r.rows() || (at > 0 && turn.t_s - r.t_s[at - 1] < r.t_s[at] - turn.t_s)) --at;
     // two samples of one height make a plateau whose middle may be no peak

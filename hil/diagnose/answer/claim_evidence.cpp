@@ -143,8 +143,7 @@ double mean_without_own(const ResidualChannel& channel, const MixedFit& fit, std
   const MixedProblem& p = channel.problem;
   const Eigen::MatrixXd& A = channel.rows[k].matrix;
   Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.n_fixed) * fit.coefficient.head(p.n_fixed);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
-    e -= A.col(p.nz + fit.columns[b]) * fit.coefficient[p.n_fixed + static_cast<Index>(b)];
+  for (const int column : fit.columns) e -= A.col(p.nz + column) * fit.strength_of(column);
   return e.size() > 0 ? channel.scale * e.mean() : NAN;
 }
 
@@ -156,8 +155,7 @@ std::optional<EvidenceSeries> between_series(const Chosen& c, const ChosenEffect
   const Pair of_all = fit_both(c.channel, c.selection, effect, std::nullopt);
   EvidenceSeries s;
   s.title = "mean " + c.axes.residual + " of every record" + (can_leave_out ? ", each left out in turn" : "");
-  const Variant& variant = c.channel.variants[static_cast<std::size_t>(effect.variant)];
-  const RecordedCause& cause = c.channel.candidates[static_cast<std::size_t>(variant.candidate)].form->cause;
+  const RecordedCause& cause = candidate_of(c.channel, effect.variant).form->cause;
   const bool timed = input.has_start_times || input.single;
   s.x_name = cause.of_record ? cause.name : timed ? "start in campaign time" : "record, in order";
   s.x_unit = cause.of_record ? cause.unit : timed ? "min" : "1";
@@ -205,7 +203,7 @@ void add_claim_evidence(const Workspace& w, const ResidualChannel& channel, cons
   const Chosen chosen{w, channel, selection, axes};
   for (const ChosenEffect& effect : selection.chosen) {
     const auto claim = std::ranges::find_if(findings, [&](const Finding& f) {
-      return f.effect == effect.kind->name && !f.of_samples() && f.unit == channel.unit && f.claimed() && f.series.empty();
+      return f.effect == effect.kind->name && f.shown_in == channel.shown_in && f.claimed() && f.series.empty();
     });
     if (claim == findings.end()) continue;
     if (effect.between) {

@@ -7,8 +7,9 @@
 #include <numbers>
 
 #include "hil/base/portable_math.h"
+#include "hil/base/quantile.h"
 #include "hil/diagnose/answer/verdict.h"
-#include "hil/model/rows.h"
+#include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {
 

@@ -21,8 +21,7 @@ namespace {
 
 // The summary tells of the sign that the sensors of the library have.
 std::string the_other_way_round(const ChosenEffect& chosen, const ResidualChannel& channel, const Finding& f) {
-  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-  const bool one_sign = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->sign == StrengthSign::positive;
+  const bool one_sign = candidate_of(channel, chosen.variant).form->sign == StrengthSign::positive;
   if (!one_sign || f.parameters.empty() || !(f.parameters.front().value < -f.parameters.front().u)) return "";
   return "; here the other way round, " + f.parameters.front().name + " is negative";
 }
@@ -83,12 +82,11 @@ std::string why_no_claim(const Workspace& w, const ResidualChannel& channel, con
 void add_findings(const Workspace& w, const ResidualChannel& channel, const Selection& selection,
                   double explained, Diagnosis& out) {
   for (const ChosenEffect& chosen : selection.chosen) {
-    Finding f = finding_about(*chosen.kind, channel.unit);
+    Finding f = finding_about(*chosen.kind, channel);
     const double real = probability_that_real(w.input, channel, chosen);
     const double whole = explained > 0.5 ? 1.0 : 0.45 + explained;
     f.probability = std::max(0.0, real * whole * chosen.share_of_family);
-    const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-    f.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
+    f.form = candidate_of(channel, chosen.variant).form->name;
     f.parameters = found_parameters(w.input, channel, chosen, &channel == &w.output ? chosen.fit.coefficient[0] * channel.gain_of_unit : 1.0);
     f.between_records = chosen.between;
     f.error_before = chosen.error_before;
@@ -108,7 +106,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
       if (rival.kind == chosen.kind || rival.gain < 3.0) continue;
       const double cosine =
           signature_cosine(channel, selection.base, chosen.fit, chosen.columns, rival.best.fit,
-                           channel.variants[static_cast<std::size_t>(rival.best.variant)].columns);
+                           columns_of(channel, rival.best.variant));
       if (std::abs(cosine) > 0.9)
         f.confounded_with.push_back({rival.kind->name, cosine, chosen.kind->separates});
     }
@@ -121,7 +119,7 @@ void add_findings(const Workspace& w, const ResidualChannel& channel, const Sele
     for (const auto& [name, share] : chosen.rivals) {
       const EffectKind* kind = kind_of(w, name);
       if (kind == nullptr || share < 0.05) continue;
-      Finding weak = finding_about(*kind, channel.unit);
+      Finding weak = finding_about(*kind, channel);
       weak.rival_of = chosen.kind->name;
       weak.probability = std::clamp(share * real * whole, 0.0, kNoClaim);
       weak.evidence = "fits nearly as well as " + chosen.kind->name + "; " + kind->separates;
@@ -135,7 +133,7 @@ namespace {
 void add_suspicion(const Workspace& w, const RefusedEffect& refused, double probability, Diagnosis& out) {
   const EffectKind* kind = kind_of(w, refused.effect);
   if (kind == nullptr) return;
-  Finding f = finding_about(*kind, kind->channel == EffectChannel::rig ? "N" : out.unit);
+  Finding f = kind->channel == EffectChannel::rig ? finding_about(*kind, "N", ShownIn::rig) : finding_about(*kind, w.output);
   f.probability = probability;
   f.evidence = kind->summary + "; not claimed: " + std::string(traits_of(refused.reason).sentence);
   const auto weaker = std::find_if(out.findings.begin(), out.findings.end(), [&](const Finding& o) { return o.probability < f.probability; });

@@ -31,21 +31,18 @@ std::vector<FoundParameter> found_parameters(const CampaignInput& campaign, cons
   if (chosen.kind->name == "clipping")
     if (auto rail = rail_voltage(campaign, channel, chosen)) out.push_back(std::move(*rail));
   for (const int v : variants) {
-    const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
-    const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+    const Candidate& c = candidate_of(channel, v);
     // a family with several forms has parameters of the same name
     const std::string of = v == chosen.variant ? "" : c.form->name + ".";
     for (std::size_t k = 0; k < c.shape.size(); ++k) {
       const ParameterSpec& spec = c.form->shape[k];
       if (!spec.choice) out.push_back({of + spec.name, c.shape[k], joint.of_shape(v, k), spec.unit});
     }
-    for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
-      for (int column : variant.columns)
-        if (chosen.fit.columns[b] == column && !is_zero(channel, column)) {
-          const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
-          const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-          out.push_back({of + spec.name, chosen.fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain), spec.unit});
-        }
+    for (const int column : columns_of(channel, v))
+      if (const auto at = chosen.fit.place_of(column); at && !is_zero(channel, column)) {
+        const ParameterSpec& spec = c.form->strength[static_cast<std::size_t>(column - c.first)];
+        out.push_back({of + spec.name, chosen.fit.coefficient[*at] / gain, joint.of_coefficient(*at) / std::abs(gain), spec.unit});
+      }
   }
   return out;
 }

@@ -14,9 +14,8 @@ void tell_guessed_effects(const Workspace& w, const MixedFit& fit, double first_
   const ResidualChannel& channel = w.output;
   for (const Candidate& c : channel.candidates) {
     if (!c.is_guess) continue;
-    const auto own = [&](int column) { return column >= c.first && column < c.first + c.count; };
     std::vector<int> others;
-    std::ranges::remove_copy_if(fit.columns, std::back_inserter(others), own);
+    std::ranges::remove_copy_if(fit.columns, std::back_inserter(others), [&](int column) { return c.owns(column); });
     if (others.size() == fit.columns.size()) continue;
     const MixedFit without = fit_mixed(channel.problem, others, &fit, 12, fit.use);
     if (!without.valid) continue;
@@ -29,7 +28,7 @@ void tell_guessed_effects(const Workspace& w, const MixedFit& fit, double first_
       continue;
     }
     if (std::ranges::any_of(out.findings, [&](const Finding& o) { return o.effect == c.kind->name; })) continue;  // two forms of one effect
-    Finding f = finding_about(*c.kind, out.unit);
+    Finding f = finding_about(*c.kind, channel);
     f.form = c.form->name;
     f.probability = kNoClaim;
     f.in_model = true;

@@ -11,7 +11,7 @@ std::optional<Finding> listed_late_drive(const Workspace& w, const std::vector<F
   const LateDrive& late = w.late_drive;
   const EffectKind* motor = EffectRegistry::instance().find("motor");
   if (!w.has_command || !(late.lag_s > 0.0) || motor == nullptr || std::ranges::find(findings, motor->name, &Finding::effect) != findings.end()) return std::nullopt;
-  Finding out = finding_about(*motor, "N");
+  Finding out = finding_about(*motor, w.command);
   out.form = "late";
   out.probability = kListed;
   out.parameters.push_back({"lag_s", late.lag_s, late.u_s, "s"});

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <deque>
 
+#include "hil/base/quantile.h"
+#include "hil/diagnose/answer/force_turns.h"
+
 namespace forcegate::diagnose {
 
 namespace {
@@ -13,33 +16,19 @@ double prominence_of(const RecordInput& r, double range_N) {
   std::vector<double> bend;
   for (std::size_t i = 2; i < r.rows(); ++i) bend.push_back(std::abs(r.F_N[i] - 2.0 * r.F_N[i - 1] + r.F_N[i - 2]));
   if (bend.empty()) return kLeast * range_N;
-  const auto middle = bend.begin() + static_cast<std::ptrdiff_t>(bend.size() / 2);
-  std::nth_element(bend.begin(), middle, bend.end());
-  const double sigma = *middle / (0.6745 * std::sqrt(6.0));
+  const double sigma = median(std::move(bend)) / (0.6745 * std::sqrt(6.0));
   return std::clamp(kPeakToPeak * sigma, kLeast * range_N, kMost * range_N);
 }
 
 // From a turning point on the other way, from the row of the turn itself.
 std::vector<double> between_turns(const RecordInput& r, double prominence) {
-  std::vector<double> out(r.rows(), 0.0);
-  std::size_t high = 0, low = 0, from = 0;
+  std::vector<double> out;
   double sign = 0.0;
-  const auto close = [&](std::size_t until, double with) {
-    std::fill(out.begin() + static_cast<std::ptrdiff_t>(from), out.begin() + static_cast<std::ptrdiff_t>(until), with);
-    from = until;
-  };
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    if (r.F_N[i] > r.F_N[high]) high = i;
-    if (r.F_N[i] < r.F_N[low]) low = i;
-    if (sign >= 0.0 && r.F_N[high] - r.F_N[i] > prominence) {
-      close(high, sign);
-      sign = -1.0, low = i;
-    } else if (sign <= 0.0 && r.F_N[i] - r.F_N[low] > prominence) {
-      close(low, sign);
-      sign = 1.0, high = i;
-    }
+  for (const ForceTurn& turn : force_turns(r.F_N, prominence)) {
+    out.resize(turn.row, sign);
+    sign = turn.is_highest ? -1.0 : 1.0;
   }
-  close(r.rows(), sign);
+  out.resize(r.rows(), sign);
   return out;
 }
 

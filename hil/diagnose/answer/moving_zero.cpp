@@ -28,8 +28,7 @@ std::vector<Part> parts_of(const ResidualChannel& channel, const MixedFit& fit) 
   for (const RecordRows& rows : channel.rows) {
     VectorXd y = rows.matrix.col(p.y_index());
     for (Index j = 2; j < p.n_fixed; ++j) y -= rows.matrix.col(j) * fit.coefficient[j];
-    for (std::size_t b = 0; b < fit.columns.size(); ++b)
-      y -= rows.matrix.col(p.nz + fit.columns[b]) * fit.coefficient[p.n_fixed + static_cast<Index>(b)];
+    for (const int column : fit.columns) y -= rows.matrix.col(p.nz + column) * fit.strength_of(column);
     const auto W = rows.matrix.col(0);
     out.push_back({static_cast<double>(y.size()), W.sum(), W.squaredNorm(), y.sum(), W.dot(y), y.squaredNorm()});
   }
@@ -95,7 +94,7 @@ std::optional<Finding> listed_moving_zero(const Workspace& w, const Selection& s
   const double moved = zeros.own.maxCoeff() - zeros.own.minCoeff(), without = line_through(parts, Own::nothing).left;
   const double least = left_by_own_lines(parts), above = zeros.left - least;
   if (above > kOfNothing * (without - least) || above > kOfGains * (line_through(parts, Own::gain).left - least) || moved < kLeast) return std::nullopt;
-  Finding out = finding_about(*drift, w.output.unit);
+  Finding out = finding_about(*drift, w.output);
   out.form = "within_recording";
   out.probability = kListed;
   out.side_witnessed = false;

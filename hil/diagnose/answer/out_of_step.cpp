@@ -54,7 +54,7 @@ std::optional<Finding> listed_out_of_step(const Workspace& w, const Selection& s
                  without = fit_mixed(channel.problem, others, &selection.base, kIterations);
   if (!with.valid || !without.valid) return std::nullopt;
   const auto error = [&](const MixedFit& fit) { return channel.scale * std::sqrt(judged(channel, judge(channel, fit, without, w.judges).adapted, w.judges)); };
-  Finding out = finding_about(*delay, channel.unit);
+  Finding out = finding_about(*delay, channel);
   out.form = "out_of_step";
   out.probability = kListed;
   out.parameters.push_back(shift_of(channel, with));

@@ -53,13 +53,11 @@ Response response(const CampaignInput& campaign, const ResidualChannel& channel,
   std::vector<int> variants = {chosen.variant};
   variants.insert(variants.end(), chosen.further.begin(), chosen.further.end());
   for (const int v : variants) {
-    const Variant& variant = channel.variants[static_cast<std::size_t>(v)];
-    const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+    const Candidate& c = candidate_of(channel, v);
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, c.count);
     c.form->columns(campaign, r, c.shape, columns);
-    for (std::size_t b = 0; b < chosen.fit.columns.size(); ++b)
-      for (const int j : variant.columns)
-        if (chosen.fit.columns[b] == j) out.derivative.col(channel.problem.n_fixed + static_cast<Index>(b)) = columns.col(j - c.first);
+    for (const int j : columns_of(channel, v))
+      if (const auto at = chosen.fit.place_of(j)) out.derivative.col(*at) = columns.col(j - c.first);
   }
   out.added = out.derivative.leftCols(n) * chosen.fit.coefficient;
   for (std::size_t s = 0; s < joint.shapes.size(); ++s)
@@ -101,8 +99,7 @@ std::vector<FoundParameter> width(const CampaignInput& campaign, const ResidualC
   // in the middle of the range; where a loop of no one shape is widest
   Index half = kBranch / 2;
   const auto width_at = [&](Index rise) { return std::abs(added.added[2 * kBranch + rise] - added.added[2 * kBranch - rise]); };
-  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-  if (channel.candidates[static_cast<std::size_t>(variant.candidate)].form->last)
+  if (candidate_of(channel, chosen.variant).form->last)
     for (Index rise = kBranch / 8; rise <= kBranch - kBranch / 8; ++rise)
       if (width_at(rise) > width_at(half)) half = rise;
   const Index up = 2 * kBranch - half, down = 2 * kBranch + half;

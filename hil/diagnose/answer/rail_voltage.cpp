@@ -4,15 +4,11 @@
 #include <cmath>
 #include <span>
 
+#include "hil/base/quantile.h"
+
 namespace forcegate::diagnose {
 
 namespace {
-
-double median(std::vector<double> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 struct Beyond {
   double by_N, U;
@@ -29,8 +25,7 @@ std::vector<double> outputs(std::span<const Beyond> rows) {
 std::optional<FoundParameter> rail_voltage(const CampaignInput& campaign, const ResidualChannel& channel, const ChosenEffect& chosen) {
   constexpr double kBeyond = 0.03, kStillRises = 0.1;  // of the force range, of the span
   constexpr std::size_t kFewestRows = 10, kFewestRecords = 2;
-  const Variant& variant = channel.variants[static_cast<std::size_t>(chosen.variant)];
-  const Eigen::Index column = channel.problem.nz + variant.columns.front();
+  const Eigen::Index column = channel.problem.nz + columns_of(channel, chosen.variant).front();
   std::vector<Beyond> all;
   std::vector<double> medians;
   for (std::size_t k = 0; k < channel.rows.size(); ++k) {

@@ -16,12 +16,10 @@ namespace {
 // From which RMS on an effect would reach its threshold on these records: half the square of strength over uncertainty, less
 // what the prior of a strength costs.
 double visible_from(const ResidualChannel& channel, const FamilyScore& family, double threshold) {
-  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-  if (variant.columns.size() != 1 || !family.best.fit.valid) return 0.0;
-  const int column = variant.columns.front();
-  const auto at = family.best.fit.coefficient.size() - 1;
-  const double u = std::sqrt(std::max(0.0, family.best.fit.covariance(at, at))),
-               prior = channel.problem.column_prior_sd[column];
+  const std::vector<int>& columns = columns_of(channel, family.best.variant);
+  if (columns.size() != 1 || !family.best.fit.valid) return 0.0;
+  const int column = columns.front();
+  const double u = family.best.fit.standard_error_of(column), prior = channel.problem.column_prior_sd[column];
   double mean_square = 0.0;
   for (const RecordGram& g : channel.problem.records)
     mean_square += g.gram(channel.problem.nz + column, channel.problem.nz + column);
@@ -46,8 +44,7 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
     RankedEffect r;
     r.effect = family.kind->name;
     r.side = family.kind->side;
-    const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-    r.form = channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name;
+    r.form = candidate_of(channel, family.best.variant).form->name;
     r.score = family.gain;
     r.alone = std::clamp(family.best.fall, 0.0, 1.0);
     const bool by_levels = family.records.valid && family.kind->traits.between_records;
@@ -63,14 +60,14 @@ void add_ranking(const CampaignInput& input, const ResidualChannel& channel, con
     std::vector<int> columns = selection.final.columns;
     // all of its family: another form or shape of it would take over what one leaves
     const auto is_own = [&](int j) {
-      return std::ranges::any_of(channel.candidates, [&](const Candidate& c) { return c.kind == family.kind && j >= c.first && j < c.first + c.count; });
+      return std::ranges::any_of(channel.candidates, [&](const Candidate& c) { return c.kind == family.kind && c.owns(j); });
     };
     const bool in = std::ranges::any_of(columns, is_own);
     if (selection.excess_before > 0.0 && (in || family.gain > 3.0)) {
       if (in) {
         std::erase_if(columns, is_own);
       } else {
-        for (int j : variant.columns) columns.push_back(j);
+        for (int j : columns_of(channel, family.best.variant)) columns.push_back(j);
       }
       const MixedFit other = fit_mixed(channel.problem, columns, &selection.final, 5);
       if (other.valid) {

@@ -73,15 +73,14 @@ struct Course {
     constexpr double kProminence = 0.05;  // of the span
     constexpr std::size_t kFewestTurns = 60, kHalf = 5;
     const auto [low, high] = std::ranges::minmax(measured);
-    TurningPoints turning(kProminence * (high - low));
-    std::vector<double> turns_s;
-    for (std::size_t i = 0; i < row.size(); ++i)
-      if (turning.push(r.t_s[row[i]], measured[i])) turns_s.push_back(turning.last().t_s);
+    std::vector<double> t_s;
+    for (const std::size_t i : row) t_s.push_back(r.t_s[i]);
+    const std::vector<Extremum> turns = turning_points(t_s, measured, kProminence * (high - low));
     std::vector<std::size_t> out;
-    if (turns_s.size() < kFewestTurns) return out;
-    const double from = turns_s[turns_s.size() / 2 - kHalf], to = turns_s[turns_s.size() / 2 + kHalf];
-    for (std::size_t i = 0; i < row.size(); ++i)
-      if (r.t_s[row[i]] >= from && r.t_s[row[i]] <= to) out.push_back(i);
+    if (turns.size() < kFewestTurns) return out;
+    const double from = turns[turns.size() / 2 - kHalf].t_s, to = turns[turns.size() / 2 + kHalf].t_s;
+    for (std::size_t i = 0; i < t_s.size(); ++i)
+      if (t_s[i] >= from && t_s[i] <= to) out.push_back(i);
     return out;
   }
 };
@@ -104,8 +103,8 @@ std::vector<double> residual_on_rows(const Workspace& w, const MixedFit& fit, st
     all.wanted.clear();
     for (const Candidate& c : channel.candidates) {
       Eigen::VectorXd strength = Eigen::VectorXd::Zero(c.count);
-      for (std::size_t b = 0; b < fit.columns.size(); ++b)
-        if (const int j = fit.columns[b] - c.first; j >= 0 && j < c.count) strength[j] = coefficient[p.n_fixed + static_cast<Index>(b)];
+      for (int j = 0; j < c.count; ++j)
+        if (const auto at = fit.place_of(c.first + j)) strength[j] = coefficient[*at];
       if (strength.isZero(0.0)) continue;
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Index>(all.rows()), c.count);
       c.form->columns(w.input, all, c.shape, columns);

@@ -79,7 +79,7 @@ void add_records(const Workspace& w, const Selection& selection, Diagnosis& out)
   out.plain_after = std::sqrt(pa / n);
   out.floor = std::sqrt(f / n);
   out.errors["U_plain"] = {out.plain_before, out.plain_after, out.unit};
-  const bool of_output = std::ranges::any_of(out.findings, [&](const Finding& one) { return one.claimed() && !one.of_samples() && one.unit == out.unit; });
+  const bool of_output = std::ranges::any_of(out.findings, [](const Finding& one) { return one.claimed() && one.of_output(); });
   if (of_output && w.judges == JudgedBy::heldout && is_described_worse(out))
     out.notes.emplace_back("the held-out records are described worse with what is claimed than without: the claim rests on all records together, and a model that "
                            "takes it in is no better for these; more records tell");
@@ -88,7 +88,7 @@ void add_records(const Workspace& w, const Selection& selection, Diagnosis& out)
 bool most_stays(const Workspace& w, const Diagnosis& d) {
   constexpr double kMost = 0.5, kSome = 0.9;  // of the mean square above the floor: what acts on a few rows hardly changes it
   constexpr double kMatters = 0.0015;  // of the span
-  const auto is_within = [&](const Finding& f) { return f.claimed() && !f.of_samples() && f.unit == w.output.unit && !f.between_records; };
+  const auto is_within = [](const Finding& f) { return f.claimed() && f.of_output() && !f.between_records; };
   if (d.levels || std::ranges::none_of(d.findings, is_within)) return false;
   const auto above_floor = [&](double error) { return error * error - d.floor * d.floor; };
   const double stays = above_floor(d.error_after) / std::max(1e-300, above_floor(d.error_before));

@@ -178,7 +178,7 @@ void leave_curves_to_larger_causes(std::vector<Finding>& findings) {
     const auto cause = std::ranges::find_if(findings, [&, name = effect](const Finding& f) { return f.effect == name && !f.of_samples() && f.effect_rms > 0.0; });
     if (cause == findings.end()) continue;
     for (Finding& f : findings)
-      if (is_curve(f.effect) && f.side == "sensor" && !f.of_samples() && f.unit == cause->unit && f.effect_rms < cause->effect_rms) lower(cap, f);
+      if (is_curve(f.effect) && f.side == "sensor" && f.shown_in == cause->shown_in && f.effect_rms < cause->effect_rms) lower(cap, f);
   }
 }
 

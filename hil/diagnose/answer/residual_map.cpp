@@ -6,6 +6,7 @@
 
 #include "hil/base/parallel.h"
 #include "hil/base/plain_number.h"
+#include "hil/diagnose/answer/force_turns.h"
 #include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
@@ -20,23 +21,12 @@ struct Turn {
 std::vector<Turn> last_turns(const RecordInput& r, double prominence) {
   std::vector<Turn> out;
   out.reserve(r.rows());
-  Turn high{r.F_N[0], r.t_s[0]}, low = high, turn = high;
-  int direction = 0;
-  for (std::size_t i = 0; i < r.rows(); ++i) {
-    const Turn here{r.F_N[i], r.t_s[i]};
-    if (here.force_N > high.force_N) high = here;
-    if (here.force_N < low.force_N) low = here;
-    if (direction >= 0 && high.force_N - here.force_N > prominence) {
-      direction = -1;
-      turn = high;
-      low = here;
-    } else if (direction <= 0 && here.force_N - low.force_N > prominence) {
-      direction = 1;
-      turn = low;
-      high = here;
-    }
-    out.push_back(turn);
+  Turn last{r.F_N[0], r.t_s[0]};
+  for (const ForceTurn& turn : force_turns(r.F_N, prominence)) {
+    out.resize(turn.seen_at, last);
+    last = {r.F_N[turn.row], r.t_s[turn.row]};
   }
+  out.resize(r.rows(), last);
   return out;
 }
 
@@ -192,8 +182,8 @@ ResidualMap map_of(const Coordinate& c, const std::vector<std::vector<double>>& 
 
 }  // namespace
 
-std::vector<ResidualMap> residual_maps(const Workspace& w, const ResidualChannel& channel,
-                                       const std::vector<std::vector<double>>& residual, unsigned threads) {
+std::vector<ResidualMap> residual_maps(const Workspace& w, const std::vector<std::vector<double>>& residual, unsigned threads) {
+  const ResidualChannel& channel = w.output;
   const std::size_t n = channel.record_of.size();
   std::vector<std::vector<Turn>> turns(n);
   parallel_for(n, threads, [&](std::size_t k) {

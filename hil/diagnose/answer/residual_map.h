@@ -10,10 +10,8 @@
 
 namespace forcegate::diagnose {
 
-/// Maps of the residual, largest share first.
-std::vector<ResidualMap> residual_maps(const Workspace& workspace, const ResidualChannel& channel,
-                                       const std::vector<std::vector<double>>& residual,
-                                       unsigned threads = 1);
+/// Maps of the output's residual, largest share first.
+std::vector<ResidualMap> residual_maps(const Workspace& workspace, const std::vector<std::vector<double>>& residual, unsigned threads = 1);
 
 /// Share of the residual's variance that is carried by something smoother than `block` rows: structure, not noise.
 double autocorrelated_share(const std::vector<std::vector<double>>& residual, std::size_t block);

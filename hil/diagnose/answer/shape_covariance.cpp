@@ -14,14 +14,6 @@ using Eigen::VectorXd;
 
 double root_of_diagonal(const MatrixXd& m, Index at) { return std::sqrt(std::max(0.0, m(at, at))); }
 
-VectorXd strengths(const ResidualChannel& channel, const MixedFit& fit, const Variant& variant, const Candidate& candidate) {
-  VectorXd out = VectorXd::Zero(candidate.count);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
-    if (std::ranges::find(variant.columns, fit.columns[b]) != variant.columns.end())
-      out[fit.columns[b] - candidate.first] = fit.coefficient[channel.problem.n_fixed + static_cast<Index>(b)];
-  return out;
-}
-
 // One column more behind those of S.
 void append(MixedProblem& problem, std::size_t record, const VectorXd& cross, double square) {
   MatrixXd& G = problem.records[record].gram;
@@ -42,14 +34,14 @@ void append(MixedProblem& problem, std::size_t record, const VectorXd& cross, do
 VectorXd shape_derivative(const CampaignInput& campaign, const ResidualChannel& channel, const MixedFit& fit, const ShapeCovariance::Shape& shape,
                           const RecordInput& record) {
   constexpr double kRelative = 0.03, kOfRange = 1e-3;
-  const Variant& variant = channel.variants[static_cast<std::size_t>(shape.variant)];
-  const Candidate& candidate = channel.candidates[static_cast<std::size_t>(variant.candidate)];
+  const Candidate& candidate = candidate_of(channel, shape.variant);
   const ParameterSpec& spec = candidate.form->shape[shape.index];
   const double at = candidate.shape[shape.index], step = at != 0.0 ? kRelative * std::abs(at) : kOfRange * (spec.maximum - spec.minimum);
   const double low = std::max(spec.minimum, at - step), high = std::min(spec.maximum, at + step);
   const auto rows = static_cast<Index>(record.rows());
   if (!(high > low)) return VectorXd::Zero(rows);
-  const VectorXd strength = strengths(channel, fit, variant, candidate);
+  VectorXd strength = VectorXd::Zero(candidate.count);
+  for (const int column : columns_of(channel, shape.variant)) strength[column - candidate.first] = fit.strength_of(column);
   const auto contribution = [&](double value) -> VectorXd {
     std::vector<double> moved = candidate.shape;
     moved[shape.index] = value;

@@ -80,7 +80,7 @@ void claim_unloaded_zero(const Workspace& w, const MixedFit& fit, Diagnosis& out
   if (kind == nullptr || std::ranges::any_of(out.findings, claims_it)) return;
   const std::optional<UnloadedZero> found = unloaded_zero_of_reference(w, fit);
   if (!found) return;
-  Finding drift = finding_about(*kind, out.unit);
+  Finding drift = finding_about(*kind, w.output);
   drift.form = kUnloadedZero;
   drift.between_records = true;
   drift.probability = kSure;

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <functional>
 
+#include "hil/base/quantile.h"
 #include "hil/diagnose/answer/coloured_noise.h"
 #include "hil/diagnose/answer/unresolved_edges.h"
 #include "hil/diagnose/raw/folded_hum.h"
-#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
@@ -112,7 +112,7 @@ Remainder remainder_of(const Workspace& w, const Selection& selection, unsigned 
   const Structure left = structure_of(w.output, resolved);
   out.structure_rms = left.rms;
   out.smooth = is_structure(left, out.noise_rms);
-  out.maps = residual_maps(w, w.output, residual, threads);
+  out.maps = residual_maps(w, residual, threads);
   out.coloured = is_coloured_noise(w.input, w.output, residual, out.maps);
   out.of_claimed = residual_rows(w.output, selection.claimed);
   if (!out.coloured) {

@@ -51,17 +51,6 @@ std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-double row_noise_of(const std::vector<double>& e) {
-  constexpr std::size_t kHardlyAny = 50;  // one window of five rows in so many is complete
-  std::vector<double> d;
-  d.reserve(e.size());
-  for (std::size_t i = 2; i + 2 < e.size(); ++i)
-    if (const double v = e[i - 2] - 4.0 * e[i - 1] + 6.0 * e[i] - 4.0 * e[i + 1] + e[i + 2]; std::isfinite(v)) d.push_back(std::abs(v));
-  if (d.size() * kHardlyAny < e.size()) return noise_between_missing(e);
-  const double median = quantile(std::move(d), 0.5);
-  return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
-}
-
 // Errors in variables: what the instruments' steps leave in a row although they do as declared.
 void set_noise(Workspace& w, unsigned threads) {
   constexpr double kMostOfSamples = 10.0;
@@ -82,7 +71,7 @@ void set_noise(Workspace& w, unsigned threads) {
     // in a force about as fast as the rows their differences are of the movement: the samples bound them, with room for coloured noise
     const double of_samples =
         h != nullptr ? std::hypot(h->noise_U_V, w.gain_V_per_N * decay * h->noise_F_N, quantised) : std::numeric_limits<double>::infinity();
-    const double white = std::min(row_noise_of(e), kMostOfSamples * of_samples);
+    const double white = std::min(white_noise(e, e.size()), kMostOfSamples * of_samples);
     // steps are only averaged away when noise dithers them
     const auto left_of = [](double step, double noise) { return step > 0.0 ? step * std::clamp(1.2 - 2.0 * noise / step, 0.3, 1.0) : 0.0; };
     const double undithered = h != nullptr ? std::hypot(w.gain_V_per_N * decay * left_of(step_F, h->noise_F_N), left_of(step_U, h->noise_U_V)) / std::sqrt(12.0) : 0.0;

@@ -37,7 +37,7 @@ std::vector<std::vector<double>> residual_rows(const ResidualChannel& channel, c
     const auto& A = channel.rows[k].matrix;
     const Eigen::VectorXd coefficient = fit.coefficients(k);
     Eigen::VectorXd e = A.col(p.y_index()) - A.leftCols(p.nz) * fit.zeta[k] - A.leftCols(p.n_fixed) * coefficient.head(p.n_fixed);
-    for (std::size_t b = 0; b < fit.columns.size(); ++b) e -= A.col(p.nz + fit.columns[b]) * coefficient[p.n_fixed + static_cast<Eigen::Index>(b)];
+    for (const int column : fit.columns) e -= A.col(p.nz + column) * coefficient[*fit.place_of(column)];
     e *= channel.scale;
     out.emplace_back(e.data(), e.data() + e.size());
   }

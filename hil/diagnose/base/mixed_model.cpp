@@ -86,11 +86,8 @@ VectorXd per_gain_of(const MixedProblem& problem, const std::vector<int>& column
 
 // Of another fit of the problem, which may have other columns: 0 where it has not.
 VectorXd coefficients_in(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit& other) {
-  VectorXd out = VectorXd::Zero(problem.n_fixed + std::ssize(columns));
-  out.head(problem.n_fixed) = other.coefficient.head(problem.n_fixed);
-  for (std::size_t a = 0; a < columns.size(); ++a)
-    if (const auto b = std::ranges::find(other.columns, columns[a]) - other.columns.begin(); b < std::ssize(other.columns))
-      out[problem.n_fixed + static_cast<Index>(a)] = other.coefficient[problem.n_fixed + b];
+  VectorXd out(problem.n_fixed + std::ssize(columns));
+  out << other.coefficient.head(problem.n_fixed), other.strengths_of(columns);
   return out;
 }
 
@@ -140,6 +137,12 @@ void update_variances(const MixedProblem& problem, const std::vector<Conditional
 }
 
 }  // namespace
+
+VectorXd MixedFit::strengths_of(const std::vector<int>& of) const {
+  VectorXd out(std::ssize(of));
+  for (std::size_t a = 0; a < of.size(); ++a) out[static_cast<Index>(a)] = strength_of(of[a]);
+  return out;
+}
 
 MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns, const MixedFit* warm,
                    int iterations, RecordUse use) {
@@ -223,8 +226,7 @@ MixedFit fit_mixed(const MixedProblem& problem, const std::vector<int>& columns,
 void flip_residuals(MixedProblem& problem, const MixedFit& fit, const std::vector<int>& sign) {
   VectorXd beta = VectorXd::Zero(problem.nz + problem.ns);
   beta.head(problem.n_fixed) = fit.coefficient.head(problem.n_fixed);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
-    beta[problem.nz + fit.columns[b]] = fit.coefficient[problem.n_fixed + static_cast<Index>(b)];
+  for (const int column : fit.columns) beta[problem.nz + column] = fit.strength_of(column);
   problem.other_y.resize(problem.records.size());
   for (std::size_t i = 0; i < problem.records.size(); ++i) {
     const MatrixXd& G = problem.records[i].gram;
@@ -243,11 +245,10 @@ double strength_scatter(const MixedProblem& problem, const MixedFit& fit, const 
   const VectorXd sigma2 = expand_variance(problem, fit.variance);
   const Index d = fit.coefficient.size();
   VectorXd effect = VectorXd::Zero(d + 1), rest = with_minus(fit.coefficient);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
-    if (std::find(columns.begin(), columns.end(), fit.columns[b]) != columns.end()) {
-      const Index at = problem.n_fixed + static_cast<Index>(b);
-      effect[at] = fit.coefficient[at];
-      rest[at] = 0.0;
+  for (const int column : columns)
+    if (const auto at = fit.place_of(column)) {
+      effect[*at] = fit.coefficient[*at];
+      rest[*at] = 0.0;
     }
   // one noise for all: a record that the effect does not fit would else be the one that counts least
   double pooled = 0.0;

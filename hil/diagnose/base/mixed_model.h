@@ -16,7 +16,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -101,6 +103,21 @@ struct MixedFit {
   Eigen::VectorXd coefficients(std::size_t record) const {
     return per_gain.size() > 0 ? Eigen::VectorXd(coefficient + gain[record] * per_gain) : coefficient;
   }
+  /// Where a column of S stands among the coefficients; nothing where the fit does not have it.
+  std::optional<Eigen::Index> place_of(int column) const {
+    const auto at = std::ranges::find(columns, column);
+    return at == columns.end() ? std::nullopt : std::optional<Eigen::Index>(coefficient.size() - (columns.end() - at));
+  }
+  /// Strength of a column of S and its standard error; 0 where the fit does not have it.
+  double strength_of(int column) const {
+    const auto at = place_of(column);
+    return at ? coefficient[*at] : 0.0;
+  }
+  double standard_error_of(int column) const {
+    const auto at = place_of(column);
+    return at ? std::sqrt(std::max(0.0, covariance(*at, *at))) : 0.0;
+  }
+  Eigen::VectorXd strengths_of(const std::vector<int>& columns) const;
   bool counts(const RecordGram& record) const { return use == RecordUse::all_records || !record.heldout; }
 };
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "hil/model/rows.h"
+#include "hil/base/quantile.h"
+#include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "hil/base/quantile.h"
 #include "hil/base/rng.h"
 #include "hil/diagnose/base/record_part.h"
 #include "hil/diagnose/between/mounting_places.h"
@@ -11,7 +12,7 @@
 #include "hil/diagnose/between/record_chance.h"
 #include "hil/diagnose/between/record_questions.h"
 #include "hil/model/lagged_channel.h"
-#include "hil/model/rows.h"
+#include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {
 
@@ -99,10 +100,10 @@ std::vector<int> nearly_as_good(const Answer& answer, double nats) {
 
 // What the best variant adds, turned over where the scatter has the sign that it cannot have.
 VectorXd as_physics_allows(const ResidualChannel& channel, const RecordLevels& levels, const Answer& answer) {
-  const Variant& variant = channel.variants[static_cast<std::size_t>(answer.evidence.variant)];
-  if (channel.candidates[static_cast<std::size_t>(variant.candidate)].form->sign != StrengthSign::positive || variant.columns.size() != 1) return answer.added;
+  const std::vector<int>& columns = columns_of(channel, answer.evidence.variant);
+  if (candidate_of(channel, answer.evidence.variant).form->sign != StrengthSign::positive || columns.size() != 1) return answer.added;
   const MatrixXd& map = answer.of_gain ? levels.gain_of_column : levels.zero_of_column;
-  return answer.added.dot(map.col(variant.columns.front())) < 0.0 ? VectorXd(-answer.added) : answer.added;
+  return answer.added.dot(map.col(columns.front())) < 0.0 ? VectorXd(-answer.added) : answer.added;
 }
 
 std::vector<RecordQuestion> questions_of(const RecordLevels& levels, const FamilyQuestion& asked) {
@@ -311,8 +312,7 @@ void judge_between_records(const CampaignInput& input, const ResidualChannel& ch
     VariantScore best = score_variant(channel, present, result.base, answer.evidence.variant, nullptr);
     // of forms that the records hardly tell apart the one that the rows within them agree with
     constexpr double kNear = 2.0;  // nats
-    const Variant& variant = channel.variants[static_cast<std::size_t>(answer.evidence.variant)];
-    const bool may_choose = variant.columns.size() == 1 || channel.candidates[static_cast<std::size_t>(variant.candidate)].form->singles;
+    const bool may_choose = columns_of(channel, answer.evidence.variant).size() == 1 || candidate_of(channel, answer.evidence.variant).form->singles;
     const auto choose_within = [&](double nats) {
       for (const int near : nearly_as_good(answer, nats)) {
         VariantScore other = score_variant(channel, present, result.base, near, nullptr);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/diagnose/base/mixed_model.h"
+#include "hil/model/model.h"
 
 namespace forcegate::diagnose {
 
@@ -10,12 +11,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-struct Strength {
-  double value = 0.0, u = 0.0;
-};
-
 // Of the last column of `columns`, the gain and zero of every record free.
-Strength told_by_rows(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& warm) {
+Estimate told_by_rows(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& warm) {
   constexpr double kFree = 1.0, kFirmly = 1e6;  // shares of the span; records that would have to say otherwise
   MixedProblem problem = with_columns(channel.problem, columns);
   for (std::size_t j = 0; j < 2; ++j) {
@@ -30,8 +27,7 @@ Strength told_by_rows(const ResidualChannel& channel, const std::vector<int>& co
   start.columns = all;
   const MixedFit fit = fit_mixed(problem, all, &start, 6, warm.use);
   if (!fit.valid) return {};
-  const auto last = fit.coefficient.size() - 1;
-  return {fit.coefficient[last], std::sqrt(std::max(0.0, fit.covariance(last, last)))};
+  return {fit.strength_of(all.back()), fit.standard_error_of(all.back())};
 }
 
 double told_by_levels(const RecordScore& score, const VectorXd& column) {
@@ -50,15 +46,15 @@ void prefer_what_both_tell(const ResidualChannel& channel, const RecordLevels& l
     const std::vector<RecordScore> scores = scores_of(levels, asked, of_gain);
     for (std::size_t a = 0; a < scores.size(); ++a) {
       const RecordScore& of_levels = scores[a];
-      const std::vector<int>& own = channel.variants[static_cast<std::size_t>(part[a].variant)].columns;
+      const std::vector<int>& own = columns_of(channel, part[a].variant);
       if (own.size() != 1 || !candidate_of(channel, part[a].variant).form->outlasts || !(of_levels.gain > 0.0)) continue;
       if (of_levels.explained < rules.between_fall || of_levels.left_out > rules.between_left_out) continue;
       VariantScore of_rows = score_variant(channel, present, base, part[a].variant, nullptr);
       if (of_rows.wrong_sign || !of_rows.fit.valid || of_rows.gain < std::max(rules.first_gain, kNearly * family.best.gain)) continue;
-      const Strength rows = told_by_rows(channel, of_rows.fit.columns, of_rows.fit);
+      const Estimate rows = told_by_rows(channel, of_rows.fit.columns, of_rows.fit);
       const double by_levels = told_by_levels(of_levels, (of_gain ? levels.gain_of_column : levels.zero_of_column).col(own.front()));
       const double ratio = by_levels / rows.value;
-      if (!(std::abs(rows.value) > kPlainly * rows.u) || !(ratio > 1.0 / kTwice && ratio < kTwice)) continue;
+      if (!(std::abs(rows.value) > kPlainly * rows.se) || !(ratio > 1.0 / kTwice && ratio < kTwice)) continue;
       if (of_rows.gain + of_levels.gain <= best) continue;
       best = of_rows.gain + of_levels.gain;
       family.best = std::move(of_rows);

@@ -1,5 +1,6 @@
 // What the drive makes of a command: the force that the wheel's angle gives (or F_ref, without an angle) against the commanded one.
 
+#include "hil/base/quantile.h"
 #include "hil/diagnose/candidates/command_channel.h"
 
 #include <Eigen/Dense>
@@ -11,7 +12,7 @@
 #include "hil/diagnose/base/base_fit.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/workspace.h"
-#include "hil/model/rows.h"
+#include "hil/model/record_input.h"
 #include "hil/model/states.h"
 
 namespace forcegate::diagnose {
@@ -62,8 +63,7 @@ double drive_noise_N(const RecordInput& r) {
   for (std::size_t i = 1; i + 1 < y.size(); ++i)
     d.push_back(std::abs(y[i - 1] - 2.0 * y[i] + y[i + 1] -
                          (r.F_cmd_N[i - 1] - 2.0 * r.F_cmd_N[i] + r.F_cmd_N[i + 1])));
-  const double median = quantile(std::move(d), 0.5);
-  return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
+  return deviation_of_magnitudes(std::move(d)) / std::sqrt(6.0);
 }
 
 // One record's drive: its force over the command and the command's rate.
@@ -125,6 +125,7 @@ void build_command_channel(Workspace& w, unsigned threads) {
   channel = ResidualChannel{};
   channel.scale = w.input.range_N;
   channel.unit = "N";
+  channel.shown_in = ShownIn::command;
   for (std::size_t k = 0; k < w.input.records.size(); ++k)
     if (follows_command(w.input.records[k], w.input.range_N)) channel.record_of.push_back(k);
   w.has_command = channel.record_of.size() >= 2;

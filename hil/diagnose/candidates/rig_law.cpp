@@ -1,5 +1,6 @@
 // The third witness: the force that the rig's own law predicts from the wheel's angle or from the command.
 
+#include "hil/base/quantile.h"
 #include "hil/diagnose/candidates/rig_law.h"
 
 #include <Eigen/Dense>
@@ -14,7 +15,7 @@
 #include "hil/diagnose/candidates/command_jumps.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/workspace.h"
-#include "hil/model/rows.h"
+#include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {
 
@@ -230,6 +231,7 @@ void build_rig_channel(Workspace& w, unsigned threads) {
   channel = ResidualChannel{};
   channel.scale = w.input.range_N;
   channel.unit = "N";
+  channel.shown_in = ShownIn::rig;
   find_rig_law(w, channel.record_of, threads);
   if (channel.record_of.size() < 2) return;
   w.has_rig = true;

@@ -22,14 +22,9 @@ double left_out_of_all(const ResidualChannel& channel, int variant, const MixedF
 }
 
 // Whether the records that `fit` was made from know any of the strengths.
-bool knows_strength(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
+bool knows_strength(const MixedFit& fit, const std::vector<int>& columns) {
   constexpr double kErrors = 2.0;
-  for (std::size_t b = 0; b < fit.columns.size(); ++b) {
-    if (std::find(columns.begin(), columns.end(), fit.columns[b]) == columns.end()) continue;
-    const auto at = channel.problem.n_fixed + static_cast<Eigen::Index>(b);
-    if (std::abs(fit.coefficient[at]) > kErrors * std::sqrt(std::max(0.0, fit.covariance(at, at)))) return true;
-  }
-  return false;
+  return std::ranges::any_of(columns, [&](int column) { return std::abs(fit.strength_of(column)) > kErrors * fit.standard_error_of(column); });
 }
 
 }  // namespace
@@ -54,7 +49,7 @@ void measure_left_out(const Workspace& w, const ResidualChannel& channel, Select
     chosen.borne_out = chosen.describes_whole || chosen.error_after <= keeps * chosen.error_before;
     // seen in held-out records alone: the fit records know nothing of it, and predict nothing
     if (!chosen.between && w.judges == JudgedBy::heldout && chosen.error_after > kHardly * chosen.error_before)
-      chosen.borne_out = chosen.borne_out && knows_strength(channel, chosen.fit, chosen.columns);
+      chosen.borne_out = chosen.borne_out && knows_strength(chosen.fit, chosen.columns);
     // a handful of fit records does not reach to the held-out ones: each record is asked from all others
     const bool by_levels = chosen.by_records() || chosen.records.same_strength;
     if (!chosen.borne_out && (by_levels || !chosen.between)) {
@@ -78,7 +73,7 @@ std::vector<Finding> not_borne_out(const ResidualChannel& channel, const Selecti
   std::vector<Finding> out;
   for (const ChosenEffect& chosen : selection.chosen) {
     if (chosen.borne_out) continue;
-    Finding f = finding_about(*chosen.kind, channel.unit);
+    Finding f = finding_about(*chosen.kind, channel);
     f.between_records = chosen.between;
     f.probability = chosen.share_of_family;
     f.evidence = chosen.kind->summary;

@@ -155,7 +155,7 @@ class ForwardChoice {
     constexpr int kMostLatencies = 2;
     for (std::vector<int>* columns : {&present_, &carried_, &base_}) {
       if (columns == &base_ && clocks == Clocks::late_reference && !allows_leads_alone()) continue;
-      const std::vector<int>& own = channel_.variants[static_cast<std::size_t>(family.best.variant)].columns;
+      const std::vector<int>& own = columns_of(channel_, family.best.variant);
       if (clocks == Clocks::slight_shift) columns->insert(columns->end(), own.begin(), own.end());
       else if (clocks == Clocks::lead) add_leads(channel_, *columns, kLead_s);
       else add_leads(channel_, *columns);

@@ -31,7 +31,7 @@ std::vector<int> further_forms(const ResidualChannel& channel, const EffectKind&
     }
     if (!best.fit.valid || !cross_fit(channel, fit, best.fit).helps()) break;
     out.push_back(best.variant);
-    const std::vector<int>& columns = channel.variants[static_cast<std::size_t>(best.variant)].columns;
+    const std::vector<int>& columns = columns_of(channel, best.variant);
     present.insert(present.end(), columns.begin(), columns.end());
     fit = std::move(best.fit);
   }

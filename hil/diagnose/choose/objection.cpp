@@ -116,8 +116,7 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
   if (chosen.by_records() && another_between) return Refusal::second_between;
   if (chosen.by_records() && chosen.effect_rms < rules.smallest_rms) return Refusal::too_small;
   if (chosen.between && (chosen.by_records() || family.best.total_fall < rules.first_total_fall)) return chosen.not_by_records;
-  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-  const auto of_form = rules.form_gain.find(channel.candidates[static_cast<std::size_t>(variant.candidate)].form->name);
+  const auto of_form = rules.form_gain.find(candidate_of(channel, family.best.variant).form->name);
   const double least = of_form == rules.form_gain.end() ? 0.0 : of_form->second;
   if (family.gain < std::max(least, first ? rules.first_gain : rules.later_gain)) return Refusal::too_little_evidence;
   // one record with another fault of its drive must not hide what the others show
@@ -156,7 +155,7 @@ Refusal objection(const ResidualChannel& channel, const ScreenResult& result, co
     return Refusal::differs;
   // the form of an effect is known to a share of its size only: what it leaves along what resembles it is no second effect
   if (removed_rms < rules.form_error * removed_before *
-                        resemblance(channel, result.base, family, variant.columns, earlier) &&
+                        resemblance(channel, result.base, family, columns_of(channel, family.best.variant), earlier) &&
       !takes_the_rest(family, chosen, earlier) && !chosen.seen_in_place)
     return Refusal::within_form;
   if (chosen.left_out.blocks && family.gain < 2.0 * rules.later_gain) return Refusal::in_few_records;

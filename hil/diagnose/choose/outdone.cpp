@@ -116,7 +116,7 @@ void withdraw_outdone(const std::vector<Outdone>& outdone, Diagnosis& out) {
   for (const Outdone& o : outdone) {
     const bool several = o.effects.size() > 1;
     for (Finding& f : out.findings)
-      if (!f.of_samples() && (std::ranges::find(o.effects, f.effect) != o.effects.end() || (several && f.unit == out.unit && !f.between_records)))
+      if (!f.of_samples() && (std::ranges::find(o.effects, f.effect) != o.effects.end() || (several && f.of_output() && !f.between_records)))
         f.limit(kWithdrawn, o.by + " explains more of it");
     char text[240];
     if (o.effects.empty()) std::snprintf(text, sizeof text, "no effect of the library: what is left follows %s (log evidence %.0f)", o.by.c_str(), o.by_gain);

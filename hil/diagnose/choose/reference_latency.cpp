@@ -10,11 +10,6 @@ namespace forcegate::diagnose {
 
 namespace {
 
-const Candidate& best_candidate(const ResidualChannel& channel, const FamilyScore& family) {
-  const Variant& variant = channel.variants[static_cast<std::size_t>(family.best.variant)];
-  return channel.candidates[static_cast<std::size_t>(variant.candidate)];
-}
-
 bool is_shift(const Candidate& c) { return c.kind->traits.shift == TimeShift::first_shape && !c.shape.empty(); }
 
 bool is_lead(const Candidate& c) { return c.kind->name == kLatencyEffect && c.shape[0] < 0.0; }
@@ -29,7 +24,7 @@ double allowed_latency_s(const CampaignInput& input) {
 }
 
 double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
-  const Candidate& c = best_candidate(channel, family);
+  const Candidate& c = candidate_of(channel, family.best.variant);
   const double share = family.best.fit.coefficient[family.best.fit.coefficient.size() - 1];
   if (family.kind->traits.shift == TimeShift::percent_lead) return 0.01 * std::abs(share);
   return is_shift(c) ? std::abs(c.shape[0] * share) : 0.0;
@@ -37,22 +32,21 @@ double shift_s(const ResidualChannel& channel, const FamilyScore& family) {
 
 double net_shift_s(const ResidualChannel& channel, const MixedFit& fit) {
   double out = 0.0;
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
+  for (const int column : fit.columns)
     for (const Candidate& c : channel.candidates)
-      if (c.first == fit.columns[b] && is_shift(c))
-        out += c.shape[0] * fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+      if (c.first == column && is_shift(c)) out += c.shape[0] * fit.strength_of(column);
   return out;
 }
 
 double rival_lead_s(const ResidualChannel& channel, const ScreenResult& result, const FamilyScore& family) {
   constexpr double kOfIt = 0.5;  // a shift and a rate part where the force is fast
   for (const FamilyScore& other : result.families)
-    if (other.kind->name == kLatencyEffect && is_lead(best_candidate(channel, other)) && other.gain > kOfIt * family.gain) return shift_s(channel, other);
+    if (other.kind->name == kLatencyEffect && is_lead(candidate_of(channel, other.best.variant)) && other.gain > kOfIt * family.gain) return shift_s(channel, other);
   return 0.0;
 }
 
 bool is_reference_latency(const ResidualChannel& channel, const FamilyScore& family) {
-  return is_lead(best_candidate(channel, family)) && shift_s(channel, family) <= kAllowedLatency_s;
+  return is_lead(candidate_of(channel, family.best.variant)) && shift_s(channel, family) <= kAllowedLatency_s;
 }
 
 bool is_nearly_latency(const ResidualChannel& channel, const ScreenResult& result) {
@@ -78,9 +72,7 @@ void add_leads(const ResidualChannel& channel, std::vector<int>& columns, double
 Eigen::VectorXd strengths_of_leads(const ResidualChannel& channel, const std::vector<int>& columns, const MixedFit& fit) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(channel.problem.ns);
   for (const Candidate& candidate : channel.candidates)
-    for (std::size_t b = 0; b < fit.columns.size(); ++b)
-      if (candidate.first == fit.columns[b] && is_allowed_lead(candidate) && std::ranges::find(columns, candidate.first) != columns.end())
-        out[candidate.first] = fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+    if (is_allowed_lead(candidate) && std::ranges::find(columns, candidate.first) != columns.end()) out[candidate.first] = fit.strength_of(candidate.first);
   return out;
 }
 
@@ -124,7 +116,7 @@ MixedFit forgive_late_reference(const Workspace& w, MixedFit base, std::vector<s
   double lead_s = 0.0;
   for (std::size_t b = base.columns.size(); b < columns.size(); ++b)
     for (const Candidate& c : channel.candidates)
-      if (c.first == columns[b]) lead_s -= c.shape[0] * with.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+      if (c.first == columns[b]) lead_s -= c.shape[0] * with.strength_of(c.first);
   if (lead_s < 0.0 || lead_s > kAllowedLatency_s) return base;
   const auto left_out = [&](const MixedFit& fit) {
     return judged(channel, judge(channel, fit, base, w.judges).adapted, w.judges);

@@ -38,16 +38,10 @@ EffectKind rig_misfit(bool turns) {
   return out;
 }
 
-// The witness is the last but for the zero of the angle.
-double strength_of_misfit(const ResidualChannel& channel, const Candidate& misfit, const MixedFit& fit) {
-  const auto at = std::ranges::find(fit.columns, misfit.first) - fit.columns.begin();
-  return fit.coefficient[channel.problem.n_fixed + at];
-}
-
 // On a wheel that turns evenly a loop of the sensor goes nearly as the sine of the angle. A zero of the angle that only the output asks for, and
 // beside which the reference is further off the rig's law than without, is none.
 bool rig_shows_angle_zero(const ResidualChannel& channel, const Candidate& misfit, const MixedFit& fit) {
-  const double share = strength_of_misfit(channel, misfit, fit), zero = fit.coefficient[fit.coefficient.size() - 1];
+  const double share = fit.strength_of(misfit.first), zero = fit.strength_of(misfit.first + 1);
   const int first = channel.problem.nz + misfit.first;
   double with_sine = 0.0, of_sine = 0.0;
   for (const RecordGram& record : channel.problem.records) {
@@ -97,7 +91,7 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
   };
   const auto beside = [&](const std::vector<int>& columns) {
     Beside b{fit_mixed(channel.problem, columns, &selection.claimed, 12, RecordUse::all_records), with_witness(columns)};
-    if (b.with.valid) b.share = strength_of_misfit(channel, placed, b.with) * channel.gain_of_unit / b.with.coefficient[0];
+    if (b.with.valid) b.share = b.with.strength_of(placed.first) * channel.gain_of_unit / b.with.coefficient[0];
     return b;
   };
   const Beside claimed = beside(selection.claimed.columns);
@@ -117,10 +111,10 @@ AgainstReference against_reference(const CampaignInput& input, ResidualChannel& 
   return out;
 }
 
-void withdraw_against_reference(const AgainstReference& against, const std::string& rig_unit, Diagnosis& out) {
+void withdraw_against_reference(const AgainstReference& against, Diagnosis& out) {
   if (against.effects.empty()) return;
   for (Finding& f : out.findings)
-    if (!f.of_samples() && (std::ranges::find(against.effects, f.effect) != against.effects.end() || (f.unit == rig_unit && !f.between_records)))
+    if (!f.of_samples() && (std::ranges::find(against.effects, f.effect) != against.effects.end() || (f.of_reference() && !f.between_records)))
       f.limit(kWithdrawn, "the output and the rig agree about it, and the reference alone departs from both");
   out.notes.push_back(fmt::format("the reference itself is off: what the output misses of it ({}) is what it has too much by the rig's law, in the same size ({:.2f} times)",
                                   fmt::join(against.effects, ", "), against.share));

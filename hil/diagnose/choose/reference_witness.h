@@ -19,7 +19,7 @@ struct AgainstReference {
 /// Empty where no rig is a witness, or the output does not show its misfit in its size. Spare columns of the channel are written and given back.
 AgainstReference against_reference(const CampaignInput& input, ResidualChannel& channel, const Selection& selection, unsigned threads);
 
-/// Takes them back, with those of the rig that acts within records, and says in the notes why. `rig_unit`: of what the rig is told by.
-void withdraw_against_reference(const AgainstReference& against, const std::string& rig_unit, Diagnosis& out);
+/// Takes them back, with those of the rig that acts within records, and says in the notes why.
+void withdraw_against_reference(const AgainstReference& against, Diagnosis& out);
 
 }  // namespace forcegate::diagnose

@@ -13,18 +13,6 @@ namespace {
 // A form whose grid missed the right shape loses so much of its evidence to one that is wrong.
 constexpr double kComesNear = 0.4;
 
-// Coefficients of the given columns within a fit, 0 where it does not have them.
-Eigen::VectorXd coefficients_of(const ResidualChannel& channel, const MixedFit& fit,
-                                const std::vector<int>& columns) {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t a = 0; a < columns.size(); ++a)
-    for (std::size_t b = 0; b < fit.columns.size(); ++b)
-      if (fit.columns[b] == columns[a])
-        out[static_cast<Eigen::Index>(a)] =
-            fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
-  return out;
-}
-
 // Strengths that together go beyond what the effect can physically have, by more than twice their uncertainty. A pole of twice the force
 // with half the time constant is a delay in disguise, half a delay of twice the length a pole, and a growth to many times the load a lag.
 bool is_beyond_bounds(const ResidualChannel& channel, const MixedFit& fit, const Variant& variant) {
@@ -42,7 +30,7 @@ bool is_beyond_bounds(const ResidualChannel& channel, const MixedFit& fit, const
 bool has_wrong_sign(const ResidualChannel& channel, const VariantScore& score, const Variant& variant) {
   const Candidate& c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
   if (c.form->sign == StrengthSign::either || !channel.signs_known) return false;
-  const Eigen::VectorXd coefficient = coefficients_of(channel, score.fit, variant.columns);
+  const Eigen::VectorXd coefficient = score.fit.strengths_of(variant.columns);
   // growths of both signs that nearly cancel fit a wander; plays of both signs may be a loop
   const double cancels = c.kind->name == "creep" ? 0.9 : 1.0;
   double up = 0.0, down = 0.0;
@@ -106,7 +94,7 @@ double total_fall(const ResidualChannel& channel, const MixedFit& before, const 
 }
 
 double effect_rms(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
-  const Eigen::VectorXd c = coefficients_of(channel, fit, columns);
+  const Eigen::VectorXd c = fit.strengths_of(columns);
   double sum = 0.0;
   for (const RecordGram& record : channel.problem.records) {
     double square = 0.0;

@@ -23,9 +23,7 @@ using Eigen::VectorXd;
 
 VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const std::vector<int>& columns) {
   VectorXd out = VectorXd::Zero(channel.problem.ns);
-  for (std::size_t b = 0; b < fit.columns.size(); ++b)
-    if (std::find(columns.begin(), columns.end(), fit.columns[b]) != columns.end())
-      out[fit.columns[b]] = fit.coefficient[channel.problem.n_fixed + static_cast<Eigen::Index>(b)];
+  for (const int column : columns) out[column] = fit.strength_of(column);
   return out;
 }
 
@@ -33,7 +31,7 @@ VectorXd contribution(const ResidualChannel& channel, const MixedFit& fit, const
 
 std::vector<int> columns_of(const ResidualChannel& channel, const ChosenEffect& effect) {
   std::vector<int> out = effect.columns;
-  for (const int further : effect.further) add_columns(out, channel.variants[static_cast<std::size_t>(further)].columns);
+  for (const int further : effect.further) add_columns(out, columns_of(channel, further));
   return out;
 }
 
@@ -180,7 +178,7 @@ ChosenEffect as_chosen(const CampaignInput& input, const ResidualChannel& channe
   ChosenEffect chosen;
   chosen.kind = family.kind;
   chosen.variant = family.best.variant;
-  chosen.columns = channel.variants[static_cast<std::size_t>(family.best.variant)].columns;
+  chosen.columns = columns_of(channel, family.best.variant);
   chosen.gain = family.gain;
   chosen.fall = family.best.fall;
   chosen.excess = excess_mean_square(channel, base);

@@ -55,7 +55,7 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
     // signatures that differ by less than a form is known to cannot be parted by how well they fit
     if (rules.forms_are_rough && family.kind != chosen.kind && family.gain > 0.6 * top && !family.best.wrong_sign) {
       const double cosine = signature_cosine(channel, result.base, chosen.fit, chosen.columns, family.best.fit,
-                                             channel.variants[static_cast<std::size_t>(family.best.variant)].columns);
+                                             columns_of(channel, family.best.variant));
       const double apart = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
       if (apart < least_apart(rules, chosen.fall)) weight[k] = std::exp(log_weight_of_look_alike(leader, family, rules));
     }

@@ -29,10 +29,10 @@ std::vector<std::string> timing_rivals(const ChosenEffect& chosen) {
 // What a family's best variant adds to every row of a recording, in units of the channel.
 Eigen::VectorXd answer_on_all_rows(const CampaignInput& input, const ResidualChannel& channel, const RecordInput& recording, const FamilyScore& family) {
   const Candidate& c = candidate_of(channel, family.best.variant);
-  const std::vector<int>& columns = channel.variants[static_cast<std::size_t>(family.best.variant)].columns;
+  const std::vector<int>& columns = columns_of(channel, family.best.variant);
   Eigen::MatrixXd room = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(recording.rows()), c.count);
   c.form->columns(input, recording, c.shape, room);
-  const Eigen::VectorXd strengths = family.best.fit.coefficient.tail(static_cast<Eigen::Index>(columns.size()));
+  const Eigen::VectorXd strengths = family.best.fit.strengths_of(columns);
   Eigen::VectorXd out = Eigen::VectorXd::Zero(room.rows());
   for (std::size_t j = 0; j < columns.size(); ++j)
     out += strengths[static_cast<Eigen::Index>(j)] * channel.column_factor * room.col(columns[j] - c.first);
@@ -99,7 +99,7 @@ class Wanted {
 std::vector<const Candidate*> owners_of(const ResidualChannel& channel, const std::vector<int>& columns) {
   std::vector<const Candidate*> out;
   for (const Candidate& c : channel.candidates)
-    if (std::ranges::any_of(columns, [&](int j) { return j >= c.first && j < c.first + c.count; })) out.push_back(&c);
+    if (std::ranges::any_of(columns, [&](int j) { return c.owns(j); })) out.push_back(&c);
   return out;
 }
 
@@ -115,7 +115,7 @@ ScreenResult screen_on(const RowsOfRecords& rows, const Workspace& w, const std:
   std::vector<int> present;
   for (const int j : beside)
     for (std::size_t k = 0; k < owners.size(); ++k)
-      if (j >= owners[k]->first && j < owners[k]->first + owners[k]->count) present.push_back(channel.candidates[first + k].first + j - owners[k]->first);
+      if (owners[k]->owns(j)) present.push_back(channel.candidates[first + k].first + j - owners[k]->first);
   ScreenResult out = screen(channel, present, {}, nullptr, threads);
   if (out.base.valid) refine_leaders(w.input, channel, present, out, threads);
   return out;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/model/rows.h"
+#include "hil/base/quantile.h"
 
 namespace forcegate::diagnose {
 

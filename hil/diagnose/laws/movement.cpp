@@ -5,7 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "hil/model/rows.h"
+#include "hil/base/quantile.h"
+#include "hil/model/record_input.h"
 #include "hil/trace/trace.h"
 
 namespace forcegate::diagnose {
@@ -48,7 +49,7 @@ Noise noise_between_neighbours(const Series& x) {
     d.push_back(std::abs(v)), square += v * v;
   }
   const double rms = std::sqrt(square / std::max<double>(1.0, static_cast<double>(d.size())) / 6.0);
-  const double typical = 1.4826 * quantile(std::move(d), 0.5) / std::sqrt(6.0);
+  const double typical = deviation_of_magnitudes(std::move(d)) / std::sqrt(6.0);
   return {typical > 1e-9 * rms ? typical : 0.0, rms};
 }
 

@@ -44,7 +44,7 @@ Hypothesis hypothesis_of(const CampaignInput& input, ResidualChannel& channel, c
   const Candidate c = channel.candidates[static_cast<std::size_t>(variant.candidate)];
   Hypothesis out{c.form, c.shape, VectorXd::Zero(c.count), {}, {}, 0.0};
   const auto n = static_cast<Eigen::Index>(variant.columns.size()), first = score.fit.coefficient.size() - n;
-  for (Eigen::Index b = 0; b < n; ++b) out.strength[variant.columns[static_cast<std::size_t>(b)] - c.first] = score.fit.coefficient[first + b];
+  for (const int column : variant.columns) out.strength[column - c.first] = score.fit.strength_of(column);
   for (std::size_t k = 0; shapes_move && k < c.shape.size(); ++k)
     if (!c.form->shape[k].choice && c.shape[k] != 0.0) out.moves.push_back(k);
   const auto moved = static_cast<Eigen::Index>(out.moves.size());

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
+#include "hil/base/quantile.h"
 #include "hil/diagnose/raw/held_codes.h"
 #include "hil/diagnose/raw/mains_line.h"
 #include "hil/diagnose/raw/reference_noise_claim.h"
-#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "hil/model/rows.h"
+#include "hil/base/quantile.h"
 
 namespace forcegate::diagnose {
 

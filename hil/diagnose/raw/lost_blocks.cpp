@@ -6,7 +6,8 @@
 #include <limits>
 
 #include "hil/base/parallel.h"
-#include "hil/model/rows.h"
+#include "hil/base/quantile.h"
+#include "hil/model/record_input.h"
 #include "hil/model/states.h"
 
 namespace forcegate::diagnose {

@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "hil/model/rows.h"
+#include "hil/base/quantile.h"
 
 namespace forcegate::diagnose {
 

@@ -10,6 +10,7 @@
 
 #include "hil/base/parallel.h"
 #include "hil/base/portable_math.h"
+#include "hil/base/quantile.h"
 #include "hil/diagnose/raw/falls_to_floor.h"
 #include "hil/diagnose/raw/mains_line.h"
 #include "hil/diagnose/raw/range_ends.h"
@@ -18,7 +19,7 @@
 #include "hil/diagnose/raw/short_spikes.h"
 #include "hil/diagnose/raw/suspect_runs.h"
 #include "hil/model/came_in.h"
-#include "hil/model/rows.h"
+#include "hil/model/record_input.h"
 
 namespace forcegate::diagnose {
 

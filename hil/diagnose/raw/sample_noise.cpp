@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/model/rows.h"
+#include "hil/base/quantile.h"
 
 namespace forcegate::diagnose {
 
@@ -24,18 +24,17 @@ std::vector<double> values_of(const std::vector<double>& x) {
 
 }  // namespace
 
-double white_noise(const std::vector<double>& x) {
+double white_noise(const std::vector<double>& x, std::size_t most) {
   constexpr double kHardlyAny = 0.02;  // of the windows are complete
   std::vector<double> d;
-  const std::size_t stride = std::max<std::size_t>(1, x.size() / 20000);
+  const std::size_t stride = std::max<std::size_t>(1, x.size() / std::max<std::size_t>(1, most));
   double asked = 0.0;
   for (std::size_t i = 2; i + 2 < x.size(); i += stride, asked += 1.0) {
     const double v = x[i - 2] - 4.0 * x[i - 1] + 6.0 * x[i] - 4.0 * x[i + 1] + x[i + 2];
     if (std::isfinite(v)) d.push_back(std::abs(v));
   }
   if (static_cast<double>(d.size()) < kHardlyAny * asked) return noise_between_missing(x);
-  const double median = quantile(std::move(d), 0.5);
-  return std::isfinite(median) ? 1.4826 * median / std::sqrt(70.0) : 0.0;
+  return deviation_of_magnitudes(std::move(d)) / std::sqrt(70.0);
 }
 
 double noise_between_missing(const std::vector<double>& x) {
@@ -57,8 +56,7 @@ double noise_between_missing(const std::vector<double>& x) {
     }
     d.push_back(std::abs(sum) / std::sqrt(norm2));
   }
-  const double median = quantile(std::move(d), 0.5);
-  return std::isfinite(median) ? 1.4826 * median : 0.0;
+  return deviation_of_magnitudes(std::move(d));
 }
 
 namespace {
@@ -80,8 +78,7 @@ double restless_noise_of(std::span<const double> t_s, const std::vector<double>&
     if (const double v = std::abs(left) / std::sqrt(norm2); std::isfinite(v)) d.push_back(v);
   }
   complete = d.size();
-  const double median = quantile(std::move(d), 0.5);
-  return std::isfinite(median) ? 1.4826 * median : 0.0;
+  return deviation_of_magnitudes(std::move(d));
 }
 
 }  // namespace
@@ -125,7 +122,7 @@ bool are_set_levels(const std::vector<double>& F_N, double step_N, const std::ve
     if (const double v = e(i - 2) - 4.0 * e(i - 1) + 6.0 * e(i) - 4.0 * e(i + 1) + e(i + 2); std::isfinite(v)) beside_force.push_back(std::abs(v));
   }
   if (beside_force.size() < kFewest || static_cast<double>(beside_force.size()) < kMostly * static_cast<double>(all)) return false;
-  const double noise_V = 1.4826 * quantile(std::move(beside_force), 0.5) / std::sqrt(70.0);
+  const double noise_V = deviation_of_magnitudes(std::move(beside_force)) / std::sqrt(70.0);
   return noise_V < kOfRounding * std::abs(gain_V_per_N) * step_N / std::sqrt(12.0);
 }
 

@@ -1,14 +1,15 @@
 #pragma once
 // Noise and step of the samples of one channel, in its unit.
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
 namespace forcegate::diagnose {
 
 /// Robust white noise from fourth differences (1 -4 6 -4 1, norm sqrt 70): smooth signals vanish. Where hardly five samples in a row are there, by
-/// noise_between_missing(). 0: too few samples.
-double white_noise(const std::vector<double>& x);
+/// noise_between_missing(). 0: too few samples. `most`: so many windows are asked, spread evenly.
+double white_noise(const std::vector<double>& x, std::size_t most = 20000);
 
 /// The same where samples are missing again and again: divided differences over five that are there, each at its own place, so that none is made
 /// up. What lies further apart than ten samples is no neighbour.

@@ -7,8 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "hil/base/quantile.h"
 #include "hil/diagnose/raw/range_ends.h"
-#include "hil/model/rows.h"
 
 namespace forcegate::diagnose {
 
@@ -171,8 +171,7 @@ double scatter_around(const std::vector<double>& U, std::size_t at) {
   std::vector<double> second;
   for (std::size_t k = std::max(at, kAround + 1) - kAround; k + 1 < std::min(U.size(), at + kAround); ++k)
     if ((k + kBeside < at || k > at + kBeside) && std::isfinite(U[k - 1] + U[k] + U[k + 1])) second.push_back(std::abs(U[k - 1] - 2.0 * U[k] + U[k + 1]));
-  const double median = quantile(std::move(second), 0.5);
-  return std::isfinite(median) ? 1.4826 * median / std::sqrt(6.0) : 0.0;
+  return deviation_of_magnitudes(std::move(second)) / std::sqrt(6.0);
 }
 
 bool sit_at_fixed_levels(const LoneSpikes& spikes) {

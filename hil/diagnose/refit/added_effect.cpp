@@ -17,14 +17,13 @@ namespace {
 
 Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::string& effect, unsigned threads) {
   FORCEGATE_TRY(const VariantScore best, best_form(w, effect, base.columns, &base, threads));
-  const Variant& variant = w.output.variants[static_cast<std::size_t>(best.variant)];
   const Candidate& candidate = candidate_of(w.output, best.variant);
   ChosenEffect out;
   out.kind = candidate.kind;
   out.variant = best.variant;
   out.between = moves_levels(candidate);
   std::vector<int> present = base.columns;
-  add_columns(present, variant.columns);
+  add_columns(present, columns_of(w.output, best.variant));
   out.fit = fit_mixed(w.output.problem, present, &best.fit, 15);
   if (out.fit.valid && !out.between) out.further = further_forms(w.output, *out.kind, present, out.fit);
   if (!out.fit.valid) return fail(ErrorCode::config, "the records do not determine the model with " + effect, w.input.name);
@@ -36,7 +35,7 @@ Result<ChosenEffect> choose(Workspace& w, const MixedFit& base, const std::strin
 MixedFit base_without(const Workspace& w, const EngineOptions& before, const std::string& effect, std::vector<std::string>& notes) {
   std::vector<int> columns = model_columns(w.output, before);
   for (const Candidate& c : w.output.candidates)
-    if (c.of_model && c.kind->name == effect) std::erase_if(columns, [&](int j) { return j >= c.first && j < c.first + c.count; });
+    if (c.of_model && c.kind->name == effect) std::erase_if(columns, [&](int j) { return c.owns(j); });
   return law_beside(w, columns, true, notes);
 }
 
@@ -60,13 +59,7 @@ void take_after(const Diagnosis& from, Diagnosis& to) {
 }
 
 Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const std::string& effect) {
-  Diagnosis out;
-  out.campaign = w.input.name;
-  out.model = before.model_name;
-  out.single = w.input.single;
-  out.unit = w.output.unit;
-  out.force_range_N = w.input.range_N;
-  out.voltage_range_V = w.input.U_range_V;
+  Diagnosis out = answer_about(w, before.model_name);
   out.judged_by = w.judges;
   out.verdict = DiagnosisVerdict::known;
   Search search;
@@ -81,8 +74,8 @@ Result<Diagnosis> show_added(Workspace& w, const EngineOptions& before, const st
   selection.chosen.push_back(std::move(chosen));
   add_records(w, selection, out);
   const auto residual = residual_rows(w.output, selection.base), left = residual_rows(w.output, selection.claimed);
-  out.maps = residual_maps(w, w.output, residual, before.threads);
-  out.maps_after = residual_maps(w, w.output, left, before.threads);
+  out.maps = residual_maps(w, residual, before.threads);
+  out.maps_after = residual_maps(w, left, before.threads);
   const auto sd = [&](int k) { return std::sqrt(selection.claimed.variance[k]); };
   out.repeatability = {sd(0), sd(1) * w.output.scale, sd(2), sd(3)};
   add_pictures(w, search, selection.claimed, before.threads, out);

@@ -20,26 +20,21 @@ namespace {
 constexpr int kRounds = 15;
 constexpr double kWorthClimbing = 0.5;  // nats
 
-struct Strength {
-  double value = 0.0, u = 0.0;
-};
-
 // Of the last column of a fit, as a model file writes it.
-Strength last_strength(const ResidualChannel& channel, const MixedFit& fit) {
-  const auto at = fit.coefficient.size() - 1;
+Estimate last_strength(const ResidualChannel& channel, const MixedFit& fit) {
   const double gain = fit.coefficient[0] * channel.gain_of_unit;
-  return {fit.coefficient[at] / gain, std::sqrt(std::max(0.0, fit.covariance(at, at))) / std::abs(gain)};
+  return {fit.strength_of(fit.columns.back()) / gain, fit.standard_error_of(fit.columns.back()) / std::abs(gain)};
 }
 
 // A strength that no such effect has, plainly: what the screen leaves room for where a column is hardly known is no bound for a model file.
-bool is_nonsense(const EffectForm& form, const Strength& s) {
+bool is_nonsense(const EffectForm& form, const Estimate& s) {
   if (form.strength.size() != 1 || (form.most > 1e299 && form.least < -1e299)) return false;
   const ParameterSpec& bound = form.strength.front();
-  return (s.value > bound.maximum && s.value > form.most + s.u) || (s.value < bound.minimum && s.value < form.least - s.u);
+  return (s.value > bound.maximum && s.value > form.most + s.se) || (s.value < bound.minimum && s.value < form.least - s.se);
 }
 
 bool is_nonsense(const ResidualChannel& channel, const VariantScore& score) {
-  return channel.variants[static_cast<std::size_t>(score.variant)].columns.size() == 1 &&
+  return columns_of(channel, score.variant).size() == 1 &&
          is_nonsense(*candidate_of(channel, score.variant).form, last_strength(channel, score.fit));
 }
 
@@ -72,7 +67,7 @@ std::optional<VariantScore> best_within(Workspace& w, const EffectKind& kind, co
   if (!best.fit.valid) return std::nullopt;
   const EffectForm& form = *candidate_of(channel, best.variant).form;
   std::vector<double> shape = candidate_of(channel, best.variant).shape;
-  if (shape.empty() || !form.refine || channel.variants[static_cast<std::size_t>(best.variant)].columns.size() != form.strength.size()) return best;
+  if (shape.empty() || !form.refine || columns_of(channel, best.variant).size() != form.strength.size()) return best;
   const int tried = place(w.input, channel, kind, form, shape, threads);
   double top = best.gain;
   climb(form, shape, [&](const std::vector<double>& at) {
@@ -92,13 +87,13 @@ Result<VariantScore> beyond_grid(Workspace& w, const EffectKind& kind, const std
   ResidualChannel& channel = w.output;
   const auto gain_of = [&](int variant) {
     std::vector<int> columns = present;
-    add_columns(columns, channel.variants[static_cast<std::size_t>(variant)].columns);
+    add_columns(columns, columns_of(channel, variant));
     const MixedFit fit = fit_mixed(channel.problem, columns, &base, 9, base.use);
     return std::pair{fit.valid ? fit.log_evidence - base.log_evidence : -1e300, fit};
   };
   double best = -1e299;
   int from = -1;
-  Strength asked;
+  Estimate asked;
   for (std::size_t v = 0; v < channel.variants.size(); ++v) {
     const Candidate& c = candidate_of(channel, static_cast<int>(v));
     if (c.kind != &kind || !c.form->competes() || c.form->last) continue;
@@ -198,7 +193,7 @@ std::optional<WrittenForms> written_forms(Workspace& w, const std::vector<ModelE
     if (!family.best.fit.valid || !(family.best.gain > -1e299)) return std::nullopt;
     if (form->refine && !kind->traits.between_records) refine_family(w.input, w.output, all, out.fit, family, threads);
     if (is_nonsense(w.output, family.best)) return std::nullopt;
-    const std::vector<int>& columns = w.output.variants[static_cast<std::size_t>(family.best.variant)].columns;
+    const std::vector<int>& columns = columns_of(w.output, family.best.variant);
     add_columns(all, columns);
     add_columns(out.columns, columns);
     out.variants.push_back(family.best.variant);

@@ -38,17 +38,12 @@ double held_out_rms(const Workspace& w, const MixedFit& fit, const MixedFit& bas
 }
 
 ModelEffect effect_of(const Workspace& w, int index, const MixedFit& fit, const ShapeCovariance& joint) {
-  const Variant& variant = w.output.variants[static_cast<std::size_t>(index)];
-  const Candidate& c = w.output.candidates[static_cast<std::size_t>(variant.candidate)];
+  const Candidate& c = candidate_of(w.output, index);
   // the strengths were fitted beside the working gain; the law carries its own
   const double gain = fit.coefficient[0] * w.output.gain_of_unit;
   std::vector<Estimate> strength(static_cast<std::size_t>(c.count));
   for (int j = 0; j < c.count; ++j)
-    for (std::size_t b = 0; b < fit.columns.size(); ++b)
-      if (fit.columns[b] == c.first + j) {
-        const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
-        strength[static_cast<std::size_t>(j)] = {fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)};
-      }
+    if (const auto at = fit.place_of(c.first + j)) strength[static_cast<std::size_t>(j)] = {fit.coefficient[*at] / gain, joint.of_coefficient(*at) / std::abs(gain)};
   ModelEffect out = model_effect(*c.kind, *c.form, c.shape, strength);
   for (std::size_t k = 0; k < out.shape.size(); ++k) out.shape[k].se = joint.of_shape(index, k);
   return out;
@@ -136,9 +131,8 @@ Result<FittedEffects> fit_effects(Workspace& w, const Model& start, const std::v
     if (!best && !written) return Unexpected(best.error());
     WrittenForms taken;
     if (best) {
-      const Variant& variant = w.output.variants[static_cast<std::size_t>(best->variant)];
       std::vector<int> all = present;
-      all.insert(all.end(), variant.columns.begin(), variant.columns.end());
+      std::ranges::copy(columns_of(w.output, best->variant), std::back_inserter(all));
       taken = {{best->variant}, {}, fit_mixed(w.output.problem, all, &best->fit, 15)};
       if (const Candidate& of = candidate_of(w.output, best->variant); !moves_levels(of))
         for (const int v : further_forms(w.output, *of.kind, all, taken.fit)) taken.variants.push_back(v);
@@ -178,19 +172,17 @@ void write_law(const Workspace& w, const MixedFit& fit, const ShapeCovariance& j
 
 void write_user_effect(const Workspace& w, const MixedFit& fit, const ShapeCovariance& joint, int variant, const Candidate& c, const std::vector<UserEffect>& before, UserEffect& own,
                        Refit& out) {
-  for (std::size_t b = 0; b < fit.columns.size(); ++b) {
-    if (fit.columns[b] != c.first) continue;
-    const auto at = w.output.problem.n_fixed + static_cast<Eigen::Index>(b);
-    const double gain = fit.coefficient[0] * w.output.gain_of_unit;
-    std::vector<Estimate> shape;
-    for (std::size_t k = 0; k < c.shape.size(); ++k) shape.push_back({c.shape[k], joint.of_shape(variant, k)});
-    own = with_fit(own, *c.form, shape, {fit.coefficient[at] / gain, joint.of_coefficient(at) / std::abs(gain)});
-    for (const ModelParameter& p : own.parameters) {
-      double old = p.neutral;  // a share is new
-      if (const auto was = std::ranges::find(before, own.name, &UserEffect::name); was != before.end())
-        for (const ModelParameter& q : was->parameters) old = q.name == p.name ? q.value : old;
-      out.moves.push_back({own.name + "." + p.name, p.unit, old, p.value, p.se});
-    }
+  const auto at = fit.place_of(c.first);
+  if (!at) return;
+  const double gain = fit.coefficient[0] * w.output.gain_of_unit;
+  std::vector<Estimate> shape;
+  for (std::size_t k = 0; k < c.shape.size(); ++k) shape.push_back({c.shape[k], joint.of_shape(variant, k)});
+  own = with_fit(own, *c.form, shape, {fit.coefficient[*at] / gain, joint.of_coefficient(*at) / std::abs(gain)});
+  for (const ModelParameter& p : own.parameters) {
+    double old = p.neutral;  // a share is new
+    if (const auto was = std::ranges::find(before, own.name, &UserEffect::name); was != before.end())
+      for (const ModelParameter& q : was->parameters) old = q.name == p.name ? q.value : old;
+    out.moves.push_back({own.name + "." + p.name, p.unit, old, p.value, p.se});
   }
 }
 

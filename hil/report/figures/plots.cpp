@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/base/quantile.h"
 #include "hil/base/text.h"
 #include "hil/report/figures/text.h"
 
@@ -143,9 +144,7 @@ void break_at_gaps(std::vector<double>& x, std::initializer_list<std::vector<dou
   for (std::size_t i = 1; i < x.size(); ++i)
     if (const double step = std::abs(x[i] - x[i - 1]); step > 0.0) steps.push_back(step);
   if (steps.empty()) return;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  const double most = std::max(least, kUsualSteps * *middle);
+  const double most = std::max(least, kUsualSteps * median(std::move(steps)));
   const std::vector<double> old = x;
   const auto rebuild = [&](std::vector<double>& values, bool of_x) {
     std::vector<double> out;

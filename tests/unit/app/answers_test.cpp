@@ -71,7 +71,7 @@ TEST(DiagnosisJson, GivesAClaimAboutRawSamplesTheErrorOfItsOwnStep) {
   d.error_after = 0.0032;
   d.steps = {{"", 0.0532}, {"static_nonlinearity", 0.0032}};
   Finding hum;
-  hum.effect = "hum", hum.form = "raw", hum.probability = 0.95, hum.error_before = 0.068, hum.error_after = 0.0032;
+  hum.effect = "hum", hum.shown_in = ShownIn::samples, hum.probability = 0.95, hum.error_before = 0.068, hum.error_after = 0.0032;
   d.findings = {hum};
   EXPECT_THAT(to_json(d), HasSubstr("\"error_after\": 0.0532"));
   const std::string json = to_json(d), all = "\"error_after\": 0.0032";

@@ -102,7 +102,7 @@ TEST(WhatNext, AClaimOnTheInstrumentIsMendedThereWhateverElseCameUp) {
   Diagnosis d = with(kKnown);
   d.next_experiment.segments.resize(1);
   d.findings = {claim("hum", "instrument"), claim("dead_zone", "sensor")};
-  d.findings[0].form = "raw";
+  d.findings[0].shown_in = ShownIn::samples;
   d.findings[1].probability = 0.2;
   EXPECT_EQ(after_diagnosis(d, {}).step, Step::page);
   EXPECT_EQ(after_diagnosis(d, {.page = true}).word, "instrument");
@@ -111,7 +111,7 @@ TEST(WhatNext, AClaimOnTheInstrumentIsMendedThereWhateverElseCameUp) {
 TEST(WhatNext, WhatTheModelHasNoPlaceForNamesTheSideThatIsToBeMended) {
   Diagnosis d = with(kKnown);
   d.findings = {claim("outliers", "instrument")};
-  d.findings[0].form = "raw";  // seen in the samples: no term of a model
+  d.findings[0].shown_in = ShownIn::samples;  // seen in the samples: no term of a model
   EXPECT_EQ(after_diagnosis(d, {}).step, Step::page);
   EXPECT_EQ(after_diagnosis(d, {.page = true}).word, "instrument");
   d.findings = {claim("drift", "sensor")};

@@ -264,7 +264,7 @@ TEST(Waterfall, of_what_the_rig_does_is_its_own_and_in_newtons) {
   d.errors["F"] = {0.070, 0.0129, "N"};
   for (const auto& [effect, before, after] : {std::tuple{"spring_nonlinearity", 0.0243, 0.0129}, {"backlash", 0.070, 0.0243}}) {
     Finding f;
-    f.effect = effect, f.side = "rig", f.unit = "N", f.probability = 0.9, f.error_before = before, f.error_after = after;
+    f.effect = effect, f.side = "rig", f.shown_in = ShownIn::rig, f.unit = "N", f.probability = 0.9, f.error_before = before, f.error_after = after;
     d.findings.push_back(f);
   }
   const std::string page = diagnosis_html(d, {}), svg = rig_waterfall(d).svg(figures::Figure::Target::embedded);
@@ -272,7 +272,7 @@ TEST(Waterfall, of_what_the_rig_does_is_its_own_and_in_newtons) {
   EXPECT_THAT(page, HasSubstr("<title>Error of F_ref against the rig&#39;s law</title>"));
   for (const char* text : {">70<", ">\u221245.7<", ">\u221211.4<", ">12.9<", "RMSE / mN"}) EXPECT_THAT(svg, HasSubstr(text));
   EXPECT_LT(svg.find(">backlash<"), svg.find(">spring_nonlinearity<"));
-  d.findings[1].unit = "V";  // both channels have a claim
+  d.findings[1].shown_in = ShownIn::output, d.findings[1].unit = "V";  // both channels have a claim
   EXPECT_THAT(diagnosis_html(d, {}), HasSubstr("Error over the versions of the model<"));
 }
 

@@ -46,15 +46,6 @@ std::vector<PairedExtremum> pair(const Wave& w, ExtremaPairer::Options options) 
   return pairer.pairs();
 }
 
-std::vector<Extremum> turning_points(const std::vector<double>& t, const std::vector<double>& x,
-                                     double prominence) {
-  TurningPoints detector(prominence);
-  std::vector<Extremum> out;
-  for (std::size_t i = 0; i < t.size(); ++i)
-    if (detector.push(t[i], x[i])) out.push_back(detector.last());
-  return out;
-}
-
 TEST(TurningPoints, FindEveryCrestAndTroughOfASine) {
   const auto w = make(1000, 10.0, [](double t) { return 2.0 + std::sin(2 * std::numbers::pi * 0.5 * t); });
   const auto found = turning_points(w.t, w.guide, 0.1);
@@ -67,13 +58,13 @@ TEST(TurningPoints, FindEveryCrestAndTroughOfASine) {
 }
 
 TEST(TurningPoints, AConstantHasNone) {
-  EXPECT_TRUE(turning_points({0, 1, 2, 3}, {1, 1, 1, 1}, 0.0).empty());
+  EXPECT_TRUE(turning_points(std::vector<double>{0, 1, 2, 3}, std::vector<double>{1, 1, 1, 1}, 0.0).empty());
 }
 
 TEST(TurningPoints, TheEndsOfARecordAreNone) {
-  EXPECT_TRUE(turning_points({0, 1, 2, 3}, {0, 1, 2, 3}, 0.5).empty());
-  EXPECT_EQ(turning_points({0, 1, 2}, {0, 1, 0}, 0.5).size(), 1u);
-  EXPECT_EQ(turning_points({0, 1, 2}, {1, 0, 1}, 0.5).size(), 1u);
+  EXPECT_TRUE(turning_points(std::vector<double>{0, 1, 2, 3}, std::vector<double>{0, 1, 2, 3}, 0.5).empty());
+  EXPECT_EQ(turning_points(std::vector<double>{0, 1, 2}, std::vector<double>{0, 1, 0}, 0.5).size(), 1u);
+  EXPECT_EQ(turning_points(std::vector<double>{0, 1, 2}, std::vector<double>{1, 0, 1}, 0.5).size(), 1u);
 }
 
 TEST(TurningPoints, NoiseBelowTheProminenceAddsNone) {
@@ -90,7 +81,7 @@ TEST(TurningPoints, MissingSamplesAreSkipped) {
 }
 
 TEST(TurningPoints, APlateauTurnsAtItsMiddle) {
-  const auto found = turning_points({0, 1, 2, 3, 4, 5}, {0, 1, 1, 1, 0, 0}, 0.5);
+  const auto found = turning_points(std::vector<double>{0, 1, 2, 3, 4, 5}, std::vector<double>{0, 1, 1, 1, 0, 0}, 0.5);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].t_s, 2.0);
 }

@@ -61,6 +61,16 @@ TEST(FindingAbout, SaysWhetherTheLevelsOfTheRecordsAreItsEvidence) {
   }
 }
 
+TEST(FindingAbout, SaysWhichComparisonShowsIt) {
+  ChannelFacts rig;
+  rig.shown_in = ShownIn::rig;
+  rig.unit = "V";  // as that of the output
+  const EffectKind& kind = *EffectRegistry::instance().find("backlash");
+  EXPECT_TRUE(finding_about(kind, rig).of_reference());
+  EXPECT_FALSE(finding_about(kind, rig).of_output());
+  EXPECT_TRUE(finding_about(kind, "N").of_output());
+}
+
 TEST(Records, DifferWhereEachIsDescribedByItselfAndNotByOneForAll) {
   Diagnosis d;
   d.floor = 1.0;

@@ -46,7 +46,7 @@ double spikes_beside_codes(double size_V) {
   findings[0].probability = 0.98;
   findings[0].parameters = {{"range_V", 10.0, 0.0, "V"}, {"bit1_N", 0.05, 0.01, "N"}, {"bit2_N", -0.15, 0.01, "N"}};
   findings[1].effect = "outliers";
-  findings[1].form = "raw";
+  findings[1].shown_in = ShownIn::samples;
   findings[1].probability = 0.95;
   leave_spikes_to_codes(w, findings);
   return findings[1].probability;
