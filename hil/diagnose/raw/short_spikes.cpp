@@ -113,7 +113,7 @@ std::vector<Jump> excursions(const std::vector<double>& t_s, const std::vector<d
 
 bool go_back_and_forth(std::span<const Jump> jumps, double near_V) {
   constexpr std::size_t kFewest = 4;
-  constexpr double kMost = 0.8;
+  constexpr double kMost = 0.6;
   if (jumps.size() < kFewest) return false;
   const auto leads_back = [&](const Jump& there) {
     return std::ranges::any_of(jumps, [&](const Jump& back) { return std::abs(back.from_V - there.to_V) < near_V && std::abs(back.to_V - there.from_V) < near_V; });

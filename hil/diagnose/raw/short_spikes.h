@@ -39,7 +39,7 @@ struct Jump {
   double from_V = 0.0, to_V = 0.0;
 };
 
-/// Whether four in five of four and more have another one that leads back: at a step of its curve a converter shows the code of either side, and noise
+/// Whether three in five of four and more have another one that leads back: at a step of its curve a converter shows the code of either side, and noise
 /// makes it jump up here and down there between the same two. `near_V`: within which levels are one.
 bool go_back_and_forth(std::span<const Jump> jumps, double near_V);
 std::vector<Jump> jumps_of(const LoneSpikes& spikes);
