@@ -116,10 +116,16 @@ TEST_P(ServedOverEveryLink, AKilledHarnessIsParkedByItsGuardLongBeforeTheDriveGi
 TEST_F(Served, WithHarnessAndGuardGoneTheDriveStopsWithinItsOwnTimeout) {
   serve("twin.toml");
   start_harness();
-  const double told_s = number("t_s");
-  // A stopped process sends nothing, and its guard thinks that all is well: time is virtual and stands.
+  // A stopped process sends nothing, and its guard thinks that all is well: time is virtual and stands once what was under way has arrived.
   emulated::TwinClient& hand = *hand_;
   kill(harness_, SIGSTOP);
+  siginfo_t stopped{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(harness_), &stopped, WSTOPPED), 0);
+  double told_s = -1.0;
+  while (told_s != number("t_s")) {
+    told_s = number("t_s");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
   ASSERT_TRUE(hand.say("advance 500"));
   EXPECT_EQ(status("stop_cause"), "communication-timeout");
   EXPECT_LE(number("stop_s") - told_s, 0.2005);
