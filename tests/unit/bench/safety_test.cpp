@@ -128,8 +128,9 @@ TEST_F(Served, WithHarnessAndGuardGoneTheDriveStopsWithinItsOwnTimeout) {
   }
   ASSERT_TRUE(hand.say("advance 500"));
   EXPECT_EQ(status("stop_cause"), "communication-timeout");
-  EXPECT_LE(number("stop_s") - told_s, 0.2005);
-  EXPECT_LE(number("still_s") - told_s, 0.25);
+  constexpr double kSample_s = 1e-3;  // the twin's time: what is due at a sample may be seen at the next one
+  EXPECT_LE(number("stop_s") - told_s, 0.2005 + kSample_s);
+  EXPECT_LE(number("still_s") - told_s, 0.25 + 2.0 * kSample_s);
 }
 
 TEST_P(ServedOverEveryLink, TheEmergencyStopReachesADriveThatSomebodyElseHolds) {
