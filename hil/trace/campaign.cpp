@@ -130,8 +130,7 @@ void take_sensor(const std::vector<Reading>& readings, Campaign& campaign) {
     said.push_back(reading.sensor);
     names.push_back(reading.file.stem().string());
   }
-  campaign.sensor = only_sensor_named(said);
-  if (campaign.sensor.empty()) campaign.sensor = only_sensor_named(names);
+  campaign.sensor = only_sensor_named(std::ranges::all_of(said, &std::string::empty) ? names : said);
 }
 
 Result<void> check_map(const std::vector<Reading>& readings, const CampaignOptions& options,

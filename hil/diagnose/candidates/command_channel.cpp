@@ -1,6 +1,5 @@
 // What the drive makes of a command: the force that the wheel's angle gives (or F_ref, without an angle) against the commanded one.
 
-#include "hil/base/quantile.h"
 #include "hil/diagnose/candidates/command_channel.h"
 
 #include <Eigen/Dense>
@@ -9,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/base/quantile.h"
 #include "hil/diagnose/base/base_fit.h"
 #include "hil/diagnose/candidates/signatures.h"
 #include "hil/diagnose/workspace.h"

@@ -1,6 +1,5 @@
 // The third witness: the force that the rig's own law predicts from the wheel's angle or from the command.
 
-#include "hil/base/quantile.h"
 #include "hil/diagnose/candidates/rig_law.h"
 
 #include <Eigen/Dense>
@@ -10,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "hil/base/quantile.h"
 #include "hil/base/parallel.h"
 #include "hil/diagnose/base/base_fit.h"
 #include "hil/diagnose/candidates/command_jumps.h"

@@ -115,8 +115,11 @@ bool go_back_and_forth(std::span<const Jump> jumps, double near_V) {
   constexpr std::size_t kFewest = 4;
   constexpr double kMost = 0.6;
   if (jumps.size() < kFewest) return false;
+  std::vector<Jump> sorted(jumps.begin(), jumps.end());
+  std::ranges::sort(sorted, {}, &Jump::from_V);
   const auto leads_back = [&](const Jump& there) {
-    return std::ranges::any_of(jumps, [&](const Jump& back) { return std::abs(back.from_V - there.to_V) < near_V && std::abs(back.to_V - there.from_V) < near_V; });
+    const auto first = std::ranges::upper_bound(sorted, there.to_V - near_V, {}, &Jump::from_V), last = std::ranges::lower_bound(sorted, there.to_V + near_V, {}, &Jump::from_V);
+    return std::any_of(first, last, [&](const Jump& back) { return std::abs(back.to_V - there.from_V) < near_V; });
   };
   return static_cast<double>(std::ranges::count_if(jumps, leads_back)) >= kMost * static_cast<double>(jumps.size());
 }

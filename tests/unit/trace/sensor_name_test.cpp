@@ -54,9 +54,9 @@ TEST_F(SensorOfFiles, IsTheNameOfTheFileWhereNothingElseTells) {
 }
 
 TEST_F(SensorOfFiles, IsOpenWhereFilesContradict) {
-  put("a.csv", "# FSR 402\n" + kPlain);
-  put("b.csv", "# FlexiForce A201\n" + kPlain + "0.3,4,5\n");
-  EXPECT_EQ(sensor(), "");
+  put("fsr_a.csv", "# FSR 402\n" + kPlain);
+  put("fsr_b.csv", "# FlexiForce A201\n" + kPlain + "0.3,4,5\n");
+  EXPECT_EQ(sensor(), "") << "nor do their names decide";
 }
 
 TEST_F(SensorOfFiles, WhatIsDeclaredGoesBefore) {
