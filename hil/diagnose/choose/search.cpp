@@ -12,6 +12,7 @@
 #include "hil/diagnose/choose/borne_out.h"
 #include "hil/diagnose/choose/probability.h"
 #include "hil/diagnose/choose/reference_latency.h"
+#include "hil/diagnose/choose/shares.h"
 #include "hil/diagnose/choose/where_they_differ.h"
 
 namespace forcegate::diagnose {
@@ -73,13 +74,16 @@ Selection select_borne_out(Workspace& w, const Given& given, std::vector<std::st
   };
   Selection out = select(false);
   constexpr int kMostTimes = 2;
+  std::vector<ChosenEffect> set_aside;
   for (int time = 0; time < kMostTimes && out.base.valid; ++time) {
     std::vector<Finding> idle = not_borne_out(w.output, out);
     if (idle.empty()) break;
     for (const Finding& f : idle) skip.push_back(f.effect);
+    std::ranges::copy_if(out.chosen, std::back_inserter(set_aside), [](const ChosenEffect& c) { return !c.borne_out; });
     if (!select_anew(w, out, [&] { return select(true); }, [](const Selection& s) { return s.base.valid; })) break;
     std::move(idle.begin(), idle.end(), std::back_inserter(suspicions));
   }
+  share_with_idle(set_aside, out);
   return out;
 }
 

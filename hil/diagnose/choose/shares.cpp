@@ -10,6 +10,8 @@ namespace forcegate::diagnose {
 
 namespace {
 
+constexpr double kTold = 0.01;  // a rival's share
+
 // Evidence of rows hangs together and needs a scale.
 double nats_of_rows(double top) { return 0.03 * std::max(0.0, top) + 6.0; }
 
@@ -63,20 +65,32 @@ void set_shares(const ResidualChannel& channel, const ScreenResult& result, std:
   }
   // unless it outlasts them: what goes on growing moves zeros and gains from record to record as well, but not with what was recorded
   constexpr double kWithin = 40.0, kNearly = 0.7;
-  const bool recorded = candidate_of(channel, chosen.variant).form->cause.of_record != nullptr;
+  const bool told_by_levels = candidate_of(channel, chosen.variant).form->cause.of_record != nullptr || chosen.records.same_strength;
   for (std::size_t k = 0; chosen.by_records() && k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
     if (family.kind->traits.between_records || !look_alike(*family.kind, *chosen.kind) || family.gain < std::max(kWithin, kNearly * top) || family.best.wrong_sign) continue;
     if (share_of_jitter(channel, result.base, family.best.fit) > kOfJitter) continue;
     if (beside_another && family.best.fall < rules.later_fall && family.best.total_fall < rules.later_total_fall) continue;  // remains of the other's form
-    weight[k] = recorded ? std::exp(log_weight_of_look_alike(leader, family, rules)) : 1.0;
+    weight[k] = told_by_levels ? std::exp(log_weight_of_look_alike(leader, family, rules)) : 1.0;
     sum += weight[k];
   }
   for (std::size_t k = 0; k < result.families.size(); ++k) {
     const FamilyScore& family = result.families[k];
     const double share = weight[k] / sum;
     if (family.kind == chosen.kind) chosen.share_of_family = share;
-    else if (share > 0.01) chosen.rivals.emplace_back(family.kind->name, share);
+    else if (share > kTold) chosen.rivals.emplace_back(family.kind->name, share);
+  }
+}
+
+void share_with_idle(const std::vector<ChosenEffect>& idle, Selection& selection) {
+  for (ChosenEffect& chosen : selection.chosen) {
+    for (const ChosenEffect& other : idle) {
+      if (!chosen.between || !other.between || !look_alike(*other.kind, *chosen.kind)) continue;
+      const double temperature = chosen.by_records() ? 1.0 : nats_of_rows(std::max(chosen.gain, other.gain));
+      const double share = 1.0 / (1.0 + std::exp(std::clamp((chosen.gain - other.gain) / temperature, -200.0, 200.0)));
+      chosen.share_of_family *= 1.0 - share;
+      if (share > kTold) chosen.rivals.emplace_back(other.kind->name, share);
+    }
   }
 }
 

@@ -16,4 +16,8 @@ double least_apart(const SelectionRules& rules, double fall);
 void set_shares(const ResidualChannel& channel, const ScreenResult& result, std::size_t place, const SelectionRules& rules, bool beside_another,
                 ChosenEffect& chosen);
 
+/// What acts between records and stands in for a look-alike that left-out records did not bear out shares its place with it, by their evidence: a
+/// handful of records that does not foretell the others speaks against neither. Of `idle` those that act between records count.
+void share_with_idle(const std::vector<ChosenEffect>& idle, Selection& selection);
+
 }  // namespace forcegate::diagnose

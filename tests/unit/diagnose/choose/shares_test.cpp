@@ -36,6 +36,7 @@ struct Shared {
     chosen.variant = static_cast<int>(place);
     chosen.between = true;
     chosen.gain = result.families[place].gain;
+    chosen.records = result.families[place].records;
     set_shares(channel, result, place, rules, false, chosen);
     return chosen.share_of_family;
   }
@@ -85,6 +86,48 @@ TEST(Shares, WhatOutlastsARecordDoesNotGoWithWhatWasRecordedOfThem) {
   EXPECT_NEAR(s.share_of_chosen(), 0.5, 1e-12);
   s.cause.forms[0].cause.of_record = [](const RecordInput&) { return 20.0; };
   EXPECT_NEAR(s.share_of_chosen(), 1.0 / (1.0 + std::exp(-6.0)), 1e-12);
+}
+
+TEST(Shares, WhatRowsAndLevelsTellAlikeIsNotSharedWithWhatMovesNoLevels) {
+  Shared s;
+  s.rival.traits.between_records = false;
+  s.cause.look_alikes = {s.rival.name};
+  s.result.families[1].records = {};
+  s.result.families[1].gain = 200.0;
+  s.result.families[0].gain = 220.0;
+  s.result.families[0].records.same_strength = true;
+  EXPECT_NEAR(s.share_of_chosen(), 1.0 / (1.0 + std::exp(-6.0)), 1e-12);
+}
+
+TEST(Shares, WhatStandsInForALookAlikeSharesItsPlaceWithIt) {
+  Shared s;
+  s.cause.look_alikes = {s.rival.name};
+  s.result.families.pop_back();
+  Selection selection;
+  ASSERT_EQ(s.share_of_chosen(), 1.0);
+  selection.chosen = {s.chosen};
+  ChosenEffect idle;
+  idle.kind = &s.rival;
+  idle.between = true;
+  idle.gain = 7.0;
+  share_with_idle({idle}, selection);
+  EXPECT_NEAR(selection.chosen[0].share_of_family, 1.0 / (1.0 + std::exp(1.0)), 1e-12);
+  ASSERT_EQ(selection.chosen[0].rivals.size(), 1U);
+  EXPECT_EQ(selection.chosen[0].rivals[0].first, s.rival.name);
+
+  // of rows at the temperature of rows
+  selection.chosen = {s.chosen};
+  selection.chosen[0].not_by_records = Refusal::too_little_evidence;
+  selection.chosen[0].gain = 200.0;
+  idle.gain = 188.0;
+  share_with_idle({idle}, selection);
+  EXPECT_NEAR(selection.chosen[0].share_of_family, 1.0 / (1.0 + std::exp(-1.0)), 1e-12);
+
+  // held-out records do decide between what acts within them
+  idle.between = false;
+  selection.chosen = {s.chosen};
+  share_with_idle({idle}, selection);
+  EXPECT_EQ(selection.chosen[0].share_of_family, 1.0);
 }
 
 }  // namespace
